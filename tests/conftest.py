@@ -3,8 +3,9 @@
 import sys
 from pathlib import Path
 
-import dev
 import pytest
+
+from tools import extension
 
 BLENDER_TESTS = Path(__file__).parent / "blender"
 
@@ -20,4 +21,4 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="session")
 def extension_zip(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the zip that Blender installs."""
-    return dev.build_zip(sys.executable, tmp_path_factory.mktemp("zip"))
+    return extension.build_zip(sys.executable, tmp_path_factory.mktemp("zip"))

@@ -1,0 +1,138 @@
+"""The floors of the house: who may import whom, read from the sources without running them."""
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from tools.environment import ROOT, WHEEL_PINS
+
+# a module imports its own floor and those below; one missing here fails a test
+FLOORS = {
+    "addon": 6,
+    "operators": 5,
+    "core.__main__": 4,
+    "core.study": 4,
+    "core.calibration": 3,
+    "core.devices": 3,
+    "core.planner": 3,
+    "core.poke": 3,
+    "core.proxy": 3,
+    "core.recording": 3,
+    "core.session": 3,
+    "core.diagnostics": 2,
+    "core.integrators": 2,
+    "core.model": 2,
+    "core.native": 2,
+    "core.depth": 2,
+    "core.estimate": 1,
+    "core.laws": 1,
+    "core.mesh": 1,
+    "core.rings": 1,
+    "core.base": 0,
+    "core.material": 0,
+}
+BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy gpu gpu_extras mathutils".split())
+ONLY_IN = {"ctypes": "core/native/__init__.py", "serial": "core/devices/serial_link.py"}
+REFUSED = {"threading", "multiprocessing", "_thread"}  # Blender's reviewers refuse threads
+
+
+def sources() -> Iterator[Path]:
+    for folder in ("addon", "operators", "core"):
+        yield from sorted((ROOT / folder).rglob("*.py"))
+
+
+def imports(path: Path) -> Iterator[tuple[str, int]]:
+    """Yield the dotted name of everything a file imports, from the root of the project, and its line.
+
+    A name that is not of this project starts as it is written; a relative one starts with addon, operators or
+    core; one that is absolute although it is of this project starts with "absolute".
+    """
+    package = path.relative_to(ROOT).parent.parts
+    for node in ast.walk(ast.parse(path.read_text(), str(path))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) + 1 - node.level] if node.level else ()
+            base = [*above, *([node.module] if node.module else [])]
+            names = [".".join([*base, alias.name]) for alias in node.names]
+        else:
+            continue
+        relative = isinstance(node, ast.ImportFrom) and node.level > 0
+        for name in names:
+            own = name.partition(".")[0] in ("addon", "operators", "core")
+            yield (f"absolute.{name}" if own and not relative else name), node.lineno
+
+
+def floor(dotted: str) -> int | None:
+    """Return the floor of a module of the project, None for others and for `core` itself."""
+    parts = dotted.split(".")
+    return FLOORS.get(parts[0], FLOORS.get(".".join(parts[:2])))
+
+
+def own_floor(path: Path) -> int | None:
+    return floor(".".join(path.relative_to(ROOT).with_suffix("").parts))
+
+
+def where(path: Path, line: int, name: str) -> str:
+    return f"{path.relative_to(ROOT)}:{line} imports {name}"
+
+
+def test_every_module_stands_on_a_floor() -> None:
+    root = ROOT / "core" / "__init__.py"
+    assert [str(path) for path in sources() if path != root and own_floor(path) is None] == []
+
+
+def test_imports_go_down_only() -> None:
+    wrong = []
+    for path in sources():
+        here = own_floor(path)
+        for name, line in imports(path):
+            there = floor(name)
+            if here is not None and there is not None and there > here:
+                wrong.append(where(path, line, name))
+    assert wrong == []
+
+
+def test_the_project_imports_itself_by_relative_names() -> None:
+    """Inside Blender the extension is bl_ext.<repository>.dimple, so `import core` finds nothing."""
+    wrong = []
+    for path in sources():
+        wrong += [where(path, line, name) for name, line in imports(path) if name.startswith("absolute.")]
+    assert wrong == []
+
+
+def test_core_knows_nothing_of_blender() -> None:
+    wrong = []
+    for path in (ROOT / "core").rglob("*.py"):
+        found = [(name, line) for name, line in imports(path) if name.partition(".")[0] in BLENDER]
+        wrong += [where(path, line, name) for name, line in found]
+    assert wrong == []
+
+
+def test_native_code_serial_ports_and_threads_stay_in_their_places() -> None:
+    wrong = []
+    for path in sources():
+        for name, line in imports(path):
+            top = name.partition(".")[0]
+            if top in REFUSED or ONLY_IN.get(top, str(path.relative_to(ROOT))) != str(path.relative_to(ROOT)):
+                wrong.append(where(path, line, name))
+    assert wrong == []
+
+
+def test_the_zip_ships_every_package_the_extension_imports_and_no_other() -> None:
+    """Blender brings the standard library and numpy; the rest is a wheel in the manifest."""
+    known = {*sys.stdlib_module_names, *BLENDER, "numpy", "addon", "operators", "core", "absolute"}
+    used = {name.partition(".")[0] for path in sources() for name, _ in imports(path)} - known
+    pinned = {line.partition("==")[0] for line in WHEEL_PINS.read_text().splitlines() if "==" in line}
+    assert used == {"serial" if name == "pyserial" else name for name in pinned}
+
+
+def test_the_root_imports_nothing_until_it_is_registered() -> None:
+    tree = ast.parse((ROOT / "__init__.py").read_text())
+    assert [node.lineno for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))] == []
+
+
+def test_no_package_marker_stands_under_tests() -> None:
+    """An __init__.py there shadows the packages of the same name."""
+    assert list((ROOT / "tests").rglob("__init__.py")) == []

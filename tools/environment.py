@@ -1,0 +1,177 @@
+"""Make and mend the environments under .venv/, one per Blender version.
+
+Each holds Blender as a module (bpy) and what requirements/ pins. A finished environment is stamped with
+a hash of its pins; one without that stamp is made anew, so an interrupted set-up mends itself and a
+second run costs nothing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+ENVIRONMENTS = ROOT / ".venv"
+DEV_PINS = ROOT / "requirements" / "dev.txt"
+WHEEL_PINS = ROOT / "requirements" / "wheels.txt"
+
+# version of bpy: the Python it needs; newest first
+BLENDERS = {"5.2.3": "3.13", "5.0.1": "3.11", "4.5.15": "3.11"}
+OLDEST = "4.5.15"
+
+# what bpy loads on Linux, and the Debian package that brings it (without libEGL a GPU engine aborts)
+SYSTEM_LIBRARIES = {
+    "libX11.so.6": "libx11-6",
+    "libXrender.so.1": "libxrender1",
+    "libXfixes.so.3": "libxfixes3",
+    "libXi.so.6": "libxi6",
+    "libxkbcommon.so.0": "libxkbcommon0",
+    "libSM.so.6": "libsm6",
+    "libGL.so.1": "libgl1",
+    "libEGL.so.1": "libegl1",
+}
+
+PIP = ("-m", "pip", "--disable-pip-version-check", "--no-input")
+
+
+class Stop(Exception):
+    """End the command with a message for the person who ran it."""
+
+
+def say(text: str) -> None:
+    print(f"dev.py: {text}", file=sys.stderr, flush=True)
+
+
+def run(command: Sequence[str | Path], *, limit_s: float | None = None, **variables: str) -> int:
+    """Run a command in the repository and return its exit code."""
+    words = [str(word) for word in command]
+    try:
+        return subprocess.run(words, cwd=ROOT, env={**os.environ, **variables}, timeout=limit_s).returncode
+    except subprocess.TimeoutExpired:
+        raise Stop(f"stopped after {limit_s:.0f} s without an end: {' '.join(words)}") from None
+
+
+def require(command: Sequence[str | Path], failure: str) -> None:
+    if run(command) != 0:
+        raise Stop(f"{failure} The lines above say why; the same command takes up the work again.")
+
+
+def find_python(series: str) -> str | None:
+    """Return an interpreter that runs (a pyenv shim may refuse) and can make environments."""
+    places = [Path(folder) / f"python{series}" for folder in os.get_exec_path()]
+    places += sorted(Path.home().glob(f".pyenv/versions/{series}*/bin/python{series}"))
+    if series == f"{sys.version_info[0]}.{sys.version_info[1]}":
+        places.insert(0, Path(getattr(sys, "_base_executable", sys.executable)))
+    without_venv = None
+    for place in dict.fromkeys(map(str, places)):
+        if os.access(place, os.X_OK):
+            probe = "import sys; print('%d.%d' % sys.version_info[:2], flush=True); import ensurepip, venv"
+            answer = subprocess.run([place, "-c", probe], capture_output=True, text=True)
+            if answer.stdout.strip() == series:
+                if answer.returncode == 0:
+                    return place
+                without_venv = without_venv or place
+    if without_venv and may_install():  # Debian keeps venv in a package of its own
+        install_packages([f"python{series}-venv"])
+        return without_venv
+    return None
+
+
+def provide_system_libraries() -> None:
+    missing = []
+    for library, package in SYSTEM_LIBRARIES.items() if sys.platform == "linux" else ():
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            missing.append(package)
+    if missing:
+        install_packages(missing)
+
+
+def may_install() -> bool:
+    return sys.platform == "linux" and os.geteuid() == 0 and shutil.which("apt-get") is not None
+
+
+def install_packages(packages: list[str]) -> None:
+    """Install Debian packages, or say how to."""
+    names = " ".join(packages)
+    if not may_install():
+        line = f"sudo apt-get install --no-install-recommends {names}"
+        raise Stop(f"system libraries are missing. On Debian or Ubuntu run this, then come back:\n  {line}")
+    say(f"installing system packages: {names}")
+    os.environ["DEBIAN_FRONTEND"] = "noninteractive"
+    require(["apt-get", "update", "-qq"], "The package index could not be read.")
+    options = ["-y", "-qq", "--no-install-recommends"]
+    require(["apt-get", "install", *options, *packages], f"{names} could not be installed.")
+
+
+def environment(wanted: str | None = None) -> Path:
+    """Return the Python of an environment with the wanted Blender, made first where it is not ready.
+
+    Args:
+        wanted: a pinned version or its beginning, as "4.5"; None is the newest this machine has a Python for.
+
+    Raises:
+        Stop: no such version, no Python for it, or a step failed.
+    """
+    versions = [version for version in BLENDERS if wanted is None or f"{version}.".startswith(f"{wanted}.")]
+    if not versions:
+        raise Stop(f"Blender {wanted} is not among the pinned versions: {', '.join(BLENDERS)}.")
+    provide_system_libraries()
+    with alone():
+        for version in versions:
+            if is_ready(version):
+                return python_of(version)
+            if interpreter := find_python(BLENDERS[version]):
+                make_environment(version, interpreter)
+                return python_of(version)
+    needed = " or ".join(sorted({BLENDERS[version] for version in versions}))
+    raise Stop(
+        f"Blender {' or '.join(versions)} needs Python {needed} with venv (Debian: pythonX.Y-venv); "
+        "none that runs was found on PATH or in pyenv."
+    )
+
+
+def python_of(version: str) -> Path:
+    return ENVIRONMENTS / f"blender-{version}" / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+
+
+def pins_hash() -> str:
+    return hashlib.sha256(DEV_PINS.read_bytes() + WHEEL_PINS.read_bytes()).hexdigest()
+
+
+def is_ready(version: str) -> bool:
+    stamp = ENVIRONMENTS / f"blender-{version}" / "pins.sha256"
+    return python_of(version).exists() and stamp.exists() and stamp.read_text() == pins_hash()
+
+
+def make_environment(version: str, interpreter: str) -> None:
+    home, python = ENVIRONMENTS / f"blender-{version}", python_of(version)
+    say(f"making the environment for Blender {version} with {interpreter}")
+    shutil.rmtree(home, ignore_errors=True)
+    require([interpreter, "-m", "venv", home], "The virtual environment could not be made.")
+    say(f"installing bpy {version} (400 MB to download, 1 GB on disk) and the tools")
+    for pinned in (["-r", WHEEL_PINS], ["-r", DEV_PINS, f"bpy=={version}"]):  # the first have hashes
+        require([python, *PIP, "install", "-q", "--no-deps", *pinned], "The packages could not be installed.")
+    require([python, *PIP, "check", "-q"], "requirements/dev.txt is not complete.")
+    require([python, "-c", "import bpy"], f"Blender {version} is installed but does not start.")
+    (home / "pins.sha256").write_text(pins_hash())
+
+
+@contextlib.contextmanager
+def alone() -> Iterator[None]:
+    """Let one dev.py at a time change .venv/ or wheels/; a killed one leaves no lock behind."""
+    ENVIRONMENTS.mkdir(exist_ok=True)
+    with (ENVIRONMENTS / "lock").open("w") as lock:
+        with contextlib.suppress(ImportError):  # Windows has no fcntl
+            import fcntl
+
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield

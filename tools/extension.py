@@ -1,0 +1,54 @@
+"""Build the zip that Blender installs, with Blender's own tool."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+from .environment import PIP, ROOT, WHEEL_PINS, Stop, alone, require, say
+
+WHEELS = ROOT / "wheels"
+EXTENSION_TOOL = "bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py"  # in site-packages
+
+
+def build_zip(python: str | Path, folder: Path) -> Path:
+    """Validate the extension and build its zip with Blender's own tool, in plain Python.
+
+    Args:
+        python: the Python of an environment, at its place in there.
+        folder: where the zip goes.
+
+    Returns:
+        The path of the zip.
+
+    Raises:
+        Stop: Blender's tool refused.
+    """
+    with alone():
+        shipped_wheels(python)
+    home = Path(python).parent.parent
+    libraries = [*home.glob("lib/python*/site-packages"), home / "Lib" / "site-packages"]
+    tool = next(path for library in libraries for path in library.glob(EXTENSION_TOOL))
+    version = re.search('^version = "(.+)"', (ROOT / "blender_manifest.toml").read_text(), re.MULTILINE)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"dimple-{version[1]}.zip"
+    build_words = ["build", "--source-dir", ROOT, "--output-filepath", path]
+    for words in (["validate", ROOT], build_words, ["validate", path]):
+        answer = subprocess.run([python, tool, *words], capture_output=True, text=True)
+        if answer.returncode != 0:
+            raise Stop(f"Blender's extension tool refused:\n{answer.stdout}{answer.stderr}")
+    return path
+
+
+def shipped_wheels(python: str | Path) -> list[Path]:
+    """Return the wheels the extension ships, downloaded when those there are not the pinned ones."""
+    pinned = set(re.findall(r"--hash=sha256:(\w+)", WHEEL_PINS.read_text()))
+    if {hashlib.sha256(wheel.read_bytes()).hexdigest() for wheel in WHEELS.glob("*.whl")} != pinned:
+        say("downloading the wheels that the extension ships")
+        shutil.rmtree(WHEELS, ignore_errors=True)
+        options = ["-q", "--no-deps", "--only-binary", ":all:", "-d", WHEELS, "-r", WHEEL_PINS]
+        require([python, *PIP, "download", *options], "The wheels could not be downloaded.")
+    return sorted(WHEELS.glob("*.whl"))
