@@ -1,0 +1,193 @@
+"""What a person does in the window test, run inside Blender: blender ... --python drive.py
+
+Reads /mnt/zip (the built extension), writes /mnt/out/*.png and /mnt/out/window.json. `run.py` starts it.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent))
+import robot
+
+OUT = Path("/mnt/out")
+BODY = "Ball"
+SIZE_MM = 165.0  # the ball is 2 m wide in the scene and stands for this
+DENT = 0.12  # [m] in the scene, so 10 mm of the real ball
+HALF = 80  # [px] of the compared square: inside the ball's outline, whose smoothing is never the same twice
+ALIKE = 20  # [px] that may differ between two pictures of the same mesh
+SEEN = 1000  # [px] that a dent changes at least
+CHECKS: list[dict] = []
+REPORT: dict = {"blender": bpy.app.version_string, "checks": CHECKS, "measured": {}, "seconds": {}}
+STARTED = time.monotonic()
+
+
+def check(name: str, ok: bool, detail: str = "") -> None:
+    """Note one result; the run goes on."""
+    CHECKS.append({"name": name, "ok": bool(ok), "detail": detail})
+    at = REPORT["seconds"][name] = round(time.monotonic() - STARTED, 1)
+    print(f"{at:6.1f} s {'ok  ' if ok else 'FAIL'} {name}{': ' + detail if detail else ''}", flush=True)
+
+
+def moved(rest: np.ndarray) -> float:
+    """Return how far the vertex that moved most has moved [m of the scene]."""
+    return float(np.linalg.norm(robot.positions(BODY) - rest, axis=1).max())
+
+
+def at_rest(rest: np.ndarray) -> bool:
+    return np.array_equal(robot.positions(BODY), rest)
+
+
+def poking() -> bool:
+    return "DIMPLE_OT_poke" in robot.modal_operators()
+
+
+def open_scene() -> robot.Waits:
+    """Make a soft ball that stands for a real one of 165 mm, and look at it."""
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.object.select_all(action="SELECT")
+        bpy.ops.object.delete()
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=1.0)
+        bpy.ops.object.shade_smooth()
+        body = bpy.context.object
+        body.name = BODY
+        body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", SIZE_MM
+        bpy.context.scene.dimple.finger_radius_mm = 15.0
+        # scripted operators push no undo step of their own
+        bpy.ops.ed.undo_push(message="Ball")
+        view = robot.area().spaces.active
+        view.region_3d.view_distance = 5.0
+        view.overlay.show_cursor = False
+    yield from robot.redrawn()
+
+
+def start_poke() -> robot.Waits:
+    """Click the poke's button in the sidebar, found by hovering."""
+    buttons = yield from robot.find_buttons()
+    REPORT["buttons"] = {command: list(place) for command, place in buttons.items()}
+    places = [place for command, place in buttons.items() if command.startswith("bpy.ops.dimple.poke(")]
+    if not places:
+        raise robot.NotReached(f"no button of the sidebar calls dimple.poke; there are {sorted(buttons)}")
+    yield from robot.click(*places[0])
+    yield from robot.until(poking, "the poke runs", 20)
+
+
+def press(at: tuple[int, int], rest: np.ndarray) -> robot.Waits:
+    """Put the button down on the ball and drag until the dent is deep enough."""
+    yield from robot.move(*at)
+    yield from robot.button(*at, "PRESS")
+    for _ in range(200):
+        if moved(rest) >= DENT:
+            return
+        at = at[0], at[1] - 2
+        yield from robot.move(*at)
+        yield 0.1
+    raise robot.NotReached(f"pressing moves the mesh by {moved(rest):.4f} m only")
+
+
+def judge_dent(rest: np.ndarray, when: str) -> None:
+    """Check the pressed mesh: finite, dented away from the viewer, and where it was pressed."""
+    now = robot.positions(BODY)
+    moves = now - rest
+    to_viewer = np.array(robot.area().spaces.active.region_3d.view_matrix)[2, :3]
+    inward = -(moves @ to_viewer)
+    spot = rest[int(inward.argmax())]
+    facing = float(spot @ to_viewer / np.linalg.norm(spot))
+    depth_mm = float(inward.max()) / 2.0 * SIZE_MM
+    REPORT["measured"][when] = {"depth_mm": round(depth_mm, 3), "facing": round(facing, 4)}
+    check(f"{when}: all positions are finite", bool(np.isfinite(now).all()))
+    check(f"{when}: the mesh gives way", 0.5 * DENT < inward.max() < 1.0, f"{depth_mm:.2f} mm")
+    check(f"{when}: it gives way where it was pressed", facing > 0.9, f"cosine to the view {facing:.3f}")
+
+
+def leave(key: str, at: tuple[int, int]) -> robot.Waits:
+    """Strike a key that ends the poke and wait until it has ended."""
+    yield from robot.key(key, *at)
+    yield from robot.until(lambda: not poking(), f"{key} ends the poke", 30)
+    yield from robot.redrawn()
+
+
+def compare(wanted: np.ndarray, at: tuple[int, int], name: str) -> robot.Differs:
+    """Take a picture and count the pixels on the ball that differ from an earlier one."""
+    yield from robot.move(*at)
+    yield from robot.redrawn()
+    return robot.differing(wanted, robot.screenshot(OUT / name), at, HALF)
+
+
+def play() -> robot.Waits:
+    """Install, press, let go, leave; press again, keep, undo; look at the panels; quit while playing."""
+    bpy.ops.extensions.package_install_files(filepath="/mnt/zip", repo="user_default", enable_on_install=True)
+    names = [name for name in bpy.context.preferences.addons.keys() if name.startswith("bl_ext.")]
+    check("Blender's own installer takes the zip and enables it", len(names) == 1, ", ".join(names))
+    yield from open_scene()
+    yield from robot.show_tab("Dimple")
+    at = robot.on_screen((0.0, 0.0, 0.0))
+    rest = robot.positions(BODY).copy()
+    yield from robot.move(*at)
+    yield from robot.redrawn()
+    resting = robot.screenshot(OUT / "1-rest.png")
+    control = yield from compare(resting, at, "1-rest.png")
+    check("two pictures of the resting ball are alike", control <= ALIKE, f"{control} pixels differ")
+    yield from press_and_leave(at, rest, resting)
+    yield from press_and_keep(at, rest, resting)
+
+
+def press_and_leave(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray) -> robot.Waits:
+    """Press and let go, then leave by ESC: nothing may remain."""
+    yield from start_poke()
+    check("a click on its sidebar button starts the poke", poking())
+    yield from robot.move(*at)
+    yield from robot.redrawn()
+    hover = robot.screenshot(OUT / "2-hover.png")
+    check("hovering moves nothing", at_rest(rest))
+    yield from press(at, rest)
+    yield from robot.redrawn()
+    judge_dent(rest, "pressed")
+    gap = yield from compare(hover, at, "3-pressed.png")
+    check("the press is seen", gap > SEEN, f"{gap} pixels differ")
+    yield from robot.key("Z", *at, ctrl=True)
+    check("Ctrl-Z while poking is swallowed", poking() and moved(rest) > 0.3 * DENT)
+    yield from robot.button(*at, "RELEASE")
+    yield from robot.until(lambda: moved(rest) < 0.3 * DENT, "the ball springs back", 120)
+    check("the ball springs back when let go", True, f"{moved(rest):.4f} m from rest")
+    yield from robot.redrawn()
+    robot.screenshot(OUT / "4-released.png")
+    yield from leave("ESC", at)
+    check("ESC puts the mesh back bit for bit", at_rest(rest))
+    gap = yield from compare(resting, at, "5-left.png")
+    check("after ESC the picture is the resting one", gap <= ALIKE, f"{gap} pixels differ")
+
+
+def press_and_keep(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray) -> robot.Waits:
+    """Press again, keep the dent by Enter, then undo it."""
+    yield from start_poke()
+    yield from press(at, rest)
+    yield from leave("RET", at)
+    yield from robot.button(*at, "RELEASE")
+    judge_dent(rest, "kept by Enter")
+    gap = yield from compare(resting, at, "6-kept.png")
+    check("the kept dent is seen, with nothing drawn over it", gap > SEEN, f"{gap} pixels differ")
+    yield from robot.key("Z", *at, ctrl=True)
+    yield from robot.until(lambda: at_rest(rest), "Ctrl-Z restores the mesh bit for bit")
+    check("Ctrl-Z restores the mesh bit for bit", True)
+    gap = yield from compare(resting, at, "7-undone.png")
+    check("after Ctrl-Z the picture is the resting one", gap <= ALIKE, f"{gap} pixels differ")
+
+
+def finish(error: str) -> None:
+    """Write the report and quit."""
+    if error:
+        robot.screenshot(OUT / "failed.png")
+        check("the run reached its end", False, error)
+    (OUT / "window.json").write_text(json.dumps(REPORT, indent=1))
+    bpy.ops.wm.quit_blender()
+
+
+bpy.context.preferences.view.show_splash = False
+robot.run(play(), finish)

@@ -1,0 +1,192 @@
+"""The hand and the eye of the window test: simulated mouse and keys, buttons found by hovering, screenshots.
+
+Runs inside Blender. Everything that takes time is a generator that yields seconds to wait; `run` ticks it
+from a `bpy.app.timers` callback, so Blender handles events and draws in between.
+"""
+
+from __future__ import annotations
+
+import struct
+import subprocess
+import time
+import traceback
+import zlib
+from collections.abc import Callable, Generator
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+Waits = Generator[float, None, None]
+Differs = Generator[float, None, int]
+TICK_S = 0.05
+WIDTH, HEIGHT = 1280, 800
+_draws = {"count": 0}
+
+
+class NotReached(Exception):
+    """Something that was waited for did not happen."""
+
+
+def run(steps: Waits, finish: Callable[[str], None]) -> None:
+    """Tick a generator until it ends, then call finish("" or the traceback of what went wrong)."""
+
+    def tick() -> float | None:
+        try:
+            return next(steps)
+        except StopIteration:
+            finish("")
+            return None
+        except Exception:  # whatever it was, the run must end and tell
+            finish(traceback.format_exc())
+            raise
+
+    bpy.types.SpaceView3D.draw_handler_add(_count_draw, (), "WINDOW", "POST_PIXEL")
+    bpy.app.timers.register(tick, first_interval=1.0)
+
+
+def _count_draw() -> None:
+    _draws["count"] += 1
+
+
+def window() -> bpy.types.Window:
+    return bpy.context.window_manager.windows[0]
+
+
+def area() -> bpy.types.Area:
+    """Return the largest viewport."""
+    views = [candidate for candidate in window().screen.areas if candidate.type == "VIEW_3D"]
+    return max(views, key=lambda candidate: candidate.width * candidate.height)
+
+
+def region(kind: str = "WINDOW") -> bpy.types.Region:
+    return next(candidate for candidate in area().regions if candidate.type == kind)
+
+
+def until(happened: Callable[[], bool], what: str, limit_s: float = 60.0) -> Waits:
+    """Wait for a condition.
+
+    Raises:
+        NotReached: not within the limit.
+    """
+    end = time.monotonic() + limit_s
+    while not happened():
+        if time.monotonic() > end:
+            raise NotReached(f"waited {limit_s:.0f} s in vain: {what}")
+        yield TICK_S
+
+
+def redrawn(draws: int = 2) -> Waits:
+    """Wait until the viewport has been drawn anew: software rendering is slow, seconds mean nothing."""
+    wanted = _draws["count"] + draws
+
+    def done() -> bool:
+        area().tag_redraw()
+        return _draws["count"] >= wanted
+
+    yield from until(done, "the viewport is drawn")
+    yield TICK_S
+
+
+def move(x: float, y: float) -> Waits:
+    """Move the mouse to a window position [px], origin at the lower left."""
+    window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=round(x), y=round(y))
+    yield TICK_S
+
+
+def button(x: float, y: float, value: str, kind: str = "LEFTMOUSE") -> Waits:
+    """Press ("PRESS") or release ("RELEASE") a mouse button at a window position."""
+    window().event_simulate(type=kind, value=value, x=round(x), y=round(y))
+    yield TICK_S
+
+
+def click(x: float, y: float) -> Waits:
+    yield from move(x, y)
+    yield from button(x, y, "PRESS")
+    yield from button(x, y, "RELEASE")
+
+
+def key(kind: str, x: float, y: float, *, ctrl: bool = False) -> Waits:
+    """Strike a key while the mouse is at a window position."""
+    for value in ("PRESS", "RELEASE"):
+        window().event_simulate(type=kind, value=value, x=round(x), y=round(y), ctrl=ctrl)
+        yield TICK_S
+
+
+def show_tab(name: str) -> Waits:
+    """Open the sidebar at a tab; the tab can be chosen only after the sidebar was drawn once."""
+    area().spaces.active.show_region_ui = True
+    yield from redrawn()
+    sidebar = region("UI")
+    yield from until(lambda: sidebar.active_panel_category != "UNSUPPORTED", "the sidebar is drawn")
+    sidebar.active_panel_category = name
+    area().tag_redraw()
+    yield from redrawn()
+
+
+def find_buttons(step: int = 8) -> Generator[float, None, dict[str, tuple[int, int]]]:
+    """Find every operator button of the sidebar by hovering down its middle and its quarters.
+
+    No pixel or layout arithmetic, so theme, language, font and order do not matter: Blender's own
+    "Copy Python Command" knows which button is under the mouse and which operator it calls.
+
+    Returns:
+        The Python command of each button, such as "bpy.ops.dimple.poke()", and a window position on it.
+    """
+    sidebar, found = region("UI"), {}
+    for share in (0.5, 0.25, 0.75):
+        x = sidebar.x + round((sidebar.width - 30) * share)  # the tabs take the last pixels
+        for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -step):
+            yield from move(x, y)
+            with bpy.context.temp_override(window=window(), area=area(), region=sidebar):
+                if bpy.ops.ui.copy_python_command_button.poll():
+                    bpy.ops.ui.copy_python_command_button()
+                    found.setdefault(bpy.context.window_manager.clipboard, (x, y))
+    return found
+
+
+def modal_operators() -> set[str]:
+    return {operator.bl_idname for operator in window().modal_operators}
+
+
+def on_screen(point: tuple[float, float, float]) -> tuple[int, int]:
+    """Project a world position to a window position [px] in the viewport."""
+    from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+    view = region()
+    flat = location_3d_to_region_2d(view, area().spaces.active.region_3d, point)
+    return round(view.x + flat[0]), round(view.y + flat[1])
+
+
+def positions(name: str) -> np.ndarray:
+    """Read the vertex positions (n, 3) of an object by name: undo replaces the data itself."""
+    mesh = bpy.data.objects[name].data
+    flat = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", flat)
+    return flat.reshape(-1, 3)
+
+
+def screenshot(path: Path) -> np.ndarray:
+    """Grab the whole screen, write it as PNG and return it, (rows from the top, columns, 3) of 0..255.
+
+    Blender's own screenshot operator is black under software OpenGL.
+    """
+    grab = ["import", "-window", "root", "-depth", "8", "rgb:-"]
+    raw = subprocess.run(grab, stdout=subprocess.PIPE, check=True)
+    pixels = np.frombuffer(raw.stdout, np.uint8).reshape(HEIGHT, WIDTH, 3)
+    rows = np.concatenate([np.zeros((HEIGHT, 1), np.uint8), pixels.reshape(HEIGHT, -1)], axis=1)
+    header = struct.pack(">2I5B", WIDTH, HEIGHT, 8, 2, 0, 0, 0)
+    chunks = [(b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes(), 6)), (b"IEND", b"")]
+    with path.open("wb") as out:
+        out.write(b"\x89PNG\r\n\x1a\n")
+        for name, body in chunks:
+            out.write(struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body)))
+    return pixels
+
+
+def differing(one: np.ndarray, other: np.ndarray, centre: tuple[int, int], half: int) -> int:
+    """Count the pixels that differ by more than 6 of 255 in a square round a window position."""
+    x, row = centre[0], HEIGHT - 1 - centre[1]
+    square = slice(row - half, row + half), slice(x - half, x + half)
+    gap = np.abs(one[square].astype(np.int16) - other[square].astype(np.int16)).max(axis=2)
+    return int((gap > 6).sum())
