@@ -59,8 +59,11 @@ def run(command: Sequence[str | Path], *, limit_s: float | None = None, **variab
 
 
 def require(command: Sequence[str | Path], failure: str) -> None:
-    if run(command) != 0:
-        raise Stop(f"{failure} The lines above say why; the same command takes up the work again.")
+    """Run a step of the set-up, silent unless it fails."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode != 0:
+        raise Stop(f"{failure} Run the same command again once this is mended:\n{done.stdout.strip()}")
 
 
 def find_python(series: str) -> str | None:
