@@ -1,0 +1,1 @@
+"""The physics of Dimple: bpy-free, in SI units."""

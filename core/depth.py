@@ -1,0 +1,61 @@
+"""How deep a fingertip is below the surface at rest: the x of Eq. (1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .base import Floats, Ints
+from .laws.contact import nearest_on_triangles
+from .mesh import Mesh
+
+SAME_SIDE = 0.5  # cosine: a deep fingertip may be nearer to another side than to the one it came in by
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RestSurface:
+    """Hold triangles (t, 3), their corners (3, t, 3) [m], unit normals (3, t), middles (3, t) and extents (t,) [m]."""
+
+    corners: Floats
+    normals: Floats
+    middles: Floats
+    extents: Floats
+
+
+def rest_surface(mesh: Mesh) -> RestSurface:
+    """Prepare a mesh for `depth_below`."""
+    corners = mesh.rest_positions[mesh.triangles].transpose(2, 0, 1)
+    a, b, c = corners[:, :, 0], corners[:, :, 1], corners[:, :, 2]
+    normals = np.cross(b - a, c - a, axis=0)
+    middles = corners.mean(axis=2)
+    return RestSurface(
+        corners=np.ascontiguousarray(corners),
+        normals=normals / np.maximum(np.linalg.norm(normals, axis=0), 1e-30),
+        middles=middles,
+        extents=np.sqrt(((corners - middles[:, :, None]) ** 2).sum(axis=0).max(axis=1)),
+    )
+
+
+def depth_below(surface: RestSurface, centre: Floats, radius: float, side: Floats | None = None) -> tuple[float, int]:
+    """Return the depth [m] of a sphere below the surface (negative: clear of it) and the nearest triangle.
+
+    Args:
+        centre: (3,) [m] in the space of the shape at rest.
+        side: (3,) outward normal where the fingertip came in; only faces turned that way count.
+    """
+    facing = np.ones(len(surface.extents), bool) if side is None else side @ surface.normals > SAME_SIDE
+    if not facing.any():
+        facing[:] = True
+    away = np.sqrt(((surface.middles - centre[:, None]) ** 2).sum(axis=0))
+    limit = (away + surface.extents)[facing].min()
+    near: Ints = np.flatnonzero(facing & (away - surface.extents <= limit))
+    weights = nearest_on_triangles(surface.corners[:, near], centre)
+    offset = centre[:, None] - (surface.corners[:, near] * weights).sum(axis=2)
+    distance = np.sqrt((offset**2).sum(axis=0))
+    height = (offset * surface.normals[:, near]).sum(axis=0)
+    # on an edge several faces are as near: the one that sees the point most squarely knows its side
+    tied = np.flatnonzero(distance <= distance.min() * (1 + 1e-9) + 1e-12)
+    best = tied[np.abs(height[tied]).argmax()]
+    signed = distance[best] if height[best] >= 0 else -distance[best]
+    return float(radius - signed), int(near[best])

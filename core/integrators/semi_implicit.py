@@ -1,0 +1,48 @@
+"""Semi-implicit Euler: Eqs. (6) to (8) of the paper, then contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..base import Floats, Ints
+from ..laws import contact
+from ..laws.contact import Touch
+from ..model import Model, State, forces
+
+
+def step(model: Model, state: State, touches: Sequence[Touch], dt: float) -> Floats:
+    """Advance a state in place by dt [s].
+
+    Returns:
+        the impulses (k, 3) [N s] on the fingertips.
+    """
+    x, v = state.positions, state.velocities
+    # held vertices keep the velocity the session gave them
+    v += dt * forces(model, state) * model.inverse_mass
+    x += dt * v
+    return meet(model, state, touches)
+
+
+def meet(model: Model, state: State, touches: Sequence[Touch]) -> Floats:
+    """Resolve the contacts in place and return the impulses (k, 3) [N s] on the fingertips."""
+    x, v = state.positions, state.velocities
+    if model.needs_contact:
+        state.contact = touched(x, touches)
+    impulses = [
+        contact.resolve(x, v, touch, model.inverse_mass, model.friction, faces=model.law_set != "paper")
+        for touch in touches
+    ]
+    if model.ground is not None:
+        contact.rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction)
+    return np.array(impulses).reshape(-1, 3)
+
+
+def touched(x: Floats, touches: Sequence[Touch]) -> Ints:
+    """Return the vertices inside any fingertip: the paper's contact."""
+    hits = [
+        touch.vertices[((x[:, touch.vertices] - touch.centre[:, None]) ** 2).sum(axis=0) < touch.radius**2]
+        for touch in touches
+    ]
+    return np.unique(np.concatenate(hits)) if hits else np.zeros(0, np.int64)

@@ -1,0 +1,148 @@
+"""Contact of fingertip spheres with vertices and faces, and of vertices with a ground plane.
+
+Velocities first: an impulse stops what moves into the sphere and Coulomb friction what slides on it; the
+impulses, summed, are the reaction on the fingertip (Newton's third law holds to rounding). Positions second:
+what is inside is moved out without adding speed. Faces keep a fingertip smaller than an edge from slipping
+through; where several faces share a vertex each moves its share of the vertex's mass (Tonge's mass splitting),
+so that the result does not depend on an order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import Bools, Floats, Ints
+
+_TINY = 1e-30
+FACE_SWEEPS = 8  # at most, in one step
+FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Touch:
+    """Hold what one fingertip may meet within a tick: its centre and velocity (3,), radius, vertices and faces."""
+
+    centre: Floats
+    velocity: Floats
+    radius: float
+    vertices: Ints
+    triangles: Ints  # (t, 3)
+
+
+def candidates(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, reach: float) -> tuple[Ints, Ints]:
+    """Return the free vertices within reach of a centre and the triangles (t, 3) whose bounding sphere is."""
+    near = ((x - centre[:, None]) ** 2).sum(axis=0) < reach**2
+    corners = x[:, triangles]
+    middle = corners.mean(axis=2)
+    extent = np.sqrt(((corners - middle[:, :, None]) ** 2).sum(axis=0).max(axis=1))
+    hit = ((middle - centre[:, None]) ** 2).sum(axis=0) < (reach + extent) ** 2
+    movable = (inverse_mass[triangles] > 0).any(axis=1)
+    return np.flatnonzero(near & (inverse_mass > 0)), triangles[hit & movable]
+
+
+def resolve(
+    x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, friction: Floats, *, faces: bool = True
+) -> Floats:
+    """Move vertices out of a fingertip, in place.
+
+    Args:
+        x, v: (3, n) positions [m] and velocities [m/s].
+        inverse_mass: (n,) [1/kg], 0 for held vertices.  friction: (n,).
+        faces: also keep the faces out.
+
+    Returns:
+        the impulse (3,) [N s] on the fingertip.
+    """
+    at = touch.vertices
+    impulse, _ = _push(x, v, touch, at[:, None], np.ones((len(at), 1)), inverse_mass, friction)
+    sweeps = FACE_SWEEPS if faces and len(touch.triangles) else 0
+    for _ in range(sweeps):
+        weights = nearest_on_triangles(x[:, touch.triangles], touch.centre)
+        more, deepest = _push(x, v, touch, touch.triangles, weights, inverse_mass, friction)
+        impulse = impulse + more
+        if deepest < FACE_SLACK * touch.radius:
+            break
+    return impulse
+
+
+def rest_on_ground(x: Floats, v: Floats, height: float, inverse_mass: Floats, friction: Floats) -> None:
+    """Keep vertices above the plane z = height [m], in place, with friction."""
+    low = np.flatnonzero((x[2] < height) & (inverse_mass > 0))
+    fall = np.maximum(-v[2, low], 0)
+    slide = v[:2, low]
+    speed = np.sqrt((slide**2).sum(axis=0))
+    v[:2, low] = slide * (1 - np.minimum(friction[low] * fall / np.maximum(speed, _TINY), 1))
+    v[2, low] += fall
+    x[2, low] = height
+
+
+def _push(
+    x: Floats, v: Floats, touch: Touch, members: Ints, weights: Floats, inverse_mass: Floats, friction: Floats
+) -> tuple[Floats, float]:
+    """Apply contacts at points sum_j weights[:, j] x[members[:, j]], one a row of members (c, j).
+
+    Returns:
+        the impulse (3,) [N s] on the fingertip and how deep [m] the deepest point was.
+    """
+    offset = (x[:, members] * weights).sum(axis=2) - touch.centre[:, None]
+    distance = np.sqrt((offset**2).sum(axis=0))
+    hit = distance < touch.radius
+    if not hit.any():
+        return np.zeros(3), 0.0
+    members, weights, distance = members[hit], weights[hit], np.maximum(distance[hit], _TINY)
+    normal = offset[:, hit] / distance
+    count = np.bincount(members[weights > 0], minlength=x.shape[1])
+    # each contact moves its share of a vertex, m / count; the vertex then takes the mean of its shares
+    mobility = weights * inverse_mass[members]
+    give = np.maximum((mobility * weights * count[members]).sum(axis=1), _TINY)
+
+    relative = (v[:, members] * weights).sum(axis=2) - touch.velocity[:, None]
+    closing = (relative * normal).sum(axis=0)
+    push = np.maximum(-closing, 0) / give
+    slide = relative - closing * normal
+    speed = np.sqrt((slide**2).sum(axis=0))
+    mu = (friction[members] * weights).sum(axis=1)
+    drag = np.minimum(mu * push, speed / give) / np.maximum(speed, _TINY)
+    impulse = push * normal - drag * slide
+    out = (touch.radius - distance) / give * normal
+    for c in range(3):
+        flat = members.ravel()
+        np.add.at(v[c], flat, (impulse[c, :, None] * mobility).ravel())
+        np.add.at(x[c], flat, (out[c, :, None] * mobility).ravel())
+    return -impulse.sum(axis=1), float(touch.radius - distance.min())
+
+
+def nearest_on_triangles(corners: Floats, point: Floats) -> Floats:
+    """Return the barycentric weights (t, 3) of the points of triangles (3, t, 3) nearest to a point (3,).
+
+    Source: Ericson, Real-Time Collision Detection, 5.1.5: which of the seven Voronoi regions holds the point.
+    """
+    a, b, c = corners[:, :, 0], corners[:, :, 1], corners[:, :, 2]
+    ab, ac = b - a, c - a
+    p = point[:, None]
+    d1, d2 = (ab * (p - a)).sum(axis=0), (ac * (p - a)).sum(axis=0)
+    d3, d4 = (ab * (p - b)).sum(axis=0), (ac * (p - b)).sum(axis=0)
+    d5, d6 = (ab * (p - c)).sum(axis=0), (ac * (p - c)).sum(axis=0)
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    zero, one = np.zeros_like(d1), np.ones_like(d1)
+    on_ab, on_ac = _ratio(d1, d1 - d3), _ratio(d2, d2 - d6)
+    on_bc = _ratio(d4 - d3, (d4 - d3) + (d5 - d6))
+    v, w = _ratio(vb, va + vb + vc), _ratio(vc, va + vb + vc)
+    regions: list[tuple[Bools, Floats, Floats]] = [
+        ((d1 <= 0) & (d2 <= 0), zero, zero),
+        ((d3 >= 0) & (d4 <= d3), one, zero),
+        ((d6 >= 0) & (d5 <= d6), zero, one),
+        ((vc <= 0) & (d1 >= 0) & (d3 <= 0), on_ab, zero),
+        ((vb <= 0) & (d2 >= 0) & (d6 <= 0), zero, on_ac),
+        ((va <= 0) & (d4 >= d3) & (d5 >= d6), 1 - on_bc, on_bc),
+    ]
+    conditions = [region[0] for region in regions]
+    v = np.select(conditions, [region[1] for region in regions], v)
+    w = np.select(conditions, [region[2] for region in regions], w)
+    return np.stack([1 - v - w, v, w], axis=1)
+
+
+def _ratio(part: Floats, whole: Floats) -> Floats:
+    return part / np.where(np.abs(whole) > _TINY, whole, 1.0)

@@ -1,0 +1,123 @@
+"""Springs along the edges, with dashpots beside them.
+
+    E = sum k (|l| - l0)^2 / 2,   f_i = sum_j k (1 - l0 / |l|) l_ij,   l_ij = x_j - x_i
+
+and a dashpot c along the edge, as a ratio of the critical damping of the two vertices it joins.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import Floats, Ints, sums_at
+from ..mesh import Mesh
+from ..rings import Rings
+
+_TINY = 1e-30
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Springs:
+    """Hold springs.
+
+    pairs: (m, 2).  rest_lengths [m], stiffness [N/m], damping [N s/m]: (m,).  ring_*: the same, slot by slot (w, n).
+    """
+
+    pairs: Ints
+    rest_lengths: Floats
+    stiffness: Floats
+    damping: Floats
+    rings: Rings
+    ring_rest: Floats
+    ring_stiffness: Floats
+    ring_damping: Floats
+
+
+def build_springs(mesh: Mesh, stiffness: Floats, damping: Floats) -> Springs:
+    """Lay per-spring constants (m,) out along the one-rings."""
+    slots = mesh.rings.springs
+    used = slots >= 0
+    return Springs(
+        pairs=mesh.springs, rest_lengths=mesh.rest_lengths, stiffness=stiffness, damping=damping, rings=mesh.rings,
+        ring_rest=np.where(used, mesh.rest_lengths[slots], 0.0),
+        ring_stiffness=np.where(used, stiffness[slots], 0.0),
+        ring_damping=np.where(used, damping[slots], 0.0),
+    )  # fmt: skip
+
+
+def membrane_stiffness(mesh: Mesh, k: Floats) -> Floats:
+    """Turn a material's k [N/m] into one constant per spring, (m,) [N/m].
+
+    k_e = k (A_1 + A_2) / (l^2 sqrt(3) / 2): the sheet's stiffness depends on neither resolution nor
+    triangulation, and k_e = k where the triangles are equilateral. Source: PHYSICS.md, section 2.
+    """
+    length = np.maximum(mesh.rest_lengths, 1e-9 * mesh.size)
+    return k * mesh.spring_areas / (length**2 * np.sqrt(3) / 2)
+
+
+def around(rings: Rings, x: Floats) -> Floats:
+    """Gather the vectors (3, w, n) from each vertex to the neighbours round it."""
+    return np.take(x, rings.neighbours, axis=1) - x[:, None, :]
+
+
+def energy(law: Springs, x: Floats) -> float:
+    """Return the energy [J] at positions (3, n) [m]."""
+    stretch = np.linalg.norm(x[:, law.pairs[:, 1]] - x[:, law.pairs[:, 0]], axis=0) - law.rest_lengths
+    return float(law.stiffness @ stretch**2) / 2
+
+
+def force(law: Springs, x: Floats, v: Floats | None = None, arms: Floats | None = None) -> Floats:
+    """Return the forces (3, n) [N] of springs and, given velocities (3, n) [m/s], dashpots.
+
+    Args:
+        arms: `around(law.rings, x)` where the caller has it already.
+    """
+    d = around(law.rings, x) if arms is None else arms
+    square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+    np.maximum(square, _TINY, out=square)
+    tension = law.ring_stiffness * (1 - law.ring_rest / np.sqrt(square))
+    if v is not None:
+        w = around(law.rings, v)
+        tension += law.ring_damping * (d[0] * w[0] + d[1] * w[1] + d[2] * w[2]) / square
+    f = (tension * d).sum(axis=1)
+    _add_loose(law, f, x, v)
+    return f
+
+
+def stiffness_product(law: Springs, x: Floats, u: Floats) -> Floats:
+    """Return K u (3, n) [N] for a displacement u (3, n) [m]."""
+    i, j = law.pairs.T
+    d, s = x[:, j] - x[:, i], u[:, j] - u[:, i]
+    length = np.maximum(np.linalg.norm(d, axis=0), _TINY)
+    slack = law.rest_lengths / length
+    pull = law.stiffness * ((1 - slack) * s + slack * (d * s).sum(axis=0) / length**2 * d)
+    product = np.zeros_like(x)
+    for c in range(3):
+        product[c] = sums_at(j, pull[c], x.shape[1]) - sums_at(i, pull[c], x.shape[1])
+    return product
+
+
+def row_bounds(law: Springs, n: int) -> tuple[Floats, Floats]:
+    """Return (n,) each twice the stiffness [N/m] and twice the damping [N s/m] met in a vertex (Gershgorin)."""
+    both = np.concatenate([law.pairs[:, 0], law.pairs[:, 1]])
+    return (
+        2 * sums_at(both, np.tile(law.stiffness, 2), n),
+        2 * sums_at(both, np.tile(law.damping, 2), n),
+    )
+
+
+def _add_loose(law: Springs, f: Floats, x: Floats, v: Floats | None) -> None:
+    loose = law.rings.loose_springs
+    if not len(loose):
+        return
+    i, j = law.pairs[loose].T
+    d = x[:, j] - x[:, i]
+    square = np.maximum((d * d).sum(axis=0), _TINY)
+    tension = law.stiffness[loose] * (1 - law.rest_lengths[loose] / np.sqrt(square))
+    if v is not None:
+        tension += law.damping[loose] * (d * (v[:, j] - v[:, i])).sum(axis=0) / square
+    pull, (at_i, at_j) = tension * d, law.rings.loose_ends.T
+    for c in range(3):
+        f[c] += sums_at(i[at_i], pull[c, at_i], x.shape[1]) - sums_at(j[at_j], pull[c, at_j], x.shape[1])

@@ -1,0 +1,102 @@
+"""Object constants of a material: what is measured on a real object (Tables 1 and 2 of the paper)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from .base import DimpleError
+
+FILLS = ("air", "liquid", "paper", "none")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    """Hold the constants of one material.
+
+    Args:
+        K1: slope of force over depth up to the knee [N/m], Eq. (1).
+        K2: slope beyond the knee [N/m].
+        x0: depth of the knee [m].
+        k: surface spring constant [N/m], Eq. (4).
+        mass: of the whole body were it all of this material [kg]; or
+        density: of the body [kg/m3] (of an open sheet: see `mesh.Mesh.bulk`). Give exactly one.
+        damping_ratio: of critical, for springs and shape memory.
+        friction: Coulomb coefficient of skin on fingertip and ground.
+        fill: "air", "liquid", "paper" (Eq. (2)) or "none".
+
+    Raises:
+        DimpleError: a constant is out of its range.
+    """
+
+    K1: float
+    K2: float
+    x0: float
+    k: float
+    mass: float | None = None
+    density: float | None = None
+    damping_ratio: float = 0.2
+    friction: float = 0.5
+    fill: str = "air"
+
+    def __post_init__(self) -> None:
+        for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):
+            _require(getattr(self, name) > 0, f"{name} must be greater than 0 {unit}", getattr(self, name))
+        _require((self.mass is None) != (self.density is None), "give either a mass or a density", self.mass)
+        if self.mass is not None:
+            _require(self.mass > 0, "The mass must be greater than 0 kg", self.mass)
+        if self.density is not None:
+            _require(self.density > 0, "The density must be greater than 0 kg/m³", self.density)
+        _require(0 <= self.damping_ratio <= 2, "The damping ratio must lie between 0 and 2", self.damping_ratio)
+        _require(self.friction >= 0, "The friction must not be negative", self.friction)
+        _require(self.fill in FILLS, f"The fill must be one of {', '.join(FILLS)}", self.fill)
+
+    def law(self, depth: float) -> float:
+        """Return the force [N] at a depth [m]: K(x), two-piece linear. Source: Eq. (1)."""
+        x = max(depth, 0.0)
+        return self.K1 * min(x, self.x0) + self.K2 * max(x - self.x0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Preset:
+    """Name a measured object: its material, its edge `size` [m] and where the numbers come from."""
+
+    name: str
+    label: str
+    material: Material
+    size: float
+    provenance: str
+
+
+def _require(holds: bool, rule: str, value: object) -> None:
+    finite = not isinstance(value, float) or math.isfinite(value)
+    if not (holds and finite):
+        raise DimpleError(f"{rule} (it is {value}). Change it in Material > Dimple.")
+
+
+_SOURCE = "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there"
+
+# masses: a nylon pouch and a vinyl bag weigh little; the water of a 165 mm cube weighs 4.5 kg
+PRESETS = (
+    Preset(
+        name="object_1_nylon_air",
+        label="Nylon cube, air, 50 mm",
+        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, mass=0.1, fill="air"),
+        size=0.050,
+        provenance=_SOURCE,
+    ),
+    Preset(
+        name="object_2_vinyl_air",
+        label="Vinyl cube, air, 165 mm",
+        material=Material(K1=610, K2=7230, x0=0.0163, k=9_200, mass=0.2, fill="air"),
+        size=0.165,
+        provenance=_SOURCE,
+    ),
+    Preset(
+        name="object_3_vinyl_water",
+        label="Vinyl cube, water, 165 mm",
+        material=Material(K1=620, K2=9130, x0=0.0137, k=9_200, density=1000, fill="liquid"),
+        size=0.165,
+        provenance=_SOURCE,
+    ),
+)

@@ -1,0 +1,100 @@
+"""Recordings: a PC2 point cache, what Blender's Mesh Cache modifier plays.
+
+Format: "POINTCACHE2" NUL, then int32 version 1, int32 vertices, float32 start frame, float32 sample rate, int32
+samples, then float32 (samples, vertices, 3), little-endian.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+import numpy.typing as npt
+
+from .base import DimpleError
+
+_HEADER = struct.Struct("<12siiffi")
+_MAGIC = b"POINTCACHE2\0"
+_SAMPLES_AT = _HEADER.size - 4
+
+
+class PointCache:
+    """Write a PC2 file sample by sample; what was appended survives a crash.
+
+    The data is on the disk before the header counts it, so a torn last sample is never read.
+
+    Args:
+        path: file to create.
+        n_vertices: vertices in each sample.
+        start_frame: frame of the first sample.
+        sample_rate: frames from one sample to the next.
+    """
+
+    def __init__(
+        self, path: str | os.PathLike[str], n_vertices: int, start_frame: float = 1.0, sample_rate: float = 1.0
+    ) -> None:
+        self.path, self.n_vertices, self.samples = Path(path), n_vertices, 0
+        self._file = self.path.open("w+b")
+        self._file.write(_HEADER.pack(_MAGIC, 1, n_vertices, start_frame, sample_rate, 0))
+        self._sync()
+
+    def append(self, positions: npt.ArrayLike) -> None:
+        """Add one sample (n_vertices, 3).
+
+        Raises:
+            DimpleError: another number of vertices, or coordinates that are not numbers.
+        """
+        sample = np.ascontiguousarray(positions, dtype="<f4")
+        if sample.shape != (self.n_vertices, 3):
+            raise DimpleError(
+                f"The recording has {self.n_vertices} vertices but the mesh now has {len(sample)}. "
+                "Start a new recording after changing the mesh."
+            )
+        if not np.isfinite(sample).all():
+            raise DimpleError(f"Sample {self.samples + 1} has coordinates that are not numbers; it was not recorded.")
+        self._file.seek(_HEADER.size + self.samples * sample.nbytes)
+        self._file.write(sample.tobytes())
+        self._sync()
+        self.samples += 1
+        self._file.seek(_SAMPLES_AT)
+        self._file.write(struct.pack("<i", self.samples))
+        self._sync()
+
+    def close(self) -> None:
+        """Close the file; closing twice does nothing."""
+        self._file.close()
+
+    def __enter__(self) -> PointCache:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _sync(self) -> None:
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+
+def read_point_cache(path: str | os.PathLike[str]) -> tuple[float, float, npt.NDArray[np.float32]]:
+    """Read a PC2 file.
+
+    Returns:
+        start frame, sample rate, positions (samples, vertices, 3); of a file cut short the whole samples only.
+
+    Raises:
+        DimpleError: not a PC2 file.
+    """
+    data = Path(path).read_bytes()
+    if len(data) < _HEADER.size or data[:12] != _MAGIC:
+        raise DimpleError(f"{Path(path).name} is not a PC2 point cache.")
+    _, version, vertices, start, rate, samples = _HEADER.unpack_from(data)
+    if version != 1 or vertices < 0 or samples < 0:
+        raise DimpleError(f"{Path(path).name} is a PC2 point cache with a damaged header.")
+    whole = min(samples, (len(data) - _HEADER.size) // max(12 * vertices, 1))
+    points = np.frombuffer(data, "<f4", whole * vertices * 3, _HEADER.size)
+    return start, rate, points.reshape(whole, vertices, 3).astype(np.float32)
