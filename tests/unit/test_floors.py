@@ -28,6 +28,7 @@ FLOORS = {
     "core.estimate": 1,
     "core.laws": 1,
     "core.mesh": 1,
+    "core.ray": 1,
     "core.rings": 1,
     "core.base": 0,
     "core.material": 0,

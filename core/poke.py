@@ -1,0 +1,260 @@
+"""The poke as data: what mouse, tablet or script say becomes where the fingertips are.
+
+Pure: `on_event(state, event)` returns a new state and what must be done; nothing here knows Blender. Points
+are in the session's space [m]. A fingertip starts where its sphere touches the surface and goes in from there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import Enum, auto
+
+Vector = tuple[float, float, float]
+Target = tuple[Vector, float]  # centre and radius of a sphere [m]
+
+FINGERS = 3
+WHEEL_STEP = 1.1  # a click of the wheel changes radius or depth by this factor
+RADIUS_RANGE = (1e-5, 10.0)  # [m]
+DEPTH_RANGE = (1e-5, 10.0)  # [m]
+SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
+
+
+class Kind(Enum):
+    """Name what can happen; the number an event carries is in brackets."""
+
+    MOVE = auto()
+    PRESS = auto()
+    RELEASE = auto()
+    RADIUS = auto()  # [clicks of the wheel]
+    DEPTH = auto()  # [clicks of the wheel]
+    FINGER = auto()  # [1, 2 or 3]
+    PAUSE = auto()
+    RECORD = auto()
+    KEEP = auto()
+    LEAVE = auto()
+    TICK = auto()  # [s]
+
+
+class Effect(Enum):
+    """Name what the caller must do."""
+
+    STEP = auto()  # advance the sessions by the event's time
+    PUSH_UNDO = auto()  # a stroke has ended
+    RECORD = auto()  # start or stop recording
+    KEEP = auto()  # end and keep the shape
+    RESTORE = auto()  # end and put the rest shape back
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hit:
+    """Hold where a ray meets a body: point [m], unit normal outward, and which body."""
+
+    point: Vector
+    normal: Vector
+    body: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PokeEvent:
+    """Hold one event: what the pointer's ray hits, its unit direction, the pen's pressure 0..1, a number."""
+
+    kind: Kind
+    hit: Hit | None = None
+    view: Vector = (0.0, 0.0, -1.0)
+    pressure: float = 1.0
+    amount: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Aim:
+    """Hold where a fingertip touches [m] and two unit vectors: out of the surface, and the way in."""
+
+    at: Vector
+    outward: Vector
+    inward: Vector
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tip:
+    """Hold one fingertip: aim now, and the goal a drag leads it to.
+
+    depth: wanted [m].  reached: so far [m].  leaving: on its way out.
+    """
+
+    body: int
+    aim: Aim
+    goal: Aim
+    radius: float
+    depth: float
+    reached: float = 0.0
+    leaving: bool = False
+
+    @property
+    def centre(self) -> Vector:
+        """Return the centre of the sphere [m]."""
+        return _along(_along(self.aim.at, self.aim.outward, self.radius), self.aim.inward, self.reached)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PokeState:
+    """Hold the settings and the fingertips of a poke.
+
+    radius, depth: of the next press [m].  press_s, release_s: how long the way in and out takes [s].
+    along_normal: press along the surface normal rather than the view.  active: the finger the pointer moves.
+    """
+
+    radius: float
+    depth: float
+    press_s: float = 0.25
+    release_s: float = 0.25
+    along_normal: bool = False
+    active: int = 0
+    tips: tuple[Tip | None, ...] = (None,) * FINGERS
+    hover: Hit | None = None
+    pressing: bool = False
+    paused: bool = False
+
+
+Result = tuple[PokeState, tuple[Effect, ...]]
+
+
+def on_event(state: PokeState, event: PokeEvent) -> Result:
+    """Return the state after an event, and what the caller must do."""
+    match event.kind:
+        case Kind.MOVE:
+            return _move(state, event), ()
+        case Kind.PRESS:
+            return _press(state, event), ()
+        case Kind.RELEASE:
+            return _release(state)
+        case Kind.RADIUS:
+            radius = _clamped(state.radius * WHEEL_STEP**event.amount, RADIUS_RANGE)
+            return _reshaped(replace(state, radius=radius), event), ()
+        case Kind.DEPTH:
+            depth = _clamped(state.depth * WHEEL_STEP**event.amount, DEPTH_RANGE)
+            return _reshaped(replace(state, depth=depth), event), ()
+        case Kind.FINGER:
+            return _choose(state, int(event.amount) - 1)
+        case Kind.PAUSE:
+            return replace(state, paused=not state.paused), ()
+        case Kind.RECORD:
+            return state, (Effect.RECORD,)
+        case Kind.KEEP:
+            return state, (Effect.KEEP,)
+        case Kind.LEAVE:
+            return state, (Effect.RESTORE,)
+        case Kind.TICK:
+            return _tick(state, event.amount)
+
+
+def _tick(state: PokeState, dt: float) -> Result:
+    if state.paused:
+        return state, ()
+    return replace(state, tips=tuple(_moved(tip, state, dt) for tip in state.tips)), (Effect.STEP,)
+
+
+def targets(state: PokeState, body: int) -> tuple[Target | None, ...]:
+    """Return where each fingertip that presses a body is."""
+    return tuple((tip.centre, tip.radius) if tip and tip.body == body else None for tip in state.tips)
+
+
+def _move(state: PokeState, event: PokeEvent) -> PokeState:
+    state, tip = replace(state, hover=event.hit), state.tips[state.active]
+    if not (state.pressing and tip):
+        return state
+    on_body = event.hit and event.hit.body == tip.body
+    goal = _aim(state, event.hit, event.view) if event.hit and on_body else tip.goal
+    return _with_tip(state, replace(tip, depth=state.depth * event.pressure, goal=goal))
+
+
+def _press(state: PokeState, event: PokeEvent) -> PokeState:
+    if event.hit is None:
+        return state
+    aim, depth = _aim(state, event.hit, event.view), state.depth * event.pressure
+    tip = Tip(body=event.hit.body, aim=aim, goal=aim, radius=state.radius, depth=depth)
+    return replace(_with_tip(state, tip), pressing=True, hover=event.hit)
+
+
+def _release(state: PokeState) -> Result:
+    tip = state.tips[state.active]
+    if not (state.pressing and tip):
+        return state, ()
+    return replace(_with_tip(state, _leaving(tip)), pressing=False), (Effect.PUSH_UNDO,)
+
+
+def _choose(state: PokeState, chosen: int) -> Result:
+    """Choose a finger. One that presses stays, so that a pinch can be set up; chosen again it leaves."""
+    if not 0 <= chosen < FINGERS:
+        return state, ()
+    if chosen == state.active:
+        tip = state.tips[chosen]
+        if state.pressing or tip is None or tip.leaving:
+            return state, ()
+        return _with_tip(state, _leaving(tip)), ()
+    effects = (Effect.PUSH_UNDO,) if state.pressing else ()
+    return replace(state, active=chosen, pressing=False), effects
+
+
+def _leaving(tip: Tip) -> Tip:
+    # what was reached is the way back, so that release_s holds for a press cut short too
+    return replace(tip, leaving=True, depth=tip.reached)
+
+
+def _moved(tip: Tip | None, state: PokeState, dt: float) -> Tip | None:
+    """Return a fingertip a time dt [s] later, None when it has left the surface."""
+    if tip is None:
+        return None
+    if tip.leaving:
+        reached = tip.reached - _way(tip.depth, state.release_s, dt)
+        if reached <= 1e-9:
+            return None
+    else:
+        way = _way(max(tip.depth, state.depth), state.press_s, dt)
+        reached = tip.reached + max(-way, min(way, tip.depth - tip.reached))
+    return replace(tip, aim=_slid(tip.aim, tip.goal, -math.expm1(-dt / SLIDE_S)), reached=reached)
+
+
+def _slid(aim: Aim, goal: Aim, share: float) -> Aim:
+    return Aim(
+        _toward(aim.at, goal.at, share),
+        _unit(_toward(aim.outward, goal.outward, share), goal.outward),
+        _unit(_toward(aim.inward, goal.inward, share), goal.inward),
+    )
+
+
+def _way(depth: float, duration: float, dt: float) -> float:
+    return math.inf if duration <= 0 else depth * dt / duration
+
+
+def _aim(state: PokeState, hit: Hit, view: Vector) -> Aim:
+    x, y, z = hit.normal
+    return Aim(hit.point, hit.normal, (-x, -y, -z) if state.along_normal else view)
+
+
+def _with_tip(state: PokeState, tip: Tip) -> PokeState:
+    return replace(state, tips=tuple(tip if i == state.active else old for i, old in enumerate(state.tips)))
+
+
+def _reshaped(state: PokeState, event: PokeEvent) -> PokeState:
+    tip = state.tips[state.active]
+    if not (state.pressing and tip):
+        return state
+    return _with_tip(state, replace(tip, radius=state.radius, depth=state.depth * event.pressure))
+
+
+def _clamped(value: float, limits: tuple[float, float]) -> float:
+    return min(max(value, limits[0]), limits[1])
+
+
+def _along(a: Vector, b: Vector, factor: float) -> Vector:
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
+
+
+def _toward(a: Vector, b: Vector, share: float) -> Vector:
+    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])
+
+
+def _unit(a: Vector, otherwise: Vector) -> Vector:
+    length = math.hypot(*a)
+    return (a[0] / length, a[1] / length, a[2] / length) if length > 1e-6 else otherwise

@@ -1,0 +1,189 @@
+"""The poke's state machine: what the pointer says becomes where the fingertips are."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.poke import Effect, Hit, Kind, PokeEvent, PokeState, Result, on_event, targets
+from core.ray import ray_hit
+
+TOP = Hit(point=(0.0, 0.0, 0.1), normal=(0.0, 0.0, 1.0), body=7)
+SIDE = Hit(point=(0.1, 0.0, 0.0), normal=(1.0, 0.0, 0.0), body=7)
+START = PokeState(radius=0.01, depth=0.02)
+
+
+def run(state: PokeState, *events: PokeEvent) -> Result:
+    """Feed events and collect what had to be done."""
+    done: tuple[Effect, ...] = ()
+    for event in events:
+        state, effects = on_event(state, event)
+        done += effects
+    return state, done
+
+
+def press(hit: Hit | None = TOP, pressure: float = 1.0) -> PokeEvent:
+    return PokeEvent(kind=Kind.PRESS, hit=hit, pressure=pressure)
+
+
+def ticks(seconds: float, dt: float = 0.001) -> list[PokeEvent]:
+    return [PokeEvent(kind=Kind.TICK, amount=dt)] * round(seconds / dt)
+
+
+def finger(number: int) -> PokeEvent:
+    return PokeEvent(kind=Kind.FINGER, amount=number)
+
+
+RELEASE = PokeEvent(kind=Kind.RELEASE)
+
+
+def test_a_fingertip_starts_where_its_sphere_touches_the_surface() -> None:
+    state, _ = run(START, press())
+    assert targets(state, 7) == (((0.0, 0.0, pytest.approx(0.11)), 0.01), None, None)
+
+
+def test_a_held_press_goes_in_at_a_steady_rate_and_stays_at_its_depth() -> None:
+    half, _ = run(START, press(), *ticks(0.125))
+    deep, _ = run(half, *ticks(0.5))
+    assert targets(half, 7)[0][0][2] == pytest.approx(0.10)
+    assert targets(deep, 7)[0][0][2] == pytest.approx(0.09)
+
+
+def test_the_press_is_the_same_however_time_is_cut_up() -> None:
+    fine, _ = run(START, press(), *ticks(0.2, 0.001))
+    coarse, _ = run(START, press(), *ticks(0.2, 0.04))
+    assert fine.tips[0].reached == pytest.approx(coarse.tips[0].reached)
+
+
+def test_a_press_goes_along_the_view_or_along_the_normal() -> None:
+    slanted = (0.0, math.sin(0.5), -math.cos(0.5))
+    event = PokeEvent(kind=Kind.PRESS, hit=TOP, view=slanted)
+    along_view, _ = run(START, event, *ticks(1.0))
+    along_normal, _ = run(replace(START, along_normal=True), event, *ticks(1.0))
+    assert targets(along_view, 7)[0][0][1] == pytest.approx(0.02 * math.sin(0.5))
+    assert targets(along_normal, 7)[0][0] == (0.0, 0.0, pytest.approx(0.09))
+
+
+def test_a_press_beside_every_body_does_nothing() -> None:
+    assert run(START, press(None), RELEASE) == (START, ())
+
+
+def test_release_takes_the_fingertip_out_and_ends_one_stroke() -> None:
+    state, done = run(START, press(), *ticks(0.3), RELEASE)
+    assert done.count(Effect.PUSH_UNDO) == 1
+    state, _ = run(state, *ticks(0.2))
+    assert targets(state, 7)[0][0][2] > 0.09
+    state, done = run(state, *ticks(0.1), RELEASE)
+    assert targets(state, 7) == (None, None, None)
+    assert Effect.PUSH_UNDO not in done
+
+
+def test_a_short_press_comes_out_in_the_same_time_as_a_long_one() -> None:
+    state, _ = run(START, press(), *ticks(0.05), RELEASE, *ticks(0.2))
+    assert state.tips[0] is not None
+    assert run(state, *ticks(0.06))[0].tips[0] is None
+
+
+def test_a_drag_slides_the_fingertip_over_the_surface_without_a_jump() -> None:
+    state, _ = run(START, press(), *ticks(0.3), PokeEvent(kind=Kind.MOVE, hit=SIDE, view=(-1.0, 0.0, 0.0)))
+    before = np.array(targets(state, 7)[0][0])
+    after = np.array(targets(run(state, *ticks(0.001))[0], 7)[0][0])
+    assert np.linalg.norm(after - before) < 0.005
+    settled = targets(run(state, *ticks(1.0))[0], 7)[0][0]
+    assert settled == pytest.approx((0.09, 0.0, 0.0), abs=1e-6)
+
+
+def test_a_drag_off_the_body_or_onto_another_leaves_the_fingertip_where_it_is() -> None:
+    pressed, _ = run(START, press(), *ticks(0.3))
+    for hit in (None, replace(SIDE, body=8)):
+        state, _ = run(pressed, PokeEvent(kind=Kind.MOVE, hit=hit), *ticks(0.5))
+        assert targets(state, 7) == targets(pressed, 7)
+
+
+def test_pen_pressure_is_depth() -> None:
+    state, _ = run(START, press(pressure=0.5), *ticks(1.0))
+    assert state.tips[0].reached == pytest.approx(0.01)
+    state, _ = run(state, PokeEvent(kind=Kind.MOVE, hit=TOP, pressure=0.1), *ticks(1.0))
+    assert state.tips[0].reached == pytest.approx(0.002)
+
+
+@pytest.mark.parametrize("kind", [Kind.RADIUS, Kind.DEPTH])
+def test_the_wheel_changes_radius_or_depth_also_while_pressing(kind: Kind) -> None:
+    name = kind.name.lower()
+    state, _ = run(START, press(), PokeEvent(kind=kind, amount=2), *ticks(1.0))
+    assert getattr(state, name) == pytest.approx(getattr(START, name) * 1.21)
+    assert getattr(state.tips[0], name) == pytest.approx(getattr(state, name))
+    state, _ = run(state, PokeEvent(kind=kind, amount=-1e4))
+    assert getattr(state, name) > 0
+
+
+def test_choosing_another_finger_leaves_the_first_pressed_so_that_a_pinch_can_be_set_up() -> None:
+    state, done = run(START, press(), *ticks(0.3), finger(2), RELEASE, *ticks(0.5))
+    assert done.count(Effect.PUSH_UNDO) == 1
+    state, _ = run(state, press(SIDE), *ticks(0.3), RELEASE, *ticks(0.5))
+    assert [tip is not None for tip in state.tips] == [True, False, False]
+    state, _ = run(state, finger(1), finger(1), *ticks(0.5))
+    assert state.tips == (None, None, None)
+
+
+def test_a_finger_that_does_not_exist_is_not_chosen() -> None:
+    assert run(START, finger(4), finger(0))[0] == START
+
+
+def test_a_paused_poke_does_not_step() -> None:
+    state, done = run(START, press(), PokeEvent(kind=Kind.PAUSE), *ticks(0.2))
+    assert done == ()
+    assert state.tips[0].reached == 0
+    _, done = run(state, PokeEvent(kind=Kind.PAUSE), *ticks(0.002))
+    assert done == (Effect.STEP, Effect.STEP)
+
+
+@pytest.mark.parametrize(
+    ("kind", "effect"),
+    [(Kind.LEAVE, Effect.RESTORE), (Kind.KEEP, Effect.KEEP), (Kind.RECORD, Effect.RECORD)],
+)
+def test_keys_say_what_must_be_done(kind: Kind, effect: Effect) -> None:
+    for state in (START, run(START, press(), *ticks(0.1))[0], replace(START, paused=True)):
+        assert run(state, PokeEvent(kind=kind)) == (state, (effect,))
+
+
+def test_no_time_at_all_for_a_press_means_at_once() -> None:
+    state = replace(START, press_s=0.0, release_s=0.0)
+    state, _ = run(state, press(), *ticks(0.001))
+    assert state.tips[0].reached == pytest.approx(0.02)
+    assert run(state, RELEASE, *ticks(0.001))[0].tips[0] is None
+
+
+def test_any_events_in_any_order_keep_the_fingertips_finite() -> None:
+    random = np.random.default_rng(1)
+    state, kinds = START, list(Kind)
+    for _ in range(5000):
+        hit = TOP if random.random() < 0.5 else SIDE if random.random() < 0.7 else None
+        kind = kinds[random.integers(len(kinds))]
+        amount = random.random() * 0.1 if kind is Kind.TICK else float(random.integers(-2, 4))
+        state, _ = on_event(state, PokeEvent(kind=kind, hit=hit, pressure=random.random(), amount=amount))
+        for tip in state.tips:
+            if tip:
+                assert np.isfinite(tip.centre).all()
+                assert 0 <= tip.reached
+                assert math.hypot(*tip.aim.inward) == pytest.approx(1)
+
+
+SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
+SHEETS = np.concatenate([SQUARE, SQUARE + (0, 0, 1)])
+FACES = np.array([(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6)])
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.2, 0.1), (0.1, 0.7), (0.5, 0.5), (1.0, 1.0)])
+def test_a_ray_meets_the_nearest_face_with_the_normal_toward_its_origin(x: float, y: float) -> None:
+    distance, point, normal = ray_hit((x, y, 3.0), (0.0, 0.0, -1.0), SHEETS, FACES)
+    assert distance == pytest.approx(2)
+    assert point == pytest.approx((x, y, 1))
+    assert normal == pytest.approx((0, 0, 1))
+
+
+def test_a_ray_beside_behind_or_along_the_faces_misses() -> None:
+    for origin, direction in (((2, 0, 3), (0, 0, -1)), ((0.5, 0.5, 3), (0, 0, 1)), ((-1, 0.5, 0), (1, 0, 0))):
+        assert ray_hit(origin, direction, SHEETS, FACES) is None
+    assert ray_hit((0, 0, 1), (0, 0, -1), np.zeros((3, 3)), np.array([(0, 1, 2)])) is None
