@@ -17,7 +17,7 @@ AIR_PRESSURE = 101_325.0  # [Pa] outside every body
 AIR_EXPONENT = 1.4  # a press is quick beside the warming of the air: adiabatic
 # [Pa] a thousandth of real water: a fingertip's few kPa change the volume by well under 0.5 %, and the
 # pressure wave does not ask for smaller steps than the skin does (tests/physics/test_volume.py)
-LIQUID_BULK_MODULUS = 4e6
+LIQUID_BULK_MODULUS = 2e6
 
 WELD_SHARE = 1e-6  # of the bounding box: nearer vertices are one vertex
 MASS_FLOOR = 1e-2  # of the mean: a sliver's vertex is given this much, so that it does not set the time step

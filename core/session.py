@@ -17,12 +17,13 @@ import numpy.typing as npt
 from .base import FINGER_TRAVEL, TICK, DimpleError, Floats
 from .depth import depth_below, rest_surface
 from .integrators import semi_implicit
-from .laws import contact, pressure
-from .laws.contact import Touch
-from .laws.memory import Pose, fit_pose
+from .integrators.path import FingerPath
+from .laws import pressure
+from .laws.memory import fit_pose
 from .model import Model, initial_state, law_force
 
 MAX_FINGERS = 3
+TICKS_AT_ONCE = 8  # between looks at the clock and at whether the body is still whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +65,7 @@ class Session:
         self.model = model
         self.tick = tick
         self.substeps = model.substeps(tick)
+        self._stepper = semi_implicit.run
         self._surface = rest_surface(model.mesh)
         self._state = initial_state(model)
         first = np.zeros(len(model.mesh.rest_positions), np.int64)
@@ -74,13 +76,16 @@ class Session:
     def reset(self) -> None:
         """Put the body back to rest and let go of it."""
         self._state = initial_state(self.model)
-        self._held_pose: Pose = (np.eye(3), np.zeros(3))
         self._time, self._ticks = 0.0, 0
         self._fingers: list[Finger | None] = []
         self._targets: list[Finger | None] = []
         self._sides: list[Floats | None] = []
         self._held_target: Floats | None = None
         self.frame = self._show(np.zeros((0, 3)), 0, 0.0, "")
+
+    def place(self, positions: Floats) -> None:
+        """Put the model's vertices (3, n) [m] somewhere else, at rest: the start of a study."""
+        self._state.positions[:] = positions
 
     def set_fingers(self, fingers: Sequence[Finger | None]) -> None:
         """Say where up to three fingertips are at the end of the next step; None lifts one off.
@@ -116,9 +121,9 @@ class Session:
         due = math.floor(end / self.tick + 1e-6)
         impulses, done, note = np.zeros((len(self._targets), 3)), 0, ""
         while self._ticks < due:
-            share = min(1.0, self.tick / max(end - self._ticks * self.tick, self.tick))
-            impulses += self._advance(share)
-            self._ticks, done = self._ticks + 1, done + 1
+            ticks = self._ticks_at_once(due - self._ticks)
+            impulses += self._run(ticks, (end - self._ticks * self.tick) / self.tick)
+            self._ticks, done = self._ticks + ticks, done + ticks
             if not self._is_finite():
                 at = self._ticks * self.tick
                 self.reset()
@@ -138,36 +143,38 @@ class Session:
         self.frame = self._show(forces if not note else forces[:0], done, time.perf_counter() - started, note)
         return self.frame
 
-    def _advance(self, share: float) -> Floats:
-        """Run one tick, moving fingertips and held vertices their share of the way that is left."""
-        state, model = self._state, self.model
-        touches, which = [], []
-        speed = float(np.sqrt((state.velocities**2).sum(axis=0).max(initial=0)))
-        for i, (here, target) in enumerate(zip(self._fingers, self._targets, strict=True)):
-            if here is None or target is None:
-                continue
-            start = np.array(here.position)
-            way = share * (np.array(target.position) - start)
-            way *= min(1.0, FINGER_TRAVEL * target.radius / max(float(np.linalg.norm(way)), 1e-30))
-            end = start + way
-            reach = target.radius + 2 * float(np.linalg.norm(way)) + 2 * speed * self.tick
-            vertices, triangles = contact.candidates(
-                state.positions, model.mesh.triangles, model.inverse_mass, end, reach
-            )
-            touches.append(
-                Touch(
-                    centre=end, velocity=way / self.tick, radius=target.radius, vertices=vertices, triangles=triangles
-                )
-            )
-            which.append(i)
-            self._fingers[i] = Finger(tuple(end), target.radius)
-        self._move_held(share)
-        if model.needs_contact:
-            state.inner_force = float(sum(self._depths()[1]))
+    def _ticks_at_once(self, due: int) -> int:
+        """Return how many ticks one call of the stepper may run: one where something must be looked at each tick."""
+        return 1 if self.model.needs_contact or self._held_target is not None else min(due, TICKS_AT_ONCE)
+
+    def _run(self, ticks: int, left: float) -> Floats:
+        """Run some ticks; fingertips and held vertices have `left` ticks to reach their targets.
+
+        Returns:
+            the impulse (k, 3) [N s] on each fingertip.
+        """
+        which = [i for i, (f, t) in enumerate(zip(self._fingers, self._targets, strict=True)) if f and t]
+        path = FingerPath(
+            centres=np.array([self._way(i, ticks, left) for i in which]).reshape(len(which), ticks + 1, 3),
+            radii=np.array([self._targets[i].radius for i in which]),  # type: ignore[union-attr]
+        )
+        self._move_held(1 / max(left, 1.0))
+        if self.model.needs_contact:
+            self._state.inner_force = float(sum(self._depths()[1]))
         total = np.zeros((len(self._targets), 3))
-        for _ in range(self.substeps):
-            total[which] += semi_implicit.step(model, state, touches, self.tick / self.substeps)
+        total[which] = self._stepper(self.model, self._state, path, tick=self.tick, substeps=self.substeps)
+        for row, i in enumerate(which):
+            self._fingers[i] = Finger(tuple(path.centres[row, -1]), path.radii[row])
         return total
+
+    def _way(self, i: int, ticks: int, left: float) -> Floats:
+        """Return the centres (ticks + 1, 3) of a fingertip, no faster than it may move without skipping a skin."""
+        here, target = self._fingers[i], self._targets[i]
+        assert here and target
+        start = np.array(here.position)
+        step = (np.array(target.position) - start) / max(left, ticks)
+        step *= min(1.0, FINGER_TRAVEL * target.radius / max(float(np.linalg.norm(step)), 1e-30))
+        return start + np.arange(ticks + 1)[:, None] * step
 
     def _move_held(self, share: float) -> None:
         held, state = self.model.held, self._state

@@ -1,1 +1,1 @@
-"""Ways to step the one right-hand side. Each is `step(model, state, touches, dt) -> impulses`."""
+"""Ways to step the one right-hand side. Each is `run(model, state, path, *, tick, substeps) -> impulses`."""

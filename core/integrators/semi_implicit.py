@@ -10,6 +10,34 @@ from ..base import Floats, Ints
 from ..laws import contact
 from ..laws.contact import Touch
 from ..model import Model, State, forces
+from .path import FingerPath
+
+
+def run(model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
+    """Advance a state in place by the ticks [s] of a path, each in equal substeps.
+
+    Returns:
+        the impulses (k, 3) [N s] on the fingertips.
+    """
+    total = np.zeros((len(path.radii), 3))
+    for t in range(path.centres.shape[1] - 1):
+        speed = float(np.sqrt((state.velocities**2).sum(axis=0).max(initial=0)))
+        touches = [
+            reach(model, state, start, end, radius, speed, tick)
+            for start, end, radius in zip(path.centres[:, t], path.centres[:, t + 1], path.radii, strict=True)
+        ]
+        for _ in range(substeps):
+            total += step(model, state, touches, tick / substeps)
+    return total
+
+
+def reach(model: Model, state: State, start: Floats, end: Floats, radius: float, speed: float, tick: float) -> Touch:
+    """Find what a fingertip going from start to end (3,) may touch in a tick [s], vertices moving at speed [m/s]."""
+    margin = 2 * float(np.linalg.norm(end - start)) + 2 * speed * tick
+    vertices, triangles = contact.candidates(
+        state.positions, model.mesh.triangles, model.inverse_mass, end, radius + margin
+    )
+    return Touch(centre=end, velocity=(end - start) / tick, radius=radius, vertices=vertices, triangles=triangles)
 
 
 def step(model: Model, state: State, touches: Sequence[Touch], dt: float) -> Floats:

@@ -53,3 +53,13 @@ def spring_force(law: Springs, x: Floats) -> Floats:
 def _face_normals(triangles: Ints, x: Floats) -> Floats:
     a, b, c = x[:, triangles[:, 0]], x[:, triangles[:, 1]], x[:, triangles[:, 2]]
     return np.cross(b - a, c - a, axis=0)
+
+
+def surface_tension(force: float, depth: float, length: float) -> float:
+    """Return S [N] of a surface of length l [m] pressed in its middle by a force [N] to a depth [m], Eq. (9)."""
+    return float(force * depth / (2 * np.hypot(length / 2, depth)))
+
+
+def surface_stretch(tension: float, length: float, section: float, youngs_modulus: float) -> float:
+    """Return lambda [m] of a surface of length [m], section A [m2] and Young's modulus E [Pa], Eq. (10)."""
+    return tension * length / (2 * section * youngs_modulus)

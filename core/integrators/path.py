@@ -1,0 +1,15 @@
+"""Where fingertips are during a run of ticks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..base import Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FingerPath:
+    """Hold centres (k, ticks + 1, 3) [m] of k spheres at the ends of ticks, and their radii (k,) [m]."""
+
+    centres: Floats
+    radii: Floats

@@ -1,0 +1,1 @@
+"""Scenes and studies: the same scenes in tests, charts and samples."""
