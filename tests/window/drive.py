@@ -136,6 +136,7 @@ def play() -> robot.Waits:
     check("two pictures of the resting ball are alike", control <= ALIKE, f"{control} pixels differ")
     yield from press_and_leave(at, rest, resting)
     yield from press_and_keep(at, rest, resting)
+    yield from show_panels()
 
 
 def press_and_leave(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray) -> robot.Waits:
@@ -178,6 +179,28 @@ def press_and_keep(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray) -
     check("Ctrl-Z restores the mesh bit for bit", True)
     gap = yield from compare(resting, at, "7-undone.png")
     check("after Ctrl-Z the picture is the resting one", gap <= ALIKE, f"{gap} pixels differ")
+
+
+def show_panels() -> robot.Waits:
+    """Photograph the panels of the properties editor, opened, in the room of the viewport."""
+    for name in ("DIMPLE_PT_material", "DIMPLE_PT_body"):
+        panel = getattr(bpy.types, name)
+        bpy.utils.unregister_class(panel)
+        panel.bl_options = set()  # open, for the picture only
+        bpy.utils.register_class(panel)
+    body = bpy.data.objects[BODY]
+    body.active_material = bpy.data.materials.new("Vinyl")
+    body.dimple.enabled = True
+    bpy.context.scene.render.engine = "BLENDER_WORKBENCH"  # it has no material panels and no slow preview
+    place = robot.area()
+    yield from robot.move(place.x + place.width // 2, 5)  # no tooltip in the picture
+    for tab in ("MATERIAL", "PHYSICS"):
+        place.type = "PROPERTIES"
+        place.spaces.active.context = tab
+        yield 2.0
+        robot.screenshot(OUT / f"8-{tab.lower()}.png")
+    place.type = "VIEW_3D"
+    yield from robot.redrawn()
 
 
 def finish(error: str) -> None:
