@@ -1,0 +1,176 @@
+"""What the viewport shows over a running session: fingertips, forces, numbers, and force against depth.
+
+Reads the last Frame of each session and changes nothing. Without a session it draws nothing. `gpu` is loaded
+only when there is something to draw, so that the extension also registers where nothing can be drawn.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import bpy
+
+from ..operators.sessions import sessions
+from . import readout, shapes
+from .shapes import Point, Segment
+
+FINGERTIP = (1.0, 0.62, 0.15, 1.0)
+FORCE = (0.95, 0.2, 0.15, 1.0)
+LAW = (0.55, 0.75, 1.0, 0.9)
+TEXT = (1.0, 1.0, 1.0, 1.0)
+FAINT = (1.0, 1.0, 1.0, 0.35)
+BACK = (0.0, 0.0, 0.0, 0.45)
+
+LINE_WIDTH = 2.0  # [px] all sizes below too, at a resolution scale of 1
+TEXT_SIZE = 12.0
+LINE_HEIGHT = 17.0
+MARGIN = 16.0
+CHART = (230.0, 130.0)
+
+_handlers: list[tuple[object, str]] = []
+
+
+def draw_bodies() -> None:
+    """Draw fingertips and force arrows in the scene (POST_VIEW)."""
+    context = bpy.context
+    for entry in _shown(context):
+        draw_fingers(entry, context.region)
+
+
+def draw_numbers() -> None:
+    """Draw the read-out and the chart of each session on top of the picture (POST_PIXEL)."""
+    context = bpy.context
+    shown = _shown(context)
+    if not shown:
+        return
+    scale = context.preferences.system.ui_scale
+    left, bottom = _corner(context.area, scale)
+    for entry in shown:
+        if context.scene.dimple.show_chart:
+            bottom = draw_chart(entry, (left, bottom), scale, context.region) + MARGIN * scale
+        bottom = draw_rows(entry, (left, bottom), scale) + MARGIN * scale
+        if bottom > context.region.height:
+            break
+
+
+def draw_fingers(entry: Any, region: Any) -> None:
+    """Draw each fingertip that is down, and the force on it."""
+    for finger, force in _fingers(entry):
+        centre, radius = _in_scene(entry, finger)
+        _lines(shapes.sphere(centre, radius), FINGERTIP, region)
+        _lines(shapes.arrow(centre, force, radius), FORCE, region)
+
+
+def draw_rows(entry: Any, corner: Point, scale: float) -> float:
+    """Write the numbers of a session upwards from a corner [px] and return where they end."""
+    lines = [f"{label}: {value}" for label, value in readout.rows(entry.frame)]
+    said = readout.sentences(entry.session.model.notes, entry.frame)
+    lines = [entry.name, *lines, *(line for sentence in said for line in readout.wrapped(sentence, 60))]
+    height = corner[1]
+    for line in reversed(lines):
+        _write(line, (corner[0], height), scale)
+        height += LINE_HEIGHT * scale
+    return height
+
+
+def draw_chart(entry: Any, corner: Point, scale: float, region: Any) -> float:
+    """Draw force against depth over the measured curve, from a corner [px], and return where it ends."""
+    size = (CHART[0] * scale, CHART[1] * scale)
+    material = entry.session.model.materials[0]
+    trail = [(float(depth), float(force)) for depth, force in entry.trail]
+    # the knee always shows: it tells how far the press has come
+    deepest = shapes.round_up(max([material.x0 * 1.1, *(depth for depth, _ in trail)]))
+    law = shapes.law_curve(material.K1, material.K2, material.x0, deepest)
+    ends = (deepest, shapes.round_up(max(force for _, force in [*law, *trail])))
+    right, top = corner[0] + size[0], corner[1] + size[1]
+    _filled(corner, (right, top), BACK)
+    _lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, region)
+    _lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, region)
+    seen = shapes.into_box(trail, ends, corner, size)
+    _lines(shapes.chained(seen), FORCE, region)
+    if seen:
+        _lines(shapes.circle(seen[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, region)
+    _write(f"{ends[1]:g} N", (corner[0] + 4 * scale, top - LINE_HEIGHT * scale), scale)
+    _write(f"{ends[0] * 1e3:g} mm", (right - 48 * scale, corner[1] + 5 * scale), scale)
+    return top
+
+
+def _shown(context: bpy.types.Context) -> list[Any]:
+    """Return the sessions that may be drawn in this viewport."""
+    if not sessions or not context.scene.dimple.show_overlay or not context.space_data.overlay.show_overlays:
+        return []
+    here = {body.session_uid for body in context.scene.objects}
+    return [entry for uid, entry in sessions.items() if uid in here]
+
+
+def _fingers(entry: Any) -> list[tuple[Any, Point]]:
+    """Return each fingertip that is down with the force on it [N]."""
+    forces = [tuple(map(float, force)) for force in entry.frame.finger_forces]
+    forces += [(0.0, 0.0, 0.0)] * len(entry.fingers)
+    return [(finger, force) for finger, force in zip(entry.fingers, forces, strict=False) if finger]
+
+
+def _in_scene(entry: Any, finger: Any) -> tuple[Point, float]:
+    """Return the centre and the radius of a fingertip in scene units."""
+    x, y, z = finger.position
+    centre, edge = entry.to_world((x, y, z)), entry.to_world((x + finger.radius, y, z))
+    radius = sum((b - a) ** 2 for a, b in zip(centre, edge, strict=True)) ** 0.5
+    return tuple(map(float, centre)), float(radius)
+
+
+def _corner(area: bpy.types.Area, scale: float) -> Point:
+    """Return the lower left corner [px] that Blender's own toolbar leaves free."""
+    tools = next((region for region in area.regions if region.type == "TOOLS"), None)
+    return ((tools.width if tools else 0) + MARGIN * scale, 2 * MARGIN * scale)
+
+
+def _lines(segments: Sequence[Segment], colour: Point, region: Any) -> None:
+    if not segments:
+        return
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    points = [(*point, 0.0)[:3] for segment in segments for point in segment]
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    shader.uniform_float("viewportSize", (region.width, region.height))
+    shader.uniform_float("lineWidth", LINE_WIDTH)
+    shader.uniform_float("color", colour)
+    gpu.state.blend_set("ALPHA")
+    batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
+    gpu.state.blend_set("NONE")
+
+
+def _filled(low: Point, high: Point, colour: Point) -> None:
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    corners = [(low[0], low[1], 0), (high[0], low[1], 0), (high[0], high[1], 0), (low[0], high[1], 0)]
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    shader.uniform_float("color", colour)
+    gpu.state.blend_set("ALPHA")
+    batch_for_shader(shader, "TRIS", {"pos": corners}, indices=[(0, 1, 2), (0, 2, 3)]).draw(shader)
+    gpu.state.blend_set("NONE")
+
+
+def _write(text: str, at: Point, scale: float) -> None:
+    import blf
+
+    font = 0
+    blf.size(font, TEXT_SIZE * scale)
+    blf.color(font, *TEXT)
+    blf.enable(font, blf.SHADOW)
+    blf.shadow(font, 3, 0.0, 0.0, 0.0, 0.9)
+    blf.position(font, at[0], at[1], 0)
+    blf.draw(font, text)
+    blf.disable(font, blf.SHADOW)
+
+
+def register() -> None:
+    """Let every 3D viewport call the two draw functions."""
+    for draw, moment in ((draw_bodies, "POST_VIEW"), (draw_numbers, "POST_PIXEL")):
+        _handlers.append((bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment), "WINDOW"))
+
+
+def unregister() -> None:
+    """Stop drawing."""
+    while _handlers:
+        bpy.types.SpaceView3D.draw_handler_remove(*_handlers.pop())

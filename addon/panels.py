@@ -1,0 +1,257 @@
+"""The panels: Material > Dimple, Physics > Dimple, and the session's tab in the sidebar.
+
+What cannot be used now is greyed out, not hidden; the operators' polls say why on hovering.
+"""
+
+import bpy
+
+from ..operators.names import Op
+from ..operators.sessions import sessions
+from . import readout
+from .presets import DIMPLE_PT_material_presets
+
+TAB = "Dimple"
+NOTE_COLUMNS = 44
+
+
+def draw_notes(layout: bpy.types.UILayout, sentences: list[str], icon: str = "INFO") -> None:
+    """Write sentences in a box, broken into lines that fit a sidebar."""
+    if not sentences:
+        return
+    column = layout.box().column(align=True)
+    for sentence in sentences:
+        for i, line in enumerate(readout.wrapped(bpy.app.translations.pgettext_iface(sentence), NOTE_COLUMNS)):
+            column.label(text=line, icon="BLANK1" if i else icon, translate=False)
+
+
+def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
+    """Return what makes a material's constants unusable, in the core's own words."""
+    from ..core.base import DimpleError  # not at import: it needs numpy, and enabling must be quick
+    from ..core.material import Material
+
+    try:
+        Material(**settings.to_params())
+    except DimpleError as error:
+        return [str(error)]
+    return []
+
+
+class _MaterialPanel:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+
+
+class DIMPLE_PT_material(_MaterialPanel, bpy.types.Panel):
+    """Show the constants of the active material."""
+
+    bl_label = "Dimple"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Stand wherever a mesh's material can."""
+        return context.material is not None and not context.material.grease_pencil
+
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        """Offer measured and own materials."""
+        DIMPLE_PT_material_presets.draw_panel_header(self.layout)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the measured curve, the skin, the mass and the rest, then what is wrong with them."""
+        settings, layout = context.material.dimple, self.layout
+        layout.use_property_split = True
+        if settings.provenance:
+            draw_notes(layout, [settings.provenance], "BOOKMARKS")
+        for names in (("K1", "K2", "x0"), ("k",)):
+            column = layout.column(align=True)
+            for name in names:
+                column.prop(settings, name)
+        column = layout.column(align=True)
+        column.prop(settings, "mass_from")
+        column.prop(settings, "density" if settings.mass_from == "DENSITY" else "mass_kg")
+        layout.prop(settings, "damping_ratio", slider=True)
+        layout.prop(settings, "friction", slider=True)
+        layout.prop(settings, "fill")
+        draw_notes(layout, wrong_with(settings), "ERROR")
+
+
+class DIMPLE_PT_body(bpy.types.Panel):
+    """Show what makes the object a soft body."""
+
+    bl_label = "Dimple"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "physics"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Stand on every object; only a mesh can be switched on."""
+        return context.object is not None
+
+    def draw_header(self, context: bpy.types.Context) -> None:
+        """Draw the switch."""
+        self.layout.enabled = context.object.type == "MESH"
+        self.layout.prop(context.object.dimple, "enabled", text="")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw laws, pins, softness and size."""
+        body, layout = context.object, self.layout
+        settings = body.dimple
+        layout.use_property_split = True
+        if body.type != "MESH":
+            draw_notes(layout, ["Dimple presses meshes. Convert this object: Object > Convert > Mesh."])
+        layout = layout.column()
+        layout.enabled = body.type == "MESH" and settings.enabled
+        layout.prop(settings, "law_set")
+        layout.prop(settings, "hold")
+        row = layout.row()
+        row.active = settings.hold == "GROUP"
+        row.prop_search(settings, "pin_group", body, "vertex_groups")
+        layout.prop_search(settings, "softness_group", body, "vertex_groups")
+        layout.prop(settings, "size_mode")
+        row = layout.row()
+        row.active = settings.size_mode == "CUSTOM"
+        row.prop(settings, "size_mm")
+
+
+class _SidebarPanel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = TAB
+
+
+class DIMPLE_PT_session(_SidebarPanel, bpy.types.Panel):
+    """Start, stop and keep a session."""
+
+    bl_label = "Dimple"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the verbs and what they say."""
+        layout, body = self.layout, context.object
+        entry = sessions.get(body.session_uid) if body else None
+        column = layout.column(align=True)
+        column.scale_y = 1.4
+        column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
+        column = layout.column(align=True)
+        running = entry is not None and entry.running
+        column.operator(Op.PLAY, text="Pause" if running else "Play", icon="PAUSE" if running else "PLAY")
+        column.operator(Op.RESET, icon="LOOP_BACK")
+        recording = entry is not None and entry.recording
+        column.operator(Op.RECORD, text="Stop Recording" if recording else "Record", icon="REC", depress=recording)
+        if body is None or body.type != "MESH":
+            draw_notes(layout, ["Select a mesh to press it."])
+        elif context.window_manager.dimple.state:
+            draw_notes(layout, [context.window_manager.dimple.state])
+
+
+class DIMPLE_PT_readout(_SidebarPanel, bpy.types.Panel):
+    """Show what the session measures."""
+
+    bl_label = "Measured"
+    bl_parent_id = "DIMPLE_PT_session"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw numbers with units, then notes."""
+        layout, body = self.layout, context.object
+        entry = sessions.get(body.session_uid) if body else None
+        if entry is None:
+            layout.label(text="Nothing is being pressed")
+            return
+        split = layout.split(factor=0.5)
+        labels, values = split.column(align=True), split.column(align=True)
+        labels.alignment = "RIGHT"
+        for label, value in readout.rows(entry.frame):
+            labels.label(text=label, translate=False)
+            values.label(text=value, translate=False)
+        draw_notes(layout, readout.sentences(entry.session.model.notes, entry.frame))
+
+
+class DIMPLE_PT_fingertips(_SidebarPanel, bpy.types.Panel):
+    """Set up the fingertips."""
+
+    bl_label = "Fingertips"
+    bl_parent_id = "DIMPLE_PT_session"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw radius, direction and the three slots."""
+        settings, layout = context.scene.dimple, self.layout
+        layout.use_property_split = True
+        layout.prop(settings, "finger_radius_mm")
+        layout.prop(settings, "poke_along")
+        layout.prop(settings, "active_finger")
+        column = layout.column(align=True)
+        for number in (1, 2, 3):
+            column.prop(settings, f"finger_{number}")
+        layout.operator(Op.ADD_FINGERTIP, icon="SPHERE")
+
+
+class DIMPLE_PT_bake(_SidebarPanel, bpy.types.Panel):
+    """Turn a press into animation."""
+
+    bl_label = "Bake"
+    bl_parent_id = "DIMPLE_PT_session"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw both kinds of bake over the frames of the scene, and the way back."""
+        scene, layout = context.scene, self.layout
+        layout.use_property_split = True
+        layout.prop(scene.dimple, "cache_dir")
+        layout.prop(scene.dimple, "shape_key_step")
+        column = layout.column(align=True)
+        for target, text in (("MESH_CACHE", "Bake to Mesh Cache"), ("SHAPE_KEYS", "Bake to Shape Keys")):
+            button = column.operator(Op.BAKE, text=text, icon="RENDER_ANIMATION")
+            button.target, button.frame_start, button.frame_end = target, scene.frame_start, scene.frame_end
+        layout.operator(Op.UNBAKE, icon="TRASH")
+
+
+class DIMPLE_PT_surroundings(_SidebarPanel, bpy.types.Panel):
+    """Set what is round the body, and what is drawn over it."""
+
+    bl_label = "Surroundings and Display"
+    bl_parent_id = "DIMPLE_PT_session"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw gravity, ground and the overlay's switches."""
+        settings, layout = context.scene.dimple, self.layout
+        layout.use_property_split = True
+        column = layout.column(heading="World")
+        column.prop(settings, "use_gravity")
+        column.prop(settings, "use_ground")
+        column = layout.column(heading="Show")
+        column.prop(settings, "show_overlay")
+        row = column.row()
+        row.active = settings.show_overlay
+        row.prop(settings, "show_chart")
+
+
+_SIDEBAR = (
+    DIMPLE_PT_session, DIMPLE_PT_readout, DIMPLE_PT_fingertips, DIMPLE_PT_bake, DIMPLE_PT_surroundings
+)  # fmt: skip
+_register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
+_register_properties, _unregister_properties = bpy.utils.register_classes_factory([DIMPLE_PT_material, DIMPLE_PT_body])
+
+
+def move_to_tab(name: str) -> None:
+    """Move the sidebar's panels to a tab; Blender knows a panel's tab only from its registration."""
+    if name == DIMPLE_PT_session.bl_category:
+        return
+    _unregister_sidebar()
+    for panel in _SIDEBAR:
+        panel.bl_category = name or TAB
+    _register_sidebar()
+
+
+def register() -> None:
+    """Register every panel."""
+    _register_properties()
+    _register_sidebar()
+
+
+def unregister() -> None:
+    """Unregister every panel."""
+    _unregister_sidebar()
+    _unregister_properties()

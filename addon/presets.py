@@ -1,0 +1,50 @@
+"""Materials to start from: the measured objects of the paper, and the user's own."""
+
+import bpy
+from bl_operators.presets import AddPresetBase
+from bl_ui.utils import PresetPanel
+
+from ..operators.names import Op
+
+
+class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
+    """List measured objects with their source, then the user's own materials."""
+
+    bl_label = "Materials"
+    preset_subdir = "dimple/material"
+    preset_operator = "script.execute_preset"
+    preset_add_operator = "dimple.material_preset_add"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the measured objects above Blender's own list of presets."""
+        from ..core.material import PRESETS  # not at import: it needs numpy, and enabling must be quick
+
+        column = self.layout.column(align=True)
+        column.label(text="Measured Objects")
+        for preset in PRESETS:
+            column.operator(Op.APPLY_PRESET, text=preset.label, icon="MATERIAL").preset = preset.name
+        self.layout.label(text="My Materials")
+        PresetPanel.draw(self, context)
+
+
+class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):
+    """Keep these constants as a material of your own, or remove one"""
+
+    bl_idname = "dimple.material_preset_add"
+    bl_label = "Add Material Preset"
+    preset_menu = "DIMPLE_PT_material_presets"
+    preset_subdir = "dimple/material"
+    preset_defines = [
+        "material = getattr(bpy.context, 'material', None) or bpy.context.object.active_material",
+        "dimple = material.dimple",
+    ]
+    # the source comes last: the constants before it would mark it as edited
+    preset_values = [
+        f"dimple.{name}"
+        for name in (
+            "K1", "K2", "x0", "k", "mass_from", "density", "mass_kg", "damping_ratio", "friction", "fill", "provenance"
+        )
+    ]  # fmt: skip
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_PT_material_presets, DIMPLE_OT_material_preset_add])

@@ -1,0 +1,220 @@
+"""What Blender stores: the settings of a material, a body, a scene, and the state of the running session.
+
+Operators read these through RNA only (`obj.dimple.to_params()`), so names and units here are the contract.
+Panels show the paper's units (mm, N/mm); `to_params` returns SI. Nothing is animatable: a session reads its
+settings when it starts, and a keyframe that changes nothing would mislead.
+"""
+
+from decimal import Decimal
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+
+_EDITED = "Edited by hand after: "
+
+_MASS_FROM = (
+    ("DENSITY", "Density", "The mass follows from the density and the volume of the body"),
+    ("MASS", "Mass", "The mass of the whole body is given"),
+)
+_FILLS = (
+    ("AIR", "Air", "The air inside is squeezed: it answers by pressure and gives way a little"),
+    ("LIQUID", "Liquid", "The liquid inside keeps its volume: what is pressed in comes out elsewhere"),
+    ("PAPER", "Paper (Eq. 2)", "Pressure as in the paper: force of the fingertips over their contact area"),
+    ("NONE", "None", "An empty skin: no pressure. Open meshes do best with this"),
+)
+_LAW_SETS = (
+    ("CONSISTENT", "Consistent", "All forces come from one energy: they add up to zero and keep the volume"),
+    ("PAPER", "Paper (literal)", "Equations 1 to 10 of the paper to the letter, with their known limits"),
+)
+_HOLDS = (
+    ("BASE", "Base", "The lowest tenth of the body stands fast; a flat sheet is held by its rim"),
+    ("GROUP", "Vertex Group", "The vertices of the pin group stand fast, from weight 0.5 up"),
+    ("FREE", "Free", "Nothing is held: the body can be pushed away, fall and roll"),
+)
+_SIZE_MODES = (
+    ("REAL", "As Modelled", "The body is as large as it is in the scene"),
+    ("CUSTOM", "Stands For", "The body stands for a real object of the given size, whatever its size in the scene"),
+)
+_POKE_ALONG = (
+    ("VIEW", "View", "The fingertip moves away from you, into the screen"),
+    ("NORMAL", "Surface", "The fingertip moves straight into the surface it touched"),
+)
+
+
+def exact(value: float, thousands: int = 0) -> float:
+    """Return a stored 32-bit value as the number typed (0.61, not 0.6100000143) times a power of a thousand."""
+    return float(Decimal(f"{value:.7g}").scaleb(3 * thousands))
+
+
+def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    # constants changed by hand are no longer what the source measured; who applies a preset sets the source last
+    if settings.provenance and not settings.provenance.startswith(_EDITED):
+        settings.provenance = _EDITED + settings.provenance
+
+
+def _is_fingertip(_settings: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
+    return not candidate.dimple.enabled
+
+
+def _stiffness(name: str, default: float, description: str) -> FloatProperty:
+    return FloatProperty(
+        name=name, description=description, default=default, min=0.0, soft_min=0.01, soft_max=100.0,
+        step=10, precision=3, options=set(), update=_mark_edited,
+    )  # fmt: skip
+
+
+class DIMPLE_PG_material(bpy.types.PropertyGroup):
+    """Hold the constants of one material, as measured on a real object."""
+
+    K1: _stiffness("Slope K1 (N/mm)", 0.61, "Force per depth of a press, up to the knee")
+    K2: _stiffness("Slope K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
+    x0: FloatProperty(
+        name="Knee x0 (mm)", description="Depth at which the press becomes harder",
+        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, options=set(), update=_mark_edited,
+    )  # fmt: skip
+    k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the skin against stretching")
+    mass_from: EnumProperty(
+        name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, options=set()
+    )
+    density: FloatProperty(
+        name="Density (kg/m³)", description="Mass per volume of the body; water has 1000",
+        default=100.0, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, options=set(),
+    )  # fmt: skip
+    mass_kg: FloatProperty(
+        name="Mass (kg)", description="Mass of the whole body, were it all of this material",
+        default=0.2, min=0.0, soft_min=0.001, soft_max=100.0, step=1, precision=3, options=set(),
+    )  # fmt: skip
+    damping_ratio: FloatProperty(
+        name="Damping Ratio", description="0 rings for long, 1 comes to rest without swinging past",
+        default=0.2, min=0.0, max=2.0, soft_max=1.0, precision=2, options=set(),
+    )  # fmt: skip
+    friction: FloatProperty(
+        name="Friction", description="How well fingertips and the ground grip the skin; 0 is slippery",
+        default=0.5, min=0.0, soft_max=1.5, precision=2, options=set(),
+    )  # fmt: skip
+    fill: EnumProperty(name="Fill", description="What is inside the skin", items=_FILLS, options=set())
+    provenance: StringProperty(
+        name="Source", description="Where these constants were measured; empty when typed in", options=set()
+    )
+
+    def to_params(self) -> dict[str, float | str]:
+        """Return the keyword arguments of `core.material.Material`, in SI units."""
+        mass = {"density": exact(self.density)} if self.mass_from == "DENSITY" else {"mass": exact(self.mass_kg)}
+        return {
+            "K1": exact(self.K1, 1),  # [N/m]
+            "K2": exact(self.K2, 1),
+            "k": exact(self.k, 1),
+            "x0": exact(self.x0, -1),  # [m]
+            **mass,
+            "damping_ratio": exact(self.damping_ratio),
+            "friction": exact(self.friction),
+            "fill": self.fill.lower(),
+        }
+
+
+class DIMPLE_PG_object(bpy.types.PropertyGroup):
+    """Hold what makes an object a soft body."""
+
+    enabled: BoolProperty(name="Soft Body", description="Let Dimple press this mesh", options=set())
+    law_set: EnumProperty(name="Laws", description="Which equations move the body", items=_LAW_SETS, options=set())
+    hold: EnumProperty(name="Hold", description="Which part of the body stands fast", items=_HOLDS, options=set())
+    pin_group: StringProperty(
+        name="Pin Group", description="Vertex group that stands fast, from weight 0.5 up", options=set()
+    )
+    softness_group: StringProperty(
+        name="Softness Group",
+        description="Vertex group that paints softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer",
+        options=set(),
+    )
+    size_mode: EnumProperty(
+        name="Physical Size", description="How large the real object is", items=_SIZE_MODES, options=set()
+    )
+    size_mm: FloatProperty(
+        name="Size (mm)", description="Largest dimension of the real object",
+        default=165.0, min=0.001, soft_min=1.0, soft_max=5000.0, step=100, precision=1, options=set(),
+    )  # fmt: skip
+
+    def to_params(self) -> dict[str, float | str | None]:
+        """Return law_set, hold, pin_group, softness_group and size: the largest dimension [m], None as modelled."""
+        return {
+            "law_set": self.law_set.lower(),
+            "hold": self.hold.lower(),
+            "pin_group": self.pin_group,
+            "softness_group": self.softness_group,
+            "size": exact(self.size_mm, -1) if self.size_mode == "CUSTOM" else None,
+        }
+
+
+def _finger(number: int) -> PointerProperty:
+    return PointerProperty(
+        name=f"Fingertip {number}", description="Object that presses as a fingertip; it can be keyframed",
+        type=bpy.types.Object, poll=_is_fingertip,
+    )  # fmt: skip
+
+
+class DIMPLE_PG_scene(bpy.types.PropertyGroup):
+    """Hold the fingertips and the surroundings of every session in a scene."""
+
+    finger_radius_mm: FloatProperty(
+        name="Fingertip Radius (mm)", description="Radius of the fingertips, at the physical size of the body",
+        default=10.0, min=0.01, soft_min=1.0, soft_max=100.0, step=10, precision=1, options=set(),
+    )  # fmt: skip
+    active_finger: IntProperty(
+        name="Finger", description="The fingertip the mouse moves", default=1, min=1, max=3, options=set()
+    )
+    finger_1: _finger(1)
+    finger_2: _finger(2)
+    finger_3: _finger(3)
+    poke_along: EnumProperty(
+        name="Poke Along", description="Which way the fingertip goes in", items=_POKE_ALONG, options=set()
+    )
+    use_gravity: BoolProperty(name="Gravity", description="Let the body feel the gravity of the scene", options=set())
+    use_ground: BoolProperty(
+        name="Ground", description="A floor at height 0 of the scene that nothing falls through", options=set()
+    )
+    cache_dir: StringProperty(
+        name="Cache Folder",
+        description="Where recordings go. Empty: beside the .blend file, or Dimple's own folder if it is not saved",
+        subtype="DIR_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+    )  # fmt: skip
+    shape_key_step: IntProperty(
+        name="Every n Frames", description="Make one shape key for this many frames",
+        default=1, min=1, soft_max=25, options=set(),
+    )  # fmt: skip
+    show_overlay: BoolProperty(
+        name="Fingertips and Forces", description="Draw fingertips, forces and numbers in the viewport",
+        default=True, options=set(),
+    )  # fmt: skip
+    show_chart: BoolProperty(
+        name="Chart", description="Draw force against depth, over the measured curve",
+        default=True, options=set(),
+    )  # fmt: skip
+
+
+class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
+    """Hold what is true only now and is never saved."""
+
+    state: StringProperty(name="State", description="What the session is doing", options={"SKIP_SAVE"})
+
+
+_POINTERS = (
+    (bpy.types.Material, DIMPLE_PG_material),
+    (bpy.types.Object, DIMPLE_PG_object),
+    (bpy.types.Scene, DIMPLE_PG_scene),
+    (bpy.types.WindowManager, DIMPLE_PG_window_manager),
+)
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory([group for _, group in _POINTERS])
+
+
+def register() -> None:
+    """Register the groups and hang them on Blender's types as `.dimple`."""
+    _register_classes()
+    for owner, group in _POINTERS:
+        owner.dimple = PointerProperty(type=group, name="Dimple", description="Settings of Dimple")
+
+
+def unregister() -> None:
+    """Take the groups off again."""
+    for owner, _ in reversed(_POINTERS):
+        del owner.dimple
+    _unregister_classes()

@@ -1,0 +1,72 @@
+"""What a session says in numbers, with units: the same words in the sidebar and over the viewport."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from bpy.app.translations import pgettext_iface as iface_
+
+
+def finger_numbers(frame: Any) -> list[tuple[int, float, float, float]]:
+    """Return (number, force [N], depth [mm], force of Eq. (1) [N]) of every fingertip that touches."""
+    forces = [math.hypot(*force) for force in frame.finger_forces]
+    rows = zip(forces, frame.depths, frame.law_forces, strict=False)
+    return [
+        (i, force, float(depth) * 1e3, float(law))
+        for i, (force, depth, law) in enumerate(rows, start=1)
+        if depth > 0 or force > 0
+    ]
+
+
+def volume_change(frame: Any) -> float:
+    """Return the change of volume as a share of the volume at rest; 0 where there is none."""
+    return frame.volume / frame.rest_volume - 1 if frame.rest_volume > 0 else 0.0
+
+
+def rate_hz(frame: Any) -> float:
+    """Return how many ticks a second this computer manages [Hz]; 0 when none was timed."""
+    return frame.steps / frame.cost if frame.cost > 0 else 0.0
+
+
+def rows(frame: Any) -> list[tuple[str, str]]:
+    """Return (label, number with unit) for everything a frame measures, in the language of the interface."""
+    lines = []
+    for number, force, depth, law in finger_numbers(frame):
+        # each value by itself, so that a narrow sidebar does not cut the unit off
+        lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
+        lines.append((iface_("Depth {}").format(number), f"{depth:.2f} mm"))
+        lines.append((iface_("Measured Curve {}").format(number), f"{law:.2f} N"))
+    lines.append((iface_("Pressure"), f"{frame.pressure / 1e3:.3f} kPa"))
+    lines.append((iface_("Volume"), f"{frame.volume * 1e6:.1f} cm³ ({volume_change(frame):+.2%})"))
+    lines.append((iface_("Time"), f"{frame.time:.3f} s"))
+    lines.append((iface_("Rate"), iface_("{:.0f} Hz, {} steps each").format(rate_hz(frame), frame.substeps)))
+    return lines
+
+
+def sentences(notes: Sequence[str], frame: Any | None) -> list[str]:
+    """Return what the artist should know: notes on the mesh, then what happened last."""
+    said = list(notes)
+    if frame is not None and frame.note:
+        said.append(frame.note)
+    return said
+
+
+def wrapped(sentence: str, width: int) -> list[str]:
+    """Break a sentence into lines of at most `width` columns; text without spaces breaks anywhere."""
+    lines, line = [], ""
+    for word in _words(sentence):
+        if line and _columns(line + word.rstrip()) > width:
+            lines.append(line.rstrip())
+            line = ""
+        line += word
+    return [*lines, line.rstrip()]
+
+
+def _words(sentence: str) -> list[str]:
+    words = [word + " " for word in sentence.split()]
+    return [piece for word in words for piece in (word if _columns(word) > len(word) else [word])]
+
+
+def _columns(text: str) -> int:
+    # Japanese letters are two columns wide
+    return sum(2 if ord(letter) > 0x2E7F else 1 for letter in text)

@@ -1,0 +1,77 @@
+"""The overlay's lines as plain numbers: circles, arrows and the chart, without gpu, so that tests can see them."""
+
+import math
+from collections.abc import Sequence
+
+Point = tuple[float, ...]
+Segment = tuple[Point, Point]
+
+CIRCLE_SIDES = 32
+ARROW_PER_NEWTON = 1.0  # [fingertip radii]: long enough to compare two fingers by eye
+ARROW_LONGEST = 6.0  # [fingertip radii]: the number beside it tells the rest
+
+
+def circle(centre: Point, across: Point, up: Point) -> list[Segment]:
+    """Return the sides of a circle spanned by two half axes."""
+    angles = [2 * math.pi * i / CIRCLE_SIDES for i in range(CIRCLE_SIDES + 1)]
+    points = [_add(centre, _scaled(across, math.cos(a)), _scaled(up, math.sin(a))) for a in angles]
+    return list(zip(points, points[1:], strict=False))
+
+
+def sphere(centre: Point, radius: float) -> list[Segment]:
+    """Return three great circles round the axes."""
+    x, y, z = (radius, 0.0, 0.0), (0.0, radius, 0.0), (0.0, 0.0, radius)
+    return [*circle(centre, x, y), *circle(centre, y, z), *circle(centre, z, x)]
+
+
+def arrow(start: Point, force: Point, radius: float) -> list[Segment]:
+    """Return an arrow along a force [N] from a fingertip of a radius in scene units; nothing below 1 mN."""
+    newtons = math.hypot(*force)
+    if newtons < 1e-3:
+        return []
+    along = _scaled(force, 1 / newtons)
+    tip = _add(start, _scaled(along, radius * min(1 + ARROW_PER_NEWTON * newtons, ARROW_LONGEST)))
+    # any direction across will do for the two barbs
+    least = min(range(3), key=lambda axis: abs(along[axis]))
+    across = _cross(along, tuple(float(axis == least) for axis in range(3)))
+    across = _scaled(across, 1 / math.hypot(*across))
+    barbs = [_add(tip, _scaled(along, -0.4 * radius), _scaled(across, side * 0.2 * radius)) for side in (-1, 1)]
+    return [(start, tip), *((tip, barb) for barb in barbs)]
+
+
+def law_curve(K1: float, K2: float, x0: float, deepest: float) -> list[Point]:
+    """Return the corners (depth [m], force [N]) of K(x) up to a depth [m]. Source: Eq. (1)."""
+    if deepest <= x0:
+        return [(0.0, 0.0), (deepest, K1 * deepest)]
+    return [(0.0, 0.0), (x0, K1 * x0), (deepest, K1 * x0 + K2 * (deepest - x0))]
+
+
+def round_up(value: float) -> float:
+    """Return the next of 1, 2, 3, 4, 5, 6, 8, 10, 20... not below a positive value: the end of an axis."""
+    decade = 10.0 ** math.floor(math.log10(value))
+    return next(step * decade for step in (1, 2, 3, 4, 5, 6, 8, 10) if step * decade >= value * (1 - 1e-9))
+
+
+def into_box(points: Sequence[Point], ends: tuple[float, float], corner: Point, size: Point) -> list[Point]:
+    """Map (depth, force) from 0..ends into a box on the screen; what lies outside is drawn on its edge."""
+    return [
+        tuple(c + s * min(max(value / end, 0.0), 1.0) for value, end, c, s in zip(p, ends, corner, size, strict=True))
+        for p in points
+    ]
+
+
+def chained(points: Sequence[Point]) -> list[Segment]:
+    """Return the lines between neighbouring points."""
+    return list(zip(points, points[1:], strict=False))
+
+
+def _add(*points: Point) -> Point:
+    return tuple(map(sum, zip(*points, strict=True)))
+
+
+def _scaled(point: Point, factor: float) -> Point:
+    return tuple(factor * value for value in point)
+
+
+def _cross(a: Point, b: Point) -> Point:
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

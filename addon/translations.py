@@ -1,0 +1,197 @@
+"""The interface in Japanese. A test walks every label and description of ours and misses none."""
+
+import bpy
+
+# the label of an operator and of its button is looked up in a context of its own
+OPERATORS = {
+    "Poke": "押す",
+    "Play": "再生",
+    "Pause": "一時停止",
+    "Reset": "元の形に戻す",
+    "Record": "記録",
+    "Stop Recording": "記録を停止",
+    "Bake": "ベイク",
+    "Bake to Mesh Cache": "メッシュキャッシュにベイク",
+    "Bake to Shape Keys": "シェイプキーにベイク",
+    "Unbake": "ベイクを取り消す",
+    "Apply Preset": "プリセットを適用",
+    "Add Fingertip": "指先を追加",
+    "Add Material Preset": "マテリアルプリセットを追加",
+    "Nylon cube, air, 50 mm": "ナイロンの立方体、空気、50 mm",
+    "Vinyl cube, air, 165 mm": "ビニールの立方体、空気、165 mm",
+    "Vinyl cube, water, 165 mm": "ビニールの立方体、水、165 mm",
+}
+
+MATERIAL = {
+    "Slope K1 (N/mm)": "傾き K1 (N/mm)",
+    "Force per depth of a press, up to the knee": "折れ点までの、押し込み深さあたりの力",
+    "Slope K2 (N/mm)": "傾き K2 (N/mm)",
+    "Force per depth of a press, beyond the knee": "折れ点を越えた後の、押し込み深さあたりの力",
+    "Knee x0 (mm)": "折れ点 x0 (mm)",
+    "Depth at which the press becomes harder": "押し込みが硬くなり始める深さ",
+    "Surface Spring k (N/mm)": "表面のばね定数 k (N/mm)",
+    "Stiffness of the skin against stretching": "表面の伸びに対する硬さ",
+    "Mass From": "質量の与え方",
+    "How the mass of the body is given": "物体の質量をどのように与えるか",
+    "Density": "密度",
+    "The mass follows from the density and the volume of the body": "密度と物体の体積から質量を求めます",
+    "Mass": "質量",
+    "The mass of the whole body is given": "物体全体の質量を与えます",
+    "Density (kg/m³)": "密度 (kg/m³)",
+    "Mass per volume of the body; water has 1000": "物体の体積あたりの質量。水は 1000 です",
+    "Mass (kg)": "質量 (kg)",
+    "Mass of the whole body, were it all of this material": "全体がこの材質でできているとしたときの物体の質量",
+    "Damping Ratio": "減衰比",
+    "0 rings for long, 1 comes to rest without swinging past": "0 は長く揺れ続け、1 は行き過ぎずに静止します",
+    "Friction": "摩擦係数",
+    "How well fingertips and the ground grip the skin; 0 is slippery": "指先や地面が表面をつかむ強さ。0 は滑ります",
+    "Fill": "中身",
+    "What is inside the skin": "表面の内側にあるもの",
+    "Air": "空気",
+    "The air inside is squeezed: it answers by pressure and gives way a little": (
+        "中の空気が縮みます。圧力で押し返し、少し体積が減ります"
+    ),
+    "Liquid": "液体",
+    "The liquid inside keeps its volume: what is pressed in comes out elsewhere": (
+        "中の液体は体積を保ちます。押し込んだ分だけ別の場所が膨らみます"
+    ),
+    "Paper (Eq. 2)": "論文 (式 2)",
+    "Pressure as in the paper: force of the fingertips over their contact area": (
+        "論文どおりの圧力。指先の力を接触面積で割ります"
+    ),
+    "None": "なし",
+    "An empty skin: no pressure. Open meshes do best with this": (
+        "中が空の表面で、圧力はありません。開いたメッシュに適しています"
+    ),
+    "Source": "出典",
+    "Where these constants were measured; empty when typed in": (
+        "この定数をどこで測定したか。手で入力した場合は空です"
+    ),
+}
+
+BODY = {
+    "Dimple": "Dimple",
+    "Settings of Dimple": "Dimple の設定",
+    "Soft Body": "柔らかい物体",
+    "Let Dimple press this mesh": "このメッシュを Dimple で押せるようにします",
+    "Laws": "力学の法則",
+    "Which equations move the body": "物体を動かす方程式",
+    "Consistent": "整合的",
+    "All forces come from one energy: they add up to zero and keep the volume": (
+        "すべての力を一つのエネルギーから導きます。力の総和はゼロになり、体積が保たれます"
+    ),
+    "Paper (literal)": "論文 (そのまま)",
+    "Equations 1 to 10 of the paper to the letter, with their known limits": (
+        "論文の式 1 から 10 をそのまま使います。既知の限界もそのままです"
+    ),
+    "Hold": "固定",
+    "Which part of the body stands fast": "物体のどこを固定するか",
+    "Base": "底",
+    "The lowest tenth of the body stands fast; a flat sheet is held by its rim": (
+        "物体の下から一割を固定します。平らなシートは縁を固定します"
+    ),
+    "Vertex Group": "頂点グループ",
+    "The vertices of the pin group stand fast, from weight 0.5 up": "固定グループのウェイト 0.5 以上の頂点を固定します",
+    "Free": "自由",
+    "Nothing is held: the body can be pushed away, fall and roll": (
+        "どこも固定しません。物体は押されて動き、落ち、転がります"
+    ),
+    "Pin Group": "固定グループ",
+    "Vertex group that stands fast, from weight 0.5 up": "固定する頂点グループ。ウェイト 0.5 以上を固定します",
+    "Softness Group": "柔らかさグループ",
+    "Vertex group that paints softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer": (
+        "柔らかさを塗る頂点グループ。0.5 は測定値のまま、1 は 4 倍柔らかく、0 は 4 倍硬くなります"
+    ),
+    "Physical Size": "実物の大きさ",
+    "How large the real object is": "実物がどれだけ大きいか",
+    "As Modelled": "モデルのまま",
+    "The body is as large as it is in the scene": "シーンでの大きさをそのまま実物の大きさとします",
+    "Stands For": "指定する",
+    "The body stands for a real object of the given size, whatever its size in the scene": (
+        "シーンでの大きさにかかわらず、指定した大きさの実物を表します"
+    ),
+    "Size (mm)": "大きさ (mm)",
+    "Largest dimension of the real object": "実物の最も長い寸法",
+    "Dimple presses meshes. Convert this object: Object > Convert > Mesh.": (
+        "Dimple が押せるのはメッシュです。オブジェクト > 変換 > メッシュ で変換してください。"
+    ),
+}
+
+SESSION = {
+    "Fingertip 1": "指先 1",
+    "Fingertip 2": "指先 2",
+    "Fingertip 3": "指先 3",
+    "Object that presses as a fingertip; it can be keyframed": ("指先として押すオブジェクト。キーフレームで動かせます"),
+    "Fingertip Radius (mm)": "指先の半径 (mm)",
+    "Radius of the fingertips, at the physical size of the body": "物体の実物の大きさでの、指先の半径",
+    "Finger": "指",
+    "The fingertip the mouse moves": "マウスで動かす指先",
+    "Poke Along": "押す向き",
+    "Which way the fingertip goes in": "指先を押し込む向き",
+    "View": "視線",
+    "The fingertip moves away from you, into the screen": "指先は手前から奥へ、画面の中へ進みます",
+    "Surface": "面",
+    "The fingertip moves straight into the surface it touched": "指先は触れた面にまっすぐ入ります",
+    "Gravity": "重力",
+    "Let the body feel the gravity of the scene": "シーンの重力を物体に加えます",
+    "Ground": "地面",
+    "A floor at height 0 of the scene that nothing falls through": "シーンの高さ 0 にある、何も通り抜けない床",
+    "Cache Folder": "キャッシュフォルダー",
+    "Where recordings go. Empty: beside the .blend file, or Dimple's own folder if it is not saved": (
+        "記録の保存先。空なら .blend ファイルの隣、未保存なら Dimple 自身のフォルダー"
+    ),
+    "Every n Frames": "フレーム間隔",
+    "Make one shape key for this many frames": "このフレーム数ごとにシェイプキーを一つ作ります",
+    "Fingertips and Forces": "指先と力",
+    "Draw fingertips, forces and numbers in the viewport": "指先、力、数値をビューポートに描きます",
+    "Chart": "グラフ",
+    "Draw force against depth, over the measured curve": "深さに対する力を、測定曲線に重ねて描きます",
+    "State": "状態",
+    "What the session is doing": "セッションが今していること",
+    "Sidebar Tab": "サイドバーのタブ",
+    "Name of the tab in the sidebar of the 3D viewport": "3D ビューポートのサイドバーに出るタブの名前",
+    "Default Cache Folder": "既定のキャッシュフォルダー",
+    "Where recordings go when neither the scene names a folder nor the file is saved. Empty: Dimple's own folder": (
+        "シーンにフォルダーの指定がなく、ファイルも未保存のときの記録の保存先。空なら Dimple 自身のフォルダー"
+    ),
+}
+
+PANELS = {
+    "Materials": "マテリアル",
+    "Measured Objects": "測定した物体",
+    "My Materials": "自分のマテリアル",
+    "Measured": "測定値",
+    "Fingertips": "指先",
+    "Surroundings and Display": "周囲と表示",
+    "World": "周囲",
+    "Show": "表示",
+    "Select a mesh to press it.": "押したいメッシュを選択してください。",
+    "Nothing is being pressed": "何も押していません",
+    "Press a soft body with a fingertip and see how it answers": "柔らかい物体を指先で押し、その応答を見ます",
+    "Keep these constants as a material of your own, or remove one": (
+        "これらの定数を自分のマテリアルとして保存、または削除します"
+    ),
+    "Force {}": "力 {}",
+    "Depth {}": "深さ {}",
+    "Measured Curve {}": "測定曲線 {}",
+    "Pressure": "圧力",
+    "Volume": "体積",
+    "Time": "時間",
+    "Rate": "計算速度",
+    "{:.0f} Hz, {} steps each": "{:.0f} Hz、各 {} ステップ",
+}
+
+JAPANESE = {
+    **{("Operator", english): text for english, text in OPERATORS.items()},
+    **{("*", english): text for part in (OPERATORS, MATERIAL, BODY, SESSION, PANELS) for english, text in part.items()},
+}
+
+
+def register() -> None:
+    """Hand the dictionary to Blender."""
+    bpy.app.translations.register(__package__, {"ja_JP": JAPANESE})
+
+
+def unregister() -> None:
+    """Take the dictionary back."""
+    bpy.app.translations.unregister(__package__)

@@ -1,0 +1,135 @@
+"""What is drawn over the viewport says what the frame says, and nothing when nothing runs."""
+
+import math
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+
+SIZE = (640, 400)
+
+
+@pytest.fixture
+def overlay(bpy: ModuleType) -> ModuleType:
+    from bl_ext.user_default.dimple.addon import overlay
+
+    return overlay
+
+
+@pytest.fixture
+def shapes(bpy: ModuleType) -> ModuleType:
+    from bl_ext.user_default.dimple.addon import shapes
+
+    return shapes
+
+
+@pytest.fixture
+def entry(bpy: ModuleType) -> Any:
+    """A session as the overlay sees it: a fingertip 12 mm in a body that is twelve times as large in the scene."""
+    from bl_ext.user_default.dimple.core.material import PRESETS
+    from bl_ext.user_default.dimple.core.session import Finger
+
+    material = PRESETS[1].material
+    frame = SimpleNamespace(
+        finger_forces=[(0.0, 0.0, 7.4)], law_forces=[7.32], depths=[0.012], pressure=812.0, time=1.25,
+        volume=0.0044, rest_volume=0.0045, substeps=12, steps=33, cost=0.011, note="",
+    )  # fmt: skip
+    trail = [(i * 1e-3, material.law(i * 1e-3) * 1.02) for i in range(13)]
+    return SimpleNamespace(
+        name="Ball", frame=frame, trail=trail, fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
+        session=SimpleNamespace(model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))),
+        to_world=lambda point: tuple(12 * c for c in point),
+    )  # fmt: skip
+
+
+def test_without_a_session_nothing_is_drawn_and_gpu_is_not_asked(overlay: ModuleType) -> None:
+    overlay.draw_bodies()
+    overlay.draw_numbers()
+
+
+def test_the_read_out_carries_every_number_with_its_unit(entry: Any) -> None:
+    from bl_ext.user_default.dimple.addon import readout
+
+    assert readout.rows(entry.frame) == [
+        ("Force 1", "7.40 N"), ("Depth 1", "12.00 mm"), ("Measured Curve 1", "7.32 N"), ("Pressure", "0.812 kPa"),
+        ("Volume", "4400.0 cm³ (-2.22%)"), ("Time", "1.250 s"), ("Rate", "3000 Hz, 12 steps each"),
+    ]  # fmt: skip
+
+
+def test_a_frame_at_rest_has_no_numbers_to_divide_by(entry: Any) -> None:
+    from bl_ext.user_default.dimple.addon import readout
+
+    rest = SimpleNamespace(
+        **{**vars(entry.frame), "cost": 0.0, "rest_volume": 0.0, "depths": [0.0], "finger_forces": []}
+    )
+    assert readout.rate_hz(rest) == 0 and readout.volume_change(rest) == 0
+    assert [label for label, _ in readout.rows(rest)] == ["Pressure", "Volume", "Time", "Rate"]
+
+
+def test_the_curve_behind_the_chart_is_the_law_of_the_core(shapes: ModuleType, entry: Any) -> None:
+    material = entry.session.model.materials[0]
+    for deepest in (0.5 * material.x0, material.x0, 3 * material.x0):
+        for depth, force in shapes.law_curve(material.K1, material.K2, material.x0, deepest):
+            assert force == pytest.approx(material.law(depth), abs=1e-12)
+
+
+def test_an_arrow_points_along_the_force_and_a_stronger_one_is_longer(shapes: ModuleType) -> None:
+    assert shapes.arrow((0, 0, 0), (0, 0, 0), 1) == []
+    lengths = []
+    for newtons in (0.5, 1.0, 4.0, 1e9):
+        start, tip = shapes.arrow((1.0, 2.0, 3.0), (0.0, -newtons, 0.0), 0.1)[0]
+        assert start == (1.0, 2.0, 3.0) and tip[0] == 1.0 and tip[2] == 3.0
+        lengths.append(start[1] - tip[1])
+    assert lengths == sorted(lengths) and lengths[-1] < 1
+
+
+def test_a_fingertip_is_drawn_as_large_as_it_is(shapes: ModuleType, overlay: ModuleType, entry: Any) -> None:
+    centre, radius = overlay._in_scene(entry, entry.fingers[0])
+    assert radius == pytest.approx(0.12) and centre == pytest.approx((0, 0, 0.6))
+    for line in shapes.sphere(centre, radius):
+        for point in line:
+            assert math.dist(point, centre) == pytest.approx(radius)
+
+
+def test_an_axis_ends_at_a_round_number(shapes: ModuleType) -> None:
+    ends = {0.0163: 0.02, 0.02: 0.02, 0.0201: 0.03, 7.4: 8.0, 10.0: 10.0, 11.0: 20.0}
+    assert {value: pytest.approx(shapes.round_up(value)) for value in ends} == ends
+
+
+def test_the_chart_the_numbers_and_the_fingertip_leave_their_colours(
+    overlay: ModuleType, entry: Any, bpy: ModuleType
+) -> None:
+    import gpu
+
+    if not hasattr(gpu, "init"):
+        pytest.skip("this Blender cannot draw without a window; 5.2 can")
+    gpu.init()
+    picture = drawn(overlay, entry)
+    for colour in (overlay.FINGERTIP, overlay.FORCE, overlay.LAW, overlay.TEXT):
+        seen = abs(picture[:, :, :3] / 255.0 - colour[:3]).max(axis=2) < 0.12
+        assert seen.sum() > 20, colour
+
+
+def drawn(overlay: ModuleType, entry: Any) -> Any:
+    """Draw everything into a picture (height, width, 4) of bytes."""
+    import gpu
+    import numpy as np
+    from mathutils import Matrix
+
+    region = SimpleNamespace(width=SIZE[0], height=SIZE[1])
+    target = gpu.types.GPUOffScreen(*SIZE)
+    with target.bind(), gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+        buffer = gpu.state.active_framebuffer_get()
+        buffer.clear(color=(0.2, 0.2, 0.2, 1.0))
+        gpu.matrix.load_matrix(Matrix.Rotation(math.radians(-70), 4, "X"))
+        gpu.matrix.load_projection_matrix(Matrix.Diagonal((1 / 1.6, 1, 0.1, 1)))
+        overlay.draw_fingers(entry, region)
+        gpu.matrix.load_matrix(Matrix.Identity(4))
+        to_screen = Matrix.Translation((-1, -1, 0)) @ Matrix.Diagonal((2 / SIZE[0], 2 / SIZE[1], 0.1, 1))
+        gpu.matrix.load_projection_matrix(to_screen)
+        end = overlay.draw_chart(entry, (20.0, 20.0), 1.0, region)
+        overlay.draw_rows(entry, (20.0, end + 16), 1.0)
+        pixels = buffer.read_color(0, 0, *SIZE, 4, 0, "UBYTE")
+    target.free()
+    pixels.dimensions = SIZE[0] * SIZE[1] * 4
+    return np.array(pixels, np.uint8).reshape(SIZE[1], SIZE[0], 4)

@@ -1,0 +1,134 @@
+"""The panels draw with what this Blender has: every property, operator and icon they name exists."""
+
+from collections.abc import Iterator
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+
+
+class Layout:
+    """Stand in for a panel's layout, which background Blender does not have; note what is drawn."""
+
+    def __init__(self, bpy: ModuleType, drawn: list[str]) -> None:
+        self.__dict__.update(bpy=bpy, drawn=drawn)
+        self.__dict__["icons"] = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
+
+    def note(self, text: str, options: dict[str, Any]) -> None:
+        assert options.get("icon", "NONE") in self.icons
+        accepted = {"text", "icon", "translate", "slider", "depress", "heading", "align", "factor"}
+        assert options.keys() <= accepted, options
+        self.drawn.append(text)
+
+    def row(self, **options: Any) -> "Layout":
+        self.note("", options)
+        return self
+
+    column = box = split = row
+
+    def label(self, **options: Any) -> None:
+        self.note(options["text"], options)
+
+    def prop(self, data: Any, name: str, **options: Any) -> None:
+        assert name in data.bl_rna.properties, name
+        self.note(f"{data.bl_rna.identifier}.{name}", options)
+
+    def prop_search(self, data: Any, name: str, source: Any, among: str, **options: Any) -> None:
+        assert among in source.bl_rna.properties
+        self.prop(data, name, **options)
+
+    def operator(self, idname: str, **options: Any) -> Any:
+        module, _, name = idname.partition(".")
+        kind = getattr(getattr(self.bpy.ops, module), name).get_rna_type()
+        self.note(idname, options)
+        button = SimpleNamespace()
+        self.drawn.append(button)  # its properties are set after this returns
+        button.allowed = set(kind.properties.keys())
+        return button
+
+    def popover(self, **options: Any) -> None:
+        assert hasattr(self.bpy.types, options["panel"])
+
+
+def panels(bpy: ModuleType) -> Iterator[type]:
+    for name in dir(bpy.types):
+        if name.startswith("DIMPLE_PT_") and name != "DIMPLE_PT_material_presets":
+            yield getattr(bpy.types, name)
+
+
+def draw(bpy: ModuleType, panel: type, **context: Any) -> list[str]:
+    """Draw a panel and return what it shows."""
+    here = {"scene": bpy.context.scene, "window_manager": bpy.context.window_manager, "object": None, "material": None}
+    shown = SimpleNamespace(**{**here, **context})
+    drawn: list[Any] = []
+    this = SimpleNamespace(layout=Layout(bpy, drawn))
+    if hasattr(panel, "poll") and not panel.poll(shown):
+        return []
+    for name in ("draw_header", "draw_header_preset", "draw"):
+        if name in panel.__dict__:
+            panel.__dict__[name](this, shown)
+    for button in (each for each in drawn if isinstance(each, SimpleNamespace)):
+        assert set(vars(button)) - {"allowed"} <= button.allowed
+    return [each for each in drawn if isinstance(each, str)]
+
+
+@pytest.fixture
+def body(empty_file: ModuleType) -> Any:
+    """A cube with a material."""
+    bpy = empty_file
+    bpy.ops.mesh.primitive_cube_add()
+    made = bpy.context.object
+    made.data.materials.append(bpy.data.materials.new("Skin"))
+    return made
+
+
+def test_every_panel_draws_on_a_mesh_on_nothing_and_on_a_curve(bpy: ModuleType, body: Any) -> None:
+    curve = bpy.data.objects.new("Curve", bpy.data.curves.new("Curve", "CURVE"))
+    found = list(panels(bpy))
+    assert len(found) >= 7
+    for panel in found:
+        for context in ({}, {"object": body, "material": body.active_material}, {"object": curve}):
+            draw(bpy, panel, **context)
+
+
+def test_a_wrong_constant_is_told_under_the_constants(bpy: ModuleType, body: Any) -> None:
+    material = body.active_material
+    before = draw(bpy, bpy.types.DIMPLE_PT_material, material=material)
+    material.dimple.k = 0.0
+    after = " ".join(draw(bpy, bpy.types.DIMPLE_PT_material, material=material))
+    assert "greater than 0" not in " ".join(before)
+    assert "k must be greater than 0 N/mm" in after
+
+
+def test_a_running_session_shows_force_depth_pressure_and_volume_with_units(bpy: ModuleType, body: Any) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    entry, _ = sessions.start(body, bpy.context)
+    try:
+        from bl_ext.user_default.dimple.core.session import Finger
+
+        entry.session.set_fingers([Finger((0.0, 0.0, 1.0), 0.01)])
+        entry.session.step(0.01)
+        rows = " ".join(draw(bpy, bpy.types.DIMPLE_PT_readout, object=body))
+        for unit in (" N", " mm", " kPa", " cm³", " Hz"):
+            assert unit in rows, rows
+    finally:
+        sessions.stop_all()
+    assert "Nothing is being pressed" in draw(bpy, bpy.types.DIMPLE_PT_readout, object=body)
+
+
+def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    from bl_ext.user_default.dimple.core.material import PRESETS
+
+    monkeypatch.setattr("bl_ui.utils.PresetPanel.draw", lambda this, _context: this.layout.label(text="own"))
+    drawn = draw(bpy, bpy.types.DIMPLE_PT_material_presets)
+    assert drawn.count("dimple.apply_preset") == len(PRESETS)
+    assert drawn[-1] == "own"
+
+
+def test_sentences_are_broken_where_a_sidebar_ends(bpy: ModuleType) -> None:
+    from bl_ext.user_default.dimple.addon.readout import wrapped
+
+    assert wrapped("The body is held by its rim", 12) == ["The body is", "held by its", "rim"]
+    assert wrapped("押したいメッシュ", 8) == ["押したい", "メッシュ"]
+    assert wrapped("", 8) == [""]

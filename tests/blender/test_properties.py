@@ -1,0 +1,175 @@
+"""What Blender stores means what its label says: units, defaults, several materials, the file."""
+
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+ROOT = "bl_ext.user_default.dimple"
+
+
+@pytest.fixture
+def material(empty_file: ModuleType) -> Any:
+    """The settings of a new material."""
+    return empty_file.data.materials.new("Skin").dimple
+
+
+def core(name: str) -> ModuleType:
+    import importlib
+
+    return importlib.import_module(f"{ROOT}.core.{name}")
+
+
+def apply(settings: Any, preset: Any) -> None:
+    """Type the constants of a preset in, as the paper prints them."""
+    measured = preset.material
+    settings.K1, settings.K2, settings.k = measured.K1 / 1e3, measured.K2 / 1e3, measured.k / 1e3
+    settings.x0, settings.fill = measured.x0 * 1e3, measured.fill.upper()
+    settings.mass_from = "MASS" if measured.density is None else "DENSITY"
+    settings.mass_kg, settings.density = measured.mass or 1.0, measured.density or 1.0
+
+
+def test_a_new_material_is_the_second_object_of_the_paper(material: Any) -> None:
+    assert material.to_params() == {
+        "K1": 610.0, "K2": 7230.0, "k": 9200.0, "x0": 0.0163, "density": 100.0,
+        "damping_ratio": 0.2, "friction": 0.5, "fill": "air",
+    }  # fmt: skip
+    assert material.provenance == ""
+
+
+def test_a_new_object_is_switched_off_and_as_large_as_it_is_modelled(empty_file: ModuleType) -> None:
+    body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
+    assert not body.dimple.enabled
+    assert body.dimple.to_params() == {
+        "law_set": "consistent", "hold": "base", "pin_group": "", "softness_group": "", "size": None
+    }  # fmt: skip
+    body.dimple.size_mode = "CUSTOM"
+    assert body.dimple.to_params()["size"] == 0.165
+
+
+def test_what_is_typed_is_what_is_computed(material: Any) -> None:
+    """Blender stores 32 bits: 0.59 comes back as 0.5899999737."""
+    for number in (0.59, 2.24, 54.8, 9.13, 0.001, 1234.567):
+        material.K1 = number
+        assert material.to_params()["K1"] == pytest.approx(number * 1e3, rel=1e-15)
+
+
+@pytest.mark.parametrize("which", range(3))
+def test_every_preset_survives_the_panel_unchanged(material: Any, which: int) -> None:
+    preset = core("material").PRESETS[which]
+    apply(material, preset)
+    stored = core("material").Material(**material.to_params())
+    for name in ("K1", "K2", "k", "x0", "mass", "density", "fill"):
+        assert getattr(stored, name) == getattr(preset.material, name), name
+
+
+def test_the_mass_is_given_once(material: Any) -> None:
+    assert "mass" not in material.to_params()
+    material.mass_from = "MASS"
+    assert material.to_params()["mass"] == 0.2
+    assert "density" not in material.to_params()
+
+
+def test_several_materials_on_one_mesh_keep_their_own_constants(empty_file: ModuleType) -> None:
+    mesh = empty_file.data.meshes.new("Body")
+    for name, stiffness in (("soft", 1.0), ("stiff", 50.0)):
+        mesh.materials.append(empty_file.data.materials.new(name))
+        mesh.materials[-1].dimple.k = stiffness
+    assert [slot.dimple.to_params()["k"] for slot in mesh.materials] == [1e3, 50e3]
+
+
+def test_every_fill_and_law_set_is_one_the_core_knows(empty_file: ModuleType, material: Any) -> None:
+    fills = [item.identifier.lower() for item in material.bl_rna.properties["fill"].enum_items]
+    assert tuple(fills) == core("material").FILLS
+    body = empty_file.data.objects.new("Body", None)
+    laws = [item.identifier.lower() for item in body.dimple.bl_rna.properties["law_set"].enum_items]
+    assert tuple(laws) == core("model").LAW_SETS
+
+
+@pytest.mark.parametrize("name", ["K1", "K2", "k", "x0", "density"])
+def test_a_constant_of_zero_is_told_in_the_panel_and_a_negative_one_cannot_be_typed(material: Any, name: str) -> None:
+    from bl_ext.user_default.dimple.addon import panels
+
+    assert panels.wrong_with(material) == []
+    setattr(material, name, -1.0)
+    assert getattr(material, name) == 0.0
+    (sentence,) = panels.wrong_with(material)
+    assert "greater than 0" in sentence
+
+
+def test_constants_changed_by_hand_no_longer_pass_for_measured(material: Any) -> None:
+    material.provenance = "Table 2"
+    material.friction = 0.9
+    assert material.provenance == "Table 2"
+    material.K1 = 5.0
+    material.K2 = 6.0
+    assert material.provenance == "Edited by hand after: Table 2"
+
+
+def test_a_soft_body_is_not_offered_as_a_fingertip(empty_file: ModuleType) -> None:
+    scene = empty_file.context.scene
+    for slot in ("finger_1", "finger_2", "finger_3"):
+        setattr(scene.dimple, slot, empty_file.data.objects.new("Tip", None))
+    assert len({scene.dimple.finger_1, scene.dimple.finger_2, scene.dimple.finger_3}) == 3
+    from bl_ext.user_default.dimple.addon import properties
+
+    body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
+    assert properties._is_fingertip(scene.dimple, body)
+    body.dimple.enabled = True
+    assert not properties._is_fingertip(scene.dimple, body)
+
+
+def test_settings_are_kept_in_the_file_and_the_state_is_not(empty_file: ModuleType, tmp_path: Path) -> None:
+    body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
+    empty_file.context.collection.objects.link(body)
+    body.data.materials.append(empty_file.data.materials.new("Skin"))
+    body.dimple.enabled, body.dimple.pin_group = True, "Neck"
+    body.data.materials[0].dimple.x0 = 36.3
+    empty_file.context.scene.dimple.finger_1 = body
+    empty_file.context.window_manager.dimple.state = "Running"
+    path = str(tmp_path / "kept.blend")
+    empty_file.ops.wm.save_as_mainfile(filepath=path)
+    empty_file.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    empty_file.ops.wm.open_mainfile(filepath=path)
+    body = empty_file.data.objects["Body"]
+    assert body.dimple.enabled and body.dimple.pin_group == "Neck"
+    assert body.data.materials[0].dimple.to_params()["x0"] == 0.0363
+    assert empty_file.context.scene.dimple.finger_1 == body
+
+
+def test_the_sidebar_moves_to_the_tab_the_preferences_name(bpy: ModuleType) -> None:
+    chosen = bpy.context.preferences.addons[ROOT].preferences
+    sidebar = [name for name in dir(bpy.types) if name.startswith("DIMPLE_PT_")]
+    try:
+        chosen.tab_name = "Soft"
+        tabs = {
+            getattr(bpy.types, name).bl_category for name in sidebar if hasattr(getattr(bpy.types, name), "bl_category")
+        }
+        assert tabs == {"Soft"}
+        chosen.tab_name = ""
+        assert bpy.types.DIMPLE_PT_session.bl_category == "Dimple"
+    finally:
+        chosen.tab_name = "Dimple"
+
+
+def test_a_material_of_ones_own_is_kept_and_found_again(
+    empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bpy = empty_file
+    # Blender gives the popover the name of the preset that was chosen last
+    monkeypatch.setattr(bpy.types.DIMPLE_PT_material_presets, "bl_label", "Materials")
+    body = bpy.data.objects.new("Body", bpy.data.meshes.new("Body"))
+    bpy.context.collection.objects.link(body)
+    bpy.context.view_layer.objects.active = body
+    body.data.materials.append(bpy.data.materials.new("Mine"))
+    body.active_material.dimple.K1 = 3.25
+    body.active_material.dimple.provenance = "My kitchen scales"
+    assert bpy.ops.dimple.material_preset_add(name="Kitchen Sponge") == {"FINISHED"}
+    body.active_material.dimple.K1 = 1.0
+    body.active_material.dimple.provenance = ""
+    (path,) = Path(bpy.utils.user_resource("SCRIPTS", path="presets/dimple/material")).glob("*.py")
+    assert bpy.ops.script.execute_preset(filepath=str(path), menu_idname="DIMPLE_PT_material_presets") == {"FINISHED"}
+    assert body.active_material.dimple.K1 == 3.25
+    assert body.active_material.dimple.provenance == "My kitchen scales"
+    path.unlink()

@@ -1,0 +1,107 @@
+"""Everything an artist reads on Dimple's buttons exists in Japanese, and nothing is translated that is not there."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+EXTENSION = "bl_ext.user_default.dimple"
+BASES = ("Panel", "Menu", "Operator", "PropertyGroup", "AddonPreferences")
+# whatever Blender gives to a class of ours is translated by Blender: the name of a preset operator's preset
+BLENDERS_OWN = {"rna_type", "name", "remove_name", "remove_active"}
+
+
+def classes(bpy: ModuleType) -> Iterator[type]:
+    def below(base: type) -> Iterator[type]:
+        for child in base.__subclasses__():
+            yield child
+            yield from below(child)
+
+    for base in BASES:
+        for cls in below(getattr(bpy.types, base)):
+            if cls.__module__.startswith(EXTENSION) and cls.is_registered:
+                yield cls
+
+
+def texts_of_property(each: Any) -> Iterator[str]:
+    yield from (each.name, each.description)
+    if each.type == "ENUM":
+        yield from (text for item in each.enum_items_static for text in (item.name, item.description))
+
+
+def texts(bpy: ModuleType) -> Iterator[tuple[str, str]]:
+    """Yield context and text of every label and description that Blender knows from our classes."""
+    for cls in classes(bpy):
+        if issubclass(cls, bpy.types.Operator):
+            yield "Operator", cls.bl_label
+            yield "*", getattr(cls, "bl_description", None) or cls.__doc__ or ""
+        elif hasattr(cls, "bl_label"):
+            yield "*", cls.bl_label
+        own = {name for parent in cls.__mro__ for name in parent.__dict__.get("__annotations__", {})}
+        for each in cls.bl_rna.properties:
+            if each.identifier in own - BLENDERS_OWN:
+                yield from (("*", text) for text in texts_of_property(each))
+    from bl_ext.user_default.dimple.addon.tool import DIMPLE_WT_poke
+
+    yield "*", DIMPLE_WT_poke.bl_label
+    yield "*", DIMPLE_WT_poke.bl_description
+
+
+def drawn_texts() -> Iterator[str]:
+    """Yield the words that our drawing code writes: text=..., heading=..., iface_(...), draw_notes(...)."""
+    import bl_ext.user_default.dimple.addon as addon
+
+    for path in Path(addon.__file__).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if not isinstance(node, ast.Call):
+                continue
+            written = [each.value for each in node.keywords if each.arg in ("text", "heading")]
+            if getattr(node.func, "id", "") == "iface_":
+                written += node.args
+            if getattr(node.func, "id", "") == "draw_notes":
+                written += [each for each in node.args if isinstance(each, ast.List)]
+            for expression in written:
+                yield from (
+                    part.value
+                    for part in ast.walk(expression)
+                    if isinstance(part, ast.Constant) and isinstance(part.value, str)
+                )
+
+
+@pytest.fixture
+def japanese(bpy: ModuleType) -> dict[tuple[str, str], str]:
+    from bl_ext.user_default.dimple.addon.translations import JAPANESE
+
+    return JAPANESE
+
+
+def test_every_label_and_description_is_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
+    wanted = {(context, text) for context, text in texts(bpy) if text}
+    assert len(wanted) > 100
+    assert sorted(wanted - japanese.keys()) == []
+
+
+def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
+    from bl_ext.user_default.dimple.core.material import PRESETS
+
+    wanted = {text for text in [*drawn_texts(), *(preset.label for preset in PRESETS)] if text}
+    assert {"Measured Objects", "Pause", "Force {}"} <= wanted
+    assert sorted(wanted - {text for _, text in japanese}) == []
+
+
+def test_no_translation_is_left_over(bpy: ModuleType, japanese: dict) -> None:
+    from bl_ext.user_default.dimple.core.material import PRESETS
+
+    used = {text for _, text in texts(bpy)} | {*drawn_texts(), *(preset.label for preset in PRESETS)}
+    assert sorted({text for _, text in japanese} - used - {"Dimple", "Settings of Dimple"}) == []
+
+
+def test_a_translation_keeps_numbers_units_and_places(japanese: dict) -> None:
+    """What stands in brackets is a unit, and {} is where a number goes."""
+    for (_, english), text in japanese.items():
+        for part in ("{}", "(N/mm)", "(mm)", "(kg)", "(kg/m³)"):
+            assert (part in english) == (part in text), english
+        assert text == text.strip() and text
