@@ -50,9 +50,9 @@ def live(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> set[object]:
     """What cannot be listed in Blender: the draw callbacks and timers added from here on and not removed."""
     held: set[object] = set()
     for name in dir(bpy.types):
-        space = getattr(bpy.types, name)
-        if name.startswith("Space") and hasattr(space, "draw_handler_add"):
-            watch(monkeypatch, held, space, "draw_handler_add", "draw_handler_remove")
+        kind = getattr(bpy.types, name)
+        if isinstance(kind, type) and bpy.types.Space in kind.__mro__[1:]:
+            watch(monkeypatch, held, kind, "draw_handler_add", "draw_handler_remove")
     watch(monkeypatch, held, bpy.app.timers, "register", "unregister")
     return held
 
@@ -73,35 +73,24 @@ def watch(monkeypatch: pytest.MonkeyPatch, held: set[object], owner: Any, add: s
     monkeypatch.setattr(owner, remove, removing)
 
 
-def enable(error: list[Exception]) -> None:
-    import addon_utils
-
-    addon_utils.enable(EXTENSION, default_set=True, handle_error=error.append)
-
-
-def disable(error: list[Exception]) -> None:
-    import addon_utils
-
-    addon_utils.disable(EXTENSION, default_set=True, handle_error=error.append)
+def fail(error: Exception) -> None:
+    raise error
 
 
 def test_ten_times_on_and_off_leaves_nothing_behind(
     bpy: ModuleType, live: set[object], capfd: pytest.CaptureFixture[str]
 ) -> None:
+    import addon_utils
+
     installed = traces(bpy)
     assert {"Operator DIMPLE_OT_poke", "Object.dimple", "Material.dimple", "Scene.dimple"} <= installed
-    errors: list[Exception] = []
-    disable(errors)
-    bare = None
+    addon_utils.disable(EXTENSION, default_set=True, handle_error=fail)
     for _ in range(10):
-        assert traces(bpy) == set()
-        bare = len(live) if bare is None else bare
-        assert len(live) == bare == 0
-        enable(errors)
+        assert (traces(bpy), live) == (set(), set())
+        addon_utils.enable(EXTENSION, default_set=True, handle_error=fail)
         assert traces(bpy) == installed
-        disable(errors)
-    enable(errors)
-    assert errors == []
+        addon_utils.disable(EXTENSION, default_set=True, handle_error=fail)
+    addon_utils.enable(EXTENSION, default_set=True, handle_error=fail)
     printed = "".join(capfd.readouterr())
     assert [line for line in printed.splitlines() if any(w in line for w in ("Error", "Warning", "Traceback"))] == []
 
