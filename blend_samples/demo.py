@@ -1,0 +1,208 @@
+"""The main job end to end (`python3 dev.py demo`): open the samples, press, bake, and write what an artist takes away.
+
+Writes for each sample NAME.blend (plays), NAME.abc, NAME_contact_sheet.png, NAME_force_depth.png and .csv, and for
+all of them summary.json.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import shutil
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import bpy
+import matplotlib
+import numpy as np
+from scene_parts import DOWN, HELD, REST, install
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt
+
+HERE = Path(__file__).parent
+SAMPLES = ("three_objects", "suzanne")
+LAW_SETS = ("PAPER", "CONSISTENT")  # the last one baked is the one that stays
+MOMENTS = {"rest": 1, "pressed": DOWN, "held": HELD, "released": REST}
+RENDER_WORTH = 6  # of the progress bar: a picture takes about as long as this many frames of a bake
+
+
+def main() -> int:
+    """Run the demo; return 0 when every number is finite."""
+    options = install()
+    out: Path = options.out
+    progress = Progress(len(SAMPLES) * (len(LAW_SETS) * REST + RENDER_WORTH * len(MOMENTS)))
+    rows = []
+    for name in SAMPLES:
+        rows += sample(name, out, progress)
+    progress.done()
+    summary = {"blender": bpy.app.version_string, "objects": rows}
+    (out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    for row in rows:
+        print(
+            f"  {row['name']:22} {row['vertices']:5} vertices  {row['max_depth_mm']:5.1f} mm  {row['force_n']:6.1f} N "
+            f"(law {row['law_force_n']:5.1f} N)  volume {100 * row['volume_error']:.2f} %  "
+            f"{row['ns_per_vertex_step']:.0f} ns a vertex-step ({row['backend']})"
+        )
+    print(f"wrote {out}")
+    return 0 if all(row["finite"] for row in rows) else 1
+
+
+def sample(name: str, out: Path, progress: Progress) -> list[dict[str, object]]:
+    """Press, bake, export and photograph one sample; return its lines of the summary."""
+    bpy.ops.wm.open_mainfile(filepath=str(HERE / f"{name}.blend"))
+    scene = bpy.context.scene
+    bpy.ops.wm.save_as_mainfile(filepath=str(out / f"{name}.blend"))
+    bodies = [thing for thing in scene.objects if thing.dimple.enabled]
+    for thing in scene.objects:
+        thing.select_set(thing in bodies)
+    bpy.context.view_layer.objects.active = bodies[0]
+    tables: dict[str, dict[str, list[dict[str, float]]]] = {}
+    for law_set in LAW_SETS:
+        progress.say(f"{name}: press and bake, {law_set.lower()} laws")
+        folder = out / ("cache" if law_set == "CONSISTENT" else "cache_paper")
+        scene.dimple.cache_dir = bpy.path.relpath(str(folder))
+        for body in bodies:
+            body.dimple.law_set = law_set
+        bpy.app.handlers.frame_change_post.append(progress.step)
+        bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=REST)
+        bpy.app.handlers.frame_change_post.remove(progress.step)
+        tables[law_set] = {body.name: read_table(next(folder.glob(f"{name}_{bpy.path.clean_name(body.name)}*.csv")))
+                           for body in bodies}  # fmt: skip
+        if law_set == "PAPER":
+            bpy.ops.dimple.unbake()
+            shutil.rmtree(folder)
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.alembic_export(filepath=str(out / f"{name}.abc"), start=1, end=REST)
+    photograph(name, out, progress)
+    draw_curves(name, out, bodies, tables)
+    return [summary_row(body, tables["CONSISTENT"][body.name]) for body in bodies]
+
+
+def read_table(path: Path) -> list[dict[str, float]]:
+    """Read the forces beside a cache: one line a frame."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+def finger_of(table: Sequence[dict[str, float]]) -> int:
+    """Return the fingertip that pressed this body."""
+    return max((1, 2, 3), key=lambda i: max(row[f"depth_{i}_mm"] for row in table))
+
+
+def summary_row(body: bpy.types.Object, table: Sequence[dict[str, float]]) -> dict[str, object]:
+    """Return what the summary says of one body: forces at the deepest frame that is held, the worst volume."""
+    finger, held = finger_of(table), table[HELD - 1]
+    vertices = len(body.data.vertices)
+    steps = sum(row["ticks"] * row["substeps"] for row in table)
+    seconds = sum(row["cost_s"] for row in table)
+    return {
+        "name": body.name,
+        "vertices": vertices,
+        "steps": int(steps),
+        "max_depth_mm": max(row[f"depth_{finger}_mm"] for row in table),
+        "force_n": held[f"force_{finger}_n"],
+        "law_force_n": held[f"law_force_{finger}_n"],
+        "volume_error": max(abs(row["volume_m3"] / row["rest_volume_m3"] - 1) for row in table),
+        "finite": all(math.isfinite(value) for row in table for value in row.values()),
+        "ns_per_vertex_step": seconds / max(steps * vertices, 1) * 1e9,
+        "seconds": seconds,
+        "backend": bpy.context.window_manager.dimple.backend or "numpy",
+    }
+
+
+def draw_curves(
+    name: str,
+    out: Path,
+    bodies: Sequence[bpy.types.Object],
+    tables: dict[str, dict[str, list[dict[str, float]]]],
+) -> None:
+    """Draw force against depth while the fingertip goes in: both law sets and Eq. (1); write the numbers beside."""
+    figure, axes = plt.subplots(1, len(bodies), figsize=(4.4 * len(bodies), 3.8), squeeze=False)
+    with (out / f"{name}_force_depth.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["object", "laws", "depth_mm", "force_n", "law_force_n"])
+        for axis, body in zip(axes[0], bodies, strict=True):
+            for law_set, style in (("CONSISTENT", "o-"), ("PAPER", "s--")):
+                table = tables[law_set][body.name]
+                finger = finger_of(table)
+                down = [row for row in table[:DOWN] if row[f"depth_{finger}_mm"] > 0]
+                depth, force, law = (
+                    np.array([row[f"{kind}_{finger}_{unit}"] for row in down])
+                    for kind, unit in (("depth", "mm"), ("force", "n"), ("law_force", "n"))
+                )
+                axis.plot(depth, force, style, markersize=3, label=f"simulated, {law_set.lower()} laws")
+                writer.writerows((body.name, law_set.lower(), *row) for row in zip(depth, force, law, strict=True))
+                if law_set == "CONSISTENT":
+                    axis.plot(depth, law, "k-", linewidth=1, label="K(x), Eq. (1)")
+                    top = 2.5 * max(law.max(), force.max())
+            axis.set(title=body.name, xlabel="depth of the fingertip [mm]", ylabel="force [N]", xlim=(0, None))
+            axis.set_ylim(0, top)
+            axis.legend(fontsize=7)
+            axis.grid(alpha=0.3)
+    figure.tight_layout()
+    figure.savefig(out / f"{name}_force_depth.png", dpi=110)
+    plt.close(figure)
+
+
+def photograph(name: str, out: Path, progress: Progress) -> None:
+    """Render the four moments of the press side by side."""
+    scene = bpy.context.scene
+    scene.render.engine, scene.cycles.samples, scene.cycles.device = "CYCLES", 24, "CPU"
+    scene.render.resolution_x, scene.render.resolution_y = 640, 420
+    scene.render.image_settings.file_format = "PNG"
+    figure, axes = plt.subplots(2, 2, figsize=(12.8, 8.9))
+    for axis, (moment, frame) in zip(axes.flat, MOMENTS.items(), strict=True):
+        progress.say(f"{name}: picture of it {moment}")
+        scene.frame_set(frame)
+        scene.render.filepath = str(out / f"{name}_{moment}.png")
+        bpy.ops.render.render(write_still=True)
+        axis.imshow(plt.imread(scene.render.filepath))
+        axis.set_title(f"{moment} (frame {frame})", fontsize=12)
+        axis.axis("off")
+        Path(scene.render.filepath).unlink()
+        progress.step(worth=RENDER_WORTH)
+    figure.tight_layout()
+    figure.savefig(out / f"{name}_contact_sheet.png", dpi=100)
+    plt.close(figure)
+
+
+class Progress:
+    """Draw a bar with the time left on one line of the terminal."""
+
+    def __init__(self, total: int) -> None:
+        self.total, self.count, self.started, self.what = total, 0, time.monotonic(), ""
+
+    def say(self, what: str) -> None:
+        """Name what is being done."""
+        self.what = what
+        self._draw()
+
+    def step(self, *_: object, worth: int = 1) -> None:
+        """Count something done; also a handler of Blender's."""
+        self.count = min(self.count + worth, self.total)
+        self._draw()
+
+    def done(self) -> None:
+        """Fill the bar and end the line."""
+        self.count, self.what = self.total, f"done in {time.monotonic() - self.started:.0f} s"
+        self._draw()
+        print()
+
+    def _draw(self) -> None:
+        share = self.count / self.total
+        spent = time.monotonic() - self.started
+        left = f"{spent / share - spent:3.0f} s left" if 0 < share < 1 else ""
+        bar = "#" * round(30 * share)
+        # a terminal redraws the line; a log gets one line for each thing said
+        end = "\r" if sys.stdout.isatty() else "\n"
+        if end == "\r" or self.count == self.total or not self.what == getattr(self, "_said", None):
+            print(f"[{bar:30}] {100 * share:3.0f} % {left:10} {self.what:60}", end=end, flush=True)
+        self._said = self.what
+
+
+if __name__ == "__main__":
+    sys.exit(main())

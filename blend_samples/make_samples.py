@@ -1,0 +1,82 @@
+"""Make three_objects.blend and suzanne.blend anew (`python3 dev.py samples`), in the oldest Blender supported."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import bpy
+from mathutils import Vector
+from scene_parts import install, key_press, look, painted, press_ball, save
+
+HERE = Path(__file__).parent
+FINGERTIP_MM = 10.0
+
+
+def three_objects() -> None:
+    """Table 1's cubes with Table 2's constants, side by side at their real size, each under its own fingertip."""
+    scene = look(distance=0.78, aim=(0.0, 0.0, 0.065), elevation=26, floor=True)
+    objects = (
+        ("Object 1 nylon air", "object_1_nylon_air", 0.050, -0.200, (0.80, 0.25, 0.13), 22.0),
+        ("Object 2 vinyl air", "object_2_vinyl_air", 0.165, -0.040, (0.13, 0.42, 0.75), 24.0),
+        ("Object 3 vinyl water", "object_3_vinyl_water", 0.165, 0.175, (0.16, 0.58, 0.45), 20.0),
+    )
+    for number, (name, preset, edge, x, colour, depth) in enumerate(objects, 1):
+        body = soft_cube(name, edge, 14, Vector((x, 0.0, edge / 2)))
+        body.data.materials.append(painted(name, colour))
+        bpy.ops.dimple.apply_preset(preset=preset)
+        body.dimple.enabled = True
+        tip = press_ball(number, FINGERTIP_MM / 1e3)
+        top = Vector((x + 0.1 * edge, -0.12 * edge, edge + FINGERTIP_MM / 1e3))
+        key_press(tip, top, Vector((0.0, 0.0, -depth / 1e3)))
+        setattr(scene.dimple, f"finger_{number}", tip)
+    scene.dimple.finger_radius_mm = FINGERTIP_MM
+    save(HERE / "three_objects.blend")
+
+
+def suzanne() -> None:
+    """Make a soft monkey head as large as a child's ball, pinned at the neck; a fingertip presses its brow."""
+    scene = look(distance=0.62, aim=(0.0, 0.0, 0.10), elevation=8, floor=False)
+    bpy.ops.mesh.primitive_monkey_add(size=0.19, location=(0.0, 0.0, 0.1))
+    head = bpy.context.object
+    head.name = head.data.name = "Suzanne"
+    head.data.materials.append(painted("Soft rubber", (0.78, 0.46, 0.22)))
+    head.data.shade_smooth()
+    bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+    constants = head.data.materials[0].dimple
+    constants.mass_from, constants.mass_kg = "MASS", 0.3
+    head.dimple.size_mode = "REAL"
+    # the neck is the lower back of the head
+    height = [vertex.co.z for vertex in head.data.vertices]
+    low, span = min(height), max(height) - min(height)
+    neck = head.vertex_groups.new(name="Neck")
+    neck.add([v.index for v in head.data.vertices if v.co.z < low + 0.25 * span and v.co.y > 0], 1.0, "ADD")
+    head.dimple.hold, head.dimple.pin_group, head.dimple.enabled = "GROUP", neck.name, True
+    head.modifiers.new("Smooth", "SUBSURF").render_levels = 2
+    tip = press_ball(1, FINGERTIP_MM / 1e3)
+    hit, place, normal, _ = head.ray_cast(Vector((0.0, -1.0, 0.045)), Vector((0.0, 1.0, 0.0)))
+    assert hit
+    touch = head.matrix_world @ (place + normal * FINGERTIP_MM / 1e3)
+    key_press(tip, touch, -normal * 0.022)
+    scene.dimple.finger_1 = tip
+    scene.dimple.finger_radius_mm = FINGERTIP_MM
+    save(HERE / "suzanne.blend")
+
+
+def soft_cube(name: str, edge: float, cells: int, place: Vector) -> bpy.types.Object:
+    """Add a cube of cells x cells squares a side, its edges sharp."""
+    bpy.ops.mesh.primitive_cube_add(size=edge, location=place)
+    body = bpy.context.object
+    body.name = body.data.name = name
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=cells - 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    body.data.shade_smooth()
+    body.data.set_sharp_from_angle(angle=math.radians(60))
+    return body
+
+
+if __name__ == "__main__":
+    install()
+    three_objects()
+    suzanne()
