@@ -18,6 +18,7 @@ from ..base import Bools, Floats, Ints
 _TINY = 1e-30
 FACE_SWEEPS = 8  # at most, in one step
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
+HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,6 +98,10 @@ def _push(
     # each contact moves its share of a vertex, m / count; the vertex then takes the mean of its shares
     mobility = weights * inverse_mass[members]
     give = np.maximum((mobility * weights * count[members]).sum(axis=1), _TINY)
+    # beside held vertices: a free one must not be flung away to move a point it hardly carries
+    free = inverse_mass[members] > 0
+    share = np.maximum((weights * free).sum(axis=1), _TINY)
+    give = np.where(free.all(axis=1), give, np.maximum(give, HELD_GIVE * inverse_mass[members].max(axis=1) / share))
 
     relative = (v[:, members] * weights).sum(axis=2) - touch.velocity[:, None]
     closing = (relative * normal).sum(axis=0)
