@@ -1,5 +1,7 @@
 """Enabling and disabling leaves nothing behind, however often it is done."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
@@ -97,16 +99,11 @@ def test_ten_times_on_and_off_leaves_nothing_behind(
 
 def test_enabling_imports_nothing_heavy(bpy: ModuleType) -> None:
     """Start-up is quick: what computes is imported at the first press."""
-    import subprocess
-    import sys
-
     lines = (
-        "import os, sys, bpy, addon_utils",
-        "before = set(sys.modules)",
-        f"assert addon_utils.enable('{EXTENSION}', default_set=True) is not None",
-        "print('NEW', *sorted({name.partition('.')[0] for name in set(sys.modules) - before}))",
+        "import sys, bpy, addon_utils",  # bpy brings numpy; Blender itself may not
+        "for name in ('ctypes', 'numpy', 'scipy', 'trimesh'):",
+        "    sys.modules[name] = None",
+        f"assert addon_utils.enable('{EXTENSION}') is not None",
     )
     answer = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, timeout=120)
-    assert answer.returncode == 0, answer.stderr
-    new = next(line for line in answer.stdout.splitlines() if line.startswith("NEW")).split()[1:]
-    assert {"numpy", "trimesh", "scipy", "ctypes"} & set(new) == set(), new
+    assert answer.returncode == 0, answer.stdout + answer.stderr
