@@ -161,7 +161,8 @@ def make_environment(version: str, interpreter: str) -> None:
     shutil.rmtree(home, ignore_errors=True)
     require([interpreter, "-m", "venv", home], "The virtual environment could not be made.")
     say(f"installing bpy {version} (400 MB to download, 1 GB on disk) and the tools")
-    for pinned in (["-r", WHEEL_PINS], ["-r", DEV_PINS, f"bpy=={version}"]):  # the first have hashes
+    pins: tuple[list[str | Path], ...] = (["-r", WHEEL_PINS], ["-r", DEV_PINS, f"bpy=={version}"])
+    for pinned in pins:  # apart, as only the first have hashes
         require([python, *PIP, "install", "-q", "--no-deps", *pinned], "The packages could not be installed.")
     require([python, *PIP, "check", "-q"], "requirements/dev.txt is not complete.")
     require([python, "-c", "import bpy"], f"Blender {version} is installed but does not start.")

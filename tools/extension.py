@@ -32,12 +32,17 @@ def build_zip(python: str | Path, folder: Path) -> Path:
     home = Path(python).parent.parent
     libraries = [*home.glob("lib/python*/site-packages"), home / "Lib" / "site-packages"]
     tool = next(path for library in libraries for path in library.glob(EXTENSION_TOOL))
-    version = re.search('^version = "(.+)"', (ROOT / "blender_manifest.toml").read_text(), re.MULTILINE)
+    manifest = (ROOT / "blender_manifest.toml").read_text()
+    (version,) = re.findall('^version = "(.+)"', manifest, re.MULTILINE)
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"dimple-{version[1]}.zip"
-    build_words = ["build", "--source-dir", ROOT, "--output-filepath", path]
-    for words in (["validate", ROOT], build_words, ["validate", path]):
-        answer = subprocess.run([python, tool, *words], capture_output=True, text=True)
+    path = folder / f"dimple-{version}.zip"
+    steps: tuple[list[str | Path], ...] = (
+        ["validate", ROOT],
+        ["build", "--source-dir", ROOT, "--output-filepath", path],
+        ["validate", path],
+    )
+    for step in steps:
+        answer = subprocess.run([python, tool, *step], capture_output=True, text=True)
         if answer.returncode != 0:
             raise Stop(f"Blender's extension tool refused:\n{answer.stdout}{answer.stderr}")
     return path
@@ -49,6 +54,6 @@ def shipped_wheels(python: str | Path) -> list[Path]:
     if {hashlib.sha256(wheel.read_bytes()).hexdigest() for wheel in WHEELS.glob("*.whl")} != pinned:
         say("downloading the wheels that the extension ships")
         shutil.rmtree(WHEELS, ignore_errors=True)
-        options = ["-q", "--no-deps", "--only-binary", ":all:", "-d", WHEELS, "-r", WHEEL_PINS]
-        require([python, *PIP, "download", *options], "The wheels could not be downloaded.")
+        download = [python, *PIP, "download", "-q", "--no-deps", "--only-binary", ":all:"]
+        require([*download, "-d", WHEELS, "-r", WHEEL_PINS], "The wheels could not be downloaded.")
     return sorted(WHEELS.glob("*.whl"))

@@ -33,7 +33,7 @@ FLOORS = {
     "core.base": 0,
     "core.material": 0,
 }
-BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy gpu gpu_extras mathutils".split())
+BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gpu gpu_extras mathutils".split())
 ONLY_IN = {"ctypes": "core/native/__init__.py", "serial": "core/devices/serial_link.py"}
 REFUSED = {"threading", "multiprocessing", "_thread"}  # Blender's reviewers refuse threads
 
