@@ -93,7 +93,7 @@ class Tip:
     @property
     def centre(self) -> Vector:
         """Return the centre of the sphere [m]."""
-        return _along(_along(self.aim.at, self.aim.outward, self.radius), self.aim.inward, self.reached)
+        return along(along(self.aim.at, self.aim.outward, self.radius), self.aim.inward, self.reached)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,6 +157,11 @@ def _tick(state: PokeState, dt: float) -> Result:
 def targets(state: PokeState, body: int) -> tuple[Target | None, ...]:
     """Return where each fingertip that presses a body is."""
     return tuple((tip.centre, tip.radius) if tip and tip.body == body else None for tip in state.tips)
+
+
+def along(a: Vector, b: Vector, factor: float) -> Vector:
+    """Return a + factor b."""
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 
 def _move(state: PokeState, event: PokeEvent) -> PokeState:
@@ -245,10 +250,6 @@ def _reshaped(state: PokeState, event: PokeEvent) -> PokeState:
 
 def _clamped(value: float, limits: tuple[float, float]) -> float:
     return min(max(value, limits[0]), limits[1])
-
-
-def _along(a: Vector, b: Vector, factor: float) -> Vector:
-    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 
 def _toward(a: Vector, b: Vector, share: float) -> Vector:

@@ -1,0 +1,20 @@
+"""What Blender can do with a body: thin verbs over the core's session.
+
+Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
+"""
+
+from . import bake, handlers, play, poke, preset, record
+
+PARTS = (poke, play, record, bake, preset, handlers)
+
+
+def register() -> None:
+    """Register every operator, then listen to Blender."""
+    for part in PARTS:
+        part.register()
+
+
+def unregister() -> None:
+    """End what runs, then unregister the operators."""
+    for part in reversed(PARTS):
+        part.unregister()

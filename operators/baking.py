@@ -1,0 +1,180 @@
+"""Simulate bodies over a range of frames and write what they do; all of it, or nothing.
+
+The scene is evaluated at least 120 times a second of animation, so that a keyframed fingertip presses the same at
+24 and at 120 frames a second. Files are written beside their final name and take it at the end.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ..core.base import DimpleError
+from ..core.recording import PointCache
+from ..core.session import Session
+from . import bridge, bridge_write, live, output, shape_keys
+
+if TYPE_CHECKING:
+    from .bridge import Link, Singles
+
+MOTION_HZ = 120  # how often keyframed motion is looked at
+PART = ".part"  # ends the names of files that are being written
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Baked:
+    """Hold one object of a bake: its session, matrix, files, and shapes (frame, coordinates) for shape keys."""
+
+    link: Link
+    session: Session
+    matrix: np.ndarray
+    path: Path
+    cache: PointCache | None
+    table: output.ForceTable
+    shapes: list[tuple[int, Singles]] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """Say what to bake: objects, frames first to last, "MESH_CACHE" or "SHAPE_KEYS", a key every `step` frames."""
+
+    objects: Sequence[bpy.types.Object]
+    first: int
+    last: int
+    target: str
+    step: int = 1
+
+
+def bake(context: bpy.types.Context, plan: Plan, said: list[str]) -> Iterator[float]:
+    """Bake; yield the share that is done. Whoever stops asking cancels, and nothing has changed.
+
+    Args:
+        said: gets sentences for the artist.
+
+    Raises:
+        DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
+    """
+    scene = context.scene
+    before = scene.frame_current, scene.frame_subframe
+    bodies: list[Baked] = []
+    try:
+        with output.plain_os_errors("The bake"):
+            _check(plan)
+            scene.frame_set(plan.first)
+            for obj in plan.objects:
+                bodies.append(_open(context, plan, obj, said))
+            _write(plan, bodies, plan.first)
+            for frame in range(plan.first + 1, plan.last + 1):
+                _step(context, bodies, frame)
+                _write(plan, bodies, frame)
+                yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
+            _close(bodies)
+            scene.frame_set(before[0], subframe=before[1])
+            _finish(plan, bodies)
+    finally:
+        _close(bodies)
+        for body in bodies:
+            for path in _files(body):
+                with contextlib.suppress(OSError):
+                    os.unlink(f"{path}{PART}")
+        if (scene.frame_current, scene.frame_subframe) != before:
+            scene.frame_set(before[0], subframe=before[1])
+
+
+def _check(plan: Plan) -> None:
+    if plan.last <= plan.first:
+        raise DimpleError(f"The last frame ({plan.last}) must come after the first ({plan.first}).")
+    for obj in plan.objects:
+        bridge.check(obj)
+        if obj.library:
+            raise DimpleError(f'"{obj.name}" is linked from another file. Make it local first: Object > Relations.')
+        if plan.target == "SHAPE_KEYS":
+            bridge.check_writable(obj)
+
+
+def _open(context: bpy.types.Context, plan: Plan, obj: bpy.types.Object, said: list[str]) -> Baked:
+    link, model = bridge.read_body(context, obj, baked=False)
+    session = Session(model)
+    said += [f'"{obj.name}": {note}' for note in model.notes]
+    if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
+        said.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')
+    path = output.cache_path(context, obj, "bake")
+    cache = PointCache(f"{path}{PART}", len(link.rest), plan.first) if plan.target == "MESH_CACHE" else None
+    table = output.ForceTable(Path(f"{path.with_suffix('.csv')}{PART}"))
+    session.set_fingers(live.fingertips(context.scene, link.scale))
+    return Baked(link=link, session=session, matrix=link.matrix, path=path, cache=cache, table=table)
+
+
+def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> None:
+    """Bring every body from the frame before to this one."""
+    scene = context.scene
+    fps = scene.render.fps / scene.render.fps_base
+    looks = math.ceil(MOTION_HZ / fps - 1e-9)
+    for look in range(1, looks + 1):
+        at = frame - 1 + look / looks
+        scene.frame_set(math.floor(at), subframe=at - math.floor(at))
+        for body in bodies:
+            matrix = _matrix(body)
+            body.session.set_fingers(live.fingertips(scene, body.link.scale))
+            if not np.array_equal(matrix, body.matrix):
+                body.matrix = matrix
+                body.session.set_held(bridge.to_physical(body.link.scale, matrix, body.link.rest))
+            shown = body.session.step(1 / (fps * looks))
+            if shown.note:
+                raise DimpleError(f'"{body.link.name}", frame {frame}: {shown.note}')
+
+
+def _matrix(body: Baked) -> np.ndarray:
+    obj = bridge.find(body.link.uid, body.link.name)
+    if obj is None:
+        raise DimpleError(f'"{body.link.name}" is gone, so it cannot be baked.')
+    matrix = np.array(obj.matrix_world)
+    bridge.check_matrix(obj.name, matrix)
+    return matrix
+
+
+def _write(plan: Plan, bodies: Sequence[Baked], frame: int) -> None:
+    for body in bodies:
+        shown = body.session.frame
+        local = bridge.to_local(body.link, _matrix(body), shown.positions)
+        if body.cache:
+            body.cache.append(local)
+        elif (frame - plan.first) % plan.step == 0 or frame == plan.last:
+            body.shapes.append((frame, local))
+        body.table.append(frame, shown.time, shown)
+
+
+def _files(body: Baked) -> list[Path]:
+    return [body.path.with_suffix(".csv"), *([body.path] if body.cache else [])]
+
+
+def _close(bodies: Sequence[Baked]) -> None:
+    for body in bodies:
+        if body.cache:
+            body.cache.close()
+        body.table.close()
+
+
+def _finish(plan: Plan, bodies: Sequence[Baked]) -> None:
+    """Let the files take their names and the objects play them."""
+    for body in bodies:
+        for path in _files(body):
+            os.replace(f"{path}{PART}", path)
+    for body in bodies:
+        obj = bridge.find(body.link.uid, body.link.name)
+        if obj is None:
+            continue
+        if plan.target == "MESH_CACHE":
+            shape_keys.remove(obj)
+            output.attach_cache(obj, str(body.path), plan.first)
+        else:
+            output.detach_cache(obj)
+            shape_keys.add(obj, body.link, body.shapes)

@@ -1,0 +1,271 @@
+"""The bridge between Blender's objects and the core: the only toucher of mesh arrays and world scale.
+
+A session lives in metres of the real object, on the axes and the origin of Blender's world: p = s M co, with M the
+object's matrix and s its physical size over its size in the scene. What is kept here are numbers and session_uids,
+never references into Blender's data, which an undo replaces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+import numpy.typing as npt
+
+from ..core.base import DimpleError
+from .names import BAKED_KEY, LIVE_KEY
+
+if TYPE_CHECKING:
+    from ..core.material import Material
+    from ..core.model import Model
+
+Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Link:
+    """Hold what joins an object to its session.
+
+    uid, name: of the object.  rest: (N, 3) its coordinates at rest, bit for bit.  scale: physical metres per
+    scene unit.  matrix: (4, 4) of the object at the start.  resting: (N, 3) what a frame shows at rest [m].
+    """
+
+    uid: int
+    name: str
+    rest: Singles
+    scale: float
+    matrix: Floats
+    resting: Singles
+
+
+def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True) -> tuple[Link, Model]:
+    """Read a mesh object with its materials and settings into a model; change nothing.
+
+    Args:
+        baked: take the shape keys of an earlier bake as part of the rest shape.
+
+    Raises:
+        DimpleError: this object cannot be pressed, with the reason and what to do.
+    """
+    from ..core.mesh import base_vertices, mesh_from_triangles
+    from ..core.model import build_model
+
+    check(body)
+    context.view_layer.update()
+    rest, matrix, params = rest_coordinates(body, baked=baked), np.array(body.matrix_world), body.dimple.to_params()
+    scale = _scale(context.scene, body.name, rest, matrix, params["size"])
+    triangles, slots = _triangles(body.data)
+    if np.linalg.det(matrix[:3, :3]) < 0:  # mirrored: what looked outward looks inward
+        triangles = triangles[:, ::-1]
+    used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
+    try:
+        materials = [_material(body, int(slot)) for slot in used]
+        mesh = mesh_from_triangles(to_physical(scale, matrix, rest), triangles, triangle_material=triangle_material)
+        held = base_vertices(mesh) if params["hold"] == "base" else None
+        if params["hold"] == "group":
+            held = _pins(body, params["pin_group"])
+        softness = _weights(body, params["softness_group"], "softness") if params["softness_group"] else None
+        surroundings = context.scene.dimple
+        model = build_model(
+            mesh, materials, law_set=params["law_set"], held=held, softness=softness,
+            gravity=gravity(context.scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
+            ground=0.0 if surroundings.use_ground else None,
+        )  # fmt: skip
+    except DimpleError as error:
+        raise DimpleError(f'"{body.name}": {error}') from error
+    link = Link(
+        uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix,
+        resting=mesh.rest_positions[mesh.source].astype(np.float32),
+    )  # fmt: skip
+    return link, replace(model, notes=(*model.notes, *_notes(body, mesh.size, context.scene)))
+
+
+def check(body: bpy.types.Object) -> None:
+    """Raise a DimpleError when an object is not a mesh in Object Mode with a surface."""
+    if body.type != "MESH":
+        kind = body.bl_rna.properties["type"].enum_items[body.type].name.lower()
+        raise DimpleError(f'"{body.name}" is a {kind}, not a mesh. Convert it first: Object > Convert > Mesh.')
+    if body.mode != "OBJECT":
+        raise DimpleError(f'"{body.name}" is being edited. Go back to Object Mode first.')
+    if not len(body.data.polygons):
+        raise DimpleError(f'"{body.name}" has no faces, so there is no surface to press. Add faces first.')
+
+
+def check_writable(body: bpy.types.Object) -> None:
+    """Raise a DimpleError when the mesh of an object may not be changed."""
+    if body.library or body.data.library:
+        raise DimpleError(f'"{body.name}" is linked from another file. Make it local first: Object > Relations.')
+    keys = body.data.shape_keys
+    if keys and not keys.use_relative:
+        raise DimpleError(f'"{body.name}" has absolute shape keys. Switch its shape keys to Relative first.')
+    if keys and body.show_only_shape_key:
+        raise DimpleError(f'"{body.name}" shows one shape key only. Switch Solo Active Shape Key off first.')
+
+
+def check_matrix(name: str, matrix: Floats) -> None:
+    """Raise a DimpleError when the matrix (4, 4) of an object has no inverse."""
+    longest = np.linalg.norm(matrix[:3, :3], axis=0).max()
+    if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix[:3, :3])) <= 1e-9 * longest**3:
+        raise DimpleError(f'"{name}" has a scale of 0, so it is flat or a point. Give it a scale in the sidebar.')
+
+
+def gravity(scene: bpy.types.Scene) -> tuple[float, ...]:
+    """Return the gravity of a scene (3,) [m/s2]; none when the scene has it switched off."""
+    return tuple(scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
+
+
+def find(uid: int, name: str = "") -> bpy.types.Object | None:
+    """Return the object with a session_uid, looked for first under the name it had."""
+    named = bpy.data.objects.get(name)
+    if named and named.session_uid == uid:
+        return named
+    return next((candidate for candidate in bpy.data.objects if candidate.session_uid == uid), None)
+
+
+def get_points(points: Any, count: int, name: str) -> Singles:
+    """Read coordinates (count, 3) from a collection of Blender's."""
+    coordinates = np.empty(3 * count, np.float32)
+    points.foreach_get(name, coordinates)
+    return coordinates.reshape(-1, 3)
+
+
+def rest_coordinates(body: bpy.types.Object, *, baked: bool = True) -> Singles:
+    """Return the coordinates (N, 3) of a mesh with its shape keys mixed, before modifiers."""
+    mesh = body.data
+    count, keys = len(mesh.vertices), mesh.shape_keys
+    if not keys:
+        return get_points(mesh.attributes["position"].data, count, "vector")
+    shapes = {key.name: get_points(key.points, count, "co") for key in keys.key_blocks}
+    rest = shapes[keys.reference_key.name].copy()
+    for key in keys.key_blocks[1:]:
+        ours = key.name == LIVE_KEY or (key.name.startswith(BAKED_KEY) and not baked)
+        if not ours and not key.mute and key.value:
+            share = np.float32(key.value) * (shapes[key.name] - shapes[key.relative_key.name])
+            weights = _weights(body, key.vertex_group, "shape key") if key.vertex_group else np.ones(count)
+            rest += weights[:, None].astype(np.float32) * share
+    return rest
+
+
+def to_physical(scale: float, matrix: Floats, local: npt.NDArray[Any]) -> Floats:
+    """Return points (n, 3) of an object with a matrix as physical ones [m]."""
+    return scale * (local.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
+
+
+def to_local(link: Link, matrix: Floats, physical: Singles) -> Singles:
+    """Return physical points (N, 3) [m] as coordinates of an object; vertices at rest get their very bits back."""
+    inverse = np.linalg.inv(matrix)
+    local = (physical.astype(np.float64) @ (inverse[:3, :3].T / link.scale) + inverse[:3, 3]).astype(np.float32)
+    if np.array_equal(matrix, link.matrix):
+        resting = (physical == link.resting).all(axis=1)
+        local[resting] = link.rest[resting]
+    return local
+
+
+def scale_and_top(context: bpy.types.Context, body: bpy.types.Object) -> tuple[float, Floats]:
+    """Return physical metres per scene unit of an object, and its highest point (3,) in the scene."""
+    context.view_layer.update()
+    rest, matrix = rest_coordinates(body), np.array(body.matrix_world)
+    scale = _scale(context.scene, body.name, rest, matrix, body.dimple.to_params()["size"])
+    world = to_physical(1.0, matrix, rest)
+    return scale, world[world[:, 2].argmax()]
+
+
+def input_vertices(model: Model) -> npt.NDArray[np.int64]:
+    """Return one of the object's vertices (n,) for every vertex of the welded mesh of its model."""
+    source = model.mesh.source
+    first = np.zeros(len(model.mesh.rest_positions), np.int64)
+    first[source[::-1]] = np.arange(len(source))[::-1]
+    return first
+
+
+def _scale(scene: bpy.types.Scene, name: str, rest: Singles, matrix: Floats, size: float | None) -> float:
+    """Return physical metres per scene unit.
+
+    Args:
+        size: the largest dimension of the real object [m], None when it is as large as modelled.
+    """
+    bad = np.flatnonzero(~np.isfinite(rest).all(axis=1))
+    if len(bad):
+        raise DimpleError(
+            f'"{name}": vertex {bad[0]} has a coordinate that is not a number ({len(bad)} such vertices). '
+            "Delete or move them."
+        )
+    check_matrix(name, matrix)
+    axes = np.linalg.norm(matrix[:3, :3], axis=0)
+    largest = float((np.ptp(rest, axis=0) * axes).max())
+    if largest <= 0:
+        raise DimpleError(f'"{name}": all vertices lie in one point. Give the mesh a size.')
+    return float(scene.unit_settings.scale_length) if size is None else size / largest
+
+
+def _triangles(mesh: bpy.types.Mesh) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
+    """Return the triangles (t, 3) of a mesh and the material slot of each (t,)."""
+    mesh.calc_loop_triangles()
+    corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    polygons = np.empty(len(mesh.loop_triangles), np.int32)
+    slots = np.empty(len(mesh.polygons), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    mesh.loop_triangles.foreach_get("polygon_index", polygons)
+    mesh.polygons.foreach_get("material_index", slots)
+    return corners.reshape(-1, 3), slots[polygons]
+
+
+def _material(body: bpy.types.Object, slot: int) -> Material:
+    from ..core.material import Material
+
+    material = body.material_slots[slot].material if body.material_slots else None
+    if material is None:
+        return Material(**default_params())
+    try:
+        return Material(**material.dimple.to_params())
+    except DimpleError as error:
+        raise DimpleError(f'material "{material.name}": {error}') from error
+
+
+def default_params() -> dict[str, Any]:
+    """Return the constants of a material that nobody has touched."""
+    group = bpy.types.Material.bl_rna.properties["dimple"].fixed_type
+    untouched = SimpleNamespace(**{each.identifier: getattr(each, "default", None) for each in group.properties})
+    return bpy.types.PropertyGroup.bl_rna_get_subclass_py(group.identifier).to_params(untouched)
+
+
+def _pins(body: bpy.types.Object, group: str) -> Floats:
+    if not group:
+        raise DimpleError("it is held by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
+    weights = _weights(body, group, "pin")
+    if not (weights >= 0.5).any():
+        raise DimpleError(f'no vertex of the pin group "{group}" has a weight of 0.5 or more. Paint some.')
+    return weights
+
+
+def _weights(body: bpy.types.Object, group: str, role: str) -> Floats:
+    """Return the weight (N,) of every vertex in a vertex group; 0 outside it."""
+    found = body.vertex_groups.get(group)
+    if found is None:
+        raise DimpleError(f'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.')
+    weights, index = np.zeros(len(body.data.vertices)), found.index
+    for i, vertex in enumerate(body.data.vertices):
+        for element in vertex.groups:
+            if element.group == index:
+                weights[i] = element.weight
+    return weights
+
+
+def _notes(body: bpy.types.Object, size: float, scene: bpy.types.Scene) -> tuple[str, ...]:
+    notes = []
+    moving = [modifier.name for modifier in body.modifiers if modifier.type in _MOVING and modifier.show_viewport]
+    if moving:
+        notes.append(f'The modifier "{moving[0]}" moves the surface after the press: aim at the mesh before it.')
+    if scene.dimple.finger_radius_mm / 1e3 < size / 100:
+        notes.append(
+            f"The body is {size:.3g} m large and the fingertip tiny beside it. "
+            "Set the size it stands for in Physics > Dimple."
+        )
+    return tuple(notes)
+
+
+_MOVING = {"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOOK", "SIMPLE_DEFORM", "DISPLACE"}

@@ -1,0 +1,156 @@
+"""One step of everything that runs: fingertips in, frames out. Poke, play and the scripted press share it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ..core.base import DimpleError
+from ..core.session import MAX_FINGERS, Finger
+from . import bridge, bridge_write, sessions
+from .sessions import Body, Run
+
+if TYPE_CHECKING:
+    from ..core.poke import Target
+
+LONGEST_S = 0.1  # after a hiccup of Blender, time is lost rather than jumped over
+SHORTEST_S = 0.002
+SHARE = 0.6  # of the time between two events for the sessions; the rest is Blender's, to draw
+
+
+def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Return the objects to press: the selected meshes, else the active object; fingertips are none.
+
+    Raises:
+        DimpleError: nothing is selected.
+    """
+    settings = context.scene.dimple
+    fingers = {settings.finger_1, settings.finger_2, settings.finger_3}
+    selected = [obj for obj in context.selected_objects if obj not in fingers]
+    meshes = [obj for obj in selected if obj.type == "MESH"]
+    if meshes:
+        return meshes
+    if others := selected or [obj for obj in (context.object,) if obj and obj not in fingers]:
+        return others[:1]
+    raise DimpleError("Nothing is selected. Select a mesh to press it.")
+
+
+def start_all(context: bpy.types.Context) -> tuple[list[Body], list[str], list[str]]:
+    """Start a session on every candidate.
+
+    Returns:
+        The bodies, sentences for the artist, and what is wrong with objects that had to be left out.
+
+    Raises:
+        DimpleError: none of them can be pressed.
+    """
+    bodies, said, wrong = [], [], []
+    for obj in candidates(context):
+        try:
+            body, notes = sessions.start(obj, context)
+        except DimpleError as error:
+            wrong.append(str(error))
+        else:
+            bodies.append(body)
+            said += notes
+    if not bodies:
+        raise DimpleError(" ".join(wrong))
+    return bodies, said, wrong
+
+
+def advance(
+    context: bpy.types.Context,
+    dt: float,
+    *,
+    budget: float | None = None,
+    pressed: Mapping[int, Sequence[Target | None]] | None = None,
+) -> list[str]:
+    """Step every session and show it.
+
+    Args:
+        dt: simulated time [s].
+        budget: wall time for all of them [s].
+        pressed: fingertips of a poke by body; they go before the scene's fingertip objects.
+
+    Returns:
+        Sentences for the artist: sessions that ended, or were put back to rest.
+    """
+    said, share = [], budget / len(sessions.sessions) if budget and sessions.sessions else budget
+    for uid, body in list(sessions.sessions.items()):
+        obj = bridge.find(uid, body.name)
+        if obj is None or obj.name not in context.view_layer.objects:
+            sessions.stop(uid)
+            said.append(f'"{body.name}" is gone, so its session has ended.')
+            continue
+        try:
+            step(context, obj, body, dt, (pressed or {}).get(uid, ()), share)
+        except DimpleError as error:
+            sessions.stop(uid)
+            said.append(str(error))
+        if body.frame.note:
+            said.append(f'"{body.name}": {body.frame.note}')
+    return said
+
+
+def step(
+    context: bpy.types.Context,
+    obj: bpy.types.Object,
+    body: Body,
+    dt: float,
+    pressed: Sequence[Target | None],
+    budget: float | None,
+) -> None:
+    """Step one session and show it."""
+    follow(obj, body)
+    fingers = merged(fingertips(context.scene, body.link.scale), pressed)
+    body.session.set_fingers(fingers)
+    body.fingers = fingers
+    frame = body.session.step(dt, budget=budget)
+    if frame.depths.any():
+        deepest = int(frame.depths.argmax())
+        body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
+    local = bridge.to_local(body.link, body.matrix, frame.positions)
+    bridge_write.show(obj, body.link, local)
+    if body.recorder:
+        body.recorder.append(frame.time, local, frame)
+
+
+def follow(obj: bpy.types.Object, body: Body) -> None:
+    """Let what is held of a body go where its object has gone."""
+    matrix = np.array(obj.matrix_world)
+    if not np.array_equal(matrix, body.matrix):
+        bridge.check_matrix(obj.name, matrix)
+        body.session.set_held(bridge.to_physical(body.link.scale, matrix, body.link.rest))
+        body.matrix = matrix
+
+
+def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
+    """Return the fingertip objects of a scene in a session's space."""
+    settings = scene.dimple
+    radius = settings.finger_radius_mm / 1e3
+    objects = (settings.finger_1, settings.finger_2, settings.finger_3)
+    return [Finger(tuple(scale * c for c in obj.matrix_world.translation), radius) if obj else None for obj in objects]
+
+
+def merged(fingers: Sequence[Finger | None], pressed: Sequence[Target | None]) -> tuple[Finger | None, ...]:
+    """Return the fingertips of a session: those of a poke, where there are any, else the objects."""
+    slots = [*pressed, *([None] * MAX_FINGERS)][:MAX_FINGERS]
+    return tuple(Finger(*target) if target else finger for target, finger in zip(slots, fingers, strict=True))
+
+
+def ask(run: Run, wall: float) -> tuple[float, float]:
+    """Return the simulated time [s] to ask for after a wall time, and the budget for it [s].
+
+    Where the computer cannot keep up time runs slower, so fingertips are moved by what will really be simulated.
+    """
+    wall = min(wall, LONGEST_S)
+    return min(wall, run.pace), max(SHARE * wall, SHORTEST_S)
+
+
+def adapt(run: Run, asked: float) -> None:
+    """Set the pace by what the slowest session has just managed."""
+    done = min((body.frame.steps * body.session.tick for body in sessions.sessions.values()), default=asked)
+    run.pace = min(max(2 * done, SHORTEST_S), LONGEST_S)

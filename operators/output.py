@@ -1,0 +1,164 @@
+"""What leaves a session: point caches, the table of forces beside them, and the modifier that plays them."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ..core.base import DimpleError
+from ..core.recording import PointCache
+from .bridge_write import is_cache
+from .names import CACHE
+
+if TYPE_CHECKING:
+    from ..core.session import Frame
+    from .bridge import Singles
+
+FINGERS = 3
+
+
+class ForceTable:
+    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3]."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("w", newline="", encoding="utf-8")
+        self._rows = csv.writer(self._file)
+        columns = ["frame", "time_s"]
+        for number in range(1, FINGERS + 1):
+            columns += [f"force_{number}_n", f"law_force_{number}_n", f"depth_{number}_mm"]
+        self._rows.writerow([*columns, "pressure_pa", "volume_m3", "rest_volume_m3"])
+
+    def append(self, number: float, time_s: float, frame: Frame) -> None:
+        """Add the line of one frame of the animation."""
+        row: list[float] = []
+        for i in range(FINGERS):
+            down = i < len(frame.finger_forces)
+            force = float((frame.finger_forces[i] ** 2).sum() ** 0.5) if down else 0.0
+            law, depth = (float(frame.law_forces[i]), float(frame.depths[i])) if down else (0.0, 0.0)
+            row += [force, law, depth * 1e3]
+        numbers = [time_s, *row, frame.pressure, frame.volume, frame.rest_volume]
+        self._rows.writerow([f"{number:g}", *(f"{value:.9g}" for value in numbers)])
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+class Recorder:
+    """Record a live session at the frame rate of the scene, whatever the rhythm of the steps.
+
+    Args:
+        path: the PC2 file; the table of forces goes beside it.
+        start_frame: the frame of the animation that is now.
+        fps: frames per second.
+        time: of the session now [s].
+        local: (N, 3) the coordinates that show now.
+    """
+
+    def __init__(self, path: Path, start_frame: int, fps: float, time: float, local: Singles, frame: Frame) -> None:
+        self._path, self._start_frame, self._fps = path, start_frame, fps
+        self._cache = PointCache(path, len(local), start_frame)
+        self._table = ForceTable(path.with_suffix(".csv"))
+        self._began = self._time = time
+        self._local = local
+        self.append(time, local, frame)
+
+    def append(self, time: float, local: Singles, frame: Frame) -> None:
+        """Take in the state at a time [s]; what falls on frames in between is interpolated."""
+        if time < self._time:  # the session was put back to rest: its clock began anew
+            self._began -= self._time - time
+            self._time = time
+        while (due := self._began + self._cache.samples / self._fps) <= time + 1e-9:
+            span = time - self._time
+            share = 1.0 if span <= 0 else min(max((due - self._time) / span, 0.0), 1.0)
+            self._table.append(self._start_frame + self._cache.samples, due - self._began, frame)
+            self._cache.append(self._local + (local - self._local) * share)
+        self._time, self._local = time, local
+
+    def close(self) -> tuple[str, int]:
+        """Close the files; return path and first frame."""
+        self._cache.close()
+        self._table.close()
+        return str(self._path), self._start_frame
+
+
+def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
+    """Return where the PC2 file of an object goes: the chosen folder, else beside the .blend, else our own.
+
+    Raises:
+        DimpleError: the folder cannot be made.
+    """
+    chosen = context.scene.dimple.cache_dir
+    if chosen.startswith("//") and not bpy.data.filepath:
+        raise DimpleError("The cache folder is beside the .blend, which has no place yet. Save the file first.")
+    if chosen:
+        folder = Path(bpy.path.abspath(chosen))
+    elif bpy.data.filepath:
+        folder = Path(bpy.data.filepath).parent
+    else:
+        folder = _own_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DimpleError(f"Cannot make the cache folder {folder}: {error.strerror}. Choose another.") from error
+    stem = Path(bpy.data.filepath).stem or "untitled"
+    name = bpy.path.clean_name(obj.name)
+    # two names may come out alike once cleaned
+    twin = "" if name == obj.name else f"_{obj.session_uid}"
+    return folder / f"{stem}_{name}{twin}_{kind}.pc2"
+
+
+def _own_folder() -> Path:
+    package = (__package__ or "").rpartition(".")[0]
+    if package.startswith("bl_ext."):
+        return Path(bpy.utils.extension_path_user(package, path="caches", create=True))
+    return Path(bpy.app.tempdir)
+
+
+@contextlib.contextmanager
+def plain_os_errors(doing: str) -> Iterator[None]:
+    """Turn what the disk refuses into a sentence for the artist.
+
+    Raises:
+        DimpleError: with what was being done, where, and why it failed.
+    """
+    try:
+        yield
+    except OSError as error:
+        where = error.filename or "the disk"
+        raise DimpleError(f"{doing} failed at {where}: {error.strerror}. Choose another cache folder.") from error
+
+
+def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.types.Modifier:
+    """Let an object play a PC2 file, first of its modifiers; an earlier bake makes room."""
+    detach_cache(obj)
+    modifier = obj.modifiers.new(CACHE, "MESH_CACHE")
+    modifier.cache_format = "PC2"
+    modifier.filepath = _stored(path)
+    modifier.frame_start = start_frame
+    obj.modifiers.move(len(obj.modifiers) - 1, 0)
+    return modifier
+
+
+def detach_cache(obj: bpy.types.Object) -> int:
+    """Take our Mesh Cache modifiers off an object; return how many there were."""
+    caches = [modifier for modifier in obj.modifiers if is_cache(modifier)]
+    for modifier in caches:
+        obj.modifiers.remove(modifier)
+    return len(caches)
+
+
+def _stored(path: str) -> str:
+    """Return a path as it goes into the file: relative where it can, so that a moved project still plays."""
+    if not bpy.data.filepath:
+        return path
+    try:
+        return bpy.path.relpath(path)
+    except ValueError:  # another drive
+        return os.fspath(path)

@@ -1,0 +1,119 @@
+"""Mouse, tablet and keys become events of the poke: what the pointer is on, and which key means what."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy_extras import view3d_utils
+
+from ..core.poke import Hit, Kind, PokeEvent, Vector
+from ..core.ray import ray_hit
+from .sessions import Body
+
+KEYS = {"SPACE": Kind.PAUSE, "R": Kind.RECORD, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
+FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
+WHEEL = {"WHEELUPMOUSE": 1, "WHEELDOWNMOUSE": -1}
+NAVIGATION = {"MIDDLEMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "HOME", "ACCENT_GRAVE"}
+DOWN = {"PRESS", "DOUBLE_CLICK"}
+
+Shapes = Mapping[int, np.ndarray]
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """Hold the viewport under the pointer, and the pointer in it [px]."""
+
+    region: bpy.types.Region
+    region_3d: bpy.types.RegionView3D
+    at: tuple[int, int]
+
+
+def view_under(context: bpy.types.Context, event: bpy.types.Event) -> View | None:
+    """Return the viewport the pointer is in, None over anything else."""
+    x, y = event.mouse_x, event.mouse_y
+    for area in context.window.screen.areas:
+        if area.type != "VIEW_3D" or not _inside(area, x, y):
+            continue
+        over = [region for region in area.regions if region.width > 1 and region.height > 1 and _inside(region, x, y)]
+        # sidebar and toolbar may lie over the viewport
+        if over and all(region.type == "WINDOW" for region in over):
+            return View(over[0], over[0].data, (x - over[0].x, y - over[0].y))
+    return None
+
+
+def poke_event(
+    event: bpy.types.Event, view: View | None, bodies: Mapping[int, Body], shapes: Shapes, *, pressing: bool
+) -> PokeEvent | None:
+    """Return what an event means to the poke, None when it is none of its business.
+
+    Args:
+        view: the viewport the pointer is in.
+        shapes: positions (N, 3) of bodies as they were when the stroke began; others are taken as they are.
+        pressing: a stroke is on its way.
+    """
+    kind, down = event.type, event.value in DOWN
+    if kind == "ESC" and down:
+        return PokeEvent(kind=Kind.LEAVE)
+    if kind == "LEFTMOUSE" and event.value == "RELEASE":
+        return PokeEvent(kind=Kind.RELEASE) if pressing else None
+    if view is None:
+        return None
+    if kind == "MOUSEMOVE":
+        return _pointed(Kind.MOVE, event, view, bodies, shapes)
+    if not down:
+        return None
+    if kind == "LEFTMOUSE" and not event.alt:
+        return _pointed(Kind.PRESS, event, view, bodies, {})
+    if kind == "RIGHTMOUSE":
+        return PokeEvent(kind=Kind.LEAVE)
+    if kind in WHEEL and not (event.shift or event.alt):
+        return PokeEvent(kind=Kind.DEPTH if event.ctrl else Kind.RADIUS, amount=WHEEL[kind], pressure=_pressure(event))
+    if event.ctrl or event.shift or event.alt or event.oskey:
+        return None
+    if kind in FINGERS:
+        return PokeEvent(kind=Kind.FINGER, amount=FINGERS[kind])
+    return PokeEvent(kind=KEYS[kind]) if kind in KEYS else None
+
+
+def passes(event: bpy.types.Event, view: View | None) -> bool:
+    """Tell whether Blender may have an event too: navigation, and all that happens outside the viewport.
+
+    Undo never: it would replace the data under a running session.
+    """
+    if event.type == "Z" and (event.ctrl or event.oskey):
+        return False
+    if view is None or event.type in NAVIGATION or event.type.startswith(("NDOF", "NUMPAD", "TIMER", "WINDOW")):
+        return True
+    moving = event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"} and event.alt
+    return moving or event.type in WHEEL or event.type == "NONE"
+
+
+def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, Body], shapes: Shapes) -> Hit | None:
+    """Return what a ray in the scene meets first, in the space of the body it belongs to."""
+    best, found = np.inf, None
+    for uid, body in bodies.items():
+        scale = body.link.scale
+        x, y, z = (scale * c for c in origin)
+        positions = shapes.get(uid, body.frame.positions)
+        hit = ray_hit((x, y, z), direction, positions, body.triangles)
+        if hit and hit[0] / scale < best:
+            best, found = hit[0] / scale, Hit(point=hit[1], normal=hit[2], body=uid)
+    return found
+
+
+def _pointed(kind: Kind, event: bpy.types.Event, view: View, bodies: Mapping[int, Body], shapes: Shapes) -> PokeEvent:
+    origin = tuple(view3d_utils.region_2d_to_origin_3d(view.region, view.region_3d, view.at))
+    direction = tuple(view3d_utils.region_2d_to_vector_3d(view.region, view.region_3d, view.at).normalized())
+    hit = nearest(origin, direction, bodies, shapes)
+    return PokeEvent(kind=kind, hit=hit, view=direction, pressure=_pressure(event))
+
+
+def _pressure(event: bpy.types.Event) -> float:
+    return event.pressure if event.is_tablet else 1.0
+
+
+def _inside(box: bpy.types.Area | bpy.types.Region, x: int, y: int) -> bool:
+    return box.x <= x < box.x + box.width and box.y <= y < box.y + box.height

@@ -1,0 +1,212 @@
+"""Press with mouse or pen, live and without the timeline; or, from a script, at a place, a depth and a time."""
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
+
+from . import sessions
+from .names import Op
+
+if TYPE_CHECKING:
+    from ..core.poke import Effect, PokeEvent, PokeState
+
+KEYS_SAID = (
+    "Left drag: press | Wheel: radius | Ctrl wheel: depth | 1 2 3: finger | Space: pause | R: record | "
+    "Enter: keep | Esc: leave"
+)
+
+
+def new_state(context: bpy.types.Context, operator: "DIMPLE_OT_poke") -> "PokeState":
+    """Return the poke's first state from the operator's properties and the scene's settings."""
+    from ..core.poke import PokeState
+
+    settings = context.scene.dimple
+    return PokeState(
+        radius=(operator.radius_mm or settings.finger_radius_mm) / 1e3,
+        depth=operator.depth_mm / 1e3,
+        press_s=operator.press_s,
+        release_s=operator.release_s,
+        along_normal=settings.poke_along == "NORMAL",
+        active=(operator.finger or settings.active_finger) - 1,
+    )
+
+
+class DIMPLE_OT_poke(bpy.types.Operator):
+    """Press the selected meshes with a fingertip: live with the mouse, or from a script at a given place"""
+
+    bl_idname = Op.POKE
+    bl_label = "Poke"
+    bl_options = {"UNDO"}
+
+    location: FloatVectorProperty(
+        name="Location", description="Where to press [scene units]; by default the top of the body", subtype="XYZ"
+    )
+    direction: FloatVectorProperty(
+        name="Direction", description="Which way the fingertip goes in; 0 is straight into the surface", subtype="XYZ"
+    )
+    depth_mm: FloatProperty(name="Depth (mm)", description="How deep to press", default=15.0, min=0.01, soft_max=200.0)
+    press_s: FloatProperty(name="Press (s)", description="Time of the way in", default=0.25, min=0.0, soft_max=5.0)
+    hold_s: FloatProperty(name="Hold (s)", description="Time at full depth", default=0.25, min=0.0, soft_max=5.0)
+    release_s: FloatProperty(
+        name="Release (s)", description="Time of the way out; 0 stays pressed", default=0.25, min=0.0, soft_max=5.0
+    )
+    radius_mm: FloatProperty(
+        name="Radius (mm)", description="Radius of the fingertip; 0 is the scene's", default=0.0, min=0.0
+    )
+    finger: IntProperty(name="Finger", description="1, 2 or 3; 0 is the scene's", default=0, min=0, max=3)
+    keep: BoolProperty(name="Keep", description="Keep the shape at the end rather than put the rest shape back")
+    record: BoolProperty(name="Record", description="Record the press and let the object play it")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode, and no other poke or bake."""
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Go back to Object Mode to press")
+            return False
+        if any(run.kind != "play" for run in sessions.runs):
+            cls.poll_message_set("A poke or a bake is running; Esc leaves it")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Press once, as the properties say, without a window."""
+        from . import press
+
+        return press.press_once(self, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Start to press live."""
+        from ..core.base import DimpleError
+        from . import live, pointer
+
+        try:
+            bodies, said, wrong = live.start_all(context)
+        except DimpleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for sentence in wrong:
+            self.report({"WARNING"}, sentence)
+        if said:
+            self.report({"INFO"}, " ".join(said))
+        self._state = replace(new_state(context, self), press_s=0.25, release_s=0.25)
+        self._shapes: dict[int, object] = {}
+        self._clock = time.perf_counter()
+        self._run = sessions.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
+        context.window_manager.modal_handler_add(self)
+        context.workspace.status_text_set(KEYS_SAID)
+        # started as a tool the button is down already
+        view = pointer.view_under(context, event)
+        if view and event.type == "LEFTMOUSE" and event.value in pointer.DOWN:
+            self._take(context, pointer.poke_event(event, view, sessions.sessions, {}, pressing=False))
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Hand every event to the state machine; whatever goes wrong, leave nothing behind."""
+        if self._run.closed:
+            return {"CANCELLED"}
+        with sessions.ending_on_error():
+            return self._handle(context, event)
+
+    def cancel(self, _context: bpy.types.Context) -> None:
+        """Leave when Blender ends the operator: the window closes, another file is loaded."""
+        if not self._run.closed:
+            sessions.stop_all()
+
+    def _handle(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        from ..core.poke import Kind
+        from . import pointer
+
+        if event.type == "TIMER":
+            return self._tick(context)
+        view = pointer.view_under(context, event)
+        meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=self._state.pressing)
+        if meant is None:
+            return {"PASS_THROUGH"} if pointer.passes(event, view) else {"RUNNING_MODAL"}
+        result = self._take(context, meant)
+        if meant.kind is Kind.MOVE and not self._state.pressing:
+            return {"PASS_THROUGH"}
+        return result
+
+    def _tick(self, context: bpy.types.Context) -> set[str]:
+        """Let as much time pass as did since the last tick, or as this computer manages."""
+        from ..core.poke import Kind, PokeEvent
+        from . import live
+
+        now = time.perf_counter()
+        wall, self._clock = now - self._clock, now
+        asked, self._budget = live.ask(self._run, wall)
+        if self._run.paused != self._state.paused:  # the sidebar's button
+            self._take(context, PokeEvent(kind=Kind.PAUSE))
+        result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
+        return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
+
+    def _take(self, context: bpy.types.Context, event: "PokeEvent | None") -> set[str]:
+        """Let an event change the state, and do what it asks for."""
+        from ..core.poke import Kind, on_event
+
+        if event is None:
+            return {"RUNNING_MODAL"}
+        was_pressing = self._state.pressing
+        self._state, effects = on_event(self._state, event)
+        self._run.paused = self._state.paused
+        if self._state.pressing and not was_pressing:
+            # a drag feels for the surface as it was: the dent would lead the fingertip deeper and deeper
+            self._shapes = {uid: body.frame.positions for uid, body in sessions.sessions.items()}
+        if event.kind is Kind.RADIUS:
+            context.scene.dimple.finger_radius_mm = self._state.radius * 1e3
+        elif event.kind is Kind.FINGER:
+            context.scene.dimple.active_finger = self._state.active + 1
+        for effect in effects:
+            if result := self._do(context, effect, event.amount):
+                return result
+        self._show_hover()
+        return {"RUNNING_MODAL"}
+
+    def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
+        """Do what the state machine asks for; return how the operator ends, None when it goes on."""
+        from ..core.poke import Effect, targets
+        from . import live
+
+        match effect:
+            case Effect.STEP:
+                pressed = {uid: targets(self._state, uid) for uid in sessions.sessions}
+                for sentence in live.advance(context, amount, budget=self._budget, pressed=pressed):
+                    self.report({"WARNING"}, sentence)
+                live.adapt(self._run, amount)
+                if not sessions.sessions:
+                    sessions.stop_all()
+                    return {"CANCELLED"}
+            case Effect.PUSH_UNDO:
+                with sessions.at_rest():
+                    bpy.ops.ed.undo_push(message="Poke")
+            case Effect.RECORD:
+                bpy.ops.dimple.record()
+            case Effect.KEEP:
+                sessions.stop_all(restore=False)
+                return {"FINISHED"}
+            case Effect.RESTORE:
+                sessions.stop_all()
+                return {"CANCELLED"}
+        return None
+
+    def _show_hover(self) -> None:
+        """Let the overlay draw the fingertip that would press."""
+        from ..core.poke import along
+        from ..core.session import Finger
+
+        hover, active = self._state.hover, self._state.active
+        for uid, body in sessions.sessions.items():
+            fingers = list(body.fingers)
+            if self._state.tips[active] is None:
+                fingers[active] = None
+                if hover and hover.body == uid:
+                    centre = along(hover.point, hover.normal, self._state.radius)
+                    fingers[active] = Finger(centre, self._state.radius)
+            body.fingers = tuple(fingers)
+        sessions.redraw()
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_poke])

@@ -1,0 +1,116 @@
+"""One press from a script: the poke's state machine fed with what a person would do, without a window."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ..core.base import DimpleError
+from ..core.poke import Kind, PokeEvent, PokeState, Vector, on_event, targets
+from . import live, pointer, poke, record, sessions
+from .sessions import Body
+
+if TYPE_CHECKING:
+    from .poke import DIMPLE_OT_poke
+
+AXES: tuple[Vector, ...] = ((0, 0, -1), (0, 0, 1), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0))
+
+
+def press_once(operator: DIMPLE_OT_poke, context: bpy.types.Context) -> set[str]:
+    """Press, hold and release as the operator's properties say; show and record every frame of it."""
+    try:
+        with sessions.ending_on_error():
+            _, said, wrong = live.start_all(context)
+            bodies = sessions.sessions
+            # a direction that is given is meant, whatever the scene's setting for the mouse
+            state = replace(poke.new_state(context, operator), along_normal=not any(operator.direction))
+            place = tuple(operator.location) if operator.properties.is_property_set("location") else None
+            event = aimed(bodies, place, tuple(operator.direction))
+            if operator.record:
+                record.begin(context)
+            deepest, strongest = run(context, state, event, operator.hold_s, said)
+            sessions.stop_all(restore=not operator.keep)
+    except DimpleError as error:
+        operator.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+    for sentence in [*wrong, *said]:
+        operator.report({"WARNING"}, sentence)
+    operator.report({"INFO"}, f"Pressed {deepest * 1e3:.1f} mm deep with up to {strongest:.2f} N")
+    return {"FINISHED"}
+
+
+def aimed(bodies: dict[int, Body], place: Vector | None, direction: Vector) -> PokeEvent:
+    """Return the press at a place of the scene: at the surface nearest to it along the direction.
+
+    Args:
+        place: [scene units]; None is the highest point of the first body.
+        direction: into the surface; 0 looks for the surface along every axis.
+
+    Raises:
+        DimpleError: there is no surface that way.
+    """
+    length = math.hypot(*direction)
+    ways: Sequence[Vector] = [tuple(c / length for c in direction)] if length else AXES
+    if place is None:
+        place, ways = _top(next(iter(bodies.values()))), ways if length else AXES[:1]
+    found = []
+    for uid, body in bodies.items():
+        size = body.session.model.mesh.size / body.link.scale
+        away = 2 * size + math.dist(place, body.to_world(tuple(map(float, body.frame.positions.mean(axis=0)))))
+        # from outside the body, and from close by: a place inside a hollow means the wall beside it
+        starts = [(way, share * away) for way in ways for share in (1.0, 1e-3, 1e-5)]
+        found += [pointer.nearest(_before(place, way, by), way, {uid: body}, {}) for way, by in starts]
+    hits = [(math.dist(bodies[hit.body].to_world(hit.point), place), i, hit) for i, hit in enumerate(found) if hit]
+    if not hits:
+        at = ", ".join(f"{c:.3g}" for c in place)
+        raise DimpleError(f"No surface lies along the direction of the press at ({at}). Choose another location.")
+    hit = min(hits)[2]
+    return PokeEvent(kind=Kind.PRESS, hit=hit, view=ways[0])
+
+
+def _top(body: Body) -> Vector:
+    used = body.frame.positions[np.unique(body.triangles)]
+    x, y, z = map(float, used[used[:, 2].argmax()])
+    return body.to_world((x, y, z))
+
+
+def _before(place: Vector, way: Vector, by: float) -> Vector:
+    return place[0] - by * way[0], place[1] - by * way[1], place[2] - by * way[2]
+
+
+def run(
+    context: bpy.types.Context, state: PokeState, event: PokeEvent, hold_s: float, said: list[str]
+) -> tuple[float, float]:
+    """Run a press frame by frame of the scene; return the greatest depth [m] and force [N]."""
+    render = context.scene.render
+    dt = render.fps_base / render.fps
+    state, _ = on_event(state, event)
+    body = sessions.sessions[event.hit.body] if event.hit else None
+    active, deepest, strongest = state.active, 0.0, 0.0
+    phases = [(state.press_s + hold_s, None)]
+    if state.release_s > 0:
+        phases.append((state.release_s, PokeEvent(kind=Kind.RELEASE)))
+    for seconds, begins in phases:
+        if begins:
+            state, _ = on_event(state, begins)
+        for step_s in _steps(seconds, dt):
+            state, _ = on_event(state, PokeEvent(kind=Kind.TICK, amount=step_s))
+            said += live.advance(context, step_s, pressed={uid: targets(state, uid) for uid in sessions.sessions})
+            if body is None or body.link.uid not in sessions.sessions or body.frame.note:
+                raise DimpleError(said[-1])
+            if len(body.frame.depths):
+                deepest = max(deepest, float(body.frame.depths[active]))
+                strongest = max(strongest, float(np.linalg.norm(body.frame.finger_forces[active])))
+    return deepest, strongest
+
+
+def _steps(seconds: float, dt: float) -> list[float]:
+    """Return whole frames, and what is left over."""
+    whole = math.floor(seconds / dt + 1e-9)
+    left = seconds - whole * dt
+    return [dt] * whole + ([left] if left > 1e-9 else [])

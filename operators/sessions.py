@@ -1,0 +1,237 @@
+"""The running sessions: the only mutable module state of the extension.
+
+`sessions` holds a Body for every object that is being pressed, by the object's session_uid, which survives undo
+and renaming; `runs` holds the modal operators that drive them, so that whatever ends a session from outside (a
+file is loaded, the extension is switched off, an undo takes the object away) also ends what drives it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import bpy
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..core.session import Finger, Frame, Session
+    from .bridge import Link
+    from .bridge_write import Borrowed
+    from .output import Recorder
+
+TRAIL = 4000  # points of force against depth that the chart remembers
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Body:
+    """Hold one pressed object: its session, and numbers that join it to Blender.
+
+    triangles: (t, 3) of the object's own vertices, outward.  matrix: (4, 4) of the object when it was last stepped.
+    fingers: the fingertips to be drawn, in the session's space.  trail: depth [m] and force [N] of the deepest one.
+    take: the last recording and its first frame.
+    """
+
+    link: Link
+    session: Session
+    borrowed: Borrowed
+    matrix: np.ndarray
+    triangles: np.ndarray
+    fingers: tuple[Finger | None, ...] = (None, None, None)
+    trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
+    recorder: Recorder | None = None
+    take: tuple[str, int] | None = None
+
+    @property
+    def name(self) -> str:
+        """Return the name of the object."""
+        return self.link.name
+
+    @property
+    def frame(self) -> Frame:
+        """Return what the session showed last."""
+        return self.session.frame
+
+    @property
+    def running(self) -> bool:
+        """Tell whether time runs."""
+        return any(not run.paused for run in runs)
+
+    @property
+    def recording(self) -> bool:
+        """Tell whether frames are being recorded."""
+        return self.recorder is not None
+
+    def to_world(self, point: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Return a point of the session [m] in the scene."""
+        x, y, z = (float(c) / self.link.scale for c in point)
+        return x, y, z
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Run:
+    """Hold a modal operator that drives the sessions.
+
+    kind: "poke", "play" or "bake".  pace: simulated time the next step asks for [s]; it falls when the computer
+    lags.  leave: called when the run is closed, by whomever.
+    """
+
+    kind: str
+    timer: bpy.types.Timer | None
+    paused: bool = False
+    closed: bool = False
+    pace: float = 0.002
+    leave: Callable[[], None] | None = None
+
+
+sessions: dict[int, Body] = {}
+runs: list[Run] = []
+
+
+def get(obj: bpy.types.Object | None) -> Body | None:
+    """Return the session of an object."""
+    return sessions.get(obj.session_uid) if obj else None
+
+
+def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list[str]]:
+    """Start the session of an object, or return the one it has; and sentences for the artist.
+
+    Raises:
+        DimpleError: it cannot be pressed, with the reason and what to do; nothing was changed.
+    """
+    if body := get(obj):
+        return body, []
+    from ..core.session import Session
+    from . import bridge, bridge_write
+
+    bridge.check_writable(obj)
+    link, model = bridge.read_body(context, obj)
+    session = Session(model)  # may refuse too, so before anything is touched
+    said = [f'"{obj.name}": {note}' for note in model.notes]
+    if bridge_write.is_shared(obj.data):
+        said.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
+    first = bridge.input_vertices(model)
+    body = sessions[link.uid] = Body(
+        link=link, session=session, matrix=link.matrix, triangles=first[model.mesh.triangles],
+        borrowed=bridge_write.borrow(obj, link, others=_others(link.uid)),
+    )  # fmt: skip
+    obj.dimple.enabled = True
+    return body, said
+
+
+def stop(uid: int, *, restore: bool = True) -> None:
+    """End a session; put the rest shape back, or keep the shape that shows."""
+    body = sessions.pop(uid, None)
+    if body is None:
+        return
+    from . import bridge, bridge_write
+
+    if body.recorder:
+        body.take, body.recorder = body.recorder.close(), None
+    obj = bridge.find(uid, body.name)
+    if obj is None:
+        return
+    if restore:
+        bridge_write.give_back(obj, body.link, body.borrowed)
+    else:
+        bridge_write.keep(obj)
+    if body.take:
+        from . import output
+
+        output.attach_cache(obj, *body.take)
+
+
+def stop_all(*, restore: bool = True) -> None:
+    """End every session and everything that drives them."""
+    for run in list(runs):
+        close_run(run)
+    for uid in list(sessions):
+        stop(uid, restore=restore)
+
+
+@contextmanager
+def at_rest() -> Iterator[None]:
+    """Put every mesh at rest for a moment: what Blender saves or remembers for undo is never a pressed shape."""
+    if not sessions:
+        yield
+        return
+    rest_all()
+    try:
+        yield
+    finally:
+        show_all()
+
+
+@contextmanager
+def ending_on_error() -> Iterator[None]:
+    """End everything when something unforeseen is raised: no timer, no pressed mesh may stay behind it."""
+    try:
+        yield
+    except BaseException:
+        stop_all()
+        raise
+
+
+def open_run(context: bpy.types.Context, kind: str, said: str, *, interval: float = 1 / 60) -> Run:
+    """Register a modal operator and give it a timer; an earlier one that drives the sessions is closed."""
+    for run in list(runs):
+        close_run(run)
+    manager = context.window_manager
+    run = Run(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
+    runs.append(run)
+    manager.dimple.state = said
+    return run
+
+
+def close_run(run: Run) -> None:
+    """Take timer and status text of a modal operator away; closing twice does nothing."""
+    if run.closed:
+        return
+    run.closed = True
+    runs.remove(run)
+    manager = bpy.context.window_manager
+    if run.timer:
+        manager.event_timer_remove(run.timer)
+        run.timer = None
+    for workspace in {window.workspace for window in manager.windows}:
+        workspace.status_text_set(None)
+    manager.dimple.state = ""
+    redraw()
+    if run.leave:
+        run.leave()
+
+
+def redraw() -> None:
+    """Ask every viewport to draw itself anew."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def _others(uid: int) -> set[int]:
+    """Return the meshes that other sessions than that of an object will give back."""
+    return {body.borrowed.shared for body in sessions.values() if body.borrowed.shared and body.link.uid != uid}
+
+
+def rest_all() -> None:
+    """Put every mesh at rest; the sessions go on."""
+    from . import bridge, bridge_write
+
+    for uid, body in sessions.items():
+        if obj := bridge.find(uid, body.name):
+            bridge_write.give_back(obj, body.link, body.borrowed)
+
+
+def show_all() -> None:
+    """Show every session again, after its mesh was put at rest or replaced."""
+    from . import bridge, bridge_write
+
+    for uid, body in sessions.items():
+        obj = bridge.find(uid, body.name)
+        if obj and bridge_write.is_showable(obj, body.link):
+            body.borrowed = bridge_write.borrow(obj, body.link, others=_others(uid), before=body.borrowed)
+            bridge_write.show(obj, body.link, bridge.to_local(body.link, body.matrix, body.frame.positions))

@@ -1,0 +1,80 @@
+"""A bake as shape keys: one key every few frames, faded in and out so that the frames between are interpolated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import bpy
+
+from . import bridge_write
+from .bridge import Link, Singles
+from .names import BAKED_KEY
+
+MADE_BASIS = "dimple_made_basis"  # custom property of keys that came with the bake and go with it
+
+
+def add(obj: bpy.types.Object, link: Link, shapes: Sequence[tuple[int, Singles]]) -> None:
+    """Give an object a key for each (frame, coordinates), and keyframe them.
+
+    Between two keys the values add up to 1, and a straight line leads from one shape to the next.
+    """
+    remove(obj)
+    if bridge_write.is_shared(obj.data):
+        obj.data = obj.data.copy()
+    made_basis = obj.data.shape_keys is None
+    frames = [frame for frame, _ in shapes]
+    for at, (frame, local) in enumerate(shapes):
+        key = bridge_write.add_key(obj, f"{BAKED_KEY}{frame:04d}", link, local)
+        for other in frames[max(at - 1, 0) : at + 2]:
+            key.value = float(other == frame)
+            key.keyframe_insert("value", frame=other)
+    if made_basis:
+        obj.data.shape_keys[MADE_BASIS] = True
+    for _, curve in _curves(obj.data.shape_keys):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+def remove(obj: bpy.types.Object) -> int:
+    """Take the keys of a bake off an object with their keyframes; return how many there were."""
+    keys = obj.data.shape_keys
+    baked = [key.name for key in keys.key_blocks if key.name.startswith(BAKED_KEY)] if keys else []
+    if not baked:
+        return 0
+    for bag, curve in list(_curves(keys)):
+        bag.fcurves.remove(curve)
+    animation = keys.animation_data
+    if animation and animation.action and not any(_bags(keys)) and not (animation.drivers or animation.nla_tracks):
+        action = animation.action
+        keys.animation_data_clear()
+        if not action.users:
+            bpy.data.actions.remove(action)
+    active = obj.active_shape_key_index
+    for name in baked:
+        obj.shape_key_remove(obj.data.shape_keys.key_blocks[name])
+    keys = obj.data.shape_keys
+    if keys and keys.get(MADE_BASIS):
+        if len(keys.key_blocks) == 1:
+            obj.shape_key_remove(keys.key_blocks[0])
+        else:
+            del keys[MADE_BASIS]
+    if obj.data.shape_keys:
+        obj.active_shape_key_index = min(active, len(obj.data.shape_keys.key_blocks) - 1)
+    return len(baked)
+
+
+def _bags(keys: bpy.types.Key) -> Iterator[bpy.types.ActionChannelbag]:
+    """Yield what holds the curves of a mesh's keys, where there are any."""
+    animation = keys.animation_data
+    for layer in animation.action.layers if animation and animation.action else ():
+        for strip in layer.strips:
+            bag = strip.channelbag(animation.action_slot) if animation.action_slot else None
+            if bag and len(bag.fcurves):
+                yield bag
+
+
+def _curves(keys: bpy.types.Key) -> Iterator[tuple[bpy.types.ActionChannelbag, bpy.types.FCurve]]:
+    for bag in _bags(keys):
+        for curve in bag.fcurves:
+            if curve.data_path.startswith(f'key_blocks["{BAKED_KEY}'):
+                yield bag, curve
