@@ -134,6 +134,9 @@ class DIMPLE_PT_session(_SidebarPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.scale_y = 1.4
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
+        row = layout.row()
+        row.enabled = body is not None and body.type == "MESH"
+        DIMPLE_PT_material_presets.draw_menu(row, text="Materials")
         column = layout.column(align=True)
         running = entry is not None and entry.running
         column.operator(Op.PLAY, text="Pause" if running else "Play", icon="PAUSE" if running else "PLAY")
@@ -187,6 +190,11 @@ class DIMPLE_PT_fingertips(_SidebarPanel, bpy.types.Panel):
         layout.operator(Op.ADD_FINGERTIP, icon="SPHERE")
 
 
+def _bake_button(layout: bpy.types.UILayout, scene: bpy.types.Scene, target: str, *, text: str) -> None:
+    button = layout.operator(Op.BAKE, text=text, icon="RENDER_ANIMATION")
+    button.target, button.frame_start, button.frame_end = target, scene.frame_start, scene.frame_end
+
+
 class DIMPLE_PT_bake(_SidebarPanel, bpy.types.Panel):
     """Turn a press into animation."""
 
@@ -201,9 +209,8 @@ class DIMPLE_PT_bake(_SidebarPanel, bpy.types.Panel):
         layout.prop(scene.dimple, "cache_dir")
         layout.prop(scene.dimple, "shape_key_step")
         column = layout.column(align=True)
-        for target, text in (("MESH_CACHE", "Bake to Mesh Cache"), ("SHAPE_KEYS", "Bake to Shape Keys")):
-            button = column.operator(Op.BAKE, text=text, icon="RENDER_ANIMATION")
-            button.target, button.frame_start, button.frame_end = target, scene.frame_start, scene.frame_end
+        _bake_button(column, scene, "MESH_CACHE", text="Bake to Mesh Cache")
+        _bake_button(column, scene, "SHAPE_KEYS", text="Bake to Shape Keys")
         layout.operator(Op.UNBAKE, icon="TRASH")
 
 

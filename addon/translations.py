@@ -13,7 +13,7 @@ OPERATORS = {
     "Bake": "ベイク",
     "Bake to Mesh Cache": "メッシュキャッシュにベイク",
     "Bake to Shape Keys": "シェイプキーにベイク",
-    "Unbake": "ベイクを取り消す",
+    "Remove Bake": "ベイクを外す",
     "Apply Preset": "プリセットを適用",
     "Add Fingertip": "指先を追加",
     "Add Material Preset": "マテリアルプリセットを追加",
@@ -181,9 +181,77 @@ PANELS = {
     "{:.0f} Hz, {} steps each": "{:.0f} Hz、各 {} ステップ",
 }
 
+VERBS = {
+    "Press the selected meshes with a fingertip: live with the mouse, or from a script at a given place": (
+        "選択したメッシュを指先で押します。マウスでその場で、またはスクリプトから指定の場所を押せます"
+    ),
+    "Location": "位置",
+    "Where to press [scene units]; by default the top of the body": "押す場所 [シーンの単位]。既定は物体の頂上です",
+    "Direction": "向き",
+    "Which way the fingertip goes in; 0 is straight into the surface": "指先を押し込む向き。0 は面にまっすぐ入ります",
+    "Depth (mm)": "深さ (mm)",
+    "How deep to press": "どこまで押し込むか",
+    "Press (s)": "押す時間 (s)",
+    "Time of the way in": "押し込むのにかける時間",
+    "Hold (s)": "保つ時間 (s)",
+    "Time at full depth": "一番深いところにとどまる時間",
+    "Release (s)": "離す時間 (s)",
+    "Time of the way out; 0 stays pressed": "戻すのにかける時間。0 は押したままにします",
+    "Radius (mm)": "半径 (mm)",
+    "Radius of the fingertip; 0 is the scene's": "指先の半径。0 はシーンの設定を使います",
+    "1, 2 or 3; 0 is the scene's": "1、2、3 のいずれか。0 はシーンの設定を使います",
+    "Keep": "形を残す",
+    "Keep the shape at the end rather than put the rest shape back": "終わったときに元の形へ戻さず、その形を残します",
+    "Record the press and let the object play it": "押した動きを記録し、オブジェクトに再生させます",
+    "Run or pause the selected bodies without the timeline; fingertip objects press them. Esc ends and restores": (
+        "選択した物体をタイムラインなしで動かす、または止めます。指先オブジェクトが押します。Esc で終えて元に戻します"
+    ),
+    "Seconds": "秒数",
+    "From a script: how long to run": "スクリプトから使うとき、何秒動かすか",
+    "End every session and put the rest shapes back exactly": "すべてのセッションを終え、元の形に正確に戻します",
+    "Record what is being pressed, or stop; the object plays it once its session has ended": (
+        "押している動きの記録を始める、または止めます。セッションが終わるとオブジェクトが再生します"
+    ),
+    "Simulate the selected bodies over a range of frames, pressed by the keyframed fingertip objects": (
+        "キーフレームの付いた指先オブジェクトで押しながら、選択した物体を指定のフレーム範囲で計算します"
+    ),
+    "Target": "ベイク先",
+    "What the bake becomes": "ベイクの結果を何にするか",
+    "Mesh Cache": "メッシュキャッシュ",
+    "A file the object plays; taking the modifier off is enough to undo it": (
+        "オブジェクトが再生するファイル。モディファイアーを外すだけで元に戻ります"
+    ),
+    "Shape Keys": "シェイプキー",
+    "Keyframed shape keys, which every exporter understands": (
+        "キーフレームの付いたシェイプキー。どの書き出し形式でも使えます"
+    ),
+    "First Frame": "最初のフレーム",
+    "By default the scene's first frame": "既定はシーンの最初のフレーム",
+    "Last Frame": "最後のフレーム",
+    "By default the scene's last frame": "既定はシーンの最後のフレーム",
+    "Take bakes and recordings off the selected objects; their files stay on the disk": (
+        "選択したオブジェクトからベイクと記録を外します。ファイルはディスクに残ります"
+    ),
+    "Preset": "プリセット",
+    "Name of a measured object, such as object_2_vinyl_air": "測定した物体の名前。例: object_2_vinyl_air",
+    "Give the active material the constants of a measured object, and the body the size that was measured": (
+        "アクティブマテリアルに測定した物体の定数を、物体に測定時の大きさを与えます"
+    ),
+    "Add a fingertip above the active object: an object that presses, to be moved and keyframed": (
+        "アクティブオブジェクトの上に指先を追加します。動かしたりキーフレームを付けたりできる、押すためのオブジェクトです"
+    ),
+    "Poking: Esc leaves, Enter keeps the shape": "押しています。Esc で終了、Enter で形を残します",
+    "Playing: Esc ends and puts the rest shape back": "再生中です。Esc で終えて元の形に戻します",
+    "Baking: Esc cancels": "ベイク中です。Esc で中止します",
+}
+
 JAPANESE = {
     **{("Operator", english): text for english, text in OPERATORS.items()},
-    **{("*", english): text for part in (OPERATORS, MATERIAL, BODY, SESSION, PANELS) for english, text in part.items()},
+    **{
+        ("*", english): text
+        for part in (OPERATORS, MATERIAL, BODY, SESSION, PANELS, VERBS)
+        for english, text in part.items()
+    },
 }
 
 

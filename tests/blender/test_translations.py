@@ -32,6 +32,14 @@ def texts_of_property(each: Any) -> Iterator[str]:
         yield from (text for item in each.enum_items_static for text in (item.name, item.description))
 
 
+def properties(bpy: ModuleType, cls: type) -> Any:
+    """Return the RNA properties of a class; those of an operator live apart from it."""
+    if not issubclass(cls, bpy.types.Operator):
+        return cls.bl_rna.properties
+    module, _, name = cls.bl_idname.partition(".")
+    return getattr(getattr(bpy.ops, module), name).get_rna_type().properties
+
+
 def texts(bpy: ModuleType) -> Iterator[tuple[str, str]]:
     """Yield context and text of every label and description that Blender knows from our classes."""
     for cls in classes(bpy):
@@ -41,7 +49,7 @@ def texts(bpy: ModuleType) -> Iterator[tuple[str, str]]:
         elif hasattr(cls, "bl_label"):
             yield "*", cls.bl_label
         own = {name for parent in cls.__mro__ for name in parent.__dict__.get("__annotations__", {})}
-        for each in cls.bl_rna.properties:
+        for each in properties(bpy, cls):
             if each.identifier in own - BLENDERS_OWN:
                 yield from (("*", text) for text in texts_of_property(each))
     from bl_ext.user_default.dimple.addon.tool import DIMPLE_WT_poke
@@ -51,10 +59,11 @@ def texts(bpy: ModuleType) -> Iterator[tuple[str, str]]:
 
 
 def drawn_texts() -> Iterator[str]:
-    """Yield the words that our drawing code writes: text=..., heading=..., iface_(...), draw_notes(...)."""
-    import bl_ext.user_default.dimple.addon as addon
+    """Yield the words that our code writes: text=, heading=, iface_(), draw_notes(), and what a run says it does."""
+    import bl_ext.user_default.dimple as dimple
 
-    for path in Path(addon.__file__).parent.glob("*.py"):
+    root = Path(dimple.__file__).parent
+    for path in [*root.glob("addon/*.py"), *root.glob("operators/*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
             if not isinstance(node, ast.Call):
                 continue
@@ -63,6 +72,8 @@ def drawn_texts() -> Iterator[str]:
                 written += node.args
             if getattr(node.func, "id", "") == "draw_notes":
                 written += [each for each in node.args if isinstance(each, ast.List)]
+            if getattr(node.func, "attr", "") == "open_run":
+                written += node.args[2:]
             for expression in written:
                 yield from (
                     part.value
@@ -88,7 +99,7 @@ def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, 
     from bl_ext.user_default.dimple.core.material import PRESETS
 
     wanted = {text for text in [*drawn_texts(), *(preset.label for preset in PRESETS)] if text}
-    assert {"Measured Objects", "Pause", "Force {}"} <= wanted
+    assert {"Measured Objects", "Pause", "Force {}", "Baking: Esc cancels"} <= wanted
     assert sorted(wanted - {text for _, text in japanese}) == []
 
 
@@ -102,6 +113,6 @@ def test_no_translation_is_left_over(bpy: ModuleType, japanese: dict) -> None:
 def test_a_translation_keeps_numbers_units_and_places(japanese: dict) -> None:
     """What stands in brackets is a unit, and {} is where a number goes."""
     for (_, english), text in japanese.items():
-        for part in ("{}", "(N/mm)", "(mm)", "(kg)", "(kg/m³)"):
+        for part in ("{}", "(N/mm)", "(mm)", "(kg)", "(kg/m³)", "(s)"):
             assert (part in english) == (part in text), english
         assert text == text.strip() and text
