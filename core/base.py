@@ -19,7 +19,10 @@ AIR_EXPONENT = 1.4  # a press is quick beside the warming of the air: adiabatic
 # pressure wave does not ask for smaller steps than the skin does (tests/physics/test_volume.py)
 LIQUID_BULK_MODULUS = 2e6
 
+FARTHEST = 1e9  # [m] a vertex farther away than the moon is a mistake
 WELD_SHARE = 1e-6  # of the bounding box: nearer vertices are one vertex
+CLOSED_BULK = 1e-6  # of size x area: a closed body with less volume has no inside
+OPEN_BULK = 1e-2  # the same of an open one: a crumpled or curved sheet is no body (a hemisphere has 0.17)
 MASS_FLOOR = 1e-2  # of the mean: a sliver's vertex is given this much, so that it does not set the time step
 TICK = 1e-3  # [s] control step: haptics' 1 kHz, and what makes motion independent of the frame rate
 STEP_SAFETY = 0.9  # of the stability bound; springs stiffen a little when they turn

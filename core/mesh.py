@@ -6,13 +6,13 @@ mend is said in `Mesh.notes`; where it cannot be mended `DimpleError` says why a
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from .base import WELD_SHARE, Bools, DimpleError, Floats, Ints, sums_at
+from .base import CLOSED_BULK, FARTHEST, OPEN_BULK, WELD_SHARE, Bools, DimpleError, Floats, Ints, sums_at
+from .mend import agreeing, connected, inward_parts, weld
 from .rings import Rings, ordered_rings
 
 
@@ -72,13 +72,10 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     size = float(np.ptp(positions[np.unique(triangles)], axis=0).max())
     if size <= 0:
         raise DimpleError("All vertices lie in one point, so there is nothing to press. Give the mesh a size.")
-    cells = np.round(positions / (WELD_SHARE * size)).astype(np.int64)
-    unique, source = trimesh.grouping.unique_rows(cells)
-    if len(unique) < len(positions):
-        notes.append(f"{len(positions) - len(unique)} vertices lie on others and move with them.")
-        positions, triangles = positions[unique], source[triangles]
-    else:
-        source = np.arange(len(positions))
+    kept, source = weld(positions, WELD_SHARE * size)
+    if len(kept) < len(positions):
+        notes.append(f"{len(positions) - len(kept)} vertices lie on others and move with them.")
+        positions, triangles = positions[kept], source[triangles]
 
     whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     triangles, material = triangles[whole], material[whole]
@@ -94,19 +91,23 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     if flat:
         notes.append(f"{flat} faces have no area and add no stiffness.")
 
+    mended = np.zeros(len(triangles), bool)
     if not surface.is_winding_consistent:
-        turned = _agreeing(surface.faces, surface.face_adjacency, positions)
-        notes.append(
-            f"{int((turned != triangles).any(axis=1).sum())} faces were turned to agree with their neighbours."
-        )
+        turned = agreeing(triangles, surface.face_adjacency)
+        mended = (turned != triangles).any(axis=1)
+        notes.append(f"{int(mended.sum())} faces were turned to agree with their neighbours.")
         triangles = turned
-    border = _border(triangles, len(positions))
-    cap_loop = _loops(border, len(positions))
-    volume = _volume(positions, triangles, border, cap_loop)
-    if volume < 0:
+    border, cap_loop, volume = _closed(positions, triangles)
+    bulk = (OPEN_BULK if len(border) else CLOSED_BULK) * size * float(areas.sum())
+    if volume < -bulk:
         triangles, border, volume = triangles[:, ::-1].copy(), border[:, ::-1].copy(), -volume
         notes.append("The faces looked inward and were turned outward for the simulation.")
-    pressurable = volume > 1e-6 * size * areas.sum()
+    inward = inward_parts(positions, triangles, surface.face_adjacency, mended)
+    if inward.any():
+        triangles[inward] = triangles[inward][:, ::-1]
+        border, cap_loop, volume = _closed(positions, triangles)
+        notes.append(f"{int(inward.sum())} faces of separate parts looked inward and were turned outward.")
+    pressurable = volume > bulk
     if not pressurable:
         notes.append("The mesh is a sheet without an inside: its fill is off.")
     elif len(border):
@@ -144,6 +145,8 @@ def triangulate(positions: Floats, polygons: Sequence[Sequence[int]]) -> tuple[I
     triangles: list[tuple[int, int, int]] = []
     origin: list[int] = []
     for index, polygon in enumerate(polygons):
+        if len(polygon) < 3 or min(polygon) < 0 or max(polygon) >= len(positions):
+            raise DimpleError(f"Face {index} needs three or more vertices that exist. Run Mesh > Clean Up.")
         ears = _ears(positions, list(polygon))
         triangles += ears
         origin += [index] * len(ears)
@@ -170,39 +173,12 @@ def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
         raise DimpleError("A face names a vertex that does not exist. Run Mesh > Clean Up, or rebuild the mesh.")
     if len(material) != len(triangles):
         raise DimpleError("There must be one material index for each triangle.")
-    bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
+    bad = np.flatnonzero(~(np.abs(positions) < FARTHEST).all(axis=1))
     if len(bad):
         raise DimpleError(
-            f"Vertex {bad[0]} has a coordinate that is not a number ({len(bad)} such vertices). Delete or move them."
+            f"Vertex {bad[0]} has a coordinate that is not a number, or out of this world ({len(bad)} such vertices). "
+            "Delete or move them."
         )
-
-
-def _agreeing(faces: Ints, adjacency: Ints, positions: Floats) -> Ints:
-    """Turn faces so that neighbours agree, each part outward (walk over the faces from neighbour to neighbour)."""
-    neighbours: list[list[int]] = [[] for _ in faces]
-    for a, b in adjacency:
-        neighbours[a].append(int(b))
-        neighbours[b].append(int(a))
-    turned, seen = faces.copy(), np.zeros(len(faces), bool)
-    for start in range(len(faces)):
-        if seen[start]:
-            continue
-        seen[start], queue, part = True, deque([start]), [start]
-        while queue:
-            here = queue.popleft()
-            edges = {(int(turned[here, c]), int(turned[here, (c + 1) % 3])) for c in range(3)}
-            for there in neighbours[here]:
-                if not seen[there]:
-                    a, b, c = (int(v) for v in turned[there])
-                    if edges & {(a, b), (b, c), (c, a)}:
-                        turned[there] = (c, b, a)
-                    seen[there] = True
-                    queue.append(there)
-                    part.append(there)
-        corners = positions[turned[part]] - positions[turned[part]].mean(axis=(0, 1))
-        if np.linalg.det(corners).sum() < 0:
-            turned[part] = turned[part][:, ::-1]
-    return turned
 
 
 def _border(triangles: Ints, n: int) -> Ints:
@@ -222,16 +198,7 @@ def _border(triangles: Ints, n: int) -> Ints:
 
 def _loops(border: Ints, n: int) -> Ints:
     """Number the holes: border edges joined by a vertex are of one hole."""
-    label = np.arange(n)
-    while len(border):
-        low = np.minimum(label[border[:, 0]], label[border[:, 1]])
-        before = label.copy()
-        np.minimum.at(label, border[:, 0], low)
-        np.minimum.at(label, border[:, 1], low)
-        label = label[label]
-        if (label == before).all():
-            break
-    return np.unique(label[border[:, 0]], return_inverse=True)[1] if len(border) else np.zeros(0, np.int64)
+    return np.unique(connected(border, n)[border[:, 0]], return_inverse=True)[1]
 
 
 def cap_centres(positions: Floats, cap_edges: Ints, cap_loop: Ints) -> tuple[Floats, Floats]:
@@ -241,13 +208,16 @@ def cap_centres(positions: Floats, cap_edges: Ints, cap_loop: Ints) -> tuple[Flo
     return centre / count[:, None], count
 
 
-def _volume(positions: Floats, triangles: Ints, border: Ints, cap_loop: Ints) -> float:
+def _closed(positions: Floats, triangles: Ints) -> tuple[Ints, Ints, float]:
+    """Return the cap edges (c, 2), the hole each closes (c,) and the volume inside [m3]."""
+    border = _border(triangles, len(positions))
+    cap_loop = _loops(border, len(positions))
     x = positions - positions[triangles].mean(axis=(0, 1))
     total = float(np.linalg.det(x[triangles]).sum())
     if len(border):
         centre, _ = cap_centres(x, border, cap_loop)
         total += float(np.linalg.det(np.stack([x[border[:, 0]], x[border[:, 1]], centre[cap_loop]], axis=1)).sum())
-    return total / 6
+    return border, cap_loop, total / 6
 
 
 def _springs(triangles: Ints, areas: Floats, n: int) -> tuple[Ints, Ints, Floats, Ints]:
