@@ -18,6 +18,7 @@ from .material import Material
 from .mesh import Mesh
 
 LAW_SETS = ("consistent", "paper")
+LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,13 +64,12 @@ class Model:
         omega = math.sqrt(max(self.omega_squared, 1e-12))
         z = self.decay / (2 * omega)
         limit = 2 / omega * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
-        count = math.ceil(tick / limit)
-        if count > MAX_SUBSTEPS:
+        if not tick <= MAX_SUBSTEPS * limit:
             raise DimpleError(
-                f"The material is so stiff or light on this mesh that a millisecond needs {count} steps. "
+                f"The material is so stiff or light on this mesh that a millisecond needs over {MAX_SUBSTEPS} steps. "
                 "Raise its mass, lower k or K2, or use a coarser mesh."
             )
-        return count
+        return math.ceil(tick / limit)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -114,7 +114,9 @@ def build_model(
     """
     if law_set not in LAW_SETS:
         raise DimpleError(f"The law set must be one of {', '.join(LAW_SETS)} (it is {law_set}).")
-    if not materials or mesh.triangle_material.max() >= len(materials):
+    if not np.isfinite(gravity).all() or np.shape(gravity) != (3,) or not math.isfinite(ground or 0.0):
+        raise DimpleError("Gravity must be three numbers and the ground's height one.")
+    if not materials or mesh.triangle_material.max() >= len(materials) or mesh.triangle_material.min() < 0:
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
     n, which = len(mesh.rest_positions), mesh.triangle_material
     held_here = mesh.loose | (_on_vertices(mesh, held, "pins", 0.0) >= 0.5)
@@ -138,7 +140,10 @@ def build_model(
     x = np.ascontiguousarray(mesh.rest_positions.T)
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
-    shape = Memory(rest=x, k1=k1, k2=k2, d0=d0_at, damping=2 * ratio * damping_at * np.sqrt(k1 * mass), mass=mass)
+    shape = Memory(
+        rest=x, k1=k1, k2=k2, d0=d0_at, damping=2 * ratio * damping_at * np.sqrt(k1 * mass),
+        mass=np.where(mesh.loose, LOOSE_MASS * mass, mass),
+    )  # fmt: skip
     fill = _fill(mesh, materials, law_set)
     inside = pressure.build_pressure(mesh, fill)
     row_k, row_c = springs.row_bounds(membrane, n)
@@ -223,6 +228,8 @@ def _on_vertices(mesh: Mesh, values: Bools | Floats | None, name: str, default: 
     values = np.asarray(values, np.float64)
     if values.shape != mesh.source.shape:
         raise DimpleError(f"The {name} must have one value for each of the {len(mesh.source)} vertices.")
+    if not np.isfinite(values).all():
+        raise DimpleError(f"Some values of the {name} are not numbers.")
     total = sums_at(mesh.source, values, len(mesh.rest_positions))
     return total / np.bincount(mesh.source, minlength=len(mesh.rest_positions))
 

@@ -65,10 +65,13 @@ class Session:
         self.model = model
         self.tick = tick
         self.substeps = model.substeps(tick)
+        if not tick > 0:
+            raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
         self._stepper = semi_implicit.run
         self._surface = rest_surface(model.mesh)
         self._state = initial_state(model)
         first = np.zeros(len(model.mesh.rest_positions), np.int64)
+        self._whole = not model.mesh.loose.any()
         first[model.mesh.source[::-1]] = np.arange(len(model.mesh.source))[::-1]
         self._input_of = first
         self.reset()
@@ -96,7 +99,11 @@ class Session:
         if len(fingers) > MAX_FINGERS:
             raise DimpleError(f"There are at most {MAX_FINGERS} fingertips.")
         for finger in fingers:
-            if finger and not (finger.radius > 0 and all(map(math.isfinite, (*finger.position, finger.radius)))):
+            if finger and not (
+                finger.radius > 0
+                and len(finger.position) == 3
+                and all(map(math.isfinite, (*finger.position, finger.radius)))
+            ):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         self._targets = list(fingers)
         for held in (self._fingers, self._sides):
@@ -107,8 +114,17 @@ class Session:
                 self._fingers[i], self._sides[i] = finger, None
 
     def set_held(self, positions: Floats) -> None:
-        """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were held."""
-        self._held_target = np.asarray(positions, np.float64)[self._input_of].T
+        """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were held.
+
+        Raises:
+            DimpleError: another number of vertices, or positions that are not numbers.
+        """
+        positions = np.asarray(positions, np.float64)
+        if positions.shape != (len(self.model.mesh.source), 3):
+            raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
+        if not np.isfinite(positions[self._input_of][self.model.held]).all():
+            raise DimpleError("A held vertex has a position that is not a number.")
+        self._held_target = positions[self._input_of].T
 
     def step(self, dt: float, *, budget: float | None = None) -> Frame:
         """Advance by dt [s] in whole ticks; what is left over is carried to the next call.
@@ -118,7 +134,12 @@ class Session:
         """
         started = time.perf_counter()
         end = self._time + dt
+
+        Raises:
+            DimpleError: dt is negative or not a number.
         due = math.floor(end / self.tick + 1e-6)
+        if not 0 <= dt < math.inf:
+            raise DimpleError(f"A step of time must be 0 s or longer (it is {dt}).")
         impulses, done, note = np.zeros((len(self._targets), 3)), 0, ""
         while self._ticks < due:
             ticks = self._ticks_at_once(due - self._ticks)
@@ -207,7 +228,7 @@ class Session:
         return depths, law
 
     def _is_finite(self) -> bool:
-        x = self._state.positions
+        x = self._state.positions if self._whole else self._state.positions[:, ~self.model.mesh.loose]
         return bool(np.isfinite(x).all() and np.ptp(x, axis=1).max() < 100 * self.model.mesh.size)
 
     def _show(self, forces: Floats, steps: int, cost: float, note: str) -> Frame:

@@ -37,7 +37,10 @@ def fit_pose(rest: Floats, x: Floats, weight: Floats) -> Pose:
     """Return the rigid motion that brings rest (3, n) nearest to x (3, n) in weighted least squares (Kabsch)."""
     total = weight.sum()
     c0, c1 = rest @ weight / total, x @ weight / total
-    u, _, vt = np.linalg.svd(((x - c1[:, None]) * weight) @ (rest - c0[:, None]).T)
+    spread = ((x - c1[:, None]) * weight) @ (rest - c0[:, None]).T
+    if not np.isfinite(spread).all():  # blown up: the session looks after that
+        return np.full((3, 3), np.nan), np.full(3, np.nan)
+    u, _, vt = np.linalg.svd(spread)
     rotation = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
     return rotation, c1 - rotation @ c0
 
