@@ -62,7 +62,7 @@ def draw_fingers(entry: Any, region: Any) -> None:
 
 def draw_rows(entry: Any, corner: Point, scale: float) -> float:
     """Write the numbers of a session upwards from a corner [px] and return where they end."""
-    lines = [f"{label}: {value}" for label, value in readout.rows(entry.frame)]
+    lines = [f"{label}: {value}" for label, value in readout.rows(entry.frame, entry.session.tick)]
     said = readout.sentences(entry.session.model.notes, entry.frame)
     lines = [entry.name, *lines, *(line for sentence in said for line in readout.wrapped(sentence, 60))]
     height = corner[1]

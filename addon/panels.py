@@ -11,16 +11,20 @@ from . import readout
 from .presets import DIMPLE_PT_material_presets
 
 TAB = "Dimple"
-NOTE_COLUMNS = 44
+LETTER = 7.5  # [px] width of a letter of a note, at a resolution scale of 1
+FRAME = 80.0  # [px] icon and borders beside it
 
 
-def draw_notes(layout: bpy.types.UILayout, sentences: list[str], icon: str = "INFO") -> None:
-    """Write sentences in a box, broken into lines that fit a sidebar."""
+def draw_notes(
+    context: bpy.types.Context, layout: bpy.types.UILayout, sentences: list[str], icon: str = "INFO"
+) -> None:
+    """Write sentences in a box, broken into lines that fit the region."""
     if not sentences:
         return
     column = layout.box().column(align=True)
+    columns = max(12, int((context.region.width / context.preferences.system.ui_scale - FRAME) / LETTER))
     for sentence in sentences:
-        for i, line in enumerate(readout.wrapped(bpy.app.translations.pgettext_iface(sentence), NOTE_COLUMNS)):
+        for i, line in enumerate(readout.wrapped(bpy.app.translations.pgettext_iface(sentence), columns)):
             column.label(text=line, icon="BLANK1" if i else icon, translate=False)
 
 
@@ -62,7 +66,7 @@ class DIMPLE_PT_material(_MaterialPanel, bpy.types.Panel):
         settings, layout = context.material.dimple, self.layout
         layout.use_property_split = True
         if settings.provenance:
-            draw_notes(layout, [settings.provenance], "BOOKMARKS")
+            draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
         for names in (("K1", "K2", "x0"), ("k",)):
             column = layout.column(align=True)
             for name in names:
@@ -73,7 +77,7 @@ class DIMPLE_PT_material(_MaterialPanel, bpy.types.Panel):
         layout.prop(settings, "damping_ratio", slider=True)
         layout.prop(settings, "friction", slider=True)
         layout.prop(settings, "fill")
-        draw_notes(layout, wrong_with(settings), "ERROR")
+        draw_notes(context, layout, wrong_with(settings), "ERROR")
 
 
 class DIMPLE_PT_body(bpy.types.Panel):
@@ -101,7 +105,7 @@ class DIMPLE_PT_body(bpy.types.Panel):
         settings = body.dimple
         layout.use_property_split = True
         if body.type != "MESH":
-            draw_notes(layout, ["Dimple presses meshes. Convert this object: Object > Convert > Mesh."])
+            draw_notes(context, layout, ["Dimple presses meshes. Convert this object: Object > Convert > Mesh."])
         layout = layout.column()
         layout.enabled = body.type == "MESH" and settings.enabled
         layout.prop(settings, "law_set")
@@ -144,9 +148,9 @@ class DIMPLE_PT_session(_SidebarPanel, bpy.types.Panel):
         recording = entry is not None and entry.recording
         column.operator(Op.RECORD, text="Stop Recording" if recording else "Record", icon="REC", depress=recording)
         if body is None or body.type != "MESH":
-            draw_notes(layout, ["Select a mesh to press it."])
+            draw_notes(context, layout, ["Select a mesh to press it."])
         elif context.window_manager.dimple.state:
-            draw_notes(layout, [context.window_manager.dimple.state])
+            draw_notes(context, layout, [context.window_manager.dimple.state])
 
 
 class DIMPLE_PT_readout(_SidebarPanel, bpy.types.Panel):
@@ -162,13 +166,13 @@ class DIMPLE_PT_readout(_SidebarPanel, bpy.types.Panel):
         if entry is None:
             layout.label(text="Nothing is being pressed")
             return
-        split = layout.split(factor=0.5)
+        split = layout.split(factor=0.55)
         labels, values = split.column(align=True), split.column(align=True)
         labels.alignment = "RIGHT"
-        for label, value in readout.rows(entry.frame):
+        for label, value in readout.rows(entry.frame, entry.session.tick):
             labels.label(text=label, translate=False)
             values.label(text=value, translate=False)
-        draw_notes(layout, readout.sentences(entry.session.model.notes, entry.frame))
+        draw_notes(context, layout, readout.sentences(entry.session.model.notes, entry.frame))
 
 
 class DIMPLE_PT_fingertips(_SidebarPanel, bpy.types.Panel):
@@ -181,7 +185,7 @@ class DIMPLE_PT_fingertips(_SidebarPanel, bpy.types.Panel):
         """Draw radius, direction and the three slots."""
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
-        layout.prop(settings, "finger_radius_mm")
+        layout.prop(settings, "finger_radius_mm", text="Radius (mm)")
         layout.prop(settings, "poke_along")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)

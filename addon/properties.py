@@ -115,7 +115,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
 class DIMPLE_PG_object(bpy.types.PropertyGroup):
     """Hold what makes an object a soft body."""
 
-    enabled: BoolProperty(name="Soft Body", description="Let Dimple press this mesh", options=set())
+    enabled: BoolProperty(name="Dimple", description="Let Dimple press this mesh", options=set())
     law_set: EnumProperty(name="Laws", description="Which equations move the body", items=_LAW_SETS, options=set())
     hold: EnumProperty(name="Hold", description="Which part of the body stands fast", items=_HOLDS, options=set())
     pin_group: StringProperty(

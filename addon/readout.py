@@ -28,19 +28,34 @@ def rate_hz(frame: Any) -> float:
     return frame.steps / frame.cost if frame.cost > 0 else 0.0
 
 
-def rows(frame: Any) -> list[tuple[str, str]]:
-    """Return (label, number with unit) for everything a frame measures, in the language of the interface."""
+def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
+    """Return (label, number with unit) for everything a frame measures, in the language of the interface.
+
+    Each value stands by itself, so that a narrow sidebar does not cut its unit off.
+
+    Args:
+        tick: control step of the session [s].
+    """
     lines = []
     for number, force, depth, law in finger_numbers(frame):
-        # each value by itself, so that a narrow sidebar does not cut the unit off
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
         lines.append((iface_("Depth {}").format(number), f"{depth:.2f} mm"))
         lines.append((iface_("Measured Curve {}").format(number), f"{law:.2f} N"))
     lines.append((iface_("Pressure"), f"{frame.pressure / 1e3:.3f} kPa"))
-    lines.append((iface_("Volume"), f"{frame.volume * 1e6:.1f} cm³ ({volume_change(frame):+.2%})"))
+    lines.append((iface_("Volume"), volume_text(frame.volume)))
+    lines.append((iface_("Change of Volume"), f"{volume_change(frame):+.2%}"))
     lines.append((iface_("Time"), f"{frame.time:.3f} s"))
-    lines.append((iface_("Rate"), iface_("{:.0f} Hz, {} steps each").format(rate_hz(frame), frame.substeps)))
+    rate = rate_hz(frame)
+    lines.append((iface_("Rate"), f"{rate:.0f} Hz"))
+    lines.append((iface_("Steps per Tick"), f"{frame.substeps}"))
+    if 0 < rate * tick < 1:
+        lines.append((iface_("Slow Motion"), f"{rate * tick:.0%}"))
     return lines
+
+
+def volume_text(volume: float) -> str:
+    """Return a volume [m3] in the unit that suits it."""
+    return f"{volume * 1e6:.1f} cm³" if volume < 0.1 else f"{volume:.4f} m³"
 
 
 def sentences(notes: Sequence[str], frame: Any | None) -> list[str]:

@@ -72,7 +72,6 @@ MATERIAL = {
 BODY = {
     "Dimple": "Dimple",
     "Settings of Dimple": "Dimple の設定",
-    "Soft Body": "柔らかい物体",
     "Let Dimple press this mesh": "このメッシュを Dimple で押せるようにします",
     "Laws": "力学の法則",
     "Which equations move the body": "物体を動かす方程式",
@@ -176,9 +175,11 @@ PANELS = {
     "Measured Curve {}": "測定曲線 {}",
     "Pressure": "圧力",
     "Volume": "体積",
+    "Change of Volume": "体積の変化",
     "Time": "時間",
     "Rate": "計算速度",
-    "{:.0f} Hz, {} steps each": "{:.0f} Hz、各 {} ステップ",
+    "Steps per Tick": "刻みあたりのステップ",
+    "Slow Motion": "スローモーション",
 }
 
 VERBS = {

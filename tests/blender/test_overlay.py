@@ -37,7 +37,7 @@ def entry(bpy: ModuleType) -> Any:
     trail = [(i * 1e-3, material.law(i * 1e-3) * 1.02) for i in range(13)]
     return SimpleNamespace(
         name="Ball", frame=frame, trail=trail, fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
-        session=SimpleNamespace(model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))),
+        session=SimpleNamespace(tick=1e-3, model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))),
         to_world=lambda point: tuple(12 * c for c in point),
     )  # fmt: skip
 
@@ -50,9 +50,10 @@ def test_without_a_session_nothing_is_drawn_and_gpu_is_not_asked(overlay: Module
 def test_the_read_out_carries_every_number_with_its_unit(entry: Any) -> None:
     from bl_ext.user_default.dimple.addon import readout
 
-    assert readout.rows(entry.frame) == [
+    assert readout.rows(entry.frame, 1e-3) == [
         ("Force 1", "7.40 N"), ("Depth 1", "12.00 mm"), ("Measured Curve 1", "7.32 N"), ("Pressure", "0.812 kPa"),
-        ("Volume", "4400.0 cm³ (-2.22%)"), ("Time", "1.250 s"), ("Rate", "3000 Hz, 12 steps each"),
+        ("Volume", "4400.0 cm³"), ("Change of Volume", "-2.22%"), ("Time", "1.250 s"), ("Rate", "3000 Hz"),
+        ("Steps per Tick", "12"),
     ]  # fmt: skip
 
 
@@ -63,7 +64,16 @@ def test_a_frame_at_rest_has_no_numbers_to_divide_by(entry: Any) -> None:
         **{**vars(entry.frame), "cost": 0.0, "rest_volume": 0.0, "depths": [0.0], "finger_forces": []}
     )
     assert readout.rate_hz(rest) == 0 and readout.volume_change(rest) == 0
-    assert [label for label, _ in readout.rows(rest)] == ["Pressure", "Volume", "Time", "Rate"]
+    assert [label for label, _ in readout.rows(rest, 1e-3)] == [
+        "Pressure", "Volume", "Change of Volume", "Time", "Rate", "Steps per Tick"
+    ]  # fmt: skip
+
+
+def test_a_computer_too_slow_for_real_time_says_so(entry: Any) -> None:
+    from bl_ext.user_default.dimple.addon import readout
+
+    slow = SimpleNamespace(**{**vars(entry.frame), "steps": 3})
+    assert ("Slow Motion", "27%") in readout.rows(slow, 1e-3)
 
 
 def test_the_curve_behind_the_chart_is_the_law_of_the_core(shapes: ModuleType, entry: Any) -> None:

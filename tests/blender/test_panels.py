@@ -58,7 +58,9 @@ def panels(bpy: ModuleType) -> Iterator[type]:
 
 def draw(bpy: ModuleType, panel: type, **context: Any) -> list[str]:
     """Draw a panel and return what it shows."""
-    here = {"scene": bpy.context.scene, "window_manager": bpy.context.window_manager, "object": None, "material": None}
+    here = {name: getattr(bpy.context, name) for name in ("scene", "window_manager")}
+    here |= {"object": None, "material": None, "region": SimpleNamespace(width=400)}
+    here["preferences"] = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))  # 0 in the background
     shown = SimpleNamespace(**{**here, **context})
     drawn: list[Any] = []
     this = SimpleNamespace(layout=Layout(bpy, drawn))
@@ -103,11 +105,12 @@ def test_a_wrong_constant_is_told_under_the_constants(bpy: ModuleType, body: Any
 def test_a_running_session_shows_force_depth_pressure_and_volume_with_units(bpy: ModuleType, body: Any) -> None:
     from bl_ext.user_default.dimple.operators import sessions
 
+    body.dimple.size_mode = "CUSTOM"
     entry, _ = sessions.start(body, bpy.context)
     try:
         from bl_ext.user_default.dimple.core.session import Finger
 
-        entry.session.set_fingers([Finger((0.0, 0.0, 1.0), 0.01)])
+        entry.session.set_fingers([Finger((0.0, 0.0, 0.0875), 0.01)])
         entry.session.step(0.01)
         rows = " ".join(draw(bpy, bpy.types.DIMPLE_PT_readout, object=body))
         for unit in (" N", " mm", " kPa", " cm³", " Hz"):
