@@ -158,6 +158,7 @@ def play() -> robot.Waits:
     check("ESC leaves nothing on the mesh", traces() == before, extra(before))
     yield from press_and_keep(at, rest, resting)
     check("Ctrl-Z leaves nothing on the mesh", traces() == before, extra(before))
+    yield from save_and_load(at, rest, before)
     yield from show_panels()
     yield from play_on(rest)
 
@@ -205,6 +206,21 @@ def press_and_keep(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray) -
     check("Ctrl-Z restores the mesh bit for bit", True)
     gap = yield from compare(resting, at, "8-undone.png")
     check("after Ctrl-Z the picture is the resting one", gap <= ALIKE, f"{gap} pixels differ")
+
+
+def save_and_load(at: tuple[int, int], rest: np.ndarray, before: set[str]) -> robot.Waits:
+    """Save in the middle of a press, then load what was saved, still pressing."""
+    yield from start_poke()
+    yield from press(at, rest)
+    with bpy.context.temp_override(window=robot.window()):
+        bpy.ops.wm.save_as_mainfile(filepath="/tmp/pressed.blend", copy=True)
+        check("saving does not disturb the press", poking() and moved(rest) > 0.5 * DENT)
+        bpy.ops.wm.open_mainfile(filepath="/tmp/pressed.blend", load_ui=False)
+    yield from robot.button(*at, "RELEASE")
+    yield from robot.redrawn()
+    check("loading a file ends the poke", not poking())
+    check("what was saved is the mesh at rest, bit for bit", at_rest(rest))
+    check("the saved mesh carries nothing of ours", traces() == before, extra(before))
 
 
 def show_panels() -> robot.Waits:

@@ -42,7 +42,7 @@ def run(steps: Waits, finish: Callable[[str], None]) -> None:
             raise
 
     bpy.types.SpaceView3D.draw_handler_add(_count_draw, (), "WINDOW", "POST_PIXEL")
-    bpy.app.timers.register(tick, first_interval=1.0)
+    bpy.app.timers.register(tick, first_interval=1.0, persistent=True)  # the run may load a file
 
 
 def _count_draw() -> None:
