@@ -18,6 +18,7 @@ from .material import Material
 from .mesh import Mesh
 
 LAW_SETS = ("consistent", "paper")
+_ALL_HELD = "Every vertex is held, so nothing can move. Set Hold to Free, hold fewer or subdivide the mesh."
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
@@ -155,7 +156,8 @@ def build_model(
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=float(((stretch * row_k + np.maximum(k1, k2)) * inverse_mass).max())
         + pressure.omega_squared(inside, x, inverse_mass),
-        decay=float(((row_c + shape.damping) * inverse_mass).max()), notes=mesh.notes,
+        decay=float(((row_c + shape.damping) * inverse_mass).max()),
+        notes=mesh.notes + ((_ALL_HELD,) if held_here.all() else ()),
     )  # fmt: skip
 
 
