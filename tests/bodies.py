@@ -1,0 +1,77 @@
+"""Shapes that several tests press, each written out so that what is expected of it is known beforehand."""
+
+import numpy as np
+
+from core.base import Floats, Ints
+
+Shape = tuple[Floats, Ints]
+TETRAHEDRON: Shape = (
+    np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+    np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
+)  # volume 1/6, facing outward
+
+
+def joined(*shapes: Shape) -> Shape:
+    """Put shapes into one mesh, side by side in the arrays, sharing nothing."""
+    starts = np.cumsum([0, *(len(points) for points, _ in shapes)])
+    return (
+        np.concatenate([points for points, _ in shapes]),
+        np.concatenate([faces + start for (_, faces), start in zip(shapes, starts, strict=False)]),
+    )
+
+
+def soup(shape: Shape) -> Shape:
+    """Give every triangle corners of its own."""
+    points, faces = shape
+    return points[faces].reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3)
+
+
+def ball(subdivisions: int = 1, radius: float = 1.0) -> Shape:
+    """Return an icosphere of 10 * 4**subdivisions + 2 vertices."""
+    import trimesh
+
+    sphere = trimesh.creation.icosphere(subdivisions, radius)
+    return np.array(sphere.vertices), np.array(sphere.faces)
+
+
+def sheet(cells: int = 4, edge: float = 1.0) -> Shape:
+    """Return a flat square of cells x cells squares in the plane z = 0, facing up."""
+    line = np.linspace(-edge / 2, edge / 2, cells + 1)
+    x, y = (a.ravel() for a in np.meshgrid(line, line, indexing="ij"))
+    index = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
+    a, b, c, d = (index[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
+    return np.stack([x, y, 0 * x], axis=1), np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+
+def hemisphere(segments: int = 16, rings: int = 8, radius: float = 1.0) -> Shape:
+    """Return the upper half of a ball of `segments` meridians, open below, facing outward."""
+    height = np.arange(rings) * np.pi / 2 / rings
+    turn = np.arange(segments) * 2 * np.pi / segments
+    points = [(np.cos(h) * np.cos(t), np.cos(h) * np.sin(t), np.sin(h)) for h in height for t in turn]
+    faces = []
+    for r in range(rings - 1):
+        for s in range(segments):
+            a, b = r * segments + s, r * segments + (s + 1) % segments
+            faces += [(a, b, b + segments), (a, b + segments, a + segments)]
+    top, last = len(points), (rings - 1) * segments
+    faces += [(last + s, last + (s + 1) % segments, top) for s in range(segments)]
+    return radius * np.array([*points, (0, 0, 1)]), np.array(faces)
+
+
+def walled_box() -> Shape:
+    """Return a box 1 x 1 x 2 with a wall across its middle: the wall's edges join three faces."""
+    points = np.array([(x, y, z) for z in (0.0, 1.0, 2.0) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    squares = [(0, 3, 2, 1), (4, 5, 6, 7), (8, 9, 10, 11)]
+    for low in (0, 4):
+        squares += [(low + i, low + (i + 1) % 4, low + 4 + (i + 1) % 4, low + 4 + i) for i in range(4)]
+    faces = [f for a, b, c, d in squares for f in ((a, b, c), (a, c, d))]
+    return points, np.array(faces)
+
+
+def signed_volume(points: Floats, faces: Ints) -> float:
+    """Return the volume inside triangles, one tetrahedron after the other in plain arithmetic."""
+    total = 0.0
+    for i, j, k in faces.tolist():
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = points[i], points[j], points[k]
+        total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    return total / 6

@@ -1,0 +1,56 @@
+"""Scans and exports as they come. The files are beside the repository; without them these tests skip."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from core.material import PRESETS
+from core.mesh import Mesh, base_vertices, mesh_from_triangles
+from core.model import build_model
+from core.session import Finger, Session
+from tests.bodies import signed_volume
+
+FOLDER = Path(__file__).resolve().parents[3] / "shared" / "data" / "meshes"
+FILES = ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")
+
+
+@pytest.fixture(params=FILES)
+def raw(request: pytest.FixtureRequest) -> trimesh.Trimesh:
+    path = FOLDER / request.param
+    if not path.exists():
+        pytest.skip(f"{path.name} is not beside the repository")
+    return trimesh.load(path, process=False, force="mesh")
+
+
+@pytest.fixture
+def mesh(raw: trimesh.Trimesh) -> Mesh:
+    """Return the file as a body of 165 mm."""
+    points = np.asarray(raw.vertices, float)
+    return mesh_from_triangles(0.165 / np.ptp(points, axis=0).max() * points, np.asarray(raw.faces))
+
+
+def test_a_real_mesh_keeps_its_surface(raw: trimesh.Trimesh, mesh: Mesh) -> None:
+    scale = 0.165 / np.ptp(raw.vertices, axis=0).max()
+    assert mesh.triangle_areas.sum() == pytest.approx(raw.area * scale**2, rel=1e-4)
+    assert len(mesh.source) == len(raw.vertices)
+    np.testing.assert_allclose(mesh.rest_positions[mesh.source], raw.vertices * scale, atol=1e-6 * 0.165)
+
+
+def test_a_real_mesh_has_the_volume_trimesh_finds(raw: trimesh.Trimesh, mesh: Mesh) -> None:
+    if mesh.closed:
+        assert mesh.volume / 0.165**3 == pytest.approx(abs(raw.volume) / raw.extents.max() ** 3, rel=1e-4)
+    elif mesh.pressurable:
+        caps = mesh.volume - signed_volume(mesh.rest_positions, mesh.triangles)
+        assert 0 < mesh.volume < np.ptp(mesh.rest_positions[~mesh.loose], axis=0).prod()
+        assert abs(caps) < 0.1 * mesh.volume
+
+
+def test_a_real_mesh_can_be_pressed(mesh: Mesh) -> None:
+    session = Session(build_model(mesh, [PRESETS[1].material], held=base_vertices(mesh)))
+    top = mesh.rest_positions[~mesh.loose][mesh.rest_positions[~mesh.loose, 2].argmax()]
+    session.set_fingers([Finger((top[0], top[1], top[2] + 0.0095), 0.010)])
+    frame = session.step(0.001)
+    assert frame.finite and np.isfinite(frame.positions).all()
+    assert (frame.finger_forces[0, 2] > 0) == (not session.model.held.all())
