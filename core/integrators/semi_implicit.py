@@ -1,76 +1,18 @@
-"""Semi-implicit Euler: Eqs. (6) to (8) of the paper, then contact."""
+"""Semi-implicit Euler: Eqs. (6) to (8) of the paper."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import partial
 
-import numpy as np
-
-from ..base import Floats, Ints
-from ..laws import contact
-from ..laws.contact import Touch
-from ..model import Model, State, forces
-from .path import FingerPath
+from ..base import Floats
+from ..model import Model, State
+from .ticks import acceleration_of, run_ticks
 
 
-def run(model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
-    """Advance a state in place by the ticks [s] of a path, each in equal substeps.
-
-    Returns:
-        the impulses (k, 3) [N s] on the fingertips.
-    """
-    total = np.zeros((len(path.radii), 3))
-    for t in range(path.centres.shape[1] - 1):
-        speed = float(np.sqrt((state.velocities**2).sum(axis=0).max(initial=0)))
-        touches = [
-            reach(model, state, start, end, radius, speed, tick)
-            for start, end, radius in zip(path.centres[:, t], path.centres[:, t + 1], path.radii, strict=True)
-        ]
-        for _ in range(substeps):
-            total += step(model, state, touches, tick / substeps)
-    return total
+def advance(model: Model, state: State, dt: float, _acceleration: Floats | None = None) -> None:
+    """Advance a state in place by dt [s]: the new velocity moves the positions."""
+    state.velocities += dt * acceleration_of(model, state)
+    state.positions += dt * state.velocities
 
 
-def reach(model: Model, state: State, start: Floats, end: Floats, radius: float, speed: float, tick: float) -> Touch:
-    """Find what a fingertip going from start to end (3,) may touch in a tick [s], vertices moving at speed [m/s]."""
-    margin = 2 * float(np.linalg.norm(end - start)) + 2 * speed * tick
-    vertices, triangles = contact.candidates(
-        state.positions, model.mesh.triangles, model.inverse_mass, end, radius + margin
-    )
-    return Touch(centre=end, velocity=(end - start) / tick, radius=radius, vertices=vertices, triangles=triangles)
-
-
-def step(model: Model, state: State, touches: Sequence[Touch], dt: float) -> Floats:
-    """Advance a state in place by dt [s].
-
-    Returns:
-        the impulses (k, 3) [N s] on the fingertips.
-    """
-    x, v = state.positions, state.velocities
-    # held vertices keep the velocity the session gave them
-    v += dt * forces(model, state) * model.inverse_mass
-    x += dt * v
-    return meet(model, state, touches)
-
-
-def meet(model: Model, state: State, touches: Sequence[Touch]) -> Floats:
-    """Resolve the contacts in place and return the impulses (k, 3) [N s] on the fingertips."""
-    x, v = state.positions, state.velocities
-    if model.needs_contact:
-        state.contact = touched(x, touches)
-    impulses = [
-        contact.resolve(x, v, touch, model.inverse_mass, model.friction, faces=model.law_set != "paper")
-        for touch in touches
-    ]
-    if model.ground is not None:
-        contact.rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction)
-    return np.array(impulses).reshape(-1, 3)
-
-
-def touched(x: Floats, touches: Sequence[Touch]) -> Ints:
-    """Return the vertices inside any fingertip: the paper's contact."""
-    hits = [
-        touch.vertices[((x[:, touch.vertices] - touch.centre[:, None]) ** 2).sum(axis=0) < touch.radius**2]
-        for touch in touches
-    ]
-    return np.unique(np.concatenate(hits)) if hits else np.zeros(0, np.int64)
+run = partial(run_ticks, advance)

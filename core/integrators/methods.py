@@ -1,0 +1,62 @@
+"""The methods, as data: what each is for, and where it fails and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from ..base import Floats
+from ..model import Model, State
+from . import explicit_euler, rk4, semi_implicit, velocity_verlet
+from .path import FingerPath
+
+
+class Run(Protocol):
+    """Advance a state in place along a path and return the impulses (k, 3) [N s] on the fingertips."""
+
+    def __call__(self, model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats: ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Method:
+    """Describe a method.
+
+    order: of convergence in the time step.  kind: "explicit", "implicit" or "constraint".
+    evaluations: of the forces in a step (explicit ones).  purpose, fails: sentences.
+    """
+
+    label: str
+    run: Run
+    order: int
+    kind: str
+    evaluations: int
+    purpose: str
+    fails: str
+
+
+METHODS = {
+    "explicit_euler": Method(
+        label="explicit Euler", run=explicit_euler.run, order=1, kind="explicit", evaluations=1,
+        purpose="to show why the order of the two updates matters",
+        fails="Without damping it blows up at every step: each one multiplies the energy of a mode by "
+        "1 + (omega dt)^2. With damping z it needs dt < 2 z / omega.",
+    ),
+    "semi_implicit": Method(
+        label="semi-implicit Euler", run=semi_implicit.run, order=1, kind="explicit", evaluations=1,
+        purpose="the paper's; live work on most bodies",
+        fails="Beyond dt = 2 / omega (less with damping) the stiffest edge flips over each step and grows. "
+        "Damping is one step late, which makes the motion of first order only.",
+    ),
+    "velocity_verlet": Method(
+        label="velocity Verlet", run=velocity_verlet.run, order=2, kind="explicit", evaluations=1,
+        purpose="free motion and energy: second order for the price of one evaluation",
+        fails="The same limit as semi-implicit Euler. In contact the saved force is stale, a step costs two "
+        "evaluations and the projection leaves first order only.",
+    ),
+    "rk4": Method(
+        label="Runge-Kutta 4", run=rk4.run, order=4, kind="explicit", evaluations=4,
+        purpose="references, and smooth motion to tight tolerances",
+        fails="Four evaluations reach only 1.4 times as far (dt < 2.8 / omega), so where the stiffest spring sets the "
+        "step it is the dearest; kinks (the knee of Eq. (1), contact) take the fourth order away.",
+    ),
+}  # fmt: skip
