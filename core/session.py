@@ -62,16 +62,16 @@ class Session:
     """Run one model."""
 
     def __init__(self, model: Model, *, tick: float = TICK) -> None:
+        if not tick > 0:
+            raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
         self.model = model
         self.tick = tick
         self.substeps = model.substeps(tick)
-        if not tick > 0:
-            raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
         self._stepper = semi_implicit.run
+        self._whole = not model.mesh.loose.any()
         self._surface = rest_surface(model.mesh)
         self._state = initial_state(model)
         first = np.zeros(len(model.mesh.rest_positions), np.int64)
-        self._whole = not model.mesh.loose.any()
         first[model.mesh.source[::-1]] = np.arange(len(model.mesh.source))[::-1]
         self._input_of = first
         self.reset()
@@ -131,15 +131,15 @@ class Session:
 
         Args:
             budget: stop after this much wall time [s]; the simulated time then lags behind.
-        """
-        started = time.perf_counter()
-        end = self._time + dt
 
         Raises:
             DimpleError: dt is negative or not a number.
-        due = math.floor(end / self.tick + 1e-6)
+        """
         if not 0 <= dt < math.inf:
             raise DimpleError(f"A step of time must be 0 s or longer (it is {dt}).")
+        started = time.perf_counter()
+        end = self._time + dt
+        due = math.floor(end / self.tick + 1e-6)
         impulses, done, note = np.zeros((len(self._targets), 3)), 0, ""
         while self._ticks < due:
             ticks = self._ticks_at_once(due - self._ticks)
