@@ -6,6 +6,7 @@ samples, then float32 (samples, vertices, 3), little-endian.
 
 from __future__ import annotations
 
+import math
 import os
 import struct
 from pathlib import Path
@@ -93,7 +94,7 @@ def read_point_cache(path: str | os.PathLike[str]) -> tuple[float, float, npt.ND
     if len(data) < _HEADER.size or data[:12] != _MAGIC:
         raise DimpleError(f"{Path(path).name} is not a PC2 point cache.")
     _, version, vertices, start, rate, samples = _HEADER.unpack_from(data)
-    if version != 1 or vertices < 0 or samples < 0:
+    if version != 1 or vertices < 0 or samples < 0 or not (math.isfinite(start) and 0 < rate < math.inf):
         raise DimpleError(f"{Path(path).name} is a PC2 point cache with a damaged header.")
     whole = min(samples, (len(data) - _HEADER.size) // max(12 * vertices, 1))
     points = np.frombuffer(data, "<f4", whole * vertices * 3, _HEADER.size)

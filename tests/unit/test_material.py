@@ -1,0 +1,84 @@
+"""Object constants: what is allowed, the law they make, Table 2, and the closed-form first guess."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from core.base import DimpleError
+from core.estimate import FINGERTIP, MEMBRANE_SHARE, estimate
+from core.material import PRESETS, Material
+
+SOFT = Material(K1=600.0, K2=2000.0, x0=0.01, k=5000.0, mass=0.1)
+
+
+@pytest.mark.parametrize("name", ["K1", "K2", "x0", "k", "mass"])
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, -math.inf, 1e300])
+def test_a_constant_that_is_not_positive_or_no_number_is_named(name: str, value: float) -> None:
+    with pytest.raises(DimpleError, match=name):
+        replace(SOFT, **{name: value})
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"mass": None}, "mass or a density .it is neither"),
+        ({"density": 100.0}, "mass or a density .it is both"),
+        ({"mass": None, "density": 0.0}, "density must be greater"),
+        ({"mass": None, "density": math.nan}, "density must be greater"),
+        ({"damping_ratio": -0.1}, "damping ratio"),
+        ({"damping_ratio": 2.1}, "damping ratio"),
+        ({"damping_ratio": math.nan}, "damping ratio"),
+        ({"friction": -0.1}, "friction"),
+        ({"friction": math.inf}, "friction"),
+        ({"fill": "jelly"}, "air, liquid, paper, none"),
+    ],
+)
+def test_a_setting_out_of_range_is_refused_with_the_rule(change: dict[str, object], words: str) -> None:
+    with pytest.raises(DimpleError, match=words):
+        replace(SOFT, **change)  # type: ignore[arg-type]
+
+
+def test_zero_damping_and_friction_are_allowed() -> None:
+    assert replace(SOFT, damping_ratio=0.0, friction=0.0).law(0.001) == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize(
+    ("depth", "force"), [(-0.01, 0.0), (0.0, 0.0), (0.005, 3.0), (0.01, 6.0), (0.011, 8.0), (0.02, 26.0)]
+)
+def test_the_force_of_a_depth_is_two_piece_linear(depth: float, force: float) -> None:
+    assert SOFT.law(depth) == pytest.approx(force)
+
+
+def test_the_presets_are_table_2() -> None:
+    table = {
+        "object_1_nylon_air": (50, 0.59, 2.24, 36.3, 54.8, "air"),
+        "object_2_vinyl_air": (165, 0.61, 7.23, 16.3, 9.2, "air"),
+        "object_3_vinyl_water": (165, 0.62, 9.13, 13.7, 9.2, "liquid"),
+    }
+    assert [p.name for p in PRESETS] == list(table)
+    for preset in PRESETS:
+        m = preset.material
+        found = (preset.size * 1e3, m.K1 / 1e3, m.K2 / 1e3, m.x0 * 1e3, m.k / 1e3)
+        assert found == pytest.approx(table[preset.name][:5]) and m.fill == table[preset.name][5]
+        assert preset.provenance and preset.label
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)
+def test_the_skin_alone_never_takes_more_than_its_share_at_the_knee(preset: object) -> None:
+    material, size = preset.material, preset.size  # type: ignore[attr-defined]
+    constants = estimate(material, size)
+    # a string of length l pulled by x in its middle: twice its tension times the sine of its slope
+    half = math.sqrt((size / 2) ** 2 + material.x0**2)
+    pull = 2 * material.k * constants.membrane_scale * (2 * half - size) * material.x0 / half
+    assert pull <= MEMBRANE_SHARE * material.K1 * material.x0 * (1 + 1e-9)
+    assert 0 < constants.membrane_scale <= 1
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)
+def test_the_first_guess_keeps_the_knee_and_the_ratio_of_slopes(preset: object) -> None:
+    material, size = preset.material, preset.size  # type: ignore[attr-defined]
+    constants = estimate(material, size)
+    assert constants.d0 == material.x0
+    assert constants.kappa2 / constants.kappa1 == pytest.approx(material.K2 / material.K1)
+    assert 0 < constants.kappa1 < material.K1 / (math.pi * 0.4 * FINGERTIP**2)

@@ -1,0 +1,125 @@
+"""The point cache: what is written is read back, whatever happens to the file in between."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.base import DimpleError
+from core.recording import PointCache, read_point_cache
+
+HEADER = 32  # bytes
+SAMPLES = np.random.default_rng(0).normal(size=(4, 3, 3)).astype(np.float32)
+SIZE = SAMPLES[0].nbytes
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Return a file of four samples of three vertices."""
+    with PointCache(tmp_path / "press.pc2", 3, start_frame=10.0, sample_rate=0.5) as cache:
+        for sample in SAMPLES:
+            cache.append(sample)
+    return cache.path
+
+
+def test_what_is_recorded_is_read_back(path: Path) -> None:
+    start, rate, samples = read_point_cache(path)
+    assert (start, rate) == (10.0, 0.5) and samples.dtype == np.float32
+    np.testing.assert_array_equal(samples, SAMPLES)
+
+
+def test_the_file_is_a_pc2_file_byte_by_byte(path: Path) -> None:
+    data = path.read_bytes()
+    assert data[:HEADER] == b"POINTCACHE2\0" + struct.pack("<iiffi", 1, 3, 10.0, 0.5, 4)
+    assert data[HEADER:] == SAMPLES.astype("<f4").tobytes()
+
+
+def test_a_file_cut_anywhere_gives_its_whole_samples_or_a_message(path: Path) -> None:
+    data = path.read_bytes()
+    for length in range(len(data)):
+        path.write_bytes(data[:length])
+        if length < HEADER:
+            with pytest.raises(DimpleError, match="not a PC2"):
+                read_point_cache(path)
+        else:
+            samples = read_point_cache(path)[2]
+            assert len(samples) == (length - HEADER) // SIZE
+            np.testing.assert_array_equal(samples, SAMPLES[: len(samples)])
+
+
+def test_a_sample_torn_by_a_crash_is_not_counted(path: Path) -> None:
+    data = path.read_bytes()
+    path.write_bytes(data + SAMPLES[0].tobytes()[:17])
+    np.testing.assert_array_equal(read_point_cache(path)[2], SAMPLES)
+
+
+def test_every_sample_is_on_the_disk_before_the_next(tmp_path: Path) -> None:
+    cache = PointCache(tmp_path / "press.pc2", 3)
+    assert read_point_cache(cache.path)[2].shape == (0, 3, 3)
+    for count, sample in enumerate(SAMPLES, start=1):
+        cache.append(sample)
+        np.testing.assert_array_equal(read_point_cache(cache.path)[2], SAMPLES[:count])
+    cache.close()
+    cache.close()
+
+
+@pytest.mark.parametrize("shape", [(2, 3), (4, 3), (3, 2), (9,), (), (1, 3, 3), (0, 3)])
+def test_a_sample_of_another_mesh_is_refused_and_harms_nothing(path: Path, shape: tuple[int, ...]) -> None:
+    with PointCache(path, 3) as cache:
+        cache.append(SAMPLES[0])
+        with pytest.raises(DimpleError, match="3 vertices"):
+            cache.append(np.zeros(shape))
+        cache.append(SAMPLES[1])
+    np.testing.assert_array_equal(read_point_cache(path)[2], SAMPLES[:2])
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e39])
+@pytest.mark.filterwarnings("ignore:overflow")
+def test_coordinates_that_are_not_numbers_are_not_recorded(path: Path, value: float) -> None:
+    with PointCache(path, 3) as cache:
+        sample = SAMPLES[0].astype(float)
+        sample[1, 2] = value
+        with pytest.raises(DimpleError, match="Sample 1 "):
+            cache.append(sample)
+        cache.append(SAMPLES[0])
+    np.testing.assert_array_equal(read_point_cache(path)[2], SAMPLES[:1])
+
+
+@pytest.mark.parametrize(
+    ("at", "value"),
+    [(0, b"pointcache2\0"), (12, struct.pack("<i", 2)), (16, struct.pack("<i", -1)), (28, struct.pack("<i", -1)),
+     (20, struct.pack("<f", np.nan)), (24, struct.pack("<f", np.inf)), (24, struct.pack("<f", 0.0))],
+)  # fmt: skip
+def test_a_damaged_header_is_refused(path: Path, at: int, value: bytes) -> None:
+    data = bytearray(path.read_bytes())
+    data[at : at + len(value)] = value
+    path.write_bytes(data)
+    with pytest.raises(DimpleError, match="PC2"):
+        read_point_cache(path)
+
+
+@pytest.mark.parametrize(("at", "value"), [(16, 2**31 - 1), (28, 2**31 - 1), (16, 0)])
+def test_counts_larger_than_the_file_ask_for_no_memory(path: Path, at: int, value: int) -> None:
+    data = bytearray(path.read_bytes())
+    data[at : at + 4] = struct.pack("<i", value)
+    path.write_bytes(data)
+    assert read_point_cache(path)[2].size <= SAMPLES.size
+
+
+def test_a_random_file_never_raises_anything_but_a_message(path: Path) -> None:
+    rng, data = np.random.default_rng(1), path.read_bytes()
+    for _ in range(200):
+        changed = bytearray(data)
+        for at in rng.integers(0, len(data), 4):
+            changed[at] = rng.integers(256)
+        path.write_bytes(changed)
+        try:
+            assert read_point_cache(path)[2].size <= SAMPLES.size
+        except DimpleError:
+            pass
+
+
+def test_a_missing_folder_is_said_by_name(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="nowhere"):
+        PointCache(tmp_path / "nowhere" / "press.pc2", 3)
