@@ -15,19 +15,19 @@ FINGERTIP_MM = 10.0
 
 def three_objects() -> None:
     """Table 1's cubes with Table 2's constants, side by side at their real size, each under its own fingertip."""
-    scene = look(distance=0.78, aim=(0.0, 0.0, 0.065), elevation=26, floor=True)
+    scene = look(distance=0.80, aim=(0.0, -0.03, 0.06), elevation=33, floor=True)
     objects = (
-        ("Object 1 nylon air", "object_1_nylon_air", 0.050, -0.200, (0.80, 0.25, 0.13), 22.0),
-        ("Object 2 vinyl air", "object_2_vinyl_air", 0.165, -0.040, (0.13, 0.42, 0.75), 24.0),
-        ("Object 3 vinyl water", "object_3_vinyl_water", 0.165, 0.175, (0.16, 0.58, 0.45), 20.0),
+        ("Object 1 nylon air", "object_1_nylon_air", 0.050, (-0.03, -0.175), (0.80, 0.25, 0.13), 22.0),
+        ("Object 2 vinyl air", "object_2_vinyl_air", 0.165, (-0.115, 0.0), (0.13, 0.42, 0.75), 24.0),
+        ("Object 3 vinyl water", "object_3_vinyl_water", 0.165, (0.105, 0.0), (0.16, 0.58, 0.45), 20.0),
     )
-    for number, (name, preset, edge, x, colour, depth) in enumerate(objects, 1):
-        body = soft_cube(name, edge, 14, Vector((x, 0.0, edge / 2)))
+    for number, (name, preset, edge, (x, y), colour, depth) in enumerate(objects, 1):
+        body = soft_cube(name, edge, 14, Vector((x, y, edge / 2)))
         body.data.materials.append(painted(name, colour))
         bpy.ops.dimple.apply_preset(preset=preset)
         body.dimple.enabled = True
         tip = press_ball(number, FINGERTIP_MM / 1e3)
-        top = Vector((x + 0.1 * edge, -0.12 * edge, edge + FINGERTIP_MM / 1e3))
+        top = Vector((x + 0.1 * edge, y - 0.12 * edge, edge + FINGERTIP_MM / 1e3))
         key_press(tip, top, Vector((0.0, 0.0, -depth / 1e3)))
         setattr(scene.dimple, f"finger_{number}", tip)
     scene.dimple.finger_radius_mm = FINGERTIP_MM
@@ -46,11 +46,10 @@ def suzanne() -> None:
     constants = head.data.materials[0].dimple
     constants.mass_from, constants.mass_kg = "MASS", 0.3
     head.dimple.size_mode = "REAL"
-    # the neck is the lower back of the head
-    height = [vertex.co.z for vertex in head.data.vertices]
-    low, span = min(height), max(height) - min(height)
+    # the neck is the back of the head below its middle
+    back = max(vertex.co.y for vertex in head.data.vertices)
     neck = head.vertex_groups.new(name="Neck")
-    neck.add([v.index for v in head.data.vertices if v.co.z < low + 0.25 * span and v.co.y > 0], 1.0, "ADD")
+    neck.add([v.index for v in head.data.vertices if v.co.y > 0.4 * back and v.co.z < 0.15 * back], 1.0, "ADD")
     head.dimple.hold, head.dimple.pin_group, head.dimple.enabled = "GROUP", neck.name, True
     head.modifiers.new("Smooth", "SUBSURF").render_levels = 2
     tip = press_ball(1, FINGERTIP_MM / 1e3)

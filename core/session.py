@@ -40,7 +40,8 @@ class Frame:
 
     time: [s].  positions: (N, 3) float32 [m].  finger_forces: (k, 3) on the fingertips, mean over the step [N].
     law_forces: (k,) K(x) of Eq. (1) [N] at depths: (k,) [m].  pressure: [Pa].  volume, rest_volume: [m3].
-    substeps: per tick.  steps: ticks done.  cost: [s] of wall time.  note: "" or a sentence for the artist.
+    substeps: per tick.  steps: ticks done.  cost: [s] of wall time.  total_steps, total_cost: substeps and [s] since
+    the start.  note: "" or a sentence for the artist.
     """
 
     time: float
@@ -54,6 +55,8 @@ class Frame:
     substeps: int
     steps: int
     cost: float
+    total_steps: int
+    total_cost: float
     finite: bool
     note: str
 
@@ -79,7 +82,7 @@ class Session:
     def reset(self) -> None:
         """Put the body back to rest and let go of it."""
         self._state = initial_state(self.model)
-        self._time, self._ticks = 0.0, 0
+        self._time, self._ticks, self._cost = 0.0, 0, 0.0
         self._fingers: list[Finger | None] = []
         self._targets: list[Finger | None] = []
         self._sides: list[Floats | None] = []
@@ -143,7 +146,8 @@ class Session:
         impulses, done, note = np.zeros((len(self._targets), 3)), 0, ""
         while self._ticks < due:
             ticks = self._ticks_at_once(due - self._ticks)
-            impulses += self._run(ticks, (end - self._ticks * self.tick) / self.tick)
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a blow-up has its own note
+                impulses += self._run(ticks, (end - self._ticks * self.tick) / self.tick)
             self._ticks, done = self._ticks + ticks, done + ticks
             if not self._is_finite():
                 at = self._ticks * self.tick
@@ -233,10 +237,12 @@ class Session:
 
     def _show(self, forces: Floats, steps: int, cost: float, note: str) -> Frame:
         state, model = self._state, self.model
+        self._cost += cost
         volume, _ = pressure.volume_and_gradient(model.pressure, state.positions)
         depths, law = self._depths()
         return Frame(
             time=self._time, positions=state.positions.T[model.mesh.source].astype(np.float32), finger_forces=forces,
             law_forces=np.array(law), depths=np.array(depths), pressure=state.pressure, volume=volume,
-            rest_volume=model.mesh.volume, substeps=self.substeps, steps=steps, cost=cost, finite=not note, note=note,
+            rest_volume=model.mesh.volume, substeps=self.substeps, steps=steps, cost=cost,
+            total_steps=self._ticks * self.substeps, total_cost=self._cost, finite=not note, note=note,
         )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import csv
 import os
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,7 +25,7 @@ FINGERS = 3
 
 
 class ForceTable:
-    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3]."""
+    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3]; steps and wall time [s] so far."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w", newline="", encoding="utf-8")
@@ -32,7 +33,7 @@ class ForceTable:
         columns = ["frame", "time_s"]
         for number in range(1, FINGERS + 1):
             columns += [f"force_{number}_n", f"law_force_{number}_n", f"depth_{number}_mm"]
-        self._rows.writerow([*columns, "pressure_pa", "volume_m3", "rest_volume_m3"])
+        self._rows.writerow([*columns, "pressure_pa", "volume_m3", "rest_volume_m3", "steps", "cost_s"])
 
     def append(self, number: float, time_s: float, frame: Frame) -> None:
         """Add the line of one frame of the animation."""
@@ -42,7 +43,9 @@ class ForceTable:
             force = float((frame.finger_forces[i] ** 2).sum() ** 0.5) if down else 0.0
             law, depth = (float(frame.law_forces[i]), float(frame.depths[i])) if down else (0.0, 0.0)
             row += [force, law, depth * 1e3]
-        numbers = [time_s, *row, frame.pressure, frame.volume, frame.rest_volume]
+        numbers = [
+            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.total_steps, frame.total_cost
+        ]  # fmt: skip
         self._rows.writerow([f"{number:g}", *(f"{value:.9g}" for value in numbers)])
 
     def close(self) -> None:
@@ -110,7 +113,7 @@ def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> 
     stem = Path(bpy.data.filepath).stem or "untitled"
     name = bpy.path.clean_name(obj.name)
     # two names may come out alike once cleaned
-    twin = "" if name == obj.name else f"_{obj.session_uid}"
+    twin = "" if name == obj.name else f"_{zlib.crc32(obj.name.encode()):08x}"
     return folder / f"{stem}_{name}{twin}_{kind}.pc2"
 
 
