@@ -1,0 +1,236 @@
+"""Sessions: the clock, the fingertips, the pins, and what comes out."""
+
+import numpy as np
+import pytest
+
+from core.base import DimpleError
+from core.material import Material
+from core.mesh import base_vertices, mesh_from_triangles
+from core.model import build_model
+from core.session import Finger, Session
+from tests.bodies import Shape, ball, joined, sheet, soup
+
+SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.5, damping_ratio=0.5, fill="none")
+RADIUS = 0.08
+BALL = ball(1, RADIUS)
+
+
+def on_its_base(shape: Shape = BALL, **options: object) -> Session:
+    mesh = mesh_from_triangles(*shape)
+    return Session(build_model(mesh, [SOFT], held=base_vertices(mesh), **options))  # type: ignore[arg-type]
+
+
+def above(depth: float, radius: float = 0.02, x: float = 0.0) -> Finger:
+    """Return a fingertip whose lowest point is `depth` below the top of the ball."""
+    return Finger((x, 0.0, RADIUS + radius - depth), radius)
+
+
+def test_a_new_session_shows_the_body_at_rest() -> None:
+    session = on_its_base()
+    frame = session.frame
+    np.testing.assert_array_equal(frame.positions, BALL[0].astype(np.float32))
+    assert frame.positions.dtype == np.float32 and frame.time == 0 and frame.finite and not frame.note
+    assert frame.volume == pytest.approx(frame.rest_volume) and frame.pressure == 0
+    assert frame.finger_forces.shape == (0, 3) and frame.depths.shape == (0,)
+
+
+def test_nothing_moves_without_a_cause() -> None:
+    frame = on_its_base().step(0.1)
+    np.testing.assert_allclose(frame.positions, BALL[0], atol=1e-8)
+
+
+def test_time_runs_in_whole_ticks_and_the_rest_is_carried() -> None:
+    session = on_its_base()
+    assert [session.step(0.0025).steps for _ in range(4)] == [2, 3, 2, 3]
+    assert session.frame.time == pytest.approx(0.010)
+    assert session.step(0.0004).steps == 0 and session.step(0.0).steps == 0 and session.step(0.0006).steps == 1
+
+
+@pytest.mark.parametrize("rate", [24, 29.97, 144, 1001])
+def test_a_second_has_as_many_ticks_at_any_frame_rate(rate: float) -> None:
+    session = Session(build_model(mesh_from_triangles(*ball(0, RADIUS)), [SOFT]), tick=0.01)
+    steps = sum(session.step(1 / rate).steps for _ in range(round(rate)))
+    assert steps == pytest.approx(100 * round(rate) / rate, abs=1)
+    assert session.frame.time == pytest.approx(round(rate) / rate)
+
+
+def test_a_budget_stops_early_and_time_lags() -> None:
+    session = on_its_base()
+    frame = session.step(1.0, budget=0.0)
+    assert 0 < frame.steps < 1000 and frame.time == pytest.approx(frame.steps * 1e-3)
+    later = session.step(0.001)
+    assert later.steps == 1  # what was not done is forgotten, not owed
+    assert on_its_base().step(0.05, budget=1e9).steps == 50
+
+
+def test_a_fingertip_moves_linearly_and_arrives_at_the_end_of_the_step() -> None:
+    whole, parts = on_its_base(), on_its_base()
+    for session in (whole, parts):
+        session.set_fingers([above(-0.001)])
+        session.step(0.001)
+    whole.set_fingers([above(0.019)])
+    whole.step(0.100)
+    for i in range(1, 11):
+        parts.set_fingers([above(-0.001 + 0.002 * i)])
+        parts.step(0.010)
+    assert whole.frame.depths[0] == pytest.approx(0.019, abs=1e-6)
+    np.testing.assert_allclose(parts.frame.positions, whole.frame.positions, atol=1e-9)
+
+
+def test_a_fingertip_in_a_hurry_is_slowed_down_and_catches_up() -> None:
+    session = on_its_base()
+    session.set_fingers([Finger((0, 0, 1.0), 0.02)])
+    session.step(0.001)
+    session.set_fingers([above(0.01)])
+    session.step(0.001)
+    assert session.frame.depths[0] == 0  # it may go a quarter of its radius in a tick
+    session.step(0.3)
+    assert session.frame.depths[0] == pytest.approx(0.01)
+
+
+def test_three_fingertips_each_have_their_depth_law_and_force() -> None:
+    session = on_its_base()
+    start = [above(0.0, x=0.0), Finger((RADIUS + 0.01, 0, 0), 0.01), Finger((0.0, RADIUS + 0.5, 0), 0.01)]
+    session.set_fingers(start)
+    session.step(0.001)
+    session.set_fingers([above(0.01), Finger((RADIUS + 0.005, 0, 0), 0.01), start[2]])
+    session.step(0.1)
+    session.step(0.2)
+    frame = session.step(0.1)
+    assert frame.depths == pytest.approx([0.01, 0.005, 0.0], abs=1.5e-3)
+    assert frame.law_forces == pytest.approx([600 * d for d in frame.depths])
+    assert frame.finger_forces[0, 2] > 0.5 and frame.finger_forces[1, 0] > 0.1
+    assert not frame.finger_forces[2].any()
+
+
+def test_a_lifted_finger_feels_nothing_and_a_new_one_starts_where_it_is_put() -> None:
+    session = on_its_base()
+    session.set_fingers([above(0.0), None])
+    session.step(0.001)
+    session.set_fingers([above(0.01), None])
+    assert session.step(0.05).finger_forces[0, 2] > 0
+    session.set_fingers([None, above(0.01)])
+    frame = session.step(0.05)
+    assert not frame.finger_forces[0].any() and frame.depths[0] == 0
+    assert frame.depths[1] == pytest.approx(0.01, abs=1e-6) and frame.finger_forces[1, 2] > 0
+    session.set_fingers([])
+    frame = session.step(0.001)
+    assert frame.finger_forces.shape == (0, 3) and frame.law_forces.shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("fingers", "words"),
+    [
+        ([above(0)] * 4, "at most 3"),
+        ([Finger((0, 0, 0), 0.0)], "radius greater than 0"),
+        ([Finger((0, 0, 0), -1.0)], "radius greater than 0"),
+        ([Finger((0, 0, 0), np.nan)], "radius greater than 0"),
+        ([Finger((0, 0, 0), np.inf)], "place that is a number"),
+        ([Finger((0, np.nan, 0), 0.01)], "place that is a number"),
+        ([None, Finger((0, 0), 0.01)], "place that is a number"),  # type: ignore[arg-type]
+    ],
+)
+def test_a_fingertip_that_cannot_be_is_refused_and_the_others_stay(fingers: list[Finger | None], words: str) -> None:
+    session = on_its_base()
+    session.set_fingers([above(0.005)])
+    with pytest.raises(DimpleError, match=words):
+        session.set_fingers(fingers)
+    assert session.step(0.02).depths == pytest.approx([0.005], abs=1e-6)
+
+
+@pytest.mark.parametrize("dt", [-0.001, np.nan, np.inf])
+def test_time_that_is_no_time_is_refused(dt: float) -> None:
+    with pytest.raises(DimpleError, match="0 s or longer"):
+        on_its_base().step(dt)
+    with pytest.raises(DimpleError, match="longer than 0 s"):
+        Session(on_its_base().model, tick=min(dt, 0.0))
+
+
+def test_pins_arrive_where_they_are_sent_and_the_body_follows() -> None:
+    session = on_its_base()
+    held = session.model.held
+    shift = np.array([0.03, -0.01, 0.02])
+    session.set_held(BALL[0] + shift)
+    frame = session.step(0.1)
+    np.testing.assert_allclose(frame.positions[held], (BALL[0] + shift)[held], atol=1e-8)
+    frame = session.step(1.0)
+    np.testing.assert_allclose(frame.positions, BALL[0] + shift, atol=1e-5)
+
+
+def test_turned_pins_turn_the_body() -> None:
+    session = on_its_base()
+    angle = 0.5
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    for i in range(1, 11):
+        a = angle * i / 10
+        part = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+        session.set_held(BALL[0] @ part.T)
+        session.step(0.05)
+    np.testing.assert_allclose(session.step(1.5).positions, BALL[0] @ turn.T, atol=1e-4)
+
+
+@pytest.mark.parametrize("wrong", [np.zeros((3, 3)), np.zeros(3), np.full((42, 3), np.nan)])
+def test_pins_sent_nowhere_are_refused(wrong: np.ndarray) -> None:
+    with pytest.raises(DimpleError, match="vert"):
+        on_its_base().set_held(wrong)
+
+
+def test_reset_puts_everything_back() -> None:
+    session = on_its_base()
+    session.set_fingers([above(0.02)])
+    session.set_held(BALL[0] + 0.01)
+    session.step(0.1)
+    session.reset()
+    np.testing.assert_array_equal(session.frame.positions, BALL[0].astype(np.float32))
+    assert session.frame.time == 0 and session.frame.depths.shape == (0,)
+    np.testing.assert_allclose(session.step(0.05).positions, BALL[0], atol=1e-8)
+
+
+def test_what_blows_up_is_put_back_with_a_note_and_goes_on() -> None:
+    for free in (True, False):
+        mesh = mesh_from_triangles(*BALL)
+        session = Session(build_model(mesh, [SOFT], held=None if free else base_vertices(mesh)))
+        session.place(np.where(np.arange(42) == 40, np.inf, mesh.rest_positions.T))
+        frame = session.step(0.02)
+        assert not frame.finite and "put back to rest" in frame.note
+        np.testing.assert_array_equal(frame.positions, BALL[0].astype(np.float32))
+        assert session.step(0.02).finite
+
+
+def test_every_input_vertex_moves_with_the_one_it_lies_on() -> None:
+    torn, whole = on_its_base(soup(BALL)), on_its_base()
+    for session in (torn, whole):
+        session.set_fingers([above(0.0)])
+        session.step(0.001)
+        session.set_fingers([above(0.015)])
+        session.step(0.05)
+    assert torn.frame.positions.shape == (240, 3)
+    np.testing.assert_allclose(torn.frame.positions, whole.frame.positions[BALL[1].ravel()], atol=1e-6)
+
+
+def test_loose_vertices_stay_and_do_not_hold_the_body() -> None:
+    points, faces = BALL
+    far = np.array([[100.0, 0, 0], [0, 0.3, 0]])
+    lone = Session(
+        build_model(mesh_from_triangles(np.concatenate([points, far]), faces), [SOFT], gravity=(0, 0, -9.81))
+    )
+    plain = Session(build_model(mesh_from_triangles(points, faces), [SOFT], gravity=(0, 0, -9.81)))
+    frame = lone.step(0.1)
+    assert frame.finite
+    np.testing.assert_array_equal(frame.positions[42:], far.astype(np.float32))
+    np.testing.assert_allclose(frame.positions[:42], plain.step(0.1).positions, atol=1e-6)
+
+
+def test_a_sheet_and_two_parts_can_be_pressed() -> None:
+    flat = on_its_base(sheet(4, 0.1))
+    flat.set_fingers([Finger((0, 0, 0.0101), 0.01)])
+    flat.step(0.001)
+    flat.set_fingers([Finger((0, 0, 0.005), 0.01)])
+    assert flat.step(0.1).finger_forces[0, 2] > 0
+    points, faces = BALL
+    pair = on_its_base(joined(BALL, (points + [0.3, 0, 0], faces)))
+    pair.set_fingers([above(0.0), above(0.0, x=0.3)])
+    pair.step(0.001)
+    pair.set_fingers([above(0.01), above(0.01, x=0.3)])
+    forces = pair.step(0.1).finger_forces[:, 2]
+    assert forces[0] > 0 and forces[0] == pytest.approx(forces[1], rel=1e-6)
