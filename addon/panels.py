@@ -24,7 +24,7 @@ def draw_notes(
     column = layout.box().column(align=True)
     columns = max(12, int((context.region.width / context.preferences.system.ui_scale - FRAME) / LETTER))
     for sentence in sentences:
-        for i, line in enumerate(readout.wrapped(bpy.app.translations.pgettext_iface(sentence), columns)):
+        for i, line in enumerate(readout.wrapped(readout.iface_(sentence), columns)):
             column.label(text=line, icon="BLANK1" if i else icon, translate=False)
 
 

@@ -10,6 +10,11 @@ from decimal import Decimal
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
+from .translations import CONTEXT
+
+# no property is animatable; labels are looked up where Blender has no words of its own
+FIXED = {"options": set(), "translation_context": CONTEXT}
+
 _EDITED = "Edited by hand after: "
 
 _MASS_FROM = (
@@ -59,7 +64,7 @@ def _is_fingertip(_settings: bpy.types.PropertyGroup, candidate: bpy.types.Objec
 def _stiffness(name: str, default: float, description: str) -> FloatProperty:
     return FloatProperty(
         name=name, description=description, default=default, min=0.0, soft_min=0.01, soft_max=100.0,
-        step=10, precision=3, options=set(), update=_mark_edited,
+        step=10, precision=3, update=_mark_edited, **FIXED,
     )  # fmt: skip
 
 
@@ -70,31 +75,31 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     K2: _stiffness("Slope K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
     x0: FloatProperty(
         name="Knee x0 (mm)", description="Depth at which the press becomes harder",
-        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, options=set(), update=_mark_edited,
+        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **FIXED,
     )  # fmt: skip
     k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the skin against stretching")
     mass_from: EnumProperty(
-        name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, options=set()
+        name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED
     )
     density: FloatProperty(
         name="Density (kg/m³)", description="Mass per volume of the body; water has 1000",
-        default=100.0, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, options=set(),
+        default=100.0, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **FIXED,
     )  # fmt: skip
     mass_kg: FloatProperty(
         name="Mass (kg)", description="Mass of the whole body, were it all of this material",
-        default=0.2, min=0.0, soft_min=0.001, soft_max=100.0, step=1, precision=3, options=set(),
+        default=0.2, min=0.0, soft_min=0.001, soft_max=100.0, step=1, precision=3, **FIXED,
     )  # fmt: skip
     damping_ratio: FloatProperty(
         name="Damping Ratio", description="0 rings for long, 1 comes to rest without swinging past",
-        default=0.2, min=0.0, max=2.0, soft_max=1.0, precision=2, options=set(),
+        default=0.2, min=0.0, max=2.0, soft_max=1.0, precision=2, **FIXED,
     )  # fmt: skip
     friction: FloatProperty(
         name="Friction", description="How well fingertips and the ground grip the skin; 0 is slippery",
-        default=0.5, min=0.0, soft_max=1.5, precision=2, options=set(),
+        default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
     )  # fmt: skip
-    fill: EnumProperty(name="Fill", description="What is inside the skin", items=_FILLS, options=set())
+    fill: EnumProperty(name="Fill", description="What is inside the skin", items=_FILLS, **FIXED)
     provenance: StringProperty(
-        name="Source", description="Where these constants were measured; empty when typed in", options=set()
+        name="Source", description="Where these constants were measured; empty when typed in", **FIXED
     )
 
     def to_params(self) -> dict[str, float | str]:
@@ -115,23 +120,23 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
 class DIMPLE_PG_object(bpy.types.PropertyGroup):
     """Hold what makes an object a soft body."""
 
-    enabled: BoolProperty(name="Dimple", description="Let Dimple press this mesh", options=set())
-    law_set: EnumProperty(name="Laws", description="Which equations move the body", items=_LAW_SETS, options=set())
-    hold: EnumProperty(name="Hold", description="Which part of the body stands fast", items=_HOLDS, options=set())
+    enabled: BoolProperty(name="Dimple", description="Let Dimple press this mesh", **FIXED)
+    law_set: EnumProperty(name="Laws", description="Which equations move the body", items=_LAW_SETS, **FIXED)
+    hold: EnumProperty(name="Hold", description="Which part of the body stands fast", items=_HOLDS, **FIXED)
     pin_group: StringProperty(
-        name="Pin Group", description="Vertex group that stands fast, from weight 0.5 up", options=set()
+        name="Pin Group", description="Vertex group that stands fast, from weight 0.5 up", **FIXED
     )
     softness_group: StringProperty(
         name="Softness Group",
         description="Vertex group that paints softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer",
-        options=set(),
+        **FIXED,
     )
     size_mode: EnumProperty(
-        name="Physical Size", description="How large the real object is", items=_SIZE_MODES, options=set()
+        name="Physical Size", description="How large the real object is", items=_SIZE_MODES, **FIXED
     )
     size_mm: FloatProperty(
         name="Size (mm)", description="Largest dimension of the real object",
-        default=165.0, min=0.001, soft_min=1.0, soft_max=5000.0, step=100, precision=1, options=set(),
+        default=165.0, min=0.001, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **FIXED,
     )  # fmt: skip
 
     def to_params(self) -> dict[str, float | str | None]:
@@ -157,44 +162,46 @@ class DIMPLE_PG_scene(bpy.types.PropertyGroup):
 
     finger_radius_mm: FloatProperty(
         name="Fingertip Radius (mm)", description="Radius of the fingertips, at the physical size of the body",
-        default=10.0, min=0.01, soft_min=1.0, soft_max=100.0, step=10, precision=1, options=set(),
+        default=10.0, min=0.01, soft_min=1.0, soft_max=100.0, step=10, precision=1, **FIXED,
     )  # fmt: skip
     active_finger: IntProperty(
-        name="Finger", description="The fingertip the mouse moves", default=1, min=1, max=3, options=set()
+        name="Finger", description="The fingertip the mouse moves", default=1, min=1, max=3, **FIXED
     )
     finger_1: _finger(1)
     finger_2: _finger(2)
     finger_3: _finger(3)
     poke_along: EnumProperty(
-        name="Poke Along", description="Which way the fingertip goes in", items=_POKE_ALONG, options=set()
+        name="Poke Along", description="Which way the fingertip goes in", items=_POKE_ALONG, **FIXED
     )
-    use_gravity: BoolProperty(name="Gravity", description="Let the body feel the gravity of the scene", options=set())
+    use_gravity: BoolProperty(name="Gravity", description="Let the body feel the gravity of the scene", **FIXED)
     use_ground: BoolProperty(
-        name="Ground", description="A floor at height 0 of the scene that nothing falls through", options=set()
+        name="Ground", description="A floor at height 0 of the scene that nothing falls through", **FIXED
     )
     cache_dir: StringProperty(
         name="Cache Folder",
         description="Where recordings go. Empty: beside the .blend file, or Dimple's own folder if it is not saved",
-        subtype="DIR_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+        subtype="DIR_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}, translation_context=CONTEXT,
     )  # fmt: skip
     shape_key_step: IntProperty(
         name="Every n Frames", description="Make one shape key for this many frames",
-        default=1, min=1, soft_max=25, options=set(),
+        default=1, min=1, soft_max=25, **FIXED,
     )  # fmt: skip
     show_overlay: BoolProperty(
         name="Fingertips and Forces", description="Draw fingertips, forces and numbers in the viewport",
-        default=True, options=set(),
+        default=True, **FIXED,
     )  # fmt: skip
     show_chart: BoolProperty(
         name="Chart", description="Draw force against depth, over the measured curve",
-        default=True, options=set(),
+        default=True, **FIXED,
     )  # fmt: skip
 
 
 class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
     """Hold what is true only now and is never saved."""
 
-    state: StringProperty(name="State", description="What the session is doing", options={"SKIP_SAVE"})
+    state: StringProperty(
+        name="State", description="What the session is doing", options={"SKIP_SAVE"}, translation_context=CONTEXT
+    )
 
 
 _POINTERS = (

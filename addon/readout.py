@@ -4,7 +4,14 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_iface
+
+from .translations import CONTEXT
+
+
+def iface_(text: str) -> str:
+    """Return a word of ours in the language of the interface."""
+    return pgettext_iface(text, CONTEXT)
 
 
 def finger_numbers(frame: Any) -> list[tuple[int, float, float, float]]:

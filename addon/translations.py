@@ -162,7 +162,7 @@ PANELS = {
     "Measured": "測定値",
     "Fingertips": "指先",
     "Surroundings and Display": "周囲と表示",
-    "World": "周囲",
+    "World": "ワールド",
     "Show": "表示",
     "Select a mesh to press it.": "押したいメッシュを選択してください。",
     "Nothing is being pressed": "何も押していません",
@@ -246,13 +246,13 @@ VERBS = {
     "Baking: Esc cancels": "ベイク中です。Esc で中止します",
 }
 
+# Blender has words of its own for some of ours, and they win: its "Air" is the drag of air. In a context, ours win
+CONTEXT = "Dimple"
+
+EVERYTHING = {**OPERATORS, **MATERIAL, **BODY, **SESSION, **PANELS, **VERBS}
 JAPANESE = {
     **{("Operator", english): text for english, text in OPERATORS.items()},
-    **{
-        ("*", english): text
-        for part in (OPERATORS, MATERIAL, BODY, SESSION, PANELS, VERBS)
-        for english, text in part.items()
-    },
+    **{(context, english): text for context in ("*", CONTEXT) for english, text in EVERYTHING.items()},
 }
 
 

@@ -26,10 +26,12 @@ def classes(bpy: ModuleType) -> Iterator[type]:
                 yield cls
 
 
-def texts_of_property(each: Any) -> Iterator[str]:
-    yield from (each.name, each.description)
-    if each.type == "ENUM":
-        yield from (text for item in each.enum_items_static for text in (item.name, item.description))
+def texts_of_property(each: Any) -> Iterator[tuple[str, str]]:
+    yield each.translation_context, each.name
+    yield "*", each.description
+    for item in each.enum_items_static if each.type == "ENUM" else ():
+        yield each.translation_context, item.name
+        yield "*", item.description
 
 
 def properties(bpy: ModuleType, cls: type) -> Any:
@@ -51,7 +53,7 @@ def texts(bpy: ModuleType) -> Iterator[tuple[str, str]]:
         own = {name for parent in cls.__mro__ for name in parent.__dict__.get("__annotations__", {})}
         for each in properties(bpy, cls):
             if each.identifier in own - BLENDERS_OWN:
-                yield from (("*", text) for text in texts_of_property(each))
+                yield from texts_of_property(each)
     from bl_ext.user_default.dimple.addon.tool import DIMPLE_WT_poke
 
     yield "*", DIMPLE_WT_poke.bl_label
