@@ -22,7 +22,7 @@ _ALL_HELD = "Every vertex is held, so nothing can move. Set Hold to Free, hold f
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, weakref_slot=True)
 class Model:
     """Hold a mesh with its laws.
 
@@ -79,7 +79,7 @@ class State:
 
     positions, velocities: (3, n) [m], [m/s].  pose: of the shape at rest where pins hold it, None where it is free.
     inner_force: sum of K(x_i) over the fingertips [N], Eq. (1), and contact: vertices touched, both for Eq. (2).
-    pressure: [Pa] at the last evaluation.
+    pressure: [Pa] at the last evaluation.  unsolved: implicit steps so far that found no solution.
     """
 
     positions: Floats
@@ -88,6 +88,7 @@ class State:
     inner_force: float = 0.0
     contact: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     pressure: float = 0.0
+    unsolved: int = 0
 
 
 def build_model(

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from ..base import Floats
 from ..model import Model, State
-from . import explicit_euler, rk4, semi_implicit, velocity_verlet
+from . import backward_euler, explicit_euler, implicit_midpoint, rk4, semi_implicit, tr_bdf2, velocity_verlet
 from .path import FingerPath
 
 
@@ -58,5 +58,23 @@ METHODS = {
         purpose="references, and smooth motion to tight tolerances",
         fails="Four evaluations reach only 1.4 times as far (dt < 2.8 / omega), so where the stiffest spring sets the "
         "step it is the dearest; kinks (the knee of Eq. (1), contact) take the fourth order away.",
+    ),
+    "backward_euler": Method(
+        label="backward Euler", run=backward_euler.run, order=1, kind="implicit", evaluations=1,
+        purpose="stiff bodies at one step a tick, where the way to rest does not matter",
+        fails="It never blows up, but swallows motion: a mode loses the factor 1 / (1 + (omega dt)^2) of its energy "
+        "each step. Fingertips meet a stiff layer without friction, and sink in by force over stiffness.",
+    ),
+    "implicit_midpoint": Method(
+        label="implicit midpoint", run=implicit_midpoint.run, order=2, kind="implicit", evaluations=1,
+        purpose="stiff free bodies whose swinging must last",
+        fails="What it cannot follow flips sign each step and never dies: pressed by a fingertip it rattles, the force "
+        "changes sign, and some steps find no solution (they are counted).",
+    ),
+    "tr_bdf2": Method(
+        label="TR-BDF2", run=tr_bdf2.run, order=2, kind="implicit", evaluations=2,
+        purpose="stiff bodies to a tolerance: second order, yet stiff modes die",
+        fails="Two solves a step: where the stiffest mode must be followed, explicit methods are many times cheaper. "
+        "Fingertips as with backward Euler.",
     ),
 }  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -25,12 +25,7 @@ def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *,
     """
     total = np.zeros((len(path.radii), 3))
     acceleration = None
-    for t in range(path.centres.shape[1] - 1):
-        speed = float(np.sqrt((state.velocities**2).sum(axis=0).max(initial=0)))
-        touches = [
-            reach(model, state, start, end, radius, speed, tick)
-            for start, end, radius in zip(path.centres[:, t], path.centres[:, t + 1], path.radii, strict=True)
-        ]
+    for touches in each_tick(model, state, path, tick):
         alone = model.ground is None and not any(len(h.vertices) or len(h.triangles) for h in touches)
         for _ in range(substeps):
             try:
@@ -40,6 +35,16 @@ def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *,
                 return total
             total += meet(model, state, touches)
     return total
+
+
+def each_tick(model: Model, state: State, path: FingerPath, tick: float) -> Iterator[list[Touch]]:
+    """Yield, for each tick [s] of a path, what the fingertips may touch in it."""
+    for t in range(path.centres.shape[1] - 1):
+        speed = float(np.sqrt((state.velocities**2).sum(axis=0).max(initial=0)))
+        yield [
+            reach(model, state, start, end, radius, speed, tick)
+            for start, end, radius in zip(path.centres[:, t], path.centres[:, t + 1], path.radii, strict=True)
+        ]
 
 
 def acceleration_of(model: Model, state: State) -> Floats:

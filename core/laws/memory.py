@@ -71,11 +71,16 @@ def force(law: Memory, x: Floats, v: Floats | None = None, pose: Pose | None = N
 
 def stiffness_product(law: Memory, x: Floats, s: Floats, pose: Pose | None = None) -> Floats:
     """Return K s (3, n) [N] for a displacement s, the pose held."""
-    rotation, translation = pose_of(law, x, pose)
+    level, turn, u = stiffness_parts(law, x, pose_of(law, x, pose))
+    return level * s + turn * (u * s).sum(axis=0) * u
+
+
+def stiffness_parts(law: Memory, x: Floats, pose: Pose) -> tuple[Floats, Floats, Floats]:
+    """Return a (n,) [N/m], b (n,) [N/m3] and u (3, n) [m] of K = a + b u u^T, vertex by vertex."""
+    rotation, translation = pose
     u = x - rotation @ law.rest - translation[:, None]
     d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
-    turn = np.where(d > law.d0, (law.k2 - law.k1) * law.d0 / d**3, 0.0)
-    return _secant(law, u) * s + turn * (u * s).sum(axis=0) * u
+    return _secant(law, u), np.where(d > law.d0, (law.k2 - law.k1) * law.d0 / d**3, 0.0), u
 
 
 def rigid_velocity(mass: Floats, x: Floats, v: Floats) -> Floats:

@@ -1,0 +1,142 @@
+"""Solve the equation of an implicit step: Newton's method, each direction by preconditioned conjugate gradients.
+
+    v = v_base + h M^-1 f(x_base + h v, v)
+
+Every implicit method here is one or two such solves; they differ in x_base, v_base and h.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ..base import DimpleError, Floats
+from ..laws import penalty, springs
+from ..laws.contact import Touch, rest_on_ground
+from ..laws.penalty import Meeting
+from ..model import Model, State
+from .path import FingerPath
+from .tangent import Tangent, tangent
+from .ticks import acceleration_of, each_tick
+
+NEWTON_STEPS = 30
+NEWTON_TOLERANCE = 1e-8  # of the velocity and of its change over the step
+SPEED_FLOOR = 1e-9  # [m/s] a body at rest is solved when it is this still
+CG_STEPS = 300
+CG_TOLERANCE = 1e-2  # of the residual: a better direction does not pay
+HALVINGS = 12
+CONTACT_STIFFNESS = 30.0  # of what holds a vertex: a fingertip sinks in by well under a hundredth of its radius
+
+# advance(model, state, touches, dt): move a state in place by dt [s] and return the impulses (k, 3) [N s]
+Advance = Callable[[Model, State, Sequence[Touch], float], Floats]
+
+
+def run_implicit(
+    advance: Advance, model: Model, state: State, path: FingerPath, *, tick: float, substeps: int
+) -> Floats:
+    """Advance a state in place by the ticks [s] of a path, fingertips met inside the equation of each step.
+
+    Returns:
+        the impulses (k, 3) [N s] on the fingertips.
+
+    Raises:
+        DimpleError: the laws have no energy, so no implicit method may be used.
+    """
+    if model.needs_contact:
+        raise DimpleError(
+            "Implicit methods need laws with an energy, and Eq. (2) has none. "
+            "Choose the consistent law set and another fill, or an explicit method."
+        )
+    total = np.zeros((len(path.radii), 3))
+    for touches in each_tick(model, state, path, tick):
+        for _ in range(substeps):
+            try:
+                total += advance(model, state, touches, tick / substeps)
+            except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
+                state.positions[:] = np.nan
+                return total
+            if model.ground is not None:
+                rest_on_ground(state.positions, state.velocities, model.ground, model.inverse_mass, model.friction)
+    return total
+
+
+def meet_faces(model: Model, state: State, touches: Sequence[Touch]) -> list[Meeting]:
+    """Find what the fingertips press at a state."""
+    if not touches:
+        return []
+    stiffness = CONTACT_STIFFNESS * (springs.row_bounds(model.springs, len(model.mass))[0] / 2 + model.memory.k2)
+    return [penalty.meeting(state.positions, touch, stiffness) for touch in touches]
+
+
+def pressed(model: Model, state: State, touches: Sequence[Touch]) -> tuple[Floats, Floats]:
+    """Return the acceleration (3, n) [m/s2] with contact, and the forces (k, 3) [N] on the fingertips."""
+    a, met = acceleration_of(model, state), meet_faces(model, state, touches)
+    for m in met:
+        a += penalty.force(m, a.shape[1]) * model.inverse_mass
+    return a, np.array([m.reaction for m in met]).reshape(-1, 3)
+
+
+def solve(model: Model, state: State, touches: Sequence[Touch], x_base: Floats, v_base: Floats, h: float) -> Floats:
+    """Put a state, in place, at x_base + h v, v; where no v solves the equation, count it in state.unsolved.
+
+    Returns:
+        the forces (k, 3) [N] on the fingertips there.
+    """
+    weight = np.where(model.inverse_mass > 0, model.mass, 0.0)
+
+    def residual(v: Floats) -> Floats:
+        state.positions[:], state.velocities[:] = x_base + h * v, v
+        return v_base + h * pressed(model, state, touches)[0] - v
+
+    def norm(r: Floats) -> float:
+        return float(np.sqrt(((r * r) @ weight).sum()))
+
+    v = v_base.copy()
+    r = residual(v)
+    size = norm(r)
+    goal = NEWTON_TOLERANCE * (size + norm(v_base)) + SPEED_FLOOR * float(np.sqrt(weight.sum()))
+    for _ in range(NEWTON_STEPS):
+        if size <= goal:
+            break
+        system = tangent(model, state, h, meet_faces(model, state, touches))
+        direction = conjugate_gradients(system, r * weight)
+        slope = float((direction * r).sum(axis=0) @ weight)
+        for halving in range(HALVINGS):
+            share = 0.5**halving
+            ahead = residual(v + share * direction)
+            # closer, or still downhill all the way there
+            if norm(ahead) < size or float((direction * ahead).sum(axis=0) @ weight) > 0.5 * slope:
+                break
+        else:
+            break
+        v = v + share * direction
+        r, size = ahead, norm(ahead)
+    if not size <= goal:
+        residual(v)
+        state.unsolved += 1
+    return pressed(model, state, touches)[1]
+
+
+def conjugate_gradients(system: Tangent, b: Floats) -> Floats:
+    """Solve A s = b (3, n) to CG_TOLERANCE; stop at a direction along which A is not positive."""
+    s = np.zeros_like(b)
+    r = b.copy()
+    z = system.precondition(r)
+    p = z
+    rz = float((r * z).sum())
+    goal = CG_TOLERANCE**2 * rz
+    for _ in range(CG_STEPS):
+        q = system.product(p)
+        curvature = float((p * q).sum())
+        if curvature <= 0:
+            return s if s.any() else z
+        step = rz / curvature
+        s += step * p
+        r -= step * q
+        z = system.precondition(r)
+        rz, before = float((r * z).sum()), rz
+        if rz <= goal:
+            break
+        p = z + rz / before * p
+    return s
