@@ -1,0 +1,1 @@
+"""From an instrument's file to a material: read, prepare, fit, identify. numpy only."""

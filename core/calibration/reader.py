@@ -1,0 +1,79 @@
+"""Read an instrument's file: encodings, delimiters, headers and units found out, and asked where they cannot be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..base import DimpleError, Floats
+from .dialect import find_dialect
+from .load import load_lines
+from .question import Answers
+from .roles import find_columns
+from .table import MIN_ROWS, find_table
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurement:
+    """Hold what an instrument wrote, in its own zero and sign.
+
+    source: name of the file.  time: [s] (n,) or None.  depth: [m] (n,).  force: [N] (n,).
+    depth_header, force_header: where they came from.  notes, warnings: sentences for the artist.
+    """
+
+    source: str
+    time: Floats | None
+    depth: Floats
+    force: Floats
+    depth_header: str
+    force_header: str
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def read_measurement(path: str | Path, answers: Answers | None = None) -> Measurement:
+    """Read a force-depth file.
+
+    Args:
+        answers: what the user said to earlier questions.
+
+    Raises:
+        Undecided: the file can be read in several ways; its questions say which.
+        DimpleError: the file is not a force-depth table, or beyond the limits.
+    """
+    answers = answers or Answers()
+    lines, encoding, notes = load_lines(path)
+    if answers.decimal not in (None, ".", ","):
+        raise DimpleError(f"The decimal mark must be . or , (it is {answers.decimal}).")
+    table = find_table(lines, find_dialect(lines, answers.decimal), answers)
+    columns = find_columns(table, answers)
+    if encoding not in ("utf-8", "utf-8-sig"):
+        notes += (f"The text was read as {encoding}.",)
+    measurement = Measurement(
+        source=Path(path).name, time=columns.time, depth=columns.depth, force=columns.force,
+        depth_header=columns.depth_header, force_header=columns.force_header,
+        notes=(*notes, *table.notes, *columns.notes), warnings=(*table.warnings, *columns.warnings),
+    )  # fmt: skip
+    return _whole_rows(measurement)
+
+
+def _whole_rows(measurement: Measurement) -> Measurement:
+    """Leave out the rows without a depth or a force."""
+    whole = np.isfinite(measurement.depth) & np.isfinite(measurement.force)
+    missing, n = int((~whole).sum()), len(whole)
+    if n - missing < MIN_ROWS:
+        raise DimpleError(f"Only {n - missing} rows have both a depth and a force; a fit needs at least {MIN_ROWS}.")
+    if not missing:
+        return measurement
+    text = f"{missing} of {n} rows have no depth or no force and were left out."
+    serious = missing > 0.05 * n
+    return replace(
+        measurement,
+        time=None if measurement.time is None else measurement.time[whole],
+        depth=measurement.depth[whole],
+        force=measurement.force[whole],
+        notes=measurement.notes if serious else (*measurement.notes, text),
+        warnings=(*measurement.warnings, text) if serious else measurement.warnings,
+    )

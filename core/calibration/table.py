@@ -1,0 +1,182 @@
+"""Find the table among the lines: what stands above it, what names its columns, and its numbers."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import DimpleError, Floats
+from .dialect import Dialect, is_row, number, number_and_unit, split
+from .question import Answers, Candidate, Question, Undecided
+from .words import is_known, role_of, split_unit, unit_of
+
+MAX_ROWS = 100_000  # rows kept of a table; of more, every n-th
+MIN_ROWS = 8
+_PREAMBLE = 2000  # lines in which a table must have begun
+_HEADER = 6  # lines above a table that may name its columns
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """Hold a table.
+
+    names, units: one for each column, "" where there is none.  cells: columns of text.  numbers: (n, c) NaN where a
+    cell is no number.  numeric: which columns hold numbers.  values: what "KEY = value" lines above it say.
+    notes, warnings: sentences for the artist.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    cells: tuple[tuple[str, ...], ...]
+    numbers: Floats
+    numeric: tuple[bool, ...]
+    values: dict[str, str]
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers) -> Table:
+    """Find the table, the one the user chose where there are several.
+
+    Raises:
+        DimpleError: no table, or too few rows.
+        Undecided: several tables.
+    """
+    blocks = _blocks(lines, dialect)
+    if not blocks:
+        raise DimpleError("There is no table in this file: no run of rows with two or more numbers.")
+    if len(blocks) > 1 and answers.table is None:
+        raise Undecided(_which_table(lines, blocks, dialect))
+    chosen = (answers.table or 1) - 1
+    if not 0 <= chosen < len(blocks):
+        raise DimpleError(f"There is no table {chosen + 1} in this file: it has {len(blocks)}.")
+    start, end, width = blocks[chosen]
+    above = lines[blocks[chosen - 1][1] if chosen else 0 : start]
+    return _table(lines[start:end], width, above, dialect)
+
+
+def _blocks(lines: Sequence[str], dialect: Dialect) -> list[tuple[int, int, int]]:
+    """Return (start, end, width) of every run of rows; a few lines that are none do not end it, a header does."""
+    blocks: list[tuple[int, int, int]] = []
+    start, end, width = -1, -1, 0
+    for i, line in enumerate(lines):
+        if start < 0 and i > _PREAMBLE and not blocks:
+            break
+        if start >= 0 and line[:1].isdigit() and end == i and len(lines) > MAX_ROWS:
+            end = i + 1  # a huge file: what begins like a row is one until its numbers are read
+            continue
+        cells = split(line, dialect.delimiter)
+        if is_row(cells, dialect):
+            if start < 0:
+                start, width = i, len(cells)
+            end = i + 1
+        elif start >= 0 and line.strip() and _is_header(cells):
+            blocks.append((start, end, width))
+            start = -1
+    if start >= 0:
+        blocks.append((start, end, width))
+    return [block for block in blocks if block[1] - block[0] >= MIN_ROWS] or blocks[:1]
+
+
+def _is_header(cells: Sequence[str]) -> bool:
+    named = [cell for cell in cells if cell and any(c.isalpha() for c in cell)]
+    return len(named) >= 2 and sum(map(is_known, named)) >= 2
+
+
+def _which_table(lines: Sequence[str], blocks: Sequence[tuple[int, int, int]], dialect: Dialect) -> Question:
+    def label(start: int, end: int) -> str:
+        above = next((lines[i].strip() for i in range(start - 1, -1, -1) if lines[i].strip()), "")
+        return f"lines {start + 1} to {end}, under “{above[:60]}”"
+
+    return Question(
+        name="table",
+        text=f"The file holds {len(blocks)} tables. Which one is the measurement?",
+        candidates=tuple(Candidate(value=str(i + 1), label=label(b[0], b[1])) for i, b in enumerate(blocks)),
+    )
+
+
+def _table(lines: Sequence[str], width: int, above: Sequence[str], dialect: Dialect) -> Table:
+    notes: list[str] = []
+    warnings: list[str] = []
+    stride = -(-len(lines) // MAX_ROWS)
+    if stride > 1:
+        notes.append(f"Of {len(lines):,} rows one in {stride} was read.")
+        lines = lines[::stride]
+    rows = [split(line, dialect.delimiter) for line in lines if line.strip()]
+    width = Counter(map(len, rows)).most_common(1)[0][0]
+    whole = [row for row in rows if len(row) == width]
+    if len(whole) < len(rows):
+        text = f"{len(rows) - len(whole)} of {len(rows)} rows have another number of cells and were left out."
+        (warnings if len(whole) < 0.95 * len(rows) else notes).append(text)
+    if len(whole) < MIN_ROWS:
+        raise DimpleError(f"The table has {len(whole)} rows; a fit needs at least {MIN_ROWS}.")
+    columns = list(zip(*whole, strict=True))
+    while columns and not any(columns[-1]):  # a delimiter at the end of every row
+        columns.pop()
+    numbers, units = zip(*(_column(column, dialect.decimal) for column in columns), strict=True)
+    names, header_units, values = _header(above, len(columns), dialect)
+    return Table(
+        names=names,
+        units=tuple(in_cell or in_header for in_cell, in_header in zip(units, header_units, strict=True)),
+        cells=tuple(columns),
+        numbers=np.stack(numbers, axis=1),
+        numeric=tuple(bool(np.isfinite(column).mean() > 0.5) for column in numbers),
+        values=values,
+        notes=tuple(notes),
+        warnings=tuple(warnings),
+    )
+
+
+def _column(cells: Sequence[str], decimal: str) -> tuple[Floats, str]:
+    """Return the numbers of a column, NaN where there is none, and the unit its cells carry ("12.5 gf")."""
+    values = [number(cell, decimal) for cell in cells]
+    if sum(value is None for value in values) > len(values) / 2:
+        pairs = [number_and_unit(cell, decimal) for cell in cells]
+        carried = {pair[1] for pair in pairs if pair is not None}
+        if len(carried) == 1 and unit_of(unit := carried.pop()):
+            return np.array([np.nan if pair is None else pair[0] for pair in pairs]), unit
+    return np.array([np.nan if value is None else value for value in values]), ""
+
+
+def _header(
+    above: Sequence[str], width: int, dialect: Dialect
+) -> tuple[tuple[str, ...], tuple[str, ...], dict[str, str]]:
+    """Read names, units and "KEY = value" lines from what stands above a table."""
+    values: dict[str, str] = {}
+    for line in above:
+        found = re.match(r"^[#;%\s\"]*([^=:;,\t]{2,60}?)\s*(?:[=:]|[;,\t](?=[^;,\t]*[;,\t]*$))\s*(.*)$", line)
+        if found:
+            values[found[1].strip().strip('"').lower()] = found[2].strip().strip(';,"\t ')
+    names, units = [""] * width, [""] * width
+    near = [line for line in above if line.strip()][-_HEADER:]
+    for line in reversed(near):
+        cells = _fitted(line, width, dialect)
+        filled = [cell for cell in cells if cell]
+        if len(filled) >= 2 and not any(units) and not any(names) and all(map(unit_of, filled)):
+            units = cells
+        elif len(filled) >= 2 and any(role_of(split_unit(cell)[0]) for cell in filled):
+            names = cells
+            break
+        elif len(filled) >= max(2, width - 1) and not any(names) and not any("=" in cell for cell in filled):
+            names = cells  # words nobody knows: kept to be shown
+    parted = [split_unit(name) for name in names]
+    return (
+        tuple(name for name, _ in parted),
+        tuple(unit or in_name for unit, (_, in_name) in zip(units, parted, strict=True)),
+        values,
+    )
+
+
+def _fitted(line: str, width: int, dialect: Dialect) -> list[str]:
+    """Split a header line into as many cells as the table is wide."""
+    text = line.strip().lstrip("#%").strip() if dialect.delimiter == " " else line.lstrip("#% ")
+    cells = split(text, dialect.delimiter)
+    if dialect.delimiter == " " and len(cells) != width:
+        cells = re.split(r"\s{2,}|\t", text)
+    if len(cells) > width and any(cells[width:]):
+        return [""] * width if len(cells) > width + 1 else cells[:width]
+    return (cells + [""] * width)[:width]
