@@ -1,0 +1,232 @@
+"""The two-piece law of Eq. (1) through a loading curve, with what can be said about its constants."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base import DimpleError, Floats
+from .distributions import f_above, t_quantile
+from .segments import two_pieces
+
+CONFIDENCE = 0.95
+_EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
+_STEPS = 20  # of Gauss-Newton
+_LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
+_STRAY = 4.0  # standard errors that the joint fit may move the contact
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Constant:
+    """Hold a constant, its standard error by least squares, and half the width of its 95 % interval.
+
+    The interval is wider than the standard error says where neighbouring residuals agree with one another.
+    """
+
+    value: float
+    error: float
+    half_width: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fit:
+    """Hold a fit.
+
+    model: "one" or "two" slopes.  K1, K2: [N/m].  x0: [m].  With one slope K2 equals K1 and x0 is the deepest row.
+    contact: how far the first touch lies beyond depth 0 [m], and tare: the force there [N], 0 where they are known.
+    noise: standard deviation of the residuals [N].  correlation: of neighbouring residuals.  worst: the largest
+    residual [N] and its depth [m].  full_scale: [N].  knee_p: F test of one slope.  knee_bic: how much lower two are.
+    rows: in contact.  widened: how many times the intervals are wider for correlation.  falls: the best two pieces
+    would fall, and the constants are the best of those that rise.
+    """
+
+    model: str
+    K1: Constant
+    K2: Constant
+    x0: Constant
+    contact: Constant
+    tare: float
+    noise: float
+    correlation: float
+    worst: tuple[float, float]
+    full_scale: float
+    knee_p: float
+    knee_bic: float
+    rows: int
+    widened: float
+    falls: bool = False
+
+    @property
+    def misfit(self) -> float:
+        """Return the residuals' RMS as a share of full scale."""
+        return self.noise / self.full_scale
+
+    def law(self, x: Floats) -> Floats:
+        """Return K(x) [N] at depths [m] below the contact."""
+        return _law(np.asarray(x, np.float64), self.K1.value, self.K2.value, self.x0.value)
+
+
+def fit_law(depth: Floats, force: Floats, *, contact_known: bool = True) -> Fit:
+    """Fit F = K1 x up to x0, then K1 x0 + K2 (x - x0).
+
+    Args:
+        depth: (n,) [m] from the contact; rows before it have negative depth.
+        force: (n,) [N], tared.
+        contact_known: the depth 0 is where the first touch was; else it is an estimate, refined here together
+            with the constants, and its uncertainty is part of theirs.
+
+    Raises:
+        DimpleError: too few rows.
+    """
+    pressed = depth > 0 if contact_known else np.ones(len(depth), bool)
+    x, f = np.asarray(depth, np.float64)[pressed], np.asarray(force, np.float64)[pressed]
+    inside = x > 0
+    if inside.sum() < 8 or len(np.unique(x[inside])) < 4:
+        raise DimpleError(f"Only {int(inside.sum())} rows lie beyond the first touch; a fit needs at least 8.")
+    slope = float(x[inside] @ f[inside] / (x[inside] @ x[inside]))
+    one = _settled(_Trial(knee=False, contact_known=contact_known, values=_with_contact([slope], contact_known)), x, f)
+    pieces, falls = two_pieces(x[inside], f[inside], left="origin"), False
+    if pieces is not None and min(pieces.slope1, pieces.slope2) <= 0:  # no body of the model falls: take the best rise
+        pieces, falls = two_pieces(x[inside], f[inside], left="origin", rising=True), True
+    if pieces is None:
+        return _report(one, x, f, 1.0, 0.0)
+    start = _with_contact([pieces.slope1, pieces.slope2, pieces.join], contact_known)
+    two = _settled(_Trial(knee=True, contact_known=contact_known, values=start), x, f)
+    p, bic = _compare(one, two, x, f)
+    return replace(_report(two if bic > 0 else one, x, f, p, bic), falls=falls)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Trial:
+    """Hold parameters: K1; K2 and x0 where there is a knee; contact and tare where they are estimated."""
+
+    knee: bool
+    contact_known: bool
+    values: Floats
+
+    def parts(self, x: Floats) -> tuple[float, float, float, float, float]:
+        """Return K1, K2, x0, contact, tare."""
+        v = [float(value) for value in self.values]
+        contact, tare = (0.0, 0.0) if self.contact_known else (v[-2], v[-1])
+        return (v[0], v[1], v[2], contact, tare) if self.knee else (v[0], v[0], float(x.max()) - contact, contact, tare)
+
+
+def _with_contact(values: list[float], contact_known: bool) -> Floats:
+    return np.array(values if contact_known else [*values, 0.0, 0.0])
+
+
+def _law(x: Floats, K1: float, K2: float, x0: float) -> Floats:
+    x = np.maximum(x, 0)
+    return K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0)
+
+
+def _residual(trial: _Trial, x: Floats, f: Floats) -> Floats:
+    K1, K2, x0, contact, tare = trial.parts(x)
+    return f - tare - _law(x - contact, K1, K2, x0)
+
+
+def _jacobian(trial: _Trial, x: Floats) -> Floats:
+    """Return the slopes (n, p) of the law in each parameter."""
+    K1, K2, x0, contact, _ = trial.parts(x)
+    y = np.maximum(x - contact, 0)
+    beyond = y > x0
+    columns = [np.minimum(y, x0), np.maximum(y - x0, 0), (K1 - K2) * beyond] if trial.knee else [y]
+    if not trial.contact_known:
+        columns += [-np.where(beyond, K2, K1) * (y > 0), np.ones_like(x)]
+    return np.stack([np.asarray(column, np.float64) for column in columns], axis=1)
+
+
+def _settled(start: _Trial, x: Floats, f: Floats) -> _Trial:
+    """Move contact, tare and constants together to the least squares of all rows (Gauss-Newton).
+
+    The start is kept where that would lead the contact away from it: then the law does not hold near the touch.
+    """
+    if start.contact_known:
+        return start
+    best, least = start, _sum_of_squares(start, x, f)
+    for _ in range(_STEPS):
+        jacobian = _jacobian(best, x)
+        scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+        step = np.linalg.lstsq(jacobian / scale, _residual(best, x, f), rcond=None)[0] / scale
+        trials = [replace(best, values=best.values + share * step) for share in (1.0, 0.5, 0.2, 0.05)]
+        trial = min(trials, key=lambda t: _sum_of_squares(t, x, f))
+        total = _sum_of_squares(trial, x, f)
+        if not total < least or not trial.parts(x)[2] > 0:
+            break
+        settled = least - total < 1e-14 * least
+        best, least = trial, total
+        if settled:
+            break
+    contact, error = best.values[-2], math.sqrt(_covariance(best, x, f)[-2, -2])
+    return best if abs(contact) <= _STRAY * error else start
+
+
+def _sum_of_squares(trial: _Trial, x: Floats, f: Floats) -> float:
+    return float((_residual(trial, x, f) ** 2).sum())
+
+
+def _pressed_residual(trial: _Trial, x: Floats, f: Floats) -> Floats:
+    """Return the residuals of the rows in contact: those before it may be many, and quieter."""
+    return _residual(trial, x, f)[x > trial.parts(x)[3]]
+
+
+def _variance(trial: _Trial, x: Floats, f: Floats) -> float:
+    residual = _pressed_residual(trial, x, f)
+    return float((residual**2).sum()) / max(len(residual) - len(trial.values), 1)
+
+
+def _covariance(trial: _Trial, x: Floats, f: Floats) -> Floats:
+    """Return the covariance (p, p) of the parameters: s^2 (J^T J)^-1."""
+    jacobian = _jacobian(trial, x)
+    scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    inverse = np.linalg.pinv((jacobian / scale).T @ (jacobian / scale), hermitian=True)
+    return np.asarray(_variance(trial, x, f) * inverse / np.outer(scale, scale))
+
+
+def _correlation(residual: Floats) -> float:
+    """Return how far neighbouring residuals agree, 0 where that may be chance."""
+    total = float(residual @ residual)
+    share = float(residual[1:] @ residual[:-1]) / total if total > 0 else 0.0
+    return min(share, 0.999) if share > 2 / math.sqrt(len(residual)) else 0.0
+
+
+def independent_rows(n: int, correlation: float) -> float:
+    """Return as how many independent rows n rows count whose residuals are correlated: n (1 - r) / (1 + r)."""
+    return min(float(n), max(n * (1 - correlation) / (1 + correlation), _LEAST))
+
+
+def _compare(one: _Trial, two: _Trial, x: Floats, f: Floats) -> tuple[float, float]:
+    """Weigh one slope against two: the F test's probability of so much gain by chance, and the gain in BIC."""
+    before, after = _pressed_residual(one, x, f), _pressed_residual(two, x, f)
+    n = independent_rows(len(after), _correlation(after))
+    floor = (_EXACT * float(np.abs(f).max())) ** 2
+    s1, s2 = max(float((before**2).mean()), floor), max(float((after**2).mean()), floor)
+    freedom = max(n - len(two.values), 1.0)
+    p = f_above(max(s1 - s2, 0) / 2 / (s2 / freedom), 2, freedom)
+    return p, n * math.log(s1 / s2) - 2 * math.log(max(n, 2.0))
+
+
+def _report(trial: _Trial, x: Floats, f: Floats, p: float, bic: float) -> Fit:
+    K1, K2, x0, contact, tare = trial.parts(x)
+    residual = _pressed_residual(trial, x, f)
+    r = _correlation(residual)
+    count = independent_rows(len(residual), r)
+    errors = np.sqrt(np.diag(_covariance(trial, x, f)))
+    reach = t_quantile((1 + CONFIDENCE) / 2, max(count - len(trial.values), 1.0)) * math.sqrt(len(residual) / count)
+
+    def constant(value: float, at: int | None) -> Constant:
+        error = 0.0 if at is None else float(errors[at])
+        return Constant(value=value, error=error, half_width=reach * error)
+
+    worst = int(np.abs(residual).argmax())
+    return Fit(
+        model="two" if trial.knee else "one",
+        K1=constant(K1, 0), K2=constant(K2, 1 if trial.knee else 0), x0=constant(x0, 2 if trial.knee else None),
+        contact=constant(contact, None if trial.contact_known else len(trial.values) - 2), tare=tare,
+        noise=math.sqrt(_variance(trial, x, f)), correlation=r,
+        worst=(float(residual[worst]), float(x[x > contact][worst] - contact)),
+        full_scale=float(np.abs(f - tare).max()), knee_p=p, knee_bic=bic, rows=len(residual),
+        widened=math.sqrt(len(residual) / count),
+    )  # fmt: skip

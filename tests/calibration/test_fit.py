@@ -1,0 +1,200 @@
+"""The two-piece fit against closed forms, SciPy and pwlf; its intervals against a hundred seeds."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import optimize, stats
+
+from core.base import DimpleError
+from core.calibration.distributions import beta_share, f_above, t_quantile
+from core.calibration.fit import fit_law
+from core.calibration.reconstruct import reconstruct
+from core.calibration.segments import two_pieces
+from core.material import PRESETS
+
+
+def law(x, K1, K2, x0):
+    return K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0)
+
+
+def test_a_curve_without_noise_gives_its_constants_back():
+    x = np.linspace(0, 0.02, 101)
+    fit = fit_law(x, law(x, 620.0, 9130.0, 0.01373))
+    assert fit.model == "two"
+    assert (fit.K1.value, fit.K2.value, fit.x0.value) == pytest.approx((620.0, 9130.0, 0.01373), rel=1e-9)
+
+
+def test_a_knee_on_a_row_is_found_as_well_as_one_between_rows():
+    x = np.linspace(0, 0.02, 101)
+    assert fit_law(x, law(x, 620.0, 9130.0, x[60])).x0.value == pytest.approx(x[60], rel=1e-9)
+
+
+def test_no_finer_search_of_the_knee_finds_less_residual():
+    rng = np.random.default_rng(1)
+    for left in ("origin", "line", "level"):
+        for _ in range(8):
+            x = np.sort(rng.uniform(0, 1, 40))
+            y = law(x, rng.normal(), rng.normal(), rng.uniform(0.2, 0.8)) + 0.3 * rng.normal(size=40)
+            pieces = two_pieces(x, y, left=left)
+            finest = min(residual_at(x, y, join, left) for join in np.linspace(x[2], x[-3], 4000))
+            assert pieces.residual <= finest * (1 + 1e-12)
+
+
+def residual_at(x, y, join, left):
+    columns = {
+        "origin": [np.minimum(x, join)],
+        "line": [np.minimum(x, join), np.ones(len(x))],
+        "level": [np.ones(len(x))],
+    }
+    design = np.stack([np.maximum(x - join, 0), *columns[left]], axis=1)
+    return float(((y - design @ np.linalg.lstsq(design, y, rcond=None)[0]) ** 2).sum())
+
+
+def test_constants_and_errors_agree_with_scipy_to_six_digits():
+    for preset in PRESETS:
+        x, f = (a[1:] for a in reconstruct(preset, seed=7))
+        fit = fit_law(x, f)
+        start = [fit.K1.value, fit.K2.value, fit.x0.value]
+        values, covariance = optimize.curve_fit(law, x, f, np.array(start) * 1.002, xtol=1e-15, ftol=1e-15)
+        assert start == pytest.approx(values, rel=1e-6)
+        errors = [fit.K1.error, fit.K2.error, fit.x0.error]
+        assert errors == pytest.approx(np.sqrt(np.diag(covariance)), rel=1e-6)
+
+
+def test_pieces_and_errors_agree_with_pwlf_to_six_digits():
+    pwlf = pytest.importorskip("pwlf")
+    for preset in PRESETS:
+        x, f = (a[1:] for a in reconstruct(preset, rows=120, seed=8))
+        x = x * 1e3  # pwlf searches best near 1
+        fit = fit_law(x, f)
+        oracle = pwlf.PiecewiseLinFit(x, f)
+        best = optimize.minimize_scalar(
+            forced_residual,
+            args=(oracle, x[-1]),
+            bounds=(x[int(np.searchsorted(x, fit.x0.value)) - 1], x[int(np.searchsorted(x, fit.x0.value))]),
+            method="bounded", options={"xatol": 1e-12},
+        )  # fmt: skip
+        assert fit.x0.value == pytest.approx(best.x, rel=1e-6)
+        oracle.fit_with_breaks_force_points([0.0, fit.x0.value, x[-1]], [0.0], [0.0])
+        assert [fit.K1.value, fit.K2.value] == pytest.approx(oracle.slopes, rel=1e-6)
+
+
+def forced_residual(knee, oracle, end):
+    """Return pwlf's sum of squared residuals; what it minimises itself has the constraint's multipliers added."""
+    oracle.fit_with_breaks_force_points([0.0, knee, end], [0.0], [0.0])
+    return oracle.ssr
+
+
+def test_the_free_line_and_its_errors_agree_with_pwlf():
+    pwlf = pytest.importorskip("pwlf")
+    x, f = reconstruct(PRESETS[2], rows=120, seed=9)
+    x = x * 1e3
+    pieces = two_pieces(x, f, left="line")
+    oracle = pwlf.PiecewiseLinFit(x, f, seed=1)
+    oracle.fit(2)
+    assert pieces.residual <= oracle.ssr * (1 + 1e-9)
+    oracle.fit_with_breaks([x[0], pieces.join, x[-1]])
+    assert [pieces.slope1, pieces.slope2] == pytest.approx(oracle.slopes, rel=1e-6)
+
+
+def test_standard_errors_agree_with_pwlf():
+    """pwlf's errors belong to a free line: give it the origin as a row so heavy that the line goes through it."""
+    pwlf = pytest.importorskip("pwlf")
+    x, f = (a[1:] for a in reconstruct(PRESETS[1], rows=200, seed=10))
+    x = x * 1e3
+    fit = fit_law(x, f)
+    heavy = pwlf.PiecewiseLinFit(np.append(0.0, x), np.append(0.0, f), weights=np.append(1e6, np.ones(len(x))))
+    heavy.fit_with_breaks([0.0, fit.x0.value, x[-1]])
+    heavy.fit_breaks = np.array([0.0, fit.x0.value, x[-1]])
+    errors = heavy.standard_errors(method="non-linear", step_size=1e-5)
+    # pwlf: intercept, slope 1, change of slope, knee; the added row counts in its degrees of freedom
+    freedom = math.sqrt((len(x) + 1 - 4) / (len(x) - 3))
+    assert errors[1] * freedom == pytest.approx(fit.K1.error, rel=1e-6)
+    assert errors[3] * freedom == pytest.approx(fit.x0.error, rel=1e-6)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
+def test_table_2_lies_in_the_intervals_of_90_to_99_of_100_seeds(preset):
+    truth = preset.material
+    hits = np.zeros(3, int)
+    for seed in range(100):
+        fit = fit_law(*reconstruct(preset, seed=seed))
+        assert fit.model == "two"
+        for i, (constant, value) in enumerate(((fit.K1, truth.K1), (fit.K2, truth.K2), (fit.x0, truth.x0))):
+            hits[i] += abs(constant.value - value) <= constant.half_width
+    assert all(90 <= hit <= 99 for hit in hits), hits
+
+
+def test_an_estimated_contact_widens_the_intervals_just_enough():
+    truth = PRESETS[2].material
+    x = np.linspace(-0.004, 0.020, 360)
+    exact = law(np.maximum(x, 0), truth.K1, truth.K2, truth.x0)
+    hits = np.zeros(3, int)
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        force = exact + 0.01 * exact.max() * rng.normal(size=len(x)) + 0.3
+        fit = fit_law(x + 0.0003 * rng.normal(), force - 0.2, contact_known=False)
+        for i, (constant, value) in enumerate(((fit.K1, truth.K1), (fit.K2, truth.K2), (fit.x0, truth.x0))):
+            hits[i] += abs(constant.value - value) <= constant.half_width
+    assert all(88 <= hit <= 99 for hit in hits), hits
+
+
+def test_a_straight_line_is_not_given_a_knee():
+    claimed = 0
+    for seed in range(100):
+        x = np.linspace(0, 0.02, 300)
+        f = 600 * x + 0.12 * np.random.default_rng(seed).normal(size=300)
+        claimed += fit_law(x, f).model == "two"
+    assert claimed <= 5
+
+
+def test_a_straight_line_without_noise_has_one_slope():
+    x = np.linspace(0, 0.02, 300)
+    fit = fit_law(x, 600 * x)
+    assert fit.model == "one"
+    assert fit.K1.value == fit.K2.value == pytest.approx(600)
+
+
+def test_a_knee_that_shows_is_claimed():
+    x = np.linspace(0, 0.02, 300)
+    f = law(x, 600, 900, 0.012)
+    assert all(
+        fit_law(x, f + 0.01 * f.max() * np.random.default_rng(seed).normal(size=300)).model == "two"
+        for seed in range(20)
+    )
+
+
+def test_correlated_residuals_widen_the_intervals():
+    x = np.linspace(0, 0.02, 600)
+    rng = np.random.default_rng(3)
+    white = rng.normal(size=600)
+    coloured = np.convolve(rng.normal(size=640), np.ones(20) / math.sqrt(20), "same")[20:620]
+    f = law(x, 620, 9130, 0.0137)
+    plain, smooth = fit_law(x, f + 0.3 * white), fit_law(x, f + 0.3 * coloured)
+    assert plain.widened == 1
+    assert smooth.widened > 2
+    assert smooth.x0.half_width > 2 * plain.x0.half_width
+
+
+def test_a_curve_that_falls_is_given_pieces_that_rise():
+    x = np.linspace(0, 0.01, 200)
+    falling = two_pieces(x, 5 * np.sin(x / 0.01 * 1.1 * math.pi), left="origin")
+    rising = two_pieces(x, 5 * np.sin(x / 0.01 * 1.1 * math.pi), left="origin", rising=True)
+    assert min(falling.slope1, falling.slope2) < 0
+    assert rising is None or min(rising.slope1, rising.slope2) > 0
+    fit = fit_law(x, 5 * np.sin(x / 0.01 * 1.1 * math.pi) + 200 * x)
+    assert fit.K1.value > 0 and fit.K2.value > 0
+
+
+def test_too_few_rows_are_told():
+    with pytest.raises(DimpleError, match="rows lie beyond the first touch"):
+        fit_law(np.linspace(0, 1, 6), np.linspace(0, 1, 6))
+
+
+def test_t_and_f_and_the_incomplete_beta_agree_with_scipy():
+    for freedom in (1.0, 2.5, 7.0, 30.0, 1e3, 1e6):
+        assert t_quantile(0.975, freedom) == pytest.approx(stats.t.ppf(0.975, freedom), rel=1e-9)
+        for ratio in (0.1, 1.0, 3.3, 50.0):
+            assert f_above(ratio, 2, freedom) == pytest.approx(stats.f.sf(ratio, 2, freedom), rel=1e-9, abs=1e-300)
+    assert beta_share(2.0, 3.0, 0.4) == pytest.approx(stats.beta.cdf(0.4, 2, 3), rel=1e-12)
