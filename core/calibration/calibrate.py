@@ -1,0 +1,134 @@
+"""From a file to constants: reading, preparing and fitting as one, with all that was found on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..base import DimpleError
+from ..material import Material
+from .fit import Fit, fit_law
+from .prepare import Press, prepare
+from .question import Answers
+from .reader import Measurement, read_measurement
+from .surface import Surface, surface_constants
+
+_POOR = 0.05  # of full scale, RMS: a law that misses the curve by more is said to
+_WIDENED = 2.0  # times wider intervals are explained
+POINT_RADIUS = 0.002  # [m] the paper's sensor "touches at a point"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Calibration:
+    """Hold a calibration: the file, its press, the fit; the object's length and the measuring tip's radius [m].
+
+    surface: k both ways, None without a length.  notes, warnings: sentences for the artist.
+    """
+
+    measurement: Measurement
+    press: Press
+    fit: Fit
+    length: float | None
+    tip_radius: float
+    surface: Surface | None
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def calibrate(
+    path: str | Path,
+    answers: Answers | None = None,
+    *,
+    length: float | None = None,
+    tip_radius: float = POINT_RADIUS,
+    section: float | None = None,
+    youngs_modulus: float | None = None,
+) -> Calibration:
+    """Read a file and fit the law to it.
+
+    Args:
+        length: edge of the object [m], for k.  tip_radius: of what pressed it [m].
+        section: of the surface as a beam [m2].  youngs_modulus: [Pa].
+
+    Raises:
+        Undecided: the file leaves something open; its questions say what.
+        DimpleError: the file cannot be used.
+    """
+    if not tip_radius > 0:
+        raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * tip_radius:g}).")
+    measurement = read_measurement(path, answers)
+    press = prepare(measurement, answers)
+    fit = fit_law(press.depth, press.force, contact_known=press.contact_known)
+    surface = None
+    if length is not None:
+        surface = surface_constants(
+            press.depth, press.force, length, section=section, youngs_modulus=youngs_modulus
+        )  # fmt: skip
+    return Calibration(
+        measurement=measurement, press=press, fit=fit, length=length, tip_radius=tip_radius, surface=surface,
+        notes=measurement.notes + press.notes,
+        warnings=measurement.warnings + press.warnings + _doubts(fit, press, length),
+    )  # fmt: skip
+
+
+def fitted_material(calibration: Calibration, template: Material) -> Material:
+    """Return a template material with the calibrated constants; k is by the force balance where it is known.
+
+    Raises:
+        DimpleError: a constant is not one of a body.
+    """
+    fit, surface = calibration.fit, calibration.surface
+    k = template.k
+    if surface is not None:
+        if surface.paper_k is not None:
+            k = surface.paper_k
+        elif surface.balance_k is not None and surface.balance_k.value > 0:
+            k = surface.balance_k.value
+    return replace(template, K1=fit.K1.value, K2=fit.K2.value, x0=fit.x0.value, k=k)
+
+
+def provenance(calibration: Calibration) -> str:
+    """Return a line that says where constants come from: file, fit and uncertainty."""
+    fit = calibration.fit
+    K1, K2 = (f"{c.value / 1e3:.4g} ± {c.half_width / 1e3:.2g} N/mm" for c in (fit.K1, fit.K2))
+    knee = f"K1 {K1}, K2 {K2}, x0 {1e3 * fit.x0.value:.4g} ± {1e3 * fit.x0.half_width:.2g} mm"
+    law = knee if fit.model == "two" else f"one slope {K1}"
+    return (
+        f"{calibration.measurement.source}: {law} (95 %), {fit.rows} rows, "
+        f"residual {100 * fit.misfit:.1f} % of {fit.full_scale:.3g} N"
+    )
+
+
+def _doubts(fit: Fit, press: Press, length: float | None) -> tuple[str, ...]:
+    found = []
+    deepest = float(press.depth.max())
+    if fit.model == "one":
+        found.append(
+            f"One slope says as much as two (F test p = {fit.knee_p:.2g}): no knee was found down to "
+            f"{1e3 * deepest:.3g} mm. K2 equals K1 and x0 is the deepest row."
+        )
+    elif fit.falls:
+        found.append("The best two pieces would fall; these are the best that rise, as a body of the model must.")
+    elif fit.K2.value < fit.K1.value:
+        found.append(
+            "The object softens beyond the knee (K2 < K1). That is unusual: see whether it buckles, and whether the "
+            "columns of depth and force are exchanged."
+        )
+    if fit.misfit > _POOR:
+        residual, where = fit.worst
+        found.append(
+            f"The two-piece law misses the curve by {100 * fit.misfit:.0f} % of full scale (RMS), "
+            f"at worst {residual:+.3g} N at {1e3 * where:.3g} mm: the curve has another shape."
+        )
+    if fit.widened > _WIDENED:
+        found.append(
+            f"Neighbouring residuals agree with each other (r = {fit.correlation:.2f}), so the 95 % intervals are "
+            f"{fit.widened:.1f} times wider than independent rows would give."
+        )
+    if length is not None and deepest > length:
+        found.append(
+            f"The press is {1e3 * deepest:.3g} mm deep, more than the object's {1e3 * length:.3g} mm: check the units."
+        )
+    if fit.K1.value <= 0:
+        found.append("The force does not grow with the depth: there is no material with these constants.")
+    return tuple(found)

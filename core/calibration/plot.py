@@ -1,0 +1,47 @@
+"""A picture of a calibration, where matplotlib is installed (development only)."""
+
+from __future__ import annotations
+
+from importlib import import_module, util
+from pathlib import Path
+
+import numpy as np
+
+from ..base import DimpleError
+from .calibrate import Calibration
+
+
+def save_plot(calibration: Calibration, path: str | Path) -> None:
+    """Draw the measured press, the way back and the law with its constants.
+
+    Raises:
+        DimpleError: matplotlib is not installed, or the file cannot be written.
+    """
+    if util.find_spec("matplotlib") is None:
+        raise DimpleError("--plot needs matplotlib, which is not installed here. Everything else works without it.")
+    figure = import_module("matplotlib.figure").Figure(figsize=(7, 5), layout="constrained")
+    axes = figure.add_subplot()
+    press, fit = calibration.press, calibration.fit
+    shift, tare = fit.contact.value, fit.tare
+    axes.plot(1e3 * (press.depth - shift), press.force - tare, ".", ms=3, color="0.55", label="measured")
+    if len(press.back_depth) > 8:
+        axes.plot(1e3 * (press.back_depth - shift), press.back_force - tare, color="0.75", label="way back")
+    x = np.linspace(0, float(press.depth.max()), 400)
+    axes.plot(1e3 * x, fit.law(x), color="tab:red", label=_label(calibration))
+    axes.set(xlabel="depth x [mm]", ylabel="force F [N]", title=calibration.measurement.source)
+    axes.legend(loc="upper left")
+    axes.grid(alpha=0.3)
+    try:
+        figure.savefig(path, dpi=130)
+    except (OSError, ValueError) as error:
+        raise DimpleError(f"The picture {path} cannot be written: {error}.") from None
+
+
+def _label(calibration: Calibration) -> str:
+    fit = calibration.fit
+    if fit.model == "one":
+        return f"K = {fit.K1.value / 1e3:.3g} ± {fit.K1.half_width / 1e3:.1g} N/mm"
+    return (
+        f"K1 = {fit.K1.value / 1e3:.3g} ± {fit.K1.half_width / 1e3:.1g}, K2 = {fit.K2.value / 1e3:.3g} ± "
+        f"{fit.K2.half_width / 1e3:.1g} N/mm, x0 = {1e3 * fit.x0.value:.3g} ± {1e3 * fit.x0.half_width:.1g} mm"
+    )
