@@ -156,6 +156,9 @@ SESSION = {
 }
 
 PANELS = {
+    "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there": (
+        "法政大学 坂間・田中・荒木、表 1 と表 2。質量は測定値ではなく、こちらで決めたものです"
+    ),
     "Materials": "マテリアル",
     "Measured Objects": "測定した物体",
     "My Materials": "自分のマテリアル",

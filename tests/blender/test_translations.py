@@ -84,6 +84,13 @@ def drawn_texts() -> Iterator[str]:
                 )
 
 
+def measured(bpy: ModuleType) -> Iterator[str]:
+    """Yield what the presets are called and where they come from."""
+    from bl_ext.user_default.dimple.core.material import PRESETS
+
+    yield from (text for preset in PRESETS for text in (preset.label, preset.provenance))
+
+
 @pytest.fixture
 def japanese(bpy: ModuleType) -> dict[tuple[str, str], str]:
     from bl_ext.user_default.dimple.addon.translations import JAPANESE
@@ -98,17 +105,13 @@ def test_every_label_and_description_is_there_in_japanese(bpy: ModuleType, japan
 
 
 def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
-    from bl_ext.user_default.dimple.core.material import PRESETS
-
-    wanted = {text for text in [*drawn_texts(), *(preset.label for preset in PRESETS)] if text}
+    wanted = {text for text in [*drawn_texts(), *measured(bpy)] if text}
     assert {"Measured Objects", "Pause", "Force {}", "Baking: Esc cancels"} <= wanted
     assert sorted(wanted - {text for _, text in japanese}) == []
 
 
 def test_no_translation_is_left_over(bpy: ModuleType, japanese: dict) -> None:
-    from bl_ext.user_default.dimple.core.material import PRESETS
-
-    used = {text for _, text in texts(bpy)} | {*drawn_texts(), *(preset.label for preset in PRESETS)}
+    used = {text for _, text in texts(bpy)} | {*drawn_texts(), *measured(bpy)}
     assert sorted({text for _, text in japanese} - used - {"Dimple", "Settings of Dimple"}) == []
 
 
