@@ -12,6 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from tools import native as native_core
 from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, run, say
 from tools.extension import build_zip
 
@@ -53,6 +54,7 @@ def in_blender(script: str, wanted: str | None, out: Path | None) -> int:
 def test(options: argparse.Namespace) -> int:
     """run the tests; further arguments go to pytest"""
     python = environment(options.blender)
+    native_core.provide_library(python)
     paths = [word for word in options.rest if Path(word).parts[:1] == ("tests",)]
     flags = [word for word in options.rest if word not in paths]
     inside = [path for path in paths if Path(path).parts[:2] == ("tests", "blender")]
@@ -81,9 +83,32 @@ def build(options: argparse.Namespace) -> int:
     return 0
 
 
+def native(options: argparse.Namespace) -> int:
+    """compile the native core for this machine, into core/native/"""
+    return 0 if native_core.provide_library(environment(options.blender)) else 1
+
+
+def wheels(options: argparse.Namespace) -> int:
+    """compile the native core for every platform, and build one zip for each"""
+    python, out = environment(options.blender), options.out or BUILD / "platforms"
+    made = [*native_core.provide_wheels(python, must=True), build_zip(python, out, split=True)]
+    for path in sorted({*made, *out.glob("*.zip")}):
+        say(f"{path.name}: {path.stat().st_size / 1e3:.0f} kB")
+    return 0
+
+
+def bench(options: argparse.Namespace) -> int:
+    """measure scenes, sizes and backends; --quick, --json FILE"""
+    python = environment(options.blender)
+    native_core.provide_library(python)
+    return run([python, "tests/bench/bench.py", *options.rest])
+
+
 def core(options: argparse.Namespace) -> int:
     """run `python -m core` with the arguments that follow"""
-    return run([environment(options.blender), "-m", "core", *options.rest])
+    python = environment(options.blender)
+    native_core.provide_library(python)
+    return run([python, "-m", "core", *options.rest])
 
 
 def ci(_options: argparse.Namespace) -> int:
@@ -94,14 +119,14 @@ def ci(_options: argparse.Namespace) -> int:
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="dev.py", description=(__doc__ or "").partition("\n")[0])
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for action in (demo, test, lint, build, window, samples, core, ci):
+    for action in (demo, test, lint, build, native, wheels, bench, window, samples, core, ci):
         command = commands.add_parser(action.__name__, help=action.__doc__, allow_abbrev=False)
         command.set_defaults(action=action, out=None)
         command.add_argument("--blender", metavar="VERSION", help=f"{', '.join(BLENDERS)} or its beginning")
-        if action in (demo, build, window):
+        if action in (demo, build, wheels, window):
             command.add_argument("--out", type=Path, metavar="DIR", help="where the results go")
     options, options.rest = parser.parse_known_args(words)
-    if options.rest and options.action not in (test, core):
+    if options.rest and options.action not in (test, core, bench):
         parser.error(f"unknown arguments: {' '.join(options.rest)}")
     try:
         return options.action(options)

@@ -8,27 +8,30 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from . import native
 from .environment import PIP, ROOT, WHEEL_PINS, Stop, alone, require, say
 
 WHEELS = ROOT / "wheels"
 EXTENSION_TOOL = "bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py"  # in site-packages
 
 
-def build_zip(python: str | Path, folder: Path) -> Path:
+def build_zip(python: str | Path, folder: Path, *, split: bool = False) -> Path:
     """Validate the extension and build its zip with Blender's own tool, in plain Python.
 
     Args:
         python: the Python of an environment, at its place in there.
         folder: where the zip goes.
+        split: also one smaller zip for each platform, beside it.
 
     Returns:
-        The path of the zip.
+        The path of the zip, which serves every platform.
 
     Raises:
         Stop: Blender's tool refused.
     """
     with alone():
         shipped_wheels(python)
+        native.provide_wheels(python)
     home = Path(python).parent.parent
     libraries = [*home.glob("lib/python*/site-packages"), home / "Lib" / "site-packages"]
     tool = next(path for library in libraries for path in library.glob(EXTENSION_TOOL))
@@ -36,11 +39,13 @@ def build_zip(python: str | Path, folder: Path) -> Path:
     (version,) = re.findall('^version = "(.+)"', manifest, re.MULTILINE)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"dimple-{version}.zip"
-    steps: tuple[list[str | Path], ...] = (
+    steps: list[list[str | Path]] = [
         ["validate", ROOT],
         ["build", "--source-dir", ROOT, "--output-filepath", path],
         ["validate", path],
-    )
+    ]
+    if split:
+        steps.append(["build", "--split-platforms", "--source-dir", ROOT, "--output-dir", folder])
     for step in steps:
         answer = subprocess.run([python, tool, *step], capture_output=True, text=True)
         if answer.returncode != 0:
@@ -49,11 +54,15 @@ def build_zip(python: str | Path, folder: Path) -> Path:
 
 
 def shipped_wheels(python: str | Path) -> list[Path]:
-    """Return the wheels the extension ships, downloaded when those there are not the pinned ones."""
+    """Return the wheels of others that the extension ships, downloaded when those there are not the pinned ones."""
     pinned = set(re.findall(r"--hash=sha256:(\w+)", WHEEL_PINS.read_text()))
-    if {hashlib.sha256(wheel.read_bytes()).hexdigest() for wheel in WHEELS.glob("*.whl")} != pinned:
+    if {hashlib.sha256(wheel.read_bytes()).hexdigest() for wheel in foreign_wheels()} != pinned:
         say("downloading the wheels that the extension ships")
         shutil.rmtree(WHEELS, ignore_errors=True)
         download = [python, *PIP, "download", "-q", "--no-deps", "--only-binary", ":all:"]
         require([*download, "-d", WHEELS, "-r", WHEEL_PINS], "The wheels could not be downloaded.")
-    return sorted(WHEELS.glob("*.whl"))
+    return foreign_wheels()
+
+
+def foreign_wheels() -> list[Path]:
+    return sorted(set(WHEELS.glob("*.whl")) - set(WHEELS.glob(f"{native.PACKAGE}-*.whl")))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tools import extension
+from tools import extension, native
 from tools.environment import BLENDERS, DEV_PINS, ROOT, WHEEL_PINS, Stop
 
 ALLOWED = {"addon", "core", "operators", "wheels", "__init__.py", "LICENSE", "blender_manifest.toml"}
@@ -43,14 +43,23 @@ def test_the_zip_is_under_two_megabytes(extension_zip: Path) -> None:
 
 def test_the_manifest_names_the_wheels_that_are_pinned() -> None:
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
-    named = [Path(wheel).name for wheel in manifest["wheels"]]
+    named = [Path(wheel).name for wheel in manifest["wheels"] if native.PACKAGE not in wheel]
     assert sorted(named) == [wheel.name for wheel in extension.shipped_wheels(sys.executable)]
     pinned = [pin.split()[0] for pin in pins(WHEEL_PINS)]
     assert ["==".join(name.split("-")[:2]) for name in named] == pinned
 
 
+def test_the_manifest_names_a_native_core_for_each_platform_it_is_compiled_for() -> None:
+    manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
+    named = {Path(wheel).name for wheel in manifest["wheels"] if native.PACKAGE in wheel}
+    assert named == {
+        f"{native.PACKAGE}-{manifest['version']}-py3-none-{p.tag}.whl" for p in native.PLATFORMS.values()
+    }
+    assert set(native.PLATFORMS) <= set(manifest["platforms"])
+
+
 def test_every_pin_is_exact() -> None:
-    for pin in pins(DEV_PINS):
+    for pin in [*pins(DEV_PINS), *pins(native.PINS)]:
         assert EXACT.fullmatch(pin.partition(";")[0].strip()), pin
     for pin in pins(WHEEL_PINS):
         exact, _, rest = pin.partition(" ")

@@ -1,0 +1,133 @@
+/* What a body is made of, in one precision and for one instruction set. */
+#ifndef DM_BODY_H
+#define DM_BODY_H
+#include "dimple.h"
+#include "lanes.h"
+#include <stdlib.h>
+#include <string.h>
+
+#define BLOCK 32 /* triangles that share a bounding box */
+#define FACE_SWEEPS 8 /* as in core/laws/contact.py */
+#define FACE_SLACK 1e-3
+#define HELD_GIVE 0.1
+#define WEIGHT_FLOOR 1e-6
+
+/* Vertices lie in the order of a space-filling curve, so that neighbours are near in memory; runs of eight with
+ * about as many neighbours each make a group. */
+typedef struct {
+    three x, v;
+} group_state;
+
+typedef struct { /* what does not change within a step; rest from its own centre, k_more = k2 - k1 */
+    three rest;
+    lanes k1, k_more, d0, damping, mass, inverse_mass;
+} group_matter;
+
+typedef struct { /* velocities after a step but for the pressure, and what a pascal adds to them */
+    three v, per_pascal;
+} group_next;
+
+typedef struct { /* v = linear + angular x position */
+    double linear[3], angular[3];
+} rigid;
+
+typedef struct { /* moments of the mass about its centre */
+    double centre[3], tensor[3][3];
+} inertia;
+
+typedef struct { /* the springs to one neighbour of each vertex of a group; pull = stiffness * rest length */
+    lanes stiffness, pull, damping;
+    uint32_t at[LANES]; /* byte offset of the neighbour's record */
+} slot;
+
+typedef struct { /* slots of group g: from start[g] up to start[g + 1] */
+    int64_t *start;
+    slot *slots;
+} rows;
+
+typedef struct { /* a spring summed by itself, on the ends that say so */
+    int32_t i, j;
+    uint8_t on_i, on_j;
+    double rest, stiffness, damping;
+} loose_spring;
+
+typedef struct { /* a point on a face, or a vertex, inside a fingertip */
+    uint32_t corner[3];
+    real weight[3], mobility[3], distance;
+    quad normal, impulse, out;
+} hit;
+
+typedef struct { /* what a fingertip may meet within a tick */
+    quad centre, velocity;
+    real radius;
+    int64_t vertex_count, face_count;
+    uint32_t *vertices, *faces;
+} touch;
+
+struct body {
+    int64_t n, groups;
+    uint32_t ready; /* what was set, one bit each */
+    uint32_t *place; /* of each of the caller's vertices */
+    double *rest;    /* (3, n) as the caller gave it */
+    double origin[3], middle[3], cell; /* of the state; of the box at rest; what the origin moves by */
+    record *records;
+    group_state *state;
+    group_matter *matter;
+    group_next *next;
+
+    rows ring, bend;
+    int32_t *ring_spring; /* (slots * LANES), -1 is none */
+    int64_t loose_count, corner_count, cap_count, hole_count, triangle_count, spring_count;
+    loose_spring *loose;
+    uint32_t (*corners)[3], (*caps)[2], *cap_hole;
+    double (*holes)[7]; /* centre, pull of the rim, number of edges: room for one step */
+
+    int32_t fill, laws;
+    double rest_volume, rest_area, gravity[3], ground, volume, pressure;
+    int fitted; /* the shape at rest follows the body */
+    double rest_centre[3], rotation[9], translation[3], k1_total, mass_total;
+    double turned[9]; /* of the last fit */
+    rigid drift;      /* rigid part of the velocities, or the acceleration to take out */
+    inertia moments;
+    double dt;
+
+    uint32_t (*triangles)[3], *box_start, *box_vertex;
+    quad (*boxes)[2];
+    int64_t box_count;
+    real *inverse_mass, *friction;
+    touch touches[DM_MAX_FINGERS];
+    hit *hits;
+    uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */
+    uint8_t *is_moved, *touching;
+    double inner_force;
+};
+typedef struct body body;
+
+enum { HAS_SPRINGS = 1, HAS_FACES = 2, HAS_FILL = 4, HAS_MATTER = 8, HAS_MEMORY = 16, HAS_WORLD = 32, HAS_STATE = 64 };
+enum { HAS_ALL = 127 };
+
+static inline real *lane(lanes *a, uint32_t i) { return (real *)a + i % LANES; }
+
+static inline void position(const body *b, uint32_t i, double *x) {
+    for (int c = 0; c < 3; c++) x[c] = b->records[i].x[c];
+}
+
+static inline void velocity(const body *b, uint32_t i, double *v) {
+    for (int c = 0; c < 3; c++) v[c] = b->records[i].v[c];
+}
+
+/* zeroed and aligned memory for count things, never null for count 0 */
+static inline void *room(int64_t count, size_t size) {
+    size_t bytes = ((size_t)(count > 0 ? count : 1) * size + 127) / 64 * 64;
+    char *raw = calloc(bytes + 64, 1);
+    if (!raw) return NULL;
+    char *at = (char *)(((uintptr_t)raw + 64) & ~(uintptr_t)63);
+    ((char **)at)[-1] = raw;
+    return at;
+}
+
+static inline void give_back(void *at) {
+    if (at) free(((char **)at)[-1]);
+}
+
+#endif

@@ -1,0 +1,197 @@
+/* Fingertips against vertices and faces, vertices against the ground. Source: core/laws/contact.py. */
+#include "body.h"
+
+static void mark_moved(body *b, uint32_t i, uint32_t *count) {
+    if (!b->is_moved[i]) b->is_moved[i] = 1, b->moved[(*count)++] = i;
+}
+
+/* Move inside vertices to the surface of the sphere and stop them there, as far as friction goes. */
+static void meet_vertices(body *b, const touch *t, double *impulse, uint32_t *moved) {
+    for (int64_t k = 0; k < t->vertex_count; k++) {
+        uint32_t i = t->vertices[k];
+        record *r = b->records + i;
+        quad offset = r->x - t->centre;
+        real distance = SQRT(dot3(offset, offset));
+        if (!(distance < t->radius)) continue;
+        distance = distance > TINY ? distance : TINY;
+        real give = b->inverse_mass[i] > TINY ? b->inverse_mass[i] : TINY;
+        quad normal = offset / distance, relative = r->v - t->velocity;
+        real closing = dot3(relative, normal), push = (closing < 0 ? -closing : 0) / give;
+        quad slide = relative - closing * normal;
+        real speed = SQRT(dot3(slide, slide)), drag = b->friction[i] * push, most = speed / give;
+        drag = (drag < most ? drag : most) / (speed > TINY ? speed : TINY);
+        quad j = push * normal - drag * slide;
+        r->v += j * b->inverse_mass[i];
+        r->x += (t->radius - distance) / give * b->inverse_mass[i] * normal;
+        for (int c = 0; c < 3; c++) impulse[c] -= j[c];
+        mark_moved(b, i, moved);
+    }
+}
+
+static inline three corners_at(const body *b, const uint32_t *faces, const int64_t *which, int corner, three centre) {
+    const quad *q[LANES];
+    for (int l = 0; l < LANES; l++) q[l] = &b->records[b->triangles[faces[which[l]]][corner]].x;
+    return minus(lanes_of(*q[0], *q[1], *q[2], *q[3], *q[4], *q[5], *q[6], *q[7]), centre);
+}
+
+static inline lanes ratio(lanes part, lanes whole) {
+    mask some = (mask)(whole > all(TINY)) | (mask)(whole < all(-TINY));
+    return part / select(some, whole, all(1));
+}
+
+/* Return the weights of the points of eight triangles nearest to the origin.
+ * Source: Ericson, Real-Time Collision Detection, 5.1.5: which of the seven Voronoi regions holds it. */
+static inline three nearest(three a, three b, three c) {
+    three ab = minus(b, a), ac = minus(c, a);
+    lanes d1 = -dot(ab, a), d2 = -dot(ac, a), d3 = -dot(ab, b), d4 = -dot(ac, b), d5 = -dot(ab, c), d6 = -dot(ac, c);
+    lanes va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2, none = all(0), one = all(1);
+    lanes sum = va + vb + vc, on_ab = ratio(d1, d1 - d3), on_ac = ratio(d2, d2 - d6);
+    lanes on_bc = ratio(d4 - d3, (d4 - d3) + (d5 - d6)), v = ratio(vb, sum), w = ratio(vc, sum);
+    /* the first region that holds wins, so it comes last here */
+    mask in_bc = (mask)(va <= none) & (mask)(d4 >= d3) & (mask)(d5 >= d6);
+    v = select(in_bc, one - on_bc, v), w = select(in_bc, on_bc, w);
+    mask in_ac = (mask)(vb <= none) & (mask)(d2 >= none) & (mask)(d6 <= none);
+    v = select(in_ac, none, v), w = select(in_ac, on_ac, w);
+    mask in_ab = (mask)(vc <= none) & (mask)(d1 >= none) & (mask)(d3 <= none);
+    v = select(in_ab, on_ab, v), w = select(in_ab, none, w);
+    mask in_c = (mask)(d6 >= none) & (mask)(d5 <= d6);
+    v = select(in_c, none, v), w = select(in_c, one, w);
+    mask in_b = (mask)(d3 >= none) & (mask)(d4 <= d3);
+    v = select(in_b, one, v), w = select(in_b, none, w);
+    mask in_a = (mask)(d1 <= none) & (mask)(d2 <= none);
+    v = select(in_a, none, v), w = select(in_a, none, w);
+    return (three){one - v - w, v, w};
+}
+
+/* List the faces inside a sphere with their nearest points, and count the contacts at each corner. */
+static int64_t find_hits(body *b, const touch *t) {
+    three centre = {all(t->centre[0]), all(t->centre[1]), all(t->centre[2])};
+    int64_t count = 0;
+    for (int64_t k = 0; k < t->face_count; k += LANES) {
+        int64_t which[LANES];
+        for (int l = 0; l < LANES; l++) which[l] = k + l < t->face_count ? k + l : k;
+        three p = corners_at(b, t->faces, which, 0, centre), q = corners_at(b, t->faces, which, 1, centre);
+        three r = corners_at(b, t->faces, which, 2, centre), weight = nearest(p, q, r);
+        three at = {
+            weight.x * p.x + weight.y * q.x + weight.z * r.x,
+            weight.x * p.y + weight.y * q.y + weight.z * r.y,
+            weight.x * p.z + weight.y * q.z + weight.z * r.z,
+        };
+        lanes distance = root(dot(at, at));
+        mask inside = (mask)(distance < all(t->radius));
+        if (!any(inside)) continue;
+        for (int l = 0; l < LANES && k + l < t->face_count; l++) {
+            if (!inside[l]) continue;
+            hit *h = b->hits + count++;
+            memcpy(h->corner, b->triangles[t->faces[k + l]], sizeof h->corner);
+            h->weight[0] = weight.x[l], h->weight[1] = weight.y[l], h->weight[2] = weight.z[l];
+            h->distance = distance[l] > TINY ? distance[l] : TINY;
+            h->normal = (quad){at.x[l], at.y[l], at.z[l], 0} / h->distance;
+            for (int j = 0; j < 3; j++) b->shares[h->corner[j]] += h->weight[j] > (real)WEIGHT_FLOOR;
+        }
+    }
+    return count;
+}
+
+/* What a contact gives, 1 / mass: each moves its share m / count of a vertex, which then takes the mean of them. */
+static inline real give_of(const body *b, const hit *h, real *mobility) {
+    real give = 0, free = 0, most = 0;
+    int held = 0;
+    for (int j = 0; j < 3; j++) {
+        real inverse = b->inverse_mass[h->corner[j]];
+        mobility[j] = h->weight[j] * inverse;
+        give += mobility[j] * h->weight[j] * (real)b->shares[h->corner[j]];
+        free += inverse > 0 ? h->weight[j] : 0;
+        most = inverse > most ? inverse : most;
+        held |= !(inverse > 0);
+    }
+    give = give > TINY ? give : TINY;
+    if (held) { /* a free vertex must not be flung away to move a point it hardly carries */
+        real least = (real)HELD_GIVE * most / (free > TINY ? free : TINY);
+        give = give > least ? give : least;
+    }
+    return give;
+}
+
+/* One sweep over the faces, all from the same state; return how deep the deepest was. */
+static real meet_faces(body *b, const touch *t, double *impulse, uint32_t *moved) {
+    int64_t count = find_hits(b, t);
+    real nearest_at = t->radius;
+    for (hit *h = b->hits; h < b->hits + count; h++) {
+        const uint32_t *at = h->corner;
+        real mu = 0, give = give_of(b, h, h->mobility);
+        quad relative = -t->velocity;
+        for (int j = 0; j < 3; j++)
+            relative += h->weight[j] * b->records[at[j]].v, mu += h->weight[j] * b->friction[at[j]];
+        real closing = dot3(relative, h->normal), push = (closing < 0 ? -closing : 0) / give;
+        quad slide = relative - closing * h->normal;
+        real speed = SQRT(dot3(slide, slide)), drag = mu * push, most = speed / give;
+        drag = (drag < most ? drag : most) / (speed > TINY ? speed : TINY);
+        h->impulse = push * h->normal - drag * slide;
+        h->out = (t->radius - h->distance) / give * h->normal;
+        nearest_at = h->distance < nearest_at ? h->distance : nearest_at;
+    }
+    for (const hit *h = b->hits; h < b->hits + count; h++) {
+        for (int j = 0; j < 3; j++) {
+            record *r = b->records + h->corner[j];
+            r->x += h->out * h->mobility[j], r->v += h->impulse * h->mobility[j];
+            b->shares[h->corner[j]] = 0;
+            mark_moved(b, h->corner[j], moved);
+        }
+        for (int c = 0; c < 3; c++) impulse[c] -= h->impulse[c];
+    }
+    return t->radius - nearest_at;
+}
+
+/* Bring the vertices that contacts moved back into the groups. */
+static void take_back(body *b, uint32_t moved) {
+    for (uint32_t k = 0; k < moved; k++) {
+        uint32_t i = b->moved[k];
+        group_state *s = b->state + i / LANES;
+        *lane(&s->x.x, i) = b->records[i].x[0], *lane(&s->v.x, i) = b->records[i].v[0];
+        *lane(&s->x.y, i) = b->records[i].x[1], *lane(&s->v.y, i) = b->records[i].v[1];
+        *lane(&s->x.z, i) = b->records[i].x[2], *lane(&s->v.z, i) = b->records[i].v[2];
+        b->is_moved[i] = 0;
+    }
+}
+
+static void rest_on_ground(body *b) {
+    lanes height = all((real)(b->ground - b->origin[2]));
+    uint32_t moved = 0;
+    for (int64_t g = 0; g < b->groups; g++) {
+        mask low = (mask)(b->state[g].x.z < height) & (mask)(b->matter[g].inverse_mass > all(0));
+        for (uint32_t l = 0; any(low) && l < LANES; l++) {
+            uint32_t i = (uint32_t)g * LANES + l;
+            if (!low[l]) continue;
+            record *r = b->records + i;
+            real fall = r->v[2] < 0 ? -r->v[2] : 0, speed = SQRT(r->v[0] * r->v[0] + r->v[1] * r->v[1]);
+            real stop = b->friction[i] * fall / (speed > TINY ? speed : TINY), left = 1 - (stop < 1 ? stop : 1);
+            r->v[0] *= left, r->v[1] *= left, r->v[2] += fall, r->x[2] = height[0];
+            mark_moved(b, i, &moved);
+        }
+    }
+    take_back(b, moved);
+}
+
+static void note_touching(body *b, int64_t fingers) {
+    memset(b->touching, 0, (size_t)(b->groups * LANES));
+    for (const touch *t = b->touches; t < b->touches + fingers; t++)
+        for (int64_t k = 0; k < t->vertex_count; k++) {
+            quad offset = b->records[t->vertices[k]].x - t->centre;
+            if (dot3(offset, offset) < t->radius * t->radius) b->touching[t->vertices[k]] = 1;
+        }
+}
+
+static void meet(body *b, int64_t fingers, double *impulses) {
+    if (b->laws == DM_LAWS_PAPER || b->fill == DM_FILL_PAPER) note_touching(b, fingers);
+    for (int64_t k = 0; k < fingers; k++) {
+        const touch *t = b->touches + k;
+        uint32_t moved = 0;
+        meet_vertices(b, t, impulses + 3 * k, &moved);
+        int sweeps = b->laws != DM_LAWS_PAPER && t->face_count ? FACE_SWEEPS : 0;
+        while (sweeps-- && meet_faces(b, t, impulses + 3 * k, &moved) >= (real)FACE_SLACK * t->radius) {
+        }
+        take_back(b, moved);
+    }
+    if (b->ground > -INFINITY) rest_on_ground(b);
+}

@@ -1,0 +1,130 @@
+/* Where each vertex lies in memory, and its neighbours beside it. */
+#include "body.h"
+
+typedef struct {
+    uint64_t key;
+    uint32_t vertex;
+} keyed;
+
+static int by_key(const void *a, const void *b) {
+    const keyed *p = a, *q = b;
+    if (p->key != q->key) return p->key < q->key ? -1 : 1;
+    return p->vertex < q->vertex ? -1 : p->vertex > q->vertex;
+}
+
+/* put two zeros between the 21 low bits */
+static uint64_t spread(uint64_t a) {
+    a &= 0x1fffff;
+    a = (a | a << 32) & 0x1f00000000ffff;
+    a = (a | a << 16) & 0x1f0000ff0000ff;
+    a = (a | a << 8) & 0x100f00f00f00f00f;
+    a = (a | a << 4) & 0x10c30c30c30c30c3;
+    return (a | a << 2) & 0x1249249249249249;
+}
+
+/* Number the vertices along a Morton curve, then by valence within windows, so that the eight of a group have
+ * about as many neighbours and few slots stay empty. */
+static int32_t lay_out(body *b, int64_t width, const int64_t *ring_spring) {
+    enum { WINDOW = 256 };
+    int64_t n = b->n;
+    keyed *keys = room(n, sizeof(keyed));
+    if (!keys) return DM_MEMORY;
+    double low[3], span = 0;
+    for (int c = 0; c < 3; c++) {
+        double high = low[c] = b->rest[c * n];
+        for (int64_t i = 0; i < n; i++) {
+            double x = b->rest[c * n + i];
+            low[c] = x < low[c] ? x : low[c], high = x > high ? x : high;
+        }
+        span = high - low[c] > span ? high - low[c] : span;
+        b->middle[c] = (low[c] + high) / 2;
+    }
+    b->cell = span > 0 ? exp2(ceil(log2(span))) : 1;
+    double scale = span > 0 ? 0x1fffff / span : 0;
+    for (int64_t i = 0; i < n; i++) {
+        uint64_t key = 0;
+        for (int c = 0; c < 3; c++) {
+            double cell = (b->rest[c * n + i] - low[c]) * scale;
+            key |= spread((uint64_t)(cell < 0x1fffff ? cell : 0x1fffff)) << c;
+        }
+        keys[i] = (keyed){key, (uint32_t)i};
+    }
+    qsort(keys, (size_t)n, sizeof(keyed), by_key);
+    for (int64_t from = 0; from < n; from += WINDOW) {
+        int64_t count = n - from < WINDOW ? n - from : WINDOW;
+        for (int64_t k = from; k < from + count; k++) {
+            uint64_t valence = 0;
+            for (int64_t s = 0; s < width; s++) valence += ring_spring[s * n + keys[k].vertex] >= 0;
+            keys[k].key = valence << 32 | (uint64_t)k;
+        }
+        qsort(keys + from, (size_t)count, sizeof(keyed), by_key);
+    }
+    for (int64_t k = 0; k < n; k++) b->place[keys[k].vertex] = (uint32_t)k;
+    give_back(keys);
+    return DM_OK;
+}
+
+/* Lay the rings out, lane by lane; a vertex that has fewer neighbours than its group gathers its first again,
+ * one that has none gathers itself. */
+static int32_t lay_rings(body *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
+    int64_t n = b->n, size = b->groups * LANES;
+    int64_t *vertex = room(size, sizeof(int64_t));
+    b->ring.start = room(b->groups + 1, sizeof(int64_t));
+    if (!vertex || !b->ring.start) return give_back(vertex), DM_MEMORY;
+    for (int64_t i = 0; i < size; i++) vertex[i] = -1;
+    for (int64_t i = 0; i < n; i++) vertex[b->place[i]] = i;
+    for (int64_t g = 0; g < b->groups; g++) {
+        int64_t most = 0;
+        for (int l = 0; l < LANES; l++) {
+            int64_t i = vertex[g * LANES + l], valence = 0;
+            while (i >= 0 && valence < width && ring_spring[valence * n + i] >= 0) valence++;
+            most = valence > most ? valence : most;
+        }
+        b->ring.start[g + 1] = b->ring.start[g] + most;
+    }
+    int64_t slots = b->ring.start[b->groups];
+    b->ring.slots = room(slots, sizeof(slot));
+    b->ring_spring = room(slots * LANES, sizeof(int32_t));
+    if (!b->ring.slots || !b->ring_spring) return give_back(vertex), DM_MEMORY;
+    for (int64_t g = 0; g < b->groups; g++)
+        for (int64_t s = b->ring.start[g]; s < b->ring.start[g + 1]; s++)
+            for (int l = 0; l < LANES; l++) {
+                int64_t i = vertex[g * LANES + l], at = s - b->ring.start[g];
+                int64_t spring = i >= 0 && ring_spring[i] >= 0 ? ring_spring[at * n + i] : -1;
+                int64_t other = i >= 0 && ring_spring[i] >= 0 ? b->place[ring[at * n + i]] : g * LANES + l;
+                b->ring_spring[s * LANES + l] = (int32_t)spring;
+                b->ring.slots[s].at[l] = (uint32_t)((uint64_t)other * sizeof(record));
+            }
+    give_back(vertex);
+    return DM_OK;
+}
+
+/* Lay springs between any vertices out the same way, in the order they come. */
+static int32_t set_bend(body *b, int64_t m, const int64_t *pairs, const double *rest, const double *stiffness,
+                    const double *damping) {
+    int64_t size = b->groups * LANES;
+    int64_t *count = room(size, sizeof(int64_t)), *start = room(b->groups + 1, sizeof(int64_t));
+    if (!count || !start) return give_back(count), give_back(start), DM_MEMORY;
+    for (int64_t e = 0; e < 2 * m; e++) count[b->place[pairs[e]]]++;
+    for (int64_t g = 0; g < b->groups; g++) {
+        int64_t most = 0;
+        for (int l = 0; l < LANES; l++) most = count[g * LANES + l] > most ? count[g * LANES + l] : most;
+        start[g + 1] = start[g] + most;
+    }
+    slot *slots = room(start[b->groups], sizeof(slot));
+    if (!slots) return give_back(count), give_back(start), DM_MEMORY;
+    for (int64_t g = 0; g < b->groups; g++)
+        for (int64_t s = start[g]; s < start[g + 1]; s++)
+            for (int l = 0; l < LANES; l++) slots[s].at[l] = (uint32_t)((uint64_t)(g * LANES + l) * sizeof(record));
+    memset(count, 0, (size_t)size * sizeof(int64_t));
+    for (int64_t e = 0; e < 2 * m; e++) {
+        int64_t i = b->place[pairs[e]], j = b->place[pairs[e ^ 1]], l = i % LANES;
+        slot *s = slots + start[i / LANES] + count[i]++;
+        s->at[l] = (uint32_t)((uint64_t)j * sizeof(record));
+        s->stiffness[l] = (real)stiffness[e / 2], s->damping[l] = (real)damping[e / 2];
+        s->pull[l] = (real)(stiffness[e / 2] * rest[e / 2]);
+    }
+    give_back(count), give_back(b->bend.start), give_back(b->bend.slots);
+    b->bend = (rows){start, slots};
+    return DM_OK;
+}

@@ -1,0 +1,137 @@
+/* The rigid motion of a body: where its shape at rest lies, and the rigid part of a field of velocities. */
+#include "body.h"
+
+/* Turn a symmetric matrix diagonal by plane rotations (Jacobi): a = q diag(a) q^T, q by columns. */
+static void diagonalise(int n, double *a, double *q) {
+    for (int i = 0; i < n * n; i++) q[i] = i % (n + 1) == 0;
+    for (int sweep = 0; sweep < 30; sweep++) {
+        double off = 0, all = 0;
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++) all += a[i * n + j] * a[i * n + j], off += i < j ? a[i * n + j] * a[i * n + j] : 0;
+        if (!(off > 1e-34 * all)) return;
+        for (int i = 0; i < n; i++)
+            for (int j = i + 1; j < n; j++) {
+                if (a[i * n + j] == 0) continue;
+                double theta = (a[j * n + j] - a[i * n + i]) / (2 * a[i * n + j]);
+                double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
+                double c = 1 / sqrt(t * t + 1), s = t * c;
+                for (int k = 0; k < n; k++) {
+                    double p = a[k * n + i], r = a[k * n + j];
+                    a[k * n + i] = c * p - s * r, a[k * n + j] = s * p + c * r;
+                }
+                for (int k = 0; k < n; k++) {
+                    double p = a[i * n + k], r = a[j * n + k];
+                    a[i * n + k] = c * p - s * r, a[j * n + k] = s * p + c * r;
+                    p = q[k * n + i], r = q[k * n + j];
+                    q[k * n + i] = c * p - s * r, q[k * n + j] = s * p + c * r;
+                }
+            }
+    }
+}
+
+/* The rotation that maximises trace(r^T h): its quaternion is the eigenvector of the largest eigenvalue of a
+ * 4 x 4 matrix. It exists for any h, and is unique wherever the polar decomposition is. Source: Horn 1987. */
+static void fit_rotation(const double *h, double *r) {
+    double xx = h[0], yy = h[4], zz = h[8], q[16];
+    double a = h[7] - h[5], b = h[2] - h[6], c = h[3] - h[1], d = h[1] + h[3], e = h[2] + h[6], f = h[5] + h[7];
+    double m[16] = {xx + yy + zz, a, b, c, a, xx - yy - zz, d, e, b, d, yy - xx - zz, f, c, e, f, zz - xx - yy};
+    diagonalise(4, m, q);
+    int best = 0;
+    for (int i = 1; i < 4; i++) best = m[5 * i] > m[5 * best] ? i : best;
+    double w = q[best], x = q[4 + best], y = q[8 + best], z = q[12 + best];
+    double scale = 2 / (w * w + x * x + y * y + z * z);
+    double turn[9] = {
+        1 - scale * (y * y + z * z), scale * (x * y - w * z), scale * (x * z + w * y),
+        scale * (x * y + w * z), 1 - scale * (x * x + z * z), scale * (y * z - w * x),
+        scale * (x * z - w * y), scale * (y * z + w * x), 1 - scale * (x * x + y * y),
+    };
+    memcpy(r, turn, sizeof turn);
+}
+
+static void multiply(const double *a, const double *b, double *r) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) r[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+}
+
+/* Solve a symmetric 3 x 3 system; a direction without inertia (a straight line of vertices) gets no spin. */
+static void solve(const double (*a)[3], const double *y, double *x) {
+    double m[9], q[9], most = 0;
+    memcpy(m, a, sizeof m);
+    diagonalise(3, m, q);
+    for (int i = 0; i < 3; i++) most = m[4 * i] > most ? m[4 * i] : most;
+    x[0] = x[1] = x[2] = 0;
+    for (int i = 0; i < 3; i++)
+        if (m[4 * i] > 1e-15 * most) {
+            double part = (q[i] * y[0] + q[3 + i] * y[1] + q[6 + i] * y[2]) / m[4 * i];
+            for (int c = 0; c < 3; c++) x[c] += part * q[3 * c + i];
+        }
+}
+
+static rigid rigid_part(const body *b, const inertia *at, const double *momentum, const double *turning) {
+    rigid r;
+    double about[3];
+    const double *o = at->centre;
+    for (int c = 0; c < 3; c++) r.linear[c] = momentum[c] / b->mass_total;
+    about[0] = turning[0] - (o[1] * momentum[2] - o[2] * momentum[1]);
+    about[1] = turning[1] - (o[2] * momentum[0] - o[0] * momentum[2]);
+    about[2] = turning[2] - (o[0] * momentum[1] - o[1] * momentum[0]);
+    solve(at->tensor, about, r.angular);
+    r.linear[0] -= r.angular[1] * o[2] - r.angular[2] * o[1];
+    r.linear[1] -= r.angular[2] * o[0] - r.angular[0] * o[2];
+    r.linear[2] -= r.angular[0] * o[1] - r.angular[1] * o[0];
+    return r;
+}
+
+/* Fit the shape at rest to the body, least squares weighted by k1; h = sum of k1 x q^T, as sum of k1 q = 0. */
+static void fit_pose(body *b) {
+    wide sum[12] = {{0}};
+    lanes part[12] = {{0}};
+    for (int64_t g = 0; g < b->groups; g++) {
+        three x = b->state[g].x, q = b->matter[g].rest;
+        lanes k = b->matter[g].k1, kx[3] = {k * x.x, k * x.y, k * x.z};
+        for (int c = 0; c < 3; c++) {
+            part[c] += kx[c];
+            part[3 + 3 * c] += kx[c] * q.x, part[4 + 3 * c] += kx[c] * q.y, part[5 + 3 * c] += kx[c] * q.z;
+        }
+        if (g % RUN == RUN - 1) fold(part, sum, 12);
+    }
+    fold(part, sum, 12);
+    double h[9], near[9], turn[9];
+    for (int k = 0; k < 9; k++) h[k] = total(sum[3 + k]);
+    /* from the last rotation it is a small way, so few sweeps are needed: r = r0 fit(r0^T h) */
+    double back[9] = {b->turned[0], b->turned[3], b->turned[6], b->turned[1], b->turned[4],
+                      b->turned[7], b->turned[2], b->turned[5], b->turned[8]};
+    multiply(back, h, near);
+    fit_rotation(near, turn);
+    multiply(b->turned, turn, b->rotation);
+    memcpy(b->turned, b->rotation, sizeof b->turned);
+    for (int c = 0; c < 3; c++) b->translation[c] = total(sum[c]) / b->k1_total;
+}
+
+/* Find the rigid part of the velocities, and the moments of the mass. */
+static void fit_motion(body *b) {
+    inertia *at = &b->moments;
+    wide sum[15] = {{0}};
+    lanes part[15] = {{0}};
+    for (int64_t g = 0; g < b->groups; g++) {
+        three x = b->state[g].x, v = b->state[g].v;
+        lanes m = b->matter[g].mass;
+        three mx = {m * x.x, m * x.y, m * x.z}, turning = cross(mx, v);
+        part[0] += mx.x, part[1] += mx.y, part[2] += mx.z;
+        part[3] += mx.x * x.x, part[4] += mx.y * x.y, part[5] += mx.z * x.z;
+        part[6] += mx.x * x.y, part[7] += mx.y * x.z, part[8] += mx.z * x.x;
+        part[9] += m * v.x, part[10] += m * v.y, part[11] += m * v.z;
+        part[12] += turning.x, part[13] += turning.y, part[14] += turning.z;
+        if (g % RUN == RUN - 1) fold(part, sum, 15);
+    }
+    fold(part, sum, 15);
+    double s[15];
+    for (int k = 0; k < 15; k++) s[k] = total(sum[k]);
+    double *o = at->centre;
+    for (int c = 0; c < 3; c++) o[c] = s[c] / b->mass_total;
+    double xx = s[3] - o[0] * s[0], yy = s[4] - o[1] * s[1], zz = s[5] - o[2] * s[2];
+    double xy = s[6] - o[0] * s[1], yz = s[7] - o[1] * s[2], zx = s[8] - o[2] * s[0];
+    double tensor[3][3] = {{yy + zz, -xy, -zx}, {-xy, xx + zz, -yz}, {-zx, -yz, xx + yy}};
+    memcpy(at->tensor, tensor, sizeof tensor);
+    b->drift = rigid_part(b, at, s + 9, s + 12);
+}

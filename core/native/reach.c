@@ -1,0 +1,79 @@
+/* What each fingertip may meet within a tick: found once, by bounding boxes first. */
+#include "body.h"
+
+static real greatest_speed(const body *b) {
+    lanes most = all(0);
+    for (int64_t g = 0; g < b->groups; g++) most = larger(dot(b->state[g].v, b->state[g].v), most);
+    real speed = 0;
+    for (int l = 0; l < LANES; l++) speed = most[l] > speed ? most[l] : speed;
+    return SQRT(speed);
+}
+
+static void bound_boxes(body *b) {
+    for (int64_t k = 0; k < b->box_count; k++) {
+        quad low = b->records[b->box_vertex[b->box_start[k]]].x, high = low;
+        for (uint32_t at = b->box_start[k] + 1; at < b->box_start[k + 1]; at++) {
+            quad x = b->records[b->box_vertex[at]].x;
+            for (int c = 0; c < 4; c++) low[c] = x[c] < low[c] ? x[c] : low[c], high[c] = x[c] > high[c] ? x[c] : high[c];
+        }
+        b->boxes[k][0] = low, b->boxes[k][1] = high;
+    }
+}
+
+static void reach_vertices(const body *b, touch *t, real reach) {
+    three centre = {all(t->centre[0]), all(t->centre[1]), all(t->centre[2])};
+    t->vertex_count = 0;
+    for (int64_t g = 0; g < b->groups; g++) {
+        three offset = minus(b->state[g].x, centre);
+        mask near = (mask)(dot(offset, offset) < all(reach * reach)) & (mask)(b->matter[g].inverse_mass > all(0));
+        for (int l = 0; any(near) && l < LANES; l++)
+            if (near[l]) t->vertices[t->vertex_count++] = (uint32_t)(g * LANES + l);
+    }
+}
+
+/* A triangle is within reach when the sphere round its middle that holds its corners is. */
+static void reach_faces(const body *b, touch *t, real reach) {
+    t->face_count = 0;
+    for (int64_t k = 0; k < b->box_count; k++) {
+        /* its middle lies in the box, and no corner is farther from it than two thirds of the diagonal */
+        quad low = b->boxes[k][0] - t->centre, high = t->centre - b->boxes[k][1], across = b->boxes[k][1] - b->boxes[k][0];
+        real away = 0, span = SQRT(dot3(across, across));
+        for (int c = 0; c < 3; c++) {
+            real gap = low[c] > high[c] ? low[c] : high[c];
+            away += gap > 0 ? gap * gap : 0;
+        }
+        if (SQRT(away) > reach + span) continue;
+        int64_t end = (k + 1) * BLOCK < b->triangle_count ? (k + 1) * BLOCK : b->triangle_count;
+        for (int64_t i = k * BLOCK; i < end; i++) {
+            const uint32_t *at = b->triangles[i];
+            quad x = b->records[at[0]].x, y = b->records[at[1]].x, z = b->records[at[2]].x, middle = (x + y + z) / 3;
+            real most = dot3(x - middle, x - middle), second = dot3(y - middle, y - middle);
+            real third = dot3(z - middle, z - middle);
+            most = second > most ? second : most, most = third > most ? third : most;
+            real limit = reach + SQRT(most);
+            if (dot3(middle - t->centre, middle - t->centre) < limit * limit &&
+                (b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0))
+                t->faces[t->face_count++] = (uint32_t)i;
+        }
+    }
+}
+
+/* fingertips go from start to end, (3,) each `stride` doubles apart, in a tick */
+static void reach_out(body *b, int64_t fingers, const double *start, int64_t stride, const double *radii, double tick) {
+    if (!fingers) return;
+    real speed = greatest_speed(b);
+    bound_boxes(b);
+    for (int64_t k = 0; k < fingers; k++) {
+        touch *t = b->touches + k;
+        const double *from = start + k * stride, *to = from + 3;
+        double way[3], here[3], far = 0;
+        for (int c = 0; c < 3; c++) {
+            way[c] = to[c] - from[c], here[c] = to[c] - b->origin[c], far += way[c] * way[c];
+            way[c] /= tick;
+        }
+        t->centre = quad_of(here), t->velocity = quad_of(way), t->radius = (real)radii[k];
+        real reach = (real)(radii[k] + 2 * sqrt(far) + 2 * (double)speed * tick);
+        reach_vertices(b, t, reach);
+        reach_faces(b, t, reach);
+    }
+}

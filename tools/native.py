@@ -1,0 +1,184 @@
+"""Compile the native core for this machine and for every platform of the extension, with the pinned ziglang."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+import os
+import platform
+import re
+import shutil
+import sys
+import zipfile
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from .environment import ENVIRONMENTS, PIP, ROOT, Stop, require, say
+
+SOURCES = ROOT / "core" / "native"
+BUILD = ROOT / "build" / "native"
+WHEELS = ROOT / "wheels"
+PINS = ROOT / "requirements" / "native.txt"
+ZIG = ENVIRONMENTS / "zig"
+PACKAGE = "dimple_native"
+
+FLAGS = (
+    "-std=c11", "-O3", "-fPIC", "-fvisibility=hidden", "-fno-math-errno", "-fno-trapping-math",
+    # no fused multiply-add: 7 % slower, and the same bits on every instruction set
+    "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-Wno-psabi",
+)  # fmt: skip
+VARIANTS = {"base": (), "avx2": ("-mavx2", "-mfma")}
+
+
+@dataclass(frozen=True, slots=True)
+class Platform:
+    """Name a platform as zig, ctypes and Python's wheels do, and the instruction sets to compile for."""
+
+    triple: str
+    library: str
+    tag: str
+    sets: tuple[str, ...]
+
+
+PLATFORMS = {
+    "linux-x64": Platform("x86_64-linux-gnu.2.17", "libdimple_core.so", "manylinux_2_17_x86_64", ("base", "avx2")),
+    "windows-x64": Platform("x86_64-windows-gnu", "dimple_core.dll", "win_amd64", ("base", "avx2")),
+    "macos-arm64": Platform("aarch64-macos.11.0", "libdimple_core.dylib", "macosx_11_0_arm64", ("base",)),
+    "macos-x64": Platform("x86_64-macos.11.0", "libdimple_core.dylib", "macosx_11_0_x86_64", ("base", "avx2")),
+}
+
+
+def provide_library(python: str | Path) -> bool:
+    """Put the library of this machine beside its sources, where it is not up to date; tell whether it is there."""
+    name = this_platform()
+    if name is None:
+        say("there is no native core for this kind of machine: numpy stands in")
+        return False
+    place = SOURCES / PLATFORMS[name].library
+    try:
+        built = compile_library(python, name)
+    except Stop as stop:
+        say(f"the native core was not compiled, numpy stands in: {stop}")
+        return False
+    if not place.exists() or place.read_bytes() != built.read_bytes():
+        fresh = place.with_suffix(".new")  # a library in use must not change under its user
+        shutil.copyfile(built, fresh)
+        os.replace(fresh, place)
+    return True
+
+
+def provide_wheels(python: str | Path, *, must: bool = False) -> list[Path]:
+    """Make the wheels of all platforms; one that cannot be compiled is hollow, and numpy stands in there.
+
+    Raises:
+        Stop: one cannot be compiled, and it must.
+    """
+    wheels = []
+    for name, target in PLATFORMS.items():
+        wheel = WHEELS / f"{PACKAGE}-{version()}-py3-none-{target.tag}.whl"
+        try:
+            library = {target.library: compile_library(python, name).read_bytes()}
+        except Stop as stop:
+            if must:
+                raise
+            say(f"the wheel for {name} is hollow, numpy stands in there: {stop}")
+            library = {}
+        content = wheel_content(target.tag, library)
+        if not wheel.exists() or wheel.read_bytes() != content:
+            WHEELS.mkdir(exist_ok=True)
+            wheel.write_bytes(content)
+        wheels.append(wheel)
+    for old in set(WHEELS.glob(f"{PACKAGE}-*.whl")) - set(wheels):
+        old.unlink()
+    return wheels
+
+
+def this_platform() -> str | None:
+    machine = platform.machine().lower()
+    system = {"linux": "linux", "win32": "windows", "darwin": "macos"}.get(sys.platform, "")
+    kind = {"x86_64": "x64", "amd64": "x64", "arm64": "arm64", "aarch64": "arm64"}.get(machine, "")
+    name = f"{system}-{kind}"
+    return name if name in PLATFORMS else None
+
+
+def version() -> str:
+    found = re.search('^version = "(.+)"', (ROOT / "blender_manifest.toml").read_text(), re.MULTILINE)
+    assert found
+    return found[1]
+
+
+def compile_library(python: str | Path, name: str) -> Path:
+    """Return the library of a platform, compiled when a source or a pin is newer.
+
+    Raises:
+        Stop: there is no compiler, or it refused.
+    """
+    target, folder = PLATFORMS[name], BUILD / name
+    library, stamp = folder / target.library, folder / "sources.sha256"
+    if library.exists() and stamp.exists() and stamp.read_text() == sources_hash():
+        return library
+    zig = compiler(python)
+    say(f"compiling the native core for {name}")
+    folder.mkdir(parents=True, exist_ok=True)
+    words: list[list[str | Path]] = [[SOURCES / "api.c", "-o", folder / "api.o"]]
+    for kind in target.sets:
+        for bits in (32, 64):
+            options: list[str | Path] = [f"-DDM_BITS={bits}", f"-DDM_SET={kind}", *VARIANTS[kind]]
+            words.append([*options, SOURCES / "variant.c", "-o", folder / f"{kind}{bits}.o"])
+    command: list[str | Path] = [zig, "cc", "-target", target.triple]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(lambda rest: quiet([*command, *FLAGS, "-c", *rest]), words))
+    objects = [rest[-1] for rest in words]
+    quiet([*command, "-shared", "-s", "-o", library, *objects, *(["-lm"] if name.startswith("linux") else [])])
+    stamp.write_text(sources_hash())
+    return library
+
+
+def compiler(python: str | Path) -> Path:
+    """Return zig, installed first where it is not the pinned one.
+
+    Raises:
+        Stop: it could not be installed.
+    """
+    zig, stamp = ZIG / "ziglang" / ("zig.exe" if os.name == "nt" else "zig"), ZIG / "pins.txt"
+    if not (zig.exists() and stamp.exists() and stamp.read_text() == PINS.read_text()):
+        say("installing the C compiler (ziglang, 100 MB to download)")
+        shutil.rmtree(ZIG, ignore_errors=True)
+        require([python, *PIP, "install", "-q", "--no-deps", "--target", ZIG, "-r", PINS], "ziglang is not to be had.")
+        stamp.write_text(PINS.read_text())
+    return zig
+
+
+def sources_hash() -> str:
+    files = [PINS, *sorted(SOURCES.glob("*.[ch]")), Path(__file__)]
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
+
+
+def quiet(command: list[str | Path]) -> None:
+    require(command, "The compiler refused.")
+
+
+def wheel_content(tag: str, library: dict[str, bytes]) -> bytes:
+    """Return a wheel with one package of data, the same bytes whenever it is made."""
+    info = f"{PACKAGE}-{version()}.dist-info"
+    kind = f"Wheel-Version: 1.0\nGenerator: dimple\nRoot-Is-Purelib: false\nTag: py3-none-{tag}\n"
+    metadata = f"Metadata-Version: 2.1\nName: {PACKAGE}\nVersion: {version()}\nLicense: GPL-3.0-or-later\n"
+    files = {
+        f"{PACKAGE}/__init__.py": b'"""The compiled core of Dimple."""\n',
+        **{f"{PACKAGE}/{name}": content for name, content in library.items()},
+        f"{info}/METADATA": metadata.encode(),
+        f"{info}/WHEEL": kind.encode(),
+    }
+    record = "".join(f"{name},sha256={_digest(content)},{len(content)}\n" for name, content in files.items())
+    files[f"{info}/RECORD"] = f"{record}{info}/RECORD,,\n".encode()
+    memory = io.BytesIO()
+    with zipfile.ZipFile(memory, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content, zipfile.ZIP_DEFLATED)
+    return memory.getvalue()
+
+
+def _digest(content: bytes) -> str:
+    return base64.urlsafe_b64encode(hashlib.sha256(content).digest()).decode().rstrip("=")
