@@ -77,12 +77,21 @@ def pressed(model: Model, state: State, touches: Sequence[Touch]) -> tuple[Float
     return a, np.array([m.reaction for m in met]).reshape(-1, 3)
 
 
-def solve(model: Model, state: State, touches: Sequence[Touch], x_base: Floats, v_base: Floats, h: float) -> Floats:
+def solve(
+    model: Model,
+    state: State,
+    touches: Sequence[Touch],
+    x_base: Floats,
+    v_base: Floats,
+    h: float,
+    *,
+    tolerance: float = NEWTON_TOLERANCE,
+) -> Floats:
     """Put a state, in place, at x_base + h v, v; where no v solves the equation, count it in state.unsolved.
 
     Returns:
         the forces (k, 3) [N] on the fingertips there.
-    """
+    """  # fmt: skip
     weight = np.where(model.inverse_mass > 0, model.mass, 0.0)
 
     def residual(v: Floats) -> Floats:
@@ -95,7 +104,7 @@ def solve(model: Model, state: State, touches: Sequence[Touch], x_base: Floats, 
     v = v_base.copy()
     r = residual(v)
     size = norm(r)
-    goal = NEWTON_TOLERANCE * (size + norm(v_base)) + SPEED_FLOOR * float(np.sqrt(weight.sum()))
+    goal = tolerance * (size + norm(v_base)) + SPEED_FLOOR * float(np.sqrt(weight.sum()))
     for _ in range(NEWTON_STEPS):
         if size <= goal:
             break
