@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ..core.base import DimpleError
+from ..core.base import TICK, DimpleError
 from ..core.recording import PointCache
 from ..core.session import Session
 from . import bridge, bridge_write, live, output, shape_keys
@@ -102,7 +102,9 @@ def _check(plan: Plan) -> None:
 
 def _open(context: bpy.types.Context, plan: Plan, obj: bpy.types.Object, said: list[str]) -> Baked:
     link, model = bridge.read_body(context, obj, baked=False)
-    session = Session(model)
+    look_s = _look_s(context.scene)
+    # whole ticks between two looks, so that on every frame a body is where its object is
+    session = Session(model, tick=look_s / math.ceil(look_s / TICK - 1e-9))
     said += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
         said.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')
@@ -116,10 +118,10 @@ def _open(context: bpy.types.Context, plan: Plan, obj: bpy.types.Object, said: l
 def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> None:
     """Bring every body from the frame before to this one."""
     scene = context.scene
-    fps = scene.render.fps / scene.render.fps_base
-    looks = math.ceil(MOTION_HZ / fps - 1e-9)
-    for look in range(1, looks + 1):
-        at = frame - 1 + look / looks
+    look_s = _look_s(scene)
+    count = round(scene.render.fps_base / scene.render.fps / look_s)
+    for look in range(1, count + 1):
+        at = frame - 1 + look / count
         scene.frame_set(math.floor(at), subframe=at - math.floor(at))
         for body in bodies:
             matrix = _matrix(body)
@@ -127,9 +129,15 @@ def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> No
             if not np.array_equal(matrix, body.matrix):
                 body.matrix = matrix
                 body.session.set_held(bridge.to_physical(body.link.scale, matrix, body.link.rest))
-            shown = body.session.step(1 / (fps * looks))
+            shown = body.session.step(look_s)
             if shown.note:
                 raise DimpleError(f'"{body.link.name}", frame {frame}: {shown.note}')
+
+
+def _look_s(scene: bpy.types.Scene) -> float:
+    """Return the time [s] between two looks at the scene: a frame, or an even part of it."""
+    frame_s = scene.render.fps_base / scene.render.fps
+    return frame_s / math.ceil(MOTION_HZ * frame_s - 1e-9)
 
 
 def _matrix(body: Baked) -> np.ndarray:

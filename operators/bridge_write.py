@@ -22,32 +22,30 @@ from .names import CACHE, KEPT_KEY, LIVE_KEY, REST
 class Borrowed:
     """Hold what of an object was changed to show a session on it.
 
-    shared: session_uid of the mesh it had together with other objects, None if it had its own.
-    caches: names of the bakes that were switched off.
+    shared: session_uid of the mesh it had together with other objects, None if it has its own.
+    copy: session_uid of the mesh that shows the session.  caches: names of the bakes that were switched off.
     """
 
-    shared: int | None = None
-    caches: tuple[str, ...] = ()
+    shared: int | None
+    copy: int
+    caches: tuple[str, ...]
 
 
-def borrow(
-    body: bpy.types.Object, link: Link, *, others: Collection[int] = (), before: Borrowed | None = None
-) -> Borrowed:
+def borrow(body: bpy.types.Object, link: Link, *, others: Collection[int] = ()) -> Borrowed:
     """Make an object ready to show a session, and return what was changed.
 
     Args:
         others: meshes that other sessions will give back to their objects.
-        before: what this session has borrowed already: an undo may have taken some of it back.
     """
-    shared, mesh = (before.shared if before else None), body.data
-    if is_shared(mesh) or mesh.session_uid in others or mesh.session_uid == shared:
+    mesh, shared = body.data, None
+    if is_shared(mesh) or mesh.session_uid in others:
         shared, body.data = mesh.session_uid, mesh.copy()
+        _remember("Press a copy of a shared mesh")
     if not body.data.shape_keys:
         _carry_rest(body.data, link.rest)
-    caches = {modifier.name for modifier in body.modifiers if is_cache(modifier) and modifier.show_viewport}
-    for name in caches:
-        body.modifiers[name].show_viewport = False
-    return Borrowed(shared=shared, caches=tuple(caches.union(before.caches if before else ())))
+    caches = tuple(modifier.name for modifier in body.modifiers if is_cache(modifier) and modifier.show_viewport)
+    _switch(body, caches, False)
+    return Borrowed(shared=shared, copy=body.data.session_uid, caches=caches)
 
 
 def is_shared(mesh: bpy.types.Mesh) -> bool:
@@ -82,17 +80,36 @@ def show(body: bpy.types.Object, link: Link, local: Singles) -> None:
     mesh.update_tag()
 
 
-def give_back(body: bpy.types.Object, link: Link, borrowed: Borrowed) -> None:
-    """Put the rest shape and everything borrowed back."""
+def pause(body: bpy.types.Object, link: Link, borrowed: Borrowed, *, for_file: bool = False) -> None:
+    """Put everything back for a moment; for a file the shared mesh too.
+
+    Not for an undo step: that must know which mesh the object has, or it gives it one that is gone.
+    """
     _put_back(body, link.rest)
-    original = next((mesh for mesh in bpy.data.meshes if mesh.session_uid == borrowed.shared), None)
-    if original and original != body.data and body.mode == "OBJECT":
-        copy, body.data = body.data, original
+    _switch(body, borrowed.caches, True)
+    if for_file:
+        _exchange(body, borrowed.shared)
+
+
+def resume(body: bpy.types.Object, borrowed: Borrowed) -> None:
+    """Take again what was put back for a moment."""
+    if borrowed.shared is not None:
+        _exchange(body, borrowed.copy)
+    _switch(body, borrowed.caches, False)
+
+
+def give_back(body: bpy.types.Object, link: Link, borrowed: Borrowed, *, mesh: bool = True) -> None:
+    """Put the rest shape and everything borrowed back.
+
+    Args:
+        mesh: also the shared mesh. Not while Blender undoes: it has just said which mesh there is.
+    """
+    pause(body, link, borrowed)
+    copy = body.data
+    if mesh and _exchange(body, borrowed.shared):
         if not copy.users:
             bpy.data.meshes.remove(copy)
-    for name in borrowed.caches:
-        if name in body.modifiers:
-            body.modifiers[name].show_viewport = True
+        _remember("Give the shared mesh back")
 
 
 def keep(body: bpy.types.Object) -> None:
@@ -115,6 +132,27 @@ def rescue(live: Collection[int]) -> None:
     for body in bodies:
         if body.data.session_uid not in in_use and _is_pressed(body.data):
             _put_back(body, None)
+
+
+def _switch(body: bpy.types.Object, caches: Collection[str], shown: bool) -> None:
+    for name in caches:
+        if name in body.modifiers:
+            body.modifiers[name].show_viewport = shown
+
+
+def _exchange(body: bpy.types.Object, uid: int | None) -> bool:
+    """Give an object the mesh with a session_uid; return whether it had another."""
+    wanted = next((mesh for mesh in bpy.data.meshes if mesh.session_uid == uid), None)
+    if wanted is None or wanted == body.data or body.mode != "OBJECT":
+        return False
+    body.data = wanted
+    return True
+
+
+def _remember(what: str) -> None:
+    """Push an undo step: Blender must know which mesh an object has, or an undo gives it one that is gone."""
+    if bpy.ops.ed.undo_push.poll():
+        bpy.ops.ed.undo_push(message=what)
 
 
 def add_key(body: bpy.types.Object, name: str, link: Link, local: Singles) -> bpy.types.ShapeKey:
@@ -171,6 +209,8 @@ def _put_back(body: bpy.types.Object, rest: Singles | None) -> None:
     if mesh.shape_keys:
         if live := mesh.shape_keys.key_blocks.get(LIVE_KEY):
             body.shape_key_remove(live)
+            if mesh.is_editmode:
+                _drop_edited_key(mesh)
     elif mesh.is_editmode:
         _put_back_edited(mesh)
     elif REST in mesh.attributes:
@@ -191,3 +231,12 @@ def _put_back_edited(mesh: bpy.types.Mesh) -> None:
             vertex.co = vertex[layer]
         edited.verts.layers.float_vector.remove(layer)
         bmesh.update_edit_mesh(mesh)
+
+
+def _drop_edited_key(mesh: bpy.types.Mesh) -> None:
+    """Take a removed key out of a mesh in Edit Mode too, which would bring it back on leaving."""
+    import bmesh
+
+    edited = bmesh.from_edit_mesh(mesh)
+    if layer := edited.verts.layers.shape.get(LIVE_KEY):
+        edited.verts.layers.shape.remove(layer)

@@ -31,7 +31,7 @@ def _on_load_post(*_: object) -> None:
 
 @bpy.app.handlers.persistent
 def _on_save_pre(*_: object) -> None:
-    sessions.rest_all()
+    sessions.rest_all(for_file=True)
 
 
 @bpy.app.handlers.persistent
@@ -47,8 +47,10 @@ def _on_undo(*_: object) -> None:
 
         for uid, body in list(sessions.sessions.items()):
             obj = bridge.find(uid, body.name)
-            if obj is None or not bridge_write.is_showable(obj, body.link):
-                sessions.stop(uid)
+            # back before the start of a session its object has the shared mesh again: the session is undone too
+            undone = obj is not None and obj.data.session_uid != body.borrowed.copy
+            if obj is None or undone or not bridge_write.is_showable(obj, body.link):
+                sessions.stop(uid, mesh=False)
         sessions.show_all()
     _rescue()
 

@@ -41,10 +41,10 @@ class DIMPLE_OT_play(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         render = context.scene.render
-        frames = self.seconds * render.fps / render.fps_base
+        frames = max(round(self.seconds * render.fps / render.fps_base), 1)
         with sessions.ending_on_error():
-            for _ in range(round(frames)):
-                for sentence in live.advance(context, self.seconds / round(frames)):
+            for _ in range(frames):
+                for sentence in live.advance(context, self.seconds / frames):
                     self.report({"WARNING"}, sentence)
         return {"FINISHED"}
 

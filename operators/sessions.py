@@ -114,16 +114,21 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list
     if bridge_write.is_shared(obj.data):
         said.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
     first = bridge.input_vertices(model)
+    others = {body.borrowed.shared for body in sessions.values() if body.borrowed.shared is not None}
     body = sessions[link.uid] = Body(
         link=link, session=session, matrix=link.matrix, triangles=first[model.mesh.triangles],
-        borrowed=bridge_write.borrow(obj, link, others=_others(link.uid)),
+        borrowed=bridge_write.borrow(obj, link, others=others),
     )  # fmt: skip
     obj.dimple.enabled = True
     return body, said
 
 
-def stop(uid: int, *, restore: bool = True) -> None:
-    """End a session; put the rest shape back, or keep the shape that shows."""
+def stop(uid: int, *, restore: bool = True, mesh: bool = True) -> None:
+    """End a session; put the rest shape back, or keep the shape that shows.
+
+    Args:
+        mesh: also give a shared mesh back; not while Blender undoes.
+    """
     body = sessions.pop(uid, None)
     if body is None:
         return
@@ -135,7 +140,7 @@ def stop(uid: int, *, restore: bool = True) -> None:
     if obj is None:
         return
     if restore:
-        bridge_write.give_back(obj, body.link, body.borrowed)
+        bridge_write.give_back(obj, body.link, body.borrowed, mesh=mesh)
     else:
         bridge_write.keep(obj)
     if body.take:
@@ -212,26 +217,21 @@ def redraw() -> None:
                 area.tag_redraw()
 
 
-def _others(uid: int) -> set[int]:
-    """Return the meshes that other sessions than that of an object will give back."""
-    return {body.borrowed.shared for body in sessions.values() if body.borrowed.shared and body.link.uid != uid}
-
-
-def rest_all() -> None:
-    """Put every mesh at rest; the sessions go on."""
+def rest_all(*, for_file: bool = False) -> None:
+    """Put every object back as it was; the sessions go on."""
     from . import bridge, bridge_write
 
     for uid, body in sessions.items():
         if obj := bridge.find(uid, body.name):
-            bridge_write.give_back(obj, body.link, body.borrowed)
+            bridge_write.pause(obj, body.link, body.borrowed, for_file=for_file)
 
 
 def show_all() -> None:
-    """Show every session again, after its mesh was put at rest or replaced."""
+    """Show every session again, after its mesh was put at rest."""
     from . import bridge, bridge_write
 
     for uid, body in sessions.items():
         obj = bridge.find(uid, body.name)
         if obj and bridge_write.is_showable(obj, body.link):
-            body.borrowed = bridge_write.borrow(obj, body.link, others=_others(uid), before=body.borrowed)
+            bridge_write.resume(obj, body.borrowed)
             bridge_write.show(obj, body.link, bridge.to_local(body.link, body.matrix, body.frame.positions))

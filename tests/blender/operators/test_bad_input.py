@@ -1,0 +1,208 @@
+"""Bad input gets a plain sentence and harms nothing."""
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+CUBE = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+NAN = float("nan")
+QUICK: dict[str, Any] = {"depth_mm": 5.0, "press_s": 0.02, "hold_s": 0.0, "release_s": 0.0}
+
+Refused = Callable[..., None]
+
+
+@pytest.fixture
+def refused(coordinates: Callable[[Any], bytes], bpy: ModuleType) -> Refused:
+    """Return a function that checks that poke, play and bake refuse an object in a sentence, and leave it as it was."""
+    from bl_ext.user_default.dimple.operators import sessions
+
+    def check(obj: Any, words: str) -> None:
+        before, data = coordinates(obj), obj.data
+        attributes, modifiers = set(obj.data.attributes.keys()), len(obj.modifiers)
+        verbs = (
+            lambda: bpy.ops.dimple.poke(**QUICK),
+            bpy.ops.dimple.play,
+            lambda: bpy.ops.dimple.bake(frame_end=3),
+        )
+        for verb in verbs:
+            with pytest.raises(RuntimeError, match=words) as caught:
+                verb()
+            assert "Traceback" not in str(caught.value)
+            assert not sessions.sessions and not sessions.runs
+            assert coordinates(obj) == before and obj.data == data
+            assert set(obj.data.attributes.keys()) == attributes and len(obj.modifiers) == modifiers
+
+    return check
+
+
+@pytest.fixture
+def works(coordinates: Callable[[Any], bytes], bpy: ModuleType) -> Callable[[Any], None]:
+    """Return a function that checks that a mesh can be pressed, and is put back bit for bit."""
+
+    def check(obj: Any) -> None:
+        before, attributes = coordinates(obj), list(obj.data.attributes.keys())
+        assert bpy.ops.dimple.poke(keep=False, **QUICK) == {"FINISHED"}
+        assert coordinates(obj) == before and list(obj.data.attributes.keys()) == attributes
+
+    return check
+
+
+@pytest.mark.parametrize(
+    ("points", "faces", "words"),
+    [
+        ([], [], "no faces"),
+        (CUBE, [], "no faces"),
+        ([(0, 0, 0)] * 3, [(0, 1, 2)], "lie in one point"),
+        ([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)], "no area"),
+        ([*CUBE[:7], (NAN, 0, 0)], FACES, "vertex 7 has a coordinate that is not a number"),
+        ([*CUBE[:7], (0, float("inf"), 0)], FACES, "not a number"),
+    ],
+    ids=["empty", "only vertices", "one point", "a line", "NaN", "infinite"],
+)
+def test_a_mesh_without_a_surface_is_refused(
+    add: Callable[..., Any], refused: Refused, points: Any, faces: Any, words: str
+) -> None:
+    refused(add(points, faces), words)
+
+
+SOUP = [CUBE[i] for face in FACES for i in face]
+SOUP_FACES = [tuple(range(4 * i, 4 * i + 4)) for i in range(6)]
+
+
+@pytest.mark.parametrize(
+    ("points", "faces"),
+    [
+        ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]),
+        (CUBE, FACES[:5]),
+        ([*CUBE, CUBE[0], CUBE[0]], [*FACES, (0, 8, 9)]),
+        ([*CUBE, (5, 5, 5)], FACES),
+        ([*CUBE, (2, 2, 0)], [*FACES, (0, 1, 8)]),
+        (SOUP, SOUP_FACES),
+    ],
+    ids=["one triangle", "open", "zero-area face", "loose vertex", "non-manifold edge", "soup"],
+)
+def test_a_broken_mesh_is_pressed_as_well_as_it_can(
+    add: Callable[..., Any], works: Callable[[Any], None], points: Any, faces: Any
+) -> None:
+    works(add(points, faces))
+
+
+@pytest.mark.parametrize("name", ["K1", "K2", "x0", "k", "mass_kg", "density"])
+@pytest.mark.parametrize("value", [0.0, -1.0])
+def test_constants_that_mean_nothing_are_refused_by_name(
+    bpy: ModuleType, add: Callable[..., Any], refused: Refused, name: str, value: float
+) -> None:
+    obj = add()
+    material = bpy.data.materials.new("Jelly")
+    obj.data.materials.append(material)
+    material.dimple.mass_from = "MASS" if name == "mass_kg" else "DENSITY"
+    setattr(material.dimple, name, value)
+    word = {"mass_kg": "mass", "density": "density"}.get(name, name)
+    refused(obj, f'"Jelly".*{word}.*greater than 0')
+
+
+def test_a_material_no_face_uses_may_be_anything(
+    bpy: ModuleType, add: Callable[..., Any], works: Callable[[Any], None]
+) -> None:
+    obj = add()
+    for name in ("Used", "Unused"):
+        obj.data.materials.append(bpy.data.materials.new(name))
+    bpy.data.materials["Unused"].dimple.K1 = 0
+    works(obj)
+
+
+@pytest.mark.parametrize("scale", [(0, 1, 1), (0, 0, 0)])
+def test_a_scale_of_zero_is_refused(add: Callable[..., Any], refused: Refused, scale: Any) -> None:
+    obj = add()
+    obj.scale = scale
+    refused(obj, "scale of 0")
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"hold": "GROUP", "pin_group": "Neck"}, 'no vertex group "Neck"'),
+        ({"hold": "GROUP"}, "none is chosen"),
+        ({"softness_group": "Soft"}, 'no vertex group "Soft"'),
+    ],
+)
+def test_a_vertex_group_that_does_not_exist_is_named(
+    add: Callable[..., Any], refused: Refused, settings: dict[str, str], words: str
+) -> None:
+    obj = add()
+    for name, value in settings.items():
+        setattr(obj.dimple, name, value)
+    refused(obj, words)
+
+
+def test_pins_that_hold_nothing_are_refused(add: Callable[..., Any], refused: Refused) -> None:
+    obj = add()
+    obj.vertex_groups.new(name="Neck").add([0, 1], 0.4, "ADD")
+    obj.dimple.hold, obj.dimple.pin_group = "GROUP", "Neck"
+    refused(obj, "weight of 0.5")
+
+
+def test_what_is_not_a_mesh_is_refused_with_what_to_do(bpy: ModuleType, add: Callable[..., Any]) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    add().select_set(False)
+    bpy.ops.object.text_add()
+    with pytest.raises(RuntimeError, match='"Text" is a text, not a mesh.*Convert'):
+        bpy.ops.dimple.poke(**QUICK)
+    assert not sessions.sessions
+
+
+def test_nothing_selected_is_said(bpy: ModuleType, empty_file: ModuleType) -> None:
+    with pytest.raises(RuntimeError, match="Nothing is selected"):
+        bpy.ops.dimple.poke()
+
+
+def test_edit_mode_is_refused_before_anything(bpy: ModuleType, add: Callable[..., Any]) -> None:
+    add()
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="Object Mode"):
+        bpy.ops.dimple.poke()
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_absolute_shape_keys_are_refused_for_a_poke(bpy: ModuleType, add: Callable[..., Any]) -> None:
+    obj = add()
+    obj.shape_key_add(name="Basis")
+    obj.data.shape_keys.use_relative = False
+    with pytest.raises(RuntimeError, match="absolute shape keys"):
+        bpy.ops.dimple.poke(**QUICK)
+    assert len(obj.data.shape_keys.key_blocks) == 1
+
+
+def test_a_bad_object_does_not_keep_a_good_one_from_being_pressed(
+    bpy: ModuleType, add: Callable[..., Any], coordinates: Callable[[Any], bytes]
+) -> None:
+    bad, good = add(CUBE, [], "Bad"), add(name="Good")
+    bad.select_set(True)
+    before = coordinates(good)
+    assert bpy.ops.dimple.poke(keep=True, **QUICK) == {"FINISHED"}
+    assert coordinates(good) != before
+
+
+def test_a_press_that_meets_no_surface_is_said(
+    bpy: ModuleType, add: Callable[..., Any], coordinates: Callable[[Any], bytes]
+) -> None:
+    obj = add()
+    before = coordinates(obj)
+    with pytest.raises(RuntimeError, match="No surface lies"):
+        bpy.ops.dimple.poke(location=(9, 9, 9), direction=(0, 0, -1), **QUICK)
+    assert coordinates(obj) == before
+
+
+def test_a_cache_folder_that_cannot_be_made_is_said_and_nothing_changes(
+    bpy: ModuleType, add: Callable[..., Any], tmp_path: Any
+) -> None:
+    obj = add()
+    (tmp_path / "file").write_text("")
+    bpy.context.scene.dimple.cache_dir = str(tmp_path / "file" / "folder")
+    with pytest.raises(RuntimeError, match="[Cc]ache folder"):
+        bpy.ops.dimple.bake(frame_end=3)
+    assert not obj.modifiers

@@ -1,0 +1,267 @@
+"""Objects as artists have them: scaled, parented, with modifiers, shape keys, shared meshes, several at once."""
+
+import math
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+Add = Callable[..., Any]
+Bits = Callable[[Any], bytes]
+Shown = Callable[[Any], np.ndarray]
+PRESS: dict[str, Any] = {"depth_mm": 16.5, "press_s": 0.1, "hold_s": 0.0, "release_s": 0.0, "keep": True}
+
+
+def world(obj: Any, local: np.ndarray) -> np.ndarray:
+    matrix = np.array(obj.matrix_world)
+    return local @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+@pytest.fixture
+def dent(bpy: ModuleType, shown: Shown) -> Callable[[Any], np.ndarray]:
+    """Return a function that presses an object from above and keeps the dent: moves (n, 3) in mm of the real body."""
+
+    def press(obj: Any, **changes: Any) -> np.ndarray:
+        bpy.context.view_layer.update()
+        before = world(obj, shown(obj))
+        assert bpy.ops.dimple.poke(**{**PRESS, **changes}) == {"FINISHED"}
+        size = np.ptp(before, axis=0).max()
+        return (world(obj, shown(obj)) - before) / size * 165
+
+    return press
+
+
+def test_a_press_dents_the_body_where_and_as_deep_as_it_is_told(ball: Add, dent: Callable[..., Any]) -> None:
+    moves = dent(ball())
+    assert -moves[:, 2].min() == pytest.approx(16.5, abs=1.5)
+    assert np.abs(moves).max() < 20
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        {"scale": (0.5, 0.5, 0.5)},
+        {"scale": (-1, 1, 1)},
+        {"location": (100, -50, 3)},
+        {"rotation_euler": (0, 0, 1)},
+        {"scale": (30, 30, 30), "location": (0, 0, 7), "rotation_euler": (0, 0, -2)},
+    ],
+    ids=["small", "mirrored", "far off", "turned", "all at once"],
+)
+def test_scale_place_and_turn_do_not_change_the_press(
+    ball: Add, dent: Callable[..., Any], place: dict[str, Any]
+) -> None:
+    plain, moved = ball("Plain"), None
+    expected = np.sort(dent(plain)[:, 2])
+    moved = ball("Moved")
+    for name, value in place.items():
+        setattr(moved, name, value)
+    # symmetric about the vertical but for its triangles
+    assert np.sort(dent(moved)[:, 2]) == pytest.approx(expected, abs=1.0)
+
+
+def test_a_parent_and_its_scale_are_seen_through(bpy: ModuleType, ball: Add, dent: Callable[..., Any]) -> None:
+    parent, obj = bpy.data.objects.new("Parent", None), ball()
+    bpy.context.collection.objects.link(parent)
+    parent.scale, parent.location = (3, 3, 3), (1, 2, 3)
+    obj.parent = parent
+    moves = dent(obj)
+    assert -moves[:, 2].min() == pytest.approx(16.5, abs=1.5)
+
+
+def test_a_modifier_after_the_mesh_follows_the_press(ball: Add, dent: Callable[..., Any]) -> None:
+    obj = ball()
+    obj.modifiers.new("Smooth", "SUBSURF").levels = 1
+    moves = dent(obj)
+    assert len(moves) > len(obj.data.vertices)
+    assert -moves[:, 2].min() > 8
+
+
+def test_the_press_of_a_body_as_modelled_is_in_metres_of_the_scene(
+    bpy: ModuleType, ball: Add, dent: Callable[..., Any]
+) -> None:
+    obj = ball()
+    obj.dimple.size_mode = "REAL"
+    bpy.context.scene.unit_settings.scale_length = 0.0825  # so the ball is 165 mm wide
+    assert -dent(obj)[:, 2].min() == pytest.approx(16.5, abs=1.5)
+
+
+@pytest.mark.parametrize("keep", [True, False])
+def test_linked_duplicates_keep_their_mesh_while_one_is_pressed(
+    bpy: ModuleType, ball: Add, coordinates: Bits, keep: bool
+) -> None:
+    obj = ball()
+    twin = obj.copy()
+    bpy.context.collection.objects.link(twin)
+    twin.select_set(False)
+    before, mesh, meshes = coordinates(obj), obj.data, len(bpy.data.meshes)
+    bpy.ops.dimple.poke(**{**PRESS, "keep": keep})
+    assert twin.data == mesh and coordinates(twin) == before
+    assert (obj.data != mesh) == keep
+    assert (coordinates(obj) != before) == keep
+    assert len(bpy.data.meshes) == meshes + keep
+
+
+def test_linked_duplicates_pressed_together_are_put_back_together(
+    bpy: ModuleType, ball: Add, coordinates: Bits
+) -> None:
+    obj = ball()
+    twin = obj.copy()
+    twin.location.x = 5
+    bpy.context.collection.objects.link(twin)
+    twin.select_set(True)
+    before, mesh, meshes = coordinates(obj), obj.data, len(bpy.data.meshes)
+    assert bpy.ops.dimple.play(seconds=0.05) == {"FINISHED"}
+    assert obj.data != twin.data
+    bpy.ops.dimple.reset()
+    assert obj.data == twin.data == mesh and coordinates(obj) == before and len(bpy.data.meshes) == meshes
+
+
+@pytest.fixture
+def keyed(ball: Add) -> Any:
+    """A ball with a shape key at half its way, and another that a vertex group masks."""
+    obj = ball()
+    obj.shape_key_add(name="Basis")
+    for name in ("Wide", "Tall"):
+        key = obj.shape_key_add(name=name)
+        key.value = 0.5
+        for i, point in enumerate(obj.data.vertices):
+            key.points[i].co = (point.co.x * 1.4, point.co.y, point.co.z * (1.2 if name == "Tall" else 1))
+    group = obj.vertex_groups.new(name="Top")
+    group.add([v.index for v in obj.data.vertices if v.co.z > 0], 0.75, "ADD")
+    obj.data.shape_keys.key_blocks["Tall"].vertex_group = "Top"
+    return obj
+
+
+def key_bits(obj: Any) -> dict[str, bytes]:
+    bits = {}
+    for key in obj.data.shape_keys.key_blocks:
+        numbers = np.empty(3 * len(key.points), np.float32)
+        key.points.foreach_get("co", numbers)
+        bits[f"{key.name} {key.value:.3f}"] = numbers.tobytes()
+    return bits
+
+
+def test_the_mix_of_shape_keys_is_what_blender_shows(bpy: ModuleType, keyed: Any, shown: Shown) -> None:
+    from bl_ext.user_default.dimple.operators import bridge
+
+    assert np.abs(bridge.rest_coordinates(keyed) - shown(keyed)).max() < 1e-6
+
+
+def test_shape_keys_are_pressed_as_they_are_mixed_and_put_back(
+    bpy: ModuleType, keyed: Any, coordinates: Bits, shown: Shown
+) -> None:
+    before, bits, seen, active = coordinates(keyed), key_bits(keyed), shown(keyed).copy(), keyed.active_shape_key_index
+    bpy.ops.dimple.poke(**{**PRESS, "keep": False})
+    assert key_bits(keyed) == bits and coordinates(keyed) == before and keyed.active_shape_key_index == active
+    assert np.array_equal(shown(keyed), seen)
+
+
+def test_a_kept_press_on_shape_keys_is_one_more_key(
+    bpy: ModuleType, keyed: Any, dent: Callable[..., Any], shown: Shown
+) -> None:
+    bits, seen = key_bits(keyed), shown(keyed).copy()
+    moves = dent(keyed)
+    assert -moves[:, 2].min() > 8
+    kept = keyed.data.shape_keys.key_blocks["Pressed"]
+    assert bits.items() < key_bits(keyed).items()
+    kept.value = 0
+    assert np.abs(shown(keyed) - seen).max() < 1e-6
+
+
+def test_the_session_on_shape_keys_shows_where_it_says(bpy: ModuleType, keyed: Any, shown: Shown) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    bpy.context.scene.dimple.use_gravity = True
+    bpy.ops.dimple.play(seconds=0.1)
+    body = sessions.get(keyed)
+    told = np.array([body.to_world(point) for point in body.frame.positions])
+    assert np.abs(world(keyed, shown(keyed)) - told).max() < 2e-6
+    bpy.ops.dimple.reset()
+
+
+def test_several_selected_objects_run_at_once(bpy: ModuleType, ball: Add, coordinates: Bits) -> None:
+    bodies = []
+    for i in range(3):
+        obj = ball(f"Ball {i}")
+        obj.location.x, obj.dimple.hold = 3 * i, "FREE"
+        bodies.append(obj)
+    for obj in bodies:
+        obj.select_set(True)
+    bpy.context.scene.dimple.use_gravity = True
+    before = [coordinates(obj) for obj in bodies]
+    bpy.ops.dimple.play(seconds=0.1)
+    heights = [float(np.frombuffer(coordinates(obj), np.float32).reshape(-1, 3)[:, 2].mean()) for obj in bodies]
+    assert heights == pytest.approx([heights[0]] * 3, abs=1e-5)
+    assert heights[0] < -0.4
+    bpy.ops.dimple.reset()
+    assert [coordinates(obj) for obj in bodies] == before
+
+
+def test_pins_follow_a_body_that_is_moved(bpy: ModuleType, ball: Add, shown: Shown) -> None:
+    obj = ball()
+    bpy.ops.dimple.play(seconds=0.02)
+    lowest = int(shown(obj)[:, 2].argmin())
+    for i in range(1, 21):
+        obj.location.x = 0.05 * i
+        bpy.context.view_layer.update()
+        bpy.ops.dimple.play(seconds=1 / 24)
+    now = world(obj, shown(obj))
+    assert now[lowest] == pytest.approx((1.0, 0.0, -1.0), abs=1e-3)  # a part of a tick is left over
+    assert np.abs(now.mean(axis=0) - (1, 0, 0)).max() < 0.1
+    bpy.ops.dimple.reset()
+
+
+def test_materials_of_several_slots_press_differently(bpy: ModuleType, ball: Add, dent: Callable[..., Any]) -> None:
+    from bl_ext.user_default.dimple.operators import bridge
+
+    obj = ball()
+    for name, factor in (("Soft", 1), ("Hard", 8)):
+        material = bpy.data.materials.new(name)
+        material.dimple.K1 *= factor
+        obj.data.materials.append(material)
+    for polygon in obj.data.polygons:
+        polygon.material_index = int(polygon.center.x > 0)
+    _, model = bridge.read_body(bpy.context, obj)
+    assert [material.K1 for material in model.materials] == pytest.approx([610, 4880])
+    assert (np.bincount(model.mesh.triangle_material) == 40).all()
+
+
+def test_a_press_along_a_direction_meets_the_side_it_is_aimed_at(
+    bpy: ModuleType, ball: Add, dent: Callable[..., Any]
+) -> None:
+    moves = dent(ball(), location=(1, 0, 0.2), direction=(-1, 0, 0))
+    assert -moves[:, 0].min() == pytest.approx(16.5, abs=2)
+    bpy.data.objects["Ball"].select_set(False)
+    moves = dent(ball("Other"), location=(0, -1.02, 0))
+    assert moves[:, 1].max() == pytest.approx(16.5, abs=2)
+
+
+def test_a_fingertip_is_added_above_the_body_in_its_own_size(bpy: ModuleType, ball: Add) -> None:
+    obj = ball()
+    obj.location = (1, 2, 3)
+    for number in (1, 2, 3):
+        bpy.context.view_layer.objects.active = obj
+        bpy.ops.dimple.add_fingertip()
+        tip = getattr(bpy.context.scene.dimple, f"finger_{number}")
+        radius = 0.010 / 0.165 * 2
+        assert tip.empty_display_size == pytest.approx(radius, rel=1e-4)
+        assert tuple(tip.location) == pytest.approx((1, 2, 4 + radius), abs=1e-4)
+    with pytest.raises(RuntimeError, match="three fingertips are in use"):
+        bpy.ops.dimple.add_fingertip()
+
+
+def test_a_preset_sets_constants_size_and_source(bpy: ModuleType, ball: Add) -> None:
+    from bl_ext.user_default.dimple.core.material import PRESETS, Material
+
+    for preset in PRESETS:
+        obj = ball()
+        assert bpy.ops.dimple.apply_preset(preset=preset.name) == {"FINISHED"}
+        settings = obj.active_material.dimple
+        assert Material(**settings.to_params()) == preset.material
+        assert settings.provenance == preset.provenance
+        assert math.isclose(obj.dimple.to_params()["size"], preset.size)
+    with pytest.raises(RuntimeError, match="object_1_nylon_air"):
+        bpy.ops.dimple.apply_preset(preset="marble")
