@@ -14,9 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from . import native
 from .base import FINGER_TRAVEL, TICK, DimpleError, Floats
 from .depth import depth_below, rest_surface
 from .integrators import semi_implicit
+from .integrators.methods import Run
 from .integrators.path import FingerPath
 from .laws import pressure
 from .laws.memory import fit_pose
@@ -62,15 +64,18 @@ class Frame:
 
 
 class Session:
-    """Run one model."""
+    """Run one model.
 
-    def __init__(self, model: Model, *, tick: float = TICK) -> None:
+    backend: "native" (single precision), "native64" or "numpy".  backend_note: "" or why it is numpy, for the artist.
+    """
+
+    def __init__(self, model: Model, *, tick: float = TICK, backend: str = "auto") -> None:
         if not tick > 0:
             raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
         self.model = model
         self.tick = tick
         self.substeps = model.substeps(tick)
-        self._stepper = semi_implicit.run
+        self.backend, self.backend_note, self._stepper = _backend(backend)
         self._whole = not model.mesh.loose.any()
         self._surface = rest_surface(model.mesh)
         self._state = initial_state(model)
@@ -246,3 +251,19 @@ class Session:
             rest_volume=model.mesh.volume, substeps=self.substeps, steps=steps, cost=cost,
             total_steps=self._ticks * self.substeps, total_cost=self._cost, finite=not note, note=note,
         )  # fmt: skip
+
+
+def _backend(wanted: str) -> tuple[str, str, Run]:
+    """Return the name of what steps, why it is not the native core, and its stepper.
+
+    Raises:
+        DimpleError: it does not exist, or cannot run here and was asked for by name.
+    """
+    if wanted not in ("auto", "native", "native64", "numpy"):
+        raise DimpleError(f"There is no backend {wanted}: take auto, native, native64 or numpy.")
+    note = "" if wanted == "numpy" else native.why_not()
+    if note and wanted != "auto":
+        raise DimpleError(note)
+    if wanted == "numpy" or note:
+        return "numpy", note, semi_implicit.run
+    return ("native64", "", native.run64) if wanted == "native64" else ("native", "", native.run)

@@ -26,11 +26,16 @@ LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys
 FILLS = {"none": 0, "air": 1, "liquid": 2, "paper": 3}
 LAW_SETS = {"consistent": 0, "paper": 1}
 BEST, BASE, AVX2 = 0, 1, 2  # instruction sets
+NOT_A_NUMBER = 5  # DM_NUMBER
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
 
 class NativeError(RuntimeError):
-    """Say which call the library refused, and why."""
+    """Say which call the library refused, and why; code: its number in dimple.h, 0 for reasons of our own."""
+
+    def __init__(self, reason: str, code: int = 0) -> None:
+        super().__init__(reason)
+        self.code = code
 
 
 def places() -> list[Path]:
@@ -159,7 +164,7 @@ class Body:
             arrays.append(value)
         code = getattr(self.library, name)(*[a.ctypes.data if isinstance(a, np.ndarray) else a for a in arrays])
         if code:
-            raise NativeError(f"{name}: {self.library.dm_message(code).decode()}")
+            raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
 
 
 def _run(body: Body, model: Model, state: State, path: FingerPath, tick: float, substeps: int) -> Floats:
@@ -167,7 +172,13 @@ def _run(body: Body, model: Model, state: State, path: FingerPath, tick: float, 
         if not (a.flags.c_contiguous and a.dtype == np.float64):
             raise NativeError("positions and velocities must be contiguous doubles, (3, n)")
     pose = None if state.pose is None else np.concatenate([state.pose[0].ravel(), state.pose[1]])
-    body.set("state", body.n, state.positions, state.velocities, pose)
+    try:
+        body.set("state", body.n, state.positions, state.velocities, pose)
+    except NativeError as error:
+        if error.code != NOT_A_NUMBER:
+            raise
+        state.positions[:] = np.nan  # it has blown up already, and stays so
+        return np.zeros((len(path.radii), 3))
     if model.needs_contact:
         body.set("contact", state.inner_force, len(state.contact), state.contact)
     fingers, pressure = len(path.radii), ctypes.c_double()

@@ -2,7 +2,7 @@
 #include "body.h"
 
 static void destroy(body *b) {
-    void *all[] = {b->place, b->rest, b->records, b->state, b->matter, b->next, b->ring.start, b->ring.slots,
+    void *all[] = {b->place, b->rest, b->mass, b->records, b->state, b->matter, b->next, b->ring.start, b->ring.slots,
                    b->bend.start, b->bend.slots, b->ring_spring, b->loose, b->corners, b->caps, b->cap_hole, b->holes,
                    b->triangles, b->box_start, b->box_vertex, b->boxes, b->inverse_mass, b->friction, b->hits,
                    b->shares, b->moved, b->is_moved, b->touching};
@@ -18,6 +18,7 @@ static int32_t create(body **made, int64_t n, const double *rest, int64_t width,
     b->n = n, b->groups = (n + LANES - 1) / LANES;
     int64_t size = b->groups * LANES;
     int whole = (b->place = room(n, sizeof *b->place)) && (b->rest = room(3 * n, sizeof(double)));
+    whole = whole && (b->mass = room(n, sizeof(double)));
     whole = whole && (b->records = room(size, sizeof(record))) && (b->state = room(b->groups, sizeof(group_state)));
     whole = whole && (b->matter = room(b->groups, sizeof(group_matter)));
     whole = whole && (b->next = room(b->groups, sizeof(group_next)));
@@ -111,14 +112,28 @@ static int32_t set_fill(body *b, int32_t fill, double rest_volume, int64_t c, co
     return DM_OK;
 }
 
+static double weighted_mean(const body *b, const double *a) {
+    double sum = 0;
+    for (int64_t k = 0; k < b->n; k++) sum += b->mass[k] * a[k];
+    return sum / b->mass_total;
+}
+
 static int32_t set_matter(body *b, const double *mass, const double *inverse_mass, const double *friction) {
     b->mass_total = 0;
     for (int64_t k = 0; k < b->n; k++) {
         uint32_t i = b->place[k];
-        *lane(&b->matter[i / LANES].mass, i) = (real)mass[k], b->mass_total += mass[k];
+        b->mass[k] = mass[k], b->mass_total += mass[k];
+        *lane(&b->matter[i / LANES].mass, i) = (real)mass[k];
         *lane(&b->matter[i / LANES].inverse_mass, i) = b->inverse_mass[i] = (real)inverse_mass[k];
         b->friction[i] = (real)friction[k];
     }
+    double spread = 0;
+    for (int c = 0; c < 3; c++) {
+        const double *x = b->rest + c * b->n;
+        b->middle[c] = weighted_mean(b, x);
+        for (int64_t k = 0; k < b->n; k++) spread += mass[k] * (x[k] - b->middle[c]) * (x[k] - b->middle[c]);
+    }
+    b->cell = spread > 0 ? exp2(ceil(log2(4 * sqrt(spread / b->mass_total)))) : 1;
     b->ready |= HAS_MATTER;
     return DM_OK;
 }
@@ -155,9 +170,8 @@ static int32_t set_world(body *b, int32_t laws, double rest_area, const double *
  * follows in steps of at least the body's size, a power of two, so that it hardly ever changes. */
 static void choose_origin(body *b, const double *positions) {
     for (int c = 0; c < 3; c++) {
-        double sum = 0;
-        for (int64_t k = 0; k < b->n; k++) sum += positions[c * b->n + k];
-        b->origin[c] = b->middle[c] + b->cell * nearbyint((sum / (double)b->n - b->middle[c]) / b->cell);
+        double way = weighted_mean(b, positions + c * b->n) - b->middle[c];
+        b->origin[c] = b->middle[c] + b->cell * nearbyint(way / b->cell);
     }
 }
 
@@ -190,14 +204,17 @@ static int32_t set_contact(body *b, double inner_force, int64_t count, const int
     return DM_OK;
 }
 
+/* What is held without a velocity has not moved: the caller's own digits stay. */
 static int32_t read_state(body *b, double *positions, double *velocities, double *pressure) {
     if (b->ready != HAS_ALL) return DM_ORDER;
-    for (int64_t k = 0; k < b->n; k++)
+    for (int64_t k = 0; k < b->n; k++) {
+        const record *r = b->records + b->place[k];
+        if (!(b->inverse_mass[b->place[k]] > 0) && dot3(r->v, r->v) == 0) continue;
         for (int c = 0; c < 3; c++) {
-            const record *r = b->records + b->place[k];
             if (positions) positions[c * b->n + k] = b->origin[c] + (double)r->x[c];
             if (velocities) velocities[c * b->n + k] = (double)r->v[c];
         }
+    }
     if (pressure) *pressure = b->pressure;
     return DM_OK;
 }

@@ -69,7 +69,8 @@ struct body {
     uint32_t ready; /* what was set, one bit each */
     uint32_t *place; /* of each of the caller's vertices */
     double *rest;    /* (3, n) as the caller gave it */
-    double origin[3], middle[3], cell; /* of the state; of the box at rest; what the origin moves by */
+    double *mass;    /* (n,) in the caller's order */
+    double origin[3], middle[3], cell; /* of the state; of the mass at rest; what the origin moves by */
     record *records;
     group_state *state;
     group_matter *matter;

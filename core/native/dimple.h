@@ -81,7 +81,7 @@ DM_API int32_t dm_set_contact(dm_body body, double inner_force, int64_t count, c
  * radii: (fingers,);  impulses: (fingers, 3), what the fingertips received. */
 DM_API int32_t dm_step(dm_body body, int64_t ticks, int64_t substeps, double tick, int64_t fingers,
                        const double *centres, const double *radii, double *impulses);
-/* pressure: of the last step.  Null arrays are left out. */
+/* pressure: of the last step.  Null arrays are left out; so are vertices held without a velocity: they have not moved. */
 DM_API int32_t dm_read(dm_body body, int64_t n, double *positions, double *velocities, double *pressure);
 /* vertices: (n,) room for, count: how many there were. */
 DM_API int32_t dm_read_contact(dm_body body, int64_t n, int64_t *vertices, int64_t *count);

@@ -37,9 +37,7 @@ static int32_t lay_out(body *b, int64_t width, const int64_t *ring_spring) {
             low[c] = x < low[c] ? x : low[c], high = x > high ? x : high;
         }
         span = high - low[c] > span ? high - low[c] : span;
-        b->middle[c] = (low[c] + high) / 2;
     }
-    b->cell = span > 0 ? exp2(ceil(log2(span))) : 1;
     double scale = span > 0 ? 0x1fffff / span : 0;
     for (int64_t i = 0; i < n; i++) {
         uint64_t key = 0;
