@@ -32,6 +32,7 @@ class Link:
 
     uid, name: of the object.  rest: (N, 3) its coordinates at rest, bit for bit.  scale: physical metres per
     scene unit.  matrix: (4, 4) of the object at the start.  resting: (N, 3) what a frame shows at rest [m].
+    rounding: what a vertex at rest may be off it [m].
     """
 
     uid: int
@@ -40,6 +41,7 @@ class Link:
     scale: float
     matrix: Floats
     resting: Singles
+    rounding: float
 
 
 def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True) -> tuple[Link, Model]:
@@ -77,9 +79,10 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
         )  # fmt: skip
     except DimpleError as error:
         raise DimpleError(f'"{body.name}": {error}') from error
+    resting = mesh.rest_positions[mesh.source].astype(np.float32)
     link = Link(
-        uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix,
-        resting=mesh.rest_positions[mesh.source].astype(np.float32),
+        uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting,
+        rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()),
     )  # fmt: skip
     return link, replace(model, notes=(*model.notes, *_notes(body, mesh.size, context.scene)))
 
@@ -160,7 +163,7 @@ def to_local(link: Link, matrix: Floats, physical: Singles) -> Singles:
     inverse = np.linalg.inv(matrix)
     local = (physical.astype(np.float64) @ (inverse[:3, :3].T / link.scale) + inverse[:3, 3]).astype(np.float32)
     if np.array_equal(matrix, link.matrix):
-        resting = (physical == link.resting).all(axis=1)
+        resting = (np.abs(physical - link.resting) <= link.rounding).all(axis=1)
         local[resting] = link.rest[resting]
     return local
 

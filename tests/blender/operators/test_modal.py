@@ -1,0 +1,419 @@
+"""The modal operators fed with events by hand: Blender without a window runs none, so what it would call is called."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import FunctionType, ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+Bits = Callable[[Any], bytes]
+RADIUS_PX = 200  # of the ball's outline, seen from above; the picture is 1000 px wide
+
+
+class Context:
+    """Blender's context, but for what needs a window."""
+
+    def __init__(self, bpy: ModuleType) -> None:
+        self.bpy, self.said = bpy, ""
+        self.window_manager = SimpleNamespace(
+            event_timer_add=lambda *_, **__: None, modal_handler_add=lambda _: None,
+            progress_begin=lambda *_: None, progress_update=lambda *_: None,
+            dimple=bpy.context.window_manager.dimple,
+        )  # fmt: skip
+        self.workspace = SimpleNamespace(status_text_set=self._say)
+
+    def _say(self, text: str | None) -> None:
+        self.said = text or ""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.bpy.context, name)
+
+
+class Hand:
+    """Start an operator and feed it events, as Blender's window would."""
+
+    def __init__(self, name: str, operator: type, context: Context) -> None:
+        self.context, self.reports, self.time = context, [], 0.0
+        stub = type("Stub", (), {k: v for k, v in vars(operator).items() if isinstance(v, FunctionType)})()
+        stub.report = lambda level, text: self.reports.append((*level, text))
+        properties = getattr(context.bpy.ops.dimple, name).get_rna_type().properties
+        for name in operator.__annotations__:
+            prop = properties[name]
+            setattr(stub, name, tuple(prop.default_array) if getattr(prop, "is_array", False) else prop.default)
+        stub.properties = SimpleNamespace(is_property_set=lambda name: name in self.given)
+        self.given: set[str] = set()
+        self.operator = stub
+
+    def invoke(self, kind: str = "LEFTMOUSE", value: str = "RELEASE", at: Any = None) -> set[str]:
+        return self.operator.invoke(self.context, self.event(kind, value, at))
+
+    def event(self, kind: str, value: str = "PRESS", at: Any = None, **more: Any) -> SimpleNamespace:
+        plain = {"ctrl": False, "shift": False, "alt": False, "oskey": False, "is_tablet": False, "pressure": 1.0}
+        return SimpleNamespace(type=kind, value=value, at=at, mouse_x=0, mouse_y=0, **{**plain, **more})
+
+    def send(self, kind: str, value: str = "PRESS", at: Any = (500, 500), **more: Any) -> set[str]:
+        return self.operator.modal(self.context, self.event(kind, value, at, **more))
+
+    def ticks(self, count: int) -> set[str]:
+        result: set[str] = set()
+        for _ in range(count):
+            self.time += 0.02
+            result = self.send("TIMER", "NOTHING")
+            if result & {"FINISHED", "CANCELLED"}:
+                break
+        return result
+
+
+@pytest.fixture
+def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], Hand]]:
+    """Return a function that takes an operator in hand: it looks from above, and time is its own."""
+    from bl_ext.user_default.dimple.operators import bake, live, play, pointer, poke, sessions
+
+    hands: list[Hand] = []
+
+    def view_under(_context: Any, event: Any) -> Any:
+        return None if event.at is None else pointer.View(None, None, event.at)  # type: ignore[arg-type]
+
+    views = SimpleNamespace(
+        region_2d_to_origin_3d=lambda _r, _v, at: ((at[0] - 500) / RADIUS_PX, (at[1] - 500) / RADIUS_PX, 10.0),
+        region_2d_to_vector_3d=lambda _r, _v, _at: SimpleNamespace(normalized=lambda: (0.0, 0.0, -1.0)),
+    )
+    monkeypatch.setattr(pointer, "view_under", view_under)
+    monkeypatch.setattr(pointer, "view3d_utils", views)
+    clock = SimpleNamespace(perf_counter=lambda: max(each.time for each in hands))
+    for module in (poke, play):
+        monkeypatch.setattr(module, "time", clock)
+    # however slow this computer is, it keeps up
+    monkeypatch.setattr(live, "ask", lambda _run, wall: (wall, None))
+
+    def take(name: str) -> Hand:
+        operators = {
+            "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake.DIMPLE_OT_bake
+        }  # fmt: skip
+        hands.append(Hand(name, operators[name], Context(bpy)))
+        return hands[-1]
+
+    yield take
+    left = (len(sessions.sessions), len(sessions.runs))
+    sessions.stop_all()
+    assert left == (0, 0) and bpy.context.window_manager.dimple.state == ""
+
+
+@pytest.fixture
+def rest(bpy: ModuleType, ball: Callable[..., Any], coordinates: Bits) -> bytes:
+    """The coordinates of the ball that is there."""
+    return coordinates(ball())
+
+
+def ball_of(bpy: ModuleType) -> Any:
+    return bpy.data.objects["Ball"]
+
+
+def lowest_top(bits: bytes) -> float:
+    """Return the height of the ball's first vertices' highest: how far the top is pressed in."""
+    return float(np.frombuffer(bits, np.float32).reshape(-1, 3)[:, 2].max())
+
+
+def test_press_hold_release_and_escape(bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits) -> None:
+    poke = hand("poke")
+    assert poke.invoke() == {"RUNNING_MODAL"}
+    assert poke.context.said.startswith("Left drag") and bpy.context.window_manager.dimple.state
+    poke.ticks(3)
+    assert coordinates(ball_of(bpy)) == rest, "nothing moves before the press"
+    assert poke.send("MOUSEMOVE", "NOTHING") == {"PASS_THROUGH"}
+    assert poke.send("LEFTMOUSE") == {"RUNNING_MODAL"}
+    poke.ticks(20)
+    from bl_ext.user_default.dimple.operators import sessions
+
+    body = sessions.get(ball_of(bpy))
+    assert body.frame.depths[0] == pytest.approx(0.015, abs=1e-3) and np.linalg.norm(body.frame.finger_forces[0]) > 1
+    assert lowest_top(coordinates(ball_of(bpy))) < 0.95 and len(body.trail) > 3
+    assert poke.send("LEFTMOUSE", "RELEASE") == {"RUNNING_MODAL"}
+    poke.ticks(40)
+    assert body.fingers[0] is not None, "the fingertip hovers again"
+    assert not body.frame.depths.any()
+    assert poke.send("ESC") == {"CANCELLED"}
+    assert coordinates(ball_of(bpy)) == rest
+    assert list(ball_of(bpy).data.attributes.keys()).count(".dimple_rest") == 0
+
+
+def test_enter_keeps_and_one_undo_restores(bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits) -> None:
+    bpy.ops.ed.undo_push(message="Before")
+    poke = hand("poke")
+    poke.invoke()
+    poke.send("LEFTMOUSE")
+    poke.ticks(20)
+    assert poke.send("RET") == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="Poke")  # what Blender does for FINISHED
+    assert coordinates(ball_of(bpy)) != rest
+    bpy.ops.ed.undo()
+    assert coordinates(ball_of(bpy)) == rest
+
+
+def test_each_stroke_is_an_undo_step_that_never_holds_a_pressed_shape(
+    bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits
+) -> None:
+    bpy.ops.ed.undo_push(message="Before")
+    poke = hand("poke")
+    poke.invoke()
+    for _ in range(2):
+        poke.send("LEFTMOUSE")
+        poke.ticks(20)
+        before = coordinates(ball_of(bpy))
+        poke.send("LEFTMOUSE", "RELEASE")
+        assert coordinates(ball_of(bpy)) == before != rest, "the press goes on as it was"
+    poke.send("ESC")
+    for step in (bpy.ops.ed.undo, bpy.ops.ed.undo, bpy.ops.ed.redo, bpy.ops.ed.redo):
+        assert step() == {"FINISHED"}
+        assert coordinates(ball_of(bpy)) == rest
+        assert ".dimple_rest" not in ball_of(bpy).data.attributes
+
+
+def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: bytes, tmp_path: Path) -> None:
+    settings = bpy.context.scene.dimple
+    settings.cache_dir, settings.finger_radius_mm = str(tmp_path), 10
+    poke = hand("poke")
+    poke.invoke()
+    assert poke.send("WHEELUPMOUSE") == {"RUNNING_MODAL"} and settings.finger_radius_mm == pytest.approx(11)
+    poke.send("WHEELDOWNMOUSE", ctrl=True)
+    assert poke.operator._state.depth == pytest.approx(0.015 / 1.1)
+    poke.send("TWO")
+    assert settings.active_finger == 2
+    poke.send("LEFTMOUSE")
+    poke.ticks(3)
+    from bl_ext.user_default.dimple.operators import sessions
+
+    body = sessions.get(ball_of(bpy))
+    assert body.fingers[0] is None and body.fingers[1] is not None
+    poke.send("SPACE")
+    paused = body.frame.time
+    poke.ticks(3)
+    assert body.frame.time == paused and not body.running
+    poke.send("SPACE")
+    poke.send("R")
+    assert body.recording and body.running
+    poke.ticks(30)
+    poke.send("R")
+    assert not body.recording
+    poke.send("ESC")
+    assert ball_of(bpy).modifiers["Dimple"].filepath.endswith("Ball_take.pc2")
+
+
+def test_a_pen_presses_as_deep_as_it_is_pressed(bpy: ModuleType, hand: Any, rest: bytes) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    poke = hand("poke")
+    poke.invoke()
+    poke.send("LEFTMOUSE", is_tablet=True, pressure=0.4)
+    poke.ticks(20)
+    assert sessions.get(ball_of(bpy)).frame.depths[0] == pytest.approx(0.4 * 0.015, abs=1e-3)
+    poke.send("RIGHTMOUSE")
+
+
+def test_undo_is_swallowed_and_navigation_is_not(bpy: ModuleType, hand: Any, rest: bytes) -> None:
+    poke = hand("poke")
+    poke.invoke()
+    for kind, more in (("Z", {"ctrl": True}), ("Z", {"oskey": True}), ("X", {}), ("TAB", {}), ("G", {})):
+        assert poke.send(kind, **more) == {"RUNNING_MODAL"}, kind
+    assert poke.send("Z", at=None, ctrl=True) == {"RUNNING_MODAL"}, "not even over the sidebar"
+    for kind, more in (
+        ("MIDDLEMOUSE", {}), ("NUMPAD_1", {}), ("NDOF_MOTION", {}), ("TRACKPADPAN", {}),
+        ("WHEELUPMOUSE", {"shift": True}), ("LEFTMOUSE", {"alt": True}),
+    ):  # fmt: skip
+        assert poke.send(kind, **more) == {"PASS_THROUGH"}, kind
+    for kind in ("LEFTMOUSE", "R", "SPACE", "RIGHTMOUSE", "RET"):
+        assert poke.send(kind, at=None) == {"PASS_THROUGH"}, "outside the viewport"
+    assert poke.send("ESC", at=None) == {"CANCELLED"}
+
+
+def test_a_click_beside_the_ball_presses_nothing(bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits) -> None:
+    poke = hand("poke")
+    poke.invoke()
+    assert poke.send("LEFTMOUSE", at=(500 + 2 * RADIUS_PX, 500)) == {"RUNNING_MODAL"}
+    poke.ticks(5)
+    assert coordinates(ball_of(bpy)) == rest
+    poke.send("ESC")
+
+
+def test_the_tool_presses_with_the_click_that_starts_it(bpy: ModuleType, hand: Any, rest: bytes) -> None:
+    poke = hand("poke")
+    poke.invoke("LEFTMOUSE", "PRESS", (500, 500))
+    assert poke.operator._state.pressing
+    poke.ticks(5)
+    poke.send("ESC")
+
+
+def test_a_drag_takes_the_dent_along(bpy: ModuleType, hand: Any, rest: bytes) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    poke = hand("poke")
+    poke.invoke()
+    poke.send("LEFTMOUSE")
+    poke.ticks(10)
+    for x in range(500, 561, 10):
+        poke.send("MOUSEMOVE", "NOTHING", (x, 500))
+        poke.ticks(2)
+    poke.ticks(10)
+    finger = sessions.get(ball_of(bpy)).fingers[0]
+    # 60 px are 0.3 of the radius, and the sphere touches beside its centre
+    assert finger.position[0] == pytest.approx(0.3 * 0.0825, abs=0.004)
+    assert finger.position[2] < 0.0825
+    poke.send("ESC")
+
+
+def test_reset_from_the_sidebar_ends_the_poke(bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits) -> None:
+    poke = hand("poke")
+    poke.invoke()
+    poke.send("LEFTMOUSE")
+    poke.ticks(10)
+    bpy.ops.dimple.reset()
+    assert coordinates(ball_of(bpy)) == rest
+    assert poke.ticks(1) == {"CANCELLED"}
+
+
+@pytest.mark.parametrize("name", ["poke", "play"])
+def test_deleting_the_body_ends_the_operator(bpy: ModuleType, hand: Any, rest: bytes, name: str) -> None:
+    run = hand(name)
+    run.invoke()
+    run.ticks(3)
+    bpy.data.objects.remove(ball_of(bpy))
+    assert run.ticks(2) == {"CANCELLED"}
+    assert any("is gone" in text for _, text in run.reports)
+
+
+@pytest.mark.parametrize("name", ["poke", "play", "bake"])
+def test_loading_a_file_ends_the_operator(bpy: ModuleType, hand: Any, rest: bytes, name: str) -> None:
+    run = hand(name)
+    run.invoke()
+    run.ticks(2)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert run.ticks(1) == {"CANCELLED"}
+    run.operator.cancel(run.context)
+
+
+@pytest.mark.parametrize("name", ["poke", "play"])
+def test_a_window_that_is_closed_ends_the_operator(
+    bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits, name: str
+) -> None:
+    bpy.context.scene.dimple.use_gravity = True
+    run = hand(name)
+    run.invoke()
+    run.ticks(5)
+    assert coordinates(ball_of(bpy)) != rest
+    run.operator.cancel(run.context)
+    assert coordinates(ball_of(bpy)) == rest
+
+
+def test_something_unforeseen_ends_the_poke_and_is_raised(
+    bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    poke = hand("poke")
+    poke.invoke()
+    poke.send("LEFTMOUSE")
+    poke.ticks(10)
+
+    def broken(*_: Any, **__: Any) -> None:
+        raise ZeroDivisionError("unforeseen")
+
+    monkeypatch.setattr(sessions.get(ball_of(bpy)).session, "step", broken)
+    with pytest.raises(ZeroDivisionError):
+        poke.ticks(1)
+    assert coordinates(ball_of(bpy)) == rest and not sessions.runs
+
+
+def test_play_pauses_goes_on_and_ends(bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    bpy.context.scene.dimple.use_gravity = True
+    play = hand("play")
+    assert play.invoke() == {"RUNNING_MODAL"}
+    assert play.ticks(5) == {"PASS_THROUGH"}
+    body, button = sessions.get(ball_of(bpy)), hand("play")
+    assert body.running and body.frame.time > 0
+    button.invoke()
+    paused = body.frame.time
+    play.time += 1
+    play.ticks(3)
+    assert body.frame.time == paused and not body.running
+    button.invoke()
+    play.ticks(3)
+    assert body.running and body.frame.time > paused
+    for kind in ("Z", "MOUSEMOVE", "LEFTMOUSE", "TAB"):
+        assert play.send(kind) == {"PASS_THROUGH"}
+    assert play.send("ESC") == {"CANCELLED"}
+    assert coordinates(ball_of(bpy)) == rest
+
+
+def test_a_poke_takes_over_from_play(bpy: ModuleType, hand: Any, rest: bytes) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    play, poke = hand("play"), None
+    play.invoke()
+    play.ticks(2)
+    body = sessions.get(ball_of(bpy))
+    poke = hand("poke")
+    poke.invoke()
+    assert play.operator.modal(play.context, play.event("TIMER")) == {"CANCELLED"}
+    assert sessions.get(ball_of(bpy)) is body, "the session goes on"
+    poke.send("ESC")
+
+
+def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
+    bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    run = sessions.Run(kind="play", timer=None)
+    asked, budget = live.ask(run, 5.0)
+    assert asked == run.pace and budget < 0.1
+    body = SimpleNamespace(frame=SimpleNamespace(steps=1), session=SimpleNamespace(tick=1e-3))
+    monkeypatch.setattr(sessions, "sessions", {1: body})
+    live.adapt(run, asked)
+    assert run.pace == pytest.approx(0.002)
+    for _ in range(9):
+        body.frame.steps = round(run.pace / 1e-3)
+        live.adapt(run, asked)
+    assert run.pace == pytest.approx(0.1), "and is real again as soon as it can"
+
+
+def test_a_bake_shows_progress_and_can_be_cancelled(
+    bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import bake
+
+    monkeypatch.setattr(bake, "SLICE_S", 0.0)
+    bpy.context.scene.dimple.cache_dir = str(tmp_path)
+    run = hand("bake")
+    run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
+    assert run.invoke() == {"RUNNING_MODAL"}
+    run.ticks(3)
+    assert "%" in run.context.said and "left" in run.context.said
+    assert run.send("G") == {"RUNNING_MODAL"}
+    assert len(list(tmp_path.iterdir())) == 2
+    assert run.send("ESC") == {"CANCELLED"}
+    assert not list(tmp_path.iterdir()) and not ball_of(bpy).modifiers and coordinates(ball_of(bpy)) == rest
+    run = hand("bake")
+    run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
+    run.invoke()
+    assert run.ticks(50) == {"FINISHED"}
+    assert len(list(tmp_path.iterdir())) == 2 and ball_of(bpy).modifiers
+
+
+def test_a_bake_that_fails_on_its_way_leaves_nothing(
+    bpy: ModuleType, hand: Any, rest: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import bake
+
+    monkeypatch.setattr(bake, "SLICE_S", 0.0)
+    bpy.context.scene.dimple.cache_dir = str(tmp_path)
+    run = hand("bake")
+    run.invoke()
+    run.ticks(2)
+    ball_of(bpy).scale.x = 0
+    assert run.ticks(2) == {"CANCELLED"}
+    assert any("scale of 0" in text for _, text in run.reports)
+    assert not list(tmp_path.iterdir()) and not ball_of(bpy).modifiers
