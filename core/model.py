@@ -100,6 +100,7 @@ def build_model(
     softness: Floats | None = None,
     gravity: Sequence[float] = (0.0, 0.0, 0.0),
     ground: float | None = None,
+    bend: float = 0.0,
 ) -> Model:
     """Give a mesh its materials.
 
@@ -110,6 +111,7 @@ def build_model(
         softness: (N,) per input vertex, 0.5 as measured, 1 four times softer, 0 four times stiffer.
         gravity: (3,) [m/s2].
         ground: height [m] of a plane that nothing sinks below.
+        bend: stiffness of the springs across each edge, as a share of that edge's; 0 leaves them out.
 
     Raises:
         DimpleError: no material, an unknown law set, or maps of the wrong length.
@@ -118,6 +120,8 @@ def build_model(
         raise DimpleError(f"The law set must be one of {', '.join(LAW_SETS)} (it is {law_set}).")
     if not np.isfinite(gravity).all() or np.shape(gravity) != (3,) or not math.isfinite(ground or 0.0):
         raise DimpleError("Gravity must be three numbers and the ground's height one.")
+    if not 0 <= bend < math.inf:
+        raise DimpleError(f"The bend stiffness must be 0 or more (it is {bend}).")
     if not materials or mesh.triangle_material.max() >= len(materials) or mesh.triangle_material.min() < 0:
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
     n, which = len(mesh.rest_positions), mesh.triangle_material
@@ -135,13 +139,15 @@ def build_model(
     else:
         stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * factor[mesh.springs].mean(axis=1)
         ratio = 1.0
-    i, j = mesh.springs.T
+    pairs, over = springs.bend_pairs(mesh) if bend > 0 else (mesh.springs[:0], np.zeros(0, np.int64))
+    stiffness, ends = np.concatenate([stiffness, bend * stiffness[over]]), np.concatenate([mesh.springs, pairs])
+    i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
-    dashpots = 2 * ratio * damping_at[mesh.springs].mean(axis=1) * np.sqrt(stiffness * reduced)
+    dashpots = 2 * ratio * damping_at[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
     inverse_mass = np.where(held_here, 0.0, 1 / mass)
     x = np.ascontiguousarray(mesh.rest_positions.T)
 
-    membrane = springs.build_springs(mesh, stiffness, dashpots)
+    membrane = springs.build_springs(mesh, stiffness, dashpots, pairs)
     shape = Memory(
         rest=x, k1=k1, k2=k2, d0=d0_at, damping=2 * ratio * damping_at * np.sqrt(k1 * mass),
         mass=np.where(mesh.loose, LOOSE_MASS * mass, mass),

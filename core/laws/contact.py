@@ -18,6 +18,7 @@ from ..base import Bools, Floats, Ints
 _TINY = 1e-30
 FACE_SWEEPS = 8  # at most, in one step
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
+WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
 
 
@@ -94,7 +95,7 @@ def _push(
         return np.zeros(3), 0.0
     members, weights, distance = members[hit], weights[hit], np.maximum(distance[hit], _TINY)
     normal = offset[:, hit] / distance
-    count = np.bincount(members[weights > 0], minlength=x.shape[1])
+    count = np.bincount(members[weights > WEIGHT_FLOOR], minlength=x.shape[1])
     # each contact moves its share of a vertex, m / count; the vertex then takes the mean of its shares
     mobility = weights * inverse_mass[members]
     give = np.maximum((mobility * weights * count[members]).sum(axis=1), _TINY)

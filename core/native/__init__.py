@@ -126,7 +126,7 @@ class Body:
         self.library = library
         self.handle = ctypes.c_uint64()
         self.n = len(model.mesh.rest_positions)
-        rings, springs, memory, mesh = model.mesh.rings, model.springs, model.memory, model.mesh
+        rings, springs, memory, mesh = model.springs.rings, model.springs, model.memory, model.mesh
         width = len(rings.neighbours)
         handle = ctypes.byref(self.handle)
         rest = np.ascontiguousarray(mesh.rest_positions.T)
@@ -136,8 +136,12 @@ class Body:
         loose, ends = rings.loose_springs, rings.loose_ends
         if model.law_set == "paper":  # Eq. (4) goes spring by spring
             loose, ends = np.arange(len(springs.pairs)), np.ones((len(springs.pairs), 2), bool)
-        constants = springs.rest_lengths, springs.stiffness, springs.damping
-        self.set("springs", len(springs.pairs), springs.pairs, *constants, len(loose), loose, ends)
+        else:
+            own = loose < len(mesh.springs)
+            loose, ends = loose[own], ends[own]
+        constants = springs.pairs, springs.rest_lengths, springs.stiffness, springs.damping
+        self.set("springs", len(springs.pairs), *constants, len(loose), loose, ends)
+        self.set("bend", len(springs.pairs) - len(mesh.springs), *(a[len(mesh.springs) :] for a in constants))
         self.set("faces", len(mesh.triangles), mesh.triangles)
         fill, corners = model.pressure, rings.corners
         holes = len(fill.cap_edges), fill.cap_edges, fill.cap_loop
