@@ -1,0 +1,59 @@
+"""What a model makes of a mesh and its materials."""
+
+import numpy as np
+import pytest
+
+from core.material import PRESETS, Material
+from core.mesh import mesh_from_triangles
+from core.model import build_model
+from core.study import scenes
+
+SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2)
+
+
+def sliver_ball() -> tuple[np.ndarray, np.ndarray]:
+    """Return a ball with one vertex drawn close to a neighbour."""
+    ball = scenes.ball(2)
+    x, (i, j) = ball.rest_positions.copy(), ball.springs[40]
+    x[i] += 0.97 * (x[j] - x[i])
+    return x, ball.triangles
+
+
+def test_an_even_mesh_keeps_its_mass_where_its_area_is():
+    mesh = scenes.ball(2)
+    mass = build_model(mesh, [SOFT]).mass
+    np.testing.assert_allclose(mass, 0.2 * mesh.vertex_areas / mesh.vertex_areas.sum(), rtol=0.02)
+
+
+@pytest.mark.parametrize("held", [None, "base"])
+def test_the_body_weighs_what_its_material_says_slivers_or_not(held):
+    x, triangles = sliver_ball()
+    mesh = mesh_from_triangles(x, triangles)
+    pins = None if held is None else x[:, 2] < x[:, 2].min() + 0.02
+    assert build_model(mesh, [SOFT], held=pins).mass.sum() == pytest.approx(0.2, rel=1e-12)
+
+
+def test_a_sliver_moves_under_two_percent_of_the_mass_and_does_not_multiply_the_steps():
+    x, triangles = sliver_ball()
+    uneven, even = build_model(mesh_from_triangles(x, triangles), [SOFT]), build_model(scenes.ball(2), [SOFT])
+    by_area = 0.2 * uneven.mesh.vertex_areas / uneven.mesh.vertex_areas.sum()
+    assert np.abs(uneven.mass - by_area).sum() / 2 < 0.02 * 0.2
+    assert uneven.substeps(1e-3) <= 3 * even.substeps(1e-3)
+
+
+def test_a_density_and_the_mass_it_makes_give_the_same_body():
+    mesh = scenes.cube(6, 0.165)
+    water = PRESETS[2].material
+    by_mass = Material(
+        K1=water.K1, K2=water.K2, x0=water.x0, k=water.k, mass=1000 * mesh.volume, fill=water.fill
+    )  # fmt: skip
+    np.testing.assert_allclose(build_model(mesh, [water]).mass, build_model(mesh, [by_mass]).mass, rtol=1e-12)
+    assert build_model(mesh, [water]).mass.sum() == pytest.approx(1000 * 0.165**3, rel=1e-9)
+
+
+def test_two_materials_share_a_mesh_by_the_area_of_their_faces():
+    mesh = scenes.cube(6, 0.1)
+    top = mesh.rest_positions[mesh.triangles][:, :, 2].mean(axis=1) > 0.0
+    both = mesh_from_triangles(mesh.rest_positions, mesh.triangles, triangle_material=top.astype(int))
+    heavy = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.6)
+    assert build_model(both, [SOFT, heavy]).mass.sum() == pytest.approx(0.4, rel=1e-9)
