@@ -35,12 +35,15 @@ def three_objects() -> None:
 
 
 def suzanne() -> None:
-    """Make a soft monkey head as large as a child's ball, pinned at the neck; a fingertip presses its brow."""
-    scene = look(distance=0.62, aim=(0.0, 0.0, 0.10), elevation=8, floor=False)
+    """Make a soft monkey head as large as a child's ball, pinned at the neck; a fingertip presses its forehead."""
+    scene = look(distance=0.56, aim=(0.0, 0.0, 0.11), elevation=24, floor=False)
     bpy.ops.mesh.primitive_monkey_add(size=0.19, location=(0.0, 0.0, 0.1))
     head = bpy.context.object
     head.name = head.data.name = "Suzanne"
     head.data.materials.append(painted("Soft rubber", (0.78, 0.46, 0.22)))
+    # finer than the fingertip, so that the dent is its own and not the mesh's
+    head.modifiers.new("Finer", "SUBSURF").levels = 1
+    bpy.ops.object.modifier_apply(modifier="Finer")
     head.data.shade_smooth()
     bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
     constants = head.data.materials[0].dimple
@@ -51,9 +54,9 @@ def suzanne() -> None:
     neck = head.vertex_groups.new(name="Neck")
     neck.add([v.index for v in head.data.vertices if v.co.y > 0.4 * back and v.co.z < 0.15 * back], 1.0, "ADD")
     head.dimple.hold, head.dimple.pin_group, head.dimple.enabled = "GROUP", neck.name, True
-    head.modifiers.new("Smooth", "SUBSURF").render_levels = 2
+    head.modifiers.new("Smooth", "SUBSURF").levels = 1
     tip = press_ball(1, FINGERTIP_MM / 1e3)
-    hit, place, normal, _ = head.ray_cast(Vector((0.0, -1.0, 0.045)), Vector((0.0, 1.0, 0.0)))
+    hit, place, normal, _ = head.ray_cast(Vector((0.012, -1.0, 0.068)), Vector((0.0, 1.0, 0.0)))
     assert hit
     touch = head.matrix_world @ (place + normal * FINGERTIP_MM / 1e3)
     key_press(tip, touch, -normal * 0.022)
