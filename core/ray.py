@@ -24,29 +24,24 @@ def ray_hit(
 
     Returns:
         Distance [m], point [m] and unit normal on the side the ray comes from; None when it misses.
-
-    Source: Moeller and Trumbore, Fast, minimum storage ray/triangle intersection, 1997.
     """
     o, d = np.asarray(origin, np.float64), np.asarray(direction, np.float64)
-    a, b, c = (np.asarray(positions[triangles[:, i]], np.float64) for i in range(3))
-    ab, ac = b - a, c - a
-    p = np.cross(d, ac)
-    determinant = np.einsum("ij,ij->i", ab, p)
+    # seen along the ray it is a point, and a triangle holds it when it is on the same side of all three edges;
+    # an edge is judged alike from both its triangles, so that no ray slips between them
+    across = np.eye(3)[np.abs(d).argmin()]
+    across = np.cross(d, across) / np.linalg.norm(np.cross(d, across))
+    flat = (positions - o) @ np.stack([across, np.cross(d, across)], axis=1)
+    x, y = (np.ascontiguousarray(flat[:, i])[triangles.T] for i in range(2))
+    side = x * np.roll(y, -1, axis=0) - np.roll(x, -1, axis=0) * y
+    held = np.flatnonzero((side >= 0).all(axis=0) | (side <= 0).all(axis=0))
+    a, b, c = np.asarray(positions, np.float64)[triangles[held]].transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    toward = normals @ d
     with np.errstate(divide="ignore", invalid="ignore"):
-        inverse = 1 / determinant
-        s = o - a
-        u = np.einsum("ij,ij->i", s, p) * inverse
-        q = np.cross(s, ab)
-        v = (q @ d) * inverse
-        distance = np.einsum("ij,ij->i", ac, q) * inverse
-        # a hair of slack: a ray through an edge must not slip between two triangles
-        crossed = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (distance > 0)
-    distance = np.where(crossed & np.isfinite(distance), distance, np.inf)
-    nearest = int(distance.argmin())
-    if distance[nearest] == np.inf:
+        distance = np.einsum("ij,ij->i", a - o, normals) / toward
+    distance = np.where(np.isfinite(distance) & (distance > 0), distance, np.inf)
+    if not np.isfinite(distance).any():
         return None
-    normal = np.cross(ab[nearest], ac[nearest])
-    normal /= np.linalg.norm(normal)
-    if normal @ d > 0:
-        normal = -normal
+    nearest = int(distance.argmin())
+    normal = normals[nearest] / np.linalg.norm(normals[nearest]) * -np.sign(toward[nearest])
     return float(distance[nearest]), tuple((o + distance[nearest] * d).tolist()), tuple(normal.tolist())

@@ -161,9 +161,10 @@ def to_physical(scale: float, matrix: Floats, local: npt.NDArray[Any]) -> Floats
 def to_local(link: Link, matrix: Floats, physical: Singles) -> Singles:
     """Return physical points (N, 3) [m] as coordinates of an object; vertices at rest get their very bits back."""
     inverse = np.linalg.inv(matrix)
-    local = (physical.astype(np.float64) @ (inverse[:3, :3].T / link.scale) + inverse[:3, 3]).astype(np.float32)
+    local = (physical @ (inverse[:3, :3].T / link.scale) + inverse[:3, 3]).astype(np.float32)
     if np.array_equal(matrix, link.matrix):
-        resting = (np.abs(physical - link.resting) <= link.rounding).all(axis=1)
+        x, y, z = (np.abs(physical - link.resting) <= link.rounding).T
+        resting = np.flatnonzero(x & y & z)
         local[resting] = link.rest[resting]
     return local
 
