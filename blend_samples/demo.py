@@ -151,7 +151,7 @@ def draw_curves(
 def photograph(name: str, out: Path, progress: Progress) -> None:
     """Render the four moments of the press side by side."""
     scene = bpy.context.scene
-    scene.render.engine, scene.cycles.samples, scene.cycles.device = "CYCLES", 24, "CPU"
+    scene.render.engine, scene.cycles.samples, scene.cycles.device = "CYCLES", 16, "CPU"
     scene.render.resolution_x, scene.render.resolution_y = 640, 420
     scene.render.image_settings.file_format = "PNG"
     figure, axes = plt.subplots(2, 2, figsize=(12.8, 8.9))
