@@ -75,7 +75,7 @@ def equilibrium(
     reactions, residual, goal = _balance(model, state, touches, tolerance)
     while residual > goal and steps < STEPS:
         before, unsolved = state.positions.copy(), state.unsolved
-        solve(model, state, touches, before, still, h, tolerance=LOOSE)
+        solve(model, state, touches, before, still, h, drop=LOOSE)
         found = _balance(model, state, touches, tolerance)
         steps += 1
         if not np.isfinite(found[1]) or state.unsolved > unsolved and found[1] > residual:

@@ -8,13 +8,13 @@ from functools import partial
 from ..base import Floats
 from ..laws.contact import Touch
 from ..model import Model, State
-from .newton import run_implicit, solve
+from .newton import moved_back, run_implicit, solve
 
 
 def advance(model: Model, state: State, touches: Sequence[Touch], dt: float) -> Floats:
     """Advance a state in place by dt [s] and return the impulses (k, 3) [N s] on the fingertips."""
     x0, v0 = state.positions.copy(), state.velocities.copy()
-    force = solve(model, state, touches, x0, v0, dt / 2)
+    force = solve(model, state, moved_back(touches, dt / 2), x0, v0, dt / 2)
     state.positions[:] = 2 * state.positions - x0
     state.velocities[:] = 2 * state.velocities - v0
     return dt * force

@@ -8,6 +8,7 @@ Every implicit method here is one or two such solves; they differ in x_base, v_b
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,14 +22,16 @@ from .tangent import Tangent, tangent
 from .ticks import acceleration_of, each_tick
 
 NEWTON_STEPS = 30
-NEWTON_TOLERANCE = 1e-8  # of the velocity and of its change over the step
+NEWTON_TOLERANCE = 1e-8  # of the velocity
+ROUNDING = 1e-12  # of what the forces at the start would do in the step: they are not known better
 SPEED_FLOOR = 1e-9  # [m/s] a body at rest is solved when it is this still
 CG_STEPS = 300
 CG_TOLERANCE = 1e-2  # of the residual: a better direction does not pay
 HALVINGS = 12
 CONTACT_STIFFNESS = 30.0  # of what holds a vertex: a fingertip sinks in by well under a hundredth of its radius
 
-# advance(model, state, touches, dt): move a state in place by dt [s] and return the impulses (k, 3) [N s]
+# advance(model, state, touches, dt): move a state in place by dt [s], fingertips to where they are at its end, and
+# return the impulses (k, 3) [N s]
 Advance = Callable[[Model, State, Sequence[Touch], float], Floats]
 
 
@@ -50,15 +53,21 @@ def run_implicit(
         )
     total = np.zeros((len(path.radii), 3))
     for touches in each_tick(model, state, path, tick):
-        for _ in range(substeps):
+        for i in range(substeps):
+            now = moved_back(touches, (substeps - 1 - i) * tick / substeps)
             try:
-                total += advance(model, state, touches, tick / substeps)
+                total += advance(model, state, now, tick / substeps)
             except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
                 state.positions[:] = np.nan
                 return total
             if model.ground is not None:
                 rest_on_ground(state.positions, state.velocities, model.ground, model.inverse_mass, model.friction)
     return total
+
+
+def moved_back(touches: Sequence[Touch], seconds: float) -> list[Touch]:
+    """Return where the fingertips were some seconds before."""
+    return [replace(touch, centre=touch.centre - seconds * touch.velocity) for touch in touches]
 
 
 def meet_faces(model: Model, state: State, touches: Sequence[Touch]) -> list[Meeting]:
@@ -86,8 +95,12 @@ def solve(
     h: float,
     *,
     tolerance: float = NEWTON_TOLERANCE,
+    drop: float = ROUNDING,
 ) -> Floats:
     """Put a state, in place, at x_base + h v, v; where no v solves the equation, count it in state.unsolved.
+
+    Args:
+        tolerance: residual over the velocity.  drop: residual over that of the velocity at the start, if more.
 
     Returns:
         the forces (k, 3) [N] on the fingertips there.
@@ -101,12 +114,12 @@ def solve(
     def norm(r: Floats) -> float:
         return float(np.sqrt(((r * r) @ weight).sum()))
 
-    v = v_base.copy()
+    v = state.velocities.copy()  # v_base may throw a stiff body far away
     r = residual(v)
     size = norm(r)
-    goal = tolerance * (size + norm(v_base)) + SPEED_FLOOR * float(np.sqrt(weight.sum()))
+    floor = norm(v_base) * tolerance + size * drop + SPEED_FLOOR * float(np.sqrt(weight.sum()))
     for _ in range(NEWTON_STEPS):
-        if size <= goal:
+        if size <= floor + tolerance * norm(v):
             break
         system = tangent(model, state, h, meet_faces(model, state, touches))
         direction = conjugate_gradients(system, r * weight)
@@ -121,7 +134,7 @@ def solve(
             break
         v = v + share * direction
         r, size = ahead, norm(ahead)
-    if not size <= goal:
+    if not size <= floor + tolerance * norm(v):
         residual(v)
         state.unsolved += 1
     return pressed(model, state, touches)[1]

@@ -76,9 +76,10 @@ def meet(model: Model, state: State, touches: Sequence[Touch]) -> Floats:
 
 
 def touched(x: Floats, touches: Sequence[Touch]) -> Ints:
-    """Return the vertices inside any fingertip: the paper's contact."""
+    """Return the vertices inside any fingertip or on its surface: the paper's contact."""
+    reach = 1 + contact.ROUNDING
     hits = [
-        touch.vertices[((x[:, touch.vertices] - touch.centre[:, None]) ** 2).sum(axis=0) < touch.radius**2]
+        touch.vertices[((x[:, touch.vertices] - touch.centre[:, None]) ** 2).sum(axis=0) < (reach * touch.radius) ** 2]
         for touch in touches
     ]
     return np.unique(np.concatenate(hits)) if hits else np.zeros(0, np.int64)

@@ -17,7 +17,7 @@ from functools import partial
 from ..base import Floats
 from ..laws.contact import Touch
 from ..model import Model, State
-from .newton import pressed, run_implicit, solve
+from .newton import moved_back, pressed, run_implicit, solve
 
 STAGE = 1 - math.sqrt(0.5)  # h / dt
 MEMORY = (math.sqrt(2) - 1) / 2
@@ -27,8 +27,8 @@ def advance(model: Model, state: State, touches: Sequence[Touch], dt: float) -> 
     """Advance a state in place by dt [s] and return the impulses (k, 3) [N s] on the fingertips."""
     h = STAGE * dt
     x0, v0 = state.positions.copy(), state.velocities.copy()
-    a0, force_0 = pressed(model, state, touches)
-    force_g = solve(model, state, touches, x0 + h * v0, v0 + h * a0, h)
+    a0, force_0 = pressed(model, state, moved_back(touches, dt))
+    force_g = solve(model, state, moved_back(touches, dt - 2 * h), x0 + h * v0, v0 + h * a0, h)
     x_base = (1 + MEMORY) * state.positions - MEMORY * x0
     force_1 = solve(model, state, touches, x_base, (1 + MEMORY) * state.velocities - MEMORY * v0, h)
     return h * ((1 + MEMORY) * (force_0 + force_g) + force_1)

@@ -1,0 +1,147 @@
+"""Work against precision: what each method costs for an error, scene by scene, and which is on the front."""
+
+from __future__ import annotations
+
+import copy
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base import TICK, Floats
+from ..integrators.methods import METHODS
+from ..integrators.path import FingerPath
+from ..material import PRESETS, Material
+from ..mesh import Mesh, base_vertices
+from ..model import Model, State, build_model, initial_state
+from .motion import relative_error
+from .scenes import BALL, FINGERTIP, ball, cube, oscillator, twisted_ball
+
+Reference = Callable[[Model, State, float], Floats]  # positions (3, n) [m] after a time [s]
+
+RUINED = 1.0  # an error as large as the motion itself says nothing any more
+DECADES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # bounds of the ranges of the table
+# steps over the stability limit of the explicit methods, and over their own tenth for the implicit ones
+EXPLICIT_STEPS = (1.02, 1.2, 1.5, 2.0, 4.0, 8.0, 16.0)
+IMPLICIT_STEPS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+REFERENCE_STEPS = 48.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """Hold a scene cut to what a study needs: where it starts, how long it runs, how a fingertip goes down.
+
+    depth: [m] reached at half time, 0 without a fingertip.
+    """
+
+    name: str
+    label: str
+    model: Model
+    start: State
+    seconds: float
+    depth: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """Hold one run: steps taken, error of the positions, force [N] on the fingertip, cost [s] of processor time."""
+
+    case: str
+    method: str
+    steps: int
+    error: float
+    force: float
+    cost: float
+    unsolved: int
+
+
+def cases(*, quick: bool) -> list[Case]:
+    """Return the scenes; the quick ones are smaller and shorter."""
+    swing, swing_start = oscillator(damping_ratio=0.1)
+    free, free_start = twisted_ball(1 if quick else 2, amount=0.3)
+    nylon = PRESETS[0]
+    round_mesh, stiff_mesh = ball(1 if quick else 2), cube(4 if quick else 8, nylon.size)
+    return [
+        Case(name="oscillator", label="breathing triangle", model=swing, start=swing_start, seconds=0.04),
+        Case(name="free_ball", label="twisted ball, free", model=free, start=free_start, seconds=0.01),
+        _poke("poke_ball", "poked liquid ball", round_mesh, BALL, 0.08 if quick else 0.2),
+        _poke("stiff_nylon", "poked nylon cube", stiff_mesh, nylon.material, 0.04 if quick else 0.1),
+    ]
+
+
+def measure(case: Case, *, reference: Reference | None = None, quick: bool = False) -> Iterator[Point]:
+    """Run every method over its range of steps.
+
+    Args:
+        reference: an independent solver for motion without contact; else our own, at very small steps.
+    """
+    wanted = exact(case, reference, quick=quick)
+    for name, method in METHODS.items():
+        shares: tuple[float, ...] = IMPLICIT_STEPS if method.kind == "implicit" else EXPLICIT_STEPS
+        shares = shares[: -2 if quick and case.depth else None]
+        for steps in sorted({max(2, math.ceil(share * _limit_steps(case))) for share in shares}):
+            yield run(case, name, steps, wanted)
+
+
+def exact(case: Case, reference: Reference | None, *, quick: bool) -> Floats:
+    """Return the positions (3, n) at the end: by the reference, or in contact by Verlet at very small steps."""
+    if reference and not case.depth:
+        return reference(case.model, copy.deepcopy(case.start), case.seconds)
+    share = REFERENCE_STEPS / (3 if quick else 1)
+    return _advance(case, "velocity_verlet", math.ceil(share * _limit_steps(case)))[0].positions
+
+
+def run(case: Case, method: str, steps: int, wanted: Floats) -> Point:
+    """Run a case once."""
+    started = time.process_time()
+    with np.errstate(all="ignore"):
+        state, force = _advance(case, method, steps)
+    cost = time.process_time() - started
+    error = relative_error(state.positions, wanted, case.start.positions)
+    return Point(
+        case=case.name, method=method, steps=steps, error=error if error < RUINED else math.inf, force=force,
+        cost=cost, unsolved=state.unsolved,
+    )  # fmt: skip
+
+
+def front(points: Sequence[Point]) -> dict[float, Point | None]:
+    """Return, for each error bound, the cheapest run that meets it."""
+    found: dict[float, Point | None] = {}
+    for bound in DECADES:
+        good = [p for p in points if p.error <= bound and not p.unsolved]
+        found[bound] = min(good, key=lambda p: p.cost) if good else None
+    return found
+
+
+def _poke(name: str, label: str, mesh: Mesh, material: Material, seconds: float) -> Case:
+    """Return a press without friction, which only some of the methods have."""
+    model = build_model(mesh, [replace(material, friction=0.0)], held=base_vertices(mesh))
+    return Case(name=name, label=label, model=model, start=initial_state(model), seconds=seconds, depth=mesh.size / 16)
+
+
+def _limit_steps(case: Case) -> float:
+    return case.seconds * case.model.substeps(0.1) / 0.1
+
+
+def _advance(case: Case, method: str, steps: int) -> tuple[State, float]:
+    """Return the state at the end and the mean force [N] on the fingertip over the last quarter."""
+    state, run_method = copy.deepcopy(case.start), METHODS[method].run
+    ticks = min(steps, max(8, round(case.seconds / TICK))) if case.depth else 1
+    substeps = round(steps / ticks)
+    tick = case.seconds / ticks
+    if not case.depth:
+        nobody = FingerPath(centres=np.zeros((0, ticks + 1, 3)), radii=np.zeros(0))
+        run_method(case.model, state, nobody, tick=tick, substeps=substeps)
+        return state, 0.0
+    down = np.minimum(np.arange(ticks + 1) / ticks * 2, 1) * case.depth
+    centres = np.zeros((1, ticks + 1, 3))
+    centres[0, :, 2] = case.model.mesh.rest_positions[:, 2].max() + FINGERTIP - down
+    late = ticks - max(1, ticks // 4)
+    radii = np.array([FINGERTIP])
+    run_method(case.model, state, FingerPath(centres=centres[:, : late + 1], radii=radii), tick=tick, substeps=substeps)
+    impulse = run_method(
+        case.model, state, FingerPath(centres=centres[:, late:], radii=radii), tick=tick, substeps=substeps
+    )
+    return state, float(impulse[0, 2]) / ((ticks - late) * tick)

@@ -1,0 +1,57 @@
+"""Where methods blow up is where theory says, and what energy they keep is what theory says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from core.integrators.methods import METHODS
+from core.study.conservation import artificial_damping, backward_euler_damping, energy_trace
+from core.study.stability import bound, cell, linearised, measured_boundary, small_body
+
+EXPLICIT = [name for name, method in METHODS.items() if method.kind == "explicit"]
+IMPLICIT = [name for name, method in METHODS.items() if method.kind == "implicit"]
+
+
+@pytest.mark.parametrize("k", [6.0, 60_000.0])
+@pytest.mark.parametrize("method", EXPLICIT)
+def test_an_explicit_method_blows_up_within_a_tenth_of_its_bound(method: str, k: float) -> None:
+    model = small_body(k)
+    theory = bound(method, linearised(model))
+    assert measured_boundary(method, model, theory) == pytest.approx(theory, rel=0.1)
+
+
+@pytest.mark.parametrize("k", [6.0, 60_000.0])
+@pytest.mark.parametrize("method", IMPLICIT)
+def test_an_implicit_method_stays_finite_at_any_step(method: str, k: float) -> None:
+    model = small_body(k)
+    jacobian = linearised(model)
+    for dt in (1e-4, 1e-2, 1.0):
+        assert cell(method, model, jacobian, k, dt, steps=16).label != "blown up"
+
+
+@pytest.mark.parametrize("k", [6.0, 60_000.0])
+def test_the_products_own_steps_are_stable(k: float) -> None:
+    model = small_body(k)
+    assert 1e-3 / model.substeps(1e-3) < bound("semi_implicit", linearised(model))
+
+
+def test_the_energy_of_verlet_stays_bounded_over_a_hundred_thousand_steps() -> None:
+    ratios = np.array(energy_trace("velocity_verlet", omega_dt=0.2, steps=100_000, looks=500).ratios)
+    assert np.abs(ratios - 1).max() < 0.2**2 / 2  # it swings by (omega dt)^2 / 4 and drifts nowhere
+    assert abs(ratios[-100:].mean() - ratios[:100].mean()) < 1e-3
+
+
+@pytest.mark.parametrize("omega_dt", [0.05, 0.2, 1.0])
+def test_backward_euler_damps_as_theory_says(omega_dt: float) -> None:
+    trace = energy_trace("backward_euler", omega_dt=omega_dt, steps=64, looks=64)
+    assert artificial_damping(trace) == pytest.approx(backward_euler_damping(omega_dt), rel=0.05)
+
+
+def test_implicit_midpoint_keeps_the_energy_and_explicit_euler_feeds_it() -> None:
+    kept = energy_trace("implicit_midpoint", omega_dt=0.3, steps=100)
+    assert max(abs(ratio - 1) for ratio in kept.ratios) < 1e-5
+    fed = energy_trace("explicit_euler", omega_dt=0.1, steps=200, looks=50)
+    assert artificial_damping(fed) == pytest.approx(-math.log1p(0.01) / 0.2, rel=0.02)
