@@ -92,7 +92,7 @@ class Recorder:
 
 
 def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
-    """Return where the PC2 file of an object goes: the chosen folder, else beside the .blend, else our own.
+    """Return where the PC2 file of an object goes: the scene's folder, else beside the .blend, else the preferred one.
 
     Raises:
         DimpleError: the folder cannot be made.
@@ -118,7 +118,11 @@ def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> 
 
 
 def _own_folder() -> Path:
+    """Return the folder of the preferences, else the one Blender keeps for the extension."""
     package = (__package__ or "").rpartition(".")[0]
+    settings = bpy.context.preferences.addons.get(package)
+    if settings and settings.preferences.cache_dir:
+        return Path(bpy.path.abspath(settings.preferences.cache_dir))
     if package.startswith("bl_ext."):
         return Path(bpy.utils.extension_path_user(package, path="caches", create=True))
     return Path(bpy.app.tempdir)

@@ -290,6 +290,19 @@ def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed
         bpy.ops.dimple.bake(frame_start=5, frame_end=5)
 
 
+def test_an_unsaved_file_bakes_into_the_preferred_folder(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
+) -> None:
+    settings = bpy.context.preferences.addons["bl_ext.user_default.dimple"].preferences
+    pressed()
+    scene.dimple.cache_dir, settings.cache_dir = "", str(tmp_path / "preferred")
+    try:
+        bpy.ops.dimple.bake(frame_start=1, frame_end=2)
+    finally:
+        settings.cache_dir = ""
+    assert [path.suffix for path in sorted((tmp_path / "preferred").iterdir())] == [".csv", ".pc2"]
+
+
 def test_a_bake_beside_a_saved_file_is_found_again_when_the_project_moves(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], shown: Shown, tmp_path: Path
 ) -> None:
