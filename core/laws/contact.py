@@ -18,6 +18,7 @@ from ..base import Bools, Floats, Ints
 _TINY = 1e-30
 FACE_SWEEPS = 8  # at most, in one step
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
+ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
 
@@ -90,7 +91,7 @@ def _push(
     """
     offset = (x[:, members] * weights).sum(axis=2) - touch.centre[:, None]
     distance = np.sqrt((offset**2).sum(axis=0))
-    hit = distance < touch.radius
+    hit = distance < touch.radius * (1 - ROUNDING)
     if not hit.any():
         return np.zeros(3), 0.0
     members, weights, distance = members[hit], weights[hit], np.maximum(distance[hit], _TINY)

@@ -60,19 +60,31 @@ def why_not() -> str:
     return ""
 
 
-def instructions() -> str:
-    """Return the name of the instruction set in use, "" where the native core cannot run."""
-    return "" if why_not() else _loaded[-1].dm_instructions(BEST).decode()
+def library() -> ctypes.CDLL:
+    """Return the library in use.
+
+    Raises:
+        NativeError: there is none.
+    """
+    if not _loaded and why_not():
+        raise NativeError(why_not())
+    return _loaded[-1]
+
+
+def instructions(instruction_set: int = BEST) -> str:
+    """Return the name of an instruction set, "" where this machine lacks it."""
+    name: bytes = library().dm_instructions(instruction_set)
+    return name.decode()
 
 
 def run(model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
     """Advance a state in place in single precision, as `semi_implicit.run` does."""
-    return _run(_body(model, 32), model, state, path, tick, substeps)
+    return run_body(body_of(model, 32), model, state, path, tick=tick, substeps=substeps)
 
 
 def run64(model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
     """Advance a state in place in double precision."""
-    return _run(_body(model, 64), model, state, path, tick, substeps)
+    return run_body(body_of(model, 64), model, state, path, tick=tick, substeps=substeps)
 
 
 def load(path: Path) -> ctypes.CDLL:
@@ -86,16 +98,16 @@ def load(path: Path) -> ctypes.CDLL:
     if library.dm_abi() != ABI:
         raise NativeError(f"it has version {library.dm_abi()}, not {ABI}")
     library.dm_message.restype = library.dm_instructions.restype = ctypes.c_char_p
-    for name, arguments in _ARGUMENTS.items():
+    for name, arguments in ARGUMENTS.items():
         getattr(library, name).argtypes = [_TYPES[letter] for letter in arguments]
         getattr(library, name).restype = ctypes.c_int32
     return library
 
 
-def use(library: ctypes.CDLL) -> None:
+def use(own: ctypes.CDLL) -> None:
     """Run on this library from now on: a test's own build."""
     _bodies.clear()
-    _loaded.append(library)
+    _loaded.append(own)
 
 
 def self_test(library: ctypes.CDLL) -> None:
@@ -104,11 +116,11 @@ def self_test(library: ctypes.CDLL) -> None:
     Raises:
         NativeError: they differ.
     """
-    model, state, path = _small_press()
+    model, state, path = small_press()
     semi_implicit.run(model, state, path, tick=1e-3, substeps=model.substeps(1e-3))
     for bits in (32, 64):
-        model, other, path = _small_press()
-        _run(Body(library, model, bits), model, other, path, 1e-3, model.substeps(1e-3))
+        model, other, path = small_press()
+        run_body(Body(library, model, bits), model, other, path, tick=1e-3, substeps=model.substeps(1e-3))
         difference = float(np.abs(other.positions - state.positions).max())
         if not difference < AGREEMENT * model.mesh.size:
             raise NativeError(f"it differs from numpy by {1000 * difference:.3g} mm")
@@ -156,22 +168,32 @@ class Body:
         self.call(f"dm_set_{what}", self.handle, *values)
 
     def call(self, name: str, *values: Any) -> None:
-        """Call the library; numpy arrays go as the pointers its header asks for.
-
-        Raises:
-            NativeError: it refused.
-        """
-        arrays = []
-        for letter, value in zip(_ARGUMENTS[name], values, strict=True):
-            if isinstance(value, np.ndarray):
-                value = np.ascontiguousarray(value, _DTYPES[letter])
-            arrays.append(value)
-        code = getattr(self.library, name)(*[a.ctypes.data if isinstance(a, np.ndarray) else a for a in arrays])
-        if code:
-            raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
+        call(name, *values, using=self.library)
 
 
-def _run(body: Body, model: Model, state: State, path: FingerPath, tick: float, substeps: int) -> Floats:
+def call(name: str, *values: Any, using: ctypes.CDLL | None = None) -> None:
+    """Call the library; numpy arrays go as the pointers its header asks for.
+
+    Raises:
+        NativeError: it refused.
+    """
+    arrays = []
+    for letter, value in zip(ARGUMENTS[name], values, strict=True):
+        if isinstance(value, np.ndarray):
+            value = np.ascontiguousarray(value, _DTYPES[letter])
+        arrays.append(value)
+    using = using or library()
+    code = getattr(using, name)(*[a.ctypes.data if isinstance(a, np.ndarray) else a for a in arrays])
+    if code:
+        raise NativeError(f"{name}: {using.dm_message(code).decode()}", code)
+
+
+def run_body(body: Body, model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
+    """Advance a state of this body's model in place.
+
+    Raises:
+        NativeError: the arrays of the state are not contiguous doubles, or the library refused.
+    """
     for a in (state.positions, state.velocities):
         if not (a.flags.c_contiguous and a.dtype == np.float64):
             raise NativeError("positions and velocities must be contiguous doubles, (3, n)")
@@ -199,19 +221,16 @@ def _run(body: Body, model: Model, state: State, path: FingerPath, tick: float, 
     return impulses
 
 
-def _body(model: Model, bits: int) -> Body:
+def body_of(model: Model, bits: int) -> Body:
     """Return the body of a model, made at its first use and freed with the model."""
     key = id(model), bits
     if key not in _bodies:
-        reason = why_not()
-        if reason and not _loaded:
-            raise NativeError(reason)
-        _bodies[key] = Body(_loaded[-1], model, bits)
+        _bodies[key] = Body(library(), model, bits)
         weakref.finalize(model, _bodies.pop, key, None)
     return _bodies[key]
 
 
-def _small_press() -> tuple[Model, State, FingerPath]:
+def small_press() -> tuple[Model, State, FingerPath]:
     """Return a soft octahedron on the ground, its fingertip and a few ticks of its way down."""
     from ..material import Material
     from ..mesh import mesh_from_triangles
@@ -238,7 +257,7 @@ _TYPES: dict[str, Any] = {
     "D": ctypes.c_void_p, "I": ctypes.c_void_p, "U": ctypes.c_void_p, "p": ctypes.c_void_p,
 }  # fmt: skip
 _DTYPES: dict[str, type] = {"D": np.float64, "I": np.int64, "U": np.uint8}
-_ARGUMENTS = {
+ARGUMENTS = {
     "dm_create": "oiinDnII", "dm_free": "b", "dm_fit_rotation": "DD",
     "dm_set_springs": "bnIDDDnIU", "dm_set_bend": "bnIDDD", "dm_set_faces": "bnI", "dm_set_fill": "bidnInII",
     "dm_set_matter": "bnDDD", "dm_set_memory": "bnDDDD", "dm_set_world": "bidDd",

@@ -10,6 +10,7 @@
 #define FACE_SWEEPS 8 /* as in core/laws/contact.py */
 #define FACE_SLACK 1e-3
 #define HELD_GIVE 0.1
+#define ROUNDING 1e-6
 #define WEIGHT_FLOOR 1e-6
 
 /* Vertices lie in the order of a space-filling curve, so that neighbours are near in memory; runs of eight with

@@ -12,7 +12,7 @@ static void meet_vertices(body *b, const touch *t, double *impulse, uint32_t *mo
         record *r = b->records + i;
         quad offset = r->x - t->centre;
         real distance = SQRT(dot3(offset, offset));
-        if (!(distance < t->radius)) continue;
+        if (!(distance < t->radius * (real)(1 - ROUNDING))) continue;
         distance = distance > TINY ? distance : TINY;
         real give = b->inverse_mass[i] > TINY ? b->inverse_mass[i] : TINY;
         quad normal = offset / distance, relative = r->v - t->velocity;
@@ -78,7 +78,7 @@ static int64_t find_hits(body *b, const touch *t) {
             weight.x * p.z + weight.y * q.z + weight.z * r.z,
         };
         lanes distance = root(dot(at, at));
-        mask inside = (mask)(distance < all(t->radius));
+        mask inside = (mask)(distance < all(t->radius * (real)(1 - ROUNDING)));
         if (!any(inside)) continue;
         for (int l = 0; l < LANES && k + l < t->face_count; l++) {
             if (!inside[l]) continue;
@@ -175,11 +175,13 @@ static void rest_on_ground(body *b) {
 
 static void note_touching(body *b, int64_t fingers) {
     memset(b->touching, 0, (size_t)(b->groups * LANES));
-    for (const touch *t = b->touches; t < b->touches + fingers; t++)
+    for (const touch *t = b->touches; t < b->touches + fingers; t++) {
+        real reach = t->radius * (real)(1 + ROUNDING);
         for (int64_t k = 0; k < t->vertex_count; k++) {
             quad offset = b->records[t->vertices[k]].x - t->centre;
-            if (dot3(offset, offset) < t->radius * t->radius) b->touching[t->vertices[k]] = 1;
+            if (dot3(offset, offset) < reach * reach) b->touching[t->vertices[k]] = 1;
         }
+    }
 }
 
 static void meet(body *b, int64_t fingers, double *impulses) {

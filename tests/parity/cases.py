@@ -1,0 +1,156 @@
+"""Bodies and motions on which the native core must do what numpy does."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from core.base import Floats
+from core.integrators.path import FingerPath
+from core.material import PRESETS, Material
+from core.mesh import Mesh, base_vertices, mesh_from_triangles
+from core.model import Model, State, build_model, initial_state
+from tests.bodies import ball, hemisphere, joined, sheet, soup
+
+REAL = Path(__file__).resolve().parents[3] / "shared" / "data" / "meshes"
+SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")
+SIZE = 0.16
+TICK = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """Describe a body and what happens to it.
+
+    hold: "base" or "free".  fingers: how many press.  thrown: start with random velocities.  moved: pins move.
+    options: of build_model.
+    """
+
+    shape: Callable[[], tuple[Floats, Any]]
+    material: Material = SOFT
+    hold: str = "base"
+    fingers: int = 1
+    thrown: bool = False
+    moved: bool = False
+    ticks: int = 20
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+def fan() -> tuple[Floats, Any]:
+    """Return a cone of 20 triangles round one tip: more neighbours than a ring has room for."""
+    turn = np.arange(20) * 2 * np.pi / 20
+    rim = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    return np.concatenate([rim, [[0, 0, 1.0], [0, 0, -1.0]]]), np.array(
+        [(i, (i + 1) % 20, 20) for i in range(20)] + [((i + 1) % 20, i, 21) for i in range(20)]
+    )
+
+
+def crumpled() -> tuple[Floats, Any]:
+    points, faces = ball(2)
+    return points * np.random.default_rng(3).uniform(0.7, 1.3, (len(points), 1)), faces
+
+
+def needles() -> tuple[Floats, Any]:
+    points, faces = ball(2)
+    return points * (1.0, 0.02, 1.0), faces
+
+
+def three_walls() -> tuple[Floats, Any]:
+    """Return two tetrahedra that share a face: edges with three triangles."""
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0.4, 1, 0], [0.4, 0.4, 1], [0.4, 0.4, -1]])
+    return points, np.array([(0, 1, 3), (1, 2, 3), (2, 0, 3), (0, 1, 2), (1, 0, 4), (2, 1, 4), (0, 2, 4)])
+
+
+def with_loose() -> tuple[Floats, Any]:
+    points, faces = ball(1)
+    return np.concatenate([points, [[3.0, 3, 3]]]), faces
+
+
+def real(name: str) -> Callable[[], tuple[Floats, Any]]:
+    def load() -> tuple[Floats, Any]:
+        import trimesh
+
+        raw = trimesh.load(REAL / name, process=False, force="mesh")
+        return np.asarray(raw.vertices, float), np.asarray(raw.faces)
+
+    return load
+
+
+WHOLE = {
+    "liquid": Case(shape=lambda: ball(2)),
+    "air": Case(shape=lambda: ball(2), material=replace(SOFT, fill="air")),
+    "no fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="none")),
+    "paper fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="paper")),
+    "paper laws": Case(shape=lambda: ball(2), options={"law_set": "paper"}),
+    "paper laws, two fingers": Case(shape=crumpled, fingers=2, options={"law_set": "paper"}),
+    "bend springs": Case(shape=lambda: ball(2), options={"bend": 0.3}),
+    "free": Case(shape=lambda: ball(2), hold="free", thrown=True),
+    "free on the ground": Case(shape=lambda: ball(2), hold="free", options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
+    "lifted by three": Case(shape=lambda: ball(2), hold="free", fingers=3, options={"gravity": (1, 0, -9.81)}),
+    "moving pins": Case(shape=lambda: ball(2), moved=True, thrown=True),
+    "slippery": Case(shape=lambda: ball(2), material=replace(SOFT, friction=0.0)),
+    "undamped": Case(shape=lambda: ball(2), material=replace(SOFT, damping_ratio=0.0), thrown=True),
+    "soft in places": Case(shape=lambda: ball(2), options={"softness": "random"}),
+    "measured cube": Case(shape=lambda: ball(2), material=PRESETS[2].material),
+    "one eighth of a group": Case(shape=lambda: ball(0), thrown=True),
+}
+DEGENERATE = {
+    "a hole": Case(shape=hemisphere),
+    "a sheet": Case(shape=sheet, thrown=True),
+    "a free sheet": Case(shape=sheet, hold="free", thrown=True),
+    "a flat body": Case(shape=needles, hold="free", thrown=True),
+    "a wide fan": Case(shape=fan),
+    "a wide fan that bends": Case(shape=fan, options={"bend": 1.0}),
+    "three walls at an edge": Case(shape=three_walls, hold="free", thrown=True),
+    "soup": Case(shape=lambda: soup(ball(1))),
+    "crumpled": Case(shape=crumpled, thrown=True),
+    "two bodies": Case(shape=lambda: joined(ball(1), (ball(1)[0] + (3, 0, 0), ball(1)[1])), hold="free", thrown=True),
+    "a loose vertex": Case(shape=with_loose, hold="free", options={"gravity": (0, 0, -9.81)}),
+    "everything held": Case(shape=lambda: ball(1), options={"held": "all"}),
+}
+SCANS = {
+    name: Case(shape=real(name), material=PRESETS[1].material, ticks=4)
+    for name in ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")
+    if (REAL / name).exists()
+}
+CASES = WHOLE | DEGENERATE | SCANS
+
+
+def build(case: Case) -> tuple[Model, State, FingerPath]:
+    """Return a model of SIZE [m], its first state and the way of its fingertips."""
+    rng = np.random.default_rng(7)
+    points, faces = case.shape()
+    mesh: Mesh = mesh_from_triangles(points * SIZE / np.ptp(points, axis=0).max(), faces)
+    options = dict(case.options)
+    held = base_vertices(mesh) if case.hold == "base" else None
+    if options.get("held") == "all":
+        held, _ = np.ones(len(points), bool), options.pop("held")
+    if "softness" in options:
+        options["softness"] = rng.uniform(0, 1, len(points))
+    if "ground" in options:
+        options["ground"] *= SIZE
+    model = build_model(mesh, [case.material], held=held, **options)
+    state = initial_state(model)
+    free = model.inverse_mass > 0
+    if case.thrown:
+        state.velocities[:, free] = rng.normal(0, 0.1, (3, int(free.sum())))
+    if case.moved:
+        state.velocities[:, ~free & ~mesh.loose] = np.array([[0.1], [0.0], [0.05]])
+    if model.needs_contact:
+        state.inner_force = 1.5
+    return model, state, _press(mesh, case)
+
+
+def _press(mesh: Mesh, case: Case) -> FingerPath:
+    """Return fingertips that start at the skin and go 0.2 mm a tick inward, from above and from two sides."""
+    radius = 0.1 * SIZE
+    used = mesh.rest_positions[~mesh.loose]
+    centres = np.empty((case.fingers, case.ticks + 1, 3))
+    for k, outward in enumerate(np.array([[0.1, 0, 1.0], [0.9, 0.3, 0.3], [-0.9, 0.3, 0.3]])[: case.fingers]):
+        outward /= np.linalg.norm(outward)
+        tip = used[(used @ outward).argmax()]
+        way = radius - 2e-4 * np.arange(case.ticks + 1)
+        centres[k] = tip + way[:, None] * outward
+    return FingerPath(centres=centres, radii=np.full(case.fingers, radius))
