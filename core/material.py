@@ -42,7 +42,8 @@ class Material:
     def __post_init__(self) -> None:
         for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):
             _require(getattr(self, name) > 0, f"{name} must be greater than 0 {unit}", getattr(self, name))
-        _require((self.mass is None) != (self.density is None), "Give either a mass or a density", "both" if self.mass else "neither")
+        given = "both" if self.mass else "neither"
+        _require((self.mass is None) != (self.density is None), "Give either a mass or a density", given)
         if self.mass is not None:
             _require(self.mass > 0, "The mass must be greater than 0 kg", self.mass)
         if self.density is not None:
@@ -71,7 +72,8 @@ class Preset:
 def _require(holds: bool, rule: str, value: object) -> None:
     usable = not isinstance(value, float) or abs(value) <= _LARGEST
     if not (holds and usable):
-        raise DimpleError(f"{rule} (it is {value}{'' if usable else ', out of range'}). Change it in Material > Dimple.")
+        why = "" if usable else ", out of range"
+        raise DimpleError(f"{rule} (it is {value}{why}). Change it in Material > Dimple.")
 
 
 _SOURCE = "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there"
