@@ -52,7 +52,7 @@ def spring_force(law: Springs, x: Floats) -> Floats:
 
 def _face_normals(triangles: Ints, x: Floats) -> Floats:
     a, b, c = x[:, triangles[:, 0]], x[:, triangles[:, 1]], x[:, triangles[:, 2]]
-    return np.cross(b - a, c - a, axis=0)
+    return np.asarray(np.cross(b - a, c - a, axis=0), np.float64)
 
 
 def surface_tension(force: float, depth: float, length: float) -> float:
