@@ -104,6 +104,12 @@ def bench(options: argparse.Namespace) -> int:
     return run([python, "tests/bench/bench.py", *options.rest])
 
 
+def charts(options: argparse.Namespace) -> int:
+    """draw the charts of the studies and print which method is on the front; --quick for under a minute"""
+    out = (options.out or BUILD / "charts").resolve()
+    return run([environment(options.blender), "-m", "tools.charts", "--out", out, *options.rest])
+
+
 def core(options: argparse.Namespace) -> int:
     """run `python -m core` with the arguments that follow"""
     python = environment(options.blender)
@@ -119,14 +125,14 @@ def ci(_options: argparse.Namespace) -> int:
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="dev.py", description=(__doc__ or "").partition("\n")[0])
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for action in (demo, test, lint, build, native, wheels, bench, window, samples, core, ci):
+    for action in (demo, test, lint, build, native, wheels, bench, charts, window, samples, core, ci):
         command = commands.add_parser(action.__name__, help=action.__doc__, allow_abbrev=False)
         command.set_defaults(action=action, out=None)
         command.add_argument("--blender", metavar="VERSION", help=f"{', '.join(BLENDERS)} or its beginning")
-        if action in (demo, build, wheels, window):
+        if action in (demo, build, wheels, charts, window):
             command.add_argument("--out", type=Path, metavar="DIR", help="where the results go")
     options, options.rest = parser.parse_known_args(words)
-    if options.rest and options.action not in (test, core, bench):
+    if options.rest and options.action not in (test, core, bench, charts):
         parser.error(f"unknown arguments: {' '.join(options.rest)}")
     try:
         return options.action(options)

@@ -97,7 +97,7 @@ def draw_work_precision(out: Path, quick: bool) -> None:
 
 def draw_stability(out: Path, quick: bool) -> None:
     stiffness = np.logspace(0.8, 4.8, 5 if quick else 13)
-    steps = np.logspace(-4.5, -0.5, 9 if quick else 25)
+    steps = np.logspace(-4, -1, 7 if quick else 25)
     found = list(stability.stability_map(list(METHODS), stiffness.tolist(), steps.tolist()))
     cells = {(c.method, c.k, c.dt): c for c in found if isinstance(c, stability.Cell)}
     bounds = [b for b in found if not isinstance(b, stability.Cell)]
@@ -115,7 +115,14 @@ def draw_stability(out: Path, quick: bool) -> None:
         codes = [[LABELS.index(cells[name, k, dt].label) for k in stiffness] for dt in steps]
         axes.grid(False)
         axes.pcolormesh(
-            stiffness, steps, codes, cmap=ListedColormap(COLOURS), vmin=-0.5, vmax=2.5, edgecolors="white", lw=0.3
+            edges(stiffness),
+            edges(steps),
+            codes,
+            cmap=ListedColormap(COLOURS),
+            vmin=-0.5,
+            vmax=2.5,
+            edgecolors="white",
+            lw=0.3,
         )
         mine = [b for b in bounds if b[0] == name]
         if mine:
@@ -193,6 +200,12 @@ def draw_literal(out: Path, quick: bool) -> None:
     left.legend(frameon=False)
     right.legend(frameon=False)
     save(figure, out / "literal_against_consistent")
+
+
+def edges(centres: Floats) -> Floats:
+    """Return the borders of cells round centres on a logarithmic scale."""
+    ratio = math.sqrt(centres[1] / centres[0])
+    return np.append(centres / ratio, centres[-1] * ratio)
 
 
 def where_methods_fail() -> str:

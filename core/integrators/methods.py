@@ -50,8 +50,8 @@ METHODS = {
     "velocity_verlet": Method(
         label="velocity Verlet", run=velocity_verlet.run, order=2, kind="explicit", evaluations=1,
         purpose="free motion and energy: second order for the price of one evaluation",
-        fails="The same limit as semi-implicit Euler. In contact the saved force is stale, a step costs two "
-        "evaluations and the projection leaves first order only.",
+        fails="The same limit as semi-implicit Euler, a quarter lower where damping is strong. In contact the saved "
+        "force is stale, so a step costs two evaluations, and the projection leaves first order only.",
     ),
     "rk4": Method(
         label="Runge-Kutta 4", run=rk4.run, order=4, kind="explicit", evaluations=4,
@@ -75,6 +75,7 @@ METHODS = {
         label="TR-BDF2", run=tr_bdf2.run, order=2, kind="implicit", evaluations=2,
         purpose="stiff bodies to a tolerance: second order, yet stiff modes die",
         fails="Two solves a step: where the stiffest mode must be followed, explicit methods are many times cheaper. "
+        "Where omega dt exceeds some hundreds it spins a free body up: its stages do not keep angular momentum. "
         "Fingertips as with backward Euler.",
     ),
 }  # fmt: skip

@@ -56,9 +56,20 @@ def tangent(model: Model, state: State, h: float, met: Sequence[Meeting] = ()) -
     eased = by_blocks(along)
     pull = weight / (1 + weight * float((along * eased).sum()))
 
-    def precondition(r: Floats) -> Floats:
+    def by_rank_one(r: Floats) -> Floats:
         z = by_blocks(r)
         return z - pull * float((along * z).sum()) * eased
+
+    def rigid(s: Floats) -> Floats:
+        return memory.rigid_velocity(mass, state.positions, s)
+
+    def precondition(r: Floats) -> Floats:
+        if state.pose is not None:
+            return by_rank_one(r)
+        # rigid motion meets mass alone: solved at once, or stiff modes would drown it
+        moved = rigid(r / mass)
+        z = by_rank_one(r - mass * moved)
+        return moved + z - rigid(z)
 
     return Tangent(product=product, precondition=precondition)
 

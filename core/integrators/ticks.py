@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from ..base import Floats, Ints
+from ..base import SKIN_TRAVEL, Floats, Ints
 from ..laws import contact
 from ..laws.contact import Touch
 from ..model import Model, State, forces
@@ -26,15 +26,32 @@ def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *,
     total = np.zeros((len(path.radii), 3))
     acceleration = None
     for touches in each_tick(model, state, path, tick):
-        alone = model.ground is None and not any(len(h.vertices) or len(h.triangles) for h in touches)
+        near = [h for h in touches if len(h.vertices) or len(h.triangles)]
+        alone, limit = model.ground is None and not near, min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
         for _ in range(substeps):
+            before = state.positions.copy() if near else state.positions
             try:
                 acceleration = advance(model, state, tick / substeps, acceleration if alone else None)
             except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
                 state.positions[:] = np.nan
                 return total
+            if near:
+                slow_down(before, state.positions, limit)
             total += meet(model, state, touches)
     return total
+
+
+def slow_down(before: Floats, x: Floats, limit: float) -> None:
+    """Let no vertex of x (3, n) move farther than a limit [m] from where it was before, in place.
+
+    A deep press holds the skin with forces that would carry it past a fingertip within one substep. Velocities are
+    left alone, so that the fingertip gets the whole impulse.
+    """
+    way = x - before
+    length = np.sqrt((way * way).sum(axis=0))
+    far = length > limit
+    if far.any():
+        x[:, far] = before[:, far] + way[:, far] * (limit / length[far])
 
 
 def each_tick(model: Model, state: State, path: FingerPath, tick: float) -> Iterator[list[Touch]]:
