@@ -48,6 +48,8 @@ def places() -> list[Path]:
 @functools.cache
 def why_not() -> str:
     """Return "" where the native core can run, else a sentence for the artist. The first call tests it."""
+    if _loaded:
+        return ""
     found = [path for path in places() if path.exists()]
     if not found:
         return "Runs on numpy, slower: this installation has no native core for this machine."

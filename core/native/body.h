@@ -12,6 +12,7 @@
 #define HELD_GIVE 0.1
 #define ROUNDING 1e-6
 #define WEIGHT_FLOOR 1e-6
+#define SKIN_TRAVEL 0.5 /* as in core/base.py */
 
 /* Vertices lie in the order of a space-filling curve, so that neighbours are near in memory; runs of eight with
  * about as many neighbours each make a group. */
@@ -91,7 +92,7 @@ struct body {
     double turned[9]; /* of the last fit */
     rigid drift;      /* rigid part of the velocities, or the acceleration to take out */
     inertia moments;
-    double dt;
+    double dt, skin_travel; /* [m] the farthest a vertex may go in a step, 0 where nothing is near */
 
     uint32_t (*triangles)[3], *box_start, *box_vertex;
     quad (*boxes)[2];

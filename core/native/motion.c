@@ -3,6 +3,7 @@
 
 static inline void advance(body *b, double pressure, int fitted) {
     lanes p = all((real)pressure), dt = all((real)b->dt);
+    real limit = (real)b->skin_travel;
     three linear = splat3(b->drift.linear), angular = splat3(b->drift.angular);
     for (int64_t g = 0; g < b->groups; g++) {
         three x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
@@ -12,7 +13,12 @@ static inline void advance(body *b, double pressure, int fitted) {
             lanes by = select((mask)(b->matter[g].inverse_mass > all(0)), dt, all(0));
             v.x -= by * (linear.x + spin.x), v.y -= by * (linear.y + spin.y), v.z -= by * (linear.z + spin.z);
         }
-        x.x += dt * v.x, x.y += dt * v.y, x.z += dt * v.z;
+        three way = {dt * v.x, dt * v.y, dt * v.z};
+        if (limit > 0) { /* a deep press must not carry the skin past a fingertip */
+            lanes far = root(dot(way, way)), share = select((mask)(far > all(limit)), all(limit) / far, all(1));
+            way.x *= share, way.y *= share, way.z *= share;
+        }
+        x.x += way.x, x.y += way.y, x.z += way.z;
         b->state[g] = (group_state){x, v};
         quads_of(x, &b->records[g * LANES].x);
         quads_of(v, &b->records[g * LANES].v);

@@ -60,6 +60,7 @@ static void reach_faces(const body *b, touch *t, real reach) {
 
 /* fingertips go from start to end, (3,) each `stride` doubles apart, in a tick */
 static void reach_out(body *b, int64_t fingers, const double *start, int64_t stride, const double *radii, double tick) {
+    b->skin_travel = 0;
     if (!fingers) return;
     real speed = greatest_speed(b);
     bound_boxes(b);
@@ -75,5 +76,8 @@ static void reach_out(body *b, int64_t fingers, const double *start, int64_t str
         real reach = (real)(radii[k] + 2 * sqrt(far) + 2 * (double)speed * tick);
         reach_vertices(b, t, reach);
         reach_faces(b, t, reach);
+        double travel = SKIN_TRAVEL * radii[k];
+        if (t->vertex_count + t->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
+            b->skin_travel = travel;
     }
 }

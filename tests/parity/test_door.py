@@ -138,6 +138,7 @@ def test_a_broken_or_foreign_library_leaves_numpy_and_a_note(tmp_path: Path, mon
     broken.write_bytes(b"not a library")
     for place, word in ((broken, "refused"), (tmp_path / "nothing", "no native core")):
         native.why_not.cache_clear()
+        monkeypatch.setattr(native, "_loaded", [])
         monkeypatch.setattr(native, "places", lambda place=place: [place])
         assert word in native.why_not() and "numpy" in native.why_not()
     monkeypatch.undo()
