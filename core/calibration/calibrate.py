@@ -15,6 +15,7 @@ from .surface import Surface, surface_constants
 
 _POOR = 0.05  # of full scale, RMS: a law that misses the curve by more is said to
 _WIDENED = 2.0  # times wider intervals are explained
+_DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N]: presses outside have the wrong unit more often than not
 POINT_RADIUS = 0.002  # [m] the paper's sensor "touches at a point"
 
 
@@ -125,6 +126,8 @@ def _doubts(fit: Fit, press: Press, length: float | None) -> tuple[str, ...]:
             f"Neighbouring residuals agree with each other (r = {fit.correlation:.2f}), so the 95 % intervals are "
             f"{fit.widened:.1f} times wider than independent rows would give."
         )
+    if not _DEPTHS[0] < deepest < _DEPTHS[1] or not _FORCES[0] < fit.full_scale < _FORCES[1]:
+        found.append(f"{1e3 * deepest:.3g} mm and {fit.full_scale:.3g} N are unlikely for a press: check the units.")
     if length is not None and deepest > length:
         found.append(
             f"The press is {1e3 * deepest:.3g} mm deep, more than the object's {1e3 * length:.3g} mm: check the units."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,17 +14,21 @@ _SHARES = (0.10, 0.05, 0.025, 0.0125)  # of the force: windows in which the pres
 _CLEAR = 5.0  # times the noise: a force that is no longer the load cell's own
 _SURE = 3.5  # standard errors
 _ROWS = 6
-_TIE = 1.05  # a hinge and a parabola that fit this alike: believe the hinge
+_HOLDS = 2.0  # times the noise: residuals of a law that holds
+_HARMLESS = 0.02  # of the range of depth: touches that differ by less
+_CLEARLY = 0.8  # a hinge with this share of a parabola's residuals, or the reverse, is clear
+_DECISIVE = 12.0  # twice the gain in log likelihood that settles the rest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touch:
-    """Hold the depth [m] of the first touch, the force there [N], and whether there were rows before it."""
+    """Hold the depth [m] of the first touch, the force there [N], whether rows came before; a note and a doubt."""
 
     depth: float
     tare: float
     seen: bool
     note: str
+    doubt: str = ""
 
 
 def find_touch(depth: Floats, force: Floats) -> Touch:
@@ -32,22 +36,44 @@ def find_touch(depth: Floats, force: Floats) -> Touch:
     noise = roughness(force)
     rest = float(np.median(force[: max(3, min(20, len(force) // 50))]))
     span = float(force.max() - rest)
+    first = _already_touching(depth, force, rest, noise)
     for share in _SHARES:
         level = rest + max(2 * _CLEAR * noise, share * span)
         end = max(_sustained(force > level), _sustained(force > rest + _CLEAR * noise) + _ROWS)
         x, f = depth[:end], force[:end]
         pieces = two_pieces(x, f, left="level")
-        if pieces is None:
+        if pieces is None or not _is_hinge(x, pieces.join, noise, pieces.slope2):
             continue
         before = x < pieces.join
-        hinged = _is_hinge(x, pieces.join, noise, pieces.slope2) and pieces.residual < _TIE * _bent_residual(x, f)
-        if hinged and _is_level(x[before], f[before], noise):
-            return Touch(
-                depth=pieces.join, tare=pieces.offset, seen=True,
-                note=f"First touch at {1e3 * pieces.join:.3f} mm of the file; {pieces.offset:+.4g} N before it was "
-                "taken off.",
-            )  # fmt: skip
-    return _already_touching(depth, force, rest, noise)
+        bent = _bent_residual(x, f)
+        if pieces.residual * _CLEARLY > bent or not _is_level(x[before], f[before], noise):
+            continue
+        seen = Touch(
+            depth=pieces.join, tare=pieces.offset, seen=True,
+            note=f"First touch at {1e3 * pieces.join:.3f} mm of the file; {pieces.offset:+.4g} N before it is no load.",
+        )  # fmt: skip
+        if pieces.residual < _CLEARLY * bent:
+            return seen
+        misfit = {touch: _misfit(depth, force, touch) for touch in (seen, first)}
+        best, other = sorted((seen, first), key=misfit.__getitem__)
+        settled = len(depth) * np.log(max(misfit[other], 1e-300) / max(misfit[best], 1e-300)) > _DECISIVE
+        if misfit[best] > len(depth) * (_HOLDS * noise) ** 2:  # the law does not hold: it cannot tell them apart
+            best, other, settled = first, seen, False
+        if settled or abs(best.depth - other.depth) < _HARMLESS * np.ptp(depth):
+            return best
+        doubt = (
+            f"The noise hides the first touch: it was taken at {1e3 * best.depth:.3g} mm, but "
+            f"{1e3 * other.depth:.3g} mm is possible. If you know it, give it with --contact-mm."
+        )
+        return replace(best, doubt=doubt)
+    return first
+
+
+def _misfit(depth: Floats, force: Floats, touch: Touch) -> float:
+    """Return the sum of squared residuals of the two-piece law from a touch on."""
+    x, f = depth - touch.depth, force - touch.tare
+    pieces = two_pieces(x[x > 0], f[x > 0], left="origin")
+    return float((f[x <= 0] ** 2).sum()) + (pieces.residual if pieces else np.inf)
 
 
 def _already_touching(depth: Floats, force: Floats, rest: float, noise: float) -> Touch:

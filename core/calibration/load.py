@@ -46,7 +46,7 @@ def load_lines(path: str | Path) -> tuple[list[str], str, tuple[str, ...]]:
         if data.startswith(magic):
             raise DimpleError(f"This is {kind}, not a text table. Export the measurement as CSV and open that.")
     if not data.strip():
-        raise DimpleError("The file is empty.")
+        raise DimpleError("The file is empty. Export the measurement again.")
     text, encoding = decode(data)
     bad = sum(text.count(chr(c)) for c in range(32) if chr(c) not in "\t\n\r\f\x1a")
     if bad > 0.001 * len(text) + 2 or "\x00" in text:

@@ -79,6 +79,8 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Press:
     chosen = _choose(strokes, answers, notes)
     stroke = strokes[chosen]
     notes.append(stroke.note)
+    if stroke.doubt:
+        warnings.append(stroke.doubt)
     if stroke.dwelt:
         notes.append(f"{stroke.dwelt} rows in which the depth stood still were left out.")
     _look_for_snap(stroke, warnings)
@@ -102,6 +104,7 @@ class _Stroke:
     seen: bool
     dwelt: int
     note: str
+    doubt: str
 
 
 def _without_spikes(measurement: Measurement, warnings: list[str]) -> tuple[Floats, Floats]:
@@ -189,15 +192,17 @@ def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers) -> _St
         raise DimpleError(f"A press has {len(x)} rows; a fit needs at least 8.")
     if answers.contact_mm is not None:
         touch, before = answers.contact_mm / 1e3, x < answers.contact_mm / 1e3
-        tare, seen, note = (float(np.median(f[before])) if before.sum() > 2 else 0.0), False, "The touch is as given."
+        tare, seen = (float(np.median(f[before])) if before.sum() > 2 else 0.0), False
+        note, doubt = "The touch is as given.", ""
         if not x.min() - np.ptp(x) <= touch < x.max():
             raise DimpleError(f"The touch at {answers.contact_mm} mm lies outside the depths of the file.")
     else:
         found = find_touch(x, f)
-        touch, tare, seen, note = found.depth, found.tare, found.seen, found.note
+        touch, tare, seen, note, doubt = found.depth, found.tare, found.seen, found.note, found.doubt
     return _Stroke(
-        depth=x - touch, force=f - tare, touch=touch, tare=tare, seen=seen, dwelt=int((~keep).sum()), note=note
-    )
+        depth=x - touch, force=f - tare, touch=touch, tare=tare, seen=seen, dwelt=int((~keep).sum()), note=note,
+        doubt=doubt,
+    )  # fmt: skip
 
 
 def _choose(strokes: list[_Stroke], answers: Answers, notes: list[str]) -> int:

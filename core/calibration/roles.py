@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from .words import role_of, unit_of
 
 _KIND = {"force": "force", "depth": "length", "time": "time"}
 _SAME = 0.01  # of the range: columns nearer than this say the same
+_BACKWARD = 0.02  # of the rows: a clock may start again with each cycle, no more
 _CHOICES = {"force": ("N", "gf", "kgf", "mN", "kN", "lbf"), "depth": ("mm", "m", "um", "in")}
 
 
@@ -70,8 +71,11 @@ def find_columns(table: Table, answers: Answers) -> Columns:
         raise Undecided(*questions)
     depth_at, force_at = chosen["depth"], chosen["force"]
     assert depth_at is not None and force_at is not None
+    time_at = _time_column(table, units)
+    if time_at is not None and answers.depth_column is None and answers.force_column is None:
+        _check_clock(table, time_at, depth_at)
     return Columns(
-        time=_time(table, units),
+        time=None if time_at is None else table.numbers[:, time_at] * _time_factor(table, units[time_at], time_at),
         depth=table.numbers[:, depth_at] * factors["depth"],
         force=table.numbers[:, force_at] * factors["force"],
         depth_header=_title(table, depth_at),
@@ -200,15 +204,29 @@ def _factor(
     return found[1] if found else None
 
 
-def _time(table: Table, units: Sequence[str | tuple[str, ...]]) -> Floats | None:
+def _time_column(table: Table, units: Sequence[str | tuple[str, ...]]) -> int | None:
     options = [i for i in _options(table, units, "time") if np.isfinite(table.numbers[:, i]).all()]
-    if not options:
-        return None
-    unit = units[options[0]]
+    return options[0] if options else None
+
+
+def _time_factor(table: Table, unit: str | tuple[str, ...], at: int) -> float:
     found = unit_of(unit) if isinstance(unit, str) and unit else None
-    if found is None and table.names[options[0]].lower() == "millis":
-        found = ("time", 1e-3)
-    return table.numbers[:, options[0]] * (found[1] if found else 1.0)
+    if found is None:
+        return 1e-3 if table.names[at].lower() == "millis" else 1.0
+    return found[1]
+
+
+def _check_clock(table: Table, time_at: int, depth_at: int) -> None:
+    """Ask where the column called time does not run like a clock, or the depth runs like one in its stead."""
+    time, depth = table.numbers[:, time_at], table.numbers[:, depth_at]
+    back = float((np.diff(time) < 0).mean())
+    steps = np.diff(depth[np.isfinite(depth)])
+    like_a_clock = depth[0] == 0 and len(steps) > 0 and steps.min() > 0 and np.ptp(steps) < 1e-2 * steps.mean()
+    if back > _BACKWARD or (time.min() < 0 and like_a_clock):
+        numeric = [i for i, is_number in enumerate(table.numeric) if is_number]
+        why = f"“{_title(table, time_at)}” does not run like a clock: the headers may stand over the wrong columns. "
+        questions = [_which_column(table, role, numeric) for role in ("depth", "force")]
+        raise Undecided(replace(questions[0], text=why + questions[0].text), questions[1])
 
 
 def _title(table: Table, at: int) -> str:

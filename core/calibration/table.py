@@ -152,7 +152,7 @@ def _header(
         if found:
             values[found[1].strip().strip('"').lower()] = found[2].strip().strip(';,"\t ')
     names, units = [""] * width, [""] * width
-    near = [line for line in above if line.strip()][-_HEADER:]
+    near = [line for line in above if line.strip() and "=" not in line][-_HEADER:]
     for line in reversed(near):
         cells = _fitted(line, width, dialect)
         filled = [cell for cell in cells if cell]
@@ -161,7 +161,7 @@ def _header(
         elif len(filled) >= 2 and any(role_of(split_unit(cell)[0]) for cell in filled):
             names = cells
             break
-        elif len(filled) >= max(2, width - 1) and not any(names) and not any("=" in cell for cell in filled):
+        elif len(filled) >= max(2, width - 1) and not any(names):
             names = cells  # words nobody knows: kept to be shown
     parted = [split_unit(name) for name in names]
     return (
