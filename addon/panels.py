@@ -172,7 +172,8 @@ class DIMPLE_PT_readout(_SidebarPanel, bpy.types.Panel):
         for label, value in readout.rows(entry.frame, entry.session.tick):
             labels.label(text=label, translate=False)
             values.label(text=value, translate=False)
-        draw_notes(context, layout, readout.sentences(entry.session.model.notes, entry.frame))
+        notes = [*entry.session.model.notes, *filter(None, [entry.session.backend_note])]
+        draw_notes(context, layout, readout.sentences(notes, entry.frame))
 
 
 class DIMPLE_PT_fingertips(_SidebarPanel, bpy.types.Panel):
