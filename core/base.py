@@ -28,6 +28,7 @@ STIFFEST = 4.0  # of the median stiffness over mass: a sliver's vertex is made h
 TICK = 1e-3  # [s] control step: haptics' 1 kHz, and what makes motion independent of the frame rate
 STEP_SAFETY = 0.9  # of the stability bound; springs stiffen a little when they turn
 MAX_SUBSTEPS = 2000  # a tick finer than this would never be live
+SKIN_TRAVEL = 0.5  # of a fingertip's radius: what the skin may move in one substep without passing the fingertip
 FINGER_TRAVEL = 0.25  # of its radius: what a fingertip may move in one tick without skipping over a skin
 
 
