@@ -105,7 +105,7 @@ def bench(options: argparse.Namespace) -> int:
 
 
 def charts(options: argparse.Namespace) -> int:
-    """draw the charts of the studies and print which method is on the front; --quick for under a minute"""
+    """draw the charts of the studies and print which method is on the front; --quick for smaller bodies"""
     out = (options.out or BUILD / "charts").resolve()
     return run([environment(options.blender), "-m", "tools.charts", "--out", out, *options.rest])
 

@@ -138,7 +138,7 @@ def draw_stability(out: Path, quick: bool) -> None:
     keys.append(Line2D([], [], color="black", ls=":", label="step the product takes (semi-implicit)"))
     figure.legend(handles=keys, loc="lower center", ncols=5, frameon=False)
     figure.suptitle(
-        f"Where methods blow up: free ball of 12 vertices. Blown up: moved over {stability.BLOWN:.0f} times the start; "
+        f"Where methods blow up: ball of 12 vertices. Blown up: deformed over {stability.BLOWN:.0f} times the start; "
         f"inaccurate: off by more than {100 * stability.INACCURATE:.0f} % of it"
     )
     save(figure, out / "stability", bottom=0.07)
