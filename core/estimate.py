@@ -6,26 +6,15 @@ Identification (core.calibration) replaces it where the material was calibrated 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
-from .material import Material
+from .material import Material, ModelConstants
 
 FINGERTIP = 0.010  # [m] radius the guess is made for
 MEMBRANE_SHARE = 0.25  # of the force at the knee: what the skin's own tension may answer
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ModelConstants:
-    """Hold kappa1, kappa2: shape memory per area [N/m3], d0: its knee [m], membrane_scale: factor on k."""
-
-    kappa1: float
-    kappa2: float
-    d0: float
-    membrane_scale: float
-
-
 def estimate(material: Material, size: float) -> ModelConstants:
-    """Guess the model constants of a material on a body.
+    """Return the model constants of a material on a body: those identified, else a guess.
 
     The skin across the face, a string of length l = size and stiffness k pressed in its middle, answers
     F = 2 k (2 h - l) x / h, h = sqrt((l/2)^2 + x^2): the force balance behind Eq. (9). k is scaled down where that
@@ -37,6 +26,8 @@ def estimate(material: Material, size: float) -> ModelConstants:
     Args:
         size: longest side of the body [m].
     """
+    if material.constants is not None:
+        return material.constants
     knee = material.K1 * material.x0
     h = math.hypot(size / 2, material.x0)
     skin = 2 * material.k * (2 * h - size) * material.x0 / h

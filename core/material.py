@@ -11,6 +11,24 @@ FILLS = ("air", "liquid", "paper", "none")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ModelConstants:
+    """Hold kappa1, kappa2: shape memory per area [N/m3], d0: its knee [m], membrane_scale: factor on k.
+
+    Raises:
+        DimpleError: one of them is not greater than 0.
+    """
+
+    kappa1: float
+    kappa2: float
+    d0: float
+    membrane_scale: float
+
+    def __post_init__(self) -> None:
+        for name in ("kappa1", "kappa2", "d0", "membrane_scale"):
+            _require(getattr(self, name) > 0, f"The model constant {name} must be greater than 0", getattr(self, name))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
     """Hold the constants of one material.
 
@@ -24,6 +42,7 @@ class Material:
         damping_ratio: of critical, for springs and shape memory.
         friction: Coulomb coefficient of skin on fingertip and ground.
         fill: "air", "liquid", "paper" (Eq. (2)) or "none".
+        constants: of the model, identified for one mesh by a simulated press; None: estimated from K1, K2 and x0.
 
     Raises:
         DimpleError: a constant is out of its range.
@@ -38,6 +57,7 @@ class Material:
     damping_ratio: float = 0.2
     friction: float = 0.5
     fill: str = "air"
+    constants: ModelConstants | None = None
 
     def __post_init__(self) -> None:
         for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):
