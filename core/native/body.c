@@ -70,7 +70,8 @@ static int32_t set_faces(body *b, int64_t t, const int64_t *triangles) {
     b->box_start = room(b->box_count + 1, sizeof(uint32_t)), b->box_vertex = room(3 * t, sizeof(uint32_t));
     b->boxes = room(b->box_count, sizeof *b->boxes);
     int whole = b->triangles && b->hits && b->box_start && b->box_vertex && b->boxes;
-    for (int k = 0; k < DM_MAX_FINGERS; k++) whole = whole && (b->touches[k].faces = room(t, sizeof(uint32_t)));
+    for (int k = 0; k < DM_MAX_FINGERS; k++)
+        whole = whole && (b->touches[k].faces = room(t + LANES, sizeof *b->touches[k].faces));
     int64_t size = b->groups * LANES;
     uint32_t *seen = room(size, sizeof(uint32_t)), *next = room(size + 1, sizeof(uint32_t));
     if (!whole || !seen || !next) return give_back(seen), give_back(next), DM_MEMORY;

@@ -63,7 +63,7 @@ typedef struct { /* what a fingertip may meet within a tick */
     quad centre, velocity;
     real radius;
     int64_t vertex_count, face_count;
-    uint32_t *vertices, *faces;
+    uint32_t *vertices, (*faces)[3]; /* by their corners, the last one repeated to fill eight lanes */
 } touch;
 
 struct body {

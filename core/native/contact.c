@@ -28,15 +28,11 @@ static void meet_vertices(body *b, const touch *t, double *impulse, uint32_t *mo
     }
 }
 
-static inline three corners_at(const body *b, const uint32_t *faces, const int64_t *which, int corner, three centre) {
-    const quad *q[LANES];
-    for (int l = 0; l < LANES; l++) q[l] = &b->records[b->triangles[faces[which[l]]][corner]].x;
-    return minus(lanes_of(*q[0], *q[1], *q[2], *q[3], *q[4], *q[5], *q[6], *q[7]), centre);
-}
-
-static inline lanes ratio(lanes part, lanes whole) {
-    mask some = (mask)(whole > all(TINY)) | (mask)(whole < all(-TINY));
-    return part / select(some, whole, all(1));
+static inline three corners_at(const body *b, const uint32_t (*face)[3], int corner, three centre) {
+    const record *r = b->records;
+    return minus(lanes_of(r[face[0][corner]].x, r[face[1][corner]].x, r[face[2][corner]].x, r[face[3][corner]].x,
+                          r[face[4][corner]].x, r[face[5][corner]].x, r[face[6][corner]].x, r[face[7][corner]].x),
+                 centre);
 }
 
 /* Return the weights of the points of eight triangles nearest to the origin.
@@ -45,21 +41,22 @@ static inline three nearest(three a, three b, three c) {
     three ab = minus(b, a), ac = minus(c, a);
     lanes d1 = -dot(ab, a), d2 = -dot(ac, a), d3 = -dot(ab, b), d4 = -dot(ac, b), d5 = -dot(ab, c), d6 = -dot(ac, c);
     lanes va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2, none = all(0), one = all(1);
-    lanes sum = va + vb + vc, on_ab = ratio(d1, d1 - d3), on_ac = ratio(d2, d2 - d6);
-    lanes on_bc = ratio(d4 - d3, (d4 - d3) + (d5 - d6)), v = ratio(vb, sum), w = ratio(vc, sum);
-    /* the first region that holds wins, so it comes last here */
+    lanes v = vb, w = vc, whole = va + vb + vc; /* weights v / whole, w / whole; the first region that holds comes last */
     mask in_bc = (mask)(va <= none) & (mask)(d4 >= d3) & (mask)(d5 >= d6);
-    v = select(in_bc, one - on_bc, v), w = select(in_bc, on_bc, w);
+    w = select(in_bc, d4 - d3, w), whole = select(in_bc, (d4 - d3) + (d5 - d6), whole);
     mask in_ac = (mask)(vb <= none) & (mask)(d2 >= none) & (mask)(d6 <= none);
-    v = select(in_ac, none, v), w = select(in_ac, on_ac, w);
+    v = select(in_ac, none, v), w = select(in_ac, d2, w), whole = select(in_ac, d2 - d6, whole);
     mask in_ab = (mask)(vc <= none) & (mask)(d1 >= none) & (mask)(d3 <= none);
-    v = select(in_ab, on_ab, v), w = select(in_ab, none, w);
-    mask in_c = (mask)(d6 >= none) & (mask)(d5 <= d6);
+    v = select(in_ab, d1, v), w = select(in_ab, none, w), whole = select(in_ab, d1 - d3, whole);
+    mask in_c = (mask)(d6 >= none) & (mask)(d5 <= d6), in_b = (mask)(d3 >= none) & (mask)(d4 <= d3);
+    mask in_a = (mask)(d1 <= none) & (mask)(d2 <= none), at_corner = in_a | in_b | in_c;
     v = select(in_c, none, v), w = select(in_c, one, w);
-    mask in_b = (mask)(d3 >= none) & (mask)(d4 <= d3);
     v = select(in_b, one, v), w = select(in_b, none, w);
-    mask in_a = (mask)(d1 <= none) & (mask)(d2 <= none);
     v = select(in_a, none, v), w = select(in_a, none, w);
+    mask some = ((mask)(whole > all(TINY)) | (mask)(whole < all(-TINY))) & ~at_corner;
+    whole = select(some, whole, one);
+    v /= whole, w /= whole;
+    v = select(in_bc & ~(in_ac | in_ab | at_corner), one - w, v);
     return (three){one - v - w, v, w};
 }
 
@@ -68,10 +65,9 @@ static int64_t find_hits(body *b, const touch *t) {
     three centre = {all(t->centre[0]), all(t->centre[1]), all(t->centre[2])};
     int64_t count = 0;
     for (int64_t k = 0; k < t->face_count; k += LANES) {
-        int64_t which[LANES];
-        for (int l = 0; l < LANES; l++) which[l] = k + l < t->face_count ? k + l : k;
-        three p = corners_at(b, t->faces, which, 0, centre), q = corners_at(b, t->faces, which, 1, centre);
-        three r = corners_at(b, t->faces, which, 2, centre), weight = nearest(p, q, r);
+        const uint32_t (*face)[3] = (const uint32_t (*)[3])t->faces + k;
+        three p = corners_at(b, face, 0, centre), q = corners_at(b, face, 1, centre);
+        three r = corners_at(b, face, 2, centre), weight = nearest(p, q, r);
         three at = {
             weight.x * p.x + weight.y * q.x + weight.z * r.x,
             weight.x * p.y + weight.y * q.y + weight.z * r.y,
@@ -83,7 +79,7 @@ static int64_t find_hits(body *b, const touch *t) {
         for (int l = 0; l < LANES && k + l < t->face_count; l++) {
             if (!inside[l]) continue;
             hit *h = b->hits + count++;
-            memcpy(h->corner, b->triangles[t->faces[k + l]], sizeof h->corner);
+            memcpy(h->corner, face[l], sizeof h->corner);
             h->weight[0] = weight.x[l], h->weight[1] = weight.y[l], h->weight[2] = weight.z[l];
             h->distance = distance[l] > TINY ? distance[l] : TINY;
             h->normal = (quad){at.x[l], at.y[l], at.z[l], 0} / h->distance;

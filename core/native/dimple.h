@@ -4,7 +4,8 @@
  * component-major, (3, n) doubles. Every function but the first three returns a code; nothing is done unless it is
  * DM_OK, and no input makes them crash: handles are looked up, sizes and indices checked, numbers must be finite.
  * Order: dm_create, every dm_set_* once (again at will), then dm_set_state, dm_step, dm_read as often as wanted.
- * Results do not depend on the machine's instruction set: sums run in eight lanes in a fixed order.
+ * The same calls give the same bits: sums run in eight lanes, in a fixed order. In double precision they are the same
+ * on every machine; in single precision they depend on its instruction set, for some fuse multiplication and addition.
  */
 #ifndef DIMPLE_H
 #define DIMPLE_H
@@ -51,7 +52,7 @@ DM_API int32_t dm_create(dm_body *body, int32_t bits, int32_t set, int64_t n, co
                          const int64_t *ring, const int64_t *ring_spring);
 DM_API int32_t dm_free(dm_body body);
 
-/* pairs: (m, 2).  rest, stiffness, damping: (m,).  loose: (l,) springs with an end without a ring, ends: (l, 2) which. */
+/* pairs: (m, 2).  rest, stiffness, damping: (m,).  loose: (l,) springs that rings leave out, at ends (l, 2). */
 DM_API int32_t dm_set_springs(dm_body body, int64_t m, const int64_t *pairs, const double *rest,
                               const double *stiffness, const double *damping, int64_t l, const int64_t *loose,
                               const uint8_t *ends);
@@ -81,7 +82,7 @@ DM_API int32_t dm_set_contact(dm_body body, double inner_force, int64_t count, c
  * radii: (fingers,);  impulses: (fingers, 3), what the fingertips received. */
 DM_API int32_t dm_step(dm_body body, int64_t ticks, int64_t substeps, double tick, int64_t fingers,
                        const double *centres, const double *radii, double *impulses);
-/* pressure: of the last step.  Null arrays are left out; so are vertices held without a velocity: they have not moved. */
+/* pressure: of the last step.  Null arrays are left out, and vertices held without a velocity: they have not moved. */
 DM_API int32_t dm_read(dm_body body, int64_t n, double *positions, double *velocities, double *pressure);
 /* vertices: (n,) room for, count: how many there were. */
 DM_API int32_t dm_read_contact(dm_body body, int64_t n, int64_t *vertices, int64_t *count);

@@ -7,7 +7,10 @@ static void diagonalise(int n, double *a, double *q) {
     for (int sweep = 0; sweep < 30; sweep++) {
         double off = 0, all = 0;
         for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++) all += a[i * n + j] * a[i * n + j], off += i < j ? a[i * n + j] * a[i * n + j] : 0;
+            for (int j = 0; j < n; j++) {
+                double square = a[i * n + j] * a[i * n + j];
+                all += square, off += i < j ? square : 0;
+            }
         if (!(off > 1e-34 * all)) return;
         for (int i = 0; i < n; i++)
             for (int j = i + 1; j < n; j++) {

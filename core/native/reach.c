@@ -14,7 +14,10 @@ static void bound_boxes(body *b) {
         quad low = b->records[b->box_vertex[b->box_start[k]]].x, high = low;
         for (uint32_t at = b->box_start[k] + 1; at < b->box_start[k + 1]; at++) {
             quad x = b->records[b->box_vertex[at]].x;
-            for (int c = 0; c < 4; c++) low[c] = x[c] < low[c] ? x[c] : low[c], high[c] = x[c] > high[c] ? x[c] : high[c];
+            for (int c = 0; c < 4; c++) {
+                low[c] = x[c] < low[c] ? x[c] : low[c];
+                high[c] = x[c] > high[c] ? x[c] : high[c];
+            }
         }
         b->boxes[k][0] = low, b->boxes[k][1] = high;
     }
@@ -35,9 +38,10 @@ static void reach_vertices(const body *b, touch *t, real reach) {
 static void reach_faces(const body *b, touch *t, real reach) {
     t->face_count = 0;
     for (int64_t k = 0; k < b->box_count; k++) {
-        /* its middle lies in the box, and no corner is farther from it than two thirds of the diagonal */
-        quad low = b->boxes[k][0] - t->centre, high = t->centre - b->boxes[k][1], across = b->boxes[k][1] - b->boxes[k][0];
-        real away = 0, span = SQRT(dot3(across, across));
+        /* the middle of a triangle lies in its box, and no corner farther off than two thirds of the diagonal */
+        const quad *box = b->boxes[k];
+        quad low = box[0] - t->centre, high = t->centre - box[1], across = box[1] - box[0];
+        real away = 0, span = (real)0.67 * SQRT(dot3(across, across));
         for (int c = 0; c < 3; c++) {
             real gap = low[c] > high[c] ? low[c] : high[c];
             away += gap > 0 ? gap * gap : 0;
@@ -53,9 +57,10 @@ static void reach_faces(const body *b, touch *t, real reach) {
             real limit = reach + SQRT(most);
             if (dot3(middle - t->centre, middle - t->centre) < limit * limit &&
                 (b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0))
-                t->faces[t->face_count++] = (uint32_t)i;
+                memcpy(t->faces[t->face_count++], at, sizeof *t->faces);
         }
     }
+    for (int64_t k = t->face_count; k % LANES; k++) memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);
 }
 
 /* fingertips go from start to end, (3,) each `stride` doubles apart, in a tick */

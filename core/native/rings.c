@@ -19,17 +19,14 @@ static inline void pull(const slot *s, three d, three w, three *force) {
     force->x += tension * d.x, force->y += tension * d.y, force->z += tension * d.z;
 }
 
-static inline void turn(three a, three b, three *normal) {
-    three n = cross(a, b);
+/* a x b + b x c = (a - c) x b: two triangles of the fan round a vertex with one product */
+static inline void turn(three a, three b, three c, three *normal) {
+    three n = cross(minus(a, c), b);
     normal->x += n.x, normal->y += n.y, normal->z += n.z;
 }
 
-static inline three rotated(const double *r, three q, three offset) {
-    return (three){
-        all((real)r[0]) * q.x + all((real)r[1]) * q.y + all((real)r[2]) * q.z + offset.x,
-        all((real)r[3]) * q.x + all((real)r[4]) * q.y + all((real)r[5]) * q.z + offset.y,
-        all((real)r[6]) * q.x + all((real)r[7]) * q.y + all((real)r[8]) * q.z + offset.z,
-    };
+static inline three rotated(const three *rows, three q, three offset) {
+    return (three){dot(rows[0], q) + offset.x, dot(rows[1], q) + offset.y, dot(rows[2], q) + offset.z};
 }
 
 /* -(k1 + (k2 - k1) max(1 - d0 / |u|, 0)) u - c w: a spring of two slopes to the place in the shape at rest */
@@ -46,40 +43,49 @@ static inline void pull_groups(body *b, int fitted) {
     lanes part[6] = {{0}}, dt = all((real)b->dt), sixth = all((real)1 / 6);
     three offset = splat3(b->translation), linear = splat3(b->drift.linear), angular = splat3(b->drift.angular);
     three gravity = splat3(b->gravity);
+    three rows[3] = {splat3(b->rotation), splat3(b->rotation + 3), splat3(b->rotation + 6)};
     for (int64_t g = 0; g < b->groups; g++) {
         const group_matter *m = b->matter + g;
-        three x = b->state[g].x, v = b->state[g].v, d, w, first, before;
-        three force = {all(0), all(0), all(0)}, normal = force;
-        const slot *s = b->ring.slots + b->ring.start[g], *end = b->ring.slots + b->ring.start[g + 1];
-        if (s < end) {
-            gather(b, s, x, v, &first, &w);
-            pull(s, first, w, &force);
-            for (before = first, s++; s < end; s++, before = d) {
-                gather(b, s, x, v, &d, &w);
-                pull(s, d, w, &force);
-                turn(before, d, &normal);
-            }
-            turn(before, first, &normal);
-            volume += widen(dot(x, normal));
-        }
-        w = v;
+        three x = b->state[g].x, v = b->state[g].v, w = v, d, first, before, after, normal = {all(0), all(0), all(0)};
+        /* shape memory first: its root and division are done while the neighbours are gathered */
         if (fitted) {
             three spin = cross(angular, x);
             w = (three){v.x - linear.x - spin.x, v.y - linear.y - spin.y, v.z - linear.z - spin.z};
         }
-        three h = hold(m, minus(x, rotated(b->rotation, m->rest, offset)), w);
+        three force = hold(m, minus(x, rotated(rows, m->rest, offset)), w);
         if (fitted) {
-            three turning = cross(x, h);
-            part[0] += h.x, part[1] += h.y, part[2] += h.z;
+            three turning = cross(x, force);
+            part[0] += force.x, part[1] += force.y, part[2] += force.z;
             part[3] += turning.x, part[4] += turning.y, part[5] += turning.z;
             if (g % RUN == RUN - 1) fold(part, sum, 6);
+        }
+        const slot *s = b->ring.slots + b->ring.start[g], *end = b->ring.slots + b->ring.start[g + 1];
+        if (s < end) {
+            gather(b, s, x, v, &first, &w);
+            pull(s, first, w, &force);
+            for (before = first, s++; s + 1 < end; s += 2, before = after) {
+                gather(b, s, x, v, &d, &w);
+                pull(s, d, w, &force);
+                gather(b, s + 1, x, v, &after, &w);
+                pull(s + 1, after, w, &force);
+                turn(before, d, after, &normal);
+            }
+            if (s < end) {
+                gather(b, s, x, v, &d, &w);
+                pull(s, d, w, &force);
+                turn(before, d, first, &normal);
+            } else {
+                after = cross(before, first);
+                normal.x += after.x, normal.y += after.y, normal.z += after.z;
+            }
+            volume += widen(dot(x, normal));
         }
         /* held vertices have no inverse mass: they keep the velocity they were given */
         lanes by = dt * m->inverse_mass, fall = select((mask)(by > all(0)), dt, all(0));
         b->next[g].v = (three){
-            v.x + by * (force.x + h.x) + fall * gravity.x,
-            v.y + by * (force.y + h.y) + fall * gravity.y,
-            v.z + by * (force.z + h.z) + fall * gravity.z,
+            v.x + by * force.x + fall * gravity.x,
+            v.y + by * force.y + fall * gravity.y,
+            v.z + by * force.z + fall * gravity.z,
         };
         by *= sixth;
         b->next[g].per_pascal = (three){by * normal.x, by * normal.y, by * normal.z};
