@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from core import native
 from core.base import Floats, Ints
 
 Shape = tuple[Floats, Ints]
@@ -75,3 +76,8 @@ def signed_volume(points: Floats, faces: Ints) -> float:
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = points[i], points[j], points[k]
         total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
     return total / 6
+
+
+def backends(*wanted: str) -> list[str]:
+    """Return those of the backends that run here; numpy always does."""
+    return [b for b in wanted if b == "numpy" or not native.why_not()]

@@ -1,0 +1,240 @@
+"""Fingertips and the ground against the skin: action and reaction, friction, and nothing slips through."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.base import Floats
+from core.laws.contact import Touch, candidates, nearest_on_triangles, resolve, rest_on_ground
+from core.material import PRESETS, Material, Preset
+from core.mesh import Mesh, base_vertices, mesh_from_triangles
+from core.model import build_model
+from core.session import Finger, Session
+from core.study.scenes import cube
+from tests.bodies import backends, ball
+
+SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.2, fill="liquid")
+BACKENDS = backends("numpy", "native64", "native")
+
+
+def winding(x: Floats, mesh: Mesh, point: Floats) -> float:
+    """Return how often the skin at x (3, n) winds round a point: 1 inside, 0 outside."""
+    corners = x[:, mesh.triangles].transpose(1, 2, 0) - point
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    la, lb, lc = np.linalg.norm(corners, axis=2).T
+    below = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
+    return float(np.arctan2(np.linalg.det(corners), below).sum() / (2 * np.pi))
+
+
+def gap(x: Floats, mesh: Mesh, finger: Finger) -> float:
+    """Return how far [m] the skin is from a fingertip; negative inside."""
+    corners = x[:, mesh.triangles]
+    offset = (corners * nearest_on_triangles(corners, np.array(finger.position))).sum(axis=2).T - finger.position
+    return float(np.linalg.norm(offset, axis=1).min() - finger.radius)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5, 3.0])
+@pytest.mark.parametrize("radius", [0.1, 0.5], ids=["smaller than a face", "larger than a face"])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_impulse_on_the_fingertip_is_minus_that_on_the_skin(seed: int, radius: float, friction: float) -> None:
+    rng = np.random.default_rng(seed)
+    mesh = mesh_from_triangles(*ball(1))
+    x = mesh.rest_positions.T + rng.normal(0, 0.03, (3, 42))
+    v, mass = rng.normal(size=x.shape), rng.uniform(0.1, 3, 42)
+    a, b, c = x[:, mesh.triangles[rng.integers(80)]].T
+    outward = np.cross(b - a, c - a)
+    centre = (a + b + c) / 3 + 0.8 * radius * outward / np.linalg.norm(outward)
+    vertices, faces = candidates(x, mesh.triangles, 1 / mass, centre, radius + 0.5)
+    towards = rng.normal(size=3) - 3 * outward / np.linalg.norm(outward)
+    touch = Touch(centre=centre, velocity=towards, radius=radius, vertices=vertices, triangles=faces)
+    before = v.copy()
+    impulse = resolve(x, v, touch, 1 / mass, np.full(42, friction))
+    gained = (mass * (v - before)).sum(axis=1)
+    assert np.linalg.norm(gained) > 0
+    np.testing.assert_allclose(impulse, -gained, atol=1e-13 * np.abs(mass * (v - before)).sum())
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_free_body_takes_the_momentum_that_the_fingertips_give(backend: str) -> None:
+    model = build_model(mesh_from_triangles(*ball(1, 0.08)), [replace(SOFT, friction=0.8)])
+    session = Session(model, backend=backend)
+    start = [np.array([0.0, 0.01, 0.1]), np.array([-0.1, 0.0, 0.02])]
+    session.set_fingers([Finger(tuple(p), 0.02) for p in start])
+    given = np.zeros(3)
+    for i in range(1, 31):
+        way = 0.002 * i
+        session.set_fingers(
+            [Finger(tuple(p), 0.02) for p in (start[0] + [way / 2, 0, -way], start[1] + [way, way / 3, 0])]
+        )
+        given -= session.step(0.002).finger_forces.sum(axis=0) * 0.002
+    momentum = (model.mass * session._state.velocities).sum(axis=1)
+    assert np.linalg.norm(momentum) > 0.05
+    np.testing.assert_allclose(momentum, given, atol=(1e-12 if backend != "native" else 1e-4) * np.linalg.norm(given))
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)
+@pytest.mark.parametrize("cells", [1, 2, 3])
+def test_no_fingertip_slips_through_a_face_larger_than_itself(preset: Preset, cells: int) -> None:
+    """Press coarse cubes deep with a small fingertip: face centres, edges, corners, off-centre, sliding, sideways."""
+    size, mesh = preset.size, cube(cells, preset.size)
+    model = build_model(mesh, [preset.material], held=base_vertices(mesh))
+    depth = 0.036 if size == 0.05 else 0.3 * size
+    places = [
+        (0, 0, 0, 0, 2),
+        (0.49, 0, 0, 0, 2),
+        (0.17, 0.17, 0, 0, 2),
+        (0.3, -0.11, 0.2, -0.2, 2),
+        (0.1, 0.2, 0, 0.1, 0),
+    ]
+    for backend, radius in ((BACKENDS[-1], 0.002), (BACKENDS[0], 0.01)):
+        for a, b, slide_a, slide_b, axis in places if backend != "numpy" else places[3:4]:
+            session = Session(model, backend=backend)
+            steps = 50
+            for i in range(steps + 1):
+                share = i / steps
+                way = np.array([a + share * slide_a, b + share * slide_b, 0.5 - share * depth / size]) * size
+                way[2] += radius
+                finger = Finger(tuple(np.roll(way, axis - 2)), radius)
+                session.set_fingers([finger])
+                frame = session.step(0.005)
+                x = frame.positions[np.unique(mesh.source, return_index=True)[1]].T
+                assert frame.finite, (a, b, axis, radius)
+                assert abs(winding(x, mesh, np.array(finger.position))) < 0.5, (a, b, axis, radius, share)
+            assert frame.finger_forces[0, axis] > 0 or (a, b) != (0, 0)  # it may slide off an edge
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_the_skin_stays_out_of_the_fingertip(backend: str) -> None:
+    mesh = mesh_from_triangles(*ball(1, 0.08))
+    session = Session(build_model(mesh, [SOFT], held=base_vertices(mesh)), backend=backend)
+    for i in range(31):
+        finger = Finger((0.0, 0.0003 * i, 0.1 - 0.0007 * i), 0.02)
+        session.set_fingers([finger])
+        session.step(0.004)
+        assert gap(session._state.positions, mesh, finger) > -0.02 * finger.radius
+    assert gap(session._state.positions, mesh, finger) < 1e-3 * finger.radius
+
+
+@pytest.mark.parametrize(("slide", "held"), [(0.3, True), (0.49, True), (0.51, False), (2.0, False)])
+def test_friction_holds_inside_the_cone_and_slides_outside_it(slide: float, held: bool) -> None:
+    """A face comes down on a fingertip at 1 m/s and slides along it; friction 0.5."""
+    x = np.array([[-1.0, 1, 0], [-1, -1, 2], [0, 0, 0]]) + np.array([[0], [0], [0.0999]])
+    v = np.array([[slide], [0.0], [-1.0]]) * np.ones(3)
+    touch = Touch(
+        centre=np.zeros(3), velocity=np.zeros(3), radius=0.1, vertices=np.arange(3), triangles=np.array([[0, 1, 2]])
+    )
+    weights = nearest_on_triangles(x[:, touch.triangles], touch.centre)[0]
+    impulse = resolve(x, v, touch, np.ones(3), np.full(3, 0.5))
+    after = v @ weights
+    assert after[2] == pytest.approx(0, abs=1e-12)
+    assert after[0] == pytest.approx(0 if held else slide - 0.5)
+    assert np.hypot(impulse[0], impulse[1]) <= 0.5 * -impulse[2] * (1 + 1e-12)
+
+
+@pytest.mark.parametrize(("angle", "slides"), [(20.0, False), (35.0, True)])
+def test_a_body_on_a_slope_holds_up_to_the_angle_of_friction(angle: float, slides: bool) -> None:
+    a = np.radians(angle)  # friction 0.5 holds up to 26.6 degrees
+    mesh = cube(1, 0.1)
+    model = build_model(
+        mesh,
+        [replace(PRESETS[1].material, friction=0.5)],
+        gravity=(9.81 * np.sin(a), 0, -9.81 * np.cos(a)),
+        ground=-0.05,
+    )
+    way = Session(model).step(0.4).positions.mean(axis=0)[0]
+    if slides:
+        wanted = 9.81 * (np.sin(a) - 0.5 * np.cos(a)) * 0.4**2 / 2
+        assert way == pytest.approx(wanted, rel=0.15)
+    else:
+        assert abs(way) < 2e-3
+
+
+def test_the_ground_stops_and_holds_a_falling_body() -> None:
+    mesh = mesh_from_triangles(*ball(1, 0.05))
+    model = build_model(mesh, [replace(SOFT, damping_ratio=0.6)], gravity=(0, 0, -9.81), ground=-0.1)
+    session = Session(model)
+    lowest = [session.step(0.02).positions[:, 2].min() for _ in range(60)]
+    assert min(lowest) > -0.1 - 1e-6
+    assert session.frame.positions[:, 2].min() == pytest.approx(-0.1, abs=1e-4)
+    still = session.frame.positions
+    np.testing.assert_allclose(session.step(0.1).positions, still, atol=2e-3)
+
+
+def test_the_ground_takes_a_share_of_the_fall_along_it_only() -> None:
+    x = np.array([[0.0, 1, 2], [0, 0, 0], [-0.01, -0.01, 0.5]])
+    v = np.array([[3.0, 0.2, 3], [4, 0, 4], [-2, -2, -2]])
+    rest_on_ground(x, v, 0.0, np.array([1.0, 1, 1]), np.full(3, 0.5))
+    np.testing.assert_allclose(v.T, [[3 * 0.8, 4 * 0.8, 0], [0, 0, 0], [3, 4, -2]])
+    np.testing.assert_allclose(x[2], [0, 0, 0.5])
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_fingertip_that_jumps_far_does_not_blow_the_body_up(backend: str) -> None:
+    mesh = mesh_from_triangles(*ball(1, 0.08))
+    session = Session(build_model(mesh, [SOFT], held=base_vertices(mesh)), backend=backend)
+    rng = np.random.default_rng(0)
+    for _ in range(12):
+        session.set_fingers([Finger(tuple(rng.normal(0, 0.06, 3)), 0.02), Finger(tuple(rng.normal(0, 2, 3)), 0.01)])
+        frame = session.step(0.008)
+        assert frame.finite
+    session.set_fingers([])
+    np.testing.assert_allclose(session.step(1.5).positions, mesh.rest_positions, atol=2e-3)
+
+
+@pytest.mark.parametrize("place", [(0, 0, 0), (0, 0, 0.07), (0.05, 0.01, 0.02), (0, 0, -0.079)])
+@pytest.mark.parametrize("radius", [0.005, 0.03])
+def test_a_fingertip_that_starts_inside_does_not_blow_the_body_up(
+    place: tuple[float, float, float], radius: float
+) -> None:
+    mesh = mesh_from_triangles(*ball(1, 0.08))
+    session = Session(build_model(mesh, [SOFT], held=base_vertices(mesh)))
+    session.set_fingers([Finger(place, radius)])
+    assert session.step(0.1).finite
+
+
+@pytest.mark.parametrize("z", [-0.5, -0.45, -0.375, -0.25])
+@pytest.mark.parametrize("cells", [2, 4])
+def test_a_fingertip_beside_pinned_vertices_feels_no_absurd_force(cells: int, z: float) -> None:
+    preset = PRESETS[1]
+    mesh = cube(cells, preset.size)
+    session = Session(build_model(mesh, [preset.material], held=base_vertices(mesh)))
+    for y in (0.0, 0.2, 0.4):
+        session.reset()
+        for i in range(11):
+            session.set_fingers(
+                [Finger((preset.size * (0.5 - 0.01 * i) + 0.006, y * preset.size, z * preset.size), 0.006)]
+            )
+            frame = session.step(0.01)
+            assert frame.finite and np.abs(frame.finger_forces).max() < 1e5  # it was 1e34
+
+
+def grasped(friction: float, squeeze: float) -> tuple[Session, float]:
+    """Squeeze a free cube of nylon with three fingertips, lift it 10 cm and hold it; return its height then."""
+    size, radius = PRESETS[0].size, 0.01
+    model = build_model(
+        cube(4, size), [replace(PRESETS[0].material, friction=friction)], gravity=(0, 0, -9.81), ground=-size / 2
+    )
+    session = Session(model)
+
+    def fingers(pressed: float, height: float) -> list[Finger | None]:
+        x = size / 2 + radius - pressed
+        return [Finger((-x, 0, height), radius), *(Finger((x, y * size, height), radius) for y in (0.2, -0.2))]
+
+    for seconds, pressed, height in ((0.02, 0, 0), (0.1, squeeze, 0), (0.05, squeeze, 0), (0.25, squeeze, 0.1)):
+        session.set_fingers(fingers(pressed, height))
+        session.step(seconds)
+    session.step(0.5)
+    session.step(0.2)
+    return session, float(session._state.positions[2] @ model.mass / model.mass.sum())
+
+
+def test_three_fingers_lift_a_free_cube_against_gravity() -> None:
+    session, height = grasped(0.5, 0.005)
+    assert height == pytest.approx(0.1, abs=0.005)
+    weight = session.model.mass.sum() * 9.81
+    assert session.frame.finger_forces.sum(axis=0) == pytest.approx([0, 0, -weight], abs=0.02 * weight)
+
+
+def test_without_friction_the_cube_slips_out() -> None:
+    assert grasped(0.0, 0.0025)[1] < 0.02

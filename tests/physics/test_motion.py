@@ -1,0 +1,231 @@
+"""Bodies in motion: the clock, gravity, momentum, energy, the stability bound, shape memory."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core import native
+from core.base import Floats
+from core.integrators import semi_implicit
+from core.integrators.path import FingerPath
+from core.laws import memory, pressure, springs
+from core.material import PRESETS, Material, Preset
+from core.mesh import Mesh, base_vertices, mesh_from_triangles
+from core.model import Model, State, build_model, forces, initial_state
+from core.session import Finger, Session
+from core.study import scenes
+from tests.bodies import TETRAHEDRON, backends, ball, hemisphere, sheet
+
+RATES = (24.0, 30.0, 60.0, 120.0)
+EVERY = backends("numpy", "native64", "native")
+EXACT = backends("numpy", "native64")
+
+
+def run(model: Model, state: State, seconds: float, substeps: int = 0) -> State:
+    """Move a body that nothing touches, without a session."""
+    ticks = round(seconds / 1e-3)
+    nobody = FingerPath(centres=np.zeros((0, ticks + 1, 3)), radii=np.zeros(0))
+    stepper = semi_implicit.run if native.why_not() else native.run64
+    stepper(model, state, nobody, tick=1e-3, substeps=substeps or model.substeps(1e-3))
+    return state
+
+
+def poked(frame_rate: float, backend: str, fill: str) -> Iterator[Floats]:
+    """Press a ball 15 mm, sideways too, hold, let go; yield where it is each sixth of a second."""
+    mesh = scenes.ball(0 if backend == "numpy" else 1)
+    model = build_model(mesh, [replace(scenes.BALL, fill=fill)], held=base_vertices(mesh))
+    session = Session(model, backend=backend)
+    start = np.array([0.0, 0.0, scenes.BALL_RADIUS + 0.02])
+    session.set_fingers([Finger(tuple(start), 0.02)])
+    for i in range(1, round(frame_rate / 2) + 1):
+        way = np.interp(i / frame_rate, [0, 1 / 6, 1 / 3, 1 / 2], [0, 1, 1, 0.2])
+        session.set_fingers([Finger(tuple(start + way * np.array([0.005, 0, -0.015])), 0.02)])
+        frame = session.step(1 / frame_rate)
+        if i % (frame_rate / 6) == 0:
+            yield frame.positions
+
+
+@pytest.mark.parametrize(("backend", "fill"), [(b, f) for b in EVERY for f in ("liquid", "paper")])
+def test_the_same_press_gives_the_same_motion_at_any_frame_rate(backend: str, fill: str) -> None:
+    wanted = list(poked(RATES[0], backend, fill))
+    moved = np.abs(wanted[0] - wanted[2]).max()
+    assert moved > 0.005
+    for rate in RATES[1:]:
+        for here, there in zip(poked(rate, backend, fill), wanted, strict=True):
+            np.testing.assert_allclose(here, there, atol=1e-4 * moved)
+
+
+@pytest.mark.parametrize("backend", EVERY)
+@pytest.mark.parametrize("rate", RATES)
+def test_a_body_falls_4_9_metres_in_a_second_at_any_frame_rate(rate: float, backend: str) -> None:
+    light = Material(K1=10, K2=10, x0=0.1, k=1, mass=1, fill="none")
+    model = build_model(mesh_from_triangles(*TETRAHEDRON), [light], gravity=(0, 0, -9.81))
+    session = Session(model, backend=backend)
+    for _ in range(round(rate)):
+        frame = session.step(1 / rate)
+    fall = frame.positions - TETRAHEDRON[0]
+    assert fall[:, 2] == pytest.approx(-9.81 / 2, rel=2e-3)
+    np.testing.assert_allclose(fall[:, :2], 0, atol=1e-5)
+
+
+def momentum(model: Model, state: State) -> tuple[Floats, Floats]:
+    """Return linear [N s] and angular momentum [N m s]."""
+    per_vertex = (model.mass * state.velocities).T
+    return per_vertex.sum(axis=0), np.cross(state.positions.T, per_vertex).sum(axis=0)
+
+
+def thrown(shape: str, material: str) -> tuple[Model, State]:
+    """Return a free body that is deformed, spins, flies and shakes."""
+    mesh = {"ball": scenes.ball(0), "capped": mesh_from_triangles(*hemisphere(6, 2, 0.08))}[shape]
+    model = build_model(mesh, [replace(scenes.BALL, fill=material)])
+    rng, state = np.random.default_rng(0), initial_state(model)
+    state.positions *= 1 + 0.2 * rng.normal(size=state.positions.shape)
+    spin = np.cross([3.0, 1.0, 2.0], state.positions.T).T
+    state.velocities[:] = spin + np.array([[1.0], [2.0], [-1.0]]) + rng.normal(0, 0.5, spin.shape)
+    return model, state
+
+
+def change(model: Model, state: State, before: tuple[Floats, Floats]) -> float:
+    return max(
+        float(np.linalg.norm(now - then) / np.linalg.norm(then))
+        for now, then in zip(momentum(model, state), before, strict=True)
+    )
+
+
+@pytest.mark.parametrize(
+    ("shape", "material"), [("ball", "liquid"), ("ball", "air"), ("capped", "air"), ("ball", "none")]
+)
+@pytest.mark.parametrize("backend", EXACT)
+def test_a_free_body_keeps_its_momentum(backend: str, shape: str, material: str) -> None:
+    model, state = thrown(shape, material)
+    session = Session(model, backend=backend)
+    session.place(state.positions)
+    session._state.velocities[:] = state.velocities
+    before = momentum(model, state)
+    session.step(0.1)
+    assert change(model, session._state, before) < 1e-12
+
+
+@pytest.mark.parametrize(("backend", "rounding"), [("native64", 1e-11), ("native", 1e-3)])
+def test_momentum_is_kept_over_ten_thousand_steps(backend: str, rounding: float) -> None:
+    model, state = thrown("ball", "liquid")
+    backend, rounding = (backend, rounding) if backend in EVERY else ("numpy", 1e-11)
+    session = Session(model, backend=backend)
+    session.place(state.positions)
+    session._state.velocities[:] = state.velocities
+    before = momentum(model, state)
+    session.step(10_000 / session.substeps * 1e-3)
+    assert session.frame.total_steps >= 9_990
+    assert change(model, session._state, before) < rounding
+
+
+def energy(model: Model, state: State) -> float:
+    x = state.positions
+    stored = springs.energy(model.springs, x) + pressure.energy(model.pressure, x) + memory.energy(model.memory, x)
+    return stored + float((model.mass * state.velocities**2).sum()) / 2
+
+
+@pytest.mark.parametrize("amount", [0.3, 2.0], ids=["short of the knee", "beyond the knee"])
+def test_without_damping_energy_swings_but_neither_grows_nor_fades(amount: float) -> None:
+    model, state = scenes.twisted_ball(0, amount=amount, damping_ratio=0.0)
+    start = energy(model, state)
+    seen = [energy(model, run(model, state, 0.02, substeps=8)) for _ in range(12)]
+    assert 0.9 * start < np.mean(seen) < 1.1 * start
+
+
+def test_damping_takes_energy_and_puts_a_free_body_to_rest_in_its_own_shape() -> None:
+    model, state = scenes.twisted_ball(0, damping_ratio=0.5)
+    start = energy(model, state)
+    run(model, state, 0.5)
+    assert energy(model, state) < 1e-4 * start
+    distance = np.linalg.norm(state.positions[:, :, None] - state.positions[:, None], axis=0)
+    rest = model.memory.rest
+    np.testing.assert_allclose(distance, np.linalg.norm(rest[:, :, None] - rest[:, None], axis=0), atol=1e-5)
+
+
+def test_a_spun_body_keeps_spinning_and_its_rest_shape_follows() -> None:
+    model = build_model(scenes.ball(0), [replace(scenes.BALL, damping_ratio=1.0)])
+    state, spin = initial_state(model), np.array([0.0, 3.0, 6.0])
+    state.velocities[:] = np.cross(spin, state.positions.T).T
+    _, before = momentum(model, state)
+    energy_before = energy(model, state)
+    run(model, state, 0.3)
+    assert momentum(model, state)[1] == pytest.approx(before, rel=1e-9)
+    assert energy(model, state) == pytest.approx(energy_before, rel=0.02)
+    turn, _ = memory.fit_pose(model.memory.rest, state.positions, model.memory.k1)
+    angle = np.arccos((np.trace(turn) - 1) / 2)
+    assert angle == pytest.approx(np.linalg.norm(spin) * 0.3, rel=0.02)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)
+def test_a_body_pressed_and_let_go_returns_to_rest(preset: Preset) -> None:
+    material, size = preset.material, preset.size
+    mesh = scenes.cube(2, size)
+    session = Session(build_model(mesh, [material], held=base_vertices(mesh)))
+    top = size / 2 + 0.01
+    session.set_fingers([Finger((0.2 * size, 0, top), 0.01)])
+    session.step(0.001)
+    session.set_fingers([Finger((0.2 * size, 0, top - 0.3 * size), 0.01)])
+    pressed = session.step(0.2).positions
+    assert np.abs(pressed - mesh.rest_positions[mesh.source]).max() > 0.2 * size
+    session.set_fingers([])
+    back = session.step(1.0).positions
+    np.testing.assert_allclose(back, mesh.rest_positions[mesh.source], atol=1e-4 * size)
+
+
+BODIES: dict[str, Mesh] = {
+    "ball": scenes.ball(1), "cube": scenes.cube(2, 0.165), "capped": mesh_from_triangles(*hemisphere(6, 2, 0.08)),
+    "sheet": mesh_from_triangles(*sheet(3, 0.1)), "uneven": mesh_from_triangles(ball(1)[0] ** 3 / 10, ball(1)[1]),
+}  # fmt: skip
+
+
+def highest_frequency(model: Model) -> float:
+    """Return the highest angular frequency [1/s] at rest, by power iteration on differences of the forces."""
+    state, h = initial_state(replace(model, gravity=np.zeros(3))), 1e-7 * model.mesh.size
+    rest, root = model.memory.rest, np.sqrt(model.inverse_mass)
+    u = np.random.default_rng(0).normal(size=rest.shape)
+    for _ in range(100):
+        ahead, behind = (
+            forces(
+                model,
+                replace(
+                    state,
+                    positions=rest + sign * h * root * u / np.abs(root * u).max(),
+                    pose=None if state.pose is None else state.pose,
+                ),
+            )
+            for sign in (1, -1)
+        )
+        u = -root * (ahead - behind) / (2 * h) * np.abs(root * u).max()
+        square = float(np.linalg.norm(u))
+        u /= square
+    return float(np.sqrt(square))
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("fill", ["air", "none"])
+def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str) -> None:
+    mesh = BODIES[body]
+    for held in (None, base_vertices(mesh)):
+        model = build_model(mesh, [replace(scenes.BALL, fill=fill, K2=610.0, damping_ratio=0.0)], held=held)
+        bound = np.sqrt(model.omega_squared)
+        assert highest_frequency(model) <= bound * (1 + 1e-6)
+        assert bound < 2.5 * highest_frequency(model)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.2, 1.0])
+@pytest.mark.parametrize(("share", "stays"), [(0.95, True), (3.0, False)])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_step_under_the_bound_stays_and_one_well_over_it_blows_up(damping: float, share: float, stays: bool) -> None:
+    model = build_model(scenes.ball(0), [replace(scenes.BALL, damping_ratio=damping, K2=610.0)])
+    omega = np.sqrt(model.omega_squared)
+    z = model.decay / (2 * omega)
+    step = share * 2 / omega * (np.sqrt(1 + z * z) - z)
+    state = initial_state(model)
+    state.velocities[:] = 1e-6 * np.random.default_rng(1).normal(size=state.velocities.shape)
+    nobody = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
+    semi_implicit.run(model, state, nobody, tick=600 * step, substeps=600)
+    bent = np.abs(state.positions - state.positions.mean(axis=1, keepdims=True) - model.memory.rest).max()
+    assert (bent < 1e-5) == stays
