@@ -185,7 +185,8 @@ def call(name: str, *values: Any, using: ctypes.CDLL | None = None) -> None:
             value = np.ascontiguousarray(value, _DTYPES[letter])
         arrays.append(value)
     using = using or library()
-    code = getattr(using, name)(*[a.ctypes.data if isinstance(a, np.ndarray) else a for a in arrays])
+    # a third of the time .ctypes.data takes
+    code = getattr(using, name)(*[a.__array_interface__["data"][0] if isinstance(a, np.ndarray) else a for a in arrays])
     if code:
         raise NativeError(f"{name}: {using.dm_message(code).decode()}", code)
 
