@@ -91,6 +91,9 @@ class Session:
         self._fingers: list[Finger | None] = []
         self._targets: list[Finger | None] = []
         self._sides: list[Floats | None] = []
+        self._begin, self._end = 0.0, 0.0  # of the step under way, and where fingertips and pins were at its begin:
+        self._origins: list[Floats | None] = []
+        self._held_origin: Floats = self.model.memory.rest
         self._held_target: Floats | None = None
         self.frame = self._show(np.zeros((0, 3)), 0, 0.0, "")
 
@@ -114,12 +117,13 @@ class Session:
             ):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         self._targets = list(fingers)
-        for held in (self._fingers, self._sides):
+        for held in (self._fingers, self._sides, self._origins):
             held.extend([None] * (len(fingers) - len(held)))
             del held[len(fingers) :]
         for i, finger in enumerate(fingers):
             if finger is None or self._fingers[i] is None:
                 self._fingers[i], self._sides[i] = finger, None
+                self._origins[i] = np.array(finger.position) if finger else None
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were held.
@@ -146,13 +150,13 @@ class Session:
         if not 0 <= dt < math.inf:
             raise DimpleError(f"A step of time must be 0 s or longer (it is {dt}).")
         started = time.perf_counter()
-        end = self._time + dt
-        due = math.floor(end / self.tick + 1e-6)
+        self._begin, self._end = self._time, self._time + dt
+        end, due = self._end, math.floor(self._end / self.tick + 1e-6)
         impulses, done, note = np.zeros((len(self._targets), 3)), 0, ""
         while self._ticks < due:
             ticks = self._ticks_at_once(due - self._ticks)
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # a blow-up has its own note
-                impulses += self._run(ticks, (end - self._ticks * self.tick) / self.tick)
+                impulses += self._run(ticks)
             self._ticks, done = self._ticks + ticks, done + ticks
             if not self._is_finite():
                 at = self._ticks * self.tick
@@ -163,6 +167,7 @@ class Session:
                 end = self._ticks * self.tick
                 break
         if not note:
+            self._move_origins(self._share(end))
             self._time = end
         if done:
             forces = impulses / (done * self.tick)
@@ -177,18 +182,29 @@ class Session:
         """Return how many ticks one call of the stepper may run: one where something must be looked at each tick."""
         return 1 if self.model.needs_contact or self._held_target is not None else min(due, TICKS_AT_ONCE)
 
-    def _run(self, ticks: int, left: float) -> Floats:
-        """Run some ticks; fingertips and held vertices have `left` ticks to reach their targets.
+    def _share(self, time: float) -> float:
+        """Return how much of the step under way is over at a time [s]: 0 at its begin, 1 at its end."""
+        return min((time - self._begin) / max(self._end - self._begin, 1e-30), 1.0)
+
+    def _move_origins(self, share: float) -> None:
+        for i, (origin, target) in enumerate(zip(self._origins, self._targets, strict=True)):
+            if origin is not None and target:
+                self._origins[i] = origin + share * (np.array(target.position) - origin)
+        if self._held_target is not None:
+            self._held_origin = self._held_origin + share * (self._held_target - self._held_origin)
+
+    def _run(self, ticks: int) -> Floats:
+        """Run some ticks.
 
         Returns:
             the impulse (k, 3) [N s] on each fingertip.
         """
         which = [i for i, (f, t) in enumerate(zip(self._fingers, self._targets, strict=True)) if f and t]
         path = FingerPath(
-            centres=np.array([self._way(i, ticks, left) for i in which]).reshape(len(which), ticks + 1, 3),
+            centres=np.array([self._way(i, ticks) for i in which]).reshape(len(which), ticks + 1, 3),
             radii=np.array([self._targets[i].radius for i in which]),  # type: ignore[union-attr]
         )
-        self._move_held(1 / max(left, 1.0))
+        self._move_held(self._share((self._ticks + 1) * self.tick))
         if self.model.needs_contact:
             self._state.inner_force = float(sum(self._depths()[1]))
         total = np.zeros((len(self._targets), 3))
@@ -197,20 +213,22 @@ class Session:
             self._fingers[i] = Finger(tuple(path.centres[row, -1]), path.radii[row])
         return total
 
-    def _way(self, i: int, ticks: int, left: float) -> Floats:
+    def _way(self, i: int, ticks: int) -> Floats:
         """Return the centres (ticks + 1, 3) of a fingertip, no faster than it may move without skipping a skin."""
-        here, target = self._fingers[i], self._targets[i]
-        assert here and target
-        start = np.array(here.position)
-        step = (np.array(target.position) - start) / max(left, ticks)
-        step *= min(1.0, FINGER_TRAVEL * target.radius / max(float(np.linalg.norm(step)), 1e-30))
-        return start + np.arange(ticks + 1)[:, None] * step
+        here, target, origin = self._fingers[i], self._targets[i], self._origins[i]
+        assert here and target and origin is not None
+        most, centres = FINGER_TRAVEL * target.radius, [np.array(here.position)]
+        for tick in range(self._ticks + 1, self._ticks + ticks + 1):
+            step = origin + self._share(tick * self.tick) * (np.array(target.position) - origin) - centres[-1]
+            centres.append(centres[-1] + step * min(1.0, most / max(math.hypot(*step), 1e-30)))
+        return np.array(centres)
 
     def _move_held(self, share: float) -> None:
         held, state = self.model.held, self._state
         if self._held_target is None:
             return
-        way = share * (self._held_target[:, held] - state.positions[:, held])
+        origin = self._held_origin[:, held]
+        way = origin + share * (self._held_target[:, held] - origin) - state.positions[:, held]
         state.velocities[:, held] = way / self.tick
         if state.pose is not None:
             pins = held & ~self.model.mesh.loose
