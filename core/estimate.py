@@ -20,8 +20,8 @@ def estimate(material: Material, size: float) -> ModelConstants:
     F = 2 k (2 h - l) x / h, h = sqrt((l/2)^2 + x^2): the force balance behind Eq. (9). k is scaled down where that
     alone takes more than its share of K1 x0. The rest is a bed of springs under the tip, K1 = kappa1 pi rho^2, widened
     by the skin: over r = (k x0^2 / (2 kappa1))^(1/4), where its pull balances the bed. rho^2 = R^2 (0.4 + 2 r / x0) is
-    fitted to simulated presses of Table 2's cubes, and right within a factor of two there, up to the knee
-    (tests/physics/test_estimate.py).
+    fitted to simulated presses of Table 2's cubes, and right within a factor of two there from half the knee to just
+    short of it; below that a round tip starts softer than the point that measured (tests/physics/test_estimate.py).
 
     Args:
         size: longest side of the body [m].
