@@ -37,12 +37,12 @@ class Touch:
 def candidates(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, reach: float) -> tuple[Ints, Ints]:
     """Return the free vertices within reach of a centre and the triangles (t, 3) whose bounding sphere is."""
     near = ((x - centre[:, None]) ** 2).sum(axis=0) < reach**2
-    corners = x[:, triangles]
-    middle = corners.mean(axis=2)
-    extent = np.sqrt(((corners - middle[:, :, None]) ** 2).sum(axis=0).max(axis=1))
-    hit = ((middle - centre[:, None]) ** 2).sum(axis=0) < (reach + extent) ** 2
-    movable = (inverse_mass[triangles] > 0).any(axis=1)
-    return np.flatnonzero(near & (inverse_mass > 0)), triangles[hit & movable]
+    corners = x[:, triangles.T]
+    middle = corners.sum(axis=1) / 3
+    extent = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=0).max(axis=0))
+    hit = np.flatnonzero(((middle - centre[:, None]) ** 2).sum(axis=0) < (reach + extent) ** 2)
+    movable = (inverse_mass[triangles[hit]] > 0).any(axis=1)
+    return np.flatnonzero(near & (inverse_mass > 0)), triangles[hit[movable]]
 
 
 def resolve(
@@ -133,21 +133,19 @@ def nearest_on_triangles(corners: Floats, point: Floats) -> Floats:
     d3, d4 = (ab * (p - b)).sum(axis=0), (ac * (p - b)).sum(axis=0)
     d5, d6 = (ab * (p - c)).sum(axis=0), (ac * (p - c)).sum(axis=0)
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
-    zero, one = np.zeros_like(d1), np.ones_like(d1)
-    on_ab, on_ac = _ratio(d1, d1 - d3), _ratio(d2, d2 - d6)
     on_bc = _ratio(d4 - d3, (d4 - d3) + (d5 - d6))
     v, w = _ratio(vb, va + vb + vc), _ratio(vc, va + vb + vc)
-    regions: list[tuple[Bools, Floats, Floats]] = [
-        ((d1 <= 0) & (d2 <= 0), zero, zero),
-        ((d3 >= 0) & (d4 <= d3), one, zero),
-        ((d6 >= 0) & (d5 <= d6), zero, one),
-        ((vc <= 0) & (d1 >= 0) & (d3 <= 0), on_ab, zero),
-        ((vb <= 0) & (d2 >= 0) & (d6 <= 0), zero, on_ac),
+    # the first region that holds wins, so it comes last
+    regions: list[tuple[Bools, Floats | float, Floats | float]] = [
         ((va <= 0) & (d4 >= d3) & (d5 >= d6), 1 - on_bc, on_bc),
+        ((vb <= 0) & (d2 >= 0) & (d6 <= 0), 0.0, _ratio(d2, d2 - d6)),
+        ((vc <= 0) & (d1 >= 0) & (d3 <= 0), _ratio(d1, d1 - d3), 0.0),
+        ((d6 >= 0) & (d5 <= d6), 0.0, 1.0),
+        ((d3 >= 0) & (d4 <= d3), 1.0, 0.0),
+        ((d1 <= 0) & (d2 <= 0), 0.0, 0.0),
     ]
-    conditions = [region[0] for region in regions]
-    v = np.select(conditions, [region[1] for region in regions], v)
-    w = np.select(conditions, [region[2] for region in regions], w)
+    for holds, at_v, at_w in regions:
+        v, w = np.where(holds, at_v, v), np.where(holds, at_w, w)
     return np.stack([1 - v - w, v, w], axis=1)
 
 

@@ -42,10 +42,10 @@ def volume_and_gradient(law: Pressure, x: Floats, arms: Floats | None = None) ->
     d = around(law.rings, x) if arms is None else arms
     n = np.empty_like(x)
     if len(d[0]):
-        after = np.concatenate([d[:, 1:], d[:, :1]], axis=1)
         for c in range(3):
-            a, b = (c + 1) % 3, (c + 2) % 3
-            n[c] = (d[a] * after[b] - d[b] * after[a]).sum(axis=0)
+            a, b = d[(c + 1) % 3], d[(c + 2) % 3]
+            n[c] = np.einsum("sn,sn->n", a[:-1], b[1:]) - np.einsum("sn,sn->n", b[:-1], a[1:])
+            n[c] += a[-1] * b[0] - b[-1] * a[0]
     else:
         n[:] = 0
     centre = x.mean(axis=1)

@@ -85,7 +85,11 @@ def membrane_stiffness(mesh: Mesh, k: Floats) -> Floats:
 
 def around(rings: Rings, x: Floats) -> Floats:
     """Gather the vectors (3, w, n) from each vertex to the neighbours round it."""
-    return np.take(x, rings.neighbours, axis=1) - x[:, None, :]
+    vectors = np.empty((3, *rings.neighbours.shape))
+    for c in range(3):
+        np.take(x[c], rings.neighbours, out=vectors[c], mode="clip")  # the fast way: no check of bounds, no buffer
+        vectors[c] -= x[c]
+    return vectors
 
 
 def energy(law: Springs, x: Floats) -> float:
@@ -101,13 +105,17 @@ def force(law: Springs, x: Floats, v: Floats | None = None, arms: Floats | None 
         arms: `around(law.rings, x)` where the caller has it already.
     """
     d = around(law.rings, x) if arms is None else arms
-    square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-    np.maximum(square, _TINY, out=square)
-    tension = law.ring_stiffness * (1 - law.ring_rest / np.sqrt(square))
+    square = np.maximum(np.einsum("csn,csn->sn", d, d), _TINY)
+    tension = np.sqrt(square)
+    np.divide(law.ring_rest, tension, out=tension)
+    np.subtract(1, tension, out=tension)
+    tension *= law.ring_stiffness
     if v is not None:
-        w = around(law.rings, v)
-        tension += law.ring_damping * (d[0] * w[0] + d[1] * w[1] + d[2] * w[2]) / square
-    f = (tension * d).sum(axis=1)
+        growth = np.einsum("csn,csn->sn", d, around(law.rings, v))
+        growth *= law.ring_damping
+        growth /= square
+        tension += growth
+    f = np.einsum("sn,csn->cn", tension, d)
     _add_loose(law, f, x, v)
     return f
 

@@ -49,9 +49,13 @@ static inline lanes root(lanes a) {
 }
 
 static inline int any(mask a) {
+#if defined(__clang__)
+    return __builtin_reduce_or(a) != 0;
+#else
     bits r = 0;
     for (int i = 0; i < LANES; i++) r |= a[i];
     return r != 0;
+#endif
 }
 
 static inline wide widen(lanes a) { return __builtin_convertvector(a, wide); }

@@ -15,8 +15,12 @@ static inline void advance(body *b, double pressure, int fitted) {
         }
         three way = {dt * v.x, dt * v.y, dt * v.z};
         if (limit > 0) { /* a deep press must not carry the skin past a fingertip */
-            lanes far = root(dot(way, way)), share = select((mask)(far > all(limit)), all(limit) / far, all(1));
-            way.x *= share, way.y *= share, way.z *= share;
+            lanes square = dot(way, way);
+            mask far = (mask)(square > all(limit * limit));
+            if (any(far)) {
+                lanes share = select(far, all(limit) / root(square), all(1));
+                way.x *= share, way.y *= share, way.z *= share;
+            }
         }
         x.x += way.x, x.y += way.y, x.z += way.z;
         b->state[g] = (group_state){x, v};
