@@ -85,56 +85,51 @@ static rigid rigid_part(const body *b, const inertia *at, const double *momentum
     return r;
 }
 
-/* Fit the shape at rest to the body, least squares weighted by k1; h = sum of k1 x q^T, as sum of k1 q = 0. */
-static void fit_pose(body *b) {
-    wide sum[12] = {{0}};
-    lanes part[12] = {{0}};
+/* The moments that both fits ask for, in one pass. With q the place at rest from its centre, sum k1 q = 0. */
+enum { K_X = 0, K_XQ = 3, M_X = 12, M_XX = 15, M_V = 21, M_XV = 24, MOMENTS = 27 };
+
+static void sum_moments(const body *b, double *sums) {
+    wide sum[MOMENTS] = {{0}};
+    lanes part[MOMENTS] = {{0}};
     for (int64_t g = 0; g < b->groups; g++) {
-        three x = b->state[g].x, q = b->matter[g].rest;
-        lanes k = b->matter[g].k1, kx[3] = {k * x.x, k * x.y, k * x.z};
+        three x = b->state[g].x, v = b->state[g].v, q = b->matter[g].rest;
+        lanes k = b->matter[g].k1, kx[3] = {k * x.x, k * x.y, k * x.z}, m = b->matter[g].mass;
+        three mx = {m * x.x, m * x.y, m * x.z}, turning = cross(mx, v);
         for (int c = 0; c < 3; c++) {
-            part[c] += kx[c];
-            part[3 + 3 * c] += kx[c] * q.x, part[4 + 3 * c] += kx[c] * q.y, part[5 + 3 * c] += kx[c] * q.z;
+            lanes *row = part + K_XQ + 3 * c;
+            part[K_X + c] += kx[c], row[0] += kx[c] * q.x, row[1] += kx[c] * q.y, row[2] += kx[c] * q.z;
         }
-        if (g % RUN == RUN - 1) fold(part, sum, 12);
+        part[M_X] += mx.x, part[M_X + 1] += mx.y, part[M_X + 2] += mx.z;
+        part[M_XX] += mx.x * x.x, part[M_XX + 1] += mx.y * x.y, part[M_XX + 2] += mx.z * x.z;
+        part[M_XX + 3] += mx.x * x.y, part[M_XX + 4] += mx.y * x.z, part[M_XX + 5] += mx.z * x.x;
+        part[M_V] += m * v.x, part[M_V + 1] += m * v.y, part[M_V + 2] += m * v.z;
+        part[M_XV] += turning.x, part[M_XV + 1] += turning.y, part[M_XV + 2] += turning.z;
+        if (g % RUN == RUN - 1) fold(part, sum, MOMENTS);
     }
-    fold(part, sum, 12);
-    double h[9], near[9], turn[9];
-    for (int k = 0; k < 9; k++) h[k] = total(sum[3 + k]);
+    fold(part, sum, MOMENTS);
+    for (int k = 0; k < MOMENTS; k++) sums[k] = total(sum[k]);
+}
+
+/* Fit the shape at rest to the body: least squares weighted by k1. */
+static void fit_pose(body *b, const double *sums) {
     /* from the last rotation it is a small way, so few sweeps are needed: r = r0 fit(r0^T h) */
-    double back[9] = {b->turned[0], b->turned[3], b->turned[6], b->turned[1], b->turned[4],
-                      b->turned[7], b->turned[2], b->turned[5], b->turned[8]};
-    multiply(back, h, near);
+    const double *t = b->turned;
+    double near[9], turn[9], back[9] = {t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]};
+    multiply(back, sums + K_XQ, near);
     fit_rotation(near, turn);
     multiply(b->turned, turn, b->rotation);
     memcpy(b->turned, b->rotation, sizeof b->turned);
-    for (int c = 0; c < 3; c++) b->translation[c] = total(sum[c]) / b->k1_total;
+    for (int c = 0; c < 3; c++) b->translation[c] = sums[K_X + c] / b->k1_total;
 }
 
 /* Find the rigid part of the velocities, and the moments of the mass. */
-static void fit_motion(body *b) {
-    inertia *at = &b->moments;
-    wide sum[15] = {{0}};
-    lanes part[15] = {{0}};
-    for (int64_t g = 0; g < b->groups; g++) {
-        three x = b->state[g].x, v = b->state[g].v;
-        lanes m = b->matter[g].mass;
-        three mx = {m * x.x, m * x.y, m * x.z}, turning = cross(mx, v);
-        part[0] += mx.x, part[1] += mx.y, part[2] += mx.z;
-        part[3] += mx.x * x.x, part[4] += mx.y * x.y, part[5] += mx.z * x.z;
-        part[6] += mx.x * x.y, part[7] += mx.y * x.z, part[8] += mx.z * x.x;
-        part[9] += m * v.x, part[10] += m * v.y, part[11] += m * v.z;
-        part[12] += turning.x, part[13] += turning.y, part[14] += turning.z;
-        if (g % RUN == RUN - 1) fold(part, sum, 15);
-    }
-    fold(part, sum, 15);
-    double s[15];
-    for (int k = 0; k < 15; k++) s[k] = total(sum[k]);
-    double *o = at->centre;
+static void fit_motion(body *b, const double *sums) {
+    const double *s = sums + M_X, *xx = sums + M_XX;
+    double *o = b->moments.centre;
     for (int c = 0; c < 3; c++) o[c] = s[c] / b->mass_total;
-    double xx = s[3] - o[0] * s[0], yy = s[4] - o[1] * s[1], zz = s[5] - o[2] * s[2];
-    double xy = s[6] - o[0] * s[1], yz = s[7] - o[1] * s[2], zx = s[8] - o[2] * s[0];
-    double tensor[3][3] = {{yy + zz, -xy, -zx}, {-xy, xx + zz, -yz}, {-zx, -yz, xx + yy}};
-    memcpy(at->tensor, tensor, sizeof tensor);
-    b->drift = rigid_part(b, at, s + 9, s + 12);
+    double x2 = xx[0] - o[0] * s[0], y2 = xx[1] - o[1] * s[1], z2 = xx[2] - o[2] * s[2];
+    double xy = xx[3] - o[0] * s[1], yz = xx[4] - o[1] * s[2], zx = xx[5] - o[2] * s[0];
+    double tensor[3][3] = {{y2 + z2, -xy, -zx}, {-xy, x2 + z2, -yz}, {-zx, -yz, x2 + y2}};
+    memcpy(b->moments.tensor, tensor, sizeof tensor);
+    b->drift = rigid_part(b, &b->moments, sums + M_V, sums + M_XV);
 }

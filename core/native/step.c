@@ -20,7 +20,11 @@ static void move(body *b) {
         advance_posed(b, b->pressure);
         return;
     }
-    if (b->fitted) fit_pose(b), fit_motion(b);
+    if (b->fitted) {
+        double sums[MOMENTS];
+        sum_moments(b, sums);
+        fit_pose(b, sums), fit_motion(b, sums);
+    }
     (b->fitted ? pull_fitted : pull_posed)(b);
     pull_bend(b);
     pull_loose(b);
