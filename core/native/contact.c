@@ -41,7 +41,7 @@ static inline three nearest(three a, three b, three c) {
     three ab = minus(b, a), ac = minus(c, a);
     lanes d1 = -dot(ab, a), d2 = -dot(ac, a), d3 = -dot(ab, b), d4 = -dot(ac, b), d5 = -dot(ab, c), d6 = -dot(ac, c);
     lanes va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2, none = all(0), one = all(1);
-    lanes v = vb, w = vc, whole = va + vb + vc; /* weights v / whole, w / whole; the first region that holds comes last */
+    lanes v = vb, w = vc, whole = va + vb + vc; /* weights v / whole, w / whole; the first region to hold comes last */
     mask in_bc = (mask)(va <= none) & (mask)(d4 >= d3) & (mask)(d5 >= d6);
     w = select(in_bc, d4 - d3, w), whole = select(in_bc, (d4 - d3) + (d5 - d6), whole);
     mask in_ac = (mask)(vb <= none) & (mask)(d2 >= none) & (mask)(d6 <= none);
