@@ -101,7 +101,7 @@ def bench(options: argparse.Namespace) -> int:
     """measure scenes, sizes and backends; --quick, --json FILE"""
     python = environment(options.blender)
     native_core.provide_library(python)
-    return run([python, "-m", "tests.bench.bench", *options.rest])
+    return run([python, "-m", "tests.bench.bench", *options.rest], OPENBLAS_NUM_THREADS="1")
 
 
 def charts(options: argparse.Namespace) -> int:

@@ -1,7 +1,8 @@
 """Measure a step: scenes x sizes x backends, in one run. `python3 dev.py bench [--quick] [--json FILE]`
 
-A timing here is the median over repeats that go round the backends in turn, so that a busy machine slows them alike;
-the least is beside it. Ratios within a run are what to compare. The full run keeps a CSV and a chart per machine.
+A timing here is processor time of one core, the median over repeats that go round the backends in turn, so that a
+busy machine slows them alike; the least is beside it. Ratios within a run are what to compare. The full run keeps a
+CSV and a chart per machine.
 """
 
 from __future__ import annotations
@@ -55,6 +56,7 @@ def measure(scene: str, size: int, *, seconds: float, slowest: int) -> list[dict
         slowest: numpy and double precision are left out of larger meshes.
     """
     make, material, held, fingers, _ = SCENES[scene]
+    gc.collect()  # what the case before left must not be counted as this one's
     before, started = memory_mb(), time.perf_counter()
     mesh = make(size)
     model = build_model(mesh, [material], held=base_vertices(mesh) if held else None)
@@ -90,9 +92,9 @@ def measure(scene: str, size: int, *, seconds: float, slowest: int) -> list[dict
         for name, (stepper, _, _) in bodies.items():
             ticks, steps = turns[name]
             still = straight(top - DEPTH, top - DEPTH, ticks, fingers)
-            started = time.perf_counter()
+            started = time.process_time()
             stepper(model, states[name], still, TICK * steps / substeps, steps)
-            times[name].append((time.perf_counter() - started) / (ticks * steps * n) * 1e9)
+            times[name].append((time.process_time() - started) / (ticks * steps * n) * 1e9)
     gc.enable()
     return [
         {
@@ -181,7 +183,7 @@ def main(words: list[str]) -> int:
     print(f"{note or native.instructions()}; {machine()}; Python {platform.python_version()}, numpy {np.__version__}")
     print("scene      vertices backend         ns/vertex/step    least real time   set-up     MB")
     cases: list[dict[str, Any]] = []
-    seconds, slowest = (0.6, 12_000) if options.quick else (8.0, 50_000)
+    seconds, slowest = (0.5, 12_000) if options.quick else (8.0, 50_000)
     for scene, (*_, sizes) in SCENES.items():
         for size in sizes:
             some = measure(scene, size, seconds=seconds, slowest=slowest)
