@@ -1,6 +1,4 @@
-"""The interface in Japanese. A test walks every label and description of ours and misses none."""
-
-import bpy
+"""Japanese of everything that has no file of its own subject."""
 
 # the label of an operator and of its button is looked up in a context of its own
 OPERATORS = {
@@ -249,21 +247,4 @@ VERBS = {
     "Baking: Esc cancels": "ベイク中です。Esc で中止します",
 }
 
-# Blender has words of its own for some of ours, and they win: its "Air" is the drag of air. In a context, ours win
-CONTEXT = "Dimple"
-
-EVERYTHING = {**OPERATORS, **MATERIAL, **BODY, **SESSION, **PANELS, **VERBS}
-JAPANESE = {
-    **{("Operator", english): text for english, text in OPERATORS.items()},
-    **{(context, english): text for context in ("*", CONTEXT) for english, text in EVERYTHING.items()},
-}
-
-
-def register() -> None:
-    """Hand the dictionary to Blender."""
-    bpy.app.translations.register(__package__, {"ja_JP": JAPANESE})
-
-
-def unregister() -> None:
-    """Take the dictionary back."""
-    bpy.app.translations.unregister(__package__)
+WORDS = {**MATERIAL, **BODY, **SESSION, **PANELS, **VERBS}
