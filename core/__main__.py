@@ -3,86 +3,35 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from dataclasses import fields
-from pathlib import Path
+from importlib import import_module
 
 from .base import DimpleError
-from .calibration.calibrate import POINT_RADIUS, calibrate
-from .calibration.plot import save_plot
-from .calibration.question import Answers, Undecided
-from .calibration.report import questions_json, to_json, to_lines
 
-DONE, UNUSABLE, OPEN = 0, 2, 3  # exit codes
+UNUSABLE = 2  # exit code; a command's own ones are 0 and from 3 on
+
+# name: what it does, the module it lives in, and there the function that takes its parser and sets `run`;
+# only the command asked for is imported
+COMMANDS = {
+    "calibrate": ("fit a material to a force-depth file", ".calibration.command", "add_command"),
+}
 
 
 def main(words: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
+    words = sys.argv[1:] if words is None else words
     parser = argparse.ArgumentParser(prog="python -m core", description=__doc__)
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    _add_calibrate(commands.add_parser("calibrate", help="fit a material to a force-depth file", allow_abbrev=False))
+    for name, (text, module, add) in COMMANDS.items():
+        command = commands.add_parser(name, help=text, allow_abbrev=False)
+        if words[:1] == [name]:
+            getattr(import_module(module, __package__), add)(command)
     options = parser.parse_args(words)
     try:
         return int(options.run(options))
-    except Undecided as undecided:
-        print(undecided, file=sys.stderr)
-        if getattr(options, "json", None):
-            _write_json(options.json, questions_json(undecided))
-        return OPEN
     except DimpleError as error:
         print(error, file=sys.stderr)
         return UNUSABLE
-
-
-def _add_calibrate(command: argparse.ArgumentParser) -> None:
-    command.set_defaults(run=_calibrate)
-    command.add_argument("file", type=Path, metavar="FILE", help="what the instrument wrote (CSV or text)")
-    command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
-    command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT_RADIUS, help="of the tip")
-    command.add_argument("--section-mm2", type=float, metavar="A", help="section of the surface, for k by Eq. (10)")
-    command.add_argument("--youngs-modulus-mpa", type=float, metavar="E", help="of the surface, for k by Eq. (10)")
-    command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
-    command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw the curve and the fit (needs matplotlib)")
-    answers = command.add_argument_group("answers, where the file leaves something open")
-    for option, kind, text in (
-        ("--depth-column", str, "header or number of the column of depth"),
-        ("--force-column", str, "header or number of the column of force"),
-        ("--depth-unit", str, "mm, m, um, in..."),
-        ("--force-unit", str, "N, gf, kgf, mN, kN, lbf..."),
-        ("--decimal", str, "the decimal mark, . or ,"),
-        ("--table", int, "which of several tables, counted from 1"),
-        ("--press", str, "sign of a pressing force, positive or negative"),
-        ("--cycle", int, "which of several presses, counted from 1"),
-        ("--contact-mm", float, "reading of the depth at first touch"),
-    ):
-        answers.add_argument(option, type=kind, help=text)
-
-
-def _calibrate(options: argparse.Namespace) -> int:
-    answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
-    calibration = calibrate(
-        options.file, answers,
-        length=_scaled(options.length_mm, 1e-3), tip_radius=1e-3 * options.tip_radius_mm,
-        section=_scaled(options.section_mm2, 1e-6), youngs_modulus=_scaled(options.youngs_modulus_mpa, 1e6),
-    )  # fmt: skip
-    print("\n".join(to_lines(calibration)))
-    if options.json:
-        _write_json(options.json, to_json(calibration))
-    if options.plot:
-        save_plot(calibration, options.plot)
-    return DONE
-
-
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else factor * value
-
-
-def _write_json(path: Path, report: dict[str, object]) -> None:
-    try:
-        path.write_text(json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise DimpleError(f"{path} cannot be written: {error.strerror or error}.") from None
 
 
 if __name__ == "__main__":

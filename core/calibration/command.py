@@ -1,0 +1,81 @@
+"""`python -m core calibrate`: from a file of depths and forces to constants."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from ..base import DimpleError
+from .calibrate import POINT_RADIUS, calibrate
+from .plot import save_plot
+from .question import Answers, Undecided
+from .report import questions_json, to_json, to_lines
+
+DONE, OPEN = 0, 3  # exit codes
+
+
+def add_command(command: argparse.ArgumentParser) -> None:
+    """Give the command its options."""
+    command.set_defaults(run=run)
+    command.add_argument("file", type=Path, metavar="FILE", help="what the instrument wrote (CSV or text)")
+    command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
+    command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT_RADIUS, help="of the tip")
+    command.add_argument("--section-mm2", type=float, metavar="A", help="section of the surface, for k by Eq. (10)")
+    command.add_argument("--youngs-modulus-mpa", type=float, metavar="E", help="of the surface, for k by Eq. (10)")
+    command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
+    command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw the curve and the fit (needs matplotlib)")
+    answers = command.add_argument_group("answers, where the file leaves something open")
+    for option, kind, text in (
+        ("--depth-column", str, "header or number of the column of depth"),
+        ("--force-column", str, "header or number of the column of force"),
+        ("--depth-unit", str, "mm, m, um, in..."),
+        ("--force-unit", str, "N, gf, kgf, mN, kN, lbf..."),
+        ("--decimal", str, "the decimal mark, . or ,"),
+        ("--table", int, "which of several tables, counted from 1"),
+        ("--press", str, "sign of a pressing force, positive or negative"),
+        ("--cycle", int, "which of several presses, counted from 1"),
+        ("--contact-mm", float, "reading of the depth at first touch"),
+    ):
+        answers.add_argument(option, type=kind, help=text)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Calibrate and tell; return OPEN where the file leaves something open."""
+    answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
+    try:
+        calibration = calibrate(
+            options.file, answers,
+            length=_scaled(options.length_mm, 1e-3), tip_radius=1e-3 * options.tip_radius_mm,
+            section=_scaled(options.section_mm2, 1e-6), youngs_modulus=_scaled(options.youngs_modulus_mpa, 1e6),
+        )  # fmt: skip
+    except Undecided as undecided:
+        print(undecided, file=sys.stderr)
+        if options.json:
+            write_json(options.json, questions_json(undecided))
+        return OPEN
+    print("\n".join(to_lines(calibration)))
+    if options.json:
+        write_json(options.json, to_json(calibration))
+    if options.plot:
+        save_plot(calibration, options.plot)
+    return DONE
+
+
+def write_json(path: Path, report: dict[str, Any]) -> None:
+    """Write a report.
+
+    Raises:
+        DimpleError: the file cannot be written.
+    """
+    try:
+        path.write_text(json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise DimpleError(f"{path} cannot be written: {error.strerror or error}.") from None
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None else factor * value
