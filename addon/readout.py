@@ -38,7 +38,7 @@ def rate_hz(frame: Any) -> float:
 def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
     """Return (label, number with unit) for everything a frame measures, in the language of the interface.
 
-    Each value stands by itself, so that a narrow sidebar does not cut its unit off.
+    Each value stands by itself, so that a narrow sidebar does not cut its unit off; + 0.0 makes -0 a 0.
 
     Args:
         tick: control step of the session [s].
@@ -48,9 +48,9 @@ def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
         lines.append((iface_("Depth {}").format(number), f"{depth:.2f} mm"))
         lines.append((iface_("Measured Curve {}").format(number), f"{law:.2f} N"))
-    lines.append((iface_("Pressure"), f"{frame.pressure / 1e3:.3f} kPa"))
+    lines.append((iface_("Pressure"), f"{round(frame.pressure / 1e3, 3) + 0.0:.3f} kPa"))
     lines.append((iface_("Volume"), volume_text(frame.volume)))
-    lines.append((iface_("Change of Volume"), f"{volume_change(frame):+.2%}"))
+    lines.append((iface_("Change of Volume"), f"{round(volume_change(frame), 4) + 0.0:+.2%}"))
     lines.append((iface_("Time"), f"{frame.time:.3f} s"))
     rate = rate_hz(frame)
     lines.append((iface_("Rate"), f"{rate:.0f} Hz"))
