@@ -8,6 +8,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from .errors import DimpleError as DimpleError  # it lives apart so that the servo process has it without numpy
+
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
@@ -30,10 +32,6 @@ STEP_SAFETY = 0.9  # of the stability bound; springs stiffen a little when they 
 MAX_SUBSTEPS = 2000  # a tick finer than this would never be live
 SKIN_TRAVEL = 0.5  # of a fingertip's radius: what the skin may move in one substep without passing the fingertip
 FINGER_TRAVEL = 0.25  # of its radius: what a fingertip may move in one tick without skipping over a skin
-
-
-class DimpleError(ValueError):
-    """Say what is wrong, where, and what to do, in words an artist can use."""
 
 
 def sums_at(index: Ints, values: Floats, n: int) -> Floats:

@@ -32,6 +32,7 @@ FLOORS = {
     "core.ray": 1,
     "core.rings": 1,
     "core.base": 0,
+    "core.errors": 0,
     "core.material": 0,
 }
 BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gpu gpu_extras mathutils".split())
