@@ -31,7 +31,7 @@ FAULT_NONE, FAULT_WATCHDOG, FAULT_SENSOR, FAULT_SPEED, FAULT_ARM_REFUSED, FAULT_
 EVERY_FINGER: Final = 255  # Fault.finger
 
 Nine = tuple[int, int, int, int, int, int, int, int, int]
-NO_TORQUE: Final[Nine] = (0,) * 9  # type: ignore[assignment]
+NO_TORQUE: Final[Nine] = (0,) * 9
 
 
 class State(NamedTuple):
@@ -301,6 +301,6 @@ class Decoder:
         return make(unpack(block))
 
 
-def is_newer(seq: int, than: int) -> bool:
+def seq_newer(seq: int, than: int) -> bool:
     """Tell whether a 16-bit sequence number comes after another."""
     return 0 < (seq - than) & 0xFFFF < 0x8000

@@ -151,8 +151,8 @@ def test_bit_errors_lose_frames_and_never_alter_one(rate: float) -> None:
 
 
 def test_sequence_numbers_go_round() -> None:
-    assert wire.is_newer(1, 0) and wire.is_newer(0, 65535) and wire.is_newer(5, 65000)
-    assert not wire.is_newer(7, 7) and not wire.is_newer(65535, 0) and not wire.is_newer(0, 0x8000)
+    assert wire.seq_newer(1, 0) and wire.seq_newer(0, 65535) and wire.seq_newer(5, 65000)
+    assert not wire.seq_newer(7, 7) and not wire.seq_newer(65535, 0) and not wire.seq_newer(0, 0x8000)
 
 
 def test_the_servo_s_modules_need_the_standard_library_only() -> None:
