@@ -101,7 +101,7 @@ def test_enabling_imports_nothing_heavy(bpy: ModuleType) -> None:
     """Start-up is quick: what computes is imported at the first press."""
     lines = (
         "import sys, bpy, addon_utils",  # bpy brings numpy; Blender itself may not
-        "for name in ('ctypes', 'numpy', 'scipy', 'trimesh'):",
+        "for name in ('ctypes', 'numpy', 'scipy', 'serial', 'trimesh'):",
         "    sys.modules[name] = None",
         f"assert addon_utils.enable('{EXTENSION}') is not None",
     )
