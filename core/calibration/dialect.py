@@ -70,9 +70,11 @@ def is_row(cells: Sequence[str], dialect: Dialect) -> bool:
     """Tell whether cells are a row of data: two numbers or more, and no number written another way."""
     count = 0
     for cell in cells:
+        if any(d in cell for d in ";\t|"):
+            return False
         if number(cell, dialect.decimal) is not None or number_and_unit(cell, dialect.decimal) is not None:
             count += 1
-        elif any(d in cell for d in ";\t|") or (_NUMBERLIKE.match(cell) and not _DATE.match(cell)):
+        elif _NUMBERLIKE.match(cell) and not _DATE.match(cell):
             return False
     return count >= 2
 

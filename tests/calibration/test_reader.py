@@ -109,6 +109,12 @@ def test_counts_are_divided_by_what_the_file_says(curve, write):
     check(write(table(curve, lambda i, d, f: f"{d:.5f},{round(1e6 * f)}", head=head)), curve)
 
 
+def test_two_columns_of_decimal_commas_are_not_three_columns(write):
+    rows = [f"{x:.4f};{0.6 * x:.4f}".replace(".", ",") for x in np.linspace(0, 20, 40)]
+    path = write("Standardweg;Standardkraft\nmm;N\n" + "\n".join(rows))
+    assert read_measurement(path).force.max() == pytest.approx(12)
+
+
 def test_quoted_decimal_commas_between_commas(curve, write):
     text = table(curve, lambda i, d, f: f'"{german(d)}","{german(f)}"', head='"Weg [mm]","Kraft [N]"\n')
     check(write(text), curve)
