@@ -1,0 +1,210 @@
+"""Model constants from a simulated press."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.base import DimpleError
+from core.calibration import cache
+from core.calibration.calibrate import calibrate
+from core.calibration.export import write_press
+from core.calibration.identify import Cancelled, identification, identify
+from core.calibration.indent import Indenter, find_site, press, press_curve
+from core.calibration.reconstruct import DEEPEST
+from core.calibration.sweep import Task, fitted, swept
+from core.estimate import estimate
+from core.laws import memory, pressure, springs
+from core.material import PRESETS, ModelConstants
+from core.mesh import base_vertices
+from core.model import build_model, initial_state
+from core.study.scenes import ball, cube
+
+POINT = Indenter()
+CONSTANTS = {"kappa1": 1.4e6, "kappa2": 2.1e7, "d0": 0.0137, "membrane_scale": 0.05}
+
+
+def body(preset, cells=8):
+    mesh = cube(cells, preset.size)
+    return mesh, find_site(mesh, POINT, held=base_vertices(mesh))
+
+
+@pytest.mark.parametrize("cells", [8, 16])  # 386 and 1538 vertices; 6146: python -m core paper
+@pytest.mark.parametrize("preset", PRESETS[1:], ids=lambda preset: preset.name)
+def test_the_identified_body_answers_the_measured_curve(preset, cells):
+    mesh, site = body(preset, cells)
+    found = identify(mesh, preset.material, POINT, site, DEEPEST[preset.name])
+    off = np.abs(found.simulated - found.wanted)
+    assert found.depths[-1] == pytest.approx(DEEPEST[preset.name])
+    assert found.rms < 0.03
+    assert (off <= np.maximum(0.1 * found.wanted, 0.3)).all()
+    assert found.volume_change < 0.005
+    assert found.stopped == ""
+    assert "k" in found.notes[0] and "%" in found.notes[0]
+
+
+def test_the_skin_keeps_as_much_of_its_k_as_the_curve_lets_it():
+    """The fit uses about half of what a depth may be off: with three times the scale the best fit uses it all."""
+    preset = PRESETS[2]
+    mesh, site = body(preset)
+    found = identify(mesh, preset.material, POINT, site, DEEPEST[preset.name])
+    assert 0.3 < found.worst < 0.6  # GOAL, with a little more between the depths that are fitted
+    task = Task(mesh=mesh, material=preset.material, indenter=POINT, site=site)
+    constants = found.material.constants
+    scale = 3 * constants.membrane_scale
+    logs = np.log([constants.kappa1, constants.kappa2, constants.d0, scale])
+    _, sweep, _ = ended(fitted(task, logs, ended(swept(task, logs, found.depths, 0, "")), found.depths, 0))
+    assert sweep.worst > 0.9
+
+
+def ended(steps):
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return end.value
+
+
+def test_object_1_is_met_as_deep_as_its_thickness_allows_and_says_why_it_stops():
+    preset = PRESETS[0]
+    mesh, site = body(preset)
+    found = identify(mesh, preset.material, POINT, site, 0.060)
+    assert found.depths[-1] == pytest.approx(0.045)
+    assert "far side" in found.stopped
+    assert found.rms < 0.03
+    assert found.worst <= 1
+
+
+def test_the_constants_become_the_model():
+    preset = PRESETS[2]
+    mesh, site = body(preset)
+    constants = ModelConstants(**CONSTANTS | {"membrane_scale": 0.002})
+    material = replace(preset.material, constants=constants)
+    assert estimate(material, preset.size) is constants
+    (station,) = press(mesh, material, POINT, site, [0.01])
+    under = float(mesh.vertex_areas[site.under].sum())
+    assert station.force == pytest.approx(1.4e6 * under * 0.01, rel=0.1)
+
+
+@pytest.mark.parametrize("depth", [0.009, 0.018], ids=["before the knee", "beyond the knee"])
+def test_slopes_of_the_energy_are_the_derivatives_of_the_force(depth):
+    """dF/dc = d/dx (dE/dc), against presses with changed constants."""
+    mesh, site = body(PRESETS[2], cells=6)
+    depths = depth + np.array([-5e-4, 0, 5e-4])
+
+    def stations(**changed):
+        material = replace(PRESETS[2].material, constants=ModelConstants(**CONSTANTS | changed))
+        return list(press(mesh, material, POINT, site, depths))
+
+    before, here, beyond = stations()
+    for i, (name, value) in enumerate(CONSTANTS.items()):
+        step = 1e-3
+        above, below = stations(**{name: value * (1 + step)})[1], stations(**{name: value * (1 - step)})[1]
+        slope = here.slope[i] + (beyond.pull[i] - before.pull[i]) / (depths[2] - depths[0])
+        # 2 %: the difference between two depths a millimetre apart
+        assert (above.force - below.force) / (2 * step) == pytest.approx(slope, rel=0.02, abs=1e-3 * here.force)
+
+
+@pytest.mark.parametrize("fill", ["air", "liquid", "none"])
+def test_the_work_of_the_tip_is_the_energy_stored(fill):
+    preset = PRESETS[2]
+    mesh, site = body(preset, cells=6)
+    material = replace(preset.material, fill=fill, constants=ModelConstants(**CONSTANTS))
+    depths = np.linspace(0.004, 0.020, 33)
+    stations = list(press(mesh, material, POINT, site, depths))
+    model = build_model(mesh, [material], held=(site.held | site.under)[mesh.source])
+    pose = initial_state(model).pose
+    stored = [
+        springs.energy(model.springs, s.positions)
+        + pressure.energy(model.pressure, s.positions)
+        + memory.energy(model.memory, s.positions, pose)
+        for s in stations
+    ]
+    forces = np.array([s.force for s in stations])
+    work = ((forces[1:] + forces[:-1]) / 2 * np.diff(depths)).sum()
+    # 1 %: the trapezoids' error at the knee
+    assert work == pytest.approx(stored[-1] - stored[0], rel=0.01)
+
+
+def test_a_fingertip_curve_follows_from_the_material():
+    preset = PRESETS[2]
+    mesh, site = body(preset)
+    material = identify(mesh, preset.material, POINT, site, 0.012).material
+    forces = [station.force for station in press(mesh, material, Indenter(shape="sphere", radius=0.01), site,
+                                                 [0.004, 0.008, 0.012])]  # fmt: skip
+    assert 0 < forces[0] < forces[1] < forces[2]
+
+
+def test_a_ball_is_met_too():
+    preset = PRESETS[2]
+    mesh = ball(2)
+    site = find_site(mesh, POINT, held=base_vertices(mesh))
+    found = identify(mesh, preset.material, POINT, site, 0.018)
+    assert found.rms < 0.03
+    assert found.worst <= 1
+
+
+def test_steps_report_and_a_stop_leaves_everything_as_it_was():
+    preset = PRESETS[2]
+    mesh, site = body(preset, cells=6)
+    shares = [step.share for step in identification(mesh, preset.material, POINT, site, 0.018)]
+    assert all(0 < share <= 1 for share in shares)
+    told: list[str] = []
+    with pytest.raises(Cancelled):
+        identify(
+            mesh, preset.material, POINT, site, 0.018,
+            progress=lambda share, text: told.append(text), cancelled=lambda: len(told) > 3,
+        )  # fmt: skip
+    assert len(told) == 4
+    assert preset.material.constants is None
+
+
+def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
+    preset = PRESETS[2]
+    mesh, site = body(preset, cells=6)
+    found = identify(mesh, preset.material, POINT, site, 0.012)
+    name = cache.key(mesh, preset.material, POINT, site, 0.012)
+    assert cache.recall(tmp_path, name) is None
+    cache.remember(tmp_path, name, found)
+    again = cache.recall(tmp_path, name)
+    assert again.material == found.material
+    assert np.array_equal(again.simulated, found.simulated)
+    assert name == cache.key(mesh, found.material, POINT, site, 0.012)
+    assert name != cache.key(mesh, replace(preset.material, K1=1.0), POINT, site, 0.012)
+    assert name != cache.key(mesh, preset.material, Indenter(shape="sphere"), site, 0.012)
+    (tmp_path / f"{name}.json").write_text('{"material": 3')
+    assert cache.recall(tmp_path, name) is None
+
+
+def test_a_virtual_press_written_and_read_gives_the_material_back(tmp_path):
+    preset = PRESETS[2]
+    mesh, site = body(preset)
+    found = identify(mesh, preset.material, POINT, site, DEEPEST[preset.name])
+    path = tmp_path / "virtual.csv"
+    write_press(path, *press_curve(mesh, found.material, POINT, site, DEEPEST[preset.name]), about=("a virtual press",))
+    fit = calibrate(path).fit
+    assert (fit.K1.value, fit.K2.value, fit.x0.value) == pytest.approx(
+        (preset.material.K1, preset.material.K2, preset.material.x0), rel=0.05
+    )
+
+
+def test_a_tip_that_cannot_press_is_told():
+    mesh = cube(6, 0.1)
+    with pytest.raises(DimpleError, match="misses"):
+        find_site(mesh, POINT, above=(1.0, 0.0, 0.0))
+    with pytest.raises(DimpleError, match="held"):
+        find_site(mesh, POINT, held=mesh.rest_positions[mesh.source, 2] > 0)
+    with pytest.raises(DimpleError, match="radius"):
+        Indenter(radius=0.0)
+    with pytest.raises(DimpleError, match="one of point"):
+        Indenter(shape="cone")
+    with pytest.raises(DimpleError, match="energy"):
+        list(press(mesh, replace(PRESETS[2].material, fill="paper"), POINT, find_site(mesh, POINT), [0.001]))
+
+
+def test_a_body_nobody_holds_is_pressed_against_its_base():
+    mesh = cube(6, 0.1)
+    assert np.array_equal(find_site(mesh, POINT).held[mesh.source], base_vertices(mesh))
+    sideways = find_site(mesh, POINT, inward=(1.0, 0.0, 0.0))
+    assert mesh.rest_positions[sideways.held, 0].min() > 0.03
+    assert sideways.thickness == pytest.approx(0.1, rel=1e-3)
