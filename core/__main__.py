@@ -14,6 +14,7 @@ UNUSABLE = 2  # exit code; a command's own ones are 0 and from 3 on
 # only the command asked for is imported
 COMMANDS = {
     "calibrate": ("fit a material to a force-depth file", ".calibration.command", "add_command"),
+    "emulator": ("run a haptic device that is not there", ".devices.command", "add_emulator"),
 }
 
 

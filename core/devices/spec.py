@@ -34,6 +34,7 @@ class Spec:
     stop_radius: float
     adc_bits: int
     adc_span: float
+    adc_noise: float
     adc_centres: Vector
     dac_bits: int
     torque_limits: Vector
@@ -95,6 +96,7 @@ def _spec(file: dict[str, Any]) -> Spec:
         stop_radius=geometry["stop_diameter_m"] / 2,
         adc_bits=int(sensors["adc_bits"]),
         adc_span=math.radians(sensors["span_deg"]),
+        adc_noise=float(sensors["noise_steps"]),
         adc_centres=_three(sensors["centres_deg"], math.pi / 180),
         dac_bits=int(motors["dac_bits"]),
         torque_limits=_three(motors["torque_limits_nm"]),

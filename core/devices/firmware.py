@@ -1,0 +1,259 @@
+"""What runs on the device: it streams its joints, takes torques, and keeps the hand safe whatever the host does.
+
+The emulator runs it; who builds a device can take it as the specification of the firmware.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from . import kinematics, wire
+from .motors import Motors
+from .sensors import Sensors
+from .spec import Spec, info
+from .vectors import ZERO, Vector, length, scaled
+from .watch import Watch
+
+SILENCE: Final = 1.0  # [s] without a host, and the device falls silent too
+ARM_PATIENCE: Final = 1.0  # [s] to be quiet in
+SPEED_TIME: Final = 0.005  # [s] time constant of the speed
+FAST_TICKS: Final = 5  # so many in a row over the speed limit are a fault
+FAULT_EVERY: Final = 0.1  # [s]
+HELD: Final = wire.ENABLE | wire.DEADMAN
+FINGERS: Final = range(wire.FINGERS)
+
+
+class Firmware:
+    """Run a device: `receive` each frame, `tick` at each tick, then `torques` [N m] are what the motors make.
+
+    mode: of wire.IDLE...  forces: that the torques make at the tips [N].
+    """
+
+    def __init__(self, spec: Spec, *, baud: int, session: int = 0, protocol: tuple[int, int] = wire.PROTOCOL) -> None:
+        self.spec, self.mode, self.code = spec, wire.IDLE, wire.FAULT_NONE
+        self.torques: list[Vector] = [ZERO] * wire.FINGERS
+        self.buttons = 0
+        self.watch: Watch | None = None  # of the session, or the last one
+        self.streaming = False
+        self._baud, self._protocol, self._last_session = baud, protocol, session
+        self._blocks, self._sensors = kinematics.blocks(spec), Sensors(spec)
+        self._motors = [Motors(spec) for _ in FINGERS]
+        self._angles: list[Vector] = [ZERO] * wire.FINGERS
+        self._tips: list[Vector | None] = [None] * wire.FINGERS
+        self._velocities: list[Vector] = [ZERO] * wire.FINGERS
+        self._fast = [0] * wire.FINGERS
+        self._command: wire.Command | None = None
+        self._command_at = self._heard = self._arming_since = self._ramp_since = self._told = 0.0
+        self._quiet_since: float | None = None
+        self._finger = wire.EVERY_FINGER  # of the fault
+        self._hello: wire.Hello | None = None
+
+    # what the host says
+
+    def receive(self, frame: wire.Frame, now: float, bad: int) -> list[wire.Frame]:
+        """Take a frame at a time [s]; return the answers.  bad: frames refused by their form so far."""
+        if isinstance(frame, wire.Hello):
+            return self._greet(frame, now)
+        if not self.streaming or self.watch is None or frame.session != self.watch.session:
+            return []
+        self._heard = now
+        if isinstance(frame, wire.Command):
+            if self.watch.take(frame, now):
+                self._command, self._command_at = frame, now
+                if self.mode == wire.FAULT and frame.flags & wire.CLEAR and not any(frame.torque):
+                    self._clear()
+        elif isinstance(frame, wire.Arm):
+            return self._arm(now)
+        elif isinstance(frame, wire.Disarm):
+            self._rest()
+        elif isinstance(frame, wire.Ping):
+            return [self.watch.report(frame.nonce, bad, self._baud)]
+        return []
+
+    def _greet(self, hello: wire.Hello, now: float) -> list[wire.Frame]:
+        if not hello.major_min <= self._protocol[0] <= hello.major_max:
+            return [info(self.spec, hello.nonce, 0, self._protocol)]
+        again = self.streaming and self.watch is not None and not self.watch.taken and hello == self._hello
+        if self.watch is None or not again:  # asked twice before a word was said, it is the same session
+            self._last_session = self._last_session % 255 + 1
+            self.watch, self._command, self._hello = Watch(self.spec, self._last_session), None, hello
+        self._rest()
+        self._heard, self.streaming = now, True
+        return [info(self.spec, hello.nonce, self.watch.session, self._protocol)]
+
+    def _arm(self, now: float) -> list[wire.Frame]:
+        if self.mode == wire.FAULT or any(self._sensors.bad):
+            return [self._fault(wire.FAULT_ARM_REFUSED)]
+        if self.mode == wire.IDLE:
+            self.mode, self._arming_since, self._quiet_since = wire.ARMING, now, None
+        return []
+
+    def _rest(self) -> None:
+        """End all force; a latched fault stays."""
+        if self.mode != wire.FAULT:
+            self.mode = wire.IDLE
+
+    def _clear(self) -> None:
+        self._sensors.forget()
+        self._fast, self._tips = [0] * wire.FINGERS, [None] * wire.FINGERS
+        self.mode, self.code = wire.IDLE, wire.FAULT_NONE
+
+    # what happens at a tick
+
+    def tick(self, words: list[int], now: float) -> list[wire.Frame]:
+        """Take the 16-bit readings of the nine joints at a time [s]; return what goes to the host."""
+        out: list[wire.Frame] = []
+        self._sensors.check(words)
+        self._move(words)
+        if self.streaming and now - self._heard > SILENCE:
+            self.streaming = False
+            self._rest()
+        out += self._judge(now)
+        age = now - self._command_at if self._command else math.inf
+        self._drive(age, now)
+        if self.watch is None or not self.streaming:
+            return []
+        seq = self.watch.send(now)
+        return [self._state(words, seq, age, now), *out]
+
+    def _move(self, words: list[int]) -> None:
+        """Follow the tips and their speed."""
+        spec = self.spec
+        share = spec.tick / (SPEED_TIME + spec.tick)
+        for i in FINGERS:
+            if self._sensors.bad[i]:
+                self._tips[i], self._velocities[i] = None, ZERO
+                continue
+            mask = 0xFFFF << 16 - spec.adc_bits & 0xFFFF
+            q = kinematics.adc_angles(spec, tuple([word & mask for word in words[3 * i : 3 * i + 3]]))
+            x, y, z = tip = kinematics.forward(self._blocks[i], q)
+            before, (vx, vy, vz) = self._tips[i] or tip, self._velocities[i]
+            self._velocities[i] = (
+                vx + share * ((x - before[0]) / spec.tick - vx),
+                vy + share * ((y - before[1]) / spec.tick - vy),
+                vz + share * ((z - before[2]) / spec.tick - vz),
+            )
+            self._angles[i], self._tips[i] = q, tip
+
+    def _judge(self, now: float) -> list[wire.Frame]:
+        """Find faults, move on with arming; return the Fault frames there are to send."""
+        if self.mode == wire.FAULT:
+            if now - self._told < FAULT_EVERY:
+                return []
+            self._told = now
+            return [self._fault(self.code, self._finger)]
+        lossy = self.watch is not None and self.watch.loses_too_much()
+        failed = self._sensors.failed()
+        if failed is not None:
+            return self._latch(wire.FAULT_SENSOR, now, failed)
+        if self.mode == wire.ARMING:
+            return self._wait_for_quiet(now)
+        if self.mode in (wire.RAMP, wire.ARMED):
+            if now - self._command_at > self.spec.latch:
+                return self._latch(wire.FAULT_WATCHDOG, now)
+            if lossy:
+                return self._latch(wire.FAULT_LINK, now)
+            for i in FINGERS:
+                self._fast[i] = self._fast[i] + 1 if self._is_fast(i) else 0
+                if self._fast[i] >= FAST_TICKS:
+                    return self._latch(wire.FAULT_SPEED, now, i)
+            if not self._is_held():
+                self.mode, self._ramp_since = wire.RAMP, now  # the dead-man switch: the ramp begins anew
+            if self.mode == wire.RAMP and now - self._ramp_since >= self.spec.ramp_time:
+                self.mode = wire.ARMED
+        return []
+
+    def _wait_for_quiet(self, now: float) -> list[wire.Frame]:
+        if not (self._is_held() and now - self._command_at <= self.spec.hold and self._is_quiet()):
+            self._quiet_since = None
+        elif self._quiet_since is None:
+            self._quiet_since = now
+        elif now - self._quiet_since >= self.spec.arm_time:
+            self.mode, self._ramp_since, self._fast = wire.RAMP, now, [0] * wire.FINGERS
+            return []
+        if now - self._arming_since > ARM_PATIENCE:
+            self.mode = wire.IDLE
+            return [self._fault(wire.FAULT_ARM_REFUSED)]
+        return []
+
+    def _latch(self, code: int, now: float, finger: int = wire.EVERY_FINGER) -> list[wire.Frame]:
+        self.mode, self.code, self._finger, self._told = wire.FAULT, code, finger, now
+        return [self._fault(code, finger)]
+
+    def _fault(self, code: int, finger: int = wire.EVERY_FINGER) -> wire.Fault:
+        return wire.Fault(self.watch.session if self.watch else 0, code, finger, self.watch.seq if self.watch else 0)
+
+    def _is_held(self) -> bool:
+        return self._command is not None and self._command.flags & HELD == HELD
+
+    def _is_quiet(self) -> bool:
+        return all(length(self._commanded(i)) < self.spec.arm_force for i in FINGERS)
+
+    def _is_fast(self, i: int) -> bool:
+        return length(self._velocities[i]) > self.spec.tip_speed
+
+    def _commanded(self, i: int) -> Vector:
+        """Return the force [N] that the host asks of a finger."""
+        if self._command is None or not any(self._command.torque):
+            return ZERO
+        torque = kinematics.word_torques(self.spec, self._command.torque[3 * i : 3 * i + 3])
+        try:
+            return kinematics.force(self._blocks[i], self._angles[i], torque)
+        except kinematics.Singular:
+            return ZERO  # nothing can be pushed there
+
+    # what the motors do
+
+    def _drive(self, age: float, now: float) -> None:
+        """Set the torques; age: of the last Command [s]."""
+        for i in FINGERS:
+            motors = self._motors[i]
+            wanted = None if self._sensors.bad[i] else self._wanted(i, age, now)
+            force = motors.zero() if wanted is None else motors.limit(wanted)
+            self.torques[i] = self._convert(kinematics.torques(self._blocks[i], self._angles[i], force))
+
+    def _wanted(self, i: int, age: float, now: float) -> Vector | None:
+        """Return the force [N] before the limits, None for none at once."""
+        if self.mode == wire.FAULT:
+            return self._brake(i)
+        if self.mode not in (wire.RAMP, wire.ARMED):
+            return None
+        if age >= self.spec.zero:
+            return self._brake(i)
+        if not self._is_held():
+            return None
+        if self._is_fast(i):
+            return self._brake(i)
+        hold = min(self.spec.hold, 1e-3 * self._command.ttl_ms) if self._command else 0.0
+        force = scaled(self._commanded(i), min((self.spec.zero - age) / (self.spec.zero - hold), 1.0))
+        if self.mode == wire.ARMED:
+            return force
+        gain = (now - self._ramp_since) / self.spec.ramp_time
+        x, y, z = self._brake(i)
+        return gain * force[0] + (1 - gain) * x, gain * force[1] + (1 - gain) * y, gain * force[2] + (1 - gain) * z
+
+    def _brake(self, i: int) -> Vector:
+        return scaled(self._velocities[i], -self.spec.brake)
+
+    def _convert(self, torque: Vector) -> Vector:
+        """Return the torques [N m] that the converters make."""
+        steps = (1 << self.spec.dac_bits - 1) - 1
+        a, b, c = (
+            round(min(max(part / limit, -1.0), 1.0) * steps) / steps * limit
+            for part, limit in zip(torque, self.spec.torque_limits, strict=True)
+        )
+        return a, b, c
+
+    def _state(self, words: list[int], seq: int, age: float, now: float) -> wire.State:
+        mask = 0xFFFF << 16 - self.spec.adc_bits & 0xFFFF
+        a, b, c, d, e, f, g, h, i = [word & mask for word in words]
+        mode = self.mode
+        if mode in (wire.RAMP, wire.ARMED) and age >= self.spec.zero:
+            mode = wire.BRAKE
+        status = mode | (wire.LIMITED if any(motors.limited for motors in self._motors) else 0)
+        for finger in FINGERS:
+            status |= wire.MASKED << finger if self._sensors.bad[finger] else 0
+        session, ack = (self.watch.session, self.watch.ack) if self.watch else (0, 0)
+        time = int(1e6 * now) & 0xFFFFFFFF
+        return wire.State(session, seq, ack, time, (a, b, c, d, e, f, g, h, i), self.buttons, status)

@@ -1,0 +1,77 @@
+"""An emulated hand on an emulated device: where it wants its three fingertips to be, and how firmly."""
+
+from __future__ import annotations
+
+import json
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from ..errors import DimpleError
+from .vectors import ZERO, Vector
+
+STIFFNESS, DAMPING = 400.0, 4.0  # (A) [N/m], [N s/m] of a finger that holds on
+Keyframe = tuple[float, float, float, float]  # time [s], place [m] in the device's frame
+REST: Final[tuple[Keyframe, ...]] = ((0.0, *ZERO),)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hand:
+    """Hold the way of each fingertip, straight from keyframe to keyframe, felt through a spring and a damper.
+
+    stiffness: [N/m], None: the tip is where the hand says, whatever the motors do.  damping: [N s/m].
+    from_arm: times are counted from the moment the device lets force grow, else from its start.
+    """
+
+    tips: tuple[tuple[Keyframe, ...], ...] = (REST, REST, REST)
+    stiffness: float | None = STIFFNESS
+    damping: float = DAMPING
+    from_arm: bool = True
+
+    def target(self, finger: int, time: float) -> tuple[Vector, Vector]:
+        """Return place [m] and velocity [m/s] wanted of a fingertip at a time [s]."""
+        keys = self.tips[finger]
+        i = bisect_right(keys, time, key=lambda key: key[0])
+        if i == 0 or i == len(keys):
+            return keys[max(i - 1, 0)][1:], ZERO
+        (t0, x0, y0, z0), (t1, x1, y1, z1) = keys[i - 1], keys[i]
+        rate = 1 / (t1 - t0)
+        vx, vy, vz = (x1 - x0) * rate, (y1 - y0) * rate, (z1 - z0) * rate
+        s = time - t0
+        return (x0 + vx * s, y0 + vy * s, z0 + vz * s), (vx, vy, vz)
+
+
+def load_hand(path: Path) -> Hand:
+    """Return the hand of a JSON file: {"tips": [[[t, x, y, z], ...] x 3], "stiffness", "damping", "from": "arm"}.
+
+    Raises:
+        DimpleError: the file is not to be read, or is no hand.
+    """
+    try:
+        file: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        stiffness = file.get("stiffness", STIFFNESS)
+        hand = Hand(
+            tips=tuple(_keyframes(keys) for keys in file["tips"]),
+            stiffness=None if stiffness is None else float(stiffness),
+            damping=float(file.get("damping", DAMPING)),
+            from_arm={"arm": True, "start": False}[file.get("from", "arm")],
+        )
+        if len(hand.tips) != 3 or not (hand.stiffness or 0) >= 0 <= hand.damping:
+            raise ValueError("it takes three tips, and a stiffness and a damping of at least 0")
+    except OSError as error:
+        raise DimpleError(f"The hand {path} cannot be read: {error.strerror or error}.") from None
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise DimpleError(f"{path} is no hand ({error!r}).") from None
+    return hand
+
+
+def _keyframes(keys: Sequence[Sequence[float]]) -> tuple[Keyframe, ...]:
+    frames = tuple((float(t), float(x), float(y), float(z)) for t, x, y, z in keys)
+    if not frames or not all(math.isfinite(number) for frame in frames for number in frame):
+        raise ValueError("a tip has no keyframe, or one that is not numbers")
+    if any(a[0] >= b[0] for a, b in zip(frames, frames[1:], strict=False)):
+        raise ValueError("the times of a tip do not rise")
+    return frames

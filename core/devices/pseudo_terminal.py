@@ -1,0 +1,111 @@
+"""Run an emulated device behind a pseudo-terminal: the host opens it like any serial port."""
+
+from __future__ import annotations
+
+import gc
+import os
+import select
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FrameType
+
+from ..errors import DimpleError
+from .emulator import Emulator
+
+MOST_LATE = 2e-3  # [s] when this process was kept from running for longer, the device's clock stood still meanwhile
+READ = 65536  # bytes at most
+
+
+class Stopped(Exception):
+    """Say that the process was asked to end."""
+
+
+def serve(emulator: Emulator, path: Path, seconds: float) -> dict[str, float]:
+    """Run a device until its time is over, it is unplugged, or SIGTERM or SIGINT come.
+
+    Args:
+        path: of the port, a link that is made, and removed at the end.  seconds: to run.
+
+    Returns:
+        What the system did: slips and slipped_s, when this process was kept from running and its clock stood still;
+        overflows, frames that the line had no room for.
+
+    Raises:
+        DimpleError: the system has no pseudo-terminals, or the path is taken.
+    """
+    with _terminal(path) as master, _signals(), suppress(Stopped):
+        return _run(emulator, master, seconds)
+    return {}
+
+
+def _run(emulator: Emulator, master: int, seconds: float) -> dict[str, float]:
+    told = {"slips": 0.0, "slipped_s": 0.0, "overflows": 0.0}
+    begin = time.monotonic()
+    gc.disable()  # nothing here makes cycles, and a sweep would be late
+    with suppress(Stopped):
+        while not emulator.unplugged and time.monotonic() - begin < seconds:
+            now = time.monotonic() - told["slipped_s"]
+            late = now - emulator.next_time() if emulator.started else 0.0
+            if late > MOST_LATE:
+                told["slips"], told["slipped_s"], now = told["slips"] + 1, told["slipped_s"] + late, now - late
+            incoming = b""
+            wait = max(emulator.next_time() - now, 0.0) if emulator.started else 0.0
+            if select.select([master], [], [], wait)[0]:
+                incoming = os.read(master, READ)
+            outgoing = emulator.step(time.monotonic() - told["slipped_s"], incoming)
+            if outgoing:
+                told["overflows"] += not _write(master, outgoing)
+    return told
+
+
+def _write(master: int, data: bytes) -> bool:
+    try:
+        return os.write(master, data) == len(data)
+    except BlockingIOError:
+        return False
+
+
+@contextmanager
+def _terminal(path: Path) -> Iterator[int]:
+    """Make a pseudo-terminal and a link to it; give the device's end."""
+    try:
+        import pty
+        import tty
+    except ImportError:
+        raise DimpleError("This system has no pseudo-terminals; the emulator runs on Linux and macOS.") from None
+    if path.exists() and not path.is_symlink():
+        raise DimpleError(f"{path} is there already. Name a path that is free.")
+    master, slave = pty.openpty()  # the host's end stays open here: between two hosts the line lives on
+    try:
+        tty.setraw(slave)
+        os.set_blocking(master, False)
+        path.unlink(missing_ok=True)
+        try:
+            path.symlink_to(os.ttyname(slave))
+        except OSError as error:
+            raise DimpleError(f"{path} cannot be made: {error.strerror}.") from None
+        try:
+            yield master
+        finally:
+            path.unlink(missing_ok=True)
+    finally:
+        os.close(slave)
+        os.close(master)
+
+
+@contextmanager
+def _signals() -> Iterator[None]:
+    """Turn SIGTERM and SIGINT into Stopped."""
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise Stopped
+
+    before = [(number, signal.signal(number, stop)) for number in (signal.SIGTERM, signal.SIGINT)]
+    try:
+        yield
+    finally:
+        for number, handler in before:
+            signal.signal(number, handler)

@@ -1,0 +1,85 @@
+"""How a device measures its link, on its own clock: which answers came, how late, and which were refused."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final
+
+from . import wire
+from .spec import Spec
+
+RECENT: Final = 1000  # answers the percentiles are of
+OLDEST_ECHO: Final = 5  # [ticks] an answer to an older State is refused
+LOSS_TICKS, LOSS_SHARE = 1000, 0.30  # ticks a verdict spans; more lost than this disarms,
+LOSS_FEW: Final = 50  # unless there were so few
+
+
+class Watch:
+    """Count the States and their answers of a session."""
+
+    def __init__(self, spec: Spec, session: int) -> None:
+        self.session, self.seq, self.ack = session, 0xFFFF, 0
+        self.ticks = self.answered = self.in_time = self.stale = self.lost = self.taken = 0
+        self.rtts: deque[float] = deque(maxlen=RECENT)  # [s]
+        self._tick = spec.tick
+        self._sent: dict[int, float] = {}  # seq: when [s], of States that may still be answered
+        self._loss = [0, 0]  # of the verdict under way: lost, taken
+
+    def send(self, now: float) -> int:
+        """Return the sequence number of the State of this tick."""
+        self.seq = self.seq + 1 & 0xFFFF
+        self.ticks += 1
+        self._sent[self.seq] = now
+        self._sent.pop(self.seq - OLDEST_ECHO - 1 & 0xFFFF, None)
+        return self.seq
+
+    def take(self, command: wire.Command, now: float) -> bool:
+        """Tell whether a Command is new and answers a State young enough; count it either way."""
+        sent = self._sent.get(command.echo)
+        if sent is None or (self.taken and not wire.seq_newer(command.seq, self.ack)):
+            self.stale += 1
+            return False
+        if sent >= 0:  # the first answer to this State
+            rtt = now - sent
+            self.rtts.append(rtt)
+            self.answered += 1
+            self.in_time += rtt <= self._tick
+            self._sent[command.echo] = -1.0
+        lost = (command.seq - self.ack - 1 & 0xFFFF) if self.taken else 0
+        self.lost, self.taken, self.ack = self.lost + lost, self.taken + 1, command.seq
+        self._loss = [self._loss[0] + lost, self._loss[1] + 1]
+        return True
+
+    def loses_too_much(self) -> bool:
+        """Tell, once in LOSS_TICKS, whether too many Commands were lost since the last time."""
+        if self.ticks % LOSS_TICKS:
+            return False
+        (lost, taken), self._loss = self._loss, [0, 0]
+        return lost + taken >= LOSS_FEW and lost > LOSS_SHARE * (lost + taken)
+
+    def rtt(self, share: float) -> float:
+        """Return the round trip [s] that a share of the last answers does not exceed, 0 before the first."""
+        order = sorted(self.rtts)
+        return order[min(int(share * len(order)), len(order) - 1)] if order else 0.0
+
+    def report(self, nonce: int, bad: int, baud: int) -> wire.Report:
+        """Return what a Ping asks for; bad: frames refused by their form."""
+        bits = 10 * (wire.size(wire.State) + wire.size(wire.Command))
+        return wire.Report(
+            self.session,
+            nonce,
+            ticks=self.ticks & 0xFFFFFFFF,
+            answered=self.answered & 0xFFFFFFFF,
+            late=self.answered - self.in_time & 0xFFFFFFFF,
+            rtt_p50_us=_word(1e6 * self.rtt(0.50)),
+            rtt_p99_us=_word(1e6 * self.rtt(0.99)),
+            rtt_max_us=_word(1e6 * self.rtt(1.0)),
+            wire_us=_word(1e6 * bits / baud) if baud else 0,
+            bad=_word(bad),
+            stale=_word(self.stale),
+            lost=_word(self.lost),
+        )
+
+
+def _word(number: float) -> int:
+    return min(round(number), 0xFFFF)
