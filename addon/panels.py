@@ -8,24 +8,8 @@ import bpy
 from ..operators.names import Op
 from ..operators.sessions import sessions
 from . import readout
+from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
-
-TAB = "Dimple"
-LETTER = 7.5  # [px] width of a letter of a note, at a resolution scale of 1
-FRAME = 80.0  # [px] icon and borders beside it
-
-
-def draw_notes(
-    context: bpy.types.Context, layout: bpy.types.UILayout, sentences: list[str], icon: str = "INFO"
-) -> None:
-    """Write sentences in a box, broken into lines that fit the region."""
-    if not sentences:
-        return
-    column = layout.box().column(align=True)
-    columns = max(12, int((context.region.width / context.preferences.system.ui_scale - FRAME) / LETTER))
-    for sentence in sentences:
-        for i, line in enumerate(readout.wrapped(readout.iface_(sentence), columns)):
-            column.label(text=line, icon="BLANK1" if i else icon, translate=False)
 
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
@@ -40,13 +24,7 @@ def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
     return []
 
 
-class _MaterialPanel:
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "material"
-
-
-class DIMPLE_PT_material(_MaterialPanel, bpy.types.Panel):
+class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
     """Show the constants of the active material."""
 
     bl_label = "Dimple"
@@ -120,13 +98,7 @@ class DIMPLE_PT_body(bpy.types.Panel):
         row.prop(settings, "size_mm")
 
 
-class _SidebarPanel:
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = TAB
-
-
-class DIMPLE_PT_session(_SidebarPanel, bpy.types.Panel):
+class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
     """Start, stop and keep a session."""
 
     bl_label = "Dimple"
@@ -153,7 +125,7 @@ class DIMPLE_PT_session(_SidebarPanel, bpy.types.Panel):
             draw_notes(context, layout, [context.window_manager.dimple.state])
 
 
-class DIMPLE_PT_readout(_SidebarPanel, bpy.types.Panel):
+class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
     """Show what the session measures."""
 
     bl_label = "Measured"
@@ -176,7 +148,7 @@ class DIMPLE_PT_readout(_SidebarPanel, bpy.types.Panel):
         draw_notes(context, layout, readout.sentences(notes, entry.frame))
 
 
-class DIMPLE_PT_fingertips(_SidebarPanel, bpy.types.Panel):
+class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
     """Set up the fingertips."""
 
     bl_label = "Fingertips"
@@ -200,7 +172,7 @@ def _bake_button(layout: bpy.types.UILayout, scene: bpy.types.Scene, target: str
     button.target, button.frame_start, button.frame_end = target, scene.frame_start, scene.frame_end
 
 
-class DIMPLE_PT_bake(_SidebarPanel, bpy.types.Panel):
+class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
     """Turn a press into animation."""
 
     bl_label = "Bake"
@@ -219,7 +191,7 @@ class DIMPLE_PT_bake(_SidebarPanel, bpy.types.Panel):
         layout.operator(Op.UNBAKE, icon="TRASH")
 
 
-class DIMPLE_PT_surroundings(_SidebarPanel, bpy.types.Panel):
+class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
     """Set what is round the body, and what is drawn over it."""
 
     bl_label = "Surroundings and Display"

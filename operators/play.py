@@ -25,8 +25,8 @@ class DIMPLE_OT_play(bpy.types.Operator):
         if context.mode != "OBJECT":
             cls.poll_message_set("Go back to Object Mode to play")
             return False
-        if any(run.kind == "bake" for run in sessions.runs):
-            cls.poll_message_set("A bake is running; Esc cancels it")
+        if sessions.at_work():
+            cls.poll_message_set("A bake or a virtual press is running; Esc cancels it")
             return False
         return True
 

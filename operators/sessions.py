@@ -75,8 +75,8 @@ class Body:
 class Run:
     """Hold a modal operator that drives the sessions.
 
-    kind: "poke", "play" or "bake".  pace: simulated time the next step asks for [s]; it falls when the computer
-    lags.  leave: called when the run is closed, by whomever.
+    kind: "poke", "play", "bake", "identify" or "measure".  pace: simulated time the next step asks for [s]; it falls
+    when the computer lags.  leave: called when the run is closed, by whomever.
     """
 
     kind: str
@@ -94,6 +94,11 @@ runs: list[Run] = []
 def get(obj: bpy.types.Object | None) -> Body | None:
     """Return the session of an object."""
     return sessions.get(obj.session_uid) if obj else None
+
+
+def at_work() -> bool:
+    """Tell whether something runs that nothing may disturb; Esc cancels it."""
+    return any(run.kind not in ("poke", "play") for run in runs)
 
 
 def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list[str]]:

@@ -1,104 +1,15 @@
 """The modal operators fed with events by hand: Blender without a window runs none, so what it would call is called."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from types import FunctionType, ModuleType, SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 Bits = Callable[[Any], bytes]
-RADIUS_PX = 200  # of the ball's outline, seen from above; the picture is 1000 px wide
-
-
-class Context:
-    """Blender's context, but for what needs a window."""
-
-    def __init__(self, bpy: ModuleType) -> None:
-        self.bpy, self.said = bpy, ""
-        self.window_manager = SimpleNamespace(
-            event_timer_add=lambda *_, **__: None, modal_handler_add=lambda _: None,
-            progress_begin=lambda *_: None, progress_update=lambda *_: None,
-            dimple=bpy.context.window_manager.dimple,
-        )  # fmt: skip
-        self.workspace = SimpleNamespace(status_text_set=self._say)
-
-    def _say(self, text: str | None) -> None:
-        self.said = text or ""
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.bpy.context, name)
-
-
-class Hand:
-    """Start an operator and feed it events, as Blender's window would."""
-
-    def __init__(self, name: str, operator: type, context: Context) -> None:
-        self.context, self.reports, self.time = context, [], 0.0
-        stub = type("Stub", (), {k: v for k, v in vars(operator).items() if isinstance(v, FunctionType)})()
-        stub.report = lambda level, text: self.reports.append((*level, text))
-        properties = getattr(context.bpy.ops.dimple, name).get_rna_type().properties
-        for name in operator.__annotations__:
-            prop = properties[name]
-            setattr(stub, name, tuple(prop.default_array) if getattr(prop, "is_array", False) else prop.default)
-        stub.properties = SimpleNamespace(is_property_set=lambda name: name in self.given)
-        self.given: set[str] = set()
-        self.operator = stub
-
-    def invoke(self, kind: str = "LEFTMOUSE", value: str = "RELEASE", at: Any = None) -> set[str]:
-        return self.operator.invoke(self.context, self.event(kind, value, at))
-
-    def event(self, kind: str, value: str = "PRESS", at: Any = None, **more: Any) -> SimpleNamespace:
-        plain = {"ctrl": False, "shift": False, "alt": False, "oskey": False, "is_tablet": False, "pressure": 1.0}
-        return SimpleNamespace(type=kind, value=value, at=at, mouse_x=0, mouse_y=0, **{**plain, **more})
-
-    def send(self, kind: str, value: str = "PRESS", at: Any = (500, 500), **more: Any) -> set[str]:
-        return self.operator.modal(self.context, self.event(kind, value, at, **more))
-
-    def ticks(self, count: int) -> set[str]:
-        result: set[str] = set()
-        for _ in range(count):
-            self.time += 0.02
-            result = self.send("TIMER", "NOTHING")
-            if result & {"FINISHED", "CANCELLED"}:
-                break
-        return result
-
-
-@pytest.fixture
-def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], Hand]]:
-    """Return a function that takes an operator in hand: it looks from above, and time is its own."""
-    from bl_ext.user_default.dimple.operators import bake, live, play, pointer, poke, sessions
-
-    hands: list[Hand] = []
-
-    def view_under(_context: Any, event: Any) -> Any:
-        return None if event.at is None else pointer.View(None, None, event.at)  # type: ignore[arg-type]
-
-    views = SimpleNamespace(
-        region_2d_to_origin_3d=lambda _r, _v, at: ((at[0] - 500) / RADIUS_PX, (at[1] - 500) / RADIUS_PX, 10.0),
-        region_2d_to_vector_3d=lambda _r, _v, _at: SimpleNamespace(normalized=lambda: (0.0, 0.0, -1.0)),
-    )
-    monkeypatch.setattr(pointer, "view_under", view_under)
-    monkeypatch.setattr(pointer, "view3d_utils", views)
-    clock = SimpleNamespace(perf_counter=lambda: max(each.time for each in hands))
-    for module in (poke, play):
-        monkeypatch.setattr(module, "time", clock)
-    # however slow this computer is, it keeps up
-    monkeypatch.setattr(live, "ask", lambda _run, wall: (wall, None))
-
-    def take(name: str) -> Hand:
-        operators = {
-            "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake.DIMPLE_OT_bake
-        }  # fmt: skip
-        hands.append(Hand(name, operators[name], Context(bpy)))
-        return hands[-1]
-
-    yield take
-    left = (len(sessions.sessions), len(sessions.runs))
-    sessions.stop_all()
-    assert left == (0, 0) and bpy.context.window_manager.dimple.state == ""
+RADIUS_PX = 200  # see conftest.py
 
 
 @pytest.fixture
@@ -383,9 +294,9 @@ def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
 def test_a_bake_shows_progress_and_can_be_cancelled(
     bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import bake
+    from bl_ext.user_default.dimple.operators import working
 
-    monkeypatch.setattr(bake, "SLICE_S", 0.0)
+    monkeypatch.setattr(working, "SLICE_S", 0.0)
     bpy.context.scene.dimple.cache_dir = str(tmp_path)
     run = hand("bake")
     run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
@@ -406,9 +317,9 @@ def test_a_bake_shows_progress_and_can_be_cancelled(
 def test_a_bake_that_fails_on_its_way_leaves_nothing(
     bpy: ModuleType, hand: Any, rest: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import bake
+    from bl_ext.user_default.dimple.operators import working
 
-    monkeypatch.setattr(bake, "SLICE_S", 0.0)
+    monkeypatch.setattr(working, "SLICE_S", 0.0)
     bpy.context.scene.dimple.cache_dir = str(tmp_path)
     run = hand("bake")
     run.invoke()

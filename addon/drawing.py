@@ -1,0 +1,38 @@
+"""What the panels share: where they stand, and sentences in boxes."""
+
+import bpy
+
+from . import readout
+
+TAB = "Dimple"
+LETTER = 7.5  # [px] width of a letter of a note, at a resolution scale of 1
+FRAME = 80.0  # [px] icon and borders beside it
+
+
+class MaterialPanel:
+    """Stand in the material's properties."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+
+
+class SidebarPanel:
+    """Stand in the sidebar of the 3D viewport."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = TAB
+
+
+def draw_notes(
+    context: bpy.types.Context, layout: bpy.types.UILayout, sentences: list[str], icon: str = "INFO"
+) -> None:
+    """Write sentences in a box, broken into lines that fit the region."""
+    if not sentences:
+        return
+    column = layout.box().column(align=True)
+    columns = max(12, int((context.region.width / context.preferences.system.ui_scale - FRAME) / LETTER))
+    for sentence in sentences:
+        for i, line in enumerate(readout.wrapped(readout.iface_(sentence), columns)):
+            column.label(text=line, icon="BLANK1" if i else icon, translate=False)

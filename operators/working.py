@@ -1,0 +1,95 @@
+"""What takes more than a second: at once from a script, else between Blender's events, with the time left."""
+
+import time
+
+import bpy
+
+from . import sessions
+
+SLICE_S = 0.1  # between two looks at the keyboard
+
+
+class Working:
+    """Give an operator its `execute`, `invoke`, `modal` and `cancel`.
+
+    The operator has `_begin(context)`: the steps, a generator of the share that is done, whose closing undoes what was
+    half done; `_open(context)`: the Run; `_finished(context)`: what follows the last step.  verb: what it says it
+    does.  stopped: what it says after Esc.
+    """
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Work in one go."""
+        from ..core.base import DimpleError
+
+        manager = context.window_manager
+        manager.progress_begin(0, 1)
+        try:
+            for share in self._begin(context):
+                manager.progress_update(share)
+            return self._finished(context)
+        except DimpleError as error:
+            return self._failed(str(error))
+        finally:
+            manager.progress_end()
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Work with a progress bar, between Blender's own events."""
+        from ..core.base import DimpleError
+
+        try:
+            self._steps = self._begin(context)
+        except DimpleError as error:
+            return self._failed(str(error))
+        self._run = self._open(context)
+        self._run.leave = self._leave
+        self._began = time.perf_counter()
+        context.window_manager.modal_handler_add(self)
+        context.window_manager.progress_begin(0, 1)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Work a little; nothing else may change the scene meanwhile."""
+        from ..core.base import DimpleError
+
+        if self._run.closed:
+            return {"CANCELLED"}
+        if event.type == "ESC" and event.value == "PRESS":
+            sessions.close_run(self._run)
+            self.report({"INFO"}, self.stopped)
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        try:
+            with sessions.ending_on_error():
+                share = self._work()
+                if share < 1:
+                    self._show(context, share)
+                    return {"RUNNING_MODAL"}
+                sessions.close_run(self._run)
+                return self._finished(context)
+        except DimpleError as error:
+            return self._failed(str(error))
+
+    def cancel(self, _context: bpy.types.Context) -> None:
+        """Leave when Blender ends the operator: the window closes, another file is loaded."""
+        sessions.close_run(self._run)
+
+    def _work(self) -> float:
+        """Work for a moment; return the share that is done, 1 when all is."""
+        until = time.perf_counter() + SLICE_S
+        while (share := next(self._steps, 1.0)) < 1 and time.perf_counter() < until:
+            pass
+        return share
+
+    def _show(self, context: bpy.types.Context, share: float) -> None:
+        left = (time.perf_counter() - self._began) * (1 / share - 1) if share else 0.0
+        context.window_manager.progress_update(share)
+        context.workspace.status_text_set(f"{self.verb} {share:.0%}, {left:.0f} s left | Esc: cancel")
+
+    def _leave(self) -> None:
+        self._steps.close()
+        bpy.context.window_manager.progress_end()
+
+    def _failed(self, why: str) -> set[str]:
+        self.report({"ERROR"}, why)
+        return {"CANCELLED"}
