@@ -1,0 +1,75 @@
+"""One finger of the servo: from its converters to a position, from a force to its motors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from . import kinematics
+from .contact_model import Feel
+from .kinematics import Block
+from .safety import Guard
+from .spec import Spec
+from .vectors import ZERO, Vector
+
+JUMP = 0.05  # [rad] in a tick: 15 m/s at the tip, so the converter and not the hand
+RAIL = 0x0100  # of 16 bits, at either end of the converter's range: a wire is off
+SENSOR_TICKS = 5  # so many readings in a row that cannot be, and the finger's sensor has failed
+
+Three = tuple[int, int, int]
+Angles = tuple[float, float, float]
+
+
+@dataclass(slots=True, kw_only=True)
+class Finger:
+    """Hold one finger.
+
+    angles: of the last reading that was believed [rad].  bad: readings since that were not.
+    """
+
+    block: Block
+    guard: Guard
+    feel: Feel = field(default_factory=Feel)
+    angles: Angles | None = None
+    at: Vector = ZERO
+    bad: int = 0
+
+    def sense(self, spec: Spec, words: Three, masked: bool, ticks: int, time: float) -> None:
+        """Take a reading.
+
+        Args:
+            masked: the device itself does not believe it.  ticks: since the last reading.  time: of the device [s].
+        """
+        angles = kinematics.adc_angles(spec, words)
+        if masked or any(not RAIL <= word < 0x10000 - RAIL for word in words) or self._jumps(angles, ticks):
+            self.bad += 1
+            self.guard.motion.stop()
+            return
+        try:
+            self.at = kinematics.forward(self.block, angles)
+        except ValueError:
+            self.bad += 1
+            return
+        self.angles, self.bad = angles, 0
+        self.guard.move(self.at, time)
+
+    def _jumps(self, angles: Angles, ticks: int) -> bool:
+        before = self.angles
+        return before is not None and any(
+            abs(a - b) > JUMP * max(ticks, 1) for a, b in zip(angles, before, strict=True)
+        )
+
+    def forget(self) -> None:
+        """Believe the next reading wherever it is: no force acts."""
+        self.angles, self.bad = None, 0
+        self.guard.motion.stop()
+
+    def drive(self, spec: Spec, force: Vector) -> Three:
+        """Return the torque words for a force [N]; a torque beyond its motor shortens the force, never turns it."""
+        if force == ZERO or self.angles is None:
+            return (0, 0, 0)
+        torques = kinematics.torques(self.block, self.angles, force)
+        over = max(abs(t) / most for t, most in zip(torques, spec.torque_limits, strict=True))
+        if over > 1:
+            self.guard.full = True
+            torques = (torques[0] / over, torques[1] / over, torques[2] / over)
+        return kinematics.torque_words(spec, torques)

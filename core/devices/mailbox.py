@@ -1,0 +1,73 @@
+"""Two letters that two processes share in a file: what Blender says to the servo, and what the servo says back.
+
+Each letter is written under a sequence number that is odd meanwhile (a seqlock), and carries its own CRC-32: a
+reader that comes in between takes the one before, whatever the order in which a processor shows its stores.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import struct
+import tempfile
+import zlib
+from pathlib import Path
+from typing import Final
+
+_HEAD: Final = struct.Struct("<II")  # sequence number, CRC-32 of the letter
+_LETTER: Final = 4096  # bytes for each letter and its head
+TRIES = 4
+TO_SERVO, FROM_SERVO = 0, 1
+
+
+class Mailbox:
+    """Map a mailbox file.
+
+    path: of the file; None makes one, which `close` then removes.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        self._own = path is None
+        if path is None:
+            handle, name = tempfile.mkstemp(prefix="dimple-", suffix=".mail")
+            path = Path(name)
+            os.ftruncate(handle, 2 * _LETTER)
+        else:
+            handle = os.open(path, os.O_RDWR)
+        try:
+            self._map = mmap.mmap(handle, 2 * _LETTER)
+        finally:
+            os.close(handle)
+        self.path = path
+
+    def post(self, which: int, letter: bytes) -> None:
+        """Publish a letter in place of the last one."""
+        if len(letter) > _LETTER - _HEAD.size:
+            raise ValueError(f"A letter of {len(letter)} bytes is too long.")
+        at = which * _LETTER
+        number = _HEAD.unpack_from(self._map, at)[0] | 1
+        _HEAD.pack_into(self._map, at, number, 0)
+        self._map[at + _HEAD.size : at + _HEAD.size + len(letter)] = letter
+        _HEAD.pack_into(self._map, at, (number + 1) & 0xFFFFFFFF, zlib.crc32(letter))
+
+    def read(self, which: int, size: int, seen: int = 0) -> tuple[int, bytes | None]:
+        """Return the number of the newest letter, and the letter: None where it was seen, or is being written.
+
+        Args:
+            size: of the letter [bytes].  seen: number of the one that was read last, 0 for none.
+        """
+        at = which * _LETTER
+        for _ in range(TRIES):
+            number, check = _HEAD.unpack_from(self._map, at)
+            if number == seen or number & 1 or number == 0:
+                return seen, None
+            letter = self._map[at + _HEAD.size : at + _HEAD.size + size]
+            if zlib.crc32(letter) == check and _HEAD.unpack_from(self._map, at)[0] == number:
+                return number, letter
+        return seen, None
+
+    def close(self) -> None:
+        """Let go of the file; remove it if it was made here."""
+        self._map.close()
+        if self._own:
+            self.path.unlink(missing_ok=True)

@@ -1,0 +1,211 @@
+"""What stands between a computed force and a person's hand. Nothing here may be weakened.
+
+Small states on a clock that is handed in; a fingertip's force passes `Guard.output`, which knows no way round it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+from enum import Enum
+
+from .vectors import ZERO, Vector, along, capped, dot, is_finite, length, scaled
+
+HARD_CEILING = 20.0  # [N] whatever a device says of itself
+QUIET_FORCE, QUIET_TIME = 0.2, 0.050  # [N], [s] arming waits for so little force for so long: nothing may kick
+ASK_TIME = 1.2  # [s] the device itself looks for the quiet for 1 s, then says no
+RAMP_TIME = 0.5  # [s] from nothing to the whole force
+RAMP_DAMPING = 3.0  # [N s/m] while it ramps
+SLEW = 1000.0  # [N/s] 1 N a millisecond
+TOP_SPEED = 1.5  # [m/s] no hand exploring an object is faster; a motor running away is
+RMS_TIME = 10.0  # [s] the motors' heat
+STATE_GAP, STATE_LOST = 0.005, 0.100  # [s] without a STATE: no force; the device counts as lost
+BAD_NUMBERS, BAD_TIME = 3, 0.100  # so many NaN or inf within [s] disarm
+SPEED_TIME = 0.005  # [s] time constant of the speed: one converter bit a tick is already 0.1 m/s
+PASSIVITY_DAMPING = 12.0  # [N s/m] the most the passivity controller adds: a tenth of tip mass over tick
+PASSIVITY_SPEED = 2e-3  # [m/s] slower than this is converter noise
+STORE_TIME = 0.050  # [s] without force: the spring is relaxed, nothing is stored
+
+
+class Arming(Enum):
+    """Name how far the arming is."""
+
+    OFF = 0
+    WAITING = 1  # until the hand would feel no force
+    ASKED = 2  # the device to arm
+    RAMP = 3
+    ON = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Hold the limits of one fingertip: peak and continuous (10 s rms) force [N]."""
+
+    peak: float
+    continuous: float
+
+
+@dataclass(slots=True)
+class Switch:
+    """Arm and disarm. A disarm needs a new request to arm, whatever the reason.
+
+    reason: why it is off, for the person.  since: when the state began, or the quiet in it [s].
+    """
+
+    arming: Arming = Arming.OFF
+    reason: str = ""
+    since: float = math.inf
+
+    def arm(self) -> None:
+        """Ask for force."""
+        if self.arming is Arming.OFF:
+            self._go(Arming.WAITING)
+            self.reason = ""
+
+    def disarm(self, reason: str) -> None:
+        """Take all force away, at once."""
+        if self.arming is not Arming.OFF:
+            self._go(Arming.OFF)
+            self.reason = reason
+
+    def gain(self, wanted: float, now: float, *, held: bool, device_on: bool) -> float:
+        """Return the share of the force that may act.
+
+        Args:
+            wanted: the largest force of a fingertip there would be [N].  held: the dead-man switch is.
+            device_on: the device itself is armed.
+        """
+        if not held and self.arming is not Arming.OFF:
+            self._go(Arming.WAITING)
+        match self.arming:
+            case Arming.WAITING:
+                self.since = min(self.since, now) if held and wanted < QUIET_FORCE else math.inf
+                if now - self.since >= QUIET_TIME:
+                    self._go(Arming.RAMP if device_on else Arming.ASKED, now)
+            case Arming.ASKED if device_on:
+                self._go(Arming.RAMP, now)
+            case Arming.ASKED if now - self.since > ASK_TIME:
+                self.disarm("The device refused to arm: a fingertip was pressed, or its motors are off.")
+            case Arming.RAMP | Arming.ON if not device_on:  # it brakes, and will begin from nothing
+                self._go(Arming.RAMP, now)
+        if self.arming is Arming.RAMP and now - self.since >= RAMP_TIME:
+            self._go(Arming.ON, now)
+        if self.arming is Arming.RAMP:
+            return (now - self.since) / RAMP_TIME
+        return 1.0 if self.arming is Arming.ON else 0.0
+
+    def _go(self, arming: Arming, since: float = math.inf) -> None:
+        self.arming, self.since = arming, since
+
+
+@dataclass(slots=True)
+class BadNumbers:
+    """Count the NaN and inf that would have been forces."""
+
+    times: deque[float] = field(default_factory=lambda: deque(maxlen=BAD_NUMBERS))
+
+    def too_many(self, now: float) -> bool:
+        """Count one; tell whether it was one too many."""
+        self.times.append(now)
+        return len(self.times) == BAD_NUMBERS and now - self.times[0] <= BAD_TIME
+
+
+@dataclass(slots=True)
+class Motion:
+    """Follow the speed [m/s] of a fingertip through the steps of its converter."""
+
+    at: Vector | None = None
+    since: float = 0.0
+    speed: Vector = ZERO
+
+    def move(self, x: Vector, now: float) -> Vector:
+        """Take a position [m]; return the way since the last one."""
+        before, dt = self.at, now - self.since
+        self.at, self.since = x, now
+        if before is None or dt <= 0:
+            return ZERO
+        way = along(x, before, -1.0)
+        self.speed = along(self.speed, along(scaled(way, 1 / dt), self.speed, -1.0), dt / (SPEED_TIME + dt))
+        return way
+
+    def stop(self) -> None:
+        """Forget: the next position follows on nothing."""
+        self.at, self.speed = None, ZERO
+
+
+@dataclass(slots=True)
+class Passivity:
+    """Observe the energy a fingertip's force took from the hand, and damp where it gave more than it took.
+
+    stored: [J] taken less given, of this touch.  least: [J] the lowest it ever was.  Source: Hannaford and Ryu,
+    time-domain passivity control.
+    """
+
+    stored: float = 0.0
+    least: float = 0.0
+    idle_since: float | None = None
+
+    def observe(self, force: Vector, way: Vector, now: float) -> None:
+        """Take the force [N] that acted along a way [m]."""
+        self.stored -= dot(force, way)
+        self.least = min(self.least, self.stored)
+        if force != ZERO:
+            self.idle_since = None
+        elif self.idle_since is None:
+            self.idle_since = now
+        elif now - self.idle_since > STORE_TIME:
+            self.stored = min(self.stored, 0.0)  # what was dissipated pays for nothing later
+
+    def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
+        """Return the force [N] that pays back what was given too much."""
+        squared = dot(speed, speed)
+        if self.stored >= 0 or force == ZERO or squared < PASSIVITY_SPEED**2 or dt <= 0:
+            return force
+        return along(force, speed, -min(-self.stored / (squared * dt), PASSIVITY_DAMPING))
+
+
+@dataclass(slots=True)
+class Guard:
+    """Hold one fingertip's limits and what they need to remember.
+
+    sent: the force that acts now [N].  square: 10 s mean of its square [N2].  full: it had to be cut.
+    """
+
+    limits: Limits
+    motion: Motion = field(default_factory=Motion)
+    passivity: Passivity = field(default_factory=Passivity)
+    sent: Vector = ZERO
+    square: float = 0.0
+    full: bool = False
+
+    def move(self, x: Vector, now: float) -> None:
+        """Take the fingertip's position [m]."""
+        dt = now - self.motion.since if self.motion.at else 0.0
+        self.passivity.observe(self.sent, self.motion.move(x, now), now)
+        self.square += (dot(self.sent, self.sent) - self.square) * min(max(dt, 0.0) / RMS_TIME, 1.0)
+
+    def output(self, wanted: Vector, gain: float, dt: float) -> Vector:
+        """Return the force [N] that may act for a force that is wanted; no number, no force."""
+        if gain <= 0 or not is_finite(wanted):
+            return self.zero()
+        speed = self.motion.speed
+        force = along(scaled(wanted, gain), speed, -RAMP_DAMPING * (1 - gain))
+        force = self.passivity.damp(force, speed, dt)
+        most = min(self.limits.peak, HARD_CEILING)
+        if self.square >= self.limits.continuous**2:
+            most = min(most, self.limits.continuous)
+        self.full = length(force) > most
+        force = capped(force, most)
+        self.sent = along(self.sent, capped(along(force, self.sent, -1.0), SLEW * max(dt, 0.0)), 1.0)
+        return self.sent
+
+    def zero(self) -> Vector:
+        """Take all force away, at once."""
+        self.sent, self.full = ZERO, False
+        return ZERO
+
+    @property
+    def runs_away(self) -> bool:
+        """Tell whether the fingertip is faster than any hand."""
+        return not math.sqrt(dot(self.motion.speed, self.motion.speed)) <= TOP_SPEED

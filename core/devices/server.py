@@ -1,0 +1,121 @@
+"""The servo as a process of its own: a line, a mailbox, a lifeline, and `Servo.step` between them.
+
+Its standard input is the lifeline: when Blender ends, however it does, the pipe closes; the device is then told to
+let go, and the process ends with it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import os
+import select
+import signal
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from ..errors import DimpleError
+from .letters import ORDER_SIZE, Link, pack_report, unpack_order
+from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
+from .serial_link import WINDOWS, LinkLost, open_link
+from .serial_link import Link as Line
+from .servo import Servo
+from .spec import load_spec
+
+LOOK = 0.002  # [s] at most between two looks at line and lifeline
+REPORT_EVERY = 0.002  # [s] Blender reads at 60 Hz
+LAST_WORDS = 0.010  # [s] for the bytes of the last command to leave
+BLENDER_GONE = 10.0  # [s] without an order where a pipe cannot be watched (Windows)
+
+
+def main(words: list[str] | None = None) -> int:
+    """Run the servo until its standard input closes; return 0, or 2 with the reason in the mailbox."""
+    parser = argparse.ArgumentParser(prog="servo", description=__doc__)
+    add_arguments(parser)
+    return run(parser.parse_args(words))
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say which line, which mailbox, which device."""
+    parser.add_argument("port", help="serial port, or the path of a pseudo-terminal")
+    parser.add_argument("--mailbox", type=Path, required=True, help="file that Blender made")
+    parser.add_argument("--baud", type=int, help="bits a second (default: the device file's)")
+    parser.add_argument("--device", type=Path, metavar="TOML", help="device file (default: the Haptic Master)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Open the line, serve it, and leave it without force."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
+    box = Mailbox(options.mailbox)
+    try:
+        spec = load_spec(options.device)
+        spec = replace(spec, baud=options.baud or spec.baud)
+        servo = Servo(spec, nonce=os.getpid() & 0xFFFF)
+        try:
+            line = open_link(options.port, spec.baud)
+            try:
+                serve(servo, line, box, lifeline(line))
+            finally:
+                hang_up(servo, line)
+        except DimpleError as error:
+            link = Link.LOST if isinstance(error, LinkLost) else Link.REFUSED
+            box.post(FROM_SERVO, pack_report(replace(servo.report(), link=link, message=str(error))))
+            return 2
+        return 0 if servo.link is not Link.REFUSED else 2
+    finally:
+        box.close()
+
+
+def serve(servo: Servo, line: Line, box: Mailbox, alive: Callable[[float], bool]) -> None:
+    """Answer the device until Blender is gone or the device refused.
+
+    Raises:
+        LinkLost: the line is gone.
+    """
+    seen, posted, heard = 0, 0.0, time.perf_counter()
+    while alive(heard):
+        seen, letter = box.read(TO_SERVO, ORDER_SIZE, seen)
+        if letter:
+            servo.order, heard = unpack_order(letter), time.perf_counter()
+        now = time.perf_counter()
+        out = servo.step(now, line.read())
+        if out:
+            line.write(out)
+        if now - posted > REPORT_EVERY or servo.link is Link.REFUSED:
+            posted = now
+            box.post(FROM_SERVO, pack_report(servo.report()))
+        if servo.link is Link.REFUSED:
+            return
+
+
+def lifeline(line: Line) -> Callable[[float], bool]:
+    """Return what waits for the line, and tells whether Blender is still there."""
+    if WINDOWS:
+
+        def by_orders(heard: float) -> bool:
+            line.wait(LOOK)
+            return time.perf_counter() - heard < BLENDER_GONE
+
+        return by_orders
+
+    stdin, port = sys.stdin.fileno(), line.fileno()
+
+    def by_pipe(_heard: float) -> bool:
+        ready = select.select([port, stdin], [], [], LOOK)[0]
+        return stdin not in ready or os.read(stdin, 4096) != b""
+
+    return by_pipe
+
+
+def hang_up(servo: Servo, line: Line) -> None:
+    """Tell the device to let go, if it can still be told, and free the port."""
+    try:
+        line.write(servo.close())
+        time.sleep(LAST_WORDS)
+    except LinkLost:
+        pass
+    line.close()
