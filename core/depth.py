@@ -8,6 +8,7 @@ import numpy as np
 
 from .base import Floats, Ints
 from .laws.contact import nearest_on_triangles
+from .laws.memory import Pose
 from .mesh import Mesh
 
 SAME_SIDE = 0.5  # cosine: a deep fingertip may be nearer to another side than to the one it came in by
@@ -21,6 +22,17 @@ class RestSurface:
     normals: Floats
     middles: Floats
     extents: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Touching:
+    """Hold how a fingertip meets the surface at rest, carried along by the body: depth [m], negative where it is clear
+    of it, the way out (3,), a unit vector, the nearest triangle, and the fingertip's centre (3,) [m]."""
+
+    depth: float
+    outward: Floats
+    triangle: int
+    centre: Floats
 
 
 def rest_surface(mesh: Mesh) -> RestSurface:
@@ -59,3 +71,17 @@ def depth_below(surface: RestSurface, centre: Floats, radius: float, side: Float
     best = tied[np.abs(height[tied]).argmax()]
     signed = distance[best] if height[best] >= 0 else -distance[best]
     return float(radius - signed), int(near[best])
+
+
+def touching(surface: RestSurface, pose: Pose, centre: Floats, radius: float, side: Floats | None) -> Touching:
+    """Return how a fingertip at a centre (3,) [m] meets the surface at rest in its pose; side: see `depth_below`."""
+    rotation, translation = pose
+    local = rotation.T @ (centre - translation)
+    depth, triangle = depth_below(surface, local, radius, side)
+    weights = nearest_on_triangles(surface.corners[:, [triangle]], local)
+    offset = local - (surface.corners[:, [triangle]] * weights).sum(axis=2)[:, 0]
+    height = radius - depth  # of the centre above the surface
+    face = surface.normals[:, triangle]
+    # the way the depth falls fastest; on the very surface only the face knows it
+    outward = offset / height if abs(height) > 1e-6 * radius else face
+    return Touching(depth=depth, outward=rotation @ outward, triangle=triangle, centre=centre)

@@ -16,12 +16,12 @@ import numpy.typing as npt
 
 from . import native
 from .base import FINGER_TRAVEL, TICK, DimpleError, Floats
-from .depth import depth_below, rest_surface
+from .depth import Touching, depth_below, rest_surface, touching
 from .integrators import semi_implicit
 from .integrators.methods import Run
 from .integrators.path import FingerPath
 from .laws import pressure
-from .laws.memory import fit_pose
+from .laws.memory import Pose, fit_pose
 from .model import Model, initial_state, law_force
 
 MAX_FINGERS = 3
@@ -235,11 +235,24 @@ class Session:
             rest = self.model.memory.rest[:, pins]
             state.pose = fit_pose(rest, (state.positions[:, held] + way)[:, pins[held]], np.ones(rest.shape[1]))
 
+    def touches(self) -> list[Touching | None]:
+        """Return how each fingertip meets the surface at rest: what a device feels between two steps."""
+        pose = self._pose()
+        return [
+            touching(self._surface, pose, np.array(finger.position), finger.radius, side) if finger else None
+            for finger, side in zip(self._fingers, self._sides, strict=True)
+        ]
+
+    def _pose(self) -> Pose:
+        """Return where the shape at rest is now."""
+        model = self.model
+        weight = model.memory.k1 if model.memory.k1.any() else model.mass
+        return self._state.pose or fit_pose(model.memory.rest, self._state.positions, weight)
+
     def _depths(self) -> tuple[list[float], list[float]]:
         """Return the depth [m] and the force [N] of Eq. (1) of each fingertip."""
-        state, model = self._state, self.model
-        weight = model.memory.k1 if model.memory.k1.any() else model.mass
-        rotation, translation = state.pose or fit_pose(model.memory.rest, state.positions, weight)
+        model = self.model
+        rotation, translation = self._pose()
         depths, law = [], []
         for i, finger in enumerate(self._fingers):
             if finger is None:
