@@ -36,3 +36,12 @@ def draw_notes(
     for sentence in sentences:
         for i, line in enumerate(readout.wrapped(readout.iface_(sentence), columns)):
             column.label(text=line, icon="BLANK1" if i else icon, translate=False)
+
+
+def draw_rows(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
+    """Write labels on the left and values on the right."""
+    split = layout.split(factor=0.42)
+    labels, values = split.column(align=True), split.column(align=True)
+    for label, value in rows:
+        labels.label(text=label, translate=False)
+        values.label(text=value, translate=False)

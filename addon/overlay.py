@@ -1,30 +1,45 @@
 """What the viewport shows over a running session: fingertips, forces, numbers, and force against depth.
 
-Reads the last Frame of each session and changes nothing. Without a session it draws nothing. `gpu` is loaded
+Reads the last Frame of each session and changes nothing. Without a session it shows the calibration. `gpu` is loaded
 only when there is something to draw, so that the extension also registers where nothing can be drawn.
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import bpy
 
+from ..operators import calibration
 from ..operators.sessions import sessions
 from . import readout, shapes
+from .readout import iface_
 from .shapes import Point, Segment
 
 FINGERTIP = (1.0, 0.62, 0.15, 1.0)
 FORCE = (0.95, 0.2, 0.15, 1.0)
 LAW = (0.55, 0.75, 1.0, 0.9)
+MEASURED = (1.0, 1.0, 0.55, 0.9)
+SIMULATED = (0.3, 0.95, 0.45, 0.95)
 TEXT = (1.0, 1.0, 1.0, 1.0)
 FAINT = (1.0, 1.0, 1.0, 0.35)
 BACK = (0.0, 0.0, 0.0, 0.45)
 
+DOT = 2.0  # [px] half the width of a measured point; a size like those below
 LINE_WIDTH = 2.0  # [px] all sizes below too, at a resolution scale of 1
 TEXT_SIZE = 12.0
 LINE_HEIGHT = 17.0
 MARGIN = 16.0
 CHART = (230.0, 130.0)
+
+
+class Curves(NamedTuple):
+    """Hold what a chart shows, as (depth [m], force [N]); law: K1, K2 [N/m] and x0 [m] of Eq. (1)."""
+
+    law: Point
+    measured: list[Point] = []
+    simulated: list[Point] = []
+    trail: list[Point] = []
+
 
 _handlers: list[tuple[object, str]] = []
 
@@ -40,10 +55,15 @@ def draw_numbers() -> None:
     """Draw the read-out and the chart of each session on top of the picture (POST_PIXEL)."""
     context = bpy.context
     shown = _shown(context)
-    if not shown:
+    calibrated = None if shown else calibrated_curves(context)
+    if calibrated and not context.space_data.overlay.show_overlays:
+        return
+    if not shown and not calibrated:
         return
     scale = context.preferences.system.ui_scale
     left, bottom = _corner(context.area, scale)
+    if calibrated:
+        draw_key(calibrated, (left, draw_curves(calibrated, (left, bottom), scale, context.region)), scale)
     for entry in shown:
         if context.scene.dimple.show_chart:
             bottom = draw_chart(entry, (left, bottom), scale, context.region) + MARGIN * scale
@@ -73,22 +93,68 @@ def draw_rows(entry: Any, corner: Point, scale: float) -> float:
 
 
 def draw_chart(entry: Any, corner: Point, scale: float, region: Any) -> float:
-    """Draw force against depth over the measured curve, from a corner [px], and return where it ends."""
-    size = (CHART[0] * scale, CHART[1] * scale)
+    """Draw force against depth of a session over the measured curve, from a corner [px], and return where it ends."""
     material = entry.session.model.materials[0]
     trail = [(float(depth), float(force)) for depth, force in entry.trail]
+    body = bpy.context.scene.objects.get(entry.name)
+    known = _material_curves(body.active_material.dimple) if body and body.active_material else None
+    law = (material.K1, material.K2, material.x0)
+    return draw_curves((known or Curves(law))._replace(law=law, trail=trail), corner, scale, region)
+
+
+def calibrated_curves(context: bpy.types.Context) -> Curves | None:
+    """Return what a chart shows while nothing is pressed: the last calibration, else that of the active material."""
+    settings, body = context.scene.dimple, context.object
+    if not settings.show_overlay or not settings.show_chart:
+        return None
+    if told := calibration.load(settings.calibration):
+        return Curves((told["K1"] * 1e3, told["K2"] * 1e3, told["x0"] / 1e3), _metres(told["points"]))
+    material = body.active_material if body else None
+    return _material_curves(material.dimple) if material else None
+
+
+def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
+    """Return the measured and the simulated press of a material, None where there is neither."""
+    measured = calibration.load(settings.calibration).get("points", [])
+    simulated = calibration.load(settings.identification).get("points", [])
+    if not measured and not simulated:
+        return None
+    law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3)
+    return Curves(law, _metres(measured), _metres(simulated))
+
+
+def _metres(rows: Sequence[Sequence[float]]) -> list[Point]:
+    return [(depth / 1e3, force) for depth, force in rows]
+
+
+def draw_key(curves: Curves, corner: Point, scale: float) -> None:
+    """Write what the colours of a chart mean, above it."""
+    words = [(iface_("Law"), LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured)]
+    words += [(iface_("Simulated"), SIMULATED, curves.simulated)]
+    left = corner[0]
+    for word, colour, shown in words:
+        if shown:
+            left += _write(word, (left, corner[1] + 5 * scale), scale, colour) + MARGIN * scale
+
+
+def draw_curves(curves: Curves, corner: Point, scale: float, region: Any) -> float:
+    """Draw a chart from a corner [px] and return where it ends."""
+    size = (CHART[0] * scale, CHART[1] * scale)
+    seen = [*curves.measured, *curves.simulated, *curves.trail]
     # the knee always shows: it tells how far the press has come
-    deepest = shapes.round_up(max([material.x0 * 1.1, *(depth for depth, _ in trail)]))
-    law = shapes.law_curve(material.K1, material.K2, material.x0, deepest)
-    ends = (deepest, shapes.round_up(max(force for _, force in [*law, *trail])))
+    deepest = shapes.round_up(max([curves.law[2] * 1.1, *(depth for depth, _ in seen)]))
+    law = shapes.law_curve(*curves.law, deepest)
+    ends = (deepest, shapes.round_up(max(force for _, force in [*law, *seen])))
     right, top = corner[0] + size[0], corner[1] + size[1]
     _filled(corner, (right, top), BACK)
     _lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, region)
+    _lines(shapes.dots(shapes.into_box(curves.measured, ends, corner, size), DOT * scale), MEASURED, region)
     _lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, region)
-    seen = shapes.into_box(trail, ends, corner, size)
-    _lines(shapes.chained(seen), FORCE, region)
-    if seen:
-        _lines(shapes.circle(seen[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, region)
+    _lines(shapes.chained(shapes.into_box(curves.simulated, ends, corner, size)), SIMULATED, region)
+    trail = shapes.into_box(curves.trail, ends, corner, size)
+    _lines(shapes.chained(trail), FORCE, region)
+    if trail:
+        _lines(shapes.circle(trail[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, region)
     _write(f"{ends[1]:g} N", (corner[0] + 4 * scale, top - LINE_HEIGHT * scale), scale)
     _write(f"{ends[0] * 1e3:g} mm", (right - 48 * scale, corner[1] + 5 * scale), scale)
     return top
@@ -151,17 +217,19 @@ def _filled(low: Point, high: Point, colour: Point) -> None:
     gpu.state.blend_set("NONE")
 
 
-def _write(text: str, at: Point, scale: float) -> None:
+def _write(text: str, at: Point, scale: float, colour: Point = TEXT) -> float:
+    """Write a line and return how wide it is [px]."""
     import blf
 
     font = 0
     blf.size(font, TEXT_SIZE * scale)
-    blf.color(font, *TEXT)
+    blf.color(font, *colour)
     blf.enable(font, blf.SHADOW)
     blf.shadow(font, 3, 0.0, 0.0, 0.0, 0.9)
     blf.position(font, at[0], at[1], 0)
     blf.draw(font, text)
     blf.disable(font, blf.SHADOW)
+    return blf.dimensions(font, text)[0]
 
 
 def register() -> None:

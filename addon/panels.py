@@ -7,7 +7,7 @@ import bpy
 
 from ..operators.names import Op
 from ..operators.sessions import sessions
-from . import readout
+from . import calibration, readout
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
 
@@ -213,10 +213,13 @@ class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
 
 
 _SIDEBAR = (
-    DIMPLE_PT_session, DIMPLE_PT_readout, DIMPLE_PT_fingertips, DIMPLE_PT_bake, DIMPLE_PT_surroundings
+    DIMPLE_PT_session, DIMPLE_PT_readout, DIMPLE_PT_fingertips, *calibration.SIDEBAR, DIMPLE_PT_bake,
+    DIMPLE_PT_surroundings,
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
-_register_properties, _unregister_properties = bpy.utils.register_classes_factory([DIMPLE_PT_material, DIMPLE_PT_body])
+_register_properties, _unregister_properties = bpy.utils.register_classes_factory(
+    [DIMPLE_PT_material, DIMPLE_PT_body, *calibration.PROPERTIES]
+)
 
 
 def move_to_tab(name: str) -> None:

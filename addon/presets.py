@@ -42,7 +42,8 @@ class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):
     preset_values = [
         f"dimple.{name}"
         for name in (
-            "K1", "K2", "x0", "k", "mass_from", "density", "mass_kg", "damping_ratio", "friction", "fill", "provenance"
+            "K1", "K2", "x0", "k", "mass_from", "density", "mass_kg", "damping_ratio", "friction", "fill",
+            "tip", "tip_radius_mm", "calibration", "provenance",
         )
     ]  # fmt: skip
 

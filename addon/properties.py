@@ -10,12 +10,15 @@ from decimal import Decimal
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
+from ..operators import calibration
+from ..operators.names import PLACES, TIPS
 from .translations import CONTEXT
 
 # no property is animatable; labels are looked up where Blender has no words of its own
 FIXED = {"options": set(), "translation_context": CONTEXT}
 
 _EDITED = "Edited by hand after: "
+_MODEL_CONSTANTS = ("kappa1", "kappa2", "d0", "membrane_scale")
 
 _MASS_FROM = (
     ("DENSITY", "Density", "The mass follows from the density and the volume of the body"),
@@ -57,6 +60,21 @@ def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context)
         settings.provenance = _EDITED + settings.provenance
 
 
+def _on_measured(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    _mark_edited(settings, context)
+    _forget(settings, context)
+
+
+def _forget(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    # model constants answer to what was measured; after a change of that they answer to nothing
+    told = calibration.load(settings.identification)
+    if settings.kappa1 <= 0 or told.get("holds_for") == settings.held_by():
+        return
+    for name in _MODEL_CONSTANTS:
+        setattr(settings, name, 0.0)
+    settings.identification, settings.stale = "", True
+
+
 def _is_fingertip(_settings: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
     return not candidate.dimple.enabled
 
@@ -64,8 +82,16 @@ def _is_fingertip(_settings: bpy.types.PropertyGroup, candidate: bpy.types.Objec
 def _stiffness(name: str, default: float, description: str) -> FloatProperty:
     return FloatProperty(
         name=name, description=description, default=default, min=0.0, soft_min=0.01, soft_max=100.0,
-        step=10, precision=3, update=_mark_edited, **FIXED,
+        step=10, precision=3, update=_on_measured, **FIXED,
     )  # fmt: skip
+
+
+def _model_constant(name: str, description: str) -> FloatProperty:
+    return FloatProperty(name=name, description=description, default=0.0, min=0.0, precision=4, **FIXED)
+
+
+def _kept(name: str, description: str) -> StringProperty:
+    return StringProperty(name=name, description=description, **FIXED)
 
 
 class DIMPLE_PG_material(bpy.types.PropertyGroup):
@@ -75,7 +101,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     K2: _stiffness("Slope K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
     x0: FloatProperty(
         name="Knee x0 (mm)", description="Depth at which the press becomes harder",
-        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **FIXED,
+        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_on_measured, **FIXED,
     )  # fmt: skip
     k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the skin against stretching")
     mass_from: EnumProperty(
@@ -97,12 +123,31 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         name="Friction", description="How well fingertips and the ground grip the skin; 0 is slippery",
         default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
     )  # fmt: skip
-    fill: EnumProperty(name="Fill", description="What is inside the skin", items=_FILLS, **FIXED)
+    fill: EnumProperty(name="Fill", description="What is inside the skin", items=_FILLS, update=_forget, **FIXED)
+    tip: EnumProperty(
+        name="Tip", description="What pressed the object when it was measured", items=TIPS, update=_forget, **FIXED
+    )
+    tip_radius_mm: FloatProperty(
+        name="Tip Radius (mm)", description="Radius of what pressed the object when it was measured",
+        default=2.0, min=0.01, soft_max=50.0, step=10, precision=2, update=_forget, **FIXED,
+    )  # fmt: skip
     provenance: StringProperty(
         name="Source", description="Where these constants were measured; empty when typed in", **FIXED
     )
+    calibration: _kept("Calibration", "The measurement behind these constants")
+    kappa1: _model_constant("Shape Memory κ1 (N/cm³)", "Identified: force per area and depth, up to the knee")
+    kappa2: _model_constant("Shape Memory κ2 (N/cm³)", "Identified: force per area and depth, beyond the knee")
+    d0: _model_constant("Knee d0 (mm)", "Identified: displacement at which the shape memory becomes harder")
+    membrane_scale: _model_constant("Share of k", "Identified: how much of its k the skin has")
+    identification: _kept("Identification", "How the model constants were found")
+    stale: BoolProperty(name="Stale", description="The model constants no longer held and were cleared", **FIXED)
 
-    def to_params(self) -> dict[str, float | str]:
+    def held_by(self) -> dict[str, float | str]:
+        """Return what the model constants hang on."""
+        numbers = {name: exact(getattr(self, name)) for name in ("K1", "K2", "x0", "k", "tip_radius_mm")}
+        return {**numbers, "fill": self.fill, "tip": self.tip}
+
+    def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""
         mass = {"density": exact(self.density)} if self.mass_from == "DENSITY" else {"mass": exact(self.mass_kg)}
         return {
@@ -114,7 +159,19 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
             "damping_ratio": exact(self.damping_ratio),
             "friction": exact(self.friction),
             "fill": self.fill.lower(),
+            **_identified(self),
         }
+
+
+def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
+    """Return the model constants, where they are."""
+    if not all(getattr(settings, name) > 0 for name in _MODEL_CONSTANTS):
+        return {}
+    from ..core.material import ModelConstants  # not at import: it needs numpy, and enabling must be quick
+
+    kappa = {"kappa1": exact(settings.kappa1, 2), "kappa2": exact(settings.kappa2, 2)}  # [N/m3]
+    constants = ModelConstants(**kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale))
+    return {"constants": constants}
 
 
 class DIMPLE_PG_object(bpy.types.PropertyGroup):
@@ -177,6 +234,8 @@ class DIMPLE_PG_scene(bpy.types.PropertyGroup):
     use_ground: BoolProperty(
         name="Ground", description="A floor at height 0 of the scene that nothing falls through", **FIXED
     )
+    calibration: _kept("Calibration", "The last result, before it goes to a material")
+    tip_place: EnumProperty(name="Press At", description="Where the tip goes in", items=PLACES, **FIXED)
     cache_dir: StringProperty(
         name="Cache Folder",
         description="Where recordings go. Empty: beside the .blend file, or Dimple's own folder if it is not saved",

@@ -65,6 +65,11 @@ def chained(points: Sequence[Point]) -> list[Segment]:
     return list(zip(points, points[1:], strict=False))
 
 
+def dots(points: Sequence[Point], half: float) -> list[Segment]:
+    """Return a short stroke at every point."""
+    return [((x - half, y), (x + half, y)) for x, y in points]
+
+
 def _add(*points: Point) -> Point:
     return tuple(map(sum, zip(*points, strict=True)))
 

@@ -16,10 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ..core.base import DimpleError
+from . import calibration
 from .names import BAKED_KEY, LIVE_KEY
 
 if TYPE_CHECKING:
     from ..core.material import Material
+    from ..core.mesh import Mesh
     from ..core.model import Model
 
 Floats = npt.NDArray[np.float64]
@@ -65,8 +67,8 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
         triangles = triangles[:, ::-1]
     used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
     try:
-        materials = [_material(body, int(slot)) for slot in used]
         mesh = mesh_from_triangles(to_physical(scale, matrix, rest), triangles, triangle_material=triangle_material)
+        materials, said = zip(*(_material(body, int(slot), mesh) for slot in used), strict=True)
         held = base_vertices(mesh) if params["hold"] == "base" else None
         if params["hold"] == "group":
             held = _pins(body, params["pin_group"])
@@ -84,7 +86,8 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting,
         rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()),
     )  # fmt: skip
-    return link, replace(model, notes=(*model.notes, *_notes(body, mesh.size, context.scene)))
+    notes = (*filter(None, said), *_notes(body, mesh.size, context.scene))
+    return link, replace(model, notes=(*model.notes, *notes))
 
 
 def check(body: bpy.types.Object) -> None:
@@ -218,16 +221,43 @@ def _triangles(mesh: bpy.types.Mesh) -> tuple[npt.NDArray[np.int32], npt.NDArray
     return corners.reshape(-1, 3), slots[polygons]
 
 
-def _material(body: bpy.types.Object, slot: int) -> Material:
+def _material(body: bpy.types.Object, slot: int, mesh: Mesh) -> tuple[Material, str]:
     from ..core.material import Material
 
     material = body.material_slots[slot].material if body.material_slots else None
-    if material is None:
-        return Material(**default_params())
+    return (Material(**default_params()), "") if material is None else constants_on(mesh, material)
+
+
+def constants_on(mesh: Mesh, material: bpy.types.Material) -> tuple[Material, str]:
+    """Return the constants of a material on a mesh; where its model constants are another's, without, and a note.
+
+    Raises:
+        DimpleError: a constant is out of its range.
+    """
+    from ..core.material import Material
+
     try:
-        return Material(**material.dimple.to_params())
+        constants = Material(**material.dimple.to_params())
     except DimpleError as error:
         raise DimpleError(f'material "{material.name}": {error}') from error
+    told = calibration.load(material.dimple.identification)
+    if constants.constants is None or not told or _alike(fingerprint(mesh), told["mesh"]):
+        return constants, ""
+    return replace(constants, constants=None), (
+        f'The model constants of "{material.name}" were identified on another mesh or size ({told["object"]}, '
+        f"{told['size']:.4g} mm): an estimate stands in. Identify it on this one."
+    )
+
+
+def fingerprint(mesh: Mesh) -> dict[str, float]:
+    """Return what tells one mesh from another wherever it stands: vertices, area [m2] and volume [m3]."""
+    return {
+        "vertices": len(mesh.rest_positions), "area": float(mesh.triangle_areas.sum()), "volume": float(mesh.volume)
+    }  # fmt: skip
+
+
+def _alike(one: dict[str, float], other: dict[str, float]) -> bool:
+    return all(abs(one[name] - other[name]) <= 1e-3 * abs(one[name]) for name in ("vertices", "area", "volume"))
 
 
 def default_params() -> dict[str, Any]:

@@ -8,6 +8,17 @@ KEPT_KEY = "Pressed"  # what it is called when its shape is kept
 BAKED_KEY = "Dimple Frame "  # the keys of a bake are called so, with the number of the frame
 CACHE = "Dimple"  # modifiers that play a bake are called so
 
+# what measured a material: identifiers are the core's, in capitals
+TIPS = (
+    ("POINT", "Point", "Something small that touches at a point, as in the paper"),
+    ("PUNCH", "Flat Punch", "A flat, round face that goes in as one"),
+    ("SPHERE", "Ball", "A round tip, like a fingertip"),
+)
+PLACES = (
+    ("TOP", "Top Middle", "Straight down on the middle of the body"),
+    ("CURSOR", "3D Cursor", "Straight into the surface, where the 3D cursor is nearest to it"),
+)
+
 
 class Op(StrEnum):
     """List every `bpy.ops` name of the extension that does something to a body."""
@@ -20,3 +31,8 @@ class Op(StrEnum):
     UNBAKE = "dimple.unbake"
     APPLY_PRESET = "dimple.apply_preset"
     ADD_FINGERTIP = "dimple.add_fingertip"
+    CALIBRATE = "dimple.calibrate"
+    APPLY_CALIBRATION = "dimple.apply_calibration"
+    DISCARD_CALIBRATION = "dimple.discard_calibration"
+    IDENTIFY = "dimple.identify"
+    MEASURE = "dimple.measure"

@@ -48,6 +48,7 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
             settings.mass_from, settings.density = "DENSITY", constants.density
         settings.damping_ratio, settings.friction = constants.damping_ratio, constants.friction
         settings.fill = constants.fill.upper()
+        settings.tip, settings.tip_radius_mm, settings.calibration = "POINT", 2.0, ""
         settings.provenance = preset.provenance  # last: a constant that is set marks it as edited
         body = context.object.dimple
         body.enabled, body.size_mode, body.size_mm = True, "CUSTOM", preset.size * 1e3

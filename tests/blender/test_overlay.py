@@ -1,6 +1,8 @@
 """What is drawn over the viewport says what the frame says, and nothing when nothing runs."""
 
 import math
+from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -83,6 +85,36 @@ def test_the_curve_behind_the_chart_is_the_law_of_the_core(shapes: ModuleType, e
             assert force == pytest.approx(material.law(depth), abs=1e-12)
 
 
+def test_the_chart_of_a_calibration_shows_the_measured_points_and_leaves_their_colours(
+    overlay: ModuleType, empty_file: ModuleType
+) -> None:
+    import gpu
+
+    bpy = empty_file
+    assert overlay.calibrated_curves(bpy.context) is None
+    sample = Path(__file__).parents[2] / "blend_samples" / "calibration" / "object_2_vinyl_air.csv"
+    bpy.ops.dimple.calibrate(filepath=str(sample))
+    curves = overlay.calibrated_curves(bpy.context)
+    assert len(curves.measured) > 50 and curves.law[0] == pytest.approx(611, rel=0.01)
+    K1, K2, x0 = curves.law
+    for depth, force in curves.measured:  # the sample has 1 % of 51.5 N of noise on the law
+        assert abs(force - (K1 * min(depth, x0) + K2 * max(depth - x0, 0))) < 5 * 0.515
+    bpy.context.scene.dimple.show_chart = False
+    assert overlay.calibrated_curves(bpy.context) is None
+    if not hasattr(gpu, "init"):
+        pytest.skip("this Blender cannot draw without a window; 5.2 can")
+    gpu.init()
+    curves = curves._replace(simulated=[(depth, 0.5 * force) for depth, force in curves.measured])
+
+    def draw(region: Any) -> None:
+        overlay.draw_key(curves, (20.0, overlay.draw_curves(curves, (20.0, 20.0), 1.0, region)), 1.0)
+
+    picture = on_screen(draw)
+    for colour in (overlay.LAW, overlay.MEASURED, overlay.SIMULATED):
+        seen = abs(picture[:, :, :3] / 255.0 - colour[:3]).max(axis=2) < 0.12
+        assert seen.sum() > 20, colour
+
+
 def test_an_arrow_points_along_the_force_and_a_stronger_one_is_longer(shapes: ModuleType) -> None:
     assert shapes.arrow((0, 0, 0), (0, 0, 0), 1) == []
     lengths = []
@@ -121,7 +153,17 @@ def test_the_chart_the_numbers_and_the_fingertip_leave_their_colours(
 
 
 def drawn(overlay: ModuleType, entry: Any) -> Any:
-    """Draw everything into a picture (height, width, 4) of bytes."""
+    """Draw a session into a picture (height, width, 4) of bytes."""
+
+    def draw(region: Any) -> None:
+        end = overlay.draw_chart(entry, (20.0, 20.0), 1.0, region)
+        overlay.draw_rows(entry, (20.0, end + 16), 1.0)
+
+    return on_screen(draw, lambda region: overlay.draw_fingers(entry, region))
+
+
+def on_screen(draw: Callable[[Any], None], draw_in_scene: Callable[[Any], None] | None = None) -> Any:
+    """Draw into a picture (height, width, 4) of bytes: in the scene, then on top of it in pixels."""
     import gpu
     import numpy as np
     from mathutils import Matrix
@@ -133,12 +175,12 @@ def drawn(overlay: ModuleType, entry: Any) -> Any:
         buffer.clear(color=(0.2, 0.2, 0.2, 1.0))
         gpu.matrix.load_matrix(Matrix.Rotation(math.radians(-70), 4, "X"))
         gpu.matrix.load_projection_matrix(Matrix.Diagonal((1 / 1.6, 1, 0.1, 1)))
-        overlay.draw_fingers(entry, region)
+        if draw_in_scene:
+            draw_in_scene(region)
         gpu.matrix.load_matrix(Matrix.Identity(4))
         to_screen = Matrix.Translation((-1, -1, 0)) @ Matrix.Diagonal((2 / SIZE[0], 2 / SIZE[1], 0.1, 1))
         gpu.matrix.load_projection_matrix(to_screen)
-        end = overlay.draw_chart(entry, (20.0, 20.0), 1.0, region)
-        overlay.draw_rows(entry, (20.0, end + 16), 1.0)
+        draw(region)
         pixels = buffer.read_color(0, 0, *SIZE, 4, 0, "UBYTE")
     target.free()
     pixels.dimensions = SIZE[0] * SIZE[1] * 4

@@ -1,10 +1,13 @@
 """The panels draw with what this Blender has: every property, operator and icon they name exists."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
+
+SAMPLE = Path(__file__).parents[2] / "blend_samples" / "calibration" / "object_2_vinyl_air.csv"
 
 
 class Layout:
@@ -87,7 +90,7 @@ def body(empty_file: ModuleType) -> Any:
 def test_every_panel_draws_on_a_mesh_on_nothing_and_on_a_curve(bpy: ModuleType, body: Any) -> None:
     curve = bpy.data.objects.new("Curve", bpy.data.curves.new("Curve", "CURVE"))
     found = list(panels(bpy))
-    assert len(found) >= 7
+    assert len(found) >= 11
     for panel in found:
         for context in ({}, {"object": body, "material": body.active_material}, {"object": curve}):
             draw(bpy, panel, **context)
@@ -118,6 +121,44 @@ def test_a_running_session_shows_force_depth_pressure_and_volume_with_units(bpy:
     finally:
         sessions.stop_all()
     assert "Nothing is being pressed" in draw(bpy, bpy.types.DIMPLE_PT_readout, object=body)
+
+
+def test_a_calibration_shows_its_constants_with_errors_and_what_a_hand_can_tell(bpy: ModuleType, body: Any) -> None:
+    panel = bpy.types.DIMPLE_PT_calibration
+    assert "dimple.calibrate" in " ".join(draw(bpy, panel, object=body))
+    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=165)
+    pending = draw(bpy, panel, object=body)
+    for text in ("K1", "0.6106 ± 0.0073 N/mm", "7.225 ± 0.07 N/mm", "16.32 ± 0.039 mm", "1.0%", "6% – 8%"):
+        assert text in pending, text
+    assert "k, Force Balance" in pending and "dimple.apply_calibration" in pending
+    words = " ".join(draw(bpy, bpy.types.DIMPLE_PT_calibration_notes, object=body))
+    assert "A hand could not tell" in words and "upper bound" in words
+    bpy.ops.dimple.apply_calibration()
+    assert [text for text in pending if "±" in text] == [
+        text for text in draw(bpy, panel, object=body) if "±" in text
+    ], "the material shows what it was given"
+    assert any(
+        "±" in text for text in draw(bpy, bpy.types.DIMPLE_PT_material_calibration, material=body.active_material)
+    )
+    body.active_material.dimple.K1 = 2.0
+    assert "were changed since" in " ".join(draw(bpy, panel, object=body))
+
+
+def test_what_was_identified_is_told_and_that_it_was_cleared(bpy: ModuleType, body: Any) -> None:
+    import json
+
+    panel, settings = bpy.types.DIMPLE_PT_identification, body.active_material.dimple
+    settings.kappa1 = settings.kappa2 = settings.d0 = settings.membrane_scale = 0.02
+    settings.identification = json.dumps({
+        "object": "Cube", "mesh": {"vertices": 98}, "size": 165.0, "tip": "point", "tip_radius": 2.0, "deepest": 22.0,
+        "rms": 0.0123, "volume_change": 0.001, "noticeable": [0.06, 0.08], "notes": ["The skin's k is taken at 2 %."],
+        "holds_for": settings.held_by(),
+    })  # fmt: skip
+    shown = draw(bpy, panel, object=body)
+    for text in ("Cube, 98, 165 mm", "1.2%", "2.00%", "6% – 8%", "The skin's k is taken at 2 %."):
+        assert text in shown, text
+    settings.x0 = 5.0
+    assert "identify again" in " ".join(draw(bpy, panel, object=body))
 
 
 def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:

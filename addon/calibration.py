@@ -1,0 +1,125 @@
+"""The panels of calibration: from a file to a result, to a material, to a body that answers like the real one."""
+
+import bpy
+
+from ..operators import calibration
+from ..operators.names import Op
+from . import calibrated
+from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows
+
+
+def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | None]:
+    """Return the calibration to show, and the settings of the material it belongs to, None while it has none."""
+    if told := calibration.load(context.scene.dimple.calibration):
+        return told, None
+    material = context.object.active_material if context.object else None
+    settings = material.dimple if material else None
+    return (calibration.load(settings.calibration), settings) if settings else ({}, None)
+
+
+def draw_result(
+    context: bpy.types.Context, layout: bpy.types.UILayout, told: dict, settings: bpy.types.PropertyGroup | None
+) -> None:
+    """Draw source, constants with their errors and warnings."""
+    source = f"{told['source']}, {told['date']}"
+    layout.label(text=source, icon="FILE_TEXT", translate=False)
+    draw_rows(layout, calibrated.rows(told))
+    draw_notes(context, layout, told["warnings"], "ERROR")
+    if settings is not None and calibrated.edited(told, settings):
+        draw_notes(context, layout, ["The constants of the material were changed since."], "ERROR")
+
+
+class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
+    """Calibrate, and give the result to a material."""
+
+    bl_label = "Calibration"
+    bl_parent_id = "DIMPLE_PT_session"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the way in, the result and the way on."""
+        layout = self.layout
+        layout.operator(Op.CALIBRATE, text="Calibrate from File...", icon="IMPORT")
+        told, settings = shown(context)
+        if not told:
+            draw_notes(context, layout, ["Drop a force-depth file (CSV, text) into the viewport."])
+            return
+        draw_result(context, layout, told, settings)
+        if settings is None:
+            draw_notes(context, layout, [told["unusable"]] if told["unusable"] else [], "ERROR")
+            row = layout.row(align=True)
+            row.operator(Op.APPLY_CALIBRATION, icon="CHECKMARK")
+            row.operator(Op.DISCARD_CALIBRATION, text="", icon="X")
+        else:
+            layout.operator("dimple.material_preset_add", text="Keep as My Material", icon="ADD")
+
+
+class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
+    """Say what the numbers mean and how the file was read."""
+
+    bl_label = "In Words"
+    bl_parent_id = "DIMPLE_PT_calibration"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need a result."""
+        return bool(shown(context)[0])
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw sentences."""
+        draw_notes(context, self.layout, calibrated.sentences(shown(context)[0]))
+
+
+class DIMPLE_PT_identification(SidebarPanel, bpy.types.Panel):
+    """Identify the model constants on the active object, and measure it."""
+
+    bl_label = "Virtual Press"
+    bl_parent_id = "DIMPLE_PT_session"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw tip and place, both verbs, and what was found."""
+        layout, body = self.layout, context.object
+        material = body.active_material if body else None
+        layout.use_property_split = True
+        if material is not None:
+            column = layout.column(align=True)
+            column.prop(material.dimple, "tip")
+            column.prop(material.dimple, "tip_radius_mm")
+        layout.prop(context.scene.dimple, "tip_place")
+        column = layout.column(align=True)
+        column.operator(Op.IDENTIFY, icon="VIEWZOOM")
+        column.operator(Op.MEASURE, text="Measure to File...", icon="EXPORT")
+        if material is None:
+            return
+        settings = material.dimple
+        if settings.stale:
+            draw_notes(context, layout, ["The material was changed since it was identified: identify again."], "ERROR")
+        if told := calibration.load(settings.identification):
+            draw_rows(layout, calibrated.identified(told, settings))
+            draw_notes(context, layout, told["notes"])
+
+
+class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
+    """Show the measurement behind the constants of a material."""
+
+    bl_label = "Calibration"
+    bl_parent_id = "DIMPLE_PT_material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need a calibrated material."""
+        return context.material is not None and bool(calibration.load(context.material.dimple.calibration))
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the result and what it means."""
+        settings = context.material.dimple
+        told = calibration.load(settings.calibration)
+        draw_result(context, self.layout, told, settings)
+        draw_notes(context, self.layout, calibrated.sentences(told))
+
+
+SIDEBAR = (DIMPLE_PT_calibration, DIMPLE_PT_calibration_notes, DIMPLE_PT_identification)
+PROPERTIES = (DIMPLE_PT_material_calibration,)

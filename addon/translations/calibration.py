@@ -1,0 +1,152 @@
+"""Japanese of calibration, identification and the virtual measurement."""
+
+OPERATORS = {
+    "Calibrate": "較正",
+    "Calibrate from File...": "ファイルから較正...",
+    "Apply to Material": "マテリアルに適用",
+    "Discard": "破棄",
+    "Keep as My Material": "自分のマテリアルとして保存",
+    "Identify": "同定",
+    "Measure": "測定",
+    "Measure to File...": "測定してファイルへ...",
+}
+
+FILES = {
+    "Fit a material to a force-depth file of an instrument: CSV or text, as it was written": (
+        "測定器の力と深さのファイル (CSV またはテキスト、書き出されたまま) に合う材質の定数を求めます"
+    ),
+    "File": "ファイル",
+    "What the instrument wrote: CSV or text": "測定器が書き出したもの。CSV またはテキスト",
+    "Filter": "フィルター",
+    "Files that are shown": "表示するファイル",
+    "Tip": "先端",
+    "What pressed the object": "物体を押したもの",
+    "Tip Radius (mm)": "先端の半径 (mm)",
+    "Radius of what pressed the object": "物体を押したものの半径",
+    "Point": "点",
+    "Something small that touches at a point, as in the paper": "論文と同じく、一点で触れる小さなもの",
+    "Flat Punch": "平らなパンチ",
+    "A flat, round face that goes in as one": "平らで丸い面がそのまま入ります",
+    "Ball": "球",
+    "A round tip, like a fingertip": "指先のような丸い先端",
+    "Object Size (mm)": "物体の大きさ (mm)",
+    "Edge of the object that was pressed, for k; 0 is not known": "k を求めるための、押した物体の辺。0 は不明です",
+    "Section (mm²)": "断面積 (mm²)",
+    "Section of the surface as a beam, for k by Eq. (10); 0 is not known": (
+        "式 (10) の k のための、表面を梁とみた断面積。0 は不明です"
+    ),
+    "Young's Modulus (MPa)": "ヤング率 (MPa)",
+    "Of the surface, for k by Eq. (10); 0 is not known": "式 (10) の k のための、表面のヤング率。0 は不明です",
+    "Depth Column": "深さの列",
+    "Header of the column of depth, or its number counted from 1": "深さの列の見出し、または 1 から数えた番号",
+    "Force Column": "力の列",
+    "Header of the column of force, or its number counted from 1": "力の列の見出し、または 1 から数えた番号",
+    "Depth Unit": "深さの単位",
+    "mm, m, um or in": "mm、m、um、in のいずれか",
+    "Force Unit": "力の単位",
+    "N, gf, kgf, mN, kN or lbf": "N、gf、kgf、mN、kN、lbf のいずれか",
+    "Decimal": "小数点",
+    "The decimal mark, . or ,": "小数点の記号。. または ,",
+    "Table": "表",
+    "Which of several tables, counted from 1": "複数の表のうちどれか。1 から数えます",
+    "Press": "押す向きの符号",
+    "Sign of a pressing force, positive or negative": "押す力の符号。positive または negative",
+    "Cycle": "回",
+    "Which of several presses, counted from 1": "複数回の押し込みのうちどれか。1 から数えます",
+    "Contact (mm)": "接触 (mm)",
+    "Reading of the depth at first touch": "最初に触れたときの深さの読み",
+    "Asked": "質問",
+    "What the file leaves open": "ファイルだけでは決まらないこと",
+    "Answer": "答え",
+    "Answer to what the file leaves open": "ファイルだけでは決まらないことへの答え",
+    "Drop a force-depth file (CSV, text) into the viewport.": (
+        "力と深さのファイル (CSV、テキスト) をビューポートにドロップしてください。"
+    ),
+}
+
+RESULT = {
+    "Calibration": "較正",
+    "The measurement behind these constants": "この定数のもとになった測定",
+    "The last result, before it goes to a material": "マテリアルに適用する前の、最後の結果",
+    "In Words": "説明",
+    "Slopes": "傾きの数",
+    "One": "一つ",
+    "Two": "二つ",
+    "Measured To": "測定範囲",
+    "k, Eqs. 9, 10": "k、式 9, 10",
+    "k, Force Balance": "k、力の釣り合い",
+    "Tension": "張力",
+    "Work Lost": "失われた仕事",
+    "Residual": "残差",
+    "A Hand Can Tell": "手で分かる差",
+    "A hand could not tell these two slopes from the measurement.": (
+        "手では、この二つの傾きと測定の違いは分かりません。"
+    ),
+    "A trained hand might just tell these two slopes from the measurement.": (
+        "訓練された手なら、この二つの傾きと測定の違いにかろうじて気づくかもしれません。"
+    ),
+    "A hand can tell these two slopes from the measurement.": "手で、この二つの傾きと測定の違いが分かります。",
+    "The constants of the material were changed since.": "その後、マテリアルの定数が変更されています。",
+    "Give the active material the calibrated constants with their source, and the body the size that was measured": (
+        "アクティブマテリアルに較正した定数とその出典を、物体に測定時の大きさを与えます"
+    ),
+    "Surface Spring": "表面のばね",
+    "Set k too, where the object's size told it": "物体の大きさから分かった場合は k も設定します",
+    "Set the damping ratio too, where the way back told it": "戻りから分かった場合は減衰比も設定します",
+    "Forget the result of the calibration; materials stay as they are": (
+        "較正の結果を捨てます。マテリアルはそのままです"
+    ),
+}
+
+VIRTUAL = {
+    "Virtual Press": "仮想の押し込み",
+    "What pressed the object when it was measured": "測定のとき物体を押したもの",
+    "Radius of what pressed the object when it was measured": "測定のとき物体を押したものの半径",
+    "Press At": "押す場所",
+    "Where the tip goes in": "先端が入る場所",
+    "Top Middle": "上面の中央",
+    "Straight down on the middle of the body": "物体の中央を真上から押します",
+    "3D Cursor": "3D カーソル",
+    "Straight into the surface, where the 3D cursor is nearest to it": "3D カーソルに最も近い表面をまっすぐ押します",
+    "Find the model constants that let a virtual press of the active object answer as its material was measured": (
+        "アクティブオブジェクトを仮想的に押したときの応答が測定どおりになる、モデルの定数を求めます"
+    ),
+    "How deep the constants must hold; 0 is as deep as was measured": (
+        "定数が成り立つべき深さ。0 は測定した深さまでです"
+    ),
+    "Identifying: Esc cancels": "同定しています。Esc で中止します",
+    "Identification": "同定",
+    "How the model constants were found": "モデルの定数をどのように求めたか",
+    "Shape Memory κ1 (N/cm³)": "形状記憶 κ1 (N/cm³)",
+    "Identified: force per area and depth, up to the knee": "同定された、折れ点までの面積と深さあたりの力",
+    "Shape Memory κ2 (N/cm³)": "形状記憶 κ2 (N/cm³)",
+    "Identified: force per area and depth, beyond the knee": "同定された、折れ点を越えた後の面積と深さあたりの力",
+    "Knee d0 (mm)": "折れ点 d0 (mm)",
+    "Identified: displacement at which the shape memory becomes harder": "同定された、形状記憶が硬くなり始める変位",
+    "Share of k": "k の割合",
+    "Identified: how much of its k the skin has": "同定された、表面が持つ k の割合",
+    "Stale": "失効",
+    "The model constants no longer held and were cleared": "モデルの定数は成り立たなくなり、消去されました",
+    "The material was changed since it was identified: identify again.": (
+        "同定の後でマテリアルが変更されました。もう一度同定してください。"
+    ),
+    "On": "対象",
+    "Pressed To": "押した深さ",
+    "Simulated Press": "仮想の押し込みの差",
+    "Law": "法則",
+    "Simulated": "シミュレーション",
+    "Press the active object with its measuring tip, virtually, and write force against depth as a CSV file": (
+        "アクティブオブジェクトを測定用の先端で仮想的に押し、深さに対する力を CSV ファイルに書き出します"
+    ),
+    "Where the CSV goes": "CSV の保存先",
+    "Check Existing": "既存の確認",
+    "Ask before a file is overwritten": "ファイルを上書きする前に確認します",
+    "How deep to press; 0 is as deep as the material was measured": (
+        "どこまで押し込むか。0 は材質を測定した深さまでです"
+    ),
+    "Rows": "行数",
+    "Rows of the file": "ファイルの行数",
+    "Measuring: Esc cancels": "測定しています。Esc で中止します",
+}
+
+WORDS = {**FILES, **RESULT, **VIRTUAL}

@@ -1,0 +1,211 @@
+"""From an instrument's file to a result in the scene: by the file browser, by a drop into the viewport, by a script.
+
+Where the file leaves something open a dialog asks the core's question with its own preview; nothing is guessed.
+"""
+
+import textwrap
+from functools import lru_cache
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from . import calibration
+from .names import TIPS, Op
+
+OPEN = "NONE"  # a question that has no answer yet
+ASKED_AT_ONCE = 4
+WIDTH, LETTERS = 640, 96  # [px] of the dialog, and what fits on a line of it
+HIDDEN = {"HIDDEN", "SKIP_SAVE"}
+
+
+@lru_cache(maxsize=32)
+def _items(asked: str, number: int) -> list[tuple[str, str, str]]:
+    """Return the answers to a question as Blender wants them; the cache keeps the strings alive for it."""
+    found = calibration.load(asked).get("questions", [])
+    candidates = found[number]["candidates"] if number < len(found) else []
+    return [(OPEN, "Choose", ""), *((str(i), c["value"], c["label"]) for i, c in enumerate(candidates))]
+
+
+def _answer(number: int) -> EnumProperty:
+    return EnumProperty(
+        name="Answer", description="Answer to what the file leaves open", options=HIDDEN,
+        items=lambda operator, _context: _items(operator.asked, number),
+    )  # fmt: skip
+
+
+def _said(name: str, description: str) -> StringProperty:
+    return StringProperty(name=name, description=description, options=HIDDEN)
+
+
+class DIMPLE_OT_calibrate(bpy.types.Operator):
+    """Fit a material to a force-depth file of an instrument: CSV or text, as it was written"""
+
+    bl_idname = Op.CALIBRATE
+    bl_label = "Calibrate"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filepath: StringProperty(
+        name="File", description="What the instrument wrote: CSV or text", subtype="FILE_PATH", options={"SKIP_SAVE"}
+    )
+    filter_glob: StringProperty(
+        name="Filter", description="Files that are shown", options={"HIDDEN"},
+        default=";".join(f"*{ending}" for ending in calibration.EXTENSIONS.split(";")),
+    )  # fmt: skip
+    tip: EnumProperty(name="Tip", description="What pressed the object", items=TIPS)
+    tip_radius_mm: FloatProperty(
+        name="Tip Radius (mm)", description="Radius of what pressed the object", default=2.0, min=0.01, soft_max=50.0
+    )
+    length_mm: FloatProperty(
+        name="Object Size (mm)", description="Edge of the object that was pressed, for k; 0 is not known",
+        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
+    )  # fmt: skip
+    section_mm2: FloatProperty(
+        name="Section (mm²)", description="Section of the surface as a beam, for k by Eq. (10); 0 is not known",
+        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
+    )  # fmt: skip
+    youngs_modulus_mpa: FloatProperty(
+        name="Young's Modulus (MPa)", description="Of the surface, for k by Eq. (10); 0 is not known",
+        default=0.0, min=0.0, soft_max=1000.0, options={"SKIP_SAVE"},
+    )  # fmt: skip
+
+    # answers to what a file may leave open, named as in core.calibration.question.Answers
+    depth_column: _said("Depth Column", "Header of the column of depth, or its number counted from 1")
+    force_column: _said("Force Column", "Header of the column of force, or its number counted from 1")
+    depth_unit: _said("Depth Unit", "mm, m, um or in")
+    force_unit: _said("Force Unit", "N, gf, kgf, mN, kN or lbf")
+    decimal: _said("Decimal", "The decimal mark, . or ,")
+    table: IntProperty(name="Table", description="Which of several tables, counted from 1", options=HIDDEN, min=0)
+    press: _said("Press", "Sign of a pressing force, positive or negative")
+    cycle: IntProperty(name="Cycle", description="Which of several presses, counted from 1", options=HIDDEN, min=0)
+    contact_mm: FloatProperty(
+        name="Contact (mm)", description="Reading of the depth at first touch", options=HIDDEN, precision=4
+    )
+    asked: StringProperty(name="Asked", description="What the file leaves open", options=HIDDEN)
+    answer_0: _answer(0)
+    answer_1: _answer(1)
+    answer_2: _answer(2)
+    answer_3: _answer(3)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode: the result is one undo step there."""
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Go back to Object Mode to calibrate")
+            return False
+        return True
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Ask for the file, or for what it leaves open; a dropped file that leaves nothing open is read at once."""
+        body, given = context.object, self.properties.is_property_set
+        if body and not given("length_mm") and body.dimple.size_mode == "CUSTOM":
+            self.length_mm = body.dimple.size_mm
+        if self.asked:
+            return context.window_manager.invoke_props_dialog(self, width=WIDTH, title="Which is right?")
+        if given("filepath"):
+            return self.execute(context)
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Read and fit; nothing is lost where that fails."""
+        from ..core.base import DimpleError
+        from ..core.calibration.calibrate import calibrate
+        from ..core.calibration.question import Undecided
+
+        try:
+            if not self._take_answers():
+                return self._ask(context, self.asked, "")
+            found = calibrate(
+                self.filepath, self._answers(), tip_radius=self.tip_radius_mm / 1e3, length=_si(self.length_mm, 1e-3),
+                section=_si(self.section_mm2, 1e-6), youngs_modulus=_si(self.youngs_modulus_mpa, 1e6),
+            )  # fmt: skip
+        except Undecided as undecided:
+            return self._ask(context, calibration.questions(undecided), _in_words(undecided))
+        except DimpleError as error:
+            self.report({"ERROR"}, calibration.plain(str(error)))
+            return {"CANCELLED"}
+        context.scene.dimple.calibration = calibration.record(found, self.tip.lower())
+        self.report({"INFO"}, calibration.load(context.scene.dimple.calibration)["provenance"])
+        return {"FINISHED"}
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Draw what is asked, else what pressed the object and how large that is."""
+        layout = self.layout
+        if self.asked:
+            return self._draw_questions(layout)
+        layout.use_property_split = True
+        for name in ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa"):
+            layout.prop(self, name)
+        return None
+
+    def _draw_questions(self, layout: bpy.types.UILayout) -> None:
+        for number, question in enumerate(calibration.load(self.asked)["questions"][:ASKED_AT_ONCE]):
+            column = layout.column(align=True)
+            for line in textwrap.wrap(calibration.plain(question["text"]), LETTERS):
+                column.label(text=line, translate=False)
+            for i, candidate in enumerate(question["candidates"]):
+                said = f"{candidate['value']}   {candidate['label']}"
+                column.prop_enum(self, f"answer_{number}", str(i), text=said, translate=False)
+
+    def _take_answers(self) -> bool:
+        """Turn what was chosen in the dialog into answers; False where something is still open."""
+        for number, question in enumerate(calibration.load(self.asked).get("questions", [])[:ASKED_AT_ONCE]):
+            chosen = getattr(self, f"answer_{number}")
+            if chosen == OPEN:
+                return False
+            value, name = question["candidates"][int(chosen)]["value"], question["name"]
+            setattr(self, name, type(getattr(self, name))(value))
+        self.asked = ""
+        return True
+
+    def _answers(self):
+        """Return the answers that are given."""
+        from ..core.calibration.question import Answers
+
+        told = {name: getattr(self, name) or None for name in _ANSWERS}
+        told["contact_mm"] = self.contact_mm if self.properties.is_property_set("contact_mm") else None
+        return Answers(**told)
+
+    def _ask(self, context: bpy.types.Context, asked: str, in_words: str) -> set[str]:
+        """Open the dialog with what is open; a script is told instead."""
+        if bpy.app.background:
+            self.report({"ERROR"}, in_words or "A question of the dialog has no answer.")
+            return {"CANCELLED"}
+        told = {name: getattr(self, name) for name in _KEPT if self.properties.is_property_set(name)}
+        told |= {name: getattr(self, name) for name in _ANSWERS if getattr(self, name)}
+        bpy.ops.dimple.calibrate("INVOKE_DEFAULT", **(told | {"filepath": self.filepath, "asked": asked}))
+        return {"CANCELLED"}  # that one goes on
+
+
+_ANSWERS = ("depth_column", "force_column", "depth_unit", "force_unit", "decimal", "table", "press", "cycle")
+_KEPT = ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa", "contact_mm")
+
+
+def _si(value: float, factor: float) -> float | None:
+    return factor * value if value else None
+
+
+def _in_words(undecided) -> str:
+    """Return open questions for a script: the property to set, and to what."""
+    lines = []
+    for question in undecided.questions:
+        choices = "; ".join(f"{c.value!r} ({c.label})" for c in question.candidates)
+        lines.append(f"{calibration.plain(question.text)} Give {question.name}: {choices}.")
+    return " ".join(lines)
+
+
+class DIMPLE_FH_force_depth(bpy.types.FileHandler):
+    """Calibrate with what is dropped into the viewport."""
+
+    bl_idname = "DIMPLE_FH_force_depth"
+    bl_label = "Force-Depth Measurement"
+    bl_import_operator = Op.CALIBRATE
+    bl_file_extensions = calibration.EXTENSIONS
+
+    @classmethod
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
+        """Take files over a 3D viewport."""
+        return context.area is not None and context.area.type == "VIEW_3D"
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_calibrate, DIMPLE_FH_force_depth])

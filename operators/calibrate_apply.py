@@ -1,0 +1,75 @@
+"""From a result in the scene to the constants of a material."""
+
+import bpy
+from bpy.props import BoolProperty
+
+from . import calibration
+from .names import Op
+from .preset import material_of
+
+
+class DIMPLE_OT_apply_calibration(bpy.types.Operator):
+    """Give the active material the calibrated constants with their source, and the body the size that was measured"""
+
+    bl_idname = Op.APPLY_CALIBRATION
+    bl_label = "Apply to Material"
+    bl_options = {"REGISTER", "UNDO"}
+
+    use_k: BoolProperty(name="Surface Spring", description="Set k too, where the object's size told it", default=True)
+    use_damping: BoolProperty(
+        name="Damping Ratio", description="Set the damping ratio too, where the way back told it", default=True
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need a mesh and a result that can be a material."""
+        told = calibration.load(context.scene.dimple.calibration)
+        if not told:
+            cls.poll_message_set("Calibrate with a file first")
+            return False
+        if told["unusable"]:
+            cls.poll_message_set("There is no material with these constants")
+            return False
+        if context.object is None or context.object.type != "MESH":
+            cls.poll_message_set("Select a mesh first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set constants, tip, size and source."""
+        scene, body = context.scene.dimple, context.object
+        told = calibration.load(scene.calibration)
+        settings = material_of(body, told["source"]).dimple
+        settings.K1, settings.K2, settings.x0 = told["K1"], told["K2"], told["x0"]
+        if self.use_k and told["k_to_use"]:
+            settings.k = told["k_to_use"]
+        if self.use_damping and told["damping_ratio_hint"] is not None:
+            settings.damping_ratio = told["damping_ratio_hint"]
+        settings.tip, settings.tip_radius_mm = told["tip"].upper(), told["tip_radius"]
+        settings.calibration, scene.calibration = scene.calibration, ""
+        settings.provenance = told["provenance"]  # last: a constant that is set marks it as edited
+        body.dimple.enabled = True
+        if told["length"]:
+            body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", told["length"]
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_discard_calibration(bpy.types.Operator):
+    """Forget the result of the calibration; materials stay as they are"""
+
+    bl_idname = Op.DISCARD_CALIBRATION
+    bl_label = "Discard"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need a result."""
+        return bool(context.scene.dimple.calibration)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Forget it."""
+        context.scene.dimple.calibration = ""
+        return {"FINISHED"}
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_apply_calibration, DIMPLE_OT_discard_calibration])

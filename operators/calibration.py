@@ -1,0 +1,99 @@
+"""A calibration as Blender keeps it: text in a scene or a material, so that undo, files and presets carry it along."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from datetime import date
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..core.calibration.calibrate import Calibration
+    from ..core.calibration.question import Undecided
+
+EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
+POINTS = 160  # of the measured curve that are kept, for the chart
+SIMULATED = 40  # and of the simulated one
+BEYOND = 1.35  # knees: how deep is pressed where no measurement says how deep it went
+
+
+@lru_cache(maxsize=32)
+def load(text: str) -> dict[str, Any]:
+    """Return what a kept text says, empty where there is none or it is damaged; not to be changed."""
+    try:
+        told = json.loads(text) if text else {}
+    except ValueError:
+        return {}
+    return told if isinstance(told, dict) else {}
+
+
+def record(calibration: Calibration, tip: str) -> str:
+    """Return the text that keeps a calibration: the core's report, and what a chart and a material need of it.
+
+    Args:
+        tip: "point", "punch" or "sphere".
+    """
+    from ..core.calibration.identify import NOTICEABLE_FORCE
+    from ..core.calibration.report import to_json
+
+    told = to_json(calibration)
+    press, fit = calibration.press, calibration.fit
+    shift, tare = fit.contact.value, fit.tare
+    told["tip"], told["date"], told["noticeable"] = tip, date.today().isoformat(), NOTICEABLE_FORCE
+    told["provenance"] = f"{told['provenance']}, calibrated {told['date']}"
+    told["points"] = thinned(1e3 * (press.depth - shift), press.force - tare, POINTS)
+    told["way_back"] = thinned(1e3 * (press.back_depth - shift), press.back_force - tare, POINTS // 2)
+    told["k_to_use"] = _surface_k(calibration)
+    told["unusable"] = _unusable(told)
+    return json.dumps(told, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
+    """Return at most so many rows [mm, N] of a curve, evenly picked."""
+    step = max(math.ceil(len(depth_mm) / most), 1)
+    pairs = zip(depth_mm[::step].tolist(), force[::step].tolist(), strict=True)
+    return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]
+
+
+def _surface_k(calibration: Calibration) -> float | None:
+    """Return the k [N/mm] that a material gets: by Eqs. (9), (10) where they could be used, else by the balance."""
+    surface = calibration.surface
+    if surface is None:
+        return None
+    if surface.paper_k is not None:
+        return surface.paper_k / 1e3
+    balance = surface.balance_k
+    return balance.value / 1e3 if balance is not None and balance.value > 0 else None
+
+
+def _unusable(told: dict[str, Any]) -> str:
+    """Say why there is no material with these constants, "" where there is."""
+    from ..core.base import DimpleError
+    from ..core.material import Material
+
+    k = told["k_to_use"] or 1.0
+    try:
+        Material(K1=1e3 * told["K1"], K2=1e3 * told["K2"], x0=told["x0"] / 1e3, k=1e3 * k, density=1.0)
+    except DimpleError as error:
+        return str(error)
+    return ""
+
+
+def questions(undecided: Undecided) -> str:
+    """Return the text of open questions, for the dialog that asks them."""
+    from ..core.calibration.report import questions_json
+
+    return json.dumps(questions_json(undecided), ensure_ascii=False)
+
+
+def plain(message: str) -> str:
+    """Return a message of the core in the words of this interface: options are called by their labels."""
+    return re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda found: f"“{found[1].replace('-', ' ').title()}”", message)
+
+
+def deepest_mm(settings: Any) -> float:
+    """Return how deep [mm] a material was measured; where nobody says, as deep as its law has two slopes."""
+    measured = load(settings.calibration).get("deepest")
+    return float(measured) if measured else BEYOND * settings.x0

@@ -1,0 +1,111 @@
+"""Find model constants with which the selected body, pressed by the measuring tip, answers as was measured."""
+
+import json
+from datetime import date
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty
+
+from . import calibration, sessions
+from .names import PLACES, Op
+from .working import Working
+
+
+class DIMPLE_OT_identify(Working, bpy.types.Operator):
+    """Find the model constants that let a virtual press of the active object answer as its material was measured"""
+
+    bl_idname = Op.IDENTIFY
+    bl_label = "Identify"
+    bl_options = {"UNDO"}
+    verb, stopped = "Identifying", "The identification was stopped; the material is as it was"
+
+    place: EnumProperty(name="Press At", description="Where the tip goes in", items=PLACES)
+    depth_mm: FloatProperty(
+        name="Depth (mm)", description="How deep the constants must hold; 0 is as deep as was measured",
+        default=0.0, min=0.0, soft_max=200.0,
+    )  # fmt: skip
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode, a mesh with a material, and nothing else at work."""
+        return can_press(cls, context)
+
+    def _open(self, context: bpy.types.Context) -> sessions.Run:
+        return sessions.open_run(context, "identify", "Identifying: Esc cancels", interval=0.01)
+
+    def _begin(self, context: bpy.types.Context):
+        """Return the steps; a body is at rest before it is pressed."""
+        from . import indentation
+
+        sessions.stop_all()
+        self._bench = indentation.set_up(context, context.object, place_of(self, context), self.depth_mm)
+        return self._steps_of(self._bench)
+
+    def _steps_of(self, bench):
+        from ..core.calibration import cache
+        from ..core.calibration.identify import identification
+
+        folder, given = _folder(), (bench.mesh, bench.material, bench.indenter, bench.site, bench.deepest)
+        name = cache.key(*given)
+        self._found = cache.recall(folder, name)
+        if self._found is None:
+            steps = identification(*given)
+            while True:
+                try:
+                    yield min(next(steps).share, 0.999)
+                except StopIteration as end:
+                    self._found = end.value
+                    break
+            cache.remember(folder, name, self._found)
+
+    def _finished(self, _context: bpy.types.Context) -> set[str]:
+        """Write the constants, and how they were found."""
+        from ..core.calibration.identify import NOTICEABLE_FORCE
+        from . import indentation
+
+        found, bench = self._found, self._bench
+        settings, constants = indentation.find_material(bench.uid).dimple, found.material.constants
+        settings.kappa1, settings.kappa2 = constants.kappa1 / 1e6, constants.kappa2 / 1e6
+        settings.d0, settings.membrane_scale = constants.d0 * 1e3, constants.membrane_scale
+        told = indentation.described(bench) | {
+            "date": date.today().isoformat(), "holds_for": settings.held_by(), "rms": found.rms, "worst": found.worst,
+            "deepest": 1e3 * float(found.depths[-1]), "volume_change": found.volume_change,
+            "noticeable": NOTICEABLE_FORCE, "notes": [*found.notes, *bench.notes],
+            "points": calibration.thinned(1e3 * found.depths, found.simulated, calibration.SIMULATED),
+        }  # fmt: skip
+        settings.identification, settings.stale = json.dumps(told, ensure_ascii=False), False
+        for note in told["notes"]:
+            self.report({"INFO"}, note)
+        return {"FINISHED"}
+
+
+def place_of(operator: bpy.types.Operator, context: bpy.types.Context) -> str:
+    """Return where an operator presses: where it was told, else where the scene says."""
+    return operator.place if operator.properties.is_property_set("place") else context.scene.dimple.tip_place
+
+
+def can_press(operator: type, context: bpy.types.Context) -> bool:
+    """Tell whether the active object can be pressed by a measuring tip, and say why not."""
+    body = context.object
+    if context.mode != "OBJECT":
+        operator.poll_message_set("Go back to Object Mode first")
+    elif body is None or body.type != "MESH":
+        operator.poll_message_set("Select the mesh to press")
+    elif body.active_material is None:
+        operator.poll_message_set("Give the object a material first: calibrate, or choose a preset")
+    elif sessions.at_work():
+        operator.poll_message_set("A bake or a virtual press is running; Esc cancels it")
+    else:
+        return True
+    return False
+
+
+def _folder() -> str:
+    """Return where identifications are remembered."""
+    package = (__package__ or "").rpartition(".")[0]
+    if package.startswith("bl_ext."):
+        return bpy.utils.extension_path_user(package, path="identified", create=True)
+    return bpy.app.tempdir
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_identify])

@@ -1,0 +1,103 @@
+"""What a virtual indentation presses: the body in its real size, the tip that measured it, and the place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from ..core.base import DimpleError
+from ..core.calibration.indent import Indenter, Site, find_site
+from . import bridge, calibration
+
+if TYPE_CHECKING:
+    from ..core.material import Material
+    from ..core.mesh import Mesh
+    from .bridge import Floats, Link
+
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bench:
+    """Hold a body on the bench: its material's uid and constants, the tip over its place, how deep it goes [m]."""
+
+    link: Link
+    mesh: Mesh
+    uid: int
+    material: Material
+    indenter: Indenter
+    site: Site
+    deepest: float
+    notes: tuple[str, ...]
+
+
+def set_up(context: bpy.types.Context, body: bpy.types.Object, place: str, depth_mm: float) -> Bench:
+    """Put a body on the bench; change nothing.
+
+    Args:
+        place: "TOP", straight down on the middle, or "CURSOR", where the 3D cursor is nearest to the surface.
+        depth_mm: 0 is as deep as the material was measured.
+
+    Raises:
+        DimpleError: it cannot be pressed there, with the reason and what to do.
+    """
+    material = body.active_material
+    if material is None:
+        raise DimpleError(f'"{body.name}" has no material. Give it one: calibrate, or choose one of the presets.')
+    if body.dimple.to_params()["law_set"] != "consistent":
+        raise DimpleError("The paper's literal laws have no model constants. Choose Consistent in Physics > Dimple.")
+    link, model = bridge.read_body(context, body)
+    settings, mesh = material.dimple, model.mesh
+    tip = Indenter(shape=settings.tip.lower(), radius=settings.tip_radius_mm / 1e3)
+    above, inward = (None, DOWN) if place == "TOP" else _at_cursor(context, link, mesh)
+    try:
+        site = find_site(mesh, tip, held=model.held[mesh.source], above=above, inward=inward)
+        constants, said = bridge.constants_on(mesh, material)
+    except DimpleError as error:
+        raise DimpleError(f'"{body.name}": {error}') from error
+    return Bench(
+        link=link, mesh=mesh, uid=material.session_uid, material=constants, indenter=tip, site=site,
+        deepest=(depth_mm or calibration.deepest_mm(settings)) / 1e3, notes=(*_notes(body), *filter(None, [said])),
+    )  # fmt: skip
+
+
+def find_material(uid: int) -> bpy.types.Material:
+    """Return the material with a session_uid.
+
+    Raises:
+        DimpleError: it is gone.
+    """
+    found = next((each for each in bpy.data.materials if each.session_uid == uid), None)
+    if found is None:
+        raise DimpleError("The material is gone, so nothing was written.")
+    return found
+
+
+def _at_cursor(context: bpy.types.Context, link: Link, mesh: Mesh) -> tuple[Floats, Floats]:
+    """Return the point (3,) [m] of the surface nearest to the 3D cursor, and the way in."""
+    from mathutils.bvhtree import BVHTree
+
+    cursor = link.scale * np.array(context.scene.cursor.location)
+    tree = BVHTree.FromPolygons(mesh.rest_positions.tolist(), mesh.triangles.tolist())
+    point, normal, _, _ = tree.find_nearest(cursor.tolist())
+    return np.array(point), -np.array(normal)
+
+
+def _notes(body: bpy.types.Object) -> tuple[str, ...]:
+    notes = []
+    if len({slot.material for slot in body.material_slots}) > 1:
+        notes.append("The object has several materials: it was pressed as if all of it were the active one.")
+    if body.dimple.softness_group:
+        notes.append("The object has painted softness: it was pressed as if nothing were painted.")
+    return tuple(notes)
+
+
+def described(bench: Bench) -> dict[str, Any]:
+    """Return what was on the bench, for the record; depths in mm."""
+    return {
+        "object": bench.link.name, "tip": bench.indenter.shape, "tip_radius": 1e3 * bench.indenter.radius,
+        "size": 1e3 * bench.mesh.size, "mesh": bridge.fingerprint(bench.mesh),
+    }  # fmt: skip

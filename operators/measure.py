@@ -1,0 +1,120 @@
+"""The experiment itself: press the selected body with the measuring tip and write what an instrument would."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from . import sessions
+from .identify import can_press, place_of
+from .names import PLACES, Op
+from .working import Working
+
+
+class DIMPLE_OT_measure(Working, bpy.types.Operator):
+    """Press the active object with its measuring tip, virtually, and write force against depth as a CSV file"""
+
+    bl_idname = Op.MEASURE
+    bl_label = "Measure"
+    verb, stopped = "Measuring", "The measurement was stopped; nothing was written"
+
+    filepath: StringProperty(name="File", description="Where the CSV goes", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filter_glob: StringProperty(name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.csv")
+    check_existing: BoolProperty(
+        name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
+    )
+    place: EnumProperty(name="Press At", description="Where the tip goes in", items=PLACES)
+    depth_mm: FloatProperty(
+        name="Depth (mm)", description="How deep to press; 0 is as deep as the material was measured",
+        default=0.0, min=0.0, soft_max=200.0,
+    )  # fmt: skip
+    rows: IntProperty(name="Rows", description="Rows of the file", default=60, min=12, soft_max=300)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode, a mesh with a material, and nothing else at work."""
+        return can_press(cls, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the file, then measure between Blender's events."""
+        if self.properties.is_property_set("filepath"):
+            return Working.invoke(self, context, event)
+        self.filepath = f"{bpy.path.clean_name(context.object.name)}.csv"
+        self._browsing = True
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Measure at once; behind the file browser start anew, for this one cannot go on between events."""
+        if getattr(self, "_browsing", False):
+            given = self.properties.is_property_set
+            told = {name: getattr(self, name) for name in ("place", "depth_mm", "rows") if given(name)}
+            bpy.ops.dimple.measure("INVOKE_DEFAULT", filepath=self.filepath, **told)
+            return {"CANCELLED"}
+        return Working.execute(self, context)
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Draw how deep, in how many rows and where."""
+        layout = self.layout
+        layout.use_property_split = True
+        for name in ("place", "depth_mm", "rows"):
+            layout.prop(self, name)
+
+    def _open(self, context: bpy.types.Context) -> sessions.Run:
+        return sessions.open_run(context, "measure", "Measuring: Esc cancels", interval=0.01)
+
+    def _begin(self, context: bpy.types.Context):
+        """Return the steps; a body is at rest before it is pressed."""
+        from . import indentation
+
+        sessions.stop_all()
+        self._bench = indentation.set_up(context, context.object, place_of(self, context), self.depth_mm)
+        return self._steps_of(self._bench)
+
+    def _steps_of(self, bench):
+        import numpy as np
+
+        from ..core.base import DimpleError
+        from ..core.calibration.indent import CLEAR, press
+
+        # deeper, the tip meets the far side
+        depths = min(bench.deepest, CLEAR * bench.site.thickness) * np.arange(1, self.rows) / (self.rows - 1)
+        found = [(0.0, 0.0)]
+        for station in press(bench.mesh, bench.material, bench.indenter, bench.site, depths.tolist()):
+            if not station.found:
+                break
+            found.append((station.depth, station.force))
+            yield min(len(found) / self.rows, 0.999)
+        if len(found) < 12:
+            raise DimpleError(f"The body finds no rest deeper than {1e3 * found[-1][0]:.3g} mm: nothing was written.")
+        self._curve = np.array(found).T
+
+    def _finished(self, _context: bpy.types.Context) -> set[str]:
+        """Write the file."""
+        from ..core.calibration.export import write_press
+
+        depth, force = self._curve
+        path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".csv")
+        write_press(path, depth, force, about=_about(self._bench))
+        deepest, wanted = float(depth[-1]), self._bench.deepest
+        if deepest < 0.999 * wanted:
+            why = "the body is no thicker, or finds no rest"
+            self.report({"WARNING"}, f"Pressed {1e3 * deepest:.3g} mm of {1e3 * wanted:.3g} mm deep: {why} deeper")
+        for note in self._bench.notes:
+            self.report({"WARNING"}, note)
+        self.report({"INFO"}, f"Measured {1e3 * deepest:.3g} mm deep with up to {force.max():.3g} N: {path}")
+        return {"FINISHED"}
+
+
+def _about(bench) -> list[str]:
+    """Return the lines above the table: what was pressed, with what, and that it was a simulation."""
+    tip = f"{bench.indenter.shape}, radius {1e3 * bench.indenter.radius:.4g} mm"
+    identified = "identified on its mesh" if bench.material.constants else "estimated"
+    m = bench.material
+    return [
+        f"Simulated by Dimple, not measured: {bench.link.name}, {1e3 * bench.mesh.size:.4g} mm",
+        f"Tip: {tip}",
+        f"Material: K1 {m.K1 / 1e3:.4g} N/mm, K2 {m.K2 / 1e3:.4g} N/mm, x0 {m.x0 * 1e3:.4g} mm; "
+        f"model constants {identified}",
+    ]
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_measure])
