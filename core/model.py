@@ -140,32 +140,62 @@ def build_model(
         stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * factor[mesh.springs].mean(axis=1)
         ratio = 1.0
     pairs, over = springs.bend_pairs(mesh) if bend > 0 else (mesh.springs[:0], np.zeros(0, np.int64))
-    stiffness, ends = np.concatenate([stiffness, bend * stiffness[over]]), np.concatenate([mesh.springs, pairs])
+    return assemble(
+        mesh, materials, law_set=law_set, mass=mass, held=held_here, friction=friction_at, damping=ratio * damping_at,
+        stiffness=np.concatenate([stiffness, bend * stiffness[over]]), bend_pairs=pairs, k1=k1, k2=k2, d0=d0_at,
+        fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground,
+    )  # fmt: skip
+
+
+def assemble(
+    mesh: Mesh,
+    materials: Sequence[Material],
+    *,
+    law_set: str,
+    mass: Floats,
+    held: Bools,
+    friction: Floats,
+    damping: Floats,
+    stiffness: Floats,
+    bend_pairs: Ints,
+    k1: Floats,
+    k2: Floats,
+    d0: Floats,
+    fill: str,
+    gravity: Sequence[float] | Floats,
+    ground: float | None,
+) -> Model:
+    """Put a model together from what its materials come to on its mesh.
+
+    Args:
+        mass [kg], friction, damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
+        stiffness: (m,) of the mesh's springs, then of those across bend_pairs [N/m].
+    """
+    n, ends = len(mass), np.concatenate([mesh.springs, bend_pairs])
     mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + np.maximum(k1, k2), ~mesh.loose)
     i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
-    dashpots = 2 * ratio * damping_at[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
-    inverse_mass = np.where(held_here, 0.0, 1 / mass)
+    dashpots = 2 * damping[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
+    inverse_mass = np.where(held, 0.0, 1 / mass)
     x = np.ascontiguousarray(mesh.rest_positions.T)
 
-    membrane = springs.build_springs(mesh, stiffness, dashpots, pairs)
+    membrane = springs.build_springs(mesh, stiffness, dashpots, bend_pairs)
     shape = Memory(
-        rest=x, k1=k1, k2=k2, d0=d0_at, damping=2 * ratio * damping_at * np.sqrt(k1 * mass),
+        rest=x, k1=k1, k2=k2, d0=d0, damping=2 * damping * np.sqrt(k1 * mass),
         mass=np.where(mesh.loose, LOOSE_MASS * mass, mass),
     )  # fmt: skip
-    fill = _fill(mesh, materials, law_set)
     inside = pressure.build_pressure(mesh, fill)
     row_k, row_c = springs.row_bounds(membrane, n)
     # Eq. (4) stiffens with stretch: k (2 |l| / |l0| - 1); allow for twice the rest length
     stretch = 3.0 if law_set == "paper" else 1.0
     return Model(
-        mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, held=held_here,
-        friction=friction_at, springs=membrane, pressure=inside, memory=shape,
+        mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, held=held,
+        friction=friction, springs=membrane, pressure=inside, memory=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=float(((stretch * row_k + np.maximum(k1, k2)) * inverse_mass).max())
         + pressure.omega_squared(inside, x, inverse_mass),
         decay=float(((row_c + shape.damping) * inverse_mass).max()),
-        notes=mesh.notes + ((_ALL_HELD,) if held_here.all() else ()),
+        notes=mesh.notes + ((_ALL_HELD,) if held.all() else ()),
     )  # fmt: skip
 
 

@@ -23,6 +23,7 @@ from .integrators.path import FingerPath
 from .laws import pressure
 from .laws.memory import Pose, fit_pose
 from .model import Model, initial_state, law_force
+from .proxy import Proxy, carry, contact_radius
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock and at whether the body is still whole
@@ -64,41 +65,45 @@ class Frame:
 
 
 class Session:
-    """Run one model.
+    """Run one model, or a stand-in for it that carries its skin along.
 
     backend: "native" (single precision), "native64" or "numpy".  backend_note: "" or why it is numpy, for the artist.
     """
 
-    def __init__(self, model: Model, *, tick: float = TICK, backend: str = "auto") -> None:
+    def __init__(self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None) -> None:
         if not tick > 0:
             raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
-        self.model = model
+        self.model, self.proxy = model, proxy
+        self._body = proxy.model if proxy else model  # what moves
         self.tick = tick
-        self.substeps = model.substeps(tick)
+        self.substeps = self._body.substeps(tick)
         self.backend, self.backend_note, self._stepper = _backend(backend)
-        self._whole = not model.mesh.loose.any()
+        self._whole = not self._body.mesh.loose.any()
         self._surface = rest_surface(model.mesh)
-        self._state = initial_state(model)
+        self._state = initial_state(self._body)
         first = np.zeros(len(model.mesh.rest_positions), np.int64)
         first[model.mesh.source[::-1]] = np.arange(len(model.mesh.source))[::-1]
         self._input_of = first
+        # the vertices of the mesh that are told where to be
+        self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[self._body.held]
+        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
         self.reset()
 
     def reset(self) -> None:
         """Put the body back to rest and let go of it."""
-        self._state = initial_state(self.model)
+        self._state = initial_state(self._body)
         self._time, self._ticks, self._cost = 0.0, 0, 0.0
         self._fingers: list[Finger | None] = []
         self._targets: list[Finger | None] = []
         self._sides: list[Floats | None] = []
         self._begin, self._end = 0.0, 0.0  # of the step under way, and where fingertips and pins were at its begin:
         self._origins: list[Floats | None] = []
-        self._held_origin: Floats = self.model.memory.rest
+        self._held_origin: Floats = self.model.memory.rest  # of the mesh, not of a stand-in
         self._held_target: Floats | None = None
         self.frame = self._show(np.zeros((0, 3)), 0, 0.0, "")
 
     def place(self, positions: Floats) -> None:
-        """Put the model's vertices (3, n) [m] somewhere else, at rest: the start of a study."""
+        """Put the vertices (3, n) [m] of what moves somewhere else, at rest: the start of a study."""
         self._state.positions[:] = positions
 
     def set_fingers(self, fingers: Sequence[Finger | None]) -> None:
@@ -134,7 +139,7 @@ class Session:
         positions = np.asarray(positions, np.float64)
         if positions.shape != (len(self.model.mesh.source), 3):
             raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
-        if not np.isfinite(positions[self._input_of][self.model.held]).all():
+        if not np.isfinite(positions[self._input_of][self._followed]).all():
             raise DimpleError("A held vertex has a position that is not a number.")
         self._held_target = positions[self._input_of].T
 
@@ -180,7 +185,7 @@ class Session:
 
     def _ticks_at_once(self, due: int) -> int:
         """Return how many ticks one call of the stepper may run: one where something must be looked at each tick."""
-        return 1 if self.model.needs_contact or self._held_target is not None else min(due, TICKS_AT_ONCE)
+        return 1 if self._body.needs_contact or self._held_target is not None else min(due, TICKS_AT_ONCE)
 
     def _share(self, time: float) -> float:
         """Return how much of the step under way is over at a time [s]: 0 at its begin, 1 at its end."""
@@ -202,16 +207,22 @@ class Session:
         which = [i for i, (f, t) in enumerate(zip(self._fingers, self._targets, strict=True)) if f and t]
         path = FingerPath(
             centres=np.array([self._way(i, ticks) for i in which]).reshape(len(which), ticks + 1, 3),
-            radii=np.array([self._targets[i].radius for i in which]),  # type: ignore[union-attr]
+            radii=np.array([self._radius(i) for i in which]),
         )
         self._move_held(self._share((self._ticks + 1) * self.tick))
-        if self.model.needs_contact:
+        if self._body.needs_contact:
             self._state.inner_force = float(sum(self._depths()[1]))
         total = np.zeros((len(self._targets), 3))
-        total[which] = self._stepper(self.model, self._state, path, tick=self.tick, substeps=self.substeps)
+        total[which] = self._stepper(self._body, self._state, path, tick=self.tick, substeps=self.substeps)
         for row, i in enumerate(which):
-            self._fingers[i] = Finger(tuple(path.centres[row, -1]), path.radii[row])
+            self._fingers[i] = Finger(tuple(path.centres[row, -1]), self._targets[i].radius)  # type: ignore[union-attr]
         return total
+
+    def _radius(self, i: int) -> float:
+        """Return the radius [m] with which a fingertip meets what moves."""
+        target = self._targets[i]
+        assert target
+        return contact_radius(self.proxy, target.radius) if self.proxy else target.radius
 
     def _way(self, i: int, ticks: int) -> Floats:
         """Return the centres (ticks + 1, 3) of a fingertip, no faster than it may move without skipping a skin."""
@@ -224,15 +235,15 @@ class Session:
         return np.array(centres)
 
     def _move_held(self, share: float) -> None:
-        held, state = self.model.held, self._state
+        held, state = self._body.held, self._state
         if self._held_target is None:
             return
-        origin = self._held_origin[:, held]
-        way = origin + share * (self._held_target[:, held] - origin) - state.positions[:, held]
+        origin = self._held_origin[:, self._pinned]
+        way = origin + share * (self._held_target[:, self._pinned] - origin) - state.positions[:, held]
         state.velocities[:, held] = way / self.tick
         if state.pose is not None:
-            pins = held & ~self.model.mesh.loose
-            rest = self.model.memory.rest[:, pins]
+            pins = held & ~self._body.mesh.loose
+            rest = self._body.memory.rest[:, pins]
             state.pose = fit_pose(rest, (state.positions[:, held] + way)[:, pins[held]], np.ones(rest.shape[1]))
 
     def touches(self) -> list[Touching | None]:
@@ -245,9 +256,9 @@ class Session:
 
     def _pose(self) -> Pose:
         """Return where the shape at rest is now."""
-        model = self.model
-        weight = model.memory.k1 if model.memory.k1.any() else model.mass
-        return self._state.pose or fit_pose(model.memory.rest, self._state.positions, weight)
+        body = self._body
+        weight = body.memory.k1 if body.memory.k1.any() else body.mass
+        return self._state.pose or fit_pose(body.memory.rest, self._state.positions, weight)
 
     def _depths(self) -> tuple[list[float], list[float]]:
         """Return the depth [m] and the force [N] of Eq. (1) of each fingertip."""
@@ -268,16 +279,26 @@ class Session:
         return depths, law
 
     def _is_finite(self) -> bool:
-        x = self._state.positions if self._whole else self._state.positions[:, ~self.model.mesh.loose]
+        x = self._state.positions if self._whole else self._state.positions[:, ~self._body.mesh.loose]
         return bool(np.isfinite(x).all() and np.ptp(x, axis=1).max() < 100 * self.model.mesh.size)
+
+    def _skin(self) -> Floats:
+        """Return where the vertices (n, 3) [m] of the mesh are."""
+        if self.proxy is None:
+            return self._state.positions.T
+        x, still = carry(self.proxy, self._state.positions), self.proxy.still
+        x[still] = self._held_origin.T[still]
+        return x
 
     def _show(self, forces: Floats, steps: int, cost: float, note: str) -> Frame:
         state, model = self._state, self.model
         self._cost += cost
-        volume, _ = pressure.volume_and_gradient(model.pressure, state.positions)
+        volume, _ = pressure.volume_and_gradient(self._body.pressure, state.positions)
+        if self._body.mesh.volume > 0:
+            volume *= model.mesh.volume / self._body.mesh.volume
         depths, law = self._depths()
         return Frame(
-            time=self._time, positions=state.positions.T[model.mesh.source].astype(np.float32), finger_forces=forces,
+            time=self._time, positions=self._skin()[model.mesh.source].astype(np.float32), finger_forces=forces,
             law_forces=np.array(law), depths=np.array(depths), pressure=state.pressure, volume=volume,
             rest_volume=model.mesh.volume, substeps=self.substeps, steps=steps, cost=cost,
             total_steps=self._ticks * self.substeps, total_cost=self._cost, finite=not note, note=note,

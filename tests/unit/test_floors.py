@@ -27,6 +27,7 @@ FLOORS = {
     "core.depth": 2,
     "core.estimate": 1,
     "core.laws": 1,
+    "core.cells": 1,
     "core.mend": 1,
     "core.mesh": 1,
     "core.ray": 1,
