@@ -1,4 +1,4 @@
-"""`python -m core emulator`: a haptic device that is not there, behind a port that is."""
+"""`python -m core emulator`, a haptic device that is not there, and `servo`, what talks to any: both without numpy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from ..errors import DimpleError
-from . import pseudo_terminal, wire
+from . import pseudo_terminal, server, wire
 from .emulator import Emulator, Row
 from .faults import FAULTS, parse_fault
 from .hand import load_hand
@@ -23,6 +23,29 @@ COLUMNS = (
     *(f"{axis}{i}_m" for i in "123" for axis in "xyz"),
     *(f"f{a}{i}_n" for i in "123" for a in "xyz"),
 )
+
+
+def main(words: list[str]) -> int:
+    """Run one of the two as a process of its own (start.py); return its exit code."""
+    parser = argparse.ArgumentParser(prog="start.py")
+    commands = parser.add_subparsers(required=True)
+    add_servo(commands.add_parser("servo"))
+    add_emulator(commands.add_parser("emulator"))
+    options = parser.parse_args(words)
+    try:
+        return int(options.run(options))
+    except DimpleError as error:
+        print(error, file=sys.stderr)
+        return 2
+
+
+def add_servo(command: argparse.ArgumentParser) -> None:
+    """Give the command its options."""
+    command.set_defaults(run=server.run)
+    command.add_argument("port", help="serial port, or the path of a pseudo-terminal")
+    command.add_argument("--mailbox", type=Path, required=True, metavar="FILE", help="that Blender made")
+    command.add_argument("--baud", type=int, metavar="B", help="bits a second, if not the device's")
+    command.add_argument("--device", type=Path, metavar="TOML", help="what it is, if not the Haptic Master")
 
 
 def add_emulator(command: argparse.ArgumentParser) -> None:
@@ -42,6 +65,7 @@ def add_emulator(command: argparse.ArgumentParser) -> None:
     command.add_argument("--baud", type=int, metavar="B", help="bits a second, 0: bytes take no time")
     command.add_argument("--seed", type=int, default=0, help="of all chance")
     command.add_argument("--json", type=Path, metavar="OUT", help="write at the end what the device measured")
+    command.add_argument("--lifeline", action="store_true", help="end when standard input closes")
     command.add_argument("--trace", type=Path, metavar="OUT.csv", help="write each tick: true places and forces")
 
 
@@ -57,7 +81,9 @@ def run_emulator(options: argparse.Namespace) -> int:
         trace=trace,
     )
     print(f"{emulator.spec.name} (emulated) at {options.pty}", flush=True)
-    system = pseudo_terminal.serve(emulator, options.pty, options.seconds)
+    system = pseudo_terminal.serve(
+        emulator, options.pty, options.seconds, lifeline=sys.stdin.fileno() if options.lifeline else None
+    )
     told = {**measured(emulator), **system}
     print(json.dumps(told), file=sys.stderr)
     try:

@@ -23,11 +23,12 @@ class Stopped(Exception):
     """Say that the process was asked to end."""
 
 
-def serve(emulator: Emulator, path: Path, seconds: float) -> dict[str, float]:
+def serve(emulator: Emulator, path: Path, seconds: float, *, lifeline: int | None = None) -> dict[str, float]:
     """Run a device until its time is over, it is unplugged, or SIGTERM or SIGINT come.
 
     Args:
         path: of the port, a link that is made, and removed at the end.  seconds: to run.
+        lifeline: descriptor of a pipe; when its other end closes, the device ends too.
 
     Returns:
         What the system did: slips and slipped_s, when this process was kept from running and its clock stood still;
@@ -37,13 +38,14 @@ def serve(emulator: Emulator, path: Path, seconds: float) -> dict[str, float]:
         DimpleError: the system has no pseudo-terminals, or the path is taken.
     """
     with _terminal(path) as master, _signals(), suppress(Stopped):
-        return _run(emulator, master, seconds)
+        return _run(emulator, master, seconds, lifeline)
     return {}
 
 
-def _run(emulator: Emulator, master: int, seconds: float) -> dict[str, float]:
+def _run(emulator: Emulator, master: int, seconds: float, lifeline: int | None) -> dict[str, float]:
     told = {"slips": 0.0, "slipped_s": 0.0, "overflows": 0.0}
     begin = time.monotonic()
+    watched = [master] if lifeline is None else [master, lifeline]
     gc.disable()  # nothing here makes cycles, and a sweep would be late
     with suppress(Stopped):
         while not emulator.unplugged and time.monotonic() - begin < seconds:
@@ -53,7 +55,10 @@ def _run(emulator: Emulator, master: int, seconds: float) -> dict[str, float]:
                 told["slips"], told["slipped_s"], now = told["slips"] + 1, told["slipped_s"] + late, now - late
             incoming = b""
             wait = max(emulator.next_time() - now, 0.0) if emulator.started else 0.0
-            if select.select([master], [], [], wait)[0]:
+            ready = select.select(watched, [], [], wait)[0]
+            if lifeline in ready and not os.read(lifeline, READ):
+                break
+            if master in ready:
                 incoming = os.read(master, READ)
             outgoing = emulator.step(time.monotonic() - told["slipped_s"], incoming)
             if outgoing:

@@ -15,7 +15,6 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 from ..errors import DimpleError
 from .letters import ORDER_SIZE, Link, pack_report, unpack_order
@@ -28,27 +27,14 @@ from .spec import load_spec
 LOOK = 0.002  # [s] at most between two looks at line and lifeline
 REPORT_EVERY = 0.002  # [s] Blender reads at 60 Hz
 LAST_WORDS = 0.010  # [s] for the bytes of the last command to leave
+PRECEDENCE = -20  # "niceness", the least
 BLENDER_GONE = 10.0  # [s] without an order where a pipe cannot be watched (Windows)
 
 
-def main(words: list[str] | None = None) -> int:
-    """Run the servo until its standard input closes; return 0, or 2 with the reason in the mailbox."""
-    parser = argparse.ArgumentParser(prog="servo", description=__doc__)
-    add_arguments(parser)
-    return run(parser.parse_args(words))
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Say which line, which mailbox, which device."""
-    parser.add_argument("port", help="serial port, or the path of a pseudo-terminal")
-    parser.add_argument("--mailbox", type=Path, required=True, help="file that Blender made")
-    parser.add_argument("--baud", type=int, help="bits a second (default: the device file's)")
-    parser.add_argument("--device", type=Path, metavar="TOML", help="device file (default: the Haptic Master)")
-
-
 def run(options: argparse.Namespace) -> int:
-    """Open the line, serve it, and leave it without force."""
+    """Serve a line until standard input closes, and leave it without force; return 0, or 2 with the reason posted."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    _ask_for_precedence()
     gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
     box = Mailbox(options.mailbox)
     try:
@@ -119,3 +105,11 @@ def hang_up(servo: Servo, line: Line) -> None:
     except LinkLost:
         pass
     line.close()
+
+
+def _ask_for_precedence() -> None:
+    """Ask the system to run this process before others; it may say no."""
+    try:
+        os.setpriority(os.PRIO_PROCESS, 0, PRECEDENCE)
+    except (AttributeError, OSError):  # Windows was asked at the start (device.start); an account without the right
+        pass

@@ -60,8 +60,11 @@ class Servo:
 
     @property
     def delay(self) -> float:
-        """Return the delay t_d [s] from sensor to motor."""
-        return self._measured.rtt_p99_us * 1e-6 if self._measured else FIRST_DELAY
+        """Return the delay t_d [s] from sensor to motor: the device takes what has come at its next tick."""
+        if self._measured is None:
+            return FIRST_DELAY
+        tick = self.spec.tick
+        return max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick), 1) * tick
 
     @property
     def cap(self) -> float:
@@ -101,7 +104,8 @@ class Servo:
         return Report(
             time=self._heard, link=self.link, arming=self._switch.arming, states=losses.taken, lost=losses.missing,
             wrong=counts.refused, stale=losses.stale, late=measured.late if measured else 0,
-            rate=losses.rate, delay_p50=measured.rtt_p50_us * 1e-6 if measured else 0.0, delay_p99=self.delay,
+            rate=losses.rate, delay_p50=measured.rtt_p50_us * 1e-6 if measured else 0.0,
+            delay_p99=measured.rtt_p99_us * 1e-6 if measured else 0.0,
             wire=measured.wire_us * 1e-6 if measured else 0.0,
             cap=self.cap, peak=self._fingers[0].guard.limits.peak,
             message=self.message or self._switch.reason or warning,

@@ -1,4 +1,4 @@
-"""Start the servo with the standard library and pyserial alone: `python -I -S start.py FOLDER_OF_PYSERIAL PORT ...`.
+"""Start with the standard library and pyserial alone: `python -I -S start.py FOLDER_OF_PYSERIAL servo PORT ...`.
 
 Isolated from environment and site-packages, so that nothing a person installed can come in between.
 """
@@ -9,4 +9,4 @@ from pathlib import Path
 
 if __name__ == "__main__":
     sys.path += [str(Path(__file__).resolve().parents[2]), sys.argv[1]]
-    sys.exit(import_module("core.devices.server").main(sys.argv[2:]))
+    sys.exit(import_module("core.devices.command").main(sys.argv[2:]))
