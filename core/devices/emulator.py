@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from . import kinematics, wire
-from .faults import Fault
+from .faults import ON_THE_LINE, Fault
 from .firmware import Firmware
 from .hand import Hand
 from .line import Line
@@ -58,8 +58,9 @@ class Emulator:
         self.forces: list[Vector] = [ZERO] * wire.FINGERS
         self.decoder = wire.Decoder()
         self._faults = tuple(faults)
-        self._in = Line(baud, [fault for fault in faults if fault.way != "out"], random.Random(seed + 1))
-        self._out = Line(baud, [fault for fault in faults if fault.way != "in"], random.Random(seed + 2))
+        spoils = [fault for fault in faults if fault.name in ON_THE_LINE]
+        self._in = Line(baud, [fault for fault in spoils if fault.way != "out"], random.Random(seed + 1))
+        self._out = Line(baud, [fault for fault in spoils if fault.way != "in"], random.Random(seed + 2))
         self._blocks = kinematics.blocks(spec)
         self._noise = [dice.gauss(0, spec.adc_noise) * (1 << 16 - spec.adc_bits) for _ in range(NOISE)]
         self._frozen: dict[int, list[int]] = {}  # finger: its readings when it froze

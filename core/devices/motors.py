@@ -4,39 +4,40 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, field
+from itertools import accumulate
 from typing import Final
 
 from .spec import Spec
 from .vectors import ZERO, Vector, along, capped, is_finite, length
 
 BINS: Final = 100  # of the window
-FOLD: Final = 1.0  # [s] how fast the force folds back when the window's budget ends
+AHEAD: Final = 10  # bins, 1 s: a force that acts can go on for so long
 
 
-@dataclass(slots=True)
 class Motors:
     """Limit the force of one fingertip.
 
-    The sum of F^2 dt over the window (10 s) never exceeds its budget, that of the continuous force: what may act now
-    is the square root of what is left over FOLD. sent: the force that acts [N].  limited: less than was wanted.
+    The sum of F^2 dt over any window (10 s) stays within the continuous force's. What may act now is what could act
+    for the next second without breaking this, seeing what leaves the window meanwhile: so a peak folds back smoothly,
+    and the continuous force never does.
+
+    sent: the force that acts [N].  limited: less than was wanted.
     """
 
-    spec: Spec
-    sent: Vector = ZERO
-    limited: bool = False
-    _bins: deque[float] = field(default_factory=lambda: deque([0.0], maxlen=BINS + 1))  # [N2 s]
-    _used: float = 0.0  # [N2 s] their sum
-    _tick: int = 0
+    def __init__(self, spec: Spec) -> None:
+        self.spec, self.sent, self.limited = spec, ZERO, False
+        self._bins = deque([0.0] * (BINS + 1), maxlen=BINS + 1)  # F^2 dt [N2 s], the last one under way
+        self._leaves = [0.0] * AHEAD  # what leaves the window with the next bins
+        self._ticks = max(round(spec.rms_window * spec.tick_hz / BINS), 1)  # a bin
+        self._tick = 0
+        self._left = self._budget = spec.continuous_force**2 * spec.rms_window
 
     def limit(self, wanted: Vector) -> Vector:
         """Return the force [N] that may act for this tick; no number, no force."""
-        spec = self.spec
         wanted = wanted if is_finite(wanted) else ZERO
-        left = spec.continuous_force**2 * spec.rms_window - self._used
-        most = min(spec.peak_force, math.sqrt(max(left, 0.0) / FOLD))
+        most = self._most()
         self.limited = length(wanted) > most
-        change = capped(along(capped(wanted, most), self.sent, -1.0), spec.slew * spec.tick)
+        change = capped(along(capped(wanted, most), self.sent, -1.0), self.spec.slew * self.spec.tick)
         self.sent = capped(along(self.sent, change, 1.0), most)
         self._spend()
         return self.sent
@@ -47,14 +48,22 @@ class Motors:
         self._spend()
         return ZERO
 
+    def _most(self) -> float:
+        tick, peak = self.spec.tick, self.spec.peak_force
+        if self._left >= AHEAD * self._ticks * tick * peak * peak:
+            return peak
+        first = self._ticks - self._tick  # ticks to the next bin
+        square = min([(self._left + gone) / (first + k * self._ticks) for k, gone in enumerate(self._leaves)]) / tick
+        return min(peak, math.sqrt(max(square, 0.0)))
+
     def _spend(self) -> None:
-        spec = self.spec
         x, y, z = self.sent
-        energy = (x * x + y * y + z * z) * spec.tick
+        energy = (x * x + y * y + z * z) * self.spec.tick
         self._bins[-1] += energy
-        self._used += energy
+        self._left -= energy
         self._tick += 1
-        if self._tick >= spec.rms_window * spec.tick_hz / BINS:
+        if self._tick == self._ticks:
             self._tick = 0
             self._bins.append(0.0)  # the oldest leaves
-            self._used = sum(self._bins)
+            self._left = self._budget - sum(self._bins)
+            self._leaves = [0.0, *accumulate(list(self._bins)[: AHEAD - 1])]
