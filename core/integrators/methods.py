@@ -7,7 +7,17 @@ from typing import Protocol
 
 from ..base import Floats
 from ..model import Model, State
-from . import backward_euler, explicit_euler, implicit_midpoint, rk4, semi_implicit, tr_bdf2, velocity_verlet
+from . import (
+    backward_euler,
+    explicit_euler,
+    implicit_midpoint,
+    rk4,
+    semi_implicit,
+    tr_bdf2,
+    velocity_verlet,
+    vertex_block_descent,
+    xpbd,
+)
 from .path import FingerPath
 
 
@@ -21,7 +31,8 @@ class Run(Protocol):
 class Method:
     """Describe a method.
 
-    order: of convergence in the time step.  kind: "explicit", "implicit" or "constraint".
+    order: of convergence in the time step.  kind: "explicit", "implicit" (solved to a tolerance) or "sweeping" (law by
+    law or vertex by vertex, a fixed number of times).
     evaluations: of the forces in a step (explicit ones).  purpose, fails: sentences.
     """
 
@@ -77,5 +88,19 @@ METHODS = {
         fails="Two solves a step: where the stiffest mode must be followed, explicit methods are many times cheaper. "
         "Where omega dt exceeds some hundreds it spins a free body up: its stages do not keep angular momentum. "
         "Fingertips as with backward Euler.",
+    ),
+    "xpbd": Method(
+        label="XPBD, small substeps", run=xpbd.run, order=1, kind="sweeping", evaluations=1,
+        purpose="never to blow up at a bounded price a step",
+        fails="Laws that hold against each other answer with k / (1 + h^2 k w): where h^2 k w exceeds a few hundredths "
+        "the body is soft and the fingertip feels too little. It damps by itself as backward Euler does, and a step "
+        "costs several explicit ones, so it pays only where explicit steps blow up.",
+    ),
+    "vertex_block_descent": Method(
+        label="vertex block descent", run=vertex_block_descent.run, order=1, kind="sweeping", evaluations=1,
+        purpose="stiff bodies of few vertices at one step a tick, never to blow up at a bounded price a step",
+        fails="A sweep carries a push only a few edges far: on fine meshes, where h^2 k / m is large, "
+        "four sweeps leave the skin round a fingertip behind and the force on it is many times too large "
+        "until it is still. It damps as backward Euler does. Fingertips meet a stiff layer, without friction.",
     ),
 }  # fmt: skip

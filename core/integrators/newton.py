@@ -12,14 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base import DimpleError, Floats
+from ..base import Floats
 from ..laws import penalty, springs
 from ..laws.contact import Touch, rest_on_ground
 from ..laws.penalty import Meeting
 from ..model import Model, State
 from .path import FingerPath
 from .tangent import Tangent, tangent
-from .ticks import acceleration_of, each_tick
+from .ticks import acceleration_of, each_tick, needs_an_energy
 
 NEWTON_STEPS = 30
 NEWTON_TOLERANCE = 1e-8  # of the velocity
@@ -46,11 +46,7 @@ def run_implicit(
     Raises:
         DimpleError: the laws have no energy, so no implicit method may be used.
     """
-    if model.needs_contact:
-        raise DimpleError(
-            "Implicit methods need laws with an energy, and Eq. (2) has none. "
-            "Choose the consistent law set and another fill, or an explicit method."
-        )
+    needs_an_energy(model)
     total = np.zeros((len(path.radii), 3))
     for touches in each_tick(model, state, path, tick):
         for i in range(substeps):
@@ -70,11 +66,11 @@ def moved_back(touches: Sequence[Touch], seconds: float) -> list[Touch]:
     return [replace(touch, centre=touch.centre - seconds * touch.velocity) for touch in touches]
 
 
-def meet_faces(model: Model, state: State, touches: Sequence[Touch]) -> list[Meeting]:
-    """Find what the fingertips press at a state."""
+def meet_faces(model: Model, state: State, touches: Sequence[Touch], share: float = CONTACT_STIFFNESS) -> list[Meeting]:
+    """Find what the fingertips press at a state; share: stiffness of a face over what holds a vertex."""
     if not touches:
         return []
-    stiffness = CONTACT_STIFFNESS * (springs.row_bounds(model.springs, len(model.mass))[0] / 2 + model.memory.k2)
+    stiffness = share * (springs.row_bounds(model.springs, len(model.mass))[0] / 2 + model.memory.k2)
     return [penalty.meeting(state.positions, touch, stiffness) for touch in touches]
 
 

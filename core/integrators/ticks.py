@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from ..base import SKIN_TRAVEL, Floats, Ints
+from ..base import SKIN_TRAVEL, DimpleError, Floats, Ints
 from ..laws import contact
 from ..laws.contact import Touch
 from ..model import Model, State, forces
@@ -39,6 +39,19 @@ def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *,
                 slow_down(before, state.positions, limit)
             total += meet(model, state, touches)
     return total
+
+
+def needs_an_energy(model: Model) -> None:
+    """Refuse laws without an energy.
+
+    Raises:
+        DimpleError: the pressure is Eq. (2).
+    """
+    if model.needs_contact:
+        raise DimpleError(
+            "This method needs laws with an energy, and Eq. (2) has none. "
+            "Choose the consistent law set and another fill, or an explicit method."
+        )
 
 
 def slow_down(before: Floats, x: Floats, limit: float) -> None:

@@ -26,7 +26,7 @@ from .scenes import BALL, BALL_RADIUS, ball
 BLOWN = 3.0
 INACCURATE = 0.1
 SWINGS = 2.0  # periods of the slowest mode a cell runs for, within these numbers of steps
-STEPS = {"explicit": (64, 128), "implicit": (6, 8), "constraint": (16, 100)}
+STEPS = {"explicit": (64, 128), "implicit": (6, 8), "sweeping": (16, 64)}
 LOOKS = 4
 ON_CIRCLE = 1e-6  # rounding moves the eigenvalues of rigid motions off the circle by the root of machine precision
 
