@@ -10,10 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from ..base import DimpleError
-from .calibrate import POINT_RADIUS, calibrate
+from ..material import FILLS, PRESETS
+from .calibrate import POINT_RADIUS, Calibration, calibrate, fitted_material
+from .identify import identify
+from .indent import SHAPES, Indenter, find_site
 from .plot import save_plot
 from .question import Answers, Undecided
 from .report import questions_json, to_json, to_lines
+from .specimen import cube, load_mesh
+from .verdict import Verdict, judge, verdict_json, verdict_lines
 
 DONE, OPEN = 0, 3  # exit codes
 
@@ -28,6 +33,11 @@ def add_command(command: argparse.ArgumentParser) -> None:
     command.add_argument("--youngs-modulus-mpa", type=float, metavar="E", help="of the surface, for k by Eq. (10)")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
     command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw the curve and the fit (needs matplotlib)")
+    press = command.add_argument_group("the simulated press")
+    press.add_argument("--identify", action="store_true", help="find the model's constants for a cube of --length-mm")
+    press.add_argument("--mesh", type=Path, metavar="FILE", help="the body instead (OBJ, STL, PLY; longest side L)")
+    press.add_argument("--indenter", choices=SHAPES, default="point", help="what measured; a point is a small punch")
+    press.add_argument("--fill", choices=[fill for fill in FILLS if fill != "paper"], default="air", help="inside")
     answers = command.add_argument_group("answers, where the file leaves something open")
     for option, kind, text in (
         ("--depth-column", str, "header or number of the column of depth"),
@@ -57,12 +67,40 @@ def run(options: argparse.Namespace) -> int:
         if options.json:
             write_json(options.json, questions_json(undecided))
         return OPEN
+    report, verdict = to_json(calibration), None
     print("\n".join(to_lines(calibration)))
+    if options.identify or options.mesh:
+        verdict = _pressed(options, calibration)
+        print("\n".join(verdict_lines(verdict)))
+        report["identification"] = verdict_json(verdict)
     if options.json:
-        write_json(options.json, to_json(calibration))
+        write_json(options.json, report)
     if options.plot:
-        save_plot(calibration, options.plot)
+        save_plot(calibration, options.plot, verdict)
     return DONE
+
+
+def _pressed(options: argparse.Namespace, calibration: Calibration) -> Verdict:
+    """Identify on the body asked for, telling on stderr how far it is."""
+    length = calibration.length
+    if length is None:
+        raise DimpleError("How large is the object? Say it with --length-mm: a cube's edge, or a mesh's longest side.")
+    mesh = load_mesh(options.mesh, length) if options.mesh else cube(length)
+    template = next(preset.material for preset in PRESETS if preset.material.fill == options.fill)
+    material = fitted_material(calibration, template)
+    indenter = Indenter(shape=options.indenter, radius=calibration.tip_radius)
+    site = find_site(mesh, indenter)
+    deepest = float(calibration.press.depth.max() - calibration.fit.contact.value)
+    told = ""
+
+    def tell(share: float, text: str) -> None:
+        nonlocal told
+        if text != told:
+            print(f"{100 * share:3.0f} % {text}", file=sys.stderr, flush=True)
+            told = text
+
+    found = identify(mesh, material, indenter, site, deepest, progress=tell)
+    return judge(calibration, found, mesh, indenter, site)
 
 
 def write_json(path: Path, report: dict[str, Any]) -> None:

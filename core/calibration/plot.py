@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from ..base import DimpleError
+from ..estimate import FINGERTIP
 from .calibrate import Calibration
+from .verdict import Verdict
 
 
-def save_plot(calibration: Calibration, path: str | Path) -> None:
-    """Draw the measured press, the way back and the law with its constants.
+def save_plot(calibration: Calibration, path: str | Path, verdict: Verdict | None = None) -> None:
+    """Draw the measured press, the way back and the law with its constants; the simulated press and the prediction.
 
     Raises:
         DimpleError: matplotlib is not installed, or the file cannot be written.
@@ -28,6 +30,15 @@ def save_plot(calibration: Calibration, path: str | Path) -> None:
         axes.plot(1e3 * (press.back_depth - shift), press.back_force - tare, color="0.75", label="way back")
     x = np.linspace(0, float(press.depth.max()), 400)
     axes.plot(1e3 * x, fit.law(x), color="tab:red", label=_label(calibration))
+    if verdict is not None:
+        found = verdict.found
+        axes.plot(1e3 * found.depths, found.simulated, "o", ms=4, mfc="none", color="tab:blue", label=(
+            f"simulated press, {len(verdict.mesh.rest_positions)} vertices: "
+            f"{100 * found.rms:.1f} % RMS, at worst {100 * verdict.force_off:.1f} % of the force"
+        ))  # fmt: skip
+        axes.plot(1e3 * verdict.tip_depth, verdict.tip_force, "--", color="tab:green", label=(
+            f"prediction: a {1e3 * FINGERTIP:.0f} mm fingertip"
+        ))  # fmt: skip
     axes.set(xlabel="depth x [mm]", ylabel="force F [N]", title=calibration.measurement.source)
     axes.legend(loc="upper left")
     axes.grid(alpha=0.3)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from core.__main__ import main
 from core.calibration.calibrate import calibrate, fitted_material, provenance
@@ -44,6 +45,61 @@ def test_the_command_writes_constants_in_the_units_of_the_paper(tmp_path):
     assert all(way["assumes"] for way in report["k"].values())
 
 
+@pytest.mark.parametrize("suffix", ["obj", "stl", "ply"])
+def test_identify_adds_the_constants_of_the_model_and_what_they_are_worth(suffix, tmp_path):
+    out, body = tmp_path / "out.json", tmp_path / f"cube.{suffix}"
+    trimesh.creation.box((2, 2, 2)).subdivide().subdivide().export(body)  # in any unit
+    sample = SAMPLES / "object_3_vinyl_water.csv"
+    done = run("calibrate", sample, "--length-mm", 165, "--mesh", body, "--fill", "liquid", "--json", out)
+    assert done.returncode == 0, done.stderr
+    assert "Checking" in done.stderr  # progress
+    told = json.loads(out.read_text())["identification"]
+    assert told["vertices"] == 98
+    assert told["size"] == pytest.approx(165)
+    assert told["rms_percent"] < 3
+    assert 0 < told["force_off_percent"] <= 10
+    assert told["noticeable_force_percent"] == pytest.approx([6, 8])
+    # the points have 1 % of noise
+    assert 0.8 < told["measured_rms_percent"] < 2
+    assert told["volume_change_percent"] < 0.5
+    press, tip = told["press"], told["prediction"]
+    assert press["depth"][-1] == pytest.approx(20, rel=0.01)
+    assert len(press["simulated"]) == len(press["wanted"]) == len(press["depth"])
+    assert tip["tip_radius"] == 10 and len(tip["force"]) == len(tip["depth"]) and "coarse" in tip["note"]
+
+
+def test_the_tip_that_measured_decides_the_constants(tmp_path, capsys):
+    out, body = tmp_path / "out.json", tmp_path / "cube.ply"
+    trimesh.creation.box((1, 1, 1)).subdivide().subdivide().subdivide().export(body)
+    sample, found = str(SAMPLES / "object_2_vinyl_air.csv"), {}
+    for indenter, radius in (("point", 2), ("punch", 25), ("sphere", 25)):
+        words = ["--length-mm", "165", "--indenter", indenter, "--tip-radius-mm", str(radius), "--json", str(out)]
+        assert main(["calibrate", sample, "--mesh", str(body), *words]) == 0
+        found[indenter] = json.loads(out.read_text())["identification"]
+    assert found["punch"]["kappa1"] < found["point"]["kappa1"] / 3  # more area carries the same force
+    assert found["punch"]["rms_percent"] < 1
+    assert found["sphere"]["rms_percent"] > 1 and any("round tip" in note for note in found["sphere"]["notes"])
+    capsys.readouterr()
+
+
+def test_a_body_that_cannot_be_pressed_is_refused_in_words(tmp_path, capsys):
+    sample = str(SAMPLES / "object_3_vinyl_water.csv")
+    assert main(["calibrate", sample, "--identify"]) == 2
+    assert "--length-mm" in capsys.readouterr().err
+    for name, content in (
+        ("a.blend", b"BLENDER"),
+        ("a.stl", b"solid\n"),
+        ("a.obj", b""),
+        ("a.ply", b"ply\nform"),
+        ("no.ply", None),
+    ):
+        path = tmp_path / name
+        if content is not None:
+            path.write_bytes(content)
+        assert main(["calibrate", sample, "--length-mm", "165", "--mesh", str(path)]) == 2, name
+        assert str(path) in capsys.readouterr().err
+
+
 def test_an_open_question_exits_with_3_and_the_option(write, tmp_path):
     out = tmp_path / "out.json"
     path = write("Depth (mm),Force\n" + "\n".join(f"{i / 10},{i / 20 + (i % 3) / 90:.4f}" for i in range(200)) + "\n")
@@ -63,7 +119,8 @@ def test_an_unusable_file_exits_with_2_and_says_why(write, capsys):
 def test_a_picture_is_drawn_where_matplotlib_is(tmp_path):
     pytest.importorskip("matplotlib")
     out = tmp_path / "out.png"
-    assert main(["calibrate", str(SAMPLES / "object_1_nylon_air.csv"), "--plot", str(out)]) == 0
+    words = ["--plot", str(out), "--identify", "--length-mm", "50"]
+    assert main(["calibrate", str(SAMPLES / "object_1_nylon_air.csv"), *words]) == 0
     assert out.read_bytes().startswith(b"\x89PNG")
 
 
