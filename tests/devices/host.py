@@ -76,6 +76,28 @@ class Host:
         return wire.encode(command)
 
 
+class Presser(Host):
+    """Arm, again where it is refused (a busy machine is late), and push up once there is force."""
+
+    def __init__(self, newtons: float) -> None:
+        super().__init__(self.push, arms=False)
+        self.newtons, self.asked = newtons, -1.0
+
+    @property
+    def mode(self) -> int:
+        return self.states[-1].status & wire.MODE if self.states else wire.IDLE
+
+    def push(self, finger: int, time: float) -> Vector:
+        return (0.0, 0.0, self.newtons if self.mode in (wire.RAMP, wire.ARMED) else 0.0)
+
+    def step(self, now: float, incoming: bytes) -> bytes:
+        out = super().step(now, incoming)
+        if self.info and self.mode == wire.IDLE and now - self.asked > 0.2:
+            self.asked = now
+            out += wire.encode(wire.Arm(self.info.session))
+        return out
+
+
 class Table:
     """Stand a host and an emulated device on one clock, in steps of a tenth of a tick."""
 
