@@ -33,17 +33,18 @@ def sentences(told: dict[str, Any]) -> list[str]:
 def noticed(share: float, noticeable: list[float]) -> str:
     """Say what a deviation, a share of full scale, is to a hand that can tell a share of a force from here to there."""
     if share < noticeable[0]:
-        return iface_("A hand could not tell these two slopes from the measurement.")
+        return iface_("A hand could not tell this from the measurement.")
     if share < noticeable[1]:
-        return iface_("A trained hand might just tell these two slopes from the measurement.")
-    return iface_("A hand can tell these two slopes from the measurement.")
+        return iface_("A trained hand might just tell this from the measurement.")
+    return iface_("A hand can tell this from the measurement.")
 
 
 def identified(told: dict[str, Any], settings: Any) -> list[tuple[str, str]]:
     """Return (label, value with unit) of an identification."""
     tip = settings.bl_rna.properties["tip"].enum_items[told["tip"].upper()].name
     return [
-        (iface_("On"), f"{told['object']}, {told['mesh']['vertices']}, {told['size']:.4g} mm"),
+        (iface_("On"), f"{told['object']}, {told['size']:.4g} mm"),
+        (iface_("Vertices"), f"{told['mesh']['vertices']}"),
         (iface_("Tip"), f"{iface_(tip)}, {told['tip_radius']:.3g} mm"),
         (iface_("Pressed To"), f"{told['deepest']:.4g} mm"),
         (iface_("Simulated Press"), f"{told['rms']:.1%}"),
@@ -53,6 +54,11 @@ def identified(told: dict[str, Any], settings: Any) -> list[tuple[str, str]]:
         ("d0", f"{settings.d0:.4g} mm"),
         (iface_("Share of k"), f"{settings.membrane_scale:.2%}"),
     ]
+
+
+def identified_sentences(told: dict[str, Any]) -> list[str]:
+    """Return what the deviation of the virtual press means to a hand, then what the core noted."""
+    return [noticed(told["rms"], told["noticeable"]), *told["notes"]]
 
 
 def edited(told: dict[str, Any], settings: Any) -> bool:

@@ -34,7 +34,6 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
 
     bl_label = "Calibration"
     bl_parent_id = "DIMPLE_PT_session"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the way in, the result and the way on."""
@@ -98,7 +97,7 @@ class DIMPLE_PT_identification(SidebarPanel, bpy.types.Panel):
             draw_notes(context, layout, ["The material was changed since it was identified: identify again."], "ERROR")
         if told := calibration.load(settings.identification):
             draw_rows(layout, calibrated.identified(told, settings))
-            draw_notes(context, layout, told["notes"])
+            draw_notes(context, layout, calibrated.identified_sentences(told))
 
 
 class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):

@@ -40,7 +40,7 @@ def draw_notes(
 
 def draw_rows(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
     """Write labels on the left and values on the right."""
-    split = layout.split(factor=0.42)
+    split = layout.split(factor=0.45)
     labels, values = split.column(align=True), split.column(align=True)
     for label, value in rows:
         labels.label(text=label, translate=False)

@@ -24,7 +24,7 @@ TEXT = (1.0, 1.0, 1.0, 1.0)
 FAINT = (1.0, 1.0, 1.0, 0.35)
 BACK = (0.0, 0.0, 0.0, 0.45)
 
-DOT = 2.0  # [px] half the width of a measured point; a size like those below
+CROSS = 2.5  # [px] half the width of a measured point; a size like those below
 LINE_WIDTH = 2.0  # [px] all sizes below too, at a resolution scale of 1
 TEXT_SIZE = 12.0
 LINE_HEIGHT = 17.0
@@ -142,13 +142,13 @@ def draw_curves(curves: Curves, corner: Point, scale: float, region: Any) -> flo
     size = (CHART[0] * scale, CHART[1] * scale)
     seen = [*curves.measured, *curves.simulated, *curves.trail]
     # the knee always shows: it tells how far the press has come
-    deepest = shapes.round_up(max([curves.law[2] * 1.1, *(depth for depth, _ in seen)]))
+    deepest = max([curves.law[2] * 1.1, *(depth for depth, _ in seen)])
     law = shapes.law_curve(*curves.law, deepest)
-    ends = (deepest, shapes.round_up(max(force for _, force in [*law, *seen])))
+    ends = (shapes.round_up(deepest), shapes.round_up(max(force for _, force in [*law, *seen])))
     right, top = corner[0] + size[0], corner[1] + size[1]
     _filled(corner, (right, top), BACK)
     _lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, region)
-    _lines(shapes.dots(shapes.into_box(curves.measured, ends, corner, size), DOT * scale), MEASURED, region)
+    _lines(shapes.crosses(shapes.into_box(curves.measured, ends, corner, size), CROSS * scale), MEASURED, region)
     _lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, region)
     _lines(shapes.chained(shapes.into_box(curves.simulated, ends, corner, size)), SIMULATED, region)
     trail = shapes.into_box(curves.trail, ends, corner, size)

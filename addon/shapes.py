@@ -65,9 +65,10 @@ def chained(points: Sequence[Point]) -> list[Segment]:
     return list(zip(points, points[1:], strict=False))
 
 
-def dots(points: Sequence[Point], half: float) -> list[Segment]:
-    """Return a short stroke at every point."""
-    return [((x - half, y), (x + half, y)) for x, y in points]
+def crosses(points: Sequence[Point], half: float) -> list[Segment]:
+    """Return an upright cross at every point."""
+    level = [((x - half, y), (x + half, y)) for x, y in points]
+    return level + [((x, y - half), (x, y + half)) for x, y in points]
 
 
 def _add(*points: Point) -> Point:

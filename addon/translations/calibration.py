@@ -79,13 +79,11 @@ RESULT = {
     "Work Lost": "失われた仕事",
     "Residual": "残差",
     "A Hand Can Tell": "手で分かる差",
-    "A hand could not tell these two slopes from the measurement.": (
-        "手では、この二つの傾きと測定の違いは分かりません。"
+    "A hand could not tell this from the measurement.": "手では、測定との違いは分かりません。",
+    "A trained hand might just tell this from the measurement.": (
+        "訓練された手なら、測定との違いにかろうじて気づくかもしれません。"
     ),
-    "A trained hand might just tell these two slopes from the measurement.": (
-        "訓練された手なら、この二つの傾きと測定の違いにかろうじて気づくかもしれません。"
-    ),
-    "A hand can tell these two slopes from the measurement.": "手で、この二つの傾きと測定の違いが分かります。",
+    "A hand can tell this from the measurement.": "手で、測定との違いが分かります。",
     "The constants of the material were changed since.": "その後、マテリアルの定数が変更されています。",
     "Give the active material the calibrated constants with their source, and the body the size that was measured": (
         "アクティブマテリアルに較正した定数とその出典を、物体に測定時の大きさを与えます"
@@ -131,6 +129,7 @@ VIRTUAL = {
         "同定の後でマテリアルが変更されました。もう一度同定してください。"
     ),
     "On": "対象",
+    "Vertices": "頂点数",
     "Pressed To": "押した深さ",
     "Simulated Press": "仮想の押し込みの差",
     "Law": "法則",

@@ -155,7 +155,7 @@ def test_what_was_identified_is_told_and_that_it_was_cleared(bpy: ModuleType, bo
         "holds_for": settings.held_by(),
     })  # fmt: skip
     shown = draw(bpy, panel, object=body)
-    for text in ("Cube, 98, 165 mm", "1.2%", "2.00%", "6% – 8%", "The skin's k is taken at 2 %."):
+    for text in ("Cube, 165 mm", "98", "1.2%", "2.00%", "6% – 8%", "The skin's k is taken at 2 %."):
         assert text in shown, text
     settings.x0 = 5.0
     assert "identify again" in " ".join(draw(bpy, panel, object=body))
