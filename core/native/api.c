@@ -155,7 +155,7 @@ int32_t dm_fit_rotation(const double *h, double *r) {
 
 int32_t dm_create(dm_body *body, int32_t bits, int32_t set, int64_t n, const double *rest, int64_t width,
                   const int64_t *ring, const int64_t *ring_spring) {
-    if (!body || !rest || n < 1 || n > DM_MAX_VERTICES || width < 0 || width > 64) return DM_SIZE;
+    if (!body || !rest || n < 1 || n > DM_MAX_VERTICES || width < 0 || width > DM_MAX_NEIGHBOURS) return DM_SIZE;
     *body = 0;
     if (width && (!ring || !ring_spring)) return DM_SIZE;
     const methods *does = choose(bits, set);

@@ -2,7 +2,7 @@
 #include "body.h"
 
 static void destroy(body *b) {
-    void *all[] = {b->place, b->rest, b->mass, b->records, b->state, b->matter, b->next, b->ring.start, b->ring.slots,
+    void *all[] = {b->place, b->rank, b->rest, b->mass, b->records, b->state, b->matter, b->next, b->ring.start, b->ring.slots,
                    b->bend.start, b->bend.slots, b->ring_spring, b->loose, b->corners, b->caps, b->cap_hole, b->holes,
                    b->triangles, b->box_start, b->box_vertex, b->boxes, b->inverse_mass, b->friction, b->hits,
                    b->shares, b->moved, b->is_moved, b->touching};
@@ -18,7 +18,7 @@ static int32_t create(body **made, int64_t n, const double *rest, int64_t width,
     b->n = n, b->groups = (n + LANES - 1) / LANES;
     int64_t size = b->groups * LANES;
     int whole = (b->place = room(n, sizeof *b->place)) && (b->rest = room(3 * n, sizeof(double)));
-    whole = whole && (b->mass = room(n, sizeof(double)));
+    whole = whole && (b->rank = room(n, sizeof *b->rank)) && (b->mass = room(n, sizeof(double)));
     whole = whole && (b->records = room(size, sizeof(record))) && (b->state = room(b->groups, sizeof(group_state)));
     whole = whole && (b->matter = room(b->groups, sizeof(group_matter)));
     whole = whole && (b->next = room(b->groups, sizeof(group_next)));
@@ -29,7 +29,7 @@ static int32_t create(body **made, int64_t n, const double *rest, int64_t width,
     int32_t code = DM_MEMORY;
     if (whole) {
         memcpy(b->rest, rest, (size_t)(3 * n) * sizeof(double));
-        code = lay_out(b, width, ring_spring);
+        code = lay_out(b, width, ring, ring_spring);
         if (code == DM_OK) code = lay_rings(b, width, ring, ring_spring);
     }
     if (code != DM_OK) destroy(b), *made = NULL;
@@ -60,7 +60,7 @@ static int32_t set_springs(body *b, int64_t m, const int64_t *pairs, const doubl
     return DM_OK;
 }
 
-/* Order the triangles by their first vertex in memory, and box them in runs. */
+/* Order the triangles along the curve in space, and box them in runs. */
 static int32_t set_faces(body *b, int64_t t, const int64_t *triangles) {
     void *old[] = {b->triangles, b->box_start, b->box_vertex, b->boxes, b->hits};
     for (size_t k = 0; k < sizeof old / sizeof *old; k++) give_back(old[k]);
@@ -77,9 +77,11 @@ static int32_t set_faces(body *b, int64_t t, const int64_t *triangles) {
     if (!whole || !seen || !next) return give_back(seen), give_back(next), DM_MEMORY;
     for (int pass = 0; pass < 2; pass++) { /* count, then place */
         for (int64_t k = 0; k < t; k++) {
-            uint32_t at[3], first;
-            for (int c = 0; c < 3; c++) at[c] = b->place[triangles[3 * k + c]];
-            first = at[0] < at[1] ? at[0] : at[1], first = at[2] < first ? at[2] : first;
+            uint32_t at[3], first = UINT32_MAX;
+            for (int c = 0; c < 3; c++) {
+                uint32_t rank = b->rank[triangles[3 * k + c]];
+                at[c] = b->place[triangles[3 * k + c]], first = rank < first ? rank : first;
+            }
             if (pass) memcpy(b->triangles[next[first]++], at, sizeof at);
             else next[first + 1]++;
         }

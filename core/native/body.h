@@ -14,8 +14,8 @@
 #define WEIGHT_FLOOR 1e-6
 #define SKIN_TRAVEL 0.5 /* as in core/base.py */
 
-/* Vertices lie in the order of a space-filling curve, so that neighbours are near in memory; runs of eight with
- * about as many neighbours each make a group. */
+/* Vertices lie in the order in which a wave over the surface meets them, so that neighbours are near in memory; runs of
+ * eight with about as many neighbours each make a group. */
 typedef struct {
     three x, v;
 } group_state;
@@ -33,8 +33,8 @@ typedef struct { /* v = linear + angular x position */
     double linear[3], angular[3];
 } rigid;
 
-typedef struct { /* moments of the mass about its centre */
-    double centre[3], tensor[3][3];
+typedef struct { /* of the mass: its centre, and the inverse of its moments about it */
+    double centre[3], inverse[9];
 } inertia;
 
 typedef struct { /* the springs to one neighbour of each vertex of a group; pull = stiffness * rest length */
@@ -69,7 +69,7 @@ typedef struct { /* what a fingertip may meet within a tick */
 struct body {
     int64_t n, groups;
     uint32_t ready; /* what was set, one bit each */
-    uint32_t *place; /* of each of the caller's vertices */
+    uint32_t *place, *rank; /* of each of the caller's vertices: in memory, along a curve in space */
     double *rest;    /* (3, n) as the caller gave it */
     double *mass;    /* (n,) in the caller's order */
     double origin[3], middle[3], cell; /* of the state; of the mass at rest; what the origin moves by */

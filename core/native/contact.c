@@ -29,10 +29,11 @@ static void meet_vertices(body *b, const touch *t, double *impulse, uint32_t *mo
 }
 
 static inline three corners_at(const body *b, const uint32_t (*face)[3], int corner, three centre) {
-    const record *r = b->records;
-    return minus(lanes_of(r[face[0][corner]].x, r[face[1][corner]].x, r[face[2][corner]].x, r[face[3][corner]].x,
-                          r[face[4][corner]].x, r[face[5][corner]].x, r[face[6][corner]].x, r[face[7][corner]].x),
-                 centre);
+    uint32_t at[LANES];
+    three x, v;
+    for (int l = 0; l < LANES; l++) at[l] = face[l][corner] * (uint32_t)sizeof(record);
+    lanes_of(b->records, at, &x, &v);
+    return minus(x, centre);
 }
 
 /* Return the weights of the points of eight triangles nearest to the origin.

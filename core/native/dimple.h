@@ -21,6 +21,7 @@
 #define DM_MAX_FINGERS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
+#define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
 
 typedef uint64_t dm_body; /* never 0; not reused after dm_free */
 

@@ -3,6 +3,7 @@
 #define DM_LANES_H
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #define LANES 8
 #define TINY ((real)1e-30)
@@ -84,19 +85,25 @@ static inline void fold(lanes *part, wide *sum, int count) {
 
 static inline three splat3(const double *a) { return (three){all((real)a[0]), all((real)a[1]), all((real)a[2])}; }
 
-#define JOIN(a, b) __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7)
 #define LOW(a) __builtin_shufflevector(a, a, 0, 1, 2, 3)
 #define HIGH(a) __builtin_shufflevector(a, a, 4, 5, 6, 7)
+#define BEFORE(a, b) __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11)
+#define AFTER(a, b) __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15)
 #define ZIP_LOW(a, b) __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13)
 #define ZIP_HIGH(a, b) __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
 #define PAIR_LOW(a, b) __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
 #define PAIR_HIGH(a, b) __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
 
-/* transpose eight quads into lanes */
-static inline three lanes_of(quad q0, quad q1, quad q2, quad q3, quad q4, quad q5, quad q6, quad q7) {
-    lanes r0 = JOIN(q0, q4), r1 = JOIN(q1, q5), r2 = JOIN(q2, q6), r3 = JOIN(q3, q7);
-    lanes t0 = ZIP_LOW(r0, r1), t1 = ZIP_LOW(r2, r3), t2 = ZIP_HIGH(r0, r1), t3 = ZIP_HIGH(r2, r3);
-    return (three){PAIR_LOW(t0, t1), PAIR_HIGH(t0, t1), PAIR_LOW(t2, t3)};
+/* the positions and velocities of the eight records at these offsets, in lanes */
+static inline void lanes_of(const void *records, const uint32_t *at, three *x, three *v) {
+    lanes r[8];
+    for (int l = 0; l < LANES; l++) memcpy(r + l, (const char *)records + at[l], sizeof *r);
+    lanes xy0 = ZIP_LOW(r[0], r[1]), xy2 = ZIP_LOW(r[2], r[3]), xy4 = ZIP_LOW(r[4], r[5]), xy6 = ZIP_LOW(r[6], r[7]);
+    lanes z0 = ZIP_HIGH(r[0], r[1]), z2 = ZIP_HIGH(r[2], r[3]), z4 = ZIP_HIGH(r[4], r[5]), z6 = ZIP_HIGH(r[6], r[7]);
+    lanes low[3] = {PAIR_LOW(xy0, xy2), PAIR_HIGH(xy0, xy2), PAIR_LOW(z0, z2)};
+    lanes high[3] = {PAIR_LOW(xy4, xy6), PAIR_HIGH(xy4, xy6), PAIR_LOW(z4, z6)};
+    *x = (three){BEFORE(low[0], high[0]), BEFORE(low[1], high[1]), BEFORE(low[2], high[2])};
+    *v = (three){AFTER(low[0], high[0]), AFTER(low[1], high[1]), AFTER(low[2], high[2])};
 }
 
 /* and back, into the x or v of eight records in a row */

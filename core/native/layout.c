@@ -22,13 +22,9 @@ static uint64_t spread(uint64_t a) {
     return (a | a << 2) & 0x1249249249249249;
 }
 
-/* Number the vertices along a Morton curve, then by valence within windows, so that the eight of a group have
- * about as many neighbours and few slots stay empty. */
-static int32_t lay_out(body *b, int64_t width, const int64_t *ring_spring) {
-    enum { WINDOW = 256 };
+/* Order the vertices along a Morton curve: runs of them are near in space. */
+static void follow_curve(const body *b, keyed *keys) {
     int64_t n = b->n;
-    keyed *keys = room(n, sizeof(keyed));
-    if (!keys) return DM_MEMORY;
     double low[3], span = 0;
     for (int c = 0; c < 3; c++) {
         double high = low[c] = b->rest[c * n];
@@ -48,6 +44,38 @@ static int32_t lay_out(body *b, int64_t width, const int64_t *ring_spring) {
         keys[i] = (keyed){key, (uint32_t)i};
     }
     qsort(keys, (size_t)n, sizeof(keyed), by_key);
+}
+
+/* Order the vertices as a wave from the first meets them: all neighbours are then within two of its fronts, so that a
+ * step streams through memory once. Source: Cuthill and McKee 1969. */
+static void follow_wave(const body *b, keyed *keys, uint8_t *seen, int64_t width, const int64_t *ring,
+                        const int64_t *ring_spring) {
+    int64_t n = b->n, done = 0, found = 0;
+    uint32_t *queue = b->place;
+    for (int64_t k = 0; k < n; k++) {
+        if (!seen[keys[k].vertex]) seen[keys[k].vertex] = 1, queue[found++] = keys[k].vertex;
+        for (; done < found; done++) {
+            uint32_t i = queue[done];
+            for (int64_t s = 0; s < width && ring_spring[s * n + i] >= 0; s++) {
+                int64_t j = ring[s * n + i];
+                if (!seen[j]) seen[j] = 1, queue[found++] = (uint32_t)j;
+            }
+        }
+    }
+    for (int64_t k = 0; k < n; k++) keys[k].vertex = queue[k];
+}
+
+/* Number the vertices by wave, then by valence within windows, so that the eight of a group have about as many
+ * neighbours and few slots stay empty. */
+static int32_t lay_out(body *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
+    enum { WINDOW = 256 };
+    int64_t n = b->n;
+    keyed *keys = room(n, sizeof(keyed));
+    uint8_t *seen = room(n, 1);
+    if (!keys || !seen) return give_back(keys), give_back(seen), DM_MEMORY;
+    follow_curve(b, keys);
+    for (int64_t k = 0; k < n; k++) b->rank[keys[k].vertex] = (uint32_t)k;
+    follow_wave(b, keys, seen, width, ring, ring_spring);
     for (int64_t from = 0; from < n; from += WINDOW) {
         int64_t count = n - from < WINDOW ? n - from : WINDOW;
         for (int64_t k = from; k < from + count; k++) {
@@ -58,7 +86,7 @@ static int32_t lay_out(body *b, int64_t width, const int64_t *ring_spring) {
         qsort(keys + from, (size_t)count, sizeof(keyed), by_key);
     }
     for (int64_t k = 0; k < n; k++) b->place[keys[k].vertex] = (uint32_t)k;
-    give_back(keys);
+    give_back(keys), give_back(seen);
     return DM_OK;
 }
 

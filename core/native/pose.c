@@ -56,18 +56,15 @@ static void multiply(const double *a, const double *b, double *r) {
         for (int j = 0; j < 3; j++) r[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
 }
 
-/* Solve a symmetric 3 x 3 system; a direction without inertia (a straight line of vertices) gets no spin. */
-static void solve(const double (*a)[3], const double *y, double *x) {
-    double m[9], q[9], most = 0;
-    memcpy(m, a, sizeof m);
-    diagonalise(3, m, q);
-    for (int i = 0; i < 3; i++) most = m[4 * i] > most ? m[4 * i] : most;
-    x[0] = x[1] = x[2] = 0;
+/* Invert a symmetric 3 x 3 matrix; a direction without inertia (a straight line of vertices) gets no spin. */
+static void invert(double *a, double *inverse) {
+    double q[9], most = 0;
+    diagonalise(3, a, q);
+    for (int i = 0; i < 3; i++) most = a[4 * i] > most ? a[4 * i] : most;
+    memset(inverse, 0, 9 * sizeof(double));
     for (int i = 0; i < 3; i++)
-        if (m[4 * i] > 1e-15 * most) {
-            double part = (q[i] * y[0] + q[3 + i] * y[1] + q[6 + i] * y[2]) / m[4 * i];
-            for (int c = 0; c < 3; c++) x[c] += part * q[3 * c + i];
-        }
+        for (int k = 0; k < 9 && a[4 * i] > 1e-15 * most; k++)
+            inverse[k] += q[3 * (k / 3) + i] * q[3 * (k % 3) + i] / a[4 * i];
 }
 
 static rigid rigid_part(const body *b, const inertia *at, const double *momentum, const double *turning) {
@@ -78,7 +75,10 @@ static rigid rigid_part(const body *b, const inertia *at, const double *momentum
     about[0] = turning[0] - (o[1] * momentum[2] - o[2] * momentum[1]);
     about[1] = turning[1] - (o[2] * momentum[0] - o[0] * momentum[2]);
     about[2] = turning[2] - (o[0] * momentum[1] - o[1] * momentum[0]);
-    solve(at->tensor, about, r.angular);
+    for (int c = 0; c < 3; c++) {
+        const double *row = at->inverse + 3 * c;
+        r.angular[c] = row[0] * about[0] + row[1] * about[1] + row[2] * about[2];
+    }
     r.linear[0] -= r.angular[1] * o[2] - r.angular[2] * o[1];
     r.linear[1] -= r.angular[2] * o[0] - r.angular[0] * o[2];
     r.linear[2] -= r.angular[0] * o[1] - r.angular[1] * o[0];
@@ -129,7 +129,7 @@ static void fit_motion(body *b, const double *sums) {
     for (int c = 0; c < 3; c++) o[c] = s[c] / b->mass_total;
     double x2 = xx[0] - o[0] * s[0], y2 = xx[1] - o[1] * s[1], z2 = xx[2] - o[2] * s[2];
     double xy = xx[3] - o[0] * s[1], yz = xx[4] - o[1] * s[2], zx = xx[5] - o[2] * s[0];
-    double tensor[3][3] = {{y2 + z2, -xy, -zx}, {-xy, x2 + z2, -yz}, {-zx, -yz, x2 + y2}};
-    memcpy(b->moments.tensor, tensor, sizeof tensor);
+    double tensor[9] = {y2 + z2, -xy, -zx, -xy, x2 + z2, -yz, -zx, -yz, x2 + y2};
+    invert(tensor, b->moments.inverse);
     b->drift = rigid_part(b, &b->moments, sums + M_V, sums + M_XV);
 }

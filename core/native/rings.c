@@ -3,26 +3,32 @@
 
 /* the vectors to the neighbours in a slot, and how fast they grow */
 static inline void gather(const body *b, const slot *s, three x, three v, three *arm, three *growth) {
-    const char *base = (const char *)b->records;
-    const record *r0 = (const record *)(base + s->at[0]), *r1 = (const record *)(base + s->at[1]);
-    const record *r2 = (const record *)(base + s->at[2]), *r3 = (const record *)(base + s->at[3]);
-    const record *r4 = (const record *)(base + s->at[4]), *r5 = (const record *)(base + s->at[5]);
-    const record *r6 = (const record *)(base + s->at[6]), *r7 = (const record *)(base + s->at[7]);
-    *arm = minus(lanes_of(r0->x, r1->x, r2->x, r3->x, r4->x, r5->x, r6->x, r7->x), x);
-    *growth = minus(lanes_of(r0->v, r1->v, r2->v, r3->v, r4->v, r5->v, r6->v, r7->v), v);
+    lanes_of(b->records, s->at, arm, growth);
+    *arm = minus(*arm, x), *growth = minus(*growth, v);
+}
+
+/* of an arm d that grows by w: |d|, 1 / d^2 and d.w */
+typedef struct {
+    lanes root, inverse, closing;
+} strain;
+
+static inline strain strain_of(three d, three w) {
+    lanes square = larger(dot(d, d), all(TINY));
+    return (strain){root(square), all(1) / square, dot(d, w)};
 }
 
 /* f = (k (1 - l0 / |d|) + c d.w / d^2) d, with one division: 1 / |d| = |d| / d^2 */
-static inline void pull(const slot *s, three d, three w, three *force) {
-    lanes square = larger(dot(d, d), all(TINY)), inverse = all(1) / square;
-    lanes tension = s->stiffness + (s->damping * dot(d, w) - s->pull * root(square)) * inverse;
+static inline void pull(const slot *s, three d, strain e, three *force) {
+    lanes tension = s->stiffness + (s->damping * e.closing - s->pull * e.root) * e.inverse;
     force->x += tension * d.x, force->y += tension * d.y, force->z += tension * d.z;
 }
 
 /* a x b + b x c = (a - c) x b: two triangles of the fan round a vertex with one product */
-static inline void turn(three a, three b, three c, three *normal) {
-    three n = cross(minus(a, c), b);
-    normal->x += n.x, normal->y += n.y, normal->z += n.z;
+static inline void turn(const three *arm, three *normal) {
+    three m = minus(arm[0], arm[2]), b = arm[1];
+    normal->x = normal->x + m.y * b.z - m.z * b.y; /* in this order each is two fused operations */
+    normal->y = normal->y + m.z * b.x - m.x * b.z;
+    normal->z = normal->z + m.x * b.y - m.y * b.x;
 }
 
 static inline three rotated(const three *rows, three q, three offset) {
@@ -31,8 +37,9 @@ static inline three rotated(const three *rows, three q, three offset) {
 
 /* -(k1 + (k2 - k1) max(1 - d0 / |u|, 0)) u - c w: a spring of two slopes to the place in the shape at rest */
 static inline three hold(const group_matter *m, three u, three w) {
-    lanes d = root(larger(dot(u, u), all(TINY)));
-    lanes k = m->k1 + m->k_more * larger(all(1) - m->d0 / d, all(0));
+    lanes k = m->k1, square = dot(u, u);
+    if (any((mask)(square > m->d0 * m->d0))) /* few vertices are that far from home */
+        k += m->k_more * larger(all(1) - m->d0 / root(larger(square, all(TINY))), all(0));
     return (three){-(k * u.x + m->damping * w.x), -(k * u.y + m->damping * w.y), -(k * u.z + m->damping * w.z)};
 }
 
@@ -42,12 +49,12 @@ static inline void pull_groups(body *b, int fitted) {
     wide volume = {0}, sum[6] = {{0}};
     lanes part[6] = {{0}}, dt = all((real)b->dt), sixth = all((real)1 / 6);
     three offset = splat3(b->translation), linear = splat3(b->drift.linear), angular = splat3(b->drift.angular);
-    three gravity = splat3(b->gravity);
+    three gravity = splat3(b->gravity), arm[DM_MAX_NEIGHBOURS + 2];
+    strain strains[DM_MAX_NEIGHBOURS];
     three rows[3] = {splat3(b->rotation), splat3(b->rotation + 3), splat3(b->rotation + 6)};
     for (int64_t g = 0; g < b->groups; g++) {
         const group_matter *m = b->matter + g;
-        three x = b->state[g].x, v = b->state[g].v, w = v, d, first, before, after, normal = {all(0), all(0), all(0)};
-        /* shape memory first: its root and division are done while the neighbours are gathered */
+        three x = b->state[g].x, v = b->state[g].v, w = v, normal = {all(0), all(0), all(0)};
         if (fitted) {
             three spin = cross(angular, x);
             w = (three){v.x - linear.x - spin.x, v.y - linear.y - spin.y, v.z - linear.z - spin.z};
@@ -59,25 +66,18 @@ static inline void pull_groups(body *b, int fitted) {
             part[3] += turning.x, part[4] += turning.y, part[5] += turning.z;
             if (g % RUN == RUN - 1) fold(part, sum, 6);
         }
-        const slot *s = b->ring.slots + b->ring.start[g], *end = b->ring.slots + b->ring.start[g + 1];
-        if (s < end) {
-            gather(b, s, x, v, &first, &w);
-            pull(s, first, w, &force);
-            for (before = first, s++; s + 1 < end; s += 2, before = after) {
-                gather(b, s, x, v, &d, &w);
-                pull(s, d, w, &force);
-                gather(b, s + 1, x, v, &after, &w);
-                pull(s + 1, after, w, &force);
-                turn(before, d, after, &normal);
+        const slot *s = b->ring.slots + b->ring.start[g];
+        int64_t count = b->ring.start[g + 1] - b->ring.start[g];
+        if (count) {
+            /* two loops, for a spring's root and division take as long as the next one's gather */
+            for (int64_t k = 0; k < count; k++) {
+                gather(b, s + k, x, v, arm + k, &w);
+                strains[k] = strain_of(arm[k], w);
             }
-            if (s < end) {
-                gather(b, s, x, v, &d, &w);
-                pull(s, d, w, &force);
-                turn(before, d, first, &normal);
-            } else {
-                after = cross(before, first);
-                normal.x += after.x, normal.y += after.y, normal.z += after.z;
-            }
+            for (int64_t k = 0; k < count; k++) pull(s + k, arm[k], strains[k], &force);
+            /* the fan closes; where its triangles are odd in number, the last is turned alone */
+            arm[count] = arm[0], arm[count + 1] = (three){all(0), all(0), all(0)};
+            for (int64_t k = 0; k < count; k += 2) turn(arm + k, &normal);
             volume += widen(dot(x, normal));
         }
         /* held vertices have no inverse mass: they keep the velocity they were given */
@@ -103,11 +103,12 @@ static void pull_posed(body *b) { pull_groups(b, 0); }
 static void pull_fitted(body *b) { pull_groups(b, 1); }
 
 static void pull_bend(body *b) {
-    for (int64_t g = 0; b->bend.start && g < b->groups; g++) {
+    if (!b->bend.start || !b->bend.start[b->groups]) return;
+    for (int64_t g = 0; g < b->groups; g++) {
         three d, w, force = {all(0), all(0), all(0)}, v = b->next[g].v;
         for (int64_t s = b->bend.start[g]; s < b->bend.start[g + 1]; s++) {
             gather(b, b->bend.slots + s, b->state[g].x, b->state[g].v, &d, &w);
-            pull(b->bend.slots + s, d, w, &force);
+            pull(b->bend.slots + s, d, strain_of(d, w), &force);
         }
         lanes by = all((real)b->dt) * b->matter[g].inverse_mass;
         b->next[g].v = (three){v.x + by * force.x, v.y + by * force.y, v.z + by * force.z};

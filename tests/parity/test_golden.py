@@ -20,12 +20,12 @@ from core.model import Model
 from tests.parity.cases import CASES, TICK, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "78936be95be882d8506819ff7a4f28df101a5cbc4b0b799c71fea2c29e35fdd1",
-    ("liquid", 32, "AVX2"): "a1475a2b6e57b406730b548622f62c897cb9f41cf1431b1d894528f67dd8eff9",
-    ("liquid", 64, ""): "7aecaf9a4047d406889dfc72bc024c2e726bf2158357a3a820734f795eff7206",
-    ("free on the ground", 32, "SSE2"): "9b7d365e58a8412f5520cd8779130e972458748487a2646e7b4b2c115029906d",
-    ("free on the ground", 32, "AVX2"): "ba5f2a797e909aa45d3108a3ff1ad236ef5689c36a45a19bc462fde69ef6ef68",
-    ("free on the ground", 64, ""): "26d7b3eceac89f87ba22e847873503355a177b21ca089d569cd4be7dc5870900",
+    ("liquid", 32, "SSE2"): "0ff0bed1730b9cdef7ae77a630c122f66ab41951f82e03667de584e27b4a30a9",
+    ("liquid", 32, "AVX2"): "0b66306a970fe10440e8a85a351f1f2943f60dc437c926244d16ea721b91bef3",
+    ("liquid", 64, ""): "84f9cd01ad226d55f7b50bde8dffdd21e82e249bf47bba5da8c476d5bbb88532",
+    ("free on the ground", 32, "SSE2"): "5dffe752a7066bafca4b2d3ae7148fee092e5d3aebd504452dd7e03f2cb89d9c",
+    ("free on the ground", 32, "AVX2"): "b4a00a012439a024758b20a81c4ef772c63103a515eae9a65deb2ea28a054a49",
+    ("free on the ground", 64, ""): "cb099b66618cb908a9488c0db1eddf5cab74ed13e539d6e97243c7cb3e1c9300",
 }
 
 
