@@ -8,8 +8,7 @@ from collections import deque
 from collections.abc import Sequence
 
 from .faults import Fault
-
-BITS_A_BYTE = 10  # start, eight, stop
+from .spec import BITS_A_BYTE
 
 
 class Line:

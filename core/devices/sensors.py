@@ -9,7 +9,7 @@ from .spec import Spec
 from .wire import CHANNELS, FINGERS
 
 RAIL: Final = 0x0100  # of 16 bits, at either end: a wire is off
-JUMP: Final = 0.02  # [rad] in a tick: 6 m/s at the tip, four times the speed limit
+JUMP: Final = 20.0  # [rad/s] 6 m/s at the tip, four times the speed limit
 FROZEN_TICKS: Final = 50  # a reading has noise; so many alike in a row have none
 FAILED_TICKS: Final = 5  # so many readings in a row that cannot be, and the sensor has failed
 
@@ -22,7 +22,7 @@ class Sensors:
 
     def __init__(self, spec: Spec) -> None:
         self.bad = [0] * FINGERS
-        self._jump = round(JUMP / spec.adc_span * 65536)
+        self._jump = round(JUMP * spec.tick / spec.adc_span * 65536)
         self._noise = spec.adc_noise > 0
         self.forget()
 

@@ -15,12 +15,17 @@ from . import wire
 from .vectors import Vector
 
 HAPTIC_MASTER: Final = Path(__file__).with_name("haptic_master.toml")
+BITS_A_BYTE: Final = 10  # on a serial line: start, eight, stop
 HAS_FORCE: Final = 1  # Info.capabilities
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spec:
-    """Hold the numbers of a device, SI; haptic_master.toml says what each is."""
+    """Hold the numbers of a device, SI; haptic_master.toml says what each is.
+
+    Raises:
+        DimpleError: the baud rate cannot carry a State each tick.
+    """
 
     name: str
     block_names: tuple[str, ...]
@@ -56,6 +61,14 @@ class Spec:
     ramp_time: float
     brake: float
 
+    def __post_init__(self) -> None:
+        most = self.baud // (BITS_A_BYTE * wire.size(wire.State))
+        if self.tick_hz > most:
+            raise DimpleError(
+                f"{self.baud} baud cannot carry the {self.tick_hz} positions a second of the {self.name}, {most} at "
+                "most. Raise the baud rate, on the device too, or use a device that is made for a lower rate (tick_hz)."
+            )
+
     @property
     def tick(self) -> float:
         """Return the period of the device [s]."""
@@ -75,6 +88,8 @@ def load_spec(path: Path | None = None) -> Spec:
         raise DimpleError(f"The device file {path} cannot be read: {error.strerror or error}.") from None
     except KeyError as error:
         raise DimpleError(f"The device file {path} has no {error}; see {HAPTIC_MASTER.name}.") from None
+    except DimpleError:
+        raise
     except (TypeError, ValueError) as error:  # TOMLDecodeError and UnicodeDecodeError are ValueErrors
         raise DimpleError(f"The device file {path} is not right: {error}.") from None
     return spec

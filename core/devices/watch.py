@@ -6,7 +6,7 @@ from collections import deque
 from typing import Final
 
 from . import wire
-from .spec import Spec
+from .spec import BITS_A_BYTE, Spec
 
 RECENT: Final = 1000  # answers the percentiles are of
 OLDEST_ECHO: Final = 5  # [ticks] an answer to an older State is refused
@@ -64,7 +64,7 @@ class Watch:
 
     def report(self, nonce: int, bad: int, baud: int) -> wire.Report:
         """Return what a Ping asks for; bad: frames refused by their form."""
-        bits = 10 * (wire.size(wire.State) + wire.size(wire.Command))
+        bits = BITS_A_BYTE * (wire.size(wire.State) + wire.size(wire.Command))
         return wire.Report(
             self.session,
             nonce,

@@ -181,6 +181,11 @@ def test_the_default_device_is_that_of_the_design() -> None:
         ("l1_m = 0.28", "l1_m = [", "device.toml"),
         ("l1_m = 0.28", 'l1_m = "long"', "device.toml"),
         ("span_deg = 120.0", "span_deg = 0.0", "span_deg"),
+        (
+            "baud = 921600",
+            "baud = 115200",
+            "115200 baud cannot carry the 1000 positions a second of the Haptic Master, 320",
+        ),
     ],
 )
 def test_a_device_file_that_is_not_safe_is_refused(tmp_path, line: str, instead: str, words: str) -> None:
