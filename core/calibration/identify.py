@@ -23,7 +23,7 @@ from .sweep import SWEEPS, Progress, Sweep, Task, constants_of, fitted, swept
 STATIONS = 12  # depths of a sweep that is fitted
 CHECKED = 30  # depths of the sweep that judges the result
 GOAL = (0.35, 0.5)  # of what is allowed, at the worst depth: a hand does not tell 5 % of a force
-FIRST_SHARE = 0.1  # of the force at the knee: what the skin may carry in the first guess
+FIRST_SHARE = 0.1  # of the force: what the skin may carry in the first guess
 LIMITS = (1e-5, 1.0)  # of the skin's scale
 GROWS = 0.8  # power of the scale with which the worst error grows
 LARGEST_CHANGE = 8.0  # of the scale from one fit to the next
@@ -103,7 +103,7 @@ def identification(
     """
     task = Task(mesh=mesh, material=material, indenter=indenter, site=site)
     depths, stopped = _depths(deepest, site)
-    logs = np.log(_first_guess(task))
+    logs = np.log(_first_guess(task, depths[-1]))
     sweep = yield from swept(task, logs, depths, 0, "First press")
     if not sweep.whole:
         depths, stopped = sweep.depths, _lost_in_words(sweep)
@@ -174,8 +174,8 @@ def _miss_in_words(sweep: Sweep, indenter: Indenter) -> str:
     return f"The simulated press is off the most at {1e3 * sweep.depths[at]:.3g} mm: {there}.{why}"
 
 
-def _first_guess(task: Task) -> list[float]:
-    """Let the bed under the tip carry all, K = kappa A, and the skin round it a little.
+def _first_guess(task: Task, deepest: float) -> list[float]:
+    """Let the bed under the tip carry all, K = kappa A, and the skin round it a little, at the knee and at the deepest.
 
     A spring of the length h of an edge whose end goes down by x answers k (sqrt(h^2 + x^2) - h) x / sqrt(h^2 + x^2);
     about as many as six for each vertex at the rim do.
@@ -184,9 +184,13 @@ def _first_guess(task: Task) -> list[float]:
     area = float(mesh.vertex_areas[under].sum())
     rim = under[mesh.springs].sum(axis=1) == 1
     edge = float(mesh.rest_lengths[rim if rim.any() else slice(None)].mean())
-    long = math.hypot(edge, material.x0)
-    skin = int(rim.sum()) * material.k * (long - edge) * material.x0 / long
-    scale = FIRST_SHARE * material.K1 * material.x0 / max(skin, 1e-30)
+
+    def share(depth: float) -> float:
+        long = math.hypot(edge, depth)
+        skin = int(rim.sum()) * material.k * (long - edge) * depth / long
+        return FIRST_SHARE * material.law(depth) / max(skin, 1e-30)
+
+    scale = min(share(material.x0), share(deepest))
     return [material.K1 / area, material.K2 / area, material.x0, min(max(scale, LIMITS[0]), LIMITS[1])]
 
 

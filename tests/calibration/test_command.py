@@ -65,7 +65,7 @@ def test_identify_adds_the_constants_of_the_model_and_what_they_are_worth(suffix
     press, tip = told["press"], told["prediction"]
     assert press["depth"][-1] == pytest.approx(20, rel=0.01)
     assert len(press["simulated"]) == len(press["wanted"]) == len(press["depth"])
-    assert tip["tip_radius"] == 10 and len(tip["force"]) == len(tip["depth"]) and "coarse" in tip["note"]
+    assert tip["tip_radius"] == 10 and len(tip["force"]) == len(tip["depth"]) and "prediction" in tip["note"]
 
 
 def test_the_tip_that_measured_decides_the_constants(tmp_path, capsys):
