@@ -26,13 +26,18 @@ class RestSurface:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touching:
-    """Hold how a fingertip meets the surface at rest, carried along by the body: depth [m], negative where it is clear
-    of it, the way out (3,), a unit vector, the nearest triangle, and the fingertip's centre (3,) [m]."""
+    """Hold how a fingertip meets the surface at rest, carried along by the body.
+
+    depth: [m], negative where it is clear.  outward: (3,) unit vector.  triangle: the nearest.  centre: (3,) of the
+    fingertip [m]; local: the same in the space of the shape at rest, of which pose tells where it is.
+    """
 
     depth: float
     outward: Floats
     triangle: int
     centre: Floats
+    local: Floats
+    pose: Pose
 
 
 def rest_surface(mesh: Mesh) -> RestSurface:
@@ -84,4 +89,4 @@ def touching(surface: RestSurface, pose: Pose, centre: Floats, radius: float, si
     face = surface.normals[:, triangle]
     # the way the depth falls fastest; on the very surface only the face knows it
     outward = offset / height if abs(height) > 1e-6 * radius else face
-    return Touching(depth=depth, outward=rotation @ outward, triangle=triangle, centre=centre)
+    return Touching(depth=depth, outward=rotation @ outward, triangle=triangle, centre=centre, local=local, pose=pose)

@@ -46,6 +46,7 @@ def add_servo(command: argparse.ArgumentParser) -> None:
     command.add_argument("--mailbox", type=Path, required=True, metavar="FILE", help="that Blender made")
     command.add_argument("--baud", type=int, metavar="B", help="bits a second, if not the device's")
     command.add_argument("--device", type=Path, metavar="TOML", help="what it is, if not the Haptic Master")
+    command.add_argument("--log", type=Path, metavar="OUT.csv", help="write each answer: places and forces")
 
 
 def add_emulator(command: argparse.ArgumentParser) -> None:

@@ -72,13 +72,14 @@ class HapticMaster:
     """Run a Haptic Master on a serial port, or what speaks like one, by a servo process.
 
     port: its path.  baud: None is the device file's.  spec_path: device file, None is the Haptic Master's.
-    held: the dead-man key is; False leaves it to the device's button.
+    held: the dead-man key is; False leaves it to the device's button.  log: where the servo writes each answer.
     """
 
     port: str
     baud: int | None = None
     spec_path: Path | None = None
     held: bool = True
+    log: Path | None = None
     process: subprocess.Popen[bytes] | None = None
     _box: Mailbox | None = None
     _seen: int = 0
@@ -105,6 +106,7 @@ class HapticMaster:
         self._box, self._seen, self._order, self._report = Mailbox(), 0, Order(held=self.held), Report()
         options = ["--baud", str(self.baud)] if self.baud else []
         options += ["--device", str(self.spec_path)] if self.spec_path else []
+        options += ["--log", str(self.log)] if self.log else []
         self._errors = tempfile.TemporaryFile()
         try:
             self.process = start(["servo", self.port, "--mailbox", str(self._box.path), *options], self._errors)

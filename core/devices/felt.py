@@ -1,19 +1,21 @@
 """What a device lets feel of a running session: the measured law of each fingertip, as a local contact.
 
 The force is Eq. (1), K(x) with the depth below the surface at rest, as in the paper: what is felt is what was
-measured, whatever fingertip presses. Sideways it is the friction of the simulation. Slopes steeper than the device
-can render are rendered as steep as it can, and `renderings` says so.
+measured, whatever fingertip presses. Sideways a spring holds it to the place of the body that it stuck to, and
+slips beyond the friction. (The simulation's own friction, a frame old, would shake the hand: it is a force held for
+a frame.) Slopes steeper than the device can render are rendered as steep as it can, and `renderings` says so.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..base import Floats
 from ..depth import Touching
 from ..material import Material
+from ..model import Model
 from ..session import Session
 from .contact_model import Contact
 from .vectors import Vector
@@ -67,32 +69,53 @@ def rendered(material: Material, cap: float) -> Material:
     return replace(material, K1=min(material.K1, cap), K2=min(material.K2, cap))
 
 
-def contacts(session: Session, place: Workspace, cap: float, now: float) -> tuple[Contact | None, ...]:
-    """Return what each fingertip of a session feels, in the space of the device.
+@dataclass(slots=True)
+class Felt:
+    """Follow what the fingertips of a session feel.
 
-    Args:
-        cap: largest stiffness the device renders [N/m].  now: [s] of the clock that the servo reads too.
+    stuck: for each, the place (3,) [m] in the shape at rest where it sticks to the body, None where it touches nothing.
     """
-    forces = session.frame.finger_forces
-    return tuple(
-        _contact(session, touch, forces[i] if i < len(forces) else np.zeros(3), place, cap, now) if touch else None
-        for i, touch in enumerate(session.touches())
-    )
 
+    stuck: dict[int, Floats] = field(default_factory=dict)
 
-def _contact(session: Session, touch: Touching, force: Floats, place: Workspace, cap: float, now: float) -> Contact:
-    model = session.model
-    material = rendered(model.materials[int(model.mesh.triangle_material[touch.triangle])], cap)
-    slope = material.K1 if touch.depth <= material.x0 else material.K2
-    out = touch.outward
-    grip = force - (force @ out) * out
-    felt = material.law(touch.depth) * out + (grip if touch.depth > 0 else 0.0)
-    turned = np.array(place.turn).T
-    return Contact(
-        force=_vector(turned @ felt / place.scale), at=_vector(place.to_device(touch.centre)),
-        normal=_vector(turned @ out), k_n=slope, k_t=SIDEWAYS * slope if touch.depth > 0 else 0.0,
-        gap=max(-touch.depth, 0.0) / place.scale, friction=material.friction, stamp=now,
-    )  # fmt: skip
+    def contacts(self, session: Session, place: Workspace, cap: float, now: float) -> tuple[Contact | None, ...]:
+        """Return what each fingertip feels, in the space of the device.
+
+        Args:
+            cap: largest stiffness the device renders [N/m].  now: [s] of the clock that the servo reads too.
+        """
+        return tuple(
+            self._contact(session.model, i, touch, place, cap, now) if touch else None
+            for i, touch in enumerate(session.touches())
+        )
+
+    def _contact(self, model: Model, i: int, touch: Touching, place: Workspace, cap: float, now: float) -> Contact:
+        material = rendered(model.materials[int(model.mesh.triangle_material[touch.triangle])], cap)
+        slope = material.K1 if touch.depth <= material.x0 else material.K2
+        push = material.law(touch.depth)
+        grip = self._grip(i, touch, SIDEWAYS * slope, material.friction * push)
+        turned = np.array(place.turn).T
+        return Contact(
+            force=_vector(turned @ (push * touch.outward + grip) / place.scale),
+            at=_vector(place.to_device(touch.centre)), normal=_vector(turned @ touch.outward),
+            k_n=slope, k_t=SIDEWAYS * slope if touch.depth > 0 else 0.0, gap=max(-touch.depth, 0.0) / place.scale,
+            friction=material.friction, stamp=now,
+        )  # fmt: skip
+
+    def _grip(self, i: int, touch: Touching, stiffness: float, most: float) -> Floats:
+        """Return the force (3,) [N] sideways, at most so large [N]; beyond, the place it sticks to is dragged along."""
+        if touch.depth <= 0:
+            self.stuck.pop(i, None)
+            return np.zeros(3)
+        rotation, translation = touch.pose
+        way = touch.centre - (rotation @ self.stuck.setdefault(i, touch.local) + translation)
+        way -= (way @ touch.outward) * touch.outward
+        grip = -stiffness * way
+        over = float(np.linalg.norm(grip)) / max(most, 1e-9)
+        if over > 1:
+            grip, way = grip / over, way / over
+        self.stuck[i] = rotation.T @ (touch.centre - way - translation)
+        return grip
 
 
 def _vector(a: Floats) -> Vector:

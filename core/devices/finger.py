@@ -42,7 +42,7 @@ class Finger:
         angles = kinematics.adc_angles(spec, words)
         if masked or any(not RAIL <= word < 0x10000 - RAIL for word in words) or self._jumps(angles, ticks):
             self.bad += 1
-            self.guard.motion.stop()
+            self.guard.skip()
             return
         try:
             self.at = kinematics.forward(self.block, angles)
@@ -61,7 +61,7 @@ class Finger:
     def forget(self) -> None:
         """Believe the next reading wherever it is: no force acts."""
         self.angles, self.bad = None, 0
-        self.guard.motion.stop()
+        self.guard.skip()
 
     def drive(self, spec: Spec, force: Vector) -> Three:
         """Return the torque words for a force [N]; a torque beyond its motor shortens the force, never turns it."""

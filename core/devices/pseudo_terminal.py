@@ -13,6 +13,7 @@ from pathlib import Path
 from types import FrameType
 
 from ..errors import DimpleError
+from . import precedence
 from .emulator import Emulator
 
 MOST_LATE = 2e-3  # [s] when this process was kept from running for longer, the device's clock stood still meanwhile
@@ -46,6 +47,7 @@ def _run(emulator: Emulator, master: int, seconds: float, lifeline: int | None) 
     told = {"slips": 0.0, "slipped_s": 0.0, "overflows": 0.0}
     begin = time.monotonic()
     watched = [master] if lifeline is None else [master, lifeline]
+    precedence.ask()  # it stands for hardware, which nothing keeps from running
     gc.disable()  # nothing here makes cycles, and a sweep would be late
     with suppress(Stopped):
         while not emulator.unplugged and time.monotonic() - begin < seconds:

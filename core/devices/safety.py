@@ -25,6 +25,7 @@ BAD_NUMBERS, BAD_TIME = 3, 0.100  # so many NaN or inf within [s] disarm
 SPEED_TIME = 0.005  # [s] time constant of the speed: one converter bit a tick is already 0.1 m/s
 PASSIVITY_DAMPING = 12.0  # [N s/m] the most the passivity controller adds: a tenth of tip mass over tick
 PASSIVITY_SPEED = 2e-3  # [m/s] slower than this is converter noise
+GRAIN = 4e-4  # [m] five times the noise of a 12-bit converter at the tip
 STORE_TIME = 0.050  # [s] without force: the spring is relaxed, nothing is stored
 
 
@@ -119,15 +120,13 @@ class Motion:
     since: float = 0.0
     speed: Vector = ZERO
 
-    def move(self, x: Vector, now: float) -> Vector:
-        """Take a position [m]; return the way since the last one."""
+    def move(self, x: Vector, now: float) -> None:
+        """Take a position [m]."""
         before, dt = self.at, now - self.since
         self.at, self.since = x, now
-        if before is None or dt <= 0:
-            return ZERO
-        way = along(x, before, -1.0)
-        self.speed = along(self.speed, along(scaled(way, 1 / dt), self.speed, -1.0), dt / (SPEED_TIME + dt))
-        return way
+        if before and dt > 0:
+            speed = scaled(along(x, before, -1.0), 1 / dt)
+            self.speed = along(self.speed, along(speed, self.speed, -1.0), dt / (SPEED_TIME + dt))
 
     def stop(self) -> None:
         """Forget: the next position follows on nothing."""
@@ -138,24 +137,37 @@ class Motion:
 class Passivity:
     """Observe the energy a fingertip's force took from the hand, and damp where it gave more than it took.
 
-    stored: [J] taken less given, of this touch.  least: [J] the lowest it ever was.  Source: Hannaford and Ryu,
-    time-domain passivity control.
+    stored: [J] taken less given, of this touch.  least: [J] the lowest it ever was.  begin: of the way under way [m],
+    with the sum of the forces along it and their number. A way is counted when it is longer than the noise of the
+    converters: force follows their noise, and tick by tick that would look like energy (K sigma^2 each).
+    Source: Hannaford and Ryu, time-domain passivity control.
     """
 
     stored: float = 0.0
     least: float = 0.0
     idle_since: float | None = None
+    begin: Vector | None = None
+    total: Vector = ZERO
+    count: int = 0
 
-    def observe(self, force: Vector, way: Vector, now: float) -> None:
-        """Take the force [N] that acted along a way [m]."""
-        self.stored -= dot(force, way)
-        self.least = min(self.least, self.stored)
+    def observe(self, force: Vector, x: Vector, now: float) -> None:
+        """Take the force [N] that acted until the fingertip came to x [m]."""
+        self.total, self.count = along(self.total, force, 1.0), self.count + 1
+        way = along(x, self.begin or x, -1.0)
+        if self.begin is None or dot(way, way) > GRAIN**2:
+            self.stored -= dot(self.total, way) / self.count
+            self.least = min(self.least, self.stored)
+            self.begin, self.total, self.count = x, ZERO, 0
         if force != ZERO:
             self.idle_since = None
         elif self.idle_since is None:
             self.idle_since = now
         elif now - self.idle_since > STORE_TIME:
             self.stored = min(self.stored, 0.0)  # what was dissipated pays for nothing later
+
+    def skip(self) -> None:
+        """Forget the way under way: a sensor failed."""
+        self.begin, self.total, self.count = None, ZERO, 0
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         """Return the force [N] that pays back what was given too much."""
@@ -182,8 +194,14 @@ class Guard:
     def move(self, x: Vector, now: float) -> None:
         """Take the fingertip's position [m]."""
         dt = now - self.motion.since if self.motion.at else 0.0
-        self.passivity.observe(self.sent, self.motion.move(x, now), now)
+        self.motion.move(x, now)
+        self.passivity.observe(self.sent, x, now)
         self.square += (dot(self.sent, self.sent) - self.square) * min(max(dt, 0.0) / RMS_TIME, 1.0)
+
+    def skip(self) -> None:
+        """Miss a position: the next one follows on nothing."""
+        self.motion.stop()
+        self.passivity.skip()
 
     def output(self, wanted: Vector, gain: float, dt: float) -> Vector:
         """Return the force [N] that may act for a force that is wanted; no number, no force."""

@@ -15,8 +15,10 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 from ..errors import DimpleError
+from . import precedence
 from .letters import ORDER_SIZE, Link, pack_report, unpack_order
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .serial_link import WINDOWS, LinkLost, open_link
@@ -24,17 +26,18 @@ from .serial_link import Link as Line
 from .servo import Servo
 from .spec import load_spec
 
+LogRow = tuple[float, ...]
+
 LOOK = 0.002  # [s] at most between two looks at line and lifeline
 REPORT_EVERY = 0.002  # [s] Blender reads at 60 Hz
 LAST_WORDS = 0.010  # [s] for the bytes of the last command to leave
-PRECEDENCE = -20  # "niceness", the least
 BLENDER_GONE = 10.0  # [s] without an order where a pipe cannot be watched (Windows)
 
 
 def run(options: argparse.Namespace) -> int:
     """Serve a line until standard input closes, and leave it without force; return 0, or 2 with the reason posted."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    _ask_for_precedence()
+    precedence.ask()
     gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
     box = Mailbox(options.mailbox)
     try:
@@ -43,10 +46,12 @@ def run(options: argparse.Namespace) -> int:
         servo = Servo(spec, nonce=os.getpid() & 0xFFFF)
         try:
             line = open_link(options.port, spec.baud)
+            log: list[LogRow] | None = [] if options.log else None
             try:
-                serve(servo, line, box, lifeline(line))
+                serve(servo, line, box, lifeline(line), log)
             finally:
                 hang_up(servo, line)
+                write_log(options.log, log)
         except DimpleError as error:
             link = Link.LOST if isinstance(error, LinkLost) else Link.REFUSED
             box.post(FROM_SERVO, pack_report(replace(servo.report(), link=link, message=str(error))))
@@ -56,8 +61,10 @@ def run(options: argparse.Namespace) -> int:
         box.close()
 
 
-def serve(servo: Servo, line: Line, box: Mailbox, alive: Callable[[float], bool]) -> None:
-    """Answer the device until Blender is gone or the device refused.
+def serve(
+    servo: Servo, line: Line, box: Mailbox, alive: Callable[[float], bool], log: list[LogRow] | None = None
+) -> None:
+    """Answer the device until Blender is gone or the device refused; log each answer where asked to.
 
     Raises:
         LinkLost: the line is gone.
@@ -71,6 +78,8 @@ def serve(servo: Servo, line: Line, box: Mailbox, alive: Callable[[float], bool]
         out = servo.step(now, line.read())
         if out:
             line.write(out)
+            if log is not None and servo.device_time_us >= 0:
+                log.append((servo.device_time_us, *(c for tip in servo.tips for three in tip for c in three)))
         if now - posted > REPORT_EVERY or servo.link is Link.REFUSED:
             posted = now
             box.post(FROM_SERVO, pack_report(servo.report()))
@@ -107,9 +116,7 @@ def hang_up(servo: Servo, line: Line) -> None:
     line.close()
 
 
-def _ask_for_precedence() -> None:
-    """Ask the system to run this process before others; it may say no."""
-    try:
-        os.setpriority(os.PRIO_PROCESS, 0, PRECEDENCE)
-    except (AttributeError, OSError):  # Windows was asked at the start (device.start); an account without the right
-        pass
+def write_log(path: Path | None, log: list[LogRow] | None) -> None:
+    """Write what the servo took and gave: time of the device [us], then position [m] and force [N] of each tip."""
+    if path and log is not None:
+        path.write_text("".join(",".join(map(repr, row)) + "\n" for row in log), encoding="utf-8")

@@ -41,7 +41,9 @@ LOSSY = "{share:.0%} of the frames are lost on the line. Check the cable."
 class Servo:
     """Run a device.
 
-    order: what Blender wants; replace it whenever it changes.  link, message: for Blender.
+    order: what Blender wants; replace it whenever it changes.  link, message: for Blender.  cap: largest stiffness to
+    render [N/m]; it falls as soon as the delay grows, and rises only while nothing is touched: a wall that stiffens
+    under a finger pushes it out.
     """
 
     def __init__(self, spec: Spec, *, nonce: int = 1) -> None:
@@ -57,6 +59,7 @@ class Servo:
         self._state: wire.State | None = None
         self._heard = self._device_time = 0.0  # when the last STATE came, and when the device says it was [s]
         self._measured: wire.Report | None = None
+        self.cap = stiffness_cap(spec.viscous, spec.tick, FIRST_DELAY)
 
     @property
     def delay(self) -> float:
@@ -67,9 +70,14 @@ class Servo:
         return max(math.ceil(self._measured.rtt_p99_us * 1e-6 / tick), 1) * tick
 
     @property
-    def cap(self) -> float:
-        """Return the largest stiffness to render [N/m]."""
-        return stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
+    def device_time_us(self) -> int:
+        """Return when the device sensed what was answered last [us], -1 before the first STATE."""
+        return self._state.t_us if self._state else -1
+
+    @property
+    def tips(self) -> list[tuple[Vector, Vector]]:
+        """Return position [m] and force [N] of each fingertip."""
+        return [(finger.at, finger.guard.sent) for finger in self._fingers]
 
     def step(self, now: float, incoming: bytes) -> bytes:
         """Take what came in, at a time [s]; return what goes out."""
@@ -187,10 +195,13 @@ class Servo:
         return out + self._command((*a, *b, *c), flags)
 
     def _take_contacts(self, now: float) -> None:
-        """Let the fingers feel the newest contacts; what is not a number is no contact."""
+        """Let the fingers feel the newest contacts, as stiff as the delay allows; what is no number is no contact."""
         if self.order.contacts is self._contacts:
             return
         self._contacts = self.order.contacts
+        cap = stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
+        if cap < self.cap or all(finger.guard.sent == ZERO for finger in self._fingers):
+            self.cap = cap
         for finger, contact in zip(self._fingers, self._contacts, strict=False):
             if contact and not is_sane(contact):
                 contact = None

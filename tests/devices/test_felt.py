@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.devices.contact_model import force_at
-from core.devices.felt import Workspace, contacts, renderings
+from core.devices.contact_model import Contact, force_at
+from core.devices.felt import Felt, Workspace, renderings
 from core.material import PRESETS
 from core.mesh import base_vertices
 from core.model import build_model
@@ -26,12 +26,14 @@ def session() -> Session:
     return Session(build_model(mesh, [MATERIAL], held=base_vertices(mesh)))
 
 
-def press(session: Session, depth: float, *, across: float = 0.0) -> None:
+def contacts(session: Session, place: Workspace, cap: float, now: float) -> tuple[Contact | None, ...]:
+    return Felt().contacts(session, place, cap, now)
+
+
+def press(session: Session, depth: float) -> None:
     session.reset()
     session.set_fingers([Finger((0.0, 0.0, TOP), RADIUS)])
     session.set_fingers([Finger((0.0, 0.0, TOP - depth), RADIUS)])
-    session.step(0.1)
-    session.set_fingers([Finger((across, 0.0, TOP - depth), RADIUS)])
     session.step(0.1)
 
 
@@ -79,11 +81,46 @@ def test_clear_of_the_body_the_gap_is_known(session: Session) -> None:
     assert force_at(contact, touched, CAP)[2] == pytest.approx(MATERIAL.K1 * 0.002, rel=0.01)
 
 
-def test_a_dragged_fingertip_feels_the_friction_of_the_simulation(session: Session) -> None:
-    press(session, 0.010, across=0.004)
-    (contact,) = contacts(session, Workspace(), CAP, 0.0)
-    assert contact and contact.force[0] < -0.05
-    assert contact.force[0] == pytest.approx(session.frame.finger_forces[0, 0], rel=1e-6)
+def drag(session: Session, felt: Felt, ways: list[float]) -> list[Contact]:
+    """Press 10 mm deep, then go to places along x [m]."""
+    press(session, 0.010)
+    out = []
+    for x in [0.0, *ways]:
+        session.set_fingers([Finger((x, 0.0, TOP - 0.010), RADIUS)])
+        session.step(0.05)
+        (contact,) = felt.contacts(session, Workspace(), CAP, 0.0)
+        assert contact
+        out.append(contact)
+    return out
+
+
+def test_sideways_a_fingertip_sticks_then_slips() -> None:
+    """A spring of 2/3 K1 up to half the push (friction 0.5), then no more; turned round it lets go and pulls back."""
+    mesh = scenes.cube(6, PRESETS[1].size)
+    session = Session(build_model(mesh, [MATERIAL], held=base_vertices(mesh)))
+    _, stick, slip, back = (c.force for c in drag(session, Felt(), [0.004, 0.020, 0.016]))
+    push, k = MATERIAL.K1 * 0.010, 2 / 3 * MATERIAL.K1
+    assert stick[0] == pytest.approx(-k * 0.004, rel=0.03)
+    assert slip[0] == pytest.approx(-0.5 * push, rel=0.03)
+    assert back[0] == pytest.approx(-0.5 * push + k * 0.004, rel=0.03)
+
+
+def test_sideways_too_two_frames_tell_the_same_line(session: Session) -> None:
+    """So that the rate of the simulation is not felt, and nothing shakes."""
+    _, first, second = drag(session, Felt(), [0.002, 0.005])
+    assert force_at(first, second.at, CAP)[0] == pytest.approx(second.force[0], rel=0.03)
+
+
+def test_a_place_that_is_carried_off_pulls_the_fingertip_along(session: Session) -> None:
+    felt = Felt()
+    (before,) = drag(session, felt, [])
+    (touch,) = session.touches()
+    assert touch
+    rotation, _ = touch.pose
+    felt.stuck[0] = felt.stuck[0] + rotation.T @ np.array([0.003, 0.0, 0.0])
+    (after,) = felt.contacts(session, Workspace(), CAP, 0.0)
+    assert after
+    assert after.force[0] - before.force[0] == pytest.approx(2 / 3 * MATERIAL.K1 * 0.003, rel=0.03)
 
 
 def test_a_larger_workspace_feels_as_stiff(session: Session) -> None:
@@ -96,10 +133,10 @@ def test_a_larger_workspace_feels_as_stiff(session: Session) -> None:
 
 
 def test_a_turned_workspace_turns_the_force(session: Session) -> None:
-    press(session, 0.010, across=0.004)
-    (straight,) = contacts(session, Workspace(), CAP, 0.0)
-    (turned,) = contacts(session, Workspace(turn=TURN), CAP, 0.0)
-    assert straight and turned
+    felt = Felt()
+    straight = drag(session, felt, [0.004])[-1]
+    (turned,) = felt.contacts(session, Workspace(turn=TURN), CAP, 0.0)
+    assert turned and straight.force[0] < -0.5
     x, y, z = straight.force
     assert turned.force == pytest.approx((y, -x, z))
 

@@ -259,11 +259,28 @@ def test_an_answer_to_somebody_elses_hello_is_not_ours() -> None:
     assert servo.link is Link.OPENING
 
 
+def delayed(device: BenchDevice, p99_us: int) -> float:
+    """Let the device measure a delay; return the largest stiffness from then on [N/m]."""
+    device.say(wire.encode(wire.Report(SESSION, 0, 1000, 1000, 0, 900, p99_us, 5000, 738, 0, 0, 0)))
+    device.tick(16)
+    return device.servo.report().cap
+
+
 def test_the_cap_follows_the_measured_delay_in_whole_ticks() -> None:
     device = BenchDevice()
-    report = wire.Report(SESSION, 0, 1000, 1000, 0, 900, 1500, 2000, 738, 0, 0, 0)
-    device.say(wire.encode(report))
-    assert device.servo.cap == pytest.approx(0.8 * 2.0 / (0.5e-3 + 2e-3))
+    device.feel(wall(device.now))
+    for p99_us, ticks in ((900, 1), (1500, 2), (2001, 3)):
+        assert delayed(device, p99_us) == pytest.approx(0.8 * 2.0 / (0.5e-3 + ticks * 1e-3))
+
+
+def test_the_cap_never_rises_under_a_pressed_finger() -> None:
+    device = BenchDevice().pressing()
+    low = delayed(device, 3500)
+    assert low < 640 and delayed(device, 900) == low
+    for i in range(100):
+        device.at[0] = (0.0, 0.0, -0.005 + i * 1e-4)
+        device.tick()
+    assert delayed(device, 900) > 1000
 
 
 def test_garbage_never_raises_and_never_moves_a_motor() -> None:
