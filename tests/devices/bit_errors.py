@@ -17,21 +17,23 @@ BATCH = 20_000  # frames; fewer than sequence numbers, so that each is known by 
 CHUNK = 4096  # bytes a read
 
 
-def lost_share(rate: float) -> float:
-    """Return the expected share of States hit by one error or more."""
-    return float(-np.expm1(8 * wire.size(wire.State) * np.log1p(-rate)))
+def lost_share(rate: float, kind: type = wire.State) -> float:
+    """Return the expected share of frames hit by one error or more: 1 - (1 - rate)^288 of States."""
+    return float(-np.expm1(8 * wire.size(kind) * np.log1p(-rate)))
 
 
-def states(dice: np.random.Generator) -> list[wire.Frame]:
-    """Return a batch of States, seq 0, 1, 2..., all else random."""
+def frames_of(kind: type, dice: np.random.Generator) -> list[wire.Frame]:
+    """Return a batch of States or Commands, seq 0, 1, 2..., all else random."""
     words, times = dice.integers(0, 65536, (BATCH, 9)).tolist(), dice.integers(0, 1 << 32, BATCH).tolist()
-    return [wire.State(7, i, i - 1 & 0xFFFF, times[i], tuple(words[i]), 0, 3) for i in range(BATCH)]
+    if kind is wire.State:
+        return [wire.State(7, i, i - 1 & 0xFFFF, times[i], tuple(words[i]), 0, 3) for i in range(BATCH)]
+    return [wire.Command(7, i, i, tuple(word - 32768 for word in words[i]), 3, 5) for i in range(BATCH)]
 
 
-def survey(rate: float, frames: int, seed: int) -> tuple[int, int, int]:
-    """Return how many States were sent, how many came out unaltered, and how many of what came out is wrong."""
+def survey(rate: float, frames: int, seed: int, kind: type = wire.State) -> tuple[int, int, int]:
+    """Return how many frames were sent, how many came out unaltered, and how many of what came out is wrong."""
     dice = np.random.default_rng(seed)
-    batch = states(dice)
+    batch = frames_of(kind, dice)
     clean = np.frombuffer(b"".join(map(wire.encode, batch)), np.uint8)
     decoder, sent, found, wrong = wire.Decoder(), 0, 0, 0
     while sent < frames:
@@ -41,9 +43,9 @@ def survey(rate: float, frames: int, seed: int) -> tuple[int, int, int]:
         data, last = line.tobytes(), -1
         for at in range(0, len(data), CHUNK):
             for frame in decoder.feed(data[at : at + CHUNK]):
-                right = type(frame) is wire.State and last < frame.seq < BATCH and frame == batch[frame.seq]
-                found, wrong = found + right, wrong + (not right)
-                last = frame.seq if isinstance(frame, wire.State) else last
+                seq = frame.seq if isinstance(frame, (wire.State, wire.Command)) else -1
+                right = type(frame) is kind and last < seq < BATCH and frame == batch[seq]
+                found, wrong, last = found + right, wrong + (not right), max(last, seq)
         decoder.feed(b"\0")
         sent += BATCH
     return sent, found, wrong
@@ -56,12 +58,14 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     begin, everything, mistakes = time.process_time(), 0, 0
-    print("bit error rate,frames,lost,lost share,1-(1-p)^288,ratio,wrong")
+    print("frame,bit error rate,sent,lost,lost share,1-(1-p)^bits,ratio,wrong")
     for rate, share in RATES.items():
-        sent, found, wrong = survey(rate, round(share * options.frames), options.seed)
-        lost, expected = 1 - found / sent, lost_share(rate)
-        print(f"{rate:.0e},{sent},{sent - found},{lost:.4e},{expected:.4e},{lost / expected:.3f},{wrong}", flush=True)
-        everything, mistakes = everything + sent, mistakes + wrong
+        for kind in (wire.State, wire.Command):
+            sent, found, wrong = survey(rate, round(share * options.frames / 2), options.seed, kind)
+            lost, expected = 1 - found / sent, lost_share(rate, kind)
+            figures = f"{rate:.0e},{sent},{sent - found},{lost:.4e},{expected:.4e},{lost / expected:.3f},{wrong}"
+            print(f"{kind.__name__},{figures}", flush=True)
+            everything, mistakes = everything + sent, mistakes + wrong
     seconds = time.process_time() - begin
     print(
         f"{mistakes} wrong frames accepted of {everything}; {seconds:.0f} s, {1e6 * seconds / everything:.1f} us each"
