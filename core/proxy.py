@@ -58,8 +58,11 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
         DimpleError: none can be made, and why.
     """
     mesh = model.mesh
-    _check(model, vertices)
+    check(model)
     used = np.flatnonzero(~mesh.loose)
+    most = min(len(used) // 2, LARGEST)
+    if not SMALLEST <= vertices <= most:
+        raise DimpleError(f"a stand-in of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
     spacing = mean_spacing(mesh, vertices)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
@@ -131,15 +134,12 @@ def contact_radius(proxy: Proxy, radius: float) -> float:
     return radius - min(dip, MOST_DIP * radius)
 
 
-def _check(model: Model, vertices: int) -> None:
-    used = int((~model.mesh.loose).sum())
+def check(model: Model) -> None:
+    """Raise a DimpleError when a model can have no stand-in whatever its size, and say why."""
     if model.needs_contact or model.law_set == "paper":
         raise DimpleError("the paper's equations depend on the mesh, so they run on the mesh itself")
     if len(model.springs.pairs) > len(model.mesh.springs):
         raise DimpleError("bend springs are not carried over to a stand-in")
-    most = min(used // 2, LARGEST)
-    if not SMALLEST <= vertices <= most:
-        raise DimpleError(f"a stand-in of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
 
 
 def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:

@@ -16,6 +16,7 @@ FLOORS = {
     "core.calibration": 3,
     "core.devices": 3,
     "core.planner": 3,
+    "core.trial": 3,
     "core.poke": 3,
     "core.proxy": 3,
     "core.recording": 3,

@@ -1,0 +1,220 @@
+"""Choose how a body is simulated: on its mesh where that runs live, else on the smallest stand-in that is near enough.
+
+Over live errors semi-implicit Euler in native code is on the front of every body tried (core.study.stand_ins): what
+is left to choose is how many vertices move. No law is left out to save time: a body does not know what it will meet.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from .base import TICK, DimpleError
+from .integrators.path import FingerPath
+from .model import Model, initial_state
+from .proxy import LARGEST, SMALLEST, Proxy, build_proxy, check, mean_spacing
+from .trial import DOWN, HOLD, Outcome, Way, choose_presses, default_run, press_mesh, try_way
+
+_Result = TypeVar("_Result")
+
+BUDGET = 0.6  # [s] of a second for the simulation; the rest is Blender's, to draw
+TOLERANCE = 0.5e-3  # [m] between the skins, over the dent
+FORCE_TOLERANCE = 0.1  # of the force: about what a fingertip can tell apart
+CONTACT = 1.15  # times the work of a body nobody touches
+# Error over fingertip radius, and of force, at a spacing as large as the fingertip, and the power of spacing over
+# radius they go with: fitted to 48 bodies of the study, presses of half a radius (core.study.stand_ins)
+ERROR, ERROR_POWER = 0.086, 1.39
+FORCE_ERROR, FORCE_POWER = 0.23, 1.77
+MARGIN = 1.2  # of an error that differs from place to place
+TRIES = 4
+NEAR_ENOUGH = 0.85  # of a tolerance: what is left saves under a third of the work, not worth another try
+FAR = 4.0  # times the vertices, from one try to the next
+PRESSES = 3
+ALLOWANCE = 1.0  # [s] of computing that pressing the mesh itself may take; a heavier one is planned by the fit alone
+DENSER = 1.5  # where no stand-in can be made, one with so many times the vertices may
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """Hold what was chosen and why.
+
+    proxy: None where the mesh itself moves.  asked: vertices it was built for, 0 for the mesh.  vertices: that move.
+    steps: a tick.  cost: [s] a second, expected.
+    error [m], force_error: expected against the mesh itself, 0 for the mesh.  reason: a sentence.
+    """
+
+    proxy: Proxy | None
+    asked: int
+    vertices: int
+    steps: int
+    cost: float
+    error: float
+    force_error: float
+    reason: str
+
+
+def plan(
+    model: Model,
+    *,
+    tolerance: float = TOLERANCE,
+    force_tolerance: float = FORCE_TOLERANCE,
+    radius: float = 0.01,
+    budget: float = BUDGET,
+    allowance: float = ALLOWANCE,
+) -> Plan:
+    """Choose; where pressing the mesh itself takes no longer than allowed, by what stand-ins of it are measured to be.
+
+    Args:
+        tolerance: between the skins over the dent, root of the mean square [m].
+        force_tolerance: of the force, as a share.
+        radius: of the fingertips [m].
+        budget: [s] of computing for a second of motion. A mesh that keeps to it moves itself.
+        allowance: [s] of computing.
+    """
+    cost = pace(model)
+    if cost <= budget:
+        return _mesh_itself(model, cost, f"{_work(model)} run live.")
+    slow = f"{_work(model)} would run at {_times(budget / cost)} real time"
+    try:
+        check(model)
+    except DimpleError as error:
+        return _mesh_itself(model, cost, f"{slow}, but {error}.")
+    wanted, measured = vertices_for(model, tolerance, force_tolerance, radius), None
+    if cost * PRESSES * (DOWN + HOLD) <= allowance and not model.held.all():
+        wanted, measured = _measured(model, tolerance, force_tolerance, radius, wanted)
+    most = min(int((~model.mesh.loose).sum()) // 2, LARGEST)
+    if wanted > most:
+        near = f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
+        return _mesh_itself(model, cost, f"{slow}, and a stand-in within {near} would need {wanted:,}.")
+    try:
+        chosen = stand_in(model, wanted, radius=radius, budget=budget, because=slow, measured=measured)
+    except DimpleError as error:
+        return _mesh_itself(model, cost, f"{slow}, but {error}.")
+    if chosen.cost >= cost:
+        return _mesh_itself(model, cost, f"{slow}, and a stand-in that is near enough is no faster.")
+    return chosen
+
+
+def mesh_itself(model: Model) -> Plan:
+    """Return the plan of who wants the mesh itself to move."""
+    return _mesh_itself(model, pace(model), "The mesh itself moves, as chosen.")
+
+
+def stand_in(
+    model: Model,
+    vertices: int,
+    *,
+    radius: float,
+    budget: float = BUDGET,
+    because: str = "",
+    measured: Outcome | None = None,
+) -> Plan:
+    """Return the plan for a stand-in of about so many vertices, or somewhat more where the mesh asks for them.
+
+    Args:
+        measured: what it came to where it was tried.
+
+    Raises:
+        DimpleError: none can be made, and why.
+    """
+    try:
+        proxy = build_proxy(model, vertices)
+    except DimpleError:
+        vertices = math.ceil(DENSER * vertices)
+        proxy = build_proxy(model, vertices)
+    cost, moved = pace(proxy.model), len(proxy.seeds)
+    error, force_error = (measured.error, measured.force_error) if measured else expected(proxy, radius)
+    speed = "runs live" if cost <= budget else f"runs at {_times(budget / cost)}"
+    reason = (
+        f"{because or 'As chosen'}; a stand-in of {moved:,} vertices keeps within about {1e3 * error:.2g} mm and "
+        f"{force_error:.0%} of the force and {speed}."
+    )
+    return Plan(
+        proxy=proxy, asked=vertices, vertices=moved, steps=proxy.model.substeps(TICK), cost=cost, error=error,
+        force_error=force_error, reason=reason,
+    )  # fmt: skip
+
+
+def _measured(
+    model: Model, tolerance: float, force_tolerance: float, radius: float, start: int
+) -> tuple[int, Outcome | None]:
+    """Return the fewest vertices tried that met the tolerances, and what they came to.
+
+    Where none did: those that the last try calls for, and what it came to, a little more than they will.
+    """
+    presses = choose_presses(model, radius, PRESSES)
+    most = min(int((~model.mesh.loose).sum()) // 2, LARGEST)
+    goal, _ = _end_of(press_mesh(model, presses))
+    best, vertices = None, min(start, most)
+    for _ in range(TRIES):
+        found = _end_of(try_way(model, presses, goal, Way(vertices=vertices)))
+        skin, force = found.error / tolerance, found.force_error / force_tolerance
+        if max(skin, force) <= 1:
+            best = found
+        if best and (found is not best or max(skin, force) > NEAR_ENOUGH):
+            break
+        # the errors fall with the spacing, which is as one over the root of the vertices
+        factor = max(skin ** (2 / ERROR_POWER), force ** (2 / FORCE_POWER)) if not found.note else DENSER
+        vertices = min(max(math.ceil(vertices * min(max(factor, 1 / FAR), FAR)), SMALLEST), 2 * most)
+        if vertices > most:
+            break
+    if best:
+        return best.way.vertices, best
+    return vertices, found if not found.note else None
+
+
+def _end_of(steps: Generator[float, None, _Result]) -> _Result:
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            found: _Result = end.value
+            return found
+
+
+def vertices_for(model: Model, tolerance: float, force_tolerance: float, radius: float) -> int:
+    """Return how many vertices a stand-in needs to meet the tolerances under a fingertip of a radius [m]."""
+    by_skin = (tolerance / (MARGIN * ERROR * radius)) ** (1 / ERROR_POWER)
+    by_force = (force_tolerance / (MARGIN * FORCE_ERROR)) ** (1 / FORCE_POWER)
+    spacing = radius * max(min(by_skin, by_force), 1e-6)
+    return max(math.ceil((mean_spacing(model.mesh, 1) / spacing) ** 2), SMALLEST)
+
+
+def expected(proxy: Proxy, radius: float) -> tuple[float, float]:
+    """Return the error [m] and of the force that a stand-in is expected to have, by the fit."""
+    share = proxy.spacing / radius
+    return ERROR * radius * share**ERROR_POWER, min(FORCE_ERROR * share**FORCE_POWER, 1.0)
+
+
+def pace(model: Model) -> float:
+    """Time this machine: [s] of computing for a second of motion, from a tick or three that nobody touches."""
+    state, run, steps = initial_state(model), default_run(), model.substeps(TICK)
+    nobody = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
+    run(model, state, nobody, tick=TICK, substeps=1)  # lays the body out
+    best, spent = math.inf, 0.0
+    while best == math.inf or spent < min(3 * best, 0.05):
+        started = time.process_time()
+        run(model, state, nobody, tick=TICK, substeps=steps)
+        took = time.process_time() - started
+        best, spent = min(best, took), spent + took
+    return CONTACT * best / TICK
+
+
+def _mesh_itself(model: Model, cost: float, reason: str) -> Plan:
+    return Plan(
+        proxy=None, asked=0, vertices=len(model.mass), steps=model.substeps(TICK), cost=cost, error=0.0,
+        force_error=0.0, reason=reason,
+    )  # fmt: skip
+
+
+def _work(model: Model) -> str:
+    return f"{len(model.mass):,} vertices at {model.substeps(TICK)} steps a millisecond"
+
+
+def _times(speed: float) -> str:
+    return f"{speed:.2g}x"

@@ -1,0 +1,227 @@
+"""Presses by which ways of simulating one body are compared: what each costs, and how far it is from the mesh itself.
+
+A press goes down in 0.15 s and holds for 0.1 s; judged is the end of the hold.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+
+from . import native
+from .base import TICK, DimpleError, Floats
+from .cells import vertex_normals
+from .integrators import semi_implicit
+from .integrators.methods import METHODS, Run
+from .integrators.path import FingerPath
+from .model import Model, State, initial_state
+from .proxy import Proxy, build_proxy, carry, contact_radius
+
+DOWN, HOLD, MEAN = 0.15, 0.1, 0.05  # [s]; the force is the mean over the last part of the hold
+DEPTH = 0.5  # of the fingertip's radius
+DENT = 0.1  # of the largest motion: what moves more belongs to the dent
+BESIDE_PINS = 2.0  # fingertip radii: nearer to what is held a press meets the pins rather than the body
+LIVE_STEPS = {"implicit": 1, "sweeping": 4}  # steps a tick of methods that may take long ones
+_Result = TypeVar("_Result")
+SLOW = 50.0  # times as long, a step of a method that runs on numpy
+FAR = 10.0  # times the size: a body that large has blown up
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Press:
+    """Hold a press: where it meets the surface (3,) [m], which way is out (3,), radius and depth [m]."""
+
+    at: Floats
+    outward: Floats
+    radius: float
+    depth: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Way:
+    """Name a way to simulate a body: a method, and about how many vertices stand in for the mesh (0: none)."""
+
+    method: str = "semi_implicit"
+    vertices: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """Hold what a way came to over the presses.
+
+    vertices: that moved.  steps: a tick.  cost: [s] of processor time for a second.  error: between the surfaces
+    over the dents, root of the mean square [m].  force_error: root of the mean square over that of the forces.
+    note: "" or why it came to nothing.
+    """
+
+    way: Way
+    vertices: int = 0
+    steps: int = 0
+    cost: float = math.inf
+    error: float = math.inf
+    force_error: float = math.inf
+    note: str = ""
+
+
+@dataclass(slots=True, kw_only=True)
+class Pressed:
+    """Hold the end of a press: positions (3, n) [m], force [N] and processor time [s]."""
+
+    positions: Floats = field(default_factory=lambda: np.zeros((3, 0)))
+    force: float = 0.0
+    cost: float = 0.0
+
+
+def choose_presses(model: Model, radius: float, count: int, *, seed: int = 0) -> list[Press]:
+    """Choose places for presses at random, evenly over the surface that is free, away from what is held.
+
+    Raises:
+        DimpleError: everything is held.
+    """
+    mesh, rng = model.mesh, np.random.default_rng(seed)
+    normals = vertex_normals(mesh.triangles, mesh.rest_positions)
+    free = ~model.held & (np.abs(normals).sum(axis=1) > 0)
+    held = mesh.rest_positions[model.held & ~mesh.loose]
+    if len(held):
+        low, high = held.min(axis=0) - BESIDE_PINS * radius, held.max(axis=0) + BESIDE_PINS * radius
+        away = free & ((mesh.rest_positions < low) | (mesh.rest_positions > high)).any(axis=1)
+        free = away if away.any() else free
+    share = np.where(free, mesh.vertex_areas, 0.0)
+    if not share.sum() > 0:
+        raise DimpleError("Nothing of the surface is free to be pressed. Hold less of it.")
+    chosen = rng.choice(len(share), size=count, p=share / share.sum())
+    depth = min(DEPTH * radius, mesh.size / 8)
+    return [Press(at=mesh.rest_positions[v], outward=normals[v], radius=radius, depth=depth) for v in chosen]
+
+
+def press_body(
+    model: Model, press: Press, *, radius: float, run: Run, substeps: int, chunk: int = 10
+) -> Iterator[tuple[float, Pressed]]:
+    """Press a body; yield the share that is done and the state so far after every few ticks.
+
+    Args:
+        radius: of the sphere that meets it [m].
+    """
+    state: State = initial_state(model)
+    ticks, last = round((DOWN + HOLD) / TICK), round(MEAN / TICK)
+    down = np.minimum(np.arange(ticks + 1) * TICK / DOWN, 1) * press.depth
+    centres = press.at + press.outward * (press.radius - down)[:, None]
+    done, impulse, radii = Pressed(positions=state.positions), 0.0, np.array([radius])
+    for first in range(0, ticks, chunk):
+        path = FingerPath(centres=centres[None, first : first + chunk + 1], radii=radii)
+        started = time.process_time()
+        with np.errstate(all="ignore"):
+            got = run(model, state, path, tick=TICK, substeps=substeps)
+        done.cost += time.process_time() - started
+        if first >= ticks - last:
+            impulse += float(got[0] @ press.outward)
+        done.force = impulse / MEAN
+        yield (first + chunk) / ticks, done
+        if not np.abs(state.positions).max() < FAR * (model.mesh.size + np.abs(model.mesh.rest_positions).max()):
+            done.positions = np.full_like(state.positions, np.nan)
+            return
+
+
+def compare(model: Model, presses: Sequence[Press], ways: Sequence[Way]) -> Iterator[tuple[float, Outcome | None]]:
+    """Try ways of simulating a body against the mesh itself, stepped by the paper's method.
+
+    Yields:
+        the share that is done, and an outcome whenever one is known. The first is that of the mesh.
+    """
+    # what is left is known by the work: vertices x steps
+    works = [_work_of(model, Way()), *(_work_of(model, way) for way in ways)]
+    total, done = sum(works), works[0]
+    goal, first = yield from _told(press_mesh(model, presses), 0.0, done / total)
+    yield done / total, first
+    for way, work in zip(ways, works[1:], strict=True):
+        found = yield from _told(try_way(model, presses, goal, way), done / total, work / total)
+        done += work
+        yield done / total, found
+
+
+def press_mesh(model: Model, presses: Sequence[Press]) -> Generator[float, None, tuple[list[Pressed], Outcome]]:
+    """Press the mesh itself, stepped by the paper's method; yield the share that is done, return ends and outcome."""
+    steps, goal = model.substeps(TICK), []
+    for k, press in enumerate(presses):
+        goal.append(Pressed())
+        for part, goal[k] in press_body(model, press, radius=press.radius, run=default_run(), substeps=steps):
+            yield (k + part) / len(presses)
+    cost = sum(p.cost for p in goal) / (DOWN + HOLD) / len(goal)
+    return goal, Outcome(way=Way(), vertices=len(model.mass), steps=steps, cost=cost, error=0.0, force_error=0.0)
+
+
+def try_way(
+    model: Model, presses: Sequence[Press], goal: Sequence[Pressed], way: Way
+) -> Generator[float, None, Outcome]:
+    """Try one way against what the mesh itself came to; yield the share that is done, return its outcome."""
+    ends: list[Pressed] = []
+    try:
+        proxy = build_proxy(model, way.vertices) if way.vertices else None
+        body = proxy.model if proxy else model
+        steps = steps_of(body, way.method)
+        run = default_run() if way.method == "semi_implicit" else METHODS[way.method].run
+        for k, press in enumerate(presses):
+            ends.append(Pressed())
+            radius = contact_radius(proxy, press.radius) if proxy else press.radius
+            for part, ends[k] in press_body(body, press, radius=radius, run=run, substeps=steps):
+                yield (k + part) / len(presses)
+    except DimpleError as error:  # no stand-in, or a method that cannot run these laws
+        return Outcome(way=way, note=str(error))
+    return judge(model, way, proxy, steps, ends, goal)
+
+
+def _told(
+    steps: Generator[float, None, _Result], done: float, share: float
+) -> Generator[tuple[float, None], None, _Result]:
+    """Pass a part of the work on as a share of the whole."""
+    while True:
+        try:
+            part = next(steps)
+        except StopIteration as end:
+            found: _Result = end.value
+            return found
+        yield done + share * part, None
+
+
+def judge(
+    model: Model, way: Way, proxy: Proxy | None, steps: int, ends: Sequence[Pressed], goal: Sequence[Pressed]
+) -> Outcome:
+    """Compare the ends of presses with what they should be."""
+    mesh, squares = model.mesh, []
+    for end, wanted in zip(ends, goal, strict=True):
+        x = carry(proxy, end.positions).T if proxy else end.positions
+        normals = vertex_normals(mesh.triangles, wanted.positions.T).T
+        moved = np.sqrt(((wanted.positions - mesh.rest_positions.T) ** 2).sum(axis=0))
+        dent = moved > DENT * moved.max()
+        squares.append(float((((x - wanted.positions) * normals).sum(axis=0)[dent] ** 2).mean()))
+    forces, wanted_forces = (np.array([p.force for p in group]) for group in (ends, goal))
+    error = math.sqrt(np.mean(squares))
+    seconds = (DOWN + HOLD) * len(ends)
+    outcome = Outcome(
+        way=way, vertices=ends[0].positions.shape[1], steps=steps, cost=sum(p.cost for p in ends) / seconds,
+        error=error, force_error=float(np.linalg.norm(forces - wanted_forces) / np.linalg.norm(wanted_forces)),
+    )  # fmt: skip
+    return outcome if math.isfinite(error) else Outcome(way=way, steps=steps, note="it blew up")
+
+
+def default_run() -> Run:
+    """Return the stepper of a session that nobody chose a backend for."""
+    return semi_implicit.run if native.why_not() else native.run
+
+
+def steps_of(model: Model, method: str) -> int:
+    """Return how many steps a tick a method takes in live work."""
+    return LIVE_STEPS.get(METHODS[method].kind) or model.substeps(TICK)
+
+
+def _work_of(model: Model, way: Way) -> float:
+    """Return about how much work a way is: vertices x steps; the steps go with the root of the vertices."""
+    n, full = len(model.mass), model.substeps(TICK)
+    vertices = way.vertices or n
+    work = vertices * (LIVE_STEPS.get(METHODS[way.method].kind) or full * math.sqrt(vertices / n))
+    return work if way.method == "semi_implicit" else SLOW * work
