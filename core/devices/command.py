@@ -81,7 +81,6 @@ def run_emulator(options: argparse.Namespace) -> int:
         baud=options.baud,
         trace=trace,
     )
-    print(f"{emulator.spec.name} (emulated) at {options.pty}", flush=True)
     system = pseudo_terminal.serve(
         emulator, options.pty, options.seconds, lifeline=sys.stdin.fileno() if options.lifeline else None
     )

@@ -25,7 +25,7 @@ class Stopped(Exception):
 
 
 def serve(emulator: Emulator, path: Path, seconds: float, *, lifeline: int | None = None) -> dict[str, float]:
-    """Run a device until its time is over, it is unplugged, or SIGTERM or SIGINT come.
+    """Run a device until its time is over, it is unplugged, or SIGTERM or SIGINT come; print where it is.
 
     Args:
         path: of the port, a link that is made, and removed at the end.  seconds: to run.
@@ -39,6 +39,7 @@ def serve(emulator: Emulator, path: Path, seconds: float, *, lifeline: int | Non
         DimpleError: the system has no pseudo-terminals, or the path is taken.
     """
     with _terminal(path) as master, _signals(), suppress(Stopped):
+        print(f"{emulator.spec.name} (emulated) at {path}", flush=True)  # from now on it can be opened
         return _run(emulator, master, seconds, lifeline)
     return {}
 
