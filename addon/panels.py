@@ -213,7 +213,7 @@ class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
 
 
 _SIDEBAR = (
-    DIMPLE_PT_session, DIMPLE_PT_readout, DIMPLE_PT_fingertips, *calibration.SIDEBAR, DIMPLE_PT_bake,
+    DIMPLE_PT_session, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips, DIMPLE_PT_bake,
     DIMPLE_PT_surroundings,
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)

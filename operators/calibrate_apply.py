@@ -1,5 +1,7 @@
 """From a result in the scene to the constants of a material."""
 
+from pathlib import Path
+
 import bpy
 from bpy.props import BoolProperty
 
@@ -39,7 +41,7 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         """Set constants, tip, size and source."""
         scene, body = context.scene.dimple, context.object
         told = calibration.load(scene.calibration)
-        settings = material_of(body, told["source"]).dimple
+        settings = material_of(body, Path(told["source"]).stem).dimple
         settings.K1, settings.K2, settings.x0 = told["K1"], told["K2"], told["x0"]
         if self.use_k and told["k_to_use"]:
             settings.k = told["k_to_use"]

@@ -141,7 +141,7 @@ def compare(wanted: np.ndarray, at: tuple[int, int], name: str) -> robot.Differs
 
 
 def play() -> robot.Waits:
-    """Install, press, let go, leave; press again, keep, undo; look at the panels; quit while playing."""
+    """Install, press, let go, leave; press again, keep, undo; calibrate; look at the panels; quit while playing."""
     bpy.ops.extensions.package_install_files(filepath="/mnt/zip", repo="user_default", enable_on_install=True)
     names = [name for name in bpy.context.preferences.addons.keys() if name.startswith("bl_ext.")]
     check("Blender's own installer takes the zip and enables it", len(names) == 1, ", ".join(names))
@@ -159,6 +159,7 @@ def play() -> robot.Waits:
     yield from press_and_keep(at, rest, resting)
     check("Ctrl-Z leaves nothing on the mesh", traces() == before, extra(before))
     yield from save_and_load(at, rest, before)
+    yield from calibrate(at)
     yield from show_panels()
     yield from play_on(rest)
 
@@ -223,15 +224,43 @@ def save_and_load(at: tuple[int, int], rest: np.ndarray, before: set[str]) -> ro
     check("the saved mesh carries nothing of ours", traces() == before, extra(before))
 
 
+def calibrate(at: tuple[int, int]) -> robot.Waits:
+    """Calibrate with a file as a drop does, give it to the material, and stop an identification by ESC."""
+    path = Path("/tmp/cushion.csv")
+    law = [(x / 4, 0.6 * min(x / 4, 12) + 7 * max(x / 4 - 12, 0)) for x in range(81)]
+    path.write_text("Distance x (mm),Force F (N)\n" + "".join(f"{x},{force:.4f}\n" for x, force in law))
+    yield from robot.move(*at)
+    yield from robot.redrawn()
+    view = robot.region()
+    chart = view.x + 190, view.y + 100
+    before = robot.screenshot(OUT / "9-calibrated.png")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=view):
+        bpy.ops.dimple.calibrate("INVOKE_DEFAULT", filepath=str(path))
+        bpy.ops.dimple.apply_calibration("INVOKE_DEFAULT")
+    settings = bpy.data.objects[BODY].active_material.dimple
+    found = f"K1 {settings.K1:.3f} N/mm, K2 {settings.K2:.3f} N/mm, x0 {settings.x0:.2f} mm"
+    check("a file becomes a material", np.allclose((settings.K1, settings.K2, settings.x0), (0.6, 7, 12), 1e-3), found)
+    yield from robot.redrawn()
+    gap = robot.differing(before, robot.screenshot(OUT / "9-calibrated.png"), chart, HALF)
+    check("its chart is seen in the viewport", gap > SEEN, f"{gap} pixels differ")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=view):
+        bpy.ops.dimple.identify("INVOKE_DEFAULT")
+    check("the identification runs", "DIMPLE_OT_identify" in robot.modal_operators())
+    yield 0.5
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: not robot.modal_operators(), "ESC stops the identification", 30)
+    settings = bpy.data.objects[BODY].active_material.dimple
+    check("ESC stops the identification and nothing is written", settings.kappa1 == 0)
+
+
 def show_panels() -> robot.Waits:
     """Photograph the panels of the properties editor, opened, in the room of the viewport."""
-    for name in ("DIMPLE_PT_material", "DIMPLE_PT_body"):
+    for name in ("DIMPLE_PT_material", "DIMPLE_PT_body", "DIMPLE_PT_material_calibration"):
         panel = getattr(bpy.types, name)
         bpy.utils.unregister_class(panel)
         panel.bl_options = set()  # open, for the picture only
         bpy.utils.register_class(panel)
     body = bpy.data.objects[BODY]
-    body.active_material = bpy.data.materials.new("Vinyl")
     body.dimple.enabled = True
     bpy.context.scene.render.engine = "BLENDER_WORKBENCH"  # it has no material panels and no slow preview
     place = robot.area()
@@ -240,7 +269,7 @@ def show_panels() -> robot.Waits:
         place.type = "PROPERTIES"
         place.spaces.active.context = tab
         yield 2.0
-        robot.screenshot(OUT / f"9-{tab.lower()}.png")
+        robot.screenshot(OUT / f"10-{tab.lower()}.png")
     place.type = "VIEW_3D"
     yield from robot.redrawn()
 
@@ -253,7 +282,7 @@ def play_on(rest: np.ndarray) -> robot.Waits:
     yield from robot.until(lambda: moved(rest) > 0.01, "the free ball falls", 60)
     check("a click on its button plays: the free ball falls", "DIMPLE_OT_play" in robot.modal_operators())
     yield from robot.redrawn()
-    robot.screenshot(OUT / "10-playing.png")
+    robot.screenshot(OUT / "11-playing.png")
 
 
 def finish(error: str) -> None:
