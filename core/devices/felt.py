@@ -16,8 +16,9 @@ from ..base import Floats
 from ..depth import Touching
 from ..material import Material
 from ..model import Model
-from ..session import Session
+from ..session import Finger, Session
 from .contact_model import Contact
+from .letters import Report
 from .vectors import Vector
 
 # of the normal stiffness: a contact of a soft body gives way sideways by 2 (1 - nu) / (2 - nu), nu = 1/2. Mindlin 1949
@@ -56,6 +57,11 @@ class Rendering:
     def whole(self) -> bool:
         """Tell whether the device can render it."""
         return self.rendered >= self.asked
+
+
+def fingers(report: Report, place: Workspace, radius: float) -> list[Finger | None]:
+    """Return the fingertips of a device, as large as a radius [m]; one whose sensor is not believed is lifted off."""
+    return [None if tip.masked else Finger(place.to_session(tip.position), radius) for tip in report.tips]
 
 
 def renderings(material: Material, cap: float) -> tuple[Rendering, Rendering]:

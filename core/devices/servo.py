@@ -121,7 +121,7 @@ class Servo:
             tips=tuple(
                 Tip(
                     position=f.at, force=f.guard.sent, least_energy=f.guard.passivity.least,
-                    masked=f.bad > 0, full=f.guard.full,
+                    masked=f.bad > 0 or f.angles is None, full=f.guard.full,
                 )
                 for f in self._fingers
             ),

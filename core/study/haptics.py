@@ -17,14 +17,14 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..devices.device import Emulated
-from ..devices.felt import Felt, Workspace
+from ..devices.felt import Felt, Workspace, fingers
 from ..devices.hand import Keyframe
 from ..devices.letters import Link, Report
 from ..devices.safety import Arming
 from ..material import PRESETS
 from ..mesh import base_vertices
 from ..model import build_model
-from ..session import Finger, Session
+from ..session import Session
 from .scenes import cube
 
 PRESET = PRESETS[1]  # vinyl and air: K1 = 610 N/m
@@ -188,7 +188,7 @@ def _drive(device: Emulated, seconds: float, busy: bool, frames: list[tuple[floa
             raise DimpleError(report.message or "The emulated device did not arm.")
         now = time.perf_counter()
         if report.link is Link.READY:
-            session.set_fingers([Finger(place.to_session(tip.position), RADIUS) for tip in report.tips])
+            session.set_fingers(fingers(report, place, RADIUS))
             session.step(min(now - last, 2 * FRAME))
             device.write(felt.contacts(session, place, report.cap, time.perf_counter()))
             if report.arming is Arming.OFF and not armed:

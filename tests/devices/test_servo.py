@@ -23,6 +23,14 @@ def test_a_press_feels_the_wall_once_it_is_armed() -> None:
     assert device.forces[1] == device.forces[2] == (0, 0, 0)
 
 
+def test_before_the_first_state_no_fingertip_is_anywhere() -> None:
+    """A session that put them at the origin would press there."""
+    device = BenchDevice()
+    assert all(tip.masked for tip in device.servo.report().tips)
+    device.tick()
+    assert not any(tip.masked for tip in device.servo.report().tips)
+
+
 def test_every_state_is_answered_with_its_own_number() -> None:
     device = BenchDevice()
     device.tick(100)
