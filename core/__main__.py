@@ -14,6 +14,7 @@ UNUSABLE = 2  # exit code; a command's own ones are 0 and from 3 on
 # only the command asked for is imported
 COMMANDS = {
     "calibrate": ("fit a material to a force-depth file", ".calibration.command", "add_command"),
+    "paper": ("make the paper's tables and figures again, beside the printed numbers", ".study.paper", "add_command"),
     "emulator": ("run a haptic device that is not there", ".devices.command", "add_emulator"),
     "haptics": ("press with an emulated device and tell what was felt", ".study.haptics", "add_haptics"),
     "servo": ("talk to a haptic device for Blender, 1000 times a second", ".devices.command", "add_servo"),
