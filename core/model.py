@@ -78,6 +78,7 @@ class State:
     """Hold what moves.
 
     positions, velocities: (3, n) [m], [m/s].  pose: of the shape at rest where pins hold it, None where it is free.
+    pace: how fast that pose changes [1/s], [m/s], None where the pins rest.
     inner_force: sum of K(x_i) over the fingertips [N], Eq. (1), and contact: vertices touched, both for Eq. (2).
     pressure: [Pa] at the last evaluation.  unsolved: implicit steps so far that found no solution.
     """
@@ -85,6 +86,7 @@ class State:
     positions: Floats
     velocities: Floats
     pose: Pose | None
+    pace: Pose | None = None
     inner_force: float = 0.0
     contact: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     pressure: float = 0.0
@@ -227,7 +229,7 @@ def forces(model: Model, state: State) -> Floats:
             else:
                 state.pressure = pressure.pressure_at(model.pressure, volume)
             f += state.pressure * gradient
-        f += memory.force(model.memory, x, v, state.pose)
+        f += memory.force(model.memory, x, v, state.pose, state.pace)
     return f + model.mass * model.gravity[:, None]
 
 

@@ -244,7 +244,11 @@ class Session:
         if state.pose is not None:
             pins = held & ~self._body.mesh.loose
             rest = self._body.memory.rest[:, pins]
-            state.pose = fit_pose(rest, (state.positions[:, held] + way)[:, pins[held]], np.ones(rest.shape[1]))
+            target = fit_pose(rest, (state.positions[:, held] + way)[:, pins[held]], np.ones(rest.shape[1]))
+            here = fit_pose(rest, state.positions[:, pins], np.ones(rest.shape[1]))
+            # within a tick the shape at rest stands in the middle of its way: the body neither leads nor lags
+            state.pose = (here[0] + target[0]) / 2, (here[1] + target[1]) / 2
+            state.pace = (target[0] - here[0]) / self.tick, (target[1] - here[1]) / self.tick
 
     def touches(self) -> list[Touching | None]:
         """Return how each fingertip meets the surface at rest: what a device feels between two steps."""

@@ -68,7 +68,8 @@ def advance(model: Model, state: State, touches: Sequence[Touch], dt: float, *, 
     _, g = pressure.volume_and_gradient(model.pressure, x)
     for _ in range(sweeps):
         met = meet_faces(model, state, touches, CONTACT)
-        drift = before if state.pose else before + memory.rigid_velocity(model.memory.mass, x, x - before)
+        carried = dt * memory.shape_velocity(model.memory, state.pace)
+        drift = before + (carried if state.pose else memory.rigid_velocity(model.memory.mass, x, x - before))
         around = Around(
             goal=goal, before=before, drift=drift, pose=memory.pose_of(model.memory, x, state.pose),
             fill=state.pressure * g, met=[(m, x[:, m.corners]) for m in met],

@@ -98,6 +98,8 @@ def move_to_shape(model: Model, state: State, before: Floats, h: float) -> None:
     moved = x - before
     if state.pose is None:
         moved -= memory.rigid_velocity(law.mass, x, moved)
+    else:
+        moved -= h * memory.shape_velocity(law, state.pace)
     stiff = h * stiffness
     way = -h * w * (stiff * u + law.damping * moved) / (1 + h * w * (stiff + law.damping))
     if state.pose is None:

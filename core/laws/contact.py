@@ -19,6 +19,7 @@ _TINY = 1e-30
 FACE_SWEEPS = 8  # at most, in one step
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
+TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
 
@@ -96,6 +97,9 @@ def _push(
         return np.zeros(3), 0.0
     members, weights, distance = members[hit], weights[hit], np.maximum(distance[hit], _TINY)
     normal = offset[:, hit] / distance
+    at_centre = distance < TOO_NEAR * touch.radius
+    if at_centre.any():
+        normal[:, at_centre] = _inward(x[:, members[at_centre]])
     count = np.bincount(members[weights > WEIGHT_FLOOR], minlength=x.shape[1])
     # each contact moves its share of a vertex, m / count; the vertex then takes the mean of its shares
     mobility = weights * inverse_mass[members]
@@ -119,6 +123,18 @@ def _push(
         np.add.at(v[c], flat, (impulse[c, :, None] * mobility).ravel())
         np.add.at(x[c], flat, (out[c, :, None] * mobility).ravel())
     return -impulse.sum(axis=1), float(touch.radius - distance.min())
+
+
+def _inward(corners: Floats) -> Floats:
+    """Return the inward unit normals (3, c) of faces (3, c, 3): a fingertip came from outside.
+
+    A vertex (3, c, 1) has none and leaves it to its faces.
+    """
+    if corners.shape[2] == 1:
+        return np.zeros(corners.shape[:2])
+    a, b, c = corners.transpose(2, 0, 1)
+    normal = np.cross(c - a, b - a, axis=0)
+    return normal / np.maximum(np.sqrt((normal**2).sum(axis=0)), _TINY)
 
 
 def nearest_on_triangles(corners: Floats, point: Floats) -> Floats:

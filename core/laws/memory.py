@@ -57,13 +57,19 @@ def energy(law: Memory, x: Floats, pose: Pose | None = None) -> float:
     return float((law.k1 * d**2 + (law.k2 - law.k1) * np.maximum(d - law.d0, 0) ** 2).sum()) / 2
 
 
-def force(law: Memory, x: Floats, v: Floats | None = None, pose: Pose | None = None) -> Floats:
-    """Return the forces (3, n) [N]; without a given pose the body is free and they have no net force or torque."""
+def force(
+    law: Memory, x: Floats, v: Floats | None = None, pose: Pose | None = None, pace: Pose | None = None
+) -> Floats:
+    """Return the forces (3, n) [N]; without a given pose the body is free and they have no net force or torque.
+
+    Args:
+        pace: how fast the given pose changes [1/s], [m/s]; damping is against the shape at rest as it moves.
+    """
     rotation, translation = pose_of(law, x, pose)
     u = x - rotation @ law.rest - translation[:, None]
     f = -_secant(law, u) * u
     if v is not None:
-        f -= law.damping * (v if pose is not None else v - rigid_velocity(law.mass, x, v))
+        f -= law.damping * (v - (shape_velocity(law, pace) if pose is not None else rigid_velocity(law.mass, x, v)))
     if pose is None:
         f -= law.mass * rigid_velocity(law.mass, x, f / law.mass)
     return f
@@ -81,6 +87,11 @@ def stiffness_parts(law: Memory, x: Floats, pose: Pose) -> tuple[Floats, Floats,
     u = x - rotation @ law.rest - translation[:, None]
     d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
     return _secant(law, u), np.where(d > law.d0, (law.k2 - law.k1) * law.d0 / d**3, 0.0), u
+
+
+def shape_velocity(law: Memory, pace: Pose | None) -> Floats | float:
+    """Return the velocities (3, n) [m/s] of the places in the shape at rest, 0 where pins do not move it."""
+    return 0.0 if pace is None else pace[0] @ law.rest + pace[1][:, None]
 
 
 def rigid_velocity(mass: Floats, x: Floats, v: Floats) -> Floats:

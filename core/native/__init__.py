@@ -21,7 +21,7 @@ from ..integrators import semi_implicit
 from ..integrators.path import FingerPath
 from ..model import Model, State
 
-ABI = 1
+ABI = 2
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 FILLS = {"none": 0, "air": 1, "liquid": 2, "paper": 3}
 LAW_SETS = {"consistent": 0, "paper": 1}
@@ -200,9 +200,9 @@ def run_body(body: Body, model: Model, state: State, path: FingerPath, *, tick: 
     for a in (state.positions, state.velocities):
         if not (a.flags.c_contiguous and a.dtype == np.float64):
             raise NativeError("positions and velocities must be contiguous doubles, (3, n)")
-    pose = None if state.pose is None else np.concatenate([state.pose[0].ravel(), state.pose[1]])
+    pose, pace = (p and np.concatenate([p[0].ravel(), p[1]]) for p in (state.pose, state.pace))
     try:
-        body.set("state", body.n, state.positions, state.velocities, pose)
+        body.set("state", body.n, state.positions, state.velocities, pose, pace)
     except NativeError as error:
         if error.code != NOT_A_NUMBER:
             raise
@@ -264,6 +264,6 @@ ARGUMENTS = {
     "dm_create": "oiinDnII", "dm_free": "b", "dm_fit_rotation": "DD",
     "dm_set_springs": "bnIDDDnIU", "dm_set_bend": "bnIDDD", "dm_set_faces": "bnI", "dm_set_fill": "bidnInII",
     "dm_set_matter": "bnDDD", "dm_set_memory": "bnDDDD", "dm_set_world": "bidDd",
-    "dm_set_state": "bnDDD", "dm_set_contact": "bdnI", "dm_step": "bnndnDDD", "dm_read": "bnDDp",
+    "dm_set_state": "bnDDDD", "dm_set_contact": "bdnI", "dm_step": "bnndnDDD", "dm_read": "bnDDp",
     "dm_read_contact": "bnIp",
 }  # fmt: skip

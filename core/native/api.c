@@ -247,11 +247,13 @@ int32_t dm_set_world(dm_body body, int32_t laws, double rest_area, const double 
     return leave(e, e->does->set_world(e->body, laws, rest_area, gravity, ground));
 }
 
-int32_t dm_set_state(dm_body body, int64_t n, const double *positions, const double *velocities, const double *pose) {
+int32_t dm_set_state(dm_body body, int64_t n, const double *positions, const double *velocities, const double *pose,
+                     const double *pace) {
     ENTER(body, n);
     CHECK(COUNT(n, positions) | COUNT(n, velocities));
     CHECK(numbers(3 * n, positions, 0) | numbers(3 * n, velocities, 0) | (pose ? numbers(12, pose, 0) : DM_OK));
-    return leave(e, e->does->set_state(e->body, positions, velocities, pose));
+    CHECK(pace ? numbers(12, pace, 0) : DM_OK);
+    return leave(e, e->does->set_state(e->body, positions, velocities, pose, pace));
 }
 
 int32_t dm_set_contact(dm_body body, double inner_force, int64_t count, const int64_t *vertices) {

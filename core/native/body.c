@@ -178,7 +178,8 @@ static void choose_origin(body *b, const double *positions) {
     }
 }
 
-static int32_t set_state(body *b, const double *positions, const double *velocities, const double *pose) {
+static int32_t set_state(body *b, const double *positions, const double *velocities, const double *pose,
+                         const double *pace) {
     static const double upright[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     if ((b->ready | HAS_STATE) != HAS_ALL) return DM_ORDER;
     choose_origin(b, positions);
@@ -196,7 +197,12 @@ static int32_t set_state(body *b, const double *positions, const double *velocit
         const double *row = pose + 3 * c, *q = b->rest_centre;
         b->translation[c] = pose[9 + c] + row[0] * q[0] + row[1] * q[1] + row[2] * q[2] - b->origin[c];
     }
-    b->fitted = !pose, b->ready |= HAS_STATE;
+    b->fitted = !pose, b->carried = pose && pace, b->ready |= HAS_STATE;
+    if (b->carried) memcpy(b->pace, pace, sizeof b->pace);
+    for (int c = 0; b->carried && c < 3; c++) {
+        const double *row = pace + 3 * c, *q = b->rest_centre;
+        b->pace[9 + c] += row[0] * q[0] + row[1] * q[1] + row[2] * q[2];
+    }
     return DM_OK;
 }
 

@@ -11,6 +11,7 @@
 #define FACE_SLACK 1e-3
 #define HELD_GIVE 0.1
 #define ROUNDING 1e-6
+#define TOO_NEAR 1e-5
 #define WEIGHT_FLOOR 1e-6
 #define SKIN_TRAVEL 0.5 /* as in core/base.py */
 
@@ -87,7 +88,8 @@ struct body {
 
     int32_t fill, laws;
     double rest_volume, rest_area, gravity[3], ground, volume, pressure;
-    int fitted; /* the shape at rest follows the body */
+    int fitted, carried; /* the shape at rest follows the body; or pins that move */
+    double pace[12]; /* how fast they turn and shift it, about its own centre */
     double rest_centre[3], rotation[9], translation[3], k1_total, mass_total;
     double turned[9]; /* of the last fit */
     rigid drift;      /* rigid part of the velocities, or the acceleration to take out */

@@ -13,7 +13,7 @@ static void meet_vertices(body *b, const touch *t, double *impulse, uint32_t *mo
         quad offset = r->x - t->centre;
         real distance = SQRT(dot3(offset, offset));
         if (!(distance < t->radius * (real)(1 - ROUNDING))) continue;
-        distance = distance > TINY ? distance : TINY;
+        if (distance < t->radius * (real)TOO_NEAR) continue; /* no direction: its faces have one */
         real give = b->inverse_mass[i] > TINY ? b->inverse_mass[i] : TINY;
         quad normal = offset / distance, relative = r->v - t->velocity;
         real closing = dot3(relative, normal), push = (closing < 0 ? -closing : 0) / give;
@@ -61,6 +61,14 @@ static inline three nearest(three a, three b, three c) {
     return (three){one - v - w, v, w};
 }
 
+/* The inward unit normal of a face: a fingertip came from outside. */
+static quad inward(const body *b, const uint32_t *corner) {
+    quad a = b->records[corner[0]].x, p = b->records[corner[2]].x - a, q = b->records[corner[1]].x - a;
+    quad normal = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0], 0};
+    real size = SQRT(dot3(normal, normal));
+    return normal / (size > TINY ? size : TINY);
+}
+
 /* List the faces inside a sphere with their nearest points, and count the contacts at each corner. */
 static int64_t find_hits(body *b, const touch *t) {
     three centre = {all(t->centre[0]), all(t->centre[1]), all(t->centre[2])};
@@ -84,6 +92,7 @@ static int64_t find_hits(body *b, const touch *t) {
             h->weight[0] = weight.x[l], h->weight[1] = weight.y[l], h->weight[2] = weight.z[l];
             h->distance = distance[l] > TINY ? distance[l] : TINY;
             h->normal = (quad){at.x[l], at.y[l], at.z[l], 0} / h->distance;
+            if (h->distance < t->radius * (real)TOO_NEAR) h->normal = inward(b, h->corner);
             for (int j = 0; j < 3; j++) b->shares[h->corner[j]] += h->weight[j] > (real)WEIGHT_FLOOR;
         }
     }

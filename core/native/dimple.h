@@ -17,7 +17,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 1 /* changes with anything below */
+#define DM_ABI 2 /* changes with anything below */
 #define DM_MAX_FINGERS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -73,9 +73,10 @@ DM_API int32_t dm_set_memory(dm_body body, int64_t n, const double *k1, const do
 /* gravity: (3,).  ground: height of a plane, -INFINITY where there is none.  rest_area: of the surface, Eq. (3). */
 DM_API int32_t dm_set_world(dm_body body, int32_t laws, double rest_area, const double *gravity, double ground);
 
-/* pose: rotation by rows, then translation (12,), or null where the shape at rest follows the body. */
+/* pose: rotation by rows, then translation (12,), or null where the shape at rest follows the body.
+ * pace: how fast the pose changes, as many numbers a second, or null where it rests. */
 DM_API int32_t dm_set_state(dm_body body, int64_t n, const double *positions, const double *velocities,
-                            const double *pose);
+                            const double *pose, const double *pace);
 /* What Eq. (2) needs: the sum of K(x) and the vertices in contact. */
 DM_API int32_t dm_set_contact(dm_body body, double inner_force, int64_t count, const int64_t *vertices);
 

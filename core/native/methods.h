@@ -21,7 +21,8 @@ typedef struct {
     int32_t (*set_matter)(body_ref body, const double *mass, const double *inverse_mass, const double *friction);
     int32_t (*set_memory)(body_ref body, const double *k1, const double *k2, const double *d0, const double *damping);
     int32_t (*set_world)(body_ref body, int32_t laws, double rest_area, const double *gravity, double ground);
-    int32_t (*set_state)(body_ref body, const double *positions, const double *velocities, const double *pose);
+    int32_t (*set_state)(body_ref body, const double *positions, const double *velocities, const double *pose,
+                         const double *pace);
     int32_t (*set_contact)(body_ref body, double inner_force, int64_t count, const int64_t *vertices);
     int32_t (*step)(body_ref body, int64_t ticks, int64_t substeps, double tick, int64_t fingers, const double *centres,
                     const double *radii, double *impulses);

@@ -52,18 +52,21 @@ static inline void pull_groups(body *b, int fitted) {
     three gravity = splat3(b->gravity), arm[DM_MAX_NEIGHBOURS + 2];
     strain strains[DM_MAX_NEIGHBOURS];
     three rows[3] = {splat3(b->rotation), splat3(b->rotation + 3), splat3(b->rotation + 6)};
+    three turning[3] = {splat3(b->pace), splat3(b->pace + 3), splat3(b->pace + 6)}, shifting = splat3(b->pace + 9);
     for (int64_t g = 0; g < b->groups; g++) {
         const group_matter *m = b->matter + g;
         three x = b->state[g].x, v = b->state[g].v, w = v, normal = {all(0), all(0), all(0)};
+        /* damping is against the shape at rest as it moves */
+        if (b->carried) w = minus(v, rotated(turning, m->rest, shifting));
         if (fitted) {
             three spin = cross(angular, x);
             w = (three){v.x - linear.x - spin.x, v.y - linear.y - spin.y, v.z - linear.z - spin.z};
         }
         three force = hold(m, minus(x, rotated(rows, m->rest, offset)), w);
         if (fitted) {
-            three turning = cross(x, force);
+            three torque = cross(x, force);
             part[0] += force.x, part[1] += force.y, part[2] += force.z;
-            part[3] += turning.x, part[4] += turning.y, part[5] += turning.z;
+            part[3] += torque.x, part[4] += torque.y, part[5] += torque.z;
             if (g % RUN == RUN - 1) fold(part, sum, 6);
         }
         const slot *s = b->ring.slots + b->ring.start[g];

@@ -24,7 +24,8 @@ TICK = 1e-3
 class Case:
     """Describe a body and what happens to it.
 
-    hold: "base" or "free".  fingers: how many press.  thrown: start with random velocities.  moved: pins move.
+    hold: "base" or "free".  fingers: how many press.  thrown: start with random velocities.
+    moved: pins move, and with them the shape at rest.
     options: of build_model.
     """
 
@@ -138,6 +139,7 @@ def build(case: Case) -> tuple[Model, State, FingerPath]:
         state.velocities[:, free] = rng.normal(0, 0.1, (3, int(free.sum())))
     if case.moved:
         state.velocities[:, ~free & ~mesh.loose] = np.array([[0.1], [0.0], [0.05]])
+        state.pace = rng.normal(0, 1, (3, 3)), np.array([0.1, 0.0, 0.05])
     if model.needs_contact:
         state.inner_force = 1.5
     return model, state, _press(mesh, case)

@@ -51,7 +51,7 @@ def test_a_freed_body_is_refused_even_when_its_place_is_taken_again() -> None:
 
 def test_a_body_of_another_size_is_refused(body: native.Body) -> None:
     small = np.zeros((3, 5))
-    assert refused("dm_set_state", body.handle, 5, small, small, None) == SIZE
+    assert refused("dm_set_state", body.handle, 5, small, small, None, None) == SIZE
     assert refused("dm_read", body.handle, body.n + 1, small, small, None) == SIZE
     assert refused("dm_set_matter", body.handle, -1, small, small, small) == SIZE
     assert refused("dm_set_faces", body.handle, -3, None) == SIZE
@@ -72,9 +72,10 @@ def test_numbers_that_are_none_are_refused(body: native.Body, bad: float) -> Non
     x = np.zeros((3, body.n))
     broken = x.copy()
     broken[1, 7] = bad
-    assert refused("dm_set_state", body.handle, body.n, broken, x, None) == NUMBER
-    assert refused("dm_set_state", body.handle, body.n, x, broken, None) == NUMBER
-    assert refused("dm_set_state", body.handle, body.n, x, x, np.full(12, bad)) == NUMBER
+    assert refused("dm_set_state", body.handle, body.n, broken, x, None, None) == NUMBER
+    assert refused("dm_set_state", body.handle, body.n, x, broken, None, None) == NUMBER
+    assert refused("dm_set_state", body.handle, body.n, x, x, np.full(12, bad), None) == NUMBER
+    assert refused("dm_set_state", body.handle, body.n, x, x, np.zeros(12), np.full(12, bad)) == NUMBER
     assert refused("dm_step", body.handle, 1, 1, bad, 0, None, None, None) == NUMBER
     centres, radii = np.full((1, 2, 3), bad), np.ones(1)
     assert refused("dm_step", body.handle, 1, 1, 1e-3, 1, centres, radii, np.zeros((1, 3))) == NUMBER
@@ -91,7 +92,7 @@ def test_a_body_is_not_stepped_before_it_is_whole() -> None:
     handle = ctypes.c_uint64()
     native.call("dm_create", ctypes.byref(handle), 32, native.BEST, 3, np.eye(3), 0, None, None)
     assert refused("dm_step", handle, 1, 1, 1e-3, 0, None, None, None) == ORDER
-    assert refused("dm_set_state", handle, 3, np.eye(3), np.eye(3), None) == ORDER
+    assert refused("dm_set_state", handle, 3, np.eye(3), np.eye(3), None, None) == ORDER
     assert refused("dm_read", handle, 3, np.eye(3), np.eye(3), None) == ORDER
     native.call("dm_free", handle)
 

@@ -40,6 +40,20 @@ def test_the_vertices_in_contact_are_those_of_numpy(name: str) -> None:
     np.testing.assert_array_equal(found.contact, expected.contact)
 
 
+@pytest.mark.parametrize(("run", "tolerance"), [(native.run64, DOUBLE), (native.run, SINGLE)], ids=["f64", "f32"])
+def test_a_fingertip_whose_centre_lies_on_the_skin_pushes_as_with_numpy(run: Run, tolerance: float) -> None:
+    model, expected, path = build(CASES["no fill"])
+    corners = model.mesh.triangles[np.argmax(model.mesh.rest_positions[model.mesh.triangles].mean(axis=1)[:, 2])]
+    path.centres[:] = model.mesh.rest_positions[corners].mean(axis=0)
+    found = build(CASES["no fill"])[1]
+    few = type(path)(centres=path.centres[:, :2], radii=path.radii)
+    for state, stepper in ((expected, semi_implicit.run), (found, run)):
+        stepper(model, state, few, tick=TICK, substeps=model.substeps(TICK))
+    moved = expected.positions - model.mesh.rest_positions.T
+    assert moved[2, corners].max() < -0.1 * path.radii[0]
+    np.testing.assert_allclose(found.positions, expected.positions, rtol=0, atol=tolerance * SIZE)
+
+
 def test_what_is_held_stays_to_the_last_digit() -> None:
     model, state, path = build(CASES["liquid"])
     before = state.positions.copy()

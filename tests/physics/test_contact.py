@@ -55,6 +55,26 @@ def test_the_impulse_on_the_fingertip_is_minus_that_on_the_skin(seed: int, radiu
     np.testing.assert_allclose(impulse, -gained, atol=1e-13 * np.abs(mass * (v - before)).sum())
 
 
+@pytest.mark.parametrize("where", [(1, 1, 1), (0, 1, 1), (0, 0, 1)], ids=["face", "edge", "vertex"])
+def test_a_fingertip_with_its_centre_on_the_skin_pushes_it_inward_as_one_just_outside(where: tuple[int, ...]) -> None:
+    """The nearest point is the centre itself, so the way out is the face's: no direction is left to rounding."""
+    mesh = mesh_from_triangles(*ball(1))
+    weights = np.array(where) / sum(where)
+    corners = mesh.rest_positions[mesh.triangles[7]]
+    outward = weights @ corners / np.linalg.norm(weights @ corners)
+    pushed = []
+    for away in (0.0, 1e-9, 1e-3):
+        x, v = mesh.rest_positions.T.copy(), np.zeros((3, 42))
+        centre = weights @ corners + 0.1 * away * outward
+        vertices, faces = candidates(x, mesh.triangles, np.ones(42), centre, 0.5)
+        touch = Touch(centre=centre, velocity=-outward, radius=0.1, vertices=vertices, triangles=faces)
+        pushed.append((resolve(x, v, touch, np.ones(42), np.zeros(42)), x - mesh.rest_positions.T))
+    for impulse, moved in pushed[:2]:
+        assert impulse @ outward > 0 and (weights @ moved.T[mesh.triangles[7]]) @ outward < -0.08
+        np.testing.assert_allclose(impulse, pushed[2][0], rtol=0, atol=0.15 * np.linalg.norm(pushed[2][0]))
+        np.testing.assert_allclose(moved, pushed[2][1], rtol=0, atol=0.015)  # faces share a vertex otherwise
+
+
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_free_body_takes_the_momentum_that_the_fingertips_give(backend: str) -> None:
     model = build_model(mesh_from_triangles(*ball(1, 0.08)), [replace(SOFT, friction=0.8)])

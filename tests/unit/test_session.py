@@ -157,6 +157,18 @@ def test_pins_arrive_where_they_are_sent_and_the_body_follows() -> None:
     np.testing.assert_allclose(frame.positions, BALL[0] + shift, atol=1e-5)
 
 
+def test_a_body_carried_by_its_pins_neither_leads_nor_lags() -> None:
+    """Damping is against the shape at rest as it moves: what is left is half a substep of the way."""
+    session, speed, way = on_its_base(), 0.3, 0.0
+    for _ in range(30):
+        way += speed * 0.04
+        session.set_held(BALL[0] + (way, 0, 0))
+        frame = session.step(0.04)
+    error = frame.positions[:, 0] - BALL[0][:, 0] - way
+    assert np.abs(error).max() < speed * session.tick / session.substeps
+    assert error.mean() == pytest.approx(speed * session.tick / session.substeps / 2, rel=0.3)
+
+
 def test_turned_pins_turn_the_body() -> None:
     session = on_its_base()
     angle = 0.5
