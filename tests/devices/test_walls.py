@@ -1,0 +1,23 @@
+"""The goals of HAPTICS.md that hold on one clock, whatever the machine. `python -m tests.devices.walls` prints them."""
+
+import pytest
+
+from tests.devices import walls
+
+
+def test_the_stiffness_limit_is_that_of_the_formula_within_10_percent() -> None:
+    assert walls.limit() == pytest.approx(walls.limit_by_formula(), rel=0.10)
+
+
+@pytest.mark.parametrize("k", [200.0, 600.0, None])
+def test_the_stiffness_felt_is_the_stiffness_asked_within_3_percent(k: float | None) -> None:
+    """Up to the largest there is (None), through converters of 12 bits, their noise and dry friction."""
+    share, force = walls.static_error(k)
+    assert share < 0.03
+    assert force < 0.05
+
+
+def test_poking_the_stiffest_wall_gives_no_hand_a_millijoule() -> None:
+    run = walls.poke(6.0)
+    assert run.cap == pytest.approx(0.8 * walls.limit_by_formula(), rel=1e-3)
+    assert run.energy > -1e-3 and run.observed > -1e-3
