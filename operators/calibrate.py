@@ -125,6 +125,8 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
             self.report({"ERROR"}, calibration.plain(str(error)))
             return {"CANCELLED"}
         context.scene.dimple.calibration = calibration.record(found, self.tip.lower())
+        for warning in found.warnings:
+            self.report({"WARNING"}, warning)
         self.report({"INFO"}, calibration.load(context.scene.dimple.calibration)["provenance"])
         return {"FINISHED"}
 

@@ -35,6 +35,9 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         if context.object is None or context.object.type != "MESH":
             cls.poll_message_set("Select a mesh first")
             return False
+        if context.object.active_material and context.object.active_material.library:
+            cls.poll_message_set("The material is linked from another file: make it local first")
+            return False
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -93,6 +93,8 @@ def can_press(operator: type, context: bpy.types.Context) -> bool:
         operator.poll_message_set("Select the mesh to press")
     elif body.active_material is None:
         operator.poll_message_set("Give the object a material first: calibrate, or choose a preset")
+    elif body.active_material.library:
+        operator.poll_message_set("The material is linked from another file: make it local first")
     elif sessions.at_work():
         operator.poll_message_set("A bake or a virtual press is running; Esc cancels it")
     else:

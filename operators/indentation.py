@@ -34,12 +34,15 @@ class Bench:
     notes: tuple[str, ...]
 
 
-def set_up(context: bpy.types.Context, body: bpy.types.Object, place: str, depth_mm: float) -> Bench:
+def set_up(
+    context: bpy.types.Context, body: bpy.types.Object, place: str, depth_mm: float, tip: Indenter | None = None
+) -> Bench:
     """Put a body on the bench; change nothing.
 
     Args:
         place: "TOP", straight down on the middle, or "CURSOR", where the 3D cursor is nearest to the surface.
         depth_mm: 0 is as deep as the material was measured.
+        tip: None is the one that measured the material.
 
     Raises:
         DimpleError: it cannot be pressed there, with the reason and what to do.
@@ -51,7 +54,7 @@ def set_up(context: bpy.types.Context, body: bpy.types.Object, place: str, depth
         raise DimpleError("The paper's literal laws have no model constants. Choose Consistent in Physics > Dimple.")
     link, model = bridge.read_body(context, body)
     settings, mesh = material.dimple, model.mesh
-    tip = Indenter(shape=settings.tip.lower(), radius=settings.tip_radius_mm / 1e3)
+    tip = tip or Indenter(shape=settings.tip.lower(), radius=settings.tip_radius_mm / 1e3)
     above, inward = (None, DOWN) if place == "TOP" else _at_cursor(context, link, mesh)
     try:
         site = find_site(mesh, tip, held=model.held[mesh.source], above=above, inward=inward)

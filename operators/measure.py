@@ -5,8 +5,10 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from . import sessions
 from .identify import can_press, place_of
-from .names import PLACES, Op
+from .names import PLACES, TIPS, Op
 from .working import Working
+
+_AS_MEASURED = ("MEASURED", "As Measured", "The tip that measured the material; any other is a prediction")
 
 
 class DIMPLE_OT_measure(Working, bpy.types.Operator):
@@ -21,6 +23,11 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
     check_existing: BoolProperty(
         name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
     )
+    tip: EnumProperty(name="Tip", description="What presses the object", items=(_AS_MEASURED, *TIPS))
+    tip_radius_mm: FloatProperty(
+        name="Tip Radius (mm)", description="Radius of what presses, where it is not the tip that measured",
+        default=10.0, min=0.01, soft_max=50.0,
+    )  # fmt: skip
     place: EnumProperty(name="Press At", description="Where the tip goes in", items=PLACES)
     depth_mm: FloatProperty(
         name="Depth (mm)", description="How deep to press; 0 is as deep as the material was measured",
@@ -46,7 +53,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         """Measure at once; behind the file browser start anew, for this one cannot go on between events."""
         if getattr(self, "_browsing", False):
             given = self.properties.is_property_set
-            told = {name: getattr(self, name) for name in ("place", "depth_mm", "rows") if given(name)}
+            told = {name: getattr(self, name) for name in _ASKED if given(name)}
             bpy.ops.dimple.measure("INVOKE_DEFAULT", filepath=self.filepath, **told)
             return {"CANCELLED"}
         return Working.execute(self, context)
@@ -55,18 +62,23 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         """Draw how deep, in how many rows and where."""
         layout = self.layout
         layout.use_property_split = True
-        for name in ("place", "depth_mm", "rows"):
-            layout.prop(self, name)
+        for name in _ASKED:
+            row = layout.row()
+            row.active = name != "tip_radius_mm" or self.tip != _AS_MEASURED[0]
+            row.prop(self, name)
 
     def _open(self, context: bpy.types.Context) -> sessions.Run:
         return sessions.open_run(context, "measure", "Measuring: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; a body is at rest before it is pressed."""
+        from ..core.calibration.indent import Indenter
         from . import indentation
 
         sessions.stop_all()
-        self._bench = indentation.set_up(context, context.object, place_of(self, context), self.depth_mm)
+        other = self.tip != _AS_MEASURED[0]
+        tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3) if other else None
+        self._bench = indentation.set_up(context, context.object, place_of(self, context), self.depth_mm, tip)
         return self._steps_of(self._bench)
 
     def _steps_of(self, bench):
@@ -102,6 +114,9 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
             self.report({"WARNING"}, note)
         self.report({"INFO"}, f"Measured {1e3 * deepest:.3g} mm deep with up to {force.max():.3g} N: {path}")
         return {"FINISHED"}
+
+
+_ASKED = ("tip", "tip_radius_mm", "place", "depth_mm", "rows")
 
 
 def _about(bench) -> list[str]:

@@ -137,6 +137,12 @@ VIRTUAL = {
     "Press the active object with its measuring tip, virtually, and write force against depth as a CSV file": (
         "アクティブオブジェクトを測定用の先端で仮想的に押し、深さに対する力を CSV ファイルに書き出します"
     ),
+    "What presses the object": "物体を押すもの",
+    "As Measured": "測定時と同じ",
+    "The tip that measured the material; any other is a prediction": (
+        "材質を測定した先端。ほかの先端での結果は予測です"
+    ),
+    "Radius of what presses, where it is not the tip that measured": "測定時と違う先端で押すときの半径",
     "Where the CSV goes": "CSV の保存先",
     "Check Existing": "既存の確認",
     "Ask before a file is overwritten": "ファイルを上書きする前に確認します",

@@ -214,6 +214,19 @@ def test_what_is_measured_on_the_identified_body_calibrates_to_its_material(
     assert "round.csv" in vinyl.provenance
 
 
+def test_another_tip_is_a_prediction_and_leaves_what_was_identified(
+    bpy: ModuleType, vinyl: Any, forgetful: Path, tmp_path: Path
+) -> None:
+    bpy.ops.dimple.identify(depth_mm=8)
+    before = (vinyl.kappa1, vinyl.identification, vinyl.tip)
+    path = tmp_path / "finger.csv"
+    bpy.ops.dimple.measure(filepath=str(path), tip="SPHERE", tip_radius_mm=10, depth_mm=8, rows=12)
+    assert (vinyl.kappa1, vinyl.identification, vinyl.tip) == before
+    assert "sphere, radius 10 mm" in path.read_text()
+    rows = np.loadtxt(path, delimiter=",", skiprows=4)
+    assert rows[-1] == pytest.approx([8, rows[:, 1].max()]) and rows[-1, 1] > 1, "it presses, and harder as it goes in"
+
+
 def test_a_measurement_between_blenders_events_is_written_at_its_end_or_not_at_all(
     bpy: ModuleType, vinyl: Any, hand: Any, tmp_path: Path
 ) -> None:
