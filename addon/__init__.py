@@ -1,11 +1,11 @@
 """What Blender shows and stores."""
 
 from .. import operators
-from . import overlay, panels, preferences, presets, properties, tool, translations
+from . import methods, overlay, panels, preferences, presets, properties, tool, translations
 
 # in order of need: operators read the properties, panels name the operators and the presets' popover,
 # the preferences move the panels
-PARTS = (translations, properties, operators, presets, panels, preferences, overlay, tool)
+PARTS = (translations, properties, operators, presets, panels, preferences, overlay, methods, tool)
 
 
 def register() -> None:

@@ -5,17 +5,13 @@ Panels show the paper's units (mm, N/mm); `to_params` returns SI. Nothing is ani
 settings when it starts, and a keyframe that changes nothing would mislead.
 """
 
-from decimal import Decimal
-
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from ..operators import calibration
 from ..operators.names import PLACES, TIPS
+from .moving import FIXED, Moving, exact
 from .translations import CONTEXT
-
-# no property is animatable; labels are looked up where Blender has no words of its own
-FIXED = {"options": set(), "translation_context": CONTEXT}
 
 _EDITED = "Edited by hand after: "
 _MODEL_CONSTANTS = ("kappa1", "kappa2", "d0", "membrane_scale")
@@ -47,11 +43,6 @@ _POKE_ALONG = (
     ("VIEW", "View", "The fingertip moves away from you, into the screen"),
     ("NORMAL", "Surface", "The fingertip moves straight into the surface it touched"),
 )
-
-
-def exact(value: float, thousands: int = 0) -> float:
-    """Return a stored 32-bit value as the number typed (0.61, not 0.6100000143) times a power of a thousand."""
-    return float(Decimal(f"{value:.7g}").scaleb(3 * thousands))
 
 
 def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
@@ -174,7 +165,7 @@ def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
     return {"constants": constants}
 
 
-class DIMPLE_PG_object(bpy.types.PropertyGroup):
+class DIMPLE_PG_object(Moving, bpy.types.PropertyGroup):
     """Hold what makes an object a soft body."""
 
     enabled: BoolProperty(name="Dimple", description="Let Dimple press this mesh", **FIXED)
@@ -258,6 +249,10 @@ class DIMPLE_PG_scene(bpy.types.PropertyGroup):
 class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
     """Hold what is true only now and is never saved."""
 
+    show_comparison: BoolProperty(
+        name="Show Comparison", description="Draw the comparison of the active object over the viewport",
+        options={"SKIP_SAVE"}, translation_context=CONTEXT,
+    )  # fmt: skip
     state: StringProperty(
         name="State", description="What the session is doing", options={"SKIP_SAVE"}, translation_context=CONTEXT
     )

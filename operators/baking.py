@@ -20,7 +20,7 @@ import numpy as np
 from ..core.base import TICK, DimpleError
 from ..core.recording import PointCache
 from ..core.session import Session
-from . import bridge, bridge_write, live, output, shape_keys
+from . import bridge, bridge_write, live, output, planning, shape_keys
 
 if TYPE_CHECKING:
     from .bridge import Link, Singles
@@ -104,7 +104,9 @@ def _open(context: bpy.types.Context, plan: Plan, obj: bpy.types.Object, said: l
     link, model = bridge.read_body(context, obj, baked=False)
     look_s = _look_s(context.scene)
     # whole ticks between two looks, so that on every frame a body is where its object is
-    session = Session(model, tick=look_s / math.ceil(look_s / TICK - 1e-9))
+    proxy, reason = planning.proxy_for(context.scene, obj, model)
+    session = Session(model, tick=look_s / math.ceil(look_s / TICK - 1e-9), proxy=proxy)
+    said += [reason] if reason else []
     said += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
         said.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')

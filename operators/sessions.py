@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..core.session import Finger, Frame, Session
     from .bridge import Link
     from .bridge_write import Borrowed
+    from .haptic import Connection
     from .output import Recorder
 
 TRAIL = 4000  # points of force against depth that the chart remembers
@@ -89,6 +90,7 @@ class Run:
 
 sessions: dict[int, Body] = {}
 runs: list[Run] = []
+devices: list[Connection] = []  # the haptic device, where one is connected
 
 
 def get(obj: bpy.types.Object | None) -> Body | None:
@@ -110,12 +112,13 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list
     if body := get(obj):
         return body, []
     from ..core.session import Session
-    from . import bridge, bridge_write
+    from . import bridge, bridge_write, planning
 
     bridge.check_writable(obj)
     link, model = bridge.read_body(context, obj)
-    session = Session(model)  # may refuse too, so before anything is touched
-    said = [f'"{obj.name}": {note}' for note in model.notes]
+    proxy, reason = planning.proxy_for(context.scene, obj, model)
+    session = Session(model, proxy=proxy)  # may refuse too, so before the mesh is touched
+    said = [*([reason] if reason else []), *(f'"{obj.name}": {note}' for note in model.notes)]
     if bridge_write.is_shared(obj.data):
         said.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
     first = bridge.input_vertices(model)

@@ -144,6 +144,23 @@ def test_a_calibration_shows_its_constants_with_errors_and_what_a_hand_can_tell(
     assert "were changed since" in " ".join(draw(bpy, panel, object=body))
 
 
+def test_what_moves_is_told_with_its_reason_and_a_comparison_as_a_table(bpy: ModuleType, body: Any) -> None:
+    import json
+
+    settings, panel = body.dimple, bpy.types.DIMPLE_PT_methods
+    shown = draw(bpy, panel, object=body)
+    assert "DIMPLE_PG_object.moves" in shown and "dimple.apply_method" not in shown
+    settings.plan_reason = "8 vertices at 1 steps a millisecond run live."
+    ways = (("semi_implicit", 0, 9602, 1.01, 0.0, 0.0), ("semi_implicit", 400, 400, 0.025, 0.487, 0.25))
+    others = (("backward_euler", 300, 300, 8.1, 0.7, 0.3),)
+    names = ("method", "asked", "vertices", "cost", "error", "force_error")
+    settings.comparison = json.dumps([dict(zip(names, way, strict=True)) for way in (*ways, *others)])
+    shown = draw(bpy, panel, object=body)
+    for text in ("8 vertices at 1 steps", "Mesh Itself, 9602", "0.025 s/s", "0.49 mm", "25%", "backward Euler, 300"):
+        assert any(text in each for each in shown), text
+    assert shown.count("dimple.apply_method") == 2, "only what a session can take has a button"
+
+
 def test_what_was_identified_is_told_and_that_it_was_cleared(bpy: ModuleType, body: Any) -> None:
     import json
 

@@ -139,7 +139,17 @@ class Hand:
 @pytest.fixture
 def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], Hand]]:
     """Return a function that takes an operator in hand: it looks from above, and time is its own."""
-    from bl_ext.user_default.dimple.operators import bake, identify, live, measure, play, pointer, poke, sessions
+    from bl_ext.user_default.dimple.operators import (
+        bake,
+        compare,
+        identify,
+        live,
+        measure,
+        play,
+        pointer,
+        poke,
+        sessions,
+    )
 
     hands: list[Hand] = []
 
@@ -162,6 +172,7 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
         operators = {
             "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake.DIMPLE_OT_bake,
             "identify": identify.DIMPLE_OT_identify, "measure": measure.DIMPLE_OT_measure,
+            "compare_methods": compare.DIMPLE_OT_compare_methods,
         }  # fmt: skip
         hands.append(Hand(name, operators[name], Context(bpy)))
         return hands[-1]

@@ -1,0 +1,144 @@
+"""Try ways to simulate one object against its own mesh, show what each costs and how far off it is, and take one."""
+
+import json
+import math
+
+import bpy
+from bpy.props import IntProperty
+
+from . import sessions
+from .names import Op
+from .working import Working
+
+SIZES = 7  # stand-ins that are tried
+LARGEST = 4000  # vertices of the largest one
+FEWEST = 100  # vertices of the smallest one
+PRESSES = 2
+OTHERS = ("backward_euler", "xpbd", "vertex_block_descent")  # methods that are stable at long steps
+ON = 300  # vertices they are tried on: they run on numpy
+
+
+class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
+    """Press the active object virtually, simulated in several ways, and chart what each costs and how far it is off"""
+
+    bl_idname = Op.COMPARE_METHODS
+    bl_label = "Compare Methods"
+    bl_options = {"UNDO"}
+    verb, stopped = "Comparing", "The comparison was stopped; nothing has changed"
+
+    presses: IntProperty(
+        name="Presses", description="How many places are pressed: more take longer and tell more",
+        default=PRESSES, min=1, soft_max=6,
+    )  # fmt: skip
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode, a mesh, and nothing else at work."""
+        body = context.object
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Go back to Object Mode first")
+        elif body is None or body.type != "MESH":
+            cls.poll_message_set("Select the mesh to press")
+        elif sessions.at_work():
+            cls.poll_message_set("A bake or a virtual press is running; Esc cancels it")
+        else:
+            return True
+        return False
+
+    def _open(self, context: bpy.types.Context) -> sessions.Run:
+        return sessions.open_run(context, "compare", "Comparing: Esc cancels", interval=0.01)
+
+    def _begin(self, context: bpy.types.Context):
+        """Return the steps; a body is at rest before it is pressed."""
+        from ..core.proxy import check
+        from ..core.trial import choose_presses, compare
+        from . import bridge
+
+        sessions.stop_all()
+        link, model = bridge.read_body(context, context.object)
+        check(model)
+        self._link, self._found = link, []
+        radius = context.scene.dimple.finger_radius_mm / 1e3
+        presses = choose_presses(model, radius, self.presses)
+        return self._steps_of(compare(model, presses, ways(int((~model.mesh.loose).sum()))))
+
+    def _steps_of(self, steps):
+        for share, found in steps:
+            if found:
+                self._found.append(found)
+            yield min(share, 0.999)
+
+    def _finished(self, context: bpy.types.Context) -> set[str]:
+        """Keep what was found with the object, and show it."""
+        from . import bridge
+
+        obj = bridge.find(self._link.uid, self._link.name)
+        if obj is None:
+            return self._failed("The object is gone, so nothing was kept.")
+        good = [each for each in self._found if not each.note and math.isfinite(each.cost)]
+        obj.dimple.comparison = json.dumps([told(each) for each in good])
+        context.window_manager.dimple.show_comparison = True
+        for each in self._found:
+            if each.note:
+                self.report({"INFO"}, f"{named(each.way)}: {each.note}")
+        self.report({"INFO"}, f"Compared {len(good)} ways to simulate {obj.name}")
+        sessions.redraw()
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_apply_method(bpy.types.Operator):
+    """Simulate the active object this way from now on"""
+
+    bl_idname = Op.APPLY_METHOD
+    bl_label = "Use This"
+    bl_options = {"REGISTER", "UNDO"}
+
+    vertices: IntProperty(name="Vertices", description="Of the stand-in; 0 is the mesh itself", default=0, min=0)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need a mesh."""
+        if context.object is None or context.object.type != "MESH":
+            cls.poll_message_set("Select a mesh first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set what moves; what runs ends, for it moves something else."""
+        sessions.stop(context.object.session_uid)
+        settings = context.object.dimple
+        settings.moves = "STAND_IN" if self.vertices else "MESH"
+        if self.vertices:
+            settings.stand_in_vertices = self.vertices
+        return {"FINISHED"}
+
+
+def ways(vertices: int):
+    """Return what is tried on a mesh of so many vertices: stand-ins, and other methods on a small one."""
+    from ..core.trial import Way
+
+    most = min(vertices // 2, LARGEST)
+    if most < FEWEST:
+        return [Way(method=name) for name in OTHERS]
+    growth = (most / FEWEST) ** (1 / (SIZES - 1))
+    sizes = sorted({round(FEWEST * growth**k) for k in range(SIZES)})
+    return [*(Way(vertices=size) for size in sizes), *(Way(method=name, vertices=min(ON, most)) for name in OTHERS)]
+
+
+def told(found) -> dict:
+    """Return an outcome for the chart: cost [s] a second, error [mm], force error as a share."""
+    return {
+        "method": found.way.method, "asked": found.way.vertices, "vertices": found.vertices, "steps": found.steps,
+        "cost": found.cost, "error": 1e3 * found.error, "force_error": found.force_error,
+    }  # fmt: skip
+
+
+def named(way) -> str:
+    """Return what a way is called."""
+    from ..core.integrators.methods import METHODS
+
+    on = f"stand-in of {way.vertices}" if way.vertices else "the mesh itself"
+    return on if way.method == "semi_implicit" else f"{METHODS[way.method].label} on a {on}"
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_compare_methods, DIMPLE_OT_apply_method])

@@ -1,0 +1,56 @@
+"""How an object is simulated: by its own choice, or by the planner's, kept with the object so that a bake, here or on
+a farm, moves what the preview moved.
+"""
+
+from __future__ import annotations
+
+import zlib
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ..core.base import DimpleError
+from ..core.planner import Plan, mesh_itself, plan, stand_in
+from ..core.proxy import build_proxy
+
+if TYPE_CHECKING:
+    from ..core.model import Model
+    from ..core.proxy import Proxy
+
+
+def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tuple[Proxy | None, str]:
+    """Return the stand-in for an object, None where its mesh itself moves, and the reason if it was chosen just now.
+
+    Raises:
+        DimpleError: the stand-in that was asked for cannot be made.
+    """
+    settings, now = obj.dimple, key(scene, obj, model)
+    if settings.plan_key == now:
+        return build_proxy(model, settings.plan_vertices) if settings.plan_vertices else None, ""
+    try:
+        chosen = choose(scene, obj, model)
+    except DimpleError as error:
+        raise DimpleError(
+            f'"{obj.name}": {error}. Choose another number, or Automatic, in Physics > Dimple.'
+        ) from error
+    settings.plan_key, settings.plan_vertices, settings.plan_reason = now, chosen.asked, chosen.reason
+    return chosen.proxy, f'"{obj.name}": {chosen.reason}' if chosen.proxy else ""
+
+
+def choose(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Plan:
+    """Return how an object is to be simulated."""
+    wanted, radius = obj.dimple.to_plan(), scene.dimple.finger_radius_mm / 1e3
+    if wanted["moves"] == "mesh":
+        return mesh_itself(model)
+    if wanted["moves"] == "stand_in":
+        return stand_in(model, wanted["vertices"], radius=radius)
+    return plan(model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius)
+
+
+def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
+    """Return what a choice hangs on: the body with its materials, the tolerances, the fingertip."""
+    law, number = model.memory, 0
+    for array in (law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, model.springs.stiffness):
+        number = zlib.crc32(array.tobytes(), number)
+    words = (model.law_set, model.pressure.fill, scene.dimple.finger_radius_mm, *obj.dimple.to_plan().values())
+    return f"{zlib.crc32(repr(words).encode(), number):08x}"
