@@ -8,7 +8,7 @@ from importlib import import_module
 
 from .base import DimpleError
 
-UNUSABLE = 2  # exit code; a command's own ones are 0 and from 3 on
+UNUSABLE, STOPPED = 2, 130  # exit codes; a command's own ones are 0 and from 3 on
 
 # name: what it does, the module it lives in, and there the function that takes its parser and sets `run`;
 # only the command asked for is imported
@@ -36,6 +36,9 @@ def main(words: list[str] | None = None) -> int:
     except DimpleError as error:
         print(error, file=sys.stderr)
         return UNUSABLE
+    except KeyboardInterrupt:
+        print("Stopped.", file=sys.stderr)
+        return STOPPED
 
 
 if __name__ == "__main__":
