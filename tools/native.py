@@ -110,13 +110,16 @@ def version() -> str:
     return found[1]
 
 
-def compile_library(python: str | Path, name: str) -> Path:
+def compile_library(python: str | Path, name: str, *more: str) -> Path:
     """Return the library of a platform, compiled when a source or a pin is newer.
+
+    Args:
+        more: options for the compiler; such a library lies in a place of its own.
 
     Raises:
         Stop: there is no compiler, or it refused.
     """
-    target, folder = PLATFORMS[name], BUILD / name
+    target, folder = PLATFORMS[name], BUILD / "".join([name, *more])
     library, stamp = folder / target.library, folder / "sources.sha256"
     if library.exists() and stamp.exists() and stamp.read_text() == sources_hash():
         return library
@@ -128,7 +131,7 @@ def compile_library(python: str | Path, name: str) -> Path:
         for bits in (32, 64):
             options: list[str | Path] = [f"-DDM_BITS={bits}", f"-DDM_SET={kind}", *VARIANTS[kind], FUSE[bits]]
             words.append([*options, SOURCES / "variant.c", "-o", folder / f"{kind}{bits}.o"])
-    command: list[str | Path] = [zig, "cc", "-target", target.triple]
+    command: list[str | Path] = [zig, "cc", "-target", target.triple, *more]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(lambda rest: quiet([*command, *FLAGS, "-c", *rest]), words))
     objects = [rest[-1] for rest in words]

@@ -1,5 +1,6 @@
 /* Semi-implicit Euler, then contact. Source: core/integrators/semi_implicit.py, core/model.py forces. */
 #include "body.h"
+#include "spent.h"
 
 enum { AIR_PRESSURE = 101325, LIQUID_BULK_MODULUS = 2000000 }; /* [Pa], core/base.py */
 static const double AIR_EXPONENT = 1.4;
@@ -11,6 +12,21 @@ static double pressure_at(const body *b) {
     return AIR_PRESSURE * (pow(b->rest_volume / (b->volume > least ? b->volume : least), AIR_EXPONENT) - 1);
 }
 
+static void follow(body *b) {
+    double sums[MOMENTS];
+    sum_moments(b, sums);
+    fit_pose(b, sums), fit_motion(b, sums);
+}
+
+/* What the rings leave out, and then the pressure. */
+static void fill_up(body *b) {
+    pull_bend(b);
+    pull_loose(b);
+    if (b->fill == DM_FILL_NONE) return;
+    b->volume += add_corners(b) + add_caps(b);
+    b->pressure = pressure_at(b);
+}
+
 static void move(body *b) {
     if (b->laws == DM_LAWS_PAPER) {
         b->pressure = inner_pressure(b);
@@ -20,19 +36,10 @@ static void move(body *b) {
         advance_posed(b, b->pressure);
         return;
     }
-    if (b->fitted) {
-        double sums[MOMENTS];
-        sum_moments(b, sums);
-        fit_pose(b, sums), fit_motion(b, sums);
-    }
-    (b->fitted ? pull_fitted : pull_posed)(b);
-    pull_bend(b);
-    pull_loose(b);
-    if (b->fill != DM_FILL_NONE) {
-        b->volume += add_corners(b) + add_caps(b);
-        b->pressure = pressure_at(b);
-    }
-    (b->fitted ? advance_fitted : advance_posed)(b, b->fill != DM_FILL_NONE ? b->pressure : 0);
+    if (b->fitted) SPENDS(FITS, follow(b));
+    SPENDS(RINGS, (b->fitted ? pull_fitted : pull_posed)(b));
+    SPENDS(LOOSE_AND_FILL, fill_up(b));
+    SPENDS(ADVANCE, (b->fitted ? advance_fitted : advance_posed)(b, b->fill != DM_FILL_NONE ? b->pressure : 0));
 }
 
 static int32_t step(body *b, int64_t ticks, int64_t substeps, double tick, int64_t fingers, const double *centres,
@@ -41,10 +48,10 @@ static int32_t step(body *b, int64_t ticks, int64_t substeps, double tick, int64
     memset(impulses, 0, (size_t)(3 * fingers) * sizeof(double));
     b->dt = tick / (double)substeps;
     for (int64_t t = 0; t < ticks; t++) {
-        reach_out(b, fingers, centres + 3 * t, 3 * (ticks + 1), radii, tick);
+        SPENDS(REACH, reach_out(b, fingers, centres + 3 * t, 3 * (ticks + 1), radii, tick));
         for (int64_t s = 0; s < substeps; s++) {
             move(b);
-            meet(b, fingers, impulses);
+            SPENDS(CONTACT, meet(b, fingers, impulses));
         }
     }
     return DM_OK;

@@ -55,12 +55,10 @@ def measure(scene: str, size: int, *, seconds: float, slowest: int) -> list[dict
         seconds: to spend.
         slowest: numpy and double precision are left out of larger meshes.
     """
-    make, material, held, fingers, _ = SCENES[scene]
     gc.collect()  # what the case before left must not be counted as this one's
     before, started = memory_mb(), time.perf_counter()
-    mesh = make(size)
-    model = build_model(mesh, [material], held=base_vertices(mesh) if held else None)
-    model_s, n = time.perf_counter() - started, len(mesh.rest_positions)
+    model, fingers, top = scene_of(scene, size)
+    model_s, n = time.perf_counter() - started, len(model.mass)
     model_mb, substeps = memory_mb() - before, model.substeps(TICK)
 
     bodies: dict[str, tuple[Stepper, float, float]] = {}
@@ -74,7 +72,6 @@ def measure(scene: str, size: int, *, seconds: float, slowest: int) -> list[dict
     if n <= slowest or not bodies:
         bodies["numpy"] = with_numpy, 0.0, 0.0
 
-    top = float(mesh.rest_positions[:, 2].max()) + FINGERTIP
     states = {name: initial_state(model) for name in bodies}
     first, state = next(iter(bodies)), states[next(iter(bodies))]
     bodies[first][0](model, state, straight(top, top - DEPTH, PRESS_TICKS if fingers else 2, fingers), TICK, substeps)
@@ -106,6 +103,14 @@ def measure(scene: str, size: int, *, seconds: float, slowest: int) -> list[dict
         }
         for name, (_, extra_s, extra_mb) in bodies.items()
     ]  # fmt: skip
+
+
+def scene_of(scene: str, size: int) -> tuple[Model, int, float]:
+    """Return its model, how many fingertips press, and where [m] their centres are when they touch."""
+    make, material, held, fingers, _ = SCENES[scene]
+    mesh = make(size)
+    model = build_model(mesh, [material], held=base_vertices(mesh) if held else None)
+    return model, fingers, float(mesh.rest_positions[:, 2].max()) + FINGERTIP
 
 
 def with_native(body: native.Body) -> Stepper:
@@ -178,7 +183,12 @@ def main(words: list[str]) -> int:
     quick = "under 50 seconds: few repeats, slow backends to 10,000 vertices only"
     parser.add_argument("--quick", action="store_true", help=quick)
     parser.add_argument("--json", type=Path, metavar="FILE", help="where the numbers go")
+    parser.add_argument("--profile", action="store_true", help="what each part of a step costs, instead")
     options = parser.parse_args(words)
+    if options.profile:
+        from tests.bench import profile
+
+        return profile.main()
     note = native.why_not()
     print(f"{note or native.instructions()}; {machine()}; Python {platform.python_version()}, numpy {np.__version__}")
     print("scene      vertices backend         ns/vertex/step    least real time   set-up     MB")

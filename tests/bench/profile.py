@@ -1,0 +1,55 @@
+"""Say where the time of a step goes, part by part: `python3 dev.py bench --profile`."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import time
+
+import numpy as np
+
+from core import native
+from core.model import initial_state
+from tests.bench import bench
+from tools.native import compile_library, this_platform
+
+PARTS = ("fits", "rings", "fill", "advance", "contact", "reach")  # core/native/spent.h
+SIZES = {"poke_ball": (3, 4, 5, 7), "free_ball": (3, 4, 5, 7), "poke_cube": (10, 20, 41, 165)}
+TIMES = 60  # calls of the stepper, of which the median counts; a sixth for the largest bodies
+
+
+def measured(library: ctypes.CDLL, scene: str, size: int) -> tuple[int, list[float]]:
+    """Return the number of vertices and [ns per vertex and step] of each part and of the whole."""
+    model, fingers, top = bench.scene_of(scene, size)
+    n, substeps, state = len(model.mass), model.substeps(bench.TICK), initial_state(model)
+    body = native.Body(library, model, 32)
+    kind = {"SSE2": "base", "NEON": "base", "AVX2": "avx2"}[library.dm_instructions(native.BEST).decode()]
+    spent = np.ctypeslib.as_array((ctypes.c_double * len(PARTS)).in_dll(library, f"dm_spent_{kind}_32"))
+    step = bench.with_native(body)
+    step(model, state, bench.straight(top, top - bench.DEPTH, bench.PRESS_TICKS, fingers), bench.TICK, substeps)
+    ticks = max(1, min(bench.TICKS_AT_ONCE, int(2e6 / (n * substeps))))
+    still, rows = bench.straight(top - bench.DEPTH, top - bench.DEPTH, ticks, fingers), []
+    for _ in range(TIMES if n < 100_000 else TIMES // 6):
+        before, busy, started = spent.copy(), time.process_time(), time.perf_counter()
+        step(model, state, still, bench.TICK, substeps)
+        busy, wall = time.process_time() - busy, time.perf_counter() - started
+        # what other processes took meanwhile, they took from every part alike
+        rows.append([*((spent - before) * busy / wall), busy])
+    return n, [float(a) for a in np.median(rows, axis=0) / (ticks * substeps * n) * 1e9]
+
+
+def main() -> int:
+    name = this_platform()
+    if native.why_not() or name is None:
+        print(native.why_not() or "There is no native core for this kind of machine.")
+        return 1
+    library = native.load(compile_library(sys.executable, name, "-DDM_PROFILE"))
+    print(f"{native.instructions()}, f32; ns per vertex and step of {bench.machine()}")
+    print("| scene | vertices | " + " | ".join(PARTS) + " | in and out | whole |")
+    print("|---|---" + "|---" * (len(PARTS) + 2) + "|")
+    for scene, sizes in SIZES.items():
+        for size in sizes:
+            n, costs = measured(library, scene, size)
+            cells = [*costs[:-1], costs[-1] - sum(costs[:-1]), costs[-1]]
+            print(f"| {scene} | {n} | " + " | ".join(f"{cost:.2f}" for cost in cells) + " |", flush=True)
+    return 0
