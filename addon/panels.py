@@ -7,7 +7,7 @@ import bpy
 
 from ..operators.names import Op
 from ..operators.sessions import sessions
-from . import calibration, readout
+from . import calibration, device, readout
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
 
@@ -213,7 +213,7 @@ class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
 
 
 _SIDEBAR = (
-    DIMPLE_PT_session, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips, DIMPLE_PT_bake,
+    DIMPLE_PT_session, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips, *device.SIDEBAR, DIMPLE_PT_bake,
     DIMPLE_PT_surroundings,
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)

@@ -10,6 +10,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 
 from ..operators import calibration
 from ..operators.names import PLACES, TIPS
+from .device import DevicePlace
 from .moving import FIXED, Moving, exact
 from .translations import CONTEXT
 
@@ -205,7 +206,7 @@ def _finger(number: int) -> PointerProperty:
     )  # fmt: skip
 
 
-class DIMPLE_PG_scene(bpy.types.PropertyGroup):
+class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     """Hold the fingertips and the surroundings of every session in a scene."""
 
     finger_radius_mm: FloatProperty(

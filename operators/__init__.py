@@ -3,9 +3,9 @@
 Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
 """
 
-from . import bake, calibrate, calibrate_apply, compare, handlers, identify, measure, play, poke, preset, record
+from . import bake, calibrate, calibrate_apply, compare, device, handlers, identify, measure, play, poke, preset, record
 
-PARTS = (poke, play, record, bake, preset, calibrate, calibrate_apply, identify, measure, compare, handlers)
+PARTS = (poke, play, record, bake, preset, calibrate, calibrate_apply, identify, measure, compare, device, handlers)
 
 
 def register() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, bridge_write, sessions
+from . import bridge, bridge_write, haptic, sessions
 from .sessions import Body, Run
 
 if TYPE_CHECKING:
@@ -73,12 +73,12 @@ def advance(
     Args:
         dt: simulated time [s].
         budget: wall time for all of them [s].
-        pressed: fingertips of a poke by body; they go before the scene's fingertip objects.
+        pressed: fingertips of a poke by body; they go before the haptic device's, and those before fingertip objects.
 
     Returns:
         Sentences for the artist: sessions that ended, or were put back to rest.
     """
-    said, share = [], budget / len(sessions.sessions) if budget and sessions.sessions else budget
+    said, share = haptic.read(), budget / len(sessions.sessions) if budget and sessions.sessions else budget
     for uid, body in list(sessions.sessions.items()):
         obj = bridge.find(uid, body.name)
         if obj is None or obj.name not in context.view_layer.objects:
@@ -92,6 +92,7 @@ def advance(
             said.append(str(error))
         if body.frame.note:
             said.append(f'"{body.name}": {body.frame.note}')
+    haptic.write(context.scene)
     return said
 
 
@@ -105,7 +106,8 @@ def step(
 ) -> None:
     """Step one session and show it."""
     follow(obj, body)
-    fingers = merged(fingertips(context.scene, body.link.scale), pressed)
+    felt = haptic.fingertips(context.scene, body) or fingertips(context.scene, body.link.scale)
+    fingers = merged(felt, pressed)
     body.session.set_fingers(fingers)
     body.fingers = fingers
     frame = body.session.step(dt, budget=budget)

@@ -63,6 +63,9 @@ class Device(Protocol):
     def disarm(self) -> None:
         """End all force."""
 
+    def hold(self, held: bool) -> None:
+        """Hold or release the dead-man key; the device's own button does as well."""
+
     def close(self) -> None:
         """Let go of it; closing twice does nothing."""
 
@@ -136,6 +139,12 @@ class HapticMaster:
         """End all force."""
         self._post(replace(self._order, disarm=self._order.disarm + 1))
 
+    def hold(self, held: bool) -> None:
+        """Hold or release the dead-man key."""
+        self.held = held
+        if held != self._order.held:
+            self._post(replace(self._order, held=held))
+
     def close(self) -> None:
         """End the servo, which ends all force and frees the port."""
         if self.process:
@@ -165,10 +174,12 @@ class HapticMaster:
 class Emulated:
     """Run an emulated Haptic Master in a process of its own, behind a pseudo-terminal and the same servo.
 
-    options: more words for `python -m core emulator`.
+    options: more words for `python -m core emulator`.  hand: JSON of what holds it, see `hand.load_hand`; "" is a hand
+    at rest.
     """
 
     options: tuple[str, ...] = ()
+    hand: str = ""
     master: HapticMaster = field(default_factory=lambda: HapticMaster(""))
     process: subprocess.Popen[bytes] | None = None
     _folder: Path | None = None
@@ -187,7 +198,12 @@ class Emulated:
         self.close()
         self._folder = Path(tempfile.mkdtemp(prefix="dimple-"))
         port = self._folder / "device"
-        self.process = start(["emulator", "--pty", str(port), "--lifeline", *self.options], None)
+        options = list(self.options)
+        if self.hand:
+            path = self._folder / "hand.json"
+            path.write_text(self.hand, encoding="utf-8")
+            options += ["--hand", str(path)]
+        self.process = start(["emulator", "--pty", str(port), "--lifeline", *options], None)
         until = time.perf_counter() + PORT_WAIT
         while not port.exists():
             if self.process.poll() is not None or time.perf_counter() > until:
@@ -212,6 +228,10 @@ class Emulated:
     def disarm(self) -> None:
         """End all force."""
         self.master.disarm()
+
+    def hold(self, held: bool) -> None:
+        """Hold or release the dead-man key."""
+        self.master.hold(held)
 
     def close(self) -> None:
         """End servo and emulator."""
@@ -257,6 +277,9 @@ class Pointer:
         """Do nothing."""
 
     def disarm(self) -> None:
+        """Do nothing."""
+
+    def hold(self, held: bool) -> None:
         """Do nothing."""
 
     def close(self) -> None:

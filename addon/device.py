@@ -1,0 +1,127 @@
+"""The haptic device in the sidebar: where it is, how it stands, and what of a material it can render."""
+
+from collections.abc import Iterator
+
+import bpy
+from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
+
+from ..operators import haptic
+from ..operators.names import Op
+from .drawing import SidebarPanel, draw_notes, draw_rows
+from .readout import iface_
+from .translations import CONTEXT
+
+_FIXED = {"options": set(), "translation_context": CONTEXT}
+FULL = 0.95  # of the peak force: as good as all of it
+
+
+def _ports(_settings: bpy.types.PropertyGroup, _context: bpy.types.Context, _text: str) -> Iterator[tuple[str, str]]:
+    yield from haptic.ports()
+
+
+class DevicePlace:
+    """Give a scene's settings which device there is, and where its workspace is."""
+
+    device_port: StringProperty(
+        name="Port", description='Serial port of the haptic device, or any path; "emulated" is a device to try',
+        search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
+    )  # fmt: skip
+    device_scale: FloatProperty(
+        name="Workspace Scale", description="How much larger the movement on the body is than that of the hand",
+        default=1.0, min=0.01, soft_min=0.1, soft_max=10.0, precision=2, **_FIXED,
+    )  # fmt: skip
+    device_origin: FloatVectorProperty(
+        name="Origin", description="Where in the scene the calibrated place of the device is", subtype="XYZ", **_FIXED
+    )
+    device_centre_mm: FloatVectorProperty(
+        name="Centre (mm)", description="The place on the device that is at the origin", subtype="XYZ", **_FIXED
+    )
+
+
+class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
+    """Connect, arm and watch the haptic device."""
+
+    bl_label = "Haptic Device"
+    bl_parent_id = "DIMPLE_PT_session"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw port, place, verbs and numbers."""
+        settings, layout, connection = context.scene.dimple, self.layout, haptic.get()
+        layout.use_property_split = True
+        row = layout.row()
+        row.enabled = connection is None
+        row.prop(settings, "device_port")
+        layout.prop(settings, "device_scale")
+        layout.prop(settings, "device_origin")
+        layout.operator(Op.CENTRE_DEVICE, icon="PIVOT_CURSOR")
+        row = layout.row(align=True)
+        icon = "UNLINKED" if connection else "LINKED"
+        row.operator(Op.CONNECT_DEVICE, text="Disconnect" if connection else "Connect", icon=icon)
+        row.operator(Op.ARM_DEVICE, icon="PLAY")
+        row.operator(Op.DISARM_DEVICE, icon="CANCEL")
+        if connection is None:
+            return
+        body = context.object
+        material = body.active_material.dimple if body and body.active_material else None
+        draw_rows(layout, rows(connection.report, material))
+        draw_notes(context, layout, notes(connection.report, material))
+        if connection.report.message:
+            draw_notes(context, layout, [connection.report.message], "ERROR")
+
+
+def state(report: object) -> str:
+    """Return a word for how the device stands."""
+    if report.link.name == "READY":
+        words = {
+            "OFF": iface_("Ready, no force"), "WAITING": iface_("Waits for Shift and no touch"),
+            "ASKED": iface_("Arming"), "RAMP": iface_("Arming"), "ON": iface_("Armed"),
+        }  # fmt: skip
+        return words[report.arming.name]
+    return {"OPENING": iface_("Connecting"), "LOST": iface_("Lost"), "REFUSED": iface_("Refused")}[report.link.name]
+
+
+def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple[str, str]]:
+    """Return (label, number with unit) of what the device measures and renders."""
+    lines = [(iface_("State"), state(report))]
+    if report.link.name != "READY":
+        return lines
+    lines.append((iface_("Rate"), f"{report.rate:.0f} Hz"))
+    lines.append((iface_("Round Trip"), f"{1e3 * report.delay_p50:.2f} ms, 99 %: {1e3 * report.delay_p99:.2f} ms"))
+    lines.append((iface_("Lost Frames"), f"{report.lost}"))
+    for number, tip in enumerate(report.tips, start=1):
+        force = sum(c * c for c in tip.force) ** 0.5
+        full = f" ({iface_('full')})" if tip.full or force > FULL * report.peak else ""
+        lines.append((iface_("Force {}").format(number), f"{force:.2f} N{full}"))
+    lines.append((iface_("Renders up to"), f"{report.cap / 1e3:.2f} N/mm, {report.peak:.0f} N"))
+    for name in ("K1", "K2") if material else ():
+        asked = getattr(material, name)
+        lines.append((name, f"{asked:.2f}: {min(asked, report.cap / 1e3):.2f} N/mm"))
+    return lines
+
+
+def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]:
+    """Return sentences on what the device cannot render, and what is to be done to feel something."""
+    if report.link.name != "READY":
+        return []
+    said = []
+    cap = report.cap / 1e3
+    if material and min(material.K1, material.K2) > cap:
+        said.append(iface_("K1 and K2 are not renderable: the device shakes with so stiff a wall. Both feel softer."))
+    elif material and material.K2 > cap:
+        said.append(iface_("K2 is not renderable: the device shakes with so stiff a wall. It feels softer."))
+    elif material and material.K1 > cap:
+        said.append(iface_("K1 is not renderable: the device shakes with so stiff a wall. It feels softer."))
+    if material and knee_force(material) > report.peak:
+        said.append(iface_("At the knee the material needs more force than the device has."))
+    if not haptic.sessions.sessions:
+        said.append(iface_("Press Play: what is selected is then felt."))
+    return said
+
+
+def knee_force(material: bpy.types.PropertyGroup) -> float:
+    """Return the force [N] of a material at its knee."""
+    return material.K1 * material.x0
+
+
+SIDEBAR = (DIMPLE_PT_device,)

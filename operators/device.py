@@ -1,0 +1,154 @@
+"""Connect a haptic device, arm and disarm it, and say where in the scene it is."""
+
+import time
+
+import bpy
+from bpy.props import FloatProperty
+
+from . import haptic, sessions
+from .names import Op
+
+KEY = "LEFT_SHIFT"  # the dead-man key: there is force only while it is held
+HELD_S = 3600.0  # as long as the key is down
+ANSWER_S = 1.0  # the device says within it that it arms
+KEYS_SAID = "Hold Shift: force | Esc: disarm"
+
+
+class _NeedsDevice:
+    """Stand only where a device is connected and ready."""
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Need a device that is ready."""
+        connection = haptic.get()
+        if connection is None or connection.report.link.name != "READY":
+            cls.poll_message_set("No haptic device is ready")
+            return False
+        return True
+
+
+class DIMPLE_OT_connect_device(bpy.types.Operator):
+    """Connect the haptic device, or let go of it. It has no force until it is armed"""
+
+    bl_idname = Op.CONNECT_DEVICE
+    bl_label = "Connect"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Connect or disconnect."""
+        from ..core.base import DimpleError
+
+        if haptic.get():
+            haptic.disconnect()
+            return {"FINISHED"}
+        try:
+            haptic.connect(context.scene)
+        except DimpleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
+    """Let the device have force, while Shift or the device's own button is held. Esc disarms"""
+
+    bl_idname = Op.ARM_DEVICE
+    bl_label = "Arm"
+
+    hold_s: FloatProperty(
+        name="Hold (s)", description="From a script: how long the dead-man switch is held", default=0.0, min=0.0
+    )
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Arm, and hold the dead-man switch for the time given."""
+        haptic.hold(self.hold_s)
+        haptic.get().device.arm()
+        return {"FINISHED"}
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Arm, and watch the key from now on."""
+        haptic.hold(0.0)
+        self._connection, self._since = haptic.get(), time.perf_counter()
+        self._connection.device.arm()
+        context.window_manager.modal_handler_add(self)
+        context.workspace.status_text_set(KEYS_SAID)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Follow the key; another window, a lost device and Esc end it."""
+        connection = haptic.get()
+        if connection is not self._connection or not self._is_armed(connection):
+            return self._end(context)
+        if event.type == "ESC" and event.value == "PRESS":
+            connection.device.disarm()
+            self._end(context)
+            return {"PASS_THROUGH"} if sessions.runs else {"FINISHED"}
+        if event.type == KEY:
+            haptic.hold(0.0 if event.value == "RELEASE" else HELD_S)
+        elif event.type == "WINDOW_DEACTIVATE":
+            haptic.hold(0.0)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Disarm when Blender ends the operator."""
+        if connection := haptic.get():
+            connection.device.disarm()
+        self._end(context)
+
+    def _is_armed(self, connection: haptic.Connection) -> bool:
+        """Tell whether it is armed, or may be about to: its answer takes a moment."""
+        report = connection.report
+        settled = time.perf_counter() - self._since > ANSWER_S
+        return report.link.name == "READY" and not (settled and report.arming.name == "OFF")
+
+    def _end(self, context: bpy.types.Context) -> set[str]:
+        haptic.hold(0.0)
+        context.workspace.status_text_set(None)
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_disarm_device(_NeedsDevice, bpy.types.Operator):
+    """Take all force from the device at once"""
+
+    bl_idname = Op.DISARM_DEVICE
+    bl_label = "Disarm"
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Disarm."""
+        haptic.hold(0.0)
+        haptic.get().device.disarm()
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_centre_device(_NeedsDevice, bpy.types.Operator):
+    """Let the middle of the fingertips, as you hold them now, be at the 3D cursor"""
+
+    bl_idname = Op.CENTRE_DEVICE
+    bl_label = "Calibrate Origin"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set the origin."""
+        from ..core.base import DimpleError
+
+        try:
+            haptic.set_origin(context.scene)
+        except DimpleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(
+    [DIMPLE_OT_connect_device, DIMPLE_OT_arm_device, DIMPLE_OT_disarm_device, DIMPLE_OT_centre_device]
+)
+
+
+def register() -> None:
+    """Register the operators."""
+    _register_classes()
+    haptic.register()
+
+
+def unregister() -> None:
+    """Let go of the device, and unregister."""
+    haptic.unregister()
+    _unregister_classes()

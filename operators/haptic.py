@@ -1,0 +1,201 @@
+"""The haptic device beside the sessions: its fingertips press what runs, and feel what they press.
+
+What runs does not need the device: when it is lost the sessions go on, and the panel says so. The connection itself
+is kept in `sessions`, with all that is mutable.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import bpy
+
+from . import sessions
+
+if TYPE_CHECKING:
+    from ..core.devices.contact_model import Contact
+    from ..core.devices.device import Device
+    from ..core.devices.felt import Felt, Workspace
+    from ..core.devices.letters import Report
+    from ..core.session import Finger
+    from .sessions import Body
+
+EMULATED = "emulated"  # instead of a port: try it without a device
+LOOK_S = 0.1  # between two looks at the device while nothing runs
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Connection:
+    """Hold a device that is connected.
+
+    report: what it said last.  held_until: the dead-man switch is held so long, on `time.perf_counter` [s].
+    felt: by session.  news: a sentence for the artist that was not said yet.
+    """
+
+    device: Device
+    report: Report
+    held_until: float = 0.0
+    felt: dict[int, Felt] = field(default_factory=dict)
+    news: str = ""
+
+
+def get() -> Connection | None:
+    """Return the device, None where none is connected."""
+    return sessions.devices[0] if sessions.devices else None
+
+
+def connect(scene: bpy.types.Scene) -> Connection:
+    """Connect the device of a scene, and look at it from now on.
+
+    Raises:
+        DimpleError: it cannot be started, with the reason and what to do.
+    """
+    from ..core.base import DimpleError
+    from ..core.devices.device import Emulated, HapticMaster
+    from ..core.devices.poking import poking_hand
+
+    disconnect()
+    port = scene.dimple.device_port.strip()
+    if not port:
+        raise DimpleError('Choose a port, or type its path; "emulated" is a device to try.')
+    emulated = port.lower() == EMULATED
+    device: Device = Emulated(hand=poking_hand()) if emulated else HapticMaster(bpy.path.abspath(port), held=False)
+    device.open()
+    connection = Connection(device=device, report=device.read())
+    sessions.devices.append(connection)
+    bpy.app.timers.register(_look, first_interval=LOOK_S, persistent=False)
+    return connection
+
+
+def disconnect() -> None:
+    """Let go of the device; without one nothing happens."""
+    while sessions.devices:
+        sessions.devices.pop().device.close()
+
+
+def hold(seconds: float) -> None:
+    """Hold the dead-man switch for some seconds from now; 0 releases it."""
+    if connection := get():
+        connection.held_until = time.perf_counter() + seconds
+        connection.device.hold(seconds > 0)
+
+
+def read() -> list[str]:
+    """Take the newest of the device; return sentences for the artist."""
+    from ..core.devices.letters import Link
+
+    connection = get()
+    if connection is None:
+        return []
+    before, connection.report = connection.report, connection.device.read()
+    if connection.report.link is not before.link and connection.report.link in (Link.LOST, Link.REFUSED):
+        connection.news = connection.report.message
+    said, connection.news = connection.news, ""
+    return [said] if said else []
+
+
+def place(scene: bpy.types.Scene, scale: float) -> Workspace:
+    """Return where the device is in a session of a physical scale [m per scene unit]."""
+    from ..core.devices.felt import Workspace
+
+    settings = scene.dimple
+    grown = settings.device_scale
+    x, y, z = (
+        scale * at - grown * centre / 1e3
+        for at, centre in zip(settings.device_origin, settings.device_centre_mm, strict=True)
+    )
+    return Workspace(origin=(x, y, z), scale=grown)
+
+
+def fingertips(scene: bpy.types.Scene, body: Body) -> list[Finger | None]:
+    """Return the device's fingertips in a session's space; none where no device is ready."""
+    from ..core.devices.felt import fingers
+    from ..core.devices.letters import Link
+
+    connection = get()
+    if connection is None or connection.report.link is not Link.READY:
+        return []
+    return fingers(connection.report, place(scene, body.link.scale), scene.dimple.finger_radius_mm / 1e3)
+
+
+def write(scene: bpy.types.Scene) -> None:
+    """Let each fingertip feel the body that it is deepest in, or nearest to."""
+    from ..core.devices.felt import Felt
+    from ..core.devices.letters import Link
+
+    connection = get()
+    if connection is None or connection.report.link is not Link.READY:
+        return
+    now, chosen = time.perf_counter(), []
+    for uid, body in sessions.sessions.items():
+        felt = connection.felt.setdefault(uid, Felt())
+        where = place(scene, body.link.scale)
+        chosen = nearer(chosen, felt.contacts(body.session, where, connection.report.cap, now))
+    connection.device.hold(now < connection.held_until)
+    connection.device.write(chosen)
+
+
+def nearer(some: Sequence[Contact | None], others: Sequence[Contact | None]) -> list[Contact | None]:
+    """Return of two contacts of each fingertip the one that presses more, or else has the smaller gap."""
+    pairs = [(a, b) for a, b in zip([*some, *[None] * 3][:3], [*others, *[None] * 3][:3], strict=True)]
+    return [min((c for c in pair if c), key=_order, default=None) for pair in pairs]
+
+
+def _order(contact: Contact) -> tuple[float, float]:
+    return contact.gap, -sum(c * c for c in contact.force)
+
+
+def set_origin(scene: bpy.types.Scene) -> None:
+    """Let the middle of the fingertips, where they are now, be at the 3D cursor.
+
+    Raises:
+        DimpleError: the device does not know where they are.
+    """
+    from ..core.base import DimpleError
+
+    connection = get()
+    tips = [tip.position for tip in connection.report.tips if not tip.masked] if connection else []
+    if not tips:
+        raise DimpleError("The device is not ready. Connect it and wait until the panel says so.")
+    settings = scene.dimple
+    settings.device_centre_mm = [1e3 * sum(tip[c] for tip in tips) / len(tips) for c in range(3)]
+    settings.device_origin = scene.cursor.location
+
+
+def _look() -> float | None:
+    """Keep the panel up to date; while nothing runs nobody else does."""
+    connection = get()
+    if connection is None:
+        return None
+    if not sessions.sessions:
+        read()
+        connection.device.hold(time.perf_counter() < connection.held_until)
+        connection.device.write([])
+    sessions.redraw()
+    return LOOK_S
+
+
+def ports() -> list[tuple[str, str]]:
+    """Return what there is to connect: paths with what they call themselves."""
+    from ..core.devices.serial_link import ports
+
+    return [*ports(), (EMULATED, "")]
+
+
+@bpy.app.handlers.persistent
+def _on_load_pre(*_: object) -> None:
+    disconnect()
+
+
+def register() -> None:
+    """Listen to Blender."""
+    bpy.app.handlers.load_pre.append(_on_load_pre)
+
+
+def unregister() -> None:
+    """Let go of the device and stop listening."""
+    disconnect()
+    bpy.app.handlers.load_pre.remove(_on_load_pre)
