@@ -179,7 +179,7 @@ def assemble(
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
     dashpots = 2 * damping[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
     inverse_mass = np.where(held, 0.0, 1 / mass)
-    x = np.ascontiguousarray(mesh.rest_positions.T)
+    x = np.array(mesh.rest_positions.T, order="C")
 
     membrane = springs.build_springs(mesh, stiffness, dashpots, bend_pairs)
     shape = Memory(
@@ -203,7 +203,7 @@ def assemble(
 
 def initial_state(model: Model) -> State:
     """Return the state at rest."""
-    x = np.ascontiguousarray(model.mesh.rest_positions.T)
+    x = np.array(model.mesh.rest_positions.T, order="C")  # a copy, whatever the order of the mesh's
     pose = None if model.free else (np.eye(3), np.zeros(3))
     return State(positions=x, velocities=np.zeros_like(x), pose=pose)
 

@@ -5,7 +5,7 @@ import pytest
 
 from core.material import PRESETS, Material
 from core.mesh import mesh_from_triangles
-from core.model import build_model
+from core.model import build_model, initial_state
 from core.study import scenes
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2)
@@ -57,3 +57,14 @@ def test_two_materials_share_a_mesh_by_the_area_of_their_faces():
     both = mesh_from_triangles(mesh.rest_positions, mesh.triangles, triangle_material=top.astype(int))
     heavy = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.6)
     assert build_model(both, [SOFT, heavy]).mass.sum() == pytest.approx(0.4, rel=1e-9)
+
+
+def test_a_body_that_moves_leaves_its_rest_shape_alone() -> None:
+    """Also where the positions came column by column, which numpy does not copy when it turns them."""
+    made = scenes.ball(1)
+    points, faces = made.rest_positions, made.triangles
+    model = build_model(mesh_from_triangles(np.asfortranarray(points), faces), [SOFT])
+    state = initial_state(model)
+    state.positions += 1.0
+    np.testing.assert_array_equal(model.mesh.rest_positions, points)
+    np.testing.assert_array_equal(model.memory.rest, points.T)
