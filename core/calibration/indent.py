@@ -111,7 +111,7 @@ def find_site(
         stay[mesh.source] = held
     if np.linalg.matrix_rank(x[stay] - x[stay].mean(axis=0) if stay.any() else np.zeros((1, 3)), 1e-3 * mesh.size) < 2:
         stay[mesh.source] = base_vertices(mesh, up=tuple(-way))
-    under = _under(mesh, point, way, _reach(mesh, indenter))
+    under = _under(mesh, point, way, reach(mesh, indenter))
     if (under & stay).any():
         raise DimpleError("The tip stands on vertices that are held. Press elsewhere, or hold fewer.")
     return Site(
@@ -119,7 +119,8 @@ def find_site(
     )  # fmt: skip
 
 
-def _reach(mesh: Mesh, indenter: Indenter) -> float:
+def reach(mesh: Mesh, indenter: Indenter) -> float:
+    """Return the radius [m] of what presses: a point is a patch that the mesh can show."""
     return max(indenter.radius, POINT_SHARE * mesh.size) if indenter.shape == "point" else indenter.radius
 
 

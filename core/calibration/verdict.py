@@ -12,13 +12,15 @@ from ..estimate import FINGERTIP
 from ..mesh import Mesh
 from .calibrate import Calibration
 from .identify import NOTICEABLE_FORCE, NOTICEABLE_STIFFNESS, Identification
-from .indent import Indenter, Site, press_curve
+from .indent import Indenter, Site, press_curve, reach
 from .sweep import ALLOWED
 
 ROWS = 25  # of a predicted press
-# Object 3 at 10 mm: 4.2 N with 1538 vertices, 3.0 N with 6146, 1.8 N with 24578: little skin holds it together
+# a bed of springs without a skin lets a sphere part it: F = pi kappa (R - x) x^2, which falls beyond x = 2 R / 3. A
+# mesh is a skin of its own: Object 3 answers 4.2 N at 10 mm with 1538 vertices, 2.9 N with 6146, 1.8 N with 24578
 _TIP_NOTE = (
-    "This is a prediction, not a fit, and one for this mesh: on a finer one so small a tip sinks in more easily."
+    "This is a prediction, not a fit, and one for this mesh: deeper than two thirds of its radius so small a tip parts "
+    "a skin as slack as this, the more easily the finer the mesh."
 )
 
 
@@ -26,6 +28,7 @@ _TIP_NOTE = (
 class Verdict:
     """Hold an identification, the tip, the mesh, and how far the simulated press is off.
 
+    patch: radius [m] of what pressed, and how many vertices were under it if it is flat.
     force_off: at the worst depth, share of the force.  stiffness_off: of K1 and K2 (None: no row there), shares.
     measured_rms: to the measured points, share of full scale.  tip_depth [m], tip_force [N]: (m,) each, of the same
     material pressed by a fingertip: a prediction.
@@ -34,6 +37,7 @@ class Verdict:
     found: Identification
     indenter: Indenter
     mesh: Mesh
+    patch: tuple[float, int]
     force_off: float
     stiffness_off: tuple[float | None, float | None]
     measured_rms: float
@@ -51,7 +55,8 @@ def judge(calibration: Calibration, found: Identification, mesh: Mesh, indenter:
         mesh, found.material, Indenter(shape="sphere", radius=FINGERTIP), site, float(found.depths[-1]), rows=ROWS
     )
     return Verdict(
-        found=found, indenter=indenter, mesh=mesh, force_off=ALLOWED * found.worst, stiffness_off=_slopes_off(found),
+        found=found, indenter=indenter, mesh=mesh, patch=(reach(mesh, indenter), int(site.under.sum())),
+        force_off=ALLOWED * found.worst, stiffness_off=_slopes_off(found),
         measured_rms=float(np.sqrt(((simulated - force[here]) ** 2).mean()) / force.max()),
         tip_depth=tip_depth, tip_force=tip_force,
     )  # fmt: skip
@@ -69,6 +74,8 @@ def verdict_json(verdict: Verdict) -> dict[str, Any]:
         "units": {"kappa1": "N/cm3", "kappa2": "N/cm3", "d0": "mm", "membrane_scale": "1"},
         "indenter": verdict.indenter.shape,
         "tip_radius": verdict.indenter.radius * 1e3,
+        "patch_radius": verdict.patch[0] * 1e3,
+        "patch_vertices": verdict.patch[1] if verdict.indenter.shape != "sphere" else None,
         "vertices": len(verdict.mesh.rest_positions),
         "size": verdict.mesh.size * 1e3,
         "rms_percent": 100 * found.rms,
@@ -96,14 +103,17 @@ def verdict_lines(verdict: Verdict) -> list[str]:
     """Return what a person wants to read."""
     found, constants = verdict.found, verdict.found.material.constants
     assert constants is not None
-    tip = f"{verdict.indenter.shape} of {1e3 * verdict.indenter.radius:.3g} mm radius"
+    radius, under = verdict.patch
+    tip = f"sphere of {1e3 * radius:.3g} mm radius"
+    if verdict.indenter.shape != "sphere":
+        tip = f"{verdict.indenter.shape}: a flat patch of {1e3 * radius:.3g} mm radius, {under} vertices"
     body = f"{len(verdict.mesh.rest_positions)} vertices, {1e3 * verdict.mesh.size:.4g} mm"
     slopes = " and ".join(
         f"{name} by {100 * off:.1f} %"
         for name, off in zip(("K1", "K2"), verdict.stiffness_off, strict=True)
         if off is not None
     )
-    middle = int(np.searchsorted(verdict.tip_depth, verdict.tip_depth[-1] / 2))
+    middle = int(np.searchsorted(verdict.tip_depth, min(FINGERTIP, verdict.tip_depth[-1]) / 2))
     pairs = " and ".join(
         f"{verdict.tip_force[i]:.3g} N at {1e3 * verdict.tip_depth[i]:.3g} mm"
         for i in (middle, len(verdict.tip_depth) - 1)

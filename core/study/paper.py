@@ -26,6 +26,7 @@ from ..calibration.reconstruct import DEEPEST, write_samples
 from ..calibration.specimen import cube
 from ..calibration.surface import string_balance
 from ..calibration.verdict import Verdict, judge
+from ..estimate import FINGERTIP
 from ..laws.paper import surface_stretch, surface_tension
 from ..material import PRESETS, Preset
 
@@ -161,7 +162,7 @@ def table_lines(rows: Sequence[tuple[Any, ...]]) -> list[str]:
 
 _ROW = (
     "object", "vertices", "rms_percent", "worst_over_allowed", "volume_percent", "seconds", "scale_on_k",
-    "kappa1_n_per_cm3", "kappa2_n_per_cm3", "d0_mm", "deepest_mm", "fingertip_n_half_way", "fingertip_n_deepest",
+    "kappa1_n_per_cm3", "kappa2_n_per_cm3", "d0_mm", "deepest_mm", "fingertip_n_at_5_mm", "fingertip_n_deepest",
 )  # fmt: skip
 
 
@@ -171,10 +172,11 @@ def identification_row(one: Pressed) -> tuple[Any, ...]:
     model = found.material.constants
     assert model is not None
     tip = verdict.tip_force
+    at_half = float(np.interp(FINGERTIP / 2, verdict.tip_depth, tip))
     return (
         PRESETS.index(one.preset) + 1, len(verdict.mesh.rest_positions), 100 * found.rms, found.worst,
         100 * found.volume_change, one.seconds, model.membrane_scale, model.kappa1 / 1e6, model.kappa2 / 1e6,
-        1e3 * model.d0, 1e3 * found.depths[-1], tip[len(tip) // 2], tip[-1],
+        1e3 * model.d0, 1e3 * found.depths[-1], at_half, tip[-1],
     )  # fmt: skip
 
 
@@ -182,7 +184,7 @@ def identification_lines(pressed: Sequence[Pressed]) -> list[str]:
     """Return the table of identifications to read."""
     lines = [
         "Identification on cubes, pressed by a point: off by RMS of full scale, at the worst depth as a share of what",
-        "is allowed (10 % or 0.3 N), volume, processor time, scale on k; a 10 mm fingertip half way and deepest",
+        "is allowed (10 % or 0.3 N), volume, processor time, scale on k; a 10 mm fingertip at 5 mm and deepest",
         f"{'object':>6} {'vertices':>8} {'rms':>7} {'worst':>6} {'volume':>8} {'time':>7} {'scale':>8} {'deepest':>8}",
     ]
     for one in pressed:
