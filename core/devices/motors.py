@@ -11,15 +11,15 @@ from .spec import Spec
 from .vectors import ZERO, Vector, along, capped, is_finite, length
 
 BINS: Final = 100  # of the window
-AHEAD: Final = 10  # bins, 1 s: a force that acts can go on for so long
+AHEAD: Final = 10  # bins, 1 s
 
 
 class Motors:
     """Limit the force of one fingertip.
 
-    The sum of F^2 dt over any window (10 s) stays within the continuous force's. What may act now is what could act
-    for the next second without breaking this, seeing what leaves the window meanwhile: so a peak folds back smoothly,
-    and the continuous force never does.
+    The sum of F^2 dt over any window (10 s) stays within the continuous force's. It is kept in bins; what may act
+    during a bin is what could act for a whole second without breaking this, seeing what leaves the window meanwhile:
+    so a peak folds back smoothly, and the continuous force never does.
 
     sent: the force that acts [N].  limited: less than was wanted.
     """
@@ -27,18 +27,16 @@ class Motors:
     def __init__(self, spec: Spec) -> None:
         self.spec, self.sent, self.limited = spec, ZERO, False
         self._bins = deque([0.0] * (BINS + 1), maxlen=BINS + 1)  # F^2 dt [N2 s], the last one under way
-        self._leaves = [0.0] * AHEAD  # what leaves the window with the next bins
         self._ticks = max(round(spec.rms_window * spec.tick_hz / BINS), 1)  # a bin
         self._tick = 0
-        self._left = self._budget = spec.continuous_force**2 * spec.rms_window
+        self._most = self._afford()  # [N] during this bin
 
     def limit(self, wanted: Vector) -> Vector:
         """Return the force [N] that may act for this tick; no number, no force."""
         wanted = wanted if is_finite(wanted) else ZERO
-        most = self._most()
-        self.limited = length(wanted) > most
-        change = capped(along(capped(wanted, most), self.sent, -1.0), self.spec.slew * self.spec.tick)
-        self.sent = capped(along(self.sent, change, 1.0), most)
+        self.limited = length(wanted) > self._most
+        change = capped(along(wanted, self.sent, -1.0), self.spec.slew * self.spec.tick)
+        self.sent = capped(along(self.sent, change, 1.0), self._most)
         self._spend()
         return self.sent
 
@@ -48,22 +46,19 @@ class Motors:
         self._spend()
         return ZERO
 
-    def _most(self) -> float:
-        tick, peak = self.spec.tick, self.spec.peak_force
-        if self._left >= AHEAD * self._ticks * tick * peak * peak:
-            return peak
-        first = self._ticks - self._tick  # ticks to the next bin
-        square = min([(self._left + gone) / (first + k * self._ticks) for k, gone in enumerate(self._leaves)]) / tick
-        return min(peak, math.sqrt(max(square, 0.0)))
-
     def _spend(self) -> None:
         x, y, z = self.sent
-        energy = (x * x + y * y + z * z) * self.spec.tick
-        self._bins[-1] += energy
-        self._left -= energy
+        self._bins[-1] += (x * x + y * y + z * z) * self.spec.tick
         self._tick += 1
         if self._tick == self._ticks:
             self._tick = 0
             self._bins.append(0.0)  # the oldest leaves
-            self._left = self._budget - sum(self._bins)
-            self._leaves = [0.0, *accumulate(list(self._bins)[: AHEAD - 1])]
+            self._most = self._afford()
+
+    def _afford(self) -> float:
+        spec = self.spec
+        left = spec.continuous_force**2 * spec.rms_window - sum(self._bins)
+        leaves = [0.0, *accumulate(list(self._bins)[: AHEAD - 1])]  # by the end of the first bin, the second...
+        period = self._ticks * spec.tick
+        square = min([(left + gone) / (k * period) for k, gone in enumerate(leaves, 1)])
+        return min(spec.peak_force, math.sqrt(max(square, 0.0)))

@@ -9,9 +9,9 @@ import pytest
 
 from core.devices import wire
 from core.devices.hand import Hand
-from core.devices.motors import Motors
-from core.devices.vectors import ZERO, Vector
+from core.devices.vectors import ZERO
 from tests.devices.host import HELD, SPEC, Host, Table
+from tests.devices.test_motors import hottest
 
 # [N] what the converters add to a force: half a step of the motors' (0.02 N) and of the sensors' at 10 N (0.03 N)
 CONVERTERS = 0.05
@@ -103,7 +103,10 @@ def test_a_latched_fault_needs_a_clear_and_a_new_arm() -> None:
     table.host.flags |= wire.CLEAR
     table.run(0.05)
     assert table.device.mode == wire.FAULT  # a CLEAR with force in it is none
-    table.host.force = lambda finger, time: ZERO
+    table.host.force, table.host.flags = lambda finger, time: ZERO, HELD
+    table.run(0.05)
+    assert table.device.mode == wire.FAULT  # nor is no force without it
+    table.host.flags |= wire.CLEAR
     table.run(0.05)
     assert table.device.mode == wire.IDLE
     table.send(wire.Arm(table.session)).run(0.6)
@@ -185,39 +188,6 @@ def test_no_command_whatever_exceeds_peak_slew_or_heat() -> None:
     assert any(state.status & wire.LIMITED for state in table.host.states)
 
 
-def hottest(forces: list[Vector], window: float) -> float:
-    """Return the largest root mean square [N] over any window [s]."""
-    total, sums = 0.0, [0.0]
-    for force in forces:
-        total += math.hypot(*force) ** 2
-        sums.append(total)
-    n = round(window / SPEC.tick)
-    return math.sqrt(max(b - a for a, b in zip(sums, sums[n:], strict=False)) / n) if len(sums) > n else 0.0
-
-
-@pytest.mark.parametrize("period", [0.5, 3.0, 7.0, 1e9])
-def test_no_rhythm_beats_the_heat_limit(period: float) -> None:
-    """30 s of the limiter alone, on and off in any rhythm."""
-    motors, forces = Motors(SPEC), []
-    for i in range(30_000):
-        asked = 50.0 if (i * SPEC.tick) % period < period / 2 else 0.0
-        forces.append(motors.limit((asked, 0.0, 0.0)))
-    assert hottest(forces, 10.0) <= SPEC.continuous_force
-
-
-def test_the_continuous_force_never_folds_back() -> None:
-    """40 s: a window is up to a bin, 1 %, longer than 10 s, so 0.5 % less than 4 N."""
-    motors = Motors(SPEC)
-    forces = [motors.limit((3.98, 0.0, 0.0))[0] for _ in range(40_000)]
-    assert min(forces[10:]) == 3.98
-
-
-def test_what_is_no_number_is_no_force() -> None:
-    motors = Motors(SPEC)
-    for bad in (math.nan, math.inf, -math.inf):
-        assert motors.limit((bad, 0.0, 1.0)) == ZERO
-
-
 def test_a_tip_that_runs_away_is_braked_at_once_and_latched_after_5_ticks() -> None:
     """A hand that lets go of a push of 10 N: 0.12 kg reach 1.5 m/s in some 20 ms."""
     keys = ((0.0, 0.0, 0.0, -0.2), (1.0, 0.0, 0.0, -0.2))
@@ -229,7 +199,9 @@ def test_a_tip_that_runs_away_is_braked_at_once_and_latched_after_5_ticks() -> N
     over = next(i for i, speed in enumerate(speeds) if speed > SPEC.tip_speed)
     # the speed is known 5 ms late, while 10 N still push: 0.4 m/s more, and 10 ms of slew
     assert max(speeds) < SPEC.tip_speed + 1.0
-    assert table.modes().index(wire.FAULT) - over <= 5 + 5 + 5
+    latched = table.modes().index(wire.FAULT)
+    assert latched - over <= 5 + 5 + 5
+    assert sizes(table)[latched] <= 10.0 - 4.0  # the brake did not wait: 1 N a millisecond
     assert abs(speeds[-1]) < 0.1  # and it came to rest
 
 
