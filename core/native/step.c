@@ -45,7 +45,7 @@ static void move(body *b) {
 static int32_t step(body *b, int64_t ticks, int64_t substeps, double tick, int64_t fingers, const double *centres,
                     const double *radii, double *impulses) {
     if (b->ready != HAS_ALL) return DM_ORDER;
-    memset(impulses, 0, (size_t)(3 * fingers) * sizeof(double));
+    for (int64_t k = 0; k < 3 * fingers; k++) impulses[k] = 0; /* null where there are none */
     b->dt = tick / (double)substeps;
     for (int64_t t = 0; t < ticks; t++) {
         SPENDS(REACH, reach_out(b, fingers, centres + 3 * t, 3 * (ticks + 1), radii, tick));

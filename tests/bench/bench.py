@@ -184,7 +184,12 @@ def main(words: list[str]) -> int:
     parser.add_argument("--quick", action="store_true", help=quick)
     parser.add_argument("--json", type=Path, metavar="FILE", help="where the numbers go")
     parser.add_argument("--profile", action="store_true", help="what each part of a step costs, instead")
+    parser.add_argument("--peers", action="store_true", help="the scenes other solvers were measured on, instead")
     options = parser.parse_args(words)
+    if options.peers:
+        from tests.bench import peers
+
+        return peers.main()
     if options.profile:
         from tests.bench import profile
 
