@@ -94,49 +94,53 @@ def name_of(each: dict[str, Any]) -> str:
 
 def draw_chart(found: Sequence[dict[str, Any]], settings: Any, corner: shapes.Point, scale: float, region: Any) -> None:
     """Draw error against cost, both in decades, from a corner [px]; the mesh itself has no error: it is a line."""
-    points = [each for each in found if each["error"] > 0]
-    if not points:
-        return
     size = (SIZE[0] * scale, SIZE[1] * scale)
-    ends = [
-        _decades([LIVE, *(each["cost"] for each in found)]),
-        _decades([settings.tolerance_mm, *(each["error"] for each in points)]),
-    ]
-
-    def place(cost: float, error: float) -> shapes.Point:
-        return tuple(
-            c + s * (math.log10(v) - low) / (high - low)
-            for v, (low, high), c, s in zip((cost, error), ends, corner, size, strict=True)
-        )
-
-    right, top = corner[0] + size[0], corner[1] + size[1]
-    margin = overlay.MARGIN * scale
-    overlay._filled((corner[0] - margin, corner[1] - 2 * margin), (right + margin, top + 2 * margin), overlay.BACK)
-    overlay._lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], overlay.FAINT, region)
-    live, near = place(LIVE, 1.0)[0], place(1.0, settings.tolerance_mm)[1]
-    mesh = place(next(each["cost"] for each in found if not each["error"]), 1.0)[0]
-    for line, colour in (
-        (((live, corner[1]), (live, top)), overlay.FAINT),
-        (((corner[0], near), (right, near)), overlay.FAINT),
-        (((mesh, corner[1]), (mesh, top)), overlay.FORCE),
-    ):
-        overlay._lines([line], colour, region)
-    ours = sorted((each for each in points if each["method"] == "semi_implicit"), key=lambda each: each["cost"])
-    overlay._lines(shapes.chained([place(each["cost"], each["error"]) for each in ours]), STAND_INS, region)
-    for each in points:
-        colour = STAND_INS if each in ours else OTHER
-        at = place(each["cost"], each["error"])
-        overlay._lines(shapes.circle(at, (4 * scale, 0.0), (0.0, 4 * scale)), colour, region)
-        label = f"{each['vertices']}" if each in ours else LABELS.get(each["method"], each["method"])
-        overlay._write(label, (at[0] + 6 * scale, at[1] + 4 * scale), scale)
-    overlay._write(iface_("Mesh Itself"), (mesh + 4 * scale, corner[1] + 4 * scale), scale)
-    overlay._write(iface_("Live"), (live - 36 * scale, top - 14 * scale), scale)
-    overlay._write(f"{settings.tolerance_mm:g} mm", (corner[0] + 4 * scale, near + 4 * scale), scale)
+    (left, bottom), (right, top) = corner, (corner[0] + size[0], corner[1] + size[1])
+    room = overlay.MARGIN * scale
+    overlay.draw_filled((left - room, bottom - 2 * room), (right + 2 * room, top + room), overlay.BACK)
+    overlay.draw_lines([((left, top), (left, bottom)), ((left, bottom), (right, bottom))], overlay.FAINT, region)
+    live, near = place(found, settings, LIVE, settings.tolerance_mm, corner, size)
+    overlay.draw_lines([((live, bottom), (live, top)), ((left, near), (right, near))], overlay.FAINT, region)
+    overlay.write(iface_("Live"), (live - 30 * scale, bottom + 4 * scale), scale)
+    overlay.write(f"{settings.tolerance_mm:g} mm", (left + 4 * scale, near + 4 * scale), scale)
+    spots = list(zip(found, places(found, settings, corner, size), strict=True))
+    ours = sorted(at for each, at in spots if each["method"] == "semi_implicit" and each["error"] > 0)
+    overlay.draw_lines(shapes.chained(ours), STAND_INS, region)
+    for each, (x, y) in spots:
+        if not each["error"]:
+            overlay.draw_lines([((x, bottom), (x, top))], overlay.FORCE, region)
+            overlay.write(iface_("Mesh Itself"), (x + 4 * scale, top - 14 * scale), scale)
+            continue
+        label, colour = LABELS.get(each["method"]), OTHER
+        if each["method"] == "semi_implicit":
+            label, colour = f"{each['vertices']}", STAND_INS
+        overlay.draw_lines(shapes.circle((x, y), (4 * scale, 0.0), (0.0, 4 * scale)), colour, region)
+        overlay.write(label or each["method"], (x + 6 * scale, y + 4 * scale), scale)
     told = iface_("Error (mm) against cost (s of computing a second)")
-    overlay._write(told, (corner[0], corner[1] - 24 * scale), scale)
+    overlay.write(told, (left, bottom - 20 * scale), scale)
 
 
-def _decades(values: Sequence[float]) -> tuple[float, float]:
+def places(
+    found: Sequence[dict[str, Any]], settings: Any, corner: shapes.Point, size: shapes.Point
+) -> list[shapes.Point]:
+    """Return where each way lies in a box on the screen: cost to the right, error up, in decades."""
+    return [place(found, settings, each["cost"], each["error"], corner, size) for each in found]
+
+
+def place(
+    found: Sequence[dict[str, Any]], settings: Any, cost: float, error: float, corner: shapes.Point, size: shapes.Point
+) -> shapes.Point:
+    """Return where a cost and an error lie in a box on the screen that holds everything found, live and tolerance."""
+    costs = decades([LIVE, *(each["cost"] for each in found)])
+    errors = decades([settings.tolerance_mm, *(each["error"] for each in found if each["error"] > 0)])
+    return tuple(
+        start + extent * (math.log10(max(value, 1e-9)) - low) / (high - low)
+        for value, (low, high), start, extent in zip((cost, error), (costs, errors), corner, size, strict=True)
+    )
+
+
+def decades(values: Sequence[float]) -> tuple[float, float]:
+    """Return the ends of an axis for values, as powers of ten, with room for labels."""
     logs = [math.log10(max(value, 1e-9)) for value in values]
     return min(logs) - ROOM, max(logs) + 4 * ROOM
 
@@ -148,7 +152,7 @@ def draw_over() -> None:
     if not context.window_manager.dimple.show_comparison or body is None or not body.dimple.comparison:
         return
     scale, region = context.preferences.system.ui_scale, context.region
-    left, bottom = overlay._corner(context.area, scale)
+    left, bottom = overlay.free_corner(context.area, scale)
     # at the top, clear of the numbers of a session
     top = region.height - (SIZE[1] + 110.0) * scale
     draw_chart(load(body.dimple), body.dimple, (left + overlay.MARGIN * scale, max(bottom, top)), scale, region)

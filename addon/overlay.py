@@ -61,7 +61,7 @@ def draw_numbers() -> None:
     if not shown and not calibrated:
         return
     scale = context.preferences.system.ui_scale
-    left, bottom = _corner(context.area, scale)
+    left, bottom = free_corner(context.area, scale)
     if calibrated:
         draw_key(calibrated, (left, draw_curves(calibrated, (left, bottom), scale, context.region)), scale)
     for entry in shown:
@@ -76,8 +76,8 @@ def draw_fingers(entry: Any, region: Any) -> None:
     """Draw each fingertip that is down, and the force on it."""
     for finger, force in _fingers(entry):
         centre, radius = _in_scene(entry, finger)
-        _lines(shapes.sphere(centre, radius), FINGERTIP, region)
-        _lines(shapes.arrow(centre, force, radius), FORCE, region)
+        draw_lines(shapes.sphere(centre, radius), FINGERTIP, region)
+        draw_lines(shapes.arrow(centre, force, radius), FORCE, region)
 
 
 def draw_rows(entry: Any, corner: Point, scale: float) -> float:
@@ -87,7 +87,7 @@ def draw_rows(entry: Any, corner: Point, scale: float) -> float:
     lines = [entry.name, *lines, *(line for sentence in said for line in readout.wrapped(sentence, 60))]
     height = corner[1]
     for line in reversed(lines):
-        _write(line, (corner[0], height), scale)
+        write(line, (corner[0], height), scale)
         height += LINE_HEIGHT * scale
     return height
 
@@ -134,7 +134,7 @@ def draw_key(curves: Curves, corner: Point, scale: float) -> None:
     left = corner[0]
     for word, colour, shown in words:
         if shown:
-            left += _write(word, (left, corner[1] + 5 * scale), scale, colour) + MARGIN * scale
+            left += write(word, (left, corner[1] + 5 * scale), scale, colour) + MARGIN * scale
 
 
 def draw_curves(curves: Curves, corner: Point, scale: float, region: Any) -> float:
@@ -146,17 +146,17 @@ def draw_curves(curves: Curves, corner: Point, scale: float, region: Any) -> flo
     law = shapes.law_curve(*curves.law, deepest)
     ends = (shapes.round_up(deepest), shapes.round_up(max(force for _, force in [*law, *seen])))
     right, top = corner[0] + size[0], corner[1] + size[1]
-    _filled(corner, (right, top), BACK)
-    _lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, region)
-    _lines(shapes.crosses(shapes.into_box(curves.measured, ends, corner, size), CROSS * scale), MEASURED, region)
-    _lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, region)
-    _lines(shapes.chained(shapes.into_box(curves.simulated, ends, corner, size)), SIMULATED, region)
+    draw_filled(corner, (right, top), BACK)
+    draw_lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, region)
+    draw_lines(shapes.crosses(shapes.into_box(curves.measured, ends, corner, size), CROSS * scale), MEASURED, region)
+    draw_lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, region)
+    draw_lines(shapes.chained(shapes.into_box(curves.simulated, ends, corner, size)), SIMULATED, region)
     trail = shapes.into_box(curves.trail, ends, corner, size)
-    _lines(shapes.chained(trail), FORCE, region)
+    draw_lines(shapes.chained(trail), FORCE, region)
     if trail:
-        _lines(shapes.circle(trail[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, region)
-    _write(f"{ends[1]:g} N", (corner[0] + 4 * scale, top - LINE_HEIGHT * scale), scale)
-    _write(f"{ends[0] * 1e3:g} mm", (right - 48 * scale, corner[1] + 5 * scale), scale)
+        draw_lines(shapes.circle(trail[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, region)
+    write(f"{ends[1]:g} N", (corner[0] + 4 * scale, top - LINE_HEIGHT * scale), scale)
+    write(f"{ends[0] * 1e3:g} mm", (right - 48 * scale, corner[1] + 5 * scale), scale)
     return top
 
 
@@ -183,13 +183,13 @@ def _in_scene(entry: Any, finger: Any) -> tuple[Point, float]:
     return tuple(map(float, centre)), float(radius)
 
 
-def _corner(area: bpy.types.Area, scale: float) -> Point:
+def free_corner(area: bpy.types.Area, scale: float) -> Point:
     """Return the lower left corner [px] that Blender's own toolbar leaves free."""
     tools = next((region for region in area.regions if region.type == "TOOLS"), None)
     return ((tools.width if tools else 0) + MARGIN * scale, 2 * MARGIN * scale)
 
 
-def _lines(segments: Sequence[Segment], colour: Point, region: Any) -> None:
+def draw_lines(segments: Sequence[Segment], colour: Point, region: Any) -> None:
     if not segments:
         return
     import gpu
@@ -205,7 +205,7 @@ def _lines(segments: Sequence[Segment], colour: Point, region: Any) -> None:
     gpu.state.blend_set("NONE")
 
 
-def _filled(low: Point, high: Point, colour: Point) -> None:
+def draw_filled(low: Point, high: Point, colour: Point) -> None:
     import gpu
     from gpu_extras.batch import batch_for_shader
 
@@ -217,7 +217,7 @@ def _filled(low: Point, high: Point, colour: Point) -> None:
     gpu.state.blend_set("NONE")
 
 
-def _write(text: str, at: Point, scale: float, colour: Point = TEXT) -> float:
+def write(text: str, at: Point, scale: float, colour: Point = TEXT) -> float:
     """Write a line and return how wide it is [px]."""
     import blf
 

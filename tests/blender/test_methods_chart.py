@@ -1,0 +1,61 @@
+"""The comparison's chart shows every way that was tried where its cost and its error put it."""
+
+import json
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tests.blender.test_overlay import on_screen
+
+NAMES = ("method", "asked", "vertices", "steps", "cost", "error", "force_error")
+FOUND = (
+    ("semi_implicit", 0, 9602, 9, 1.0, 0.0, 0.0), ("semi_implicit", 200, 200, 3, 0.012, 0.85, 0.44),
+    ("semi_implicit", 565, 565, 5, 0.039, 0.35, 0.19), ("semi_implicit", 1600, 1600, 8, 0.15, 0.13, 0.07),
+    ("backward_euler", 300, 300, 1, 4.1, 0.7, 0.33), ("vertex_block_descent", 300, 300, 4, 2.2, 0.75, 0.35),
+)  # fmt: skip
+
+
+@pytest.fixture
+def body(empty_file: ModuleType) -> Any:
+    bpy = empty_file
+    bpy.ops.mesh.primitive_cube_add()
+    obj = bpy.context.object
+    obj.dimple.comparison = json.dumps([dict(zip(NAMES, row, strict=True)) for row in FOUND])
+    return obj
+
+
+def test_the_chart_leaves_the_colours_of_stand_ins_methods_and_the_mesh(bpy: ModuleType, body: Any) -> None:
+    import gpu
+    from bl_ext.user_default.dimple.addon import methods, overlay
+
+    if not hasattr(gpu, "init"):
+        pytest.skip("this Blender cannot draw without a window; 5.2 can")
+    gpu.init()
+    found = methods.load(body.dimple)
+    picture = on_screen(lambda region: methods.draw_chart(found, body.dimple, (60.0, 60.0), 1.0, region))
+    for colour in (methods.STAND_INS, methods.OTHER, overlay.FORCE, overlay.TEXT):
+        assert (abs(picture[:, :, :3] / 255.0 - colour[:3]).max(axis=2) < 0.12).sum() > 20, colour
+
+
+def test_dearer_lies_farther_right_and_worse_higher(bpy: ModuleType, body: Any) -> None:
+    from bl_ext.user_default.dimple.addon import methods
+
+    low, high = methods.decades([0.012, 1.0])
+    assert low < -1.92 and high > 0
+    places = methods.places(methods.load(body.dimple), body.dimple, (0.0, 0.0), (100.0, 100.0))
+    stand_ins = places[1:4]
+    assert [x for x, _ in stand_ins] == sorted(x for x, _ in stand_ins)
+    assert [y for _, y in stand_ins] == sorted((y for _, y in stand_ins), reverse=True)
+    assert all(0 <= x <= 100 and 0 <= y <= 100 for x, y in places[1:])
+
+
+def test_nothing_is_drawn_of_an_object_that_was_not_compared(bpy: ModuleType, empty_file: ModuleType) -> None:
+    from bl_ext.user_default.dimple.addon import methods
+
+    methods.draw_over()  # no object
+    empty_file.ops.mesh.primitive_cube_add()
+    bpy.context.window_manager.dimple.show_comparison = True
+    methods.draw_over()
+    assert methods.load(SimpleNamespace(comparison="")) == []
+    bpy.context.window_manager.dimple.show_comparison = False
