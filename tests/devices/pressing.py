@@ -51,6 +51,7 @@ def rig(folder: Path, *words: str) -> Rig:
     """Start an emulator whose hand presses 10 mm deep once there is force."""
     hand = folder / "hand.json"
     hand.write_text(json.dumps({"tips": [WAY] * 3}))
+    (folder / "port").unlink(missing_ok=True)  # which a killed one leaves
     files = ["--pty", str(folder / "port"), "--hand", str(hand), "--trace", str(folder / "trace.csv")]
     made = Rig(folder, start(["emulator", *files, "--lifeline", *words], None))
     until = time.perf_counter() + PATIENCE
