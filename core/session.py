@@ -246,8 +246,9 @@ class Session:
             rest = self._body.memory.rest[:, pins]
             target = fit_pose(rest, (state.positions[:, held] + way)[:, pins[held]], np.ones(rest.shape[1]))
             here = fit_pose(rest, state.positions[:, pins], np.ones(rest.shape[1]))
-            # within a tick the shape at rest stands in the middle of its way: the body neither leads nor lags
-            state.pose = (here[0] + target[0]) / 2, (here[1] + target[1]) / 2
+            # within a tick the shape at rest stands where the substeps begin on average: the body does not lead
+            share = (1 - 1 / self.substeps) / 2
+            state.pose = here[0] + share * (target[0] - here[0]), here[1] + share * (target[1] - here[1])
             state.pace = (target[0] - here[0]) / self.tick, (target[1] - here[1]) / self.tick
 
     def touches(self) -> list[Touching | None]:

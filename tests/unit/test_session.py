@@ -158,7 +158,7 @@ def test_pins_arrive_where_they_are_sent_and_the_body_follows() -> None:
 
 
 def test_a_body_carried_by_its_pins_neither_leads_nor_lags() -> None:
-    """Damping is against the shape at rest as it moves: what is left is half a substep of the way."""
+    """Springs and damping are against the shape at rest as it moves; vertices differ by less than a substep's way."""
     session, speed, way = on_its_base(), 0.3, 0.0
     for _ in range(30):
         way += speed * 0.04
@@ -166,7 +166,7 @@ def test_a_body_carried_by_its_pins_neither_leads_nor_lags() -> None:
         frame = session.step(0.04)
     error = frame.positions[:, 0] - BALL[0][:, 0] - way
     assert np.abs(error).max() < speed * session.tick / session.substeps
-    assert error.mean() == pytest.approx(speed * session.tick / session.substeps / 2, rel=0.3)
+    assert abs(error.mean()) < 0.02 * speed * session.tick / session.substeps
 
 
 def test_turned_pins_turn_the_body() -> None:
