@@ -10,6 +10,9 @@ from . import calibration, sessions
 from .names import PLACES, Op
 from .working import Working
 
+HOPELESS = 3  # times what a hand can tell: then the estimate is no worse
+_NOTHING = "Nothing was written: use a finer mesh, or press elsewhere."
+
 
 class DIMPLE_OT_identify(Working, bpy.types.Operator):
     """Find the model constants that let a virtual press of the active object answer as its material was measured"""
@@ -60,10 +63,15 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         """Write the constants, and how they were found."""
+        from ..core.base import DimpleError
         from ..core.calibration.identify import NOTICEABLE_FORCE
         from . import indentation
 
         found, bench = self._found, self._bench
+        if found.rms > HOPELESS * max(NOTICEABLE_FORCE):
+            raise DimpleError(" ".join(
+                [f"No model constants let this body answer as was measured. {found.notes[-1]}", _NOTHING]
+            ))  # fmt: skip
         settings, constants = indentation.find_material(bench.uid).dimple, found.material.constants
         settings.kappa1, settings.kappa2 = constants.kappa1 / 1e6, constants.kappa2 / 1e6
         settings.d0, settings.membrane_scale = constants.d0 * 1e3, constants.membrane_scale
@@ -75,7 +83,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         }  # fmt: skip
         settings.identification, settings.stale = json.dumps(told, ensure_ascii=False), False
         for note in told["notes"]:
-            self.report({"INFO"}, note)
+            self.report({"INFO" if found.worst <= 1 else "WARNING"}, note)
         return {"FINISHED"}
 
 

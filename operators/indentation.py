@@ -58,9 +58,10 @@ def set_up(
     above, inward = (None, DOWN) if place == "TOP" else _at_cursor(context, link, mesh)
     try:
         site = find_site(mesh, tip, held=model.held[mesh.source], above=above, inward=inward)
-        constants, said = bridge.constants_on(mesh, material)
     except DimpleError as error:
-        raise DimpleError(f'"{body.name}": {error}') from error
+        elsewhere = " Press At: 3D Cursor puts the tip elsewhere." if place == "TOP" else ""
+        raise DimpleError(f'"{body.name}": {error}{elsewhere}') from error
+    constants, said = bridge.constants_on(mesh, material)
     return Bench(
         link=link, mesh=mesh, uid=material.session_uid, material=constants, indenter=tip, site=site,
         deepest=(depth_mm or calibration.deepest_mm(settings)) / 1e3, notes=(*_notes(body), *filter(None, [said])),

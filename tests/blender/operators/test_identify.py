@@ -146,6 +146,32 @@ def test_escape_leaves_the_material_as_it_was(bpy: ModuleType, vinyl: Any, hand:
     assert not list(forgetful.glob("*")) and bpy.ops.dimple.identify.poll()
 
 
+def test_loading_a_file_ends_the_identification(bpy: ModuleType, vinyl: Any, hand: Any, forgetful: Path) -> None:
+    run = hand("identify")
+    run.invoke()
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert run.ticks(1) == {"CANCELLED"} and not list(forgetful.glob("*"))
+
+
+def test_a_body_that_cannot_answer_as_was_measured_keeps_its_estimate(
+    bpy: ModuleType, vinyl: Any, forgetful: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dataclasses import replace
+
+    from bl_ext.user_default.dimple.core.calibration import identify
+
+    real = identify.identification
+
+    def hopeless(*given: Any) -> Iterator[Any]:
+        found = yield from real(*given)
+        return replace(found, rms=0.5, notes=(*found.notes, "It is off the most at 3 mm."))
+
+    monkeypatch.setattr(identify, "identification", hopeless)
+    with pytest.raises(RuntimeError, match="off the most at 3 mm. Nothing was written"):
+        bpy.ops.dimple.identify(depth_mm=8)
+    assert vinyl.kappa1 == 0 and vinyl.identification == ""
+
+
 def test_between_blenders_events_it_comes_to_the_same_end(
     bpy: ModuleType, vinyl: Any, hand: Any, forgetful: Path
 ) -> None:
@@ -189,6 +215,11 @@ def test_what_cannot_be_pressed_says_why(bpy: ModuleType, vinyl: Any, cube: Any)
     cube.dimple.law_set = "CONSISTENT"
     vinyl.k = 0
     with pytest.raises(RuntimeError, match="k must be greater than 0"):
+        bpy.ops.dimple.identify()
+    vinyl.k = 9.2
+    cube.data.clear_geometry()
+    cube.data.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
+    with pytest.raises(RuntimeError, match="held.* 3D Cursor"):
         bpy.ops.dimple.identify()
     cube.active_material = None
     assert not bpy.ops.dimple.identify.poll() and not bpy.ops.dimple.measure.poll()
