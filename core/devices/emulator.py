@@ -67,10 +67,15 @@ class Emulator:
         self._rest = b""  # of a frame from the host
         self._begin: float | None = None  # [s] on the clock of step
         self._ticks = 0
+        self._begun: tuple[float, int, list[Vector]] | None = None  # the tick under way [s], mode and angles then
         self._script: float | None = None if self.hand.from_arm else 0.0  # when the hand's time began [s]
 
-    def step(self, now: float, incoming: bytes) -> bytes:
-        """Live up to a time [s]; take the host's bytes, which set off now; return those that have come to the host."""
+    def step(self, now: float, incoming: bytes, *, settle: bool = True) -> bytes:
+        """Live up to a time [s]; take the host's bytes, which set off now; return those that have come to the host.
+
+        Args:
+            settle: move the fingertips too; who has a host waiting calls `settle` after it has the bytes.
+        """
         if self._begin is None:
             self._begin = now
         now -= self._begin
@@ -81,7 +86,23 @@ class Emulator:
         for frame in frames:
             self._in.send(now, frame + b"\0")
         self._live(now)
+        if settle:
+            self.settle()
         return self._out.take(now)
+
+    def settle(self) -> None:
+        """Let motors and hand move the fingertips over the tick that has begun."""
+        if self._begun is None:
+            return
+        (now, mode, angles), self._begun = self._begun, None
+        for i, torque in enumerate(self.firmware.torques):
+            self.forces[i] = kinematics.force(self._blocks[i], angles[i], torque) if any(torque) else ZERO
+        if self.trace is not None:
+            places, forces = [tip.position for tip in self.tips], self.forces
+            self.trace.append((now, float(mode), *(x for three in (*places, *forces) for x in three)))
+        time = -math.inf if self._script is None else now - self._script
+        for i, tip in enumerate(self.tips):
+            tip.step(self.spec, self.hand, i, time, self.forces[i])
 
     def next_time(self) -> float:
         """Return when there is something to do [s]: step then, or earlier when bytes come."""
@@ -117,6 +138,7 @@ class Emulator:
             self._out.send(now, wire.encode(frame))
 
     def _tick(self, now: float) -> None:
+        self.settle()
         self._ticks += 1
         self.unplugged = self._acts("unplug", now)
         angles = [kinematics.inverse(self._blocks[i], self.tips[i].position) for i in range(wire.FINGERS)]
@@ -127,14 +149,7 @@ class Emulator:
             self._say(self.firmware.tick(words, now), now)
         if self._script is None and self.mode == wire.RAMP:
             self._script = now
-        for i, torque in enumerate(self.firmware.torques):
-            self.forces[i] = kinematics.force(self._blocks[i], angles[i], torque) if any(torque) else ZERO
-        if self.trace is not None:
-            places, forces = [tip.position for tip in self.tips], self.forces
-            self.trace.append((now, float(self.mode), *(x for three in (*places, *forces) for x in three)))
-        time = -math.inf if self._script is None else now - self._script
-        for i, tip in enumerate(self.tips):
-            tip.step(self.spec, self.hand, i, time, self.forces[i])
+        self._begun = now, self.mode, angles
 
     def _convert(self, angles: list[Vector], now: float) -> list[int]:
         """Return the 16-bit readings of the nine joints."""

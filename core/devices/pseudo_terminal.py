@@ -63,9 +63,10 @@ def _run(emulator: Emulator, master: int, seconds: float, lifeline: int | None) 
                 break
             if master in ready:
                 incoming = os.read(master, READ)
-            outgoing = emulator.step(time.monotonic() - told["slipped_s"], incoming)
+            outgoing = emulator.step(time.monotonic() - told["slipped_s"], incoming, settle=False)
             if outgoing:
                 told["overflows"] += not _write(master, outgoing)
+            emulator.settle()
     return told
 
 

@@ -43,8 +43,10 @@ WRONG = 0.002  # [m] a position farther from the truth cannot be noise: its fram
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """Hold what a trial left: the last report, what the device measured, its trace, the servo's log."""
+    """Hold what a trial left: how often it pressed, the last report, what the device measured, its trace, the servo's
+    log."""
 
+    cycles: int
     report: Report
     device: dict[str, float]
     trace: Floats  # time [s], mode, three positions [m], three forces [N]
@@ -99,7 +101,7 @@ def press(seconds: float, *, busy: bool = False, words: list[str] | None = None)
             device.close()
         rows = np.loadtxt(trace, delimiter=",", skiprows=1, converters={1: float}, ndmin=2)
         given = np.loadtxt(log, delimiter=",", ndmin=2)
-        return Trial(report, json.loads(told.read_text()), rows, given, np.array(frames))
+        return Trial(cycles, report, json.loads(told.read_text()), rows, given, np.array(frames))
 
 
 def judge(trial: Trial) -> dict[str, float]:
@@ -107,7 +109,7 @@ def judge(trial: Trial) -> dict[str, float]:
     device, report = trial.device, trial.report
     time, places, forces = trial.trace[:, 0], _tips(trial.trace, 2), _tips(trial.trace, 11)
     begin = time[np.flatnonzero(trial.trace[:, 1] == 2)[0]]  # of the ramp
-    felt = [_felt(time - begin, places[:, i], forces[:, i]) for i in range(3)]
+    felt = [_felt(trial.cycles, time - begin, places[:, i], forces[:, i]) for i in range(3)]
     slopes = np.array([slope for slope, _ in felt])
     errors = np.concatenate([error for _, error in felt])
     believed = trial.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
@@ -140,11 +142,11 @@ def _tips(rows: Floats, first: int) -> Floats:
     return rows[:, first : first + 9].reshape(-1, 3, 3)
 
 
-def _felt(time: Floats, places: Floats, forces: Floats) -> tuple[float, Floats]:
+def _felt(cycles: int, time: Floats, places: Floats, forces: Floats) -> tuple[float, Floats]:
     """Return the stiffness [N/m] from hold to hold, and the errors of the force while holding [N]."""
     law = PRESET.material.law
     depths, pushes, errors = [], [], []
-    for begin in _holds(float(time[-1])):
+    for begin in _holds(cycles):
         during = (time > begin + SETTLE) & (time < begin + HOLD)
         depths.append(-np.median(places[during, 2]))
         pushes.append(np.median(forces[during, 2]))
@@ -152,9 +154,8 @@ def _felt(time: Floats, places: Floats, forces: Floats) -> tuple[float, Floats]:
     return float(np.polyfit(depths, pushes, 1)[0]), np.concatenate(errors)
 
 
-def _holds(end: float) -> list[float]:
+def _holds(cycles: int) -> list[float]:
     """Return when the hand begins to hold [s]."""
-    cycles = int((end - READY_AFTER) / CYCLE)
     return [
         READY_AFTER + c * CYCLE + LIFT + i * (MOVE + HOLD) + MOVE for c in range(cycles) for i in range(len(LEVELS))
     ]
