@@ -52,9 +52,7 @@ def test_the_manifest_names_the_wheels_that_are_pinned() -> None:
 def test_the_manifest_names_a_native_core_for_each_platform_it_is_compiled_for() -> None:
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
     named = {Path(wheel).name for wheel in manifest["wheels"] if native.PACKAGE in wheel}
-    assert named == {
-        f"{native.PACKAGE}-{manifest['version']}-py3-none-{p.tag}.whl" for p in native.PLATFORMS.values()
-    }
+    assert named == {f"{native.PACKAGE}-{manifest['version']}-py3-none-{p.tag}.whl" for p in native.PLATFORMS.values()}
     assert set(native.PLATFORMS) <= set(manifest["platforms"])
 
 
