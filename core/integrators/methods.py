@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 from ..base import Floats
@@ -19,6 +21,8 @@ from . import (
     xpbd,
 )
 from .path import FingerPath
+
+FRONTS = Path(__file__).with_name("fronts.csv")
 
 
 class Run(Protocol):
@@ -104,3 +108,13 @@ METHODS = {
         "until it is still. It damps as backward Euler does. Fingertips meet a stiff layer, without friction.",
     ),
 }  # fmt: skip
+
+
+def offered() -> tuple[str, ...]:
+    """Return the methods that are the cheapest for some error on some scene: those worth an artist's choice.
+
+    Read from fronts.csv, which `python3 dev.py charts --keep` measures.
+    """
+    with FRONTS.open(newline="") as file:
+        best = {row["method"] for row in csv.DictReader(file)}
+    return tuple(name for name in METHODS if name in best)

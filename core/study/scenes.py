@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..base import Floats, Ints
-from ..material import PRESETS, Material
+from ..estimate import estimate
+from ..material import PRESETS, Material, Preset
 from ..mesh import Mesh, base_vertices, mesh_from_triangles
 from ..model import Model, State, build_model, initial_state
 from ..session import Finger, Frame, Session
@@ -113,6 +114,12 @@ def poke_cube(cells: int, *, law_set: str = "consistent") -> Session:
 def stiff_nylon(cells: int) -> Session:
     """Return Object 1, the cube of nylon and air, on its base, a 20 mm fingertip above it."""
     return _under_a_fingertip(cube(cells, PRESETS[0].size), PRESETS[0].material)
+
+
+def whole_skin(preset: Preset) -> Material:
+    """Return a preset's material with the whole of k in its skin, which the press that was measured contradicts."""
+    constants = estimate(preset.material, preset.size)
+    return replace(preset.material, constants=replace(constants, membrane_scale=1.0))
 
 
 def poke(session: Session, *, depth: float = 0.020, frame_rate: float = 60.0, seconds: float = 1.0) -> Iterator[Frame]:

@@ -1,0 +1,149 @@
+"""The stiff cube of nylon on a fine mesh: which method, or which stand-in, runs it live and within a tolerance.
+
+The fingertip goes 10 mm down in 0.12 s and stays 0.04 s, without friction, which only some of the methods have. What
+is compared is the skin at LOOKS moments, the worst one counted, and the mean force between them. The exact press is
+the product's own method in double precision at FINE times its steps.
+"""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from .. import native
+from ..base import TICK, Floats
+from ..cells import vertex_normals
+from ..integrators import semi_implicit
+from ..integrators.methods import METHODS, Run
+from ..integrators.path import FingerPath
+from ..material import PRESETS
+from ..mesh import Mesh, base_vertices
+from ..model import Model, initial_state
+from ..model import build_model as build
+from ..proxy import build_proxy, carry, contact_radius
+from ..trial import DENT
+from .scenes import FINGERTIP, cube, whole_skin
+
+DEPTH = 0.010  # [m]
+DOWN, TICKS = 120, 160
+LOOKS = 8
+SURFACE = 0.5e-3  # [m] an artist's tolerance
+FORCE = 0.05  # of the largest force
+FINE = 4  # steps of the reference over the product's
+STAND_INS = (300, 600, 1200, 2500, 4000)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Press:
+    """Hold how a method did: errors as `judge` returns them, cost [s] of processor time per simulated second, steps
+    without a solution."""
+
+    method: str
+    backend: str
+    vertices: int
+    dt: float
+    surface: float
+    farthest: float
+    force: float
+    cost: float
+    unsolved: int
+
+    @property
+    def within(self) -> bool:
+        """Tell whether both tolerances are met."""
+        return self.surface <= SURFACE and self.force <= FORCE
+
+
+Seen = tuple[list[Floats], Floats, float, int]  # skins (n, 3) [m], forces (LOOKS,) [N], cost [s], unsolved
+
+
+def nylon(cells: int, *, whole: bool) -> Model:
+    """Return Object 1 on its base; whole: with all of k in its skin, which makes it far stiffer than it measured."""
+    mesh = cube(cells, PRESETS[0].size)
+    material = whole_skin(PRESETS[0]) if whole else PRESETS[0].material
+    return build(mesh, [replace(material, friction=0.0)], held=base_vertices(mesh))
+
+
+def presses(cells: int, *, whole: bool, dear: bool) -> Iterator[Press]:
+    """Press the cube by every way that may do.
+
+    Args:
+        dear: XPBD at smaller substeps too, half a minute on a fine mesh.
+    """
+    model = nylon(cells, whole=whole)
+    fast, exact = (semi_implicit.run,) * 2 if native.why_not() else (native.run, native.run64)
+    backend, substeps, n = "numpy" if native.why_not() else "native", model.substeps(TICK), len(model.mass)
+    wanted = pressed(model, exact, FINE * substeps)
+
+    def judged(method: str, backend: str, vertices: int, dt: float, seen: Seen) -> Press:
+        surface, farthest, force = judge(model.mesh, seen[0], seen[1], wanted[0], wanted[1])
+        return Press(
+            method=method, backend=backend, vertices=vertices, dt=dt, surface=surface, farthest=farthest, force=force,
+            cost=seen[2] / (TICKS * TICK), unsolved=seen[3],
+        )  # fmt: skip
+
+    # how well the reference itself is known: a skin that wrinkles is known no better
+    half = pressed(model, exact, FINE // 2 * substeps)
+    yield judged("reference", backend, n, TICK / substeps / (FINE // 2), half)
+    yield judged("semi_implicit", backend, n, TICK / substeps, pressed(model, fast, substeps))
+    for size in STAND_INS:
+        if size > n / 2:
+            continue
+        proxy = build_proxy(model, size)
+        few = proxy.model.substeps(TICK)
+        radius = contact_radius(proxy, FINGERTIP)
+        seen = pressed(proxy.model, fast, few, radius=radius, show=partial(carry, proxy))
+        yield judged("stand-in, semi_implicit", backend, len(proxy.model.mass), TICK / few, seen)
+    for method, steps in (("vertex_block_descent", 1), ("xpbd", 8), ("xpbd", 32))[: 3 if dear else 2]:
+        yield judged(method, "numpy", n, TICK / steps, pressed(model, METHODS[method].run, steps))
+
+
+def judge(
+    mesh: Mesh, skins: Sequence[Floats], forces: Floats, wanted: Sequence[Floats], wanted_forces: Floats
+) -> tuple[float, float, float]:
+    """Return the error between the surfaces over the dent, the farthest vertex [m], and the error of the force.
+
+    Between surfaces: along the normal, the root of the mean square over what moved by DENT of the most, at the worst
+    look, as in `core.trial`. All are inf where a skin ever strays by more than the size of the body: it blew up.
+    """
+    apart = [a - b for a, b in zip(skins, wanted, strict=True)]
+    farthest = max(float(np.sqrt((d**2).sum(axis=1)).max()) for d in apart)
+    if not all(np.isfinite(d).all() for d in apart) or farthest > mesh.size:
+        return np.inf, np.inf, np.inf
+    surface = 0.0
+    for d, skin in zip(apart, wanted, strict=True):
+        moved = np.sqrt(((skin - mesh.rest_positions) ** 2).sum(axis=1))
+        dent = moved > DENT * moved.max()
+        along = (d * vertex_normals(mesh.triangles, skin)).sum(axis=1)[dent]
+        surface = max(surface, float(np.sqrt((along**2).mean())))
+    return surface, farthest, float(np.abs(forces - wanted_forces).max() / np.abs(wanted_forces).max())
+
+
+def pressed(
+    model: Model,
+    run: Run,
+    substeps: int,
+    *,
+    radius: float = FINGERTIP,
+    show: Callable[[Floats], Floats] = np.transpose,
+) -> Seen:
+    """Press a body and look at it LOOKS times."""
+    state = copy.deepcopy(initial_state(model))
+    z = float(state.positions[2].max()) + FINGERTIP - DEPTH * np.minimum(np.arange(TICKS + 1) / DOWN, 1)
+    centres = np.stack([0 * z, 0 * z, z - FINGERTIP + radius], axis=1)[None]
+    piece, skins, forces = TICKS // LOOKS, [], []
+    cost = 0.0
+    for i in range(LOOKS):
+        path = FingerPath(centres=centres[:, i * piece : (i + 1) * piece + 1], radii=np.array([radius]))
+        started = time.process_time()
+        with np.errstate(all="ignore"):
+            impulse = run(model, state, path, tick=TICK, substeps=substeps)
+            skins.append(np.array(show(state.positions)))
+        cost += time.process_time() - started
+        forces.append(float(impulse[0, 2]) / (piece * TICK))
+    return skins, np.array(forces), cost, state.unsolved

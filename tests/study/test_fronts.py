@@ -1,0 +1,99 @@
+"""Which methods are worth offering, what a step costs, and how the force converges on finer meshes."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import math
+from collections.abc import Iterator
+
+import pytest
+
+from core.integrators.methods import FRONTS, METHODS, offered
+from core.study import cost, space, stiff_nylon
+from core.study.work_precision import DECADES, NATIVE, Point, cases, front, measure
+from tools.charts import dop853
+
+NOISE = 2.0  # two timings of one run differ by less
+
+
+def point(method: str, error: float, cost: float, unsolved: int = 0) -> Point:
+    return Point(case="x", method=method, steps=1, error=error, force=0.0, cost=cost, unsolved=unsolved)
+
+
+def kept() -> Iterator[dict[str, str]]:
+    with FRONTS.open(newline="") as file:
+        yield from csv.DictReader(file)
+
+
+def test_the_front_is_the_cheapest_solved_run_in_numpy_and_of_equals_the_most_accurate() -> None:
+    runs = [
+        point("rk4", 1e-5, 9.0), point("semi_implicit", 5e-2, 1.05), point("velocity_verlet", 2e-2, 1.1),
+        point("explicit_euler", math.inf, 0.1), point("backward_euler", 1e-6, 0.1, unsolved=1),
+        point(NATIVE, 1e-6, 0.01),
+    ]  # fmt: skip
+    found = front(runs)
+    assert {bound: p.method for bound, p in found.items() if p} == {
+        1e-1: "velocity_verlet", 1e-2: "rk4", 1e-3: "rk4", 1e-4: "rk4", 1e-5: "rk4",
+    }  # fmt: skip
+    assert found[1e-6] is None
+
+
+def test_the_kept_fronts_name_every_scene_and_runs_that_meet_their_bound() -> None:
+    rows = list(kept())
+    assert {row["scene"] for row in rows} <= {case.name for case in cases(quick=False)}
+    for row in rows:
+        assert row["method"] in METHODS
+        assert float(row["error_at_most"]) in DECADES
+        assert float(row["relative_error"]) <= float(row["error_at_most"])
+
+
+def test_an_offered_method_is_on_a_front_and_what_only_shows_a_failure_is_not_offered() -> None:
+    assert set(offered()) == {row["method"] for row in kept()}
+    assert "explicit_euler" not in offered()
+    assert "semi_implicit" in offered()
+
+
+@pytest.mark.parametrize("scene", ["oscillator", "free_ball"])
+def test_a_method_that_is_not_offered_beats_no_front_that_is_measured_again(scene: str) -> None:
+    case = next(case for case in cases(quick=True) if case.name == scene)
+    points = [p for p in measure(case, reference=dop853, quick=True) if p.method != NATIVE]
+    worth = front([p for p in points if p.method in offered()])
+    for bound, best in front(points).items():
+        if best and best.method not in offered():
+            mine = worth[bound]
+            assert mine, f"only {best.method} reaches {bound}"
+            assert mine.cost < NOISE * best.cost, f"{best.method} is far cheaper at {bound}"
+
+
+def test_the_slope_of_cost_is_that_of_a_power_law() -> None:
+    found = [cost.Cost(method="x", vertices=n, dt=1e-3, seconds=1e-9 * n**1.1) for n in (100, 1000, 10_000)]
+    assert cost.slope(found, "x") == pytest.approx(1.1)
+
+
+def test_every_method_has_a_cost_that_is_a_positive_time() -> None:
+    found = list(cost.costs(list(METHODS), [1]))
+    assert [c.method for c in found] == list(METHODS)
+    assert all(c.seconds > 0 and c.vertices == 42 for c in found)
+
+
+def test_the_force_on_a_fingertip_converges_as_the_mesh_is_refined() -> None:
+    found = list(space.forces("poke_ball", (2, 3, 4)))
+    coarse, middle, fine = sorted({f.vertices for f in found})
+    # second order in the edge length would be a quarter; what the finest mesh itself is off by is in both
+    assert space.difference(found, middle, fine) < space.difference(found, coarse, fine) / 4
+    assert all(abs(f.volume_ratio - 1) < 0.005 for f in found)
+
+
+def test_the_products_own_steps_meet_the_artists_tolerance_on_the_stiff_cube() -> None:
+    reference, own = itertools.islice(stiff_nylon.presses(6, whole=False, dear=False), 2)
+    assert own.method == "semi_implicit"
+    assert own.within
+    assert reference.surface < stiff_nylon.SURFACE / 10
+
+
+def test_a_run_that_blows_up_is_never_within_the_tolerance() -> None:
+    whole = stiff_nylon.nylon(3, whole=True)
+    skins, forces, _, _ = stiff_nylon.pressed(whole, METHODS["explicit_euler"].run, 1)
+    rest = [whole.mesh.rest_positions * 1.01] * len(skins)
+    assert stiff_nylon.judge(whole.mesh, skins, forces, rest, forces) == (math.inf, math.inf, math.inf)

@@ -1,0 +1,171 @@
+"""Charts of the model and of speed: energy, laws, space, cost, stand-ins, the stiff cube."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from core.integrators.methods import METHODS
+from core.study import conservation, cost, literal_against_consistent, space, stiff_nylon
+
+from .drawing import LABELS, MARKERS, STYLES, save, write_csv
+
+
+def draw_energy(out: Path, quick: bool) -> None:
+    omega_dt = 0.2
+    long = conservation.energy_trace("velocity_verlet", omega_dt=omega_dt, steps=10_000 if quick else 100_000)
+    short = conservation.energy_traces(list(METHODS), omega_dt=omega_dt, steps=100 if quick else 300)
+    sizes = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
+    measured = [
+        conservation.artificial_damping(conservation.energy_trace("backward_euler", omega_dt=s, steps=40, looks=40))
+        for s in sizes
+    ]
+    write_csv(
+        out / "energy.csv", ("method", "omega_dt", "phase", "energy_over_start"),
+        ((t.method, t.omega_dt, p, r) for t in [*short, long] for p, r in zip(t.phases, t.ratios, strict=True)),
+    )  # fmt: skip
+    theory = [conservation.backward_euler_damping(s) for s in sizes]
+    write_csv(
+        out / "energy_backward_euler.csv", ("omega_dt", "damping_ratio_measured", "damping_ratio_theory"),
+        zip(sizes, measured, theory, strict=True),
+    )  # fmt: skip
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4.4))
+    for i, trace in enumerate(short):  # several lie on each other: the later ones thinner
+        left.plot(
+            np.array(trace.phases) / (2 * np.pi), trace.ratios, color=STYLES[trace.method],
+            label=LABELS[trace.method], lw=4 - 0.4 * i, ls=("-", "--")[i % 2],
+        )  # fmt: skip
+    left.set(ylim=(0, 2.6), xlabel="periods", ylabel="energy over that at the start", title=f"omega dt = {omega_dt}")
+    left.legend(frameon=False, fontsize=7, loc="upper right")
+    steps = len(long.phases) and round(long.phases[-1] / omega_dt)
+    middle.plot(np.array(long.phases) / omega_dt, np.array(long.ratios) - 1, ".", ms=3)
+    middle.set(xlabel="steps", ylabel="energy error", title=f"velocity Verlet, {steps:,} undamped steps: no drift")
+    right.loglog(sizes, theory, "k-", label="theory: ln(1 + (omega dt)^2) / (2 omega dt)")
+    right.loglog(sizes, measured, "o", label="measured")
+    right.set(xlabel="omega dt", ylabel="damping ratio", title="what backward Euler adds by itself")
+    right.legend(frameon=False, fontsize=8)
+    save(figure, out / "energy")
+
+
+def draw_literal(out: Path, quick: bool) -> None:
+    presses = list(literal_against_consistent.presses(cells=4 if quick else 10))
+    write_csv(
+        out / "literal_against_consistent.csv",
+        ("law_set", "depth_m", "volume_over_rest", "finger_force_n", "law_force_n"),
+        ((p.law_set, p.depth, p.volume_ratio, p.force, p.law_force) for p in presses),
+    )
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.4))
+    for law_set, label in (("consistent", "consistent laws"), ("paper", "the paper to the letter")):
+        mine = [p for p in presses if p.law_set == law_set]
+        depths = [1e3 * p.depth for p in mine]
+        left.plot(depths, [100 * (p.volume_ratio - 1) for p in mine], label=label)
+        right.plot(depths, [p.force for p in mine], label=label)
+    measured = sorted((1e3 * p.depth, p.law_force) for p in presses if p.law_set == "consistent")
+    right.plot([m[0] for m in measured], [m[1] for m in measured], "k--", label="K(x), Eq. (1)")
+    left.set(xlabel="depth [mm]", ylabel="change of volume [%]", title="Object 3, water: volume")
+    right.set(xlabel="depth [mm]", ylabel="force on the fingertip [N]", title="force, 20 mm fingertip", yscale="symlog")
+    left.legend(frameon=False)
+    right.legend(frameon=False)
+    save(figure, out / "literal_against_consistent")
+
+
+def draw_cost(out: Path, quick: bool) -> None:
+    """Draw cost against vertices; methods in numpy stop at a tenth of what the native core goes to."""
+    slow, fast = ((3, 4), (3, 4, 5, 6)) if quick else ((3, 4, 5, 6), (3, 4, 5, 6, 7))
+    found = [*cost.costs(list(METHODS), slow), *cost.costs([cost.NATIVE], fast)]
+    write_csv(
+        out / "cost.csv", ("method", "vertices", "dt_s", "cpu_s_per_step", "ns_per_vertex_step"),
+        ((c.method, c.vertices, c.dt, c.seconds, 1e9 * c.seconds / c.vertices) for c in found),
+    )  # fmt: skip
+    names = list(dict.fromkeys(c.method for c in found))
+    slopes = {name: round(cost.slope(found, name), 3) for name in names}
+    write_csv(out / "cost_slopes.csv", ("method", "log_log_slope"), slopes.items())
+    figure, axes = plt.subplots(figsize=(8, 5.2))
+    for name in names:
+        mine = [c for c in found if c.method == name]
+        axes.loglog(
+            [c.vertices for c in mine], [1e3 * c.seconds for c in mine], color=STYLES[name], marker=MARKERS[name],
+            label=f"{LABELS[name]}: slope {slopes[name]:.2f}",
+        )  # fmt: skip
+    axes.axhline(1, color="0.6", lw=1)
+    axes.annotate("a tick of a millisecond", (0.98, 1), xycoords=("axes fraction", "data"), va="bottom", ha="right")
+    axes.set(xlabel="vertices", ylabel="processor time of one step [ms]", title="What a step costs: twisted ball, free")
+    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    save(figure, out / "cost")
+
+
+def draw_space(out: Path, quick: bool) -> None:
+    """Draw F(x) on finer and finer meshes."""
+    sizes = {"poke_ball": (2, 3, 4, 5), "poke_cube": (5, 10, 20, 41)}
+    found = {scene: list(space.forces(scene, some[:-1] if quick else some)) for scene, some in sizes.items()}
+    write_csv(
+        out / "space.csv", ("scene", "vertices", "depth_m", "force_n", "volume_over_rest"),
+        ((f.scene, f.vertices, f.depth, f.force, f.volume_ratio) for some in found.values() for f in some),
+    )  # fmt: skip
+    figure, panels = plt.subplots(1, 3, figsize=(14, 4.4))
+    for (scene, some), axes in zip(found.items(), panels, strict=False):
+        counts = sorted({f.vertices for f in some})
+        for n, shade in zip(counts, np.linspace(0.75, 0, len(counts)), strict=True):
+            mine = [f for f in some if f.vertices == n]
+            axes.plot([1e3 * f.depth for f in mine], [f.force for f in mine], color=str(shade), label=f"{n} vertices")
+        axes.set(xlabel="depth [mm]", ylabel="force on the fingertip [N]", title=f"{scene}: F(x)")
+        axes.legend(frameon=False, fontsize=8)
+        coarse = counts[:-1]
+        far = [100 * space.difference(some, n, counts[-1]) for n in coarse]
+        panels[2].loglog(coarse, far, "o-", label=f"{scene}, from {counts[-1]} vertices")
+    low, high = panels[2].get_xlim()
+    top = panels[2].get_ylim()[1]
+    panels[2].loglog([low, high], [top, top * low / high], "k:", lw=1, label="second order in the edge length")
+    panels[2].set(xlabel="vertices", ylabel="difference of F(x) [% of the largest]", title="convergence in space")
+    panels[2].legend(frameon=False, fontsize=8)
+    save(figure, out / "space")
+
+
+def draw_stiff_nylon(out: Path, quick: bool) -> None:
+    """Draw which way runs the stiff cube live: error against cost, stand-ins of several sizes as a ladder."""
+    found = {
+        label: list(stiff_nylon.presses(12 if quick else 41, whole=whole, dear=not quick and not whole))
+        for whole, label in ((False, "skin as the press was measured"), (True, "all of k in the skin"))
+        if not (quick and whole)
+    }
+    write_csv(
+        out / "stiff_nylon.csv",
+        ("skin", "method", "backend", "vertices", "dt_s", "surface_error_m", "farthest_m", "force_error",
+         "cpu_s_per_s", "unsolved_steps", "within_tolerance"),
+        ((label, p.method, p.backend, p.vertices, p.dt, p.surface, p.farthest, p.force, p.cost, p.unsolved, p.within)
+         for label, some in found.items() for p in some),
+    )  # fmt: skip
+    figure, rows = plt.subplots(len(found), 2, figsize=(11, 4.4 * len(found)), squeeze=False, sharex=True)
+    for (label, some), row in zip(found.items(), rows, strict=True):
+        for axes, values, bound, what in (
+            (row[0], [1e3 * p.surface for p in some], 1e3 * stiff_nylon.SURFACE, "error between the surfaces [mm]"),
+            (row[1], [100 * p.force for p in some], 100 * stiff_nylon.FORCE, "error of the force [%]"),
+        ):
+            for p, value in zip(some, values, strict=True):
+                if p.method == "reference":
+                    axes.axhline(value, color="0.5", lw=1, ls=":")
+                    continue
+                name = p.method.rpartition(" ")[2]
+                key = "native" if p.backend == "native" else name
+                hollow = "none" if p.method.startswith("stand-in") else STYLES[key]
+                axes.loglog(p.cost, value, "o", ms=7, mec=STYLES[key], mfc=hollow)
+                text = f"{p.vertices}" if p.method.startswith("stand-in") else f"{LABELS[key]}, {1e3 * p.dt:.2g} ms"
+                left = p.backend == "numpy"
+                axes.annotate(
+                    text, (p.cost, value), xytext=(-6 if left else 6, 3), textcoords="offset points", fontsize=7,
+                    ha="right" if left else "left",
+                )  # fmt: skip
+            axes.axhline(bound, color="#4c9f70", lw=1.2)
+            axes.axvline(1, color="0.5", lw=1.2, ls="--")
+            axes.set(ylabel=what, title=f"{label}; {max(p.vertices for p in some)} vertices")
+            axes.margins(x=0.15, y=0.12)
+    for axes in rows[-1]:
+        axes.set_xlabel("processor time per simulated second [s]")
+    figure.suptitle(
+        "stiff_nylon pressed 10 mm. Left of the dashed line: live. Below the green line: within the tolerance. "
+        "Hollow: stand-ins and their vertices.\nDotted: what halving the steps of the reference changes; nobody can be "
+        "judged nearer than that", fontsize=9,
+    )  # fmt: skip
+    save(figure, out / "stiff_nylon")
