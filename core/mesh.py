@@ -166,6 +166,12 @@ def base_vertices(mesh: Mesh, *, up: Sequence[float] = (0, 0, 1), share: float =
     return held[mesh.source]
 
 
+def input_vertices(mesh: Mesh) -> Ints:
+    """Return, for every vertex (n,) of a welded mesh, the first of the input vertices that it stands for."""
+    first: Ints = np.unique(mesh.source, return_index=True)[1]
+    return first
+
+
 def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
     if not len(positions) or not len(triangles):
         raise DimpleError("The mesh has no faces, so there is no surface to press. Add faces first.")

@@ -14,14 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from . import native
+from .backend import choose_backend
 from .base import FINGER_TRAVEL, TICK, DimpleError, Floats
 from .depth import Touching, depth_below, rest_surface, touching
-from .integrators import semi_implicit
-from .integrators.methods import Run
 from .integrators.path import FingerPath
 from .laws import pressure
-from .laws.memory import Pose, fit_pose
+from .laws.memory import Pose, carried_pose, fit_pose
+from .mesh import input_vertices
 from .model import Model, initial_state, law_force
 from .proxy import Proxy, carry, contact_radius
 
@@ -77,13 +76,11 @@ class Session:
         self._body = proxy.model if proxy else model  # what moves
         self.tick = tick
         self.substeps = self._body.substeps(tick)
-        self.backend, self.backend_note, self._stepper = _backend(backend)
+        self.backend, self.backend_note, self._stepper = choose_backend(backend)
         self._whole = not self._body.mesh.loose.any()
         self._surface = rest_surface(model.mesh)
         self._state = initial_state(self._body)
-        first = np.zeros(len(model.mesh.rest_positions), np.int64)
-        first[model.mesh.source[::-1]] = np.arange(len(model.mesh.source))[::-1]
-        self._input_of = first
+        self._input_of = input_vertices(model.mesh)
         # the vertices of the mesh that are told where to be
         self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[self._body.held]
         self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
@@ -174,12 +171,8 @@ class Session:
         if not note:
             self._move_origins(self._share(end))
             self._time = end
-        if done:
-            forces = impulses / (done * self.tick)
-        elif len(self.frame.finger_forces) == len(impulses):
-            forces = self.frame.finger_forces
-        else:
-            forces = impulses
+        was = self.frame.finger_forces
+        forces = impulses / (done * self.tick) if done else was if len(was) == len(impulses) else impulses
         self.frame = self._show(forces if not note else forces[:0], done, time.perf_counter() - started, note)
         return self.frame
 
@@ -243,13 +236,9 @@ class Session:
         state.velocities[:, held] = way / self.tick
         if state.pose is not None:
             pins = held & ~self._body.mesh.loose
-            rest = self._body.memory.rest[:, pins]
-            target = fit_pose(rest, (state.positions[:, held] + way)[:, pins[held]], np.ones(rest.shape[1]))
-            here = fit_pose(rest, state.positions[:, pins], np.ones(rest.shape[1]))
-            # within a tick the shape at rest stands where the substeps begin on average: the body does not lead
-            share = (1 - 1 / self.substeps) / 2
-            state.pose = here[0] + share * (target[0] - here[0]), here[1] + share * (target[1] - here[1])
-            state.pace = (target[0] - here[0]) / self.tick, (target[1] - here[1]) / self.tick
+            rest, here = self._body.memory.rest[:, pins], state.positions[:, pins]
+            there = here + way[:, pins[held]]
+            state.pose, state.pace = carried_pose(rest, here, there, tick=self.tick, substeps=self.substeps)
 
     def touches(self) -> list[Touching | None]:
         """Return how each fingertip meets the surface at rest: what a device feels between two steps."""
@@ -308,19 +297,3 @@ class Session:
             rest_volume=model.mesh.volume, substeps=self.substeps, steps=steps, cost=cost,
             total_steps=self._ticks * self.substeps, total_cost=self._cost, finite=not note, note=note,
         )  # fmt: skip
-
-
-def _backend(wanted: str) -> tuple[str, str, Run]:
-    """Return the name of what steps, why it is not the native core, and its stepper.
-
-    Raises:
-        DimpleError: it does not exist, or cannot run here and was asked for by name.
-    """
-    if wanted not in ("auto", "native", "native64", "numpy"):
-        raise DimpleError(f"There is no backend {wanted}: take auto, native, native64 or numpy.")
-    note = "" if wanted == "numpy" else native.why_not()
-    if note and wanted != "auto":
-        raise DimpleError(note)
-    if wanted == "numpy" or note:
-        return "numpy", note, semi_implicit.run
-    return ("native64", "", native.run64) if wanted == "native64" else ("native", "", native.run)

@@ -181,14 +181,6 @@ def scale_and_top(context: bpy.types.Context, body: bpy.types.Object) -> tuple[f
     return scale, world[world[:, 2].argmax()]
 
 
-def input_vertices(model: Model) -> npt.NDArray[np.int64]:
-    """Return one of the object's vertices (n,) for every vertex of the welded mesh of its model."""
-    source = model.mesh.source
-    first = np.zeros(len(model.mesh.rest_positions), np.int64)
-    first[source[::-1]] = np.arange(len(source))[::-1]
-    return first
-
-
 def _scale(scene: bpy.types.Scene, name: str, rest: Singles, matrix: Floats, size: float | None) -> float:
     """Return physical metres per scene unit.
 

@@ -111,6 +111,7 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list
     """
     if body := get(obj):
         return body, []
+    from ..core.mesh import input_vertices
     from ..core.session import Session
     from . import bridge, bridge_write, planning
 
@@ -121,7 +122,7 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list
     said = [*([reason] if reason else []), *(f'"{obj.name}": {note}' for note in model.notes)]
     if bridge_write.is_shared(obj.data):
         said.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
-    first = bridge.input_vertices(model)
+    first = input_vertices(model.mesh)
     others = {body.borrowed.shared for body in sessions.values() if body.borrowed.shared is not None}
     body = sessions[link.uid] = Body(
         link=link, session=session, matrix=link.matrix, triangles=first[model.mesh.triangles],

@@ -50,6 +50,17 @@ def pose_of(law: Memory, x: Floats, pose: Pose | None) -> Pose:
     return fit_pose(law.rest, x, law.k1) if pose is None else pose
 
 
+def carried_pose(rest: Floats, here: Floats, there: Floats, *, tick: float, substeps: int) -> tuple[Pose, Pose]:
+    """Return the pose of a shape whose pins go from here to there (3, p) in a tick [s], and how fast it changes.
+
+    Over the tick it stands where the substeps begin on average: so the body neither leads nor lags.
+    """
+    weight = np.ones(rest.shape[1])
+    (turned, moved), (turns, moves) = fit_pose(rest, here, weight), fit_pose(rest, there, weight)
+    turn, move, share = turns - turned, moves - moved, (1 - 1 / substeps) / 2
+    return (turned + share * turn, moved + share * move), (turn / tick, move / tick)
+
+
 def energy(law: Memory, x: Floats, pose: Pose | None = None) -> float:
     """Return the energy [J] at positions (3, n)."""
     rotation, translation = pose_of(law, x, pose)

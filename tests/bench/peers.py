@@ -7,6 +7,7 @@ import time
 import numpy as np
 
 from core.laws.contact import nearest_on_triangles
+from core.mesh import input_vertices
 from core.session import Session
 from core.study import scenes
 
@@ -23,7 +24,7 @@ def scene_line(name: str, session: Session) -> str:
         cost += time.process_time() - started
         if HOLD[0] <= frame.time <= HOLD[1]:
             volume = max(volume, abs(frame.volume / frame.rest_volume - 1))
-            x = frame.positions.astype(float)[np.unique(mesh.source, return_index=True)[1]].T
+            x = frame.positions.astype(float)[input_vertices(mesh)].T
             corners = x[:, mesh.triangles]
             nearest = (corners * nearest_on_triangles(corners, centre)).sum(axis=2).T
             sunk = max(sunk, scenes.FINGERTIP - float(np.linalg.norm(nearest - centre, axis=1).min()))

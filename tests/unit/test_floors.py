@@ -21,6 +21,7 @@ FLOORS = {
     "core.proxy": 3,
     "core.recording": 3,
     "core.session": 3,
+    "core.backend": 2,
     "core.diagnostics": 2,
     "core.integrators": 2,
     "core.model": 2,
