@@ -172,6 +172,13 @@ def input_vertices(mesh: Mesh) -> Ints:
     return first
 
 
+def spans_a_plane(points: Floats, size: float) -> bool:
+    """Tell whether points (n, 3) [m] are more than a line, beside the size [m] of their body."""
+    if len(points) < 3:
+        return False
+    return bool(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] > 1e-3 * size)
+
+
 def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
     if not len(positions) or not len(triangles):
         raise DimpleError("The mesh has no faces, so there is no surface to press. Add faces first.")

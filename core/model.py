@@ -15,7 +15,7 @@ from .laws.memory import Memory, Pose
 from .laws.pressure import Pressure
 from .laws.springs import Springs
 from .material import Material
-from .mesh import Mesh
+from .mesh import Mesh, spans_a_plane
 
 LAW_SETS = ("consistent", "paper")
 _ALL_HELD = "Every vertex is held, so nothing can move. Set Hold to Free, hold fewer or subdivide the mesh."
@@ -50,7 +50,7 @@ class Model:
     @property
     def free(self) -> bool:
         """Tell whether the shape at rest follows the body rather than the pins."""
-        return not _spans_a_plane(self.mesh.rest_positions[self.held & ~self.mesh.loose], self.mesh.size)
+        return not spans_a_plane(self.mesh.rest_positions[self.held & ~self.mesh.loose], self.mesh.size)
 
     @property
     def needs_contact(self) -> bool:
@@ -297,9 +297,3 @@ def _vertex_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
 
 def _spring_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
     return per_triangle[mesh.spring_triangles].mean(axis=1)
-
-
-def _spans_a_plane(points: Floats, size: float) -> bool:
-    if len(points) < 3:
-        return False
-    return bool(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] > 1e-3 * size)
