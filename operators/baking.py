@@ -110,6 +110,10 @@ def _open(context: bpy.types.Context, plan: Plan, obj: bpy.types.Object, said: l
     said += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
         said.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')
+    if shape_keys.animated(obj):
+        said.append(f'"{obj.name}" has animated shape keys: it is baked in the shape of frame {plan.first}.')
+        if plan.target == "SHAPE_KEYS":
+            said.append("Their animation adds to the bake: mute those keys, or bake to a Mesh Cache.")
     path = output.cache_path(context, obj, "bake")
     cache = PointCache(f"{path}{PART}", len(link.rest), plan.first) if plan.target == "MESH_CACHE" else None
     table = output.ForceTable(Path(f"{path.with_suffix('.csv')}{PART}"))

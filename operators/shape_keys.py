@@ -63,6 +63,16 @@ def remove(obj: bpy.types.Object) -> int:
     return len(baked)
 
 
+def animated(obj: bpy.types.Object) -> bool:
+    """Tell whether something else than a bake moves the shape keys of an object."""
+    keys = obj.data.shape_keys
+    animation = keys.animation_data if keys else None
+    if animation is None:
+        return False
+    curves = [curve for bag in _bags(keys) for curve in bag.fcurves]
+    return bool(animation.drivers or animation.nla_tracks or len(curves) > len(list(_curves(keys))))
+
+
 def _bags(keys: bpy.types.Key) -> Iterator[bpy.types.ActionChannelbag]:
     """Yield what holds the curves of a mesh's keys, where there are any."""
     animation = keys.animation_data

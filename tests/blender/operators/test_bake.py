@@ -128,7 +128,7 @@ def test_shape_keys_show_the_recorded_shapes(
 
 
 def test_shape_keys_of_the_artist_outlive_a_bake(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], shown: Shown
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], shown: Shown, capfd: pytest.CaptureFixture[str]
 ) -> None:
     obj = pressed()
     obj.shape_key_add(name="Basis")
@@ -140,6 +140,7 @@ def test_shape_keys_of_the_artist_outlive_a_bake(
     rest = shown(obj).copy()
     for _ in range(2):
         bpy.ops.dimple.bake(target="SHAPE_KEYS", frame_start=1, frame_end=6)
+    assert "in the shape of frame 1" in capfd.readouterr().out
     assert [each.name for each in obj.data.shape_keys.key_blocks][:3] == ["Basis", "Wide", "Dimple Frame 0001"]
     assert len(obj.data.shape_keys.key_blocks) == 8
     scene.frame_set(6)
