@@ -55,7 +55,7 @@ def connect(scene: bpy.types.Scene) -> Connection:
     """
     from ..core.base import DimpleError
     from ..core.devices.device import Emulated, HapticMaster
-    from ..core.devices.poking import poking_hand
+    from ..core.devices.hand import poking_hand
 
     disconnect()
     port = scene.dimple.device_port.strip()

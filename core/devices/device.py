@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
-import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import IO, Protocol
 
@@ -19,14 +15,13 @@ from ..errors import DimpleError
 from .contact_model import Contact
 from .letters import REPORT_SIZE, Link, Order, Report, Tip, pack_order, unpack_report
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
+from .process import end, start
 from .safety import Arming
 from .spec import load_spec
 from .vectors import ZERO, Vector, along
 
-START = Path(__file__).with_name("start.py")
-END_WAIT = 1.0  # [s] for a process to end by itself
-PORT_WAIT = 3.0  # [s] for the emulator to make its port
-PROBE = "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])"
+PORT_WAIT = 10.0  # [s] at most for the emulator to make its port
+SERVO_SILENT = 1.0  # [s] the servo writes every 2 ms; one that has not for so long hangs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,6 +81,7 @@ class HapticMaster:
     process: subprocess.Popen[bytes] | None = None
     _box: Mailbox | None = None
     _seen: int = 0
+    _heard: float = 0.0  # when the servo wrote last [s]
     _order: Order = field(default_factory=Order)
     _report: Report = field(default_factory=Report)
     _errors: IO[bytes] | None = None
@@ -106,6 +102,10 @@ class HapticMaster:
             DimpleError: there is no Python or no pyserial to start it with.
         """
         self.close()
+        self._run_servo()
+
+    def _run_servo(self) -> None:
+        self._heard = time.perf_counter()
         self._box, self._seen, self._order, self._report = Mailbox(), 0, Order(held=self.held), Report()
         options = ["--baud", str(self.baud)] if self.baud else []
         options += ["--device", str(self.spec_path)] if self.spec_path else []
@@ -121,10 +121,13 @@ class HapticMaster:
         """Return where its fingertips are, and how it stands."""
         if self._box:
             self._seen, letter = self._box.read(FROM_SERVO, REPORT_SIZE, self._seen)
-            self._report = unpack_report(letter) if letter else self._report
+            if letter:
+                self._report, self._heard = unpack_report(letter), time.perf_counter()
         running = self.process is not None and self.process.poll() is None
         if not running and self._report.link in (Link.OPENING, Link.READY):
-            self._report = replace(self._report, link=Link.LOST, arming=Arming.OFF, message=self._end())
+            self._lose(self._end())
+        elif self._report.link is Link.READY and time.perf_counter() - self._heard > SERVO_SILENT:
+            self._lose("The servo process does not answer, so the device has no force. Disconnect, then connect again.")
         return self._report
 
     def write(self, contacts: Sequence[Contact | None]) -> None:
@@ -160,6 +163,9 @@ class HapticMaster:
         if self._box:
             self._box.post(TO_SERVO, pack_order(order))
 
+    def _lose(self, why: str) -> None:
+        self._report = replace(self._report, link=Link.LOST, arming=Arming.OFF, message=why)
+
     def _end(self) -> str:
         """Return why the servo ended without a word."""
         said = b""
@@ -171,23 +177,18 @@ class HapticMaster:
 
 
 @dataclass(slots=True)
-class Emulated:
-    """Run an emulated Haptic Master in a process of its own, behind a pseudo-terminal and the same servo.
+class Emulated(HapticMaster):
+    """Run an emulated Haptic Master in a process of its own, behind a pseudo-terminal, and the servo as for a real one.
 
     options: more words for `python -m core emulator`.  hand: JSON of what holds it, see `hand.load_hand`; "" is a hand
     at rest.
     """
 
+    port: str = ""
     options: tuple[str, ...] = ()
     hand: str = ""
-    master: HapticMaster = field(default_factory=lambda: HapticMaster(""))
-    process: subprocess.Popen[bytes] | None = None
+    emulator: subprocess.Popen[bytes] | None = None
     _folder: Path | None = None
-
-    @property
-    def caps(self) -> Caps:
-        """Return what it can."""
-        return self.master.caps
 
     def open(self) -> None:
         """Start the emulator, then the servo.
@@ -203,44 +204,24 @@ class Emulated:
             path = self._folder / "hand.json"
             path.write_text(self.hand, encoding="utf-8")
             options += ["--hand", str(path)]
-        self.process = start(["emulator", "--pty", str(port), "--lifeline", *options], None)
+        self.emulator = start(["emulator", "--pty", str(port), "--lifeline", *options], None)
         until = time.perf_counter() + PORT_WAIT
         while not port.exists():
-            if self.process.poll() is not None or time.perf_counter() > until:
+            if self.emulator.poll() is not None or time.perf_counter() > until:
                 self.close()
                 raise DimpleError("The emulated device did not start. It runs on Linux and macOS.")
             time.sleep(0.01)
-        self.master.port = str(port)
-        self.master.open()
-
-    def read(self) -> Report:
-        """Return where its fingertips are, and how it stands."""
-        return self.master.read()
-
-    def write(self, contacts: Sequence[Contact | None]) -> None:
-        """Let its fingertips feel."""
-        self.master.write(contacts)
-
-    def arm(self) -> None:
-        """Ask for force."""
-        self.master.arm()
-
-    def disarm(self) -> None:
-        """End all force."""
-        self.master.disarm()
-
-    def hold(self, held: bool) -> None:
-        """Hold or release the dead-man key."""
-        self.master.hold(held)
+        self.port = str(port)
+        self._run_servo()
 
     def close(self) -> None:
         """End servo and emulator."""
-        self.master.close()
-        if self.process:
-            end(self.process)
+        HapticMaster.close(self)
+        if self.emulator:
+            end(self.emulator)
         if self._folder:
             shutil.rmtree(self._folder, ignore_errors=True)
-        self.process = self._folder = None
+        self.emulator = self._folder = None
 
 
 @dataclass(slots=True)
@@ -285,61 +266,3 @@ class Pointer:
     def close(self) -> None:
         """Forget where it was."""
         self._at = None
-
-
-def start(words: Sequence[str], errors: IO[bytes] | None) -> subprocess.Popen[bytes]:
-    """Start a process of `command.main` whose life hangs on its standard input.
-
-    Raises:
-        DimpleError: there is no Python or no pyserial to start it with.
-    """
-    serial = importlib.util.find_spec("serial")
-    if serial is None or serial.origin is None:
-        raise DimpleError("pyserial is not installed, so no serial device can be used. Install the extension's zip.")
-    folder = str(Path(serial.origin).parents[1])
-    clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    return subprocess.Popen(
-        [python(), "-I", "-S", str(START), folder, *words],
-        stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=errors or subprocess.DEVNULL, env=clean,
-        creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "HIGH_PRIORITY_CLASS", 0),
-    )  # fmt: skip
-
-
-def end(process: subprocess.Popen[bytes]) -> None:
-    """Close the lifeline of a process and see it end; one that does not is killed."""
-    if process.stdin:
-        process.stdin.close()
-    try:
-        process.wait(END_WAIT)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
-
-
-@lru_cache(maxsize=1)
-def python() -> str:
-    """Return a Python to start processes with: Blender's own.
-
-    Raises:
-        DimpleError: none is found.
-    """
-    for path in _candidates():
-        try:
-            said = subprocess.run([path, "-I", "-S", "-c", PROBE], capture_output=True, timeout=10, check=False).stdout
-        except (OSError, subprocess.TimeoutExpired):
-            continue
-        if said.startswith(b"python 3"):
-            return path
-    raise DimpleError("Blender's Python was not found, so no device can be run. Install Blender from blender.org.")
-
-
-def _candidates() -> Iterator[str]:
-    """Yield where a Python may be: sys.executable is None, or Blender itself, where Blender was built so."""
-    name = f"python{sys.version_info[0]}.{sys.version_info[1]}"
-    for path in (sys.executable, getattr(sys, "_base_executable", None)):
-        if path and "python" in Path(path).name.lower():
-            yield path
-    for prefix in dict.fromkeys((sys.prefix, sys.exec_prefix, sys.base_prefix)):
-        for place in (f"bin/{name}", "bin/python3", "bin/python.exe", "python.exe"):
-            if (Path(prefix) / place).is_file():
-                yield str(Path(prefix) / place)

@@ -3,7 +3,7 @@
 The force is Eq. (1), K(x) with the depth below the surface at rest, as in the paper: what is felt is what was
 measured, whatever fingertip presses. Sideways a spring holds it to the place of the body that it stuck to, and
 slips beyond the friction. (The simulation's own friction, a frame old, would shake the hand: it is a force held for
-a frame.) Slopes steeper than the device can render are rendered as steep as it can, and `renderings` says so.
+a frame.) Slopes steeper than the device can render are rendered as steep as it can; the panel says so.
 """
 
 from __future__ import annotations
@@ -46,28 +46,9 @@ class Workspace:
         return np.array(self.turn).T @ (at - np.array(self.origin)) / self.scale
 
 
-@dataclass(frozen=True, slots=True)
-class Rendering:
-    """Hold what a device makes of a slope of the law: asked and rendered [N/m]."""
-
-    asked: float
-    rendered: float
-
-    @property
-    def whole(self) -> bool:
-        """Tell whether the device can render it."""
-        return self.rendered >= self.asked
-
-
 def fingers(report: Report, place: Workspace, radius: float) -> list[Finger | None]:
     """Return the fingertips of a device, as large as a radius [m]; one whose sensor is not believed is lifted off."""
     return [None if tip.masked else Finger(place.to_session(tip.position), radius) for tip in report.tips]
-
-
-def renderings(material: Material, cap: float) -> tuple[Rendering, Rendering]:
-    """Return what a device with a largest stiffness [N/m] makes of K1 and K2."""
-    first, second = (Rendering(slope, min(slope, cap)) for slope in (material.K1, material.K2))
-    return first, second
 
 
 def rendered(material: Material, cap: float) -> Material:

@@ -16,6 +16,10 @@ from .vectors import ZERO, Vector
 STIFFNESS, DAMPING = 400.0, 4.0  # (A) [N/m], [N s/m] of a finger that holds on
 Keyframe = tuple[float, float, float, float]  # time [s], place [m] in the device's frame
 REST: Final[tuple[Keyframe, ...]] = ((0.0, *ZERO),)
+# of the hand that pokes: from the middle, over and under the middle of the workspace [m]; when, and how long [s]
+APART, ABOVE, BELOW = 0.015, 0.010, -0.012
+BEGIN, MOVE, HOLD, EVERY, UNTIL = 1.5, 0.25, 0.5, 1.5, 300.0
+SIDES: Final = ((-1.0, 0.0), (0.5, -0.866), (0.5, 0.866))  # of their blocks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,3 +79,17 @@ def _keyframes(keys: Sequence[Sequence[float]]) -> tuple[Keyframe, ...]:
     if any(a[0] >= b[0] for a, b in zip(frames, frames[1:], strict=False)):
         raise ValueError("the times of a tip do not rise")
     return frames
+
+
+def poking_hand() -> str:
+    """Return a hand for who tries the emulated device, as JSON: each finger in turn goes down, holds, goes up."""
+    tips = []
+    for i, (x, y) in enumerate(SIDES):
+        at = [APART * x, APART * y]
+        keys = [[0.0, *at, ABOVE]]
+        for k in range(i, int(UNTIL / EVERY), len(SIDES)):
+            begin = BEGIN + EVERY * k
+            for time, z in ((0.0, ABOVE), (MOVE, BELOW), (MOVE + HOLD, BELOW), (2 * MOVE + HOLD, ABOVE)):
+                keys.append([begin + time, *at, z])
+        tips.append(keys)
+    return json.dumps({"tips": tips})

@@ -14,6 +14,8 @@ import zlib
 from pathlib import Path
 from typing import Final
 
+from ..errors import DimpleError
+
 _HEAD: Final = struct.Struct("<II")  # sequence number, CRC-32 of the letter
 _LETTER: Final = 4096  # bytes for each letter and its head
 TRIES = 4
@@ -23,22 +25,19 @@ TO_SERVO, FROM_SERVO = 0, 1
 class Mailbox:
     """Map a mailbox file.
 
-    path: of the file; None makes one, which `close` then removes.
+    path: of the file; None makes one, which `close` then removes. It may vanish meanwhile: it stays mapped.
+
+    Raises:
+        DimpleError: it cannot be made or opened.
     """
 
     def __init__(self, path: Path | None = None) -> None:
         self._own = path is None
-        if path is None:
-            handle, name = tempfile.mkstemp(prefix="dimple-", suffix=".mail")
-            path = Path(name)
-            os.ftruncate(handle, 2 * _LETTER)
-        else:
-            handle = os.open(path, os.O_RDWR)
         try:
-            self._map = mmap.mmap(handle, 2 * _LETTER)
-        finally:
-            os.close(handle)
-        self.path = path
+            self.path, self._map = _map(path)
+        except (OSError, ValueError) as error:  # ValueError: a file that is shorter
+            where = path or tempfile.gettempdir()
+            raise DimpleError(f"The mailbox of the device's servo cannot be used: {where} ({error}).") from None
 
     def post(self, which: int, letter: bytes) -> None:
         """Publish a letter in place of the last one."""
@@ -71,3 +70,17 @@ class Mailbox:
         self._map.close()
         if self._own:
             self.path.unlink(missing_ok=True)
+
+
+def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
+    """Return a mailbox file and its bytes; None makes one."""
+    if path is None:
+        handle, name = tempfile.mkstemp(prefix="dimple-", suffix=".mail")
+    else:
+        handle, name = os.open(path, os.O_RDWR), str(path)
+    try:
+        if path is None:
+            os.write(handle, bytes(2 * _LETTER))  # a full disk is known now, and not when a letter is posted
+        return Path(name), mmap.mmap(handle, 2 * _LETTER)
+    finally:
+        os.close(handle)

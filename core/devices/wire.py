@@ -25,9 +25,8 @@ MODE: Final = 7
 LIMITED: Final = 8  # State.status: a limit cuts the force
 MASKED: Final = 16  # State.status: this << finger, its sensor is not believed
 # Fault.code and Disarm.reason
-FAULT_NONE, FAULT_WATCHDOG, FAULT_SENSOR, FAULT_SPEED, FAULT_ARM_REFUSED, FAULT_VERSION, FAULT_LINK, FAULT_HOST = range(
-    8
-)
+FAULT_NONE, FAULT_WATCHDOG, FAULT_SENSOR, FAULT_SPEED = range(4)
+FAULT_ARM_REFUSED, FAULT_VERSION, FAULT_LINK, FAULT_HOST = range(4, 8)
 EVERY_FINGER: Final = 255  # Fault.finger
 
 Nine = tuple[int, int, int, int, int, int, int, int, int]
@@ -272,13 +271,7 @@ class Decoder:
                 self.counts.resyncs += 1
             self._lost, rest = True, b""
         self._rest = rest
-        frames = []
-        for piece in pieces:
-            if piece:
-                frame = self._frame(piece)
-                if frame is not None:
-                    frames.append(frame)
-        return frames
+        return [frame for piece in pieces if piece and (frame := self._frame(piece)) is not None]
 
     def _frame(self, piece: bytes) -> Frame | None:
         counts = self.counts

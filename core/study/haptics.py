@@ -91,8 +91,9 @@ def press(seconds: float, *, busy: bool = False, words: list[str] | None = None)
     with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
         hand, trace, told, log = (Path(folder) / name for name in ("hand.json", "trace.csv", "device.json", "log.csv"))
         hand.write_text(json.dumps({"tips": [_way(i, cycles) for i in range(3)]}))
-        device = Emulated(("--hand", str(hand), "--trace", str(trace), "--json", str(told), *(words or [])))
-        device.master.log = log
+        device = Emulated(
+            options=("--hand", str(hand), "--trace", str(trace), "--json", str(told), *(words or [])), log=log
+        )
         frames: list[tuple[float, float]] = []
         try:
             device.open()

@@ -9,8 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from core.devices.device import HapticMaster, end, start
+from core.devices.device import HapticMaster
 from core.devices.letters import Link, Report
+from core.devices.process import end, start
 from core.devices.vectors import length
 from tests.devices.bench_device import wall
 

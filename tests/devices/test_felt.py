@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.devices.contact_model import Contact, force_at
-from core.devices.felt import Felt, Workspace, renderings
+from core.devices.felt import Felt, Workspace, rendered
 from core.material import PRESETS
 from core.mesh import base_vertices
 from core.model import build_model
@@ -54,13 +54,13 @@ def test_beyond_the_knee_it_is_k2(session: Session) -> None:
     assert contact.force[2] == pytest.approx(MATERIAL.law(0.020), rel=0.01)
 
 
-def test_what_the_device_cannot_render_is_rendered_as_steep_as_it_can_and_said(session: Session) -> None:
+def test_what_the_device_cannot_render_is_rendered_as_steep_as_it_can(session: Session) -> None:
     press(session, 0.020)
     (contact,) = contacts(session, Workspace(), 640.0, 0.0)
     assert contact and contact.k_n == 640.0
     assert contact.force[2] == pytest.approx(610 * 0.0163 + 640 * (0.020 - 0.0163), rel=0.01)
-    first, second = renderings(MATERIAL, 640.0)
-    assert first.whole and not second.whole and (second.asked, second.rendered) == (7230.0, 640.0)
+    softer = rendered(MATERIAL, 640.0)
+    assert (softer.K1, softer.K2) == (610.0, 640.0)
 
 
 def test_two_frames_of_one_press_tell_the_same_curve(session: Session) -> None:

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from core.base import DimpleError
-from core.devices import device as devices
-from core.devices.device import Emulated, HapticMaster, Pointer, python
+from core.devices import process as processes
+from core.devices.device import Emulated, HapticMaster, Pointer
 from core.devices.letters import Link
+from core.devices.process import python
 from core.devices.safety import Arming
 from core.study import haptics
 from tests.devices.pressing import PATIENCE, Rig, drive, press, ready, rig
@@ -152,10 +153,10 @@ def test_a_port_that_is_not_there_is_said(tmp_path: Path) -> None:
 def test_an_emulated_device_opens_moves_and_leaves_nothing_behind() -> None:
     device = Emulated()
     device.open()
-    assert device.process and device.master.process
-    pids = device.process.pid, device.master.process.pid
-    drive(device.master, ready)
-    folder = Path(device.master.port).parent
+    assert device.process and device.emulator
+    pids = device.process.pid, device.emulator.pid
+    drive(device, ready)
+    folder = Path(device.port).parent
     device.close()
     device.close()
     assert all(map(gone, pids)) and not folder.exists()
@@ -185,7 +186,7 @@ def test_a_python_is_found_where_sys_executable_is_none(monkeypatch: pytest.Monk
 
 def test_without_any_python_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     python.cache_clear()
-    monkeypatch.setattr(devices, "_candidates", lambda: iter(["/nowhere/python3"]))
+    monkeypatch.setattr(processes, "_candidates", lambda: iter(["/nowhere/python3"]))
     with pytest.raises(DimpleError, match="Python was not found"):
         python()
     python.cache_clear()
