@@ -106,7 +106,7 @@ class Feel:
 
     def force(self, x: Vector, now: float, cap: float) -> Vector:
         """Return the force [N] on the fingertip at x [m]."""
-        left = max(1 - (now - self.arrived) / self.period, 0.0)
+        left = min(max(1 - (now - self.arrived) / self.period, 0.0), 1.0)
         if self.contact is None:
             return scaled(self.jump, left)
         share = fade(now - self.contact.stamp)

@@ -85,24 +85,37 @@ def _terminal(path: Path) -> Iterator[int]:
         import tty
     except ImportError:
         raise DimpleError("This system has no pseudo-terminals; the emulator runs on Linux and macOS.") from None
-    if path.exists() and not path.is_symlink():
-        raise DimpleError(f"{path} is there already. Name a path that is free.")
+    if path.exists():  # the link of an emulator that was killed leads nowhere, and is replaced
+        raise DimpleError(
+            f"{path} is there already, perhaps of another emulator. End that, or name a path that is free."
+        )
     master, slave = pty.openpty()  # the host's end stays open here: between two hosts the line lives on
     try:
         tty.setraw(slave)
         os.set_blocking(master, False)
-        path.unlink(missing_ok=True)
+        name = _name(slave)
         try:
-            path.symlink_to(os.ttyname(slave))
+            path.unlink(missing_ok=True)
+            path.symlink_to(name)
         except OSError as error:
             raise DimpleError(f"{path} cannot be made: {error.strerror}.") from None
         try:
             yield master
         finally:
-            path.unlink(missing_ok=True)
+            if path.is_symlink() and os.readlink(path) == name:
+                path.unlink()
     finally:
         os.close(slave)
         os.close(master)
+
+
+def _name(slave: int) -> str:
+    """Return a path of the host's end that is gone with this process, where the system has such paths (Linux).
+
+    The terminal's own name is soon that of somebody's terminal window, and a host would take that for the device.
+    """
+    own = f"/proc/{os.getpid()}/fd/{slave}"
+    return own if os.path.exists(own) else os.ttyname(slave)
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from ..errors import DimpleError
 from . import precedence
-from .letters import ORDER_SIZE, Link, pack_report, unpack_order
+from .letters import ORDER_SIZE, Link, Report, pack_report, unpack_order
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .serial_link import WINDOWS, LinkLost, open_link
 from .serial_link import Link as Line
@@ -39,24 +39,23 @@ def run(options: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     precedence.ask()
     gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
-    box = Mailbox(options.mailbox)
+    box, servo = Mailbox(options.mailbox), None
+    log: list[LogRow] | None = [] if options.log else None
     try:
         spec = load_spec(options.device)
         spec = replace(spec, baud=options.baud or spec.baud)
-        servo = Servo(spec, nonce=os.getpid() & 0xFFFF)
+        servo, line = Servo(spec, nonce=os.getpid() & 0xFFFF), open_link(options.port, spec.baud)
         try:
-            line = open_link(options.port, spec.baud)
-            log: list[LogRow] | None = [] if options.log else None
-            try:
-                serve(servo, line, box, lifeline(line), log)
-            finally:
-                hang_up(servo, line)
-                write_log(options.log, log)
-        except DimpleError as error:
-            link = Link.LOST if isinstance(error, LinkLost) else Link.REFUSED
-            box.post(FROM_SERVO, pack_report(replace(servo.report(), link=link, message=str(error))))
-            return 2
+            serve(servo, line, box, lifeline(line), log)
+        finally:
+            hang_up(servo, line)
+            write_log(options.log, log)
         return 0 if servo.link is not Link.REFUSED else 2
+    except DimpleError as error:
+        link = Link.LOST if isinstance(error, LinkLost) else Link.REFUSED
+        report = replace(servo.report() if servo else Report(), link=link, message=str(error))
+        box.post(FROM_SERVO, pack_report(report))
+        return 2
     finally:
         box.close()
 

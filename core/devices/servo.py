@@ -32,7 +32,9 @@ FAULTS = {
     wire.FAULT_LINK: "The device lost too many frames on the line. Check the cable.",
 }
 NO_ANSWER = "Nothing answers within 1 s. Check port, baud rate ({baud}) and power of the {name}."
+MUTE = "The device answers but streams no positions. Switch it off and on, then connect again."
 SILENT = "The device is silent: the connection is lost. When it is back, arm it again."
+STOOD_STILL = "Device or computer stood still for more than 100 ms, or the device's clock is wrong. Arm it again."
 TOO_FAST = "A fingertip was faster than 1.5 m/s. Arm the device again."
 BAD_FORCE = "The simulation gave forces that are not numbers. Reset it and arm the device again."
 LOSSY = "{share:.0%} of the frames are lost on the line. Check the cable."
@@ -178,16 +180,18 @@ class Servo:
 
     def _answer(self, state: wire.State, now: float) -> bytes:
         """Return the torques for a STATE."""
-        before, self._state, self._heard = self._state, state, now
+        silent, before = now - self._heard, self._state
+        self._state, self._heard = state, now
         ticks = (state.seq - before.seq) & 0xFFFF if before else 1
         dt = ((state.t_us - before.t_us) & 0xFFFFFFFF) * 1e-6 if before else self.spec.tick
+        steady = 0 < dt <= STATE_LOST and (silent <= STATE_LOST or before is None)
         self._device_time += dt
         for i, finger in enumerate(self._fingers):
             words = state.adc[3 * i], state.adc[3 * i + 1], state.adc[3 * i + 2]
             finger.sense(self.spec, words, bool(state.status & wire.MASKED << i), ticks, self._device_time)
         self._take_contacts(now)
         held = self.order.held or bool(state.buttons & BUTTON)
-        out = self._watch() + self._push(state, now, min(dt, MOST_DT), held)
+        out = self._watch(steady) + self._push(state, now, min(dt, MOST_DT), held)
         a, b, c = (finger.drive(self.spec, finger.guard.sent) for finger in self._fingers)
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
         if self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
@@ -229,8 +233,10 @@ class Servo:
         if self._bad.too_many(now):
             self._stop(BAD_FORCE)
 
-    def _watch(self) -> bytes:
-        """Look for what must end all force."""
+    def _watch(self, steady: bool) -> bytes:
+        """Look for what must end all force; steady: time went on as it does, here and on the device."""
+        if not steady:
+            return self._end(STOOD_STILL, wire.FAULT_LINK)
         if any(finger.bad >= SENSOR_TICKS for finger in self._fingers):
             for finger in self._fingers:
                 finger.forget()
@@ -244,6 +250,10 @@ class Servo:
     def _miss(self, now: float) -> bytes:
         """Take the force away where no STATE comes."""
         silent = now - self._heard
+        if self._state is None:
+            if silent > HELLO_WAIT:
+                self.link, self.message = Link.REFUSED, MUTE
+            return b""
         if silent > STATE_LOST:
             self._stop("")
             self.link, self.message = Link.LOST, SILENT

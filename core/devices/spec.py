@@ -90,56 +90,90 @@ def load_spec(path: Path | None = None) -> Spec:
         raise DimpleError(f"The device file {path} has no {error}; see {HAPTIC_MASTER.name}.") from None
     except DimpleError:
         raise
-    except (TypeError, ValueError) as error:  # TOMLDecodeError and UnicodeDecodeError are ValueErrors
+    except ValueError as error:  # TOMLDecodeError and UnicodeDecodeError are among them
         raise DimpleError(f"The device file {path} is not right: {error}.") from None
     return spec
 
 
 def _spec(file: dict[str, Any]) -> Spec:
-    blocks, geometry, sensors = file["blocks"], file["geometry"], file["sensors"]
-    motors, tip, link, safety = file["motors"], file["tip"], file["link"], file["safety"]
     spec = Spec(
-        name=str(file["name"]),
-        block_names=tuple(map(str, blocks["names"])),
-        block_angles=_three(blocks["angles_deg"], math.pi / 180),
-        geometry=int(geometry["id"]),
-        l1=float(geometry["l1_m"]),
-        l2=float(geometry["l2_m"]),
-        centre_distance=float(geometry["centre_distance_m"]),
-        base_height=float(geometry["base_height_m"]),
-        workspace_radius=geometry["workspace_diameter_m"] / 2,
-        stop_radius=geometry["stop_diameter_m"] / 2,
-        adc_bits=int(sensors["adc_bits"]),
-        adc_span=math.radians(sensors["span_deg"]),
-        adc_noise=float(sensors["noise_steps"]),
-        adc_centres=_three(sensors["centres_deg"], math.pi / 180),
-        dac_bits=int(motors["dac_bits"]),
-        torque_limits=_three(motors["torque_limits_nm"]),
-        peak_force=float(motors["peak_force_n"]),
-        continuous_force=float(motors["continuous_force_n"]),
-        rms_window=float(motors["rms_window_s"]),
-        tip_mass=float(tip["mass_kg"]),
-        viscous=float(tip["viscous_ns_m"]),
-        coulomb=float(tip["coulomb_n"]),
-        tick_hz=int(link["tick_hz"]),
-        baud=int(link["baud"]),
-        hold=float(safety["hold_s"]),
-        zero=float(safety["zero_s"]),
-        latch=float(safety["latch_s"]),
-        slew=float(safety["slew_n_s"]),
-        tip_speed=float(safety["tip_speed_m_s"]),
-        arm_force=float(safety["arm_force_n"]),
-        arm_time=float(safety["arm_s"]),
-        ramp_time=float(safety["ramp_s"]),
-        brake=float(safety["brake_ns_m"]),
+        name=_text("name", file["name"]),
+        block_names=tuple(_text("names", name) for name in _list(file, "blocks", "names")),
+        block_angles=_three(file, "blocks", "angles_deg", math.pi / 180),
+        geometry=_whole(file, "geometry", "id"),
+        l1=_number(file, "geometry", "l1_m"),
+        l2=_number(file, "geometry", "l2_m"),
+        centre_distance=_number(file, "geometry", "centre_distance_m"),
+        base_height=_number(file, "geometry", "base_height_m"),
+        workspace_radius=_number(file, "geometry", "workspace_diameter_m") / 2,
+        stop_radius=_number(file, "geometry", "stop_diameter_m") / 2,
+        adc_bits=_whole(file, "sensors", "adc_bits"),
+        adc_span=math.radians(_number(file, "sensors", "span_deg")),
+        adc_noise=_number(file, "sensors", "noise_steps"),
+        adc_centres=_three(file, "sensors", "centres_deg", math.pi / 180),
+        dac_bits=_whole(file, "motors", "dac_bits"),
+        torque_limits=_three(file, "motors", "torque_limits_nm"),
+        peak_force=_number(file, "motors", "peak_force_n"),
+        continuous_force=_number(file, "motors", "continuous_force_n"),
+        rms_window=_number(file, "motors", "rms_window_s"),
+        tip_mass=_number(file, "tip", "mass_kg"),
+        viscous=_number(file, "tip", "viscous_ns_m"),
+        coulomb=_number(file, "tip", "coulomb_n"),
+        tick_hz=_whole(file, "link", "tick_hz"),
+        baud=_whole(file, "link", "baud"),
+        hold=_number(file, "safety", "hold_s"),
+        zero=_number(file, "safety", "zero_s"),
+        latch=_number(file, "safety", "latch_s"),
+        slew=_number(file, "safety", "slew_n_s"),
+        tip_speed=_number(file, "safety", "tip_speed_m_s"),
+        arm_force=_number(file, "safety", "arm_force_n"),
+        arm_time=_number(file, "safety", "arm_s"),
+        ramp_time=_number(file, "safety", "ramp_s"),
+        brake=_number(file, "safety", "brake_ns_m"),
     )
-    _check(spec, float(motors["force_ceiling_n"]))
+    _check(spec, _number(file, "motors", "force_ceiling_n"))
     return spec
 
 
-def _three(numbers: list[float], factor: float = 1.0) -> Vector:
-    a, b, c = numbers
-    return a * factor, b * factor, c * factor
+def _value(file: dict[str, Any], table: str, name: str) -> Any:
+    if not isinstance(file[table], dict):
+        raise ValueError(f"[{table}] must be a table")
+    return file[table][name]
+
+
+def _text(name: str, value: Any) -> str:
+    if not isinstance(value, str) or not value:
+        raise ValueError(f"{name} must be text, not {value!r}")
+    return value
+
+
+def _real(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ValueError(f"{name} must be a number, not {value!r}")
+    return float(value)
+
+
+def _number(file: dict[str, Any], table: str, name: str) -> float:
+    return _real(name, _value(file, table, name))
+
+
+def _whole(file: dict[str, Any], table: str, name: str) -> int:
+    number = _number(file, table, name)
+    if number != round(number):
+        raise ValueError(f"{name} must be a whole number, not {number!r}")
+    return round(number)
+
+
+def _list(file: dict[str, Any], table: str, name: str) -> list[Any]:
+    values = _value(file, table, name)
+    if not isinstance(values, list) or len(values) != wire.FINGERS:
+        raise ValueError(f"{name} must be a list of three, not {values!r}")
+    return values
+
+
+def _three(file: dict[str, Any], table: str, name: str, factor: float = 1.0) -> Vector:
+    a, b, c = (factor * _real(name, value) for value in _list(file, table, name))
+    return a, b, c
 
 
 def _check(spec: Spec, ceiling: float) -> None:
@@ -152,14 +186,25 @@ def _check(spec: Spec, ceiling: float) -> None:
         ("tip_speed_m_s must be above 0, 1.5 at most", 0 < spec.tip_speed <= 1.5),
         ("arm_force_n must be above 0, 0.2 at most", 0 < spec.arm_force <= 0.2),
         ("arm_s must be 0.05 at least and ramp_s 0.5 at least", spec.arm_time >= 0.05 and spec.ramp_time >= 0.5),
-        ("l1_m, l2_m and mass_kg must be above 0", min(spec.l1, spec.l2, spec.tip_mass) > 0),
-        ("viscous_ns_m, coulomb_n, brake_ns_m must not be below 0", min(spec.viscous, spec.coulomb, spec.brake) >= 0),
+        ("l1_m and l2_m must be above 0, 2 at most", 0 < min(spec.l1, spec.l2) <= max(spec.l1, spec.l2) <= 2),
+        ("mass_kg must be above 0, 10 at most", 0 < spec.tip_mass <= 10),
+        # the stiffest wall follows from the friction, and a brake stronger than tip mass over ten ticks shakes
+        ("viscous_ns_m must be from 0 to 20", 0 <= spec.viscous <= 20),
+        ("coulomb_n must be from 0 to 5", 0 <= spec.coulomb <= 5),
+        ("brake_ns_m must be from 0 to 12", 0 <= spec.brake <= 12),
         ("the workspace must be within reach", 0 < spec.workspace_radius <= spec.stop_radius < spec.centre_distance
-         and math.hypot(spec.centre_distance + spec.stop_radius, spec.base_height) < spec.l1 + spec.l2),
+         and math.hypot(spec.centre_distance + spec.stop_radius, spec.base_height) < spec.l1 + spec.l2
+         and math.hypot(spec.centre_distance - spec.stop_radius, spec.base_height) > abs(spec.l1 - spec.l2)),
         ("adc_bits and dac_bits must be from 8 to 16", 8 <= spec.adc_bits <= 16 and 8 <= spec.dac_bits <= 16),
-        ("span_deg and torque_limits_nm must be above 0", min(spec.adc_span, *spec.torque_limits) > 0),
-        ("three blocks have three names", len(spec.block_names) == wire.FINGERS),
-        ("tick_hz must be from 50 to 2000, rms_window_s above 0", 50 <= spec.tick_hz <= 2000 and spec.rms_window > 0),
+        ("span_deg must be above 0, 360 at most", 0 < spec.adc_span <= 2 * math.pi),
+        ("angles_deg and centres_deg must be from -360 to 360",
+         all(abs(angle) <= 2 * math.pi for angle in (*spec.block_angles, *spec.adc_centres))),
+        ("noise_steps must be above 0 (by its noise a reading is known to be alive), 100 at most",
+         0 < spec.adc_noise <= 100),
+        ("torque_limits_nm must be above 0, 60 at most", 0 < min(spec.torque_limits) and max(spec.torque_limits) <= 60),
+        ("id must be from 0 to 255", 0 <= spec.geometry <= 255),
+        ("tick_hz must be from 50 to 2000", 50 <= spec.tick_hz <= 2000),
+        ("rms_window_s must be above 0, 10 at most", 0 < spec.rms_window <= 10),
     ):  # fmt: skip
         if not holds:
             raise ValueError(what)

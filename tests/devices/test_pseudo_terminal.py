@@ -201,3 +201,29 @@ def test_sigint_ends_it_cleanly_and_a_taken_path_is_refused(start: Start, port: 
     refused = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=LIMIT)
     assert refused.returncode == 2 and "is there already" in refused.stderr
     assert os.path.getsize(port) == 0
+
+
+def test_an_emulator_never_takes_the_path_of_one_that_lives_and_always_of_one_that_was_killed(
+    start: Start, port: Path
+) -> None:
+    """Not even when a terminal window was opened meanwhile, which gets the number of the dead one."""
+    first = start()
+    words = [sys.executable, "-m", "core", "emulator", "--pty", port]
+    refused = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=LIMIT)
+    assert refused.returncode == 2 and "another emulator" in refused.stderr
+    drive(link := open_link(str(port), SPEC.baud), host := Host(arms=False), LIMIT, until=wire.IDLE)
+    assert host.states
+    link.close()
+    first.kill()
+    first.wait()
+    assert port.is_symlink()
+    ends = [os.openpty() for _ in range(3)]
+    with pytest.raises(DimpleError, match="no port"):
+        open_link(str(port), SPEC.baud)
+    start()
+    drive(link := open_link(str(port), SPEC.baud), host := Host(arms=False, nonce=2), LIMIT, until=wire.IDLE)
+    assert host.states
+    link.close()
+    for end_of in ends:
+        for descriptor in end_of:
+            os.close(descriptor)

@@ -300,3 +300,65 @@ def test_garbage_never_raises_and_never_moves_a_motor() -> None:
         device.now += 1e-3
         device.say(dice.randbytes(dice.randrange(80)))
     assert device.strongest == 0.0
+
+
+def test_after_a_gap_of_5_s_there_is_no_force_and_a_new_arm_is_needed() -> None:
+    """The host was suspended, the device went on; and the device stood still, the host went on."""
+    for here, there in ((5.0, 5.0), (5.0, 0.0), (0.0, 5.0)):
+        device = BenchDevice().pressing()
+        device.now += here
+        late = device.state()
+        device.say(wire.encode(late._replace(t_us=late.t_us + round(1e6 * (there - here)) & 0xFFFFFFFF)))
+        assert disarmed(device), (here, there)
+        assert "stood still" in message(device)
+        device.tick(200)
+        assert disarmed(device)
+
+
+@pytest.mark.parametrize("shift", [-1_000_000, -1, 0])
+def test_a_device_whose_clock_does_not_go_on_is_disarmed(shift: int) -> None:
+    """With no time between two STATEs force could not fall, nor a fingertip run away."""
+    device = BenchDevice().pressing()
+    last = device.servo._state
+    assert last
+    device.now += 1e-3
+    device.say(wire.encode(device.state()._replace(t_us=last.t_us + shift & 0xFFFFFFFF)))
+    assert disarmed(device) and "clock" in message(device)
+
+
+@pytest.mark.parametrize("jump", [-10.0, -0.05, -0.002, 0.002, 0.05, 10.0])
+@pytest.mark.parametrize("back", [True, False], ids=["and back", "for good"])
+def test_a_host_clock_that_jumps_never_breaks_a_limit(jump: float, back: bool) -> None:
+    """The device's own clock goes on."""
+    device, shift = BenchDevice().pressing(), 0.0
+    for i in range(100):
+        before = device.strongest
+        device.now += 1e-3
+        data = wire.encode(device.state())
+        shift = jump if i == 10 or (i > 10 and not back) else 0.0
+        device.now += shift
+        device.say(data)
+        device.now -= shift
+        assert device.strongest <= before + 1.05
+        assert device.strongest <= 3.3  # the wall's 3 N
+    assert disarmed(device) or jump < 10.0
+
+
+def test_a_device_that_answers_but_streams_nothing_is_refused() -> None:
+    device = BenchDevice()
+    device.pause(0.9)
+    assert device.servo.link is Link.READY
+    device.pause(0.2)
+    assert device.servo.link is Link.REFUSED and "streams no positions" in message(device)
+    assert device.strongest == 0.0
+
+
+def test_megabytes_of_noise_without_an_end_are_forgotten_and_what_follows_is_heard() -> None:
+    device = BenchDevice()
+    for _ in range(20):
+        device.say(b"\x55" * 100_000)
+    assert len(device.servo._decoder._rest) < 64
+    device.say(b"\0")
+    device.heard.clear()
+    device.tick()
+    assert [type(frame) for frame in device.heard] == [wire.Command]
