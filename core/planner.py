@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -18,7 +18,7 @@ from .base import TICK, DimpleError
 from .integrators.path import FingerPath
 from .model import Model, initial_state
 from .proxy import LARGEST, SMALLEST, Proxy, build_proxy, check, mean_spacing
-from .trial import DOWN, HOLD, Outcome, Way, choose_presses, default_run, press_mesh, try_way
+from .trial import DOWN, HOLD, Outcome, Press, Way, choose_presses, default_run, press_mesh, try_way
 
 _Result = TypeVar("_Result")
 
@@ -34,8 +34,8 @@ MARGIN = 1.2  # of an error that differs from place to place
 TRIES = 4
 NEAR_ENOUGH = 0.85  # of a tolerance: what is left saves under a third of the work, not worth another try
 FAR = 4.0  # times the vertices, from one try to the next
-PRESSES = 3
-ALLOWANCE = 1.0  # [s] of computing that pressing the mesh itself may take; a heavier one is planned by the fit alone
+PRESSES = 4  # at most
+ALLOWANCE = 1.5  # [s] of computing that pressing the mesh itself may take; stand-ins take about as long again
 DENSER = 1.5  # where no stand-in can be made, one with so many times the vertices may
 
 
@@ -92,8 +92,9 @@ def plan(
     except DimpleError as error:
         return _mesh_itself(model, cost, f"{slow}, but {error}.")
     wanted, measured = vertices_for(model, tolerance, force_tolerance, radius), None
-    if cost * PRESSES * (DOWN + HOLD) <= allowance and not model.held.all():
-        wanted, measured = _measured(model, tolerance, force_tolerance, radius, wanted)
+    presses = int(min(allowance / (cost * (DOWN + HOLD)), PRESSES))
+    if presses and not model.held.all():  # a mesh too heavy to press once is planned by the fit alone
+        wanted, measured = _measured(model, choose_presses(model, radius, presses), tolerance, force_tolerance, wanted)
     most = min(int((~model.mesh.loose).sum()) // 2, LARGEST)
     if wanted > most:
         near = f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
@@ -149,13 +150,12 @@ def stand_in(
 
 
 def _measured(
-    model: Model, tolerance: float, force_tolerance: float, radius: float, start: int
+    model: Model, presses: Sequence[Press], tolerance: float, force_tolerance: float, start: int
 ) -> tuple[int, Outcome | None]:
     """Return the fewest vertices tried that met the tolerances, and what they came to.
 
     Where none did: those that the last try calls for, and what it came to, a little more than they will.
     """
-    presses = choose_presses(model, radius, PRESSES)
     most = min(int((~model.mesh.loose).sum()) // 2, LARGEST)
     goal, _ = _end_of(press_mesh(model, presses))
     best, vertices = None, min(start, most)

@@ -26,6 +26,7 @@ DOWN, HOLD, MEAN = 0.15, 0.1, 0.05  # [s]; the force is the mean over the last p
 DEPTH = 0.5  # of the fingertip's radius
 DENT = 0.1  # of the largest motion: what moves more belongs to the dent
 BESIDE_PINS = 2.0  # fingertip radii: nearer to what is held a press meets the pins rather than the body
+DRAWN = 10  # places for one that is taken: those away from what is held come first
 LIVE_STEPS = {"implicit": 1, "sweeping": 4}  # steps a tick of methods that may take long ones
 _Result = TypeVar("_Result")
 SLOW = 50.0  # times as long, a step of a method that runs on numpy
@@ -86,17 +87,19 @@ def choose_presses(model: Model, radius: float, count: int, *, seed: int = 0) ->
     mesh, rng = model.mesh, np.random.default_rng(seed)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     free = ~model.held & (np.abs(normals).sum(axis=1) > 0)
-    held = mesh.rest_positions[model.held & ~mesh.loose]
-    if len(held):
-        low, high = held.min(axis=0) - BESIDE_PINS * radius, held.max(axis=0) + BESIDE_PINS * radius
-        away = free & ((mesh.rest_positions < low) | (mesh.rest_positions > high)).any(axis=1)
-        free = away if away.any() else free
     share = np.where(free, mesh.vertex_areas, 0.0)
     if not share.sum() > 0:
         raise DimpleError("Nothing of the surface is free to be pressed. Hold less of it.")
-    chosen = rng.choice(len(share), size=count, p=share / share.sum())
+    drawn = rng.choice(len(share), size=DRAWN * count, p=share / share.sum())
+    held = mesh.rest_positions[model.held & ~mesh.loose]
+    away = np.array([_distance(held, mesh.rest_positions[v]) > BESIDE_PINS * radius for v in drawn])
+    chosen = [*drawn[away], *drawn[~away]][:count]
     depth = min(DEPTH * radius, mesh.size / 8)
     return [Press(at=mesh.rest_positions[v], outward=normals[v], radius=radius, depth=depth) for v in chosen]
+
+
+def _distance(points: Floats, place: Floats) -> float:
+    return float(np.sqrt(((points - place) ** 2).sum(axis=1).min())) if len(points) else math.inf
 
 
 def press_body(
