@@ -77,7 +77,7 @@ class Host:
 
 
 class Presser(Host):
-    """Arm, again where it is refused (a busy machine is late), and push up once there is force."""
+    """Arm, again where it is refused or latched (a busy machine is late), and push up once there is force."""
 
     def __init__(self, newtons: float) -> None:
         super().__init__(self.push, arms=False)
@@ -91,6 +91,7 @@ class Presser(Host):
         return (0.0, 0.0, self.newtons if self.mode in (wire.RAMP, wire.ARMED) else 0.0)
 
     def step(self, now: float, incoming: bytes) -> bytes:
+        self.flags = HELD | wire.CLEAR if self.mode == wire.FAULT else HELD
         out = super().step(now, incoming)
         if self.info and self.mode == wire.IDLE and now - self.asked > 0.2:
             self.asked = now

@@ -4,7 +4,6 @@ import os
 import pty
 import re
 import select
-import time
 import tty
 from collections.abc import Iterator
 from pathlib import Path
@@ -59,9 +58,8 @@ def test_a_second_opener_is_refused_and_told_why(ends: tuple[int, str], link: Li
 @pytest.mark.parametrize("read", [True, False], ids=["by reading", "by writing"])
 def test_an_unplugged_port_is_lost_within_a_tenth_of_a_second(ends: tuple[int, str], link: Link, read: bool) -> None:
     os.close(ends[0])
-    begin = time.monotonic()
     with pytest.raises(LinkLost, match="lost .* arm again"):
-        while time.monotonic() - begin < 0.1:
+        for _ in range(10):  # looks, not seconds: a busy machine's own gaps do not count
             if read:
                 link.wait(0.01)
                 link.read()
