@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
@@ -18,9 +17,7 @@ from .base import TICK, DimpleError
 from .integrators.path import FingerPath
 from .model import Model, initial_state
 from .proxy import LARGEST, SMALLEST, Proxy, build_proxy, check, mean_spacing
-from .trial import DOWN, HOLD, Outcome, Press, Way, choose_presses, default_run, press_mesh, try_way
-
-_Result = TypeVar("_Result")
+from .trial import DOWN, HOLD, Outcome, Press, Way, choose_presses, default_run, end_of, press_mesh, try_way
 
 BUDGET = 0.6  # [s] of a second for the simulation; the rest is Blender's, to draw
 TOLERANCE = 0.5e-3  # [m] between the skins, over the dent
@@ -157,10 +154,10 @@ def _measured(
     Where none did: those that the last try calls for, and what it came to, a little more than they will.
     """
     most = min(int((~model.mesh.loose).sum()) // 2, LARGEST)
-    goal, _ = _end_of(press_mesh(model, presses))
+    goal, _ = end_of(press_mesh(model, presses))
     best, vertices = None, min(start, most)
     for _ in range(TRIES):
-        found = _end_of(try_way(model, presses, goal, Way(vertices=vertices)))
+        found = end_of(try_way(model, presses, goal, Way(vertices=vertices)))
         skin, force = found.error / tolerance, found.force_error / force_tolerance
         if max(skin, force) <= 1:
             best = found
@@ -174,15 +171,6 @@ def _measured(
     if best:
         return best.way.vertices, best
     return vertices, found if not found.note else None
-
-
-def _end_of(steps: Generator[float, None, _Result]) -> _Result:
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            found: _Result = end.value
-            return found
 
 
 def vertices_for(model: Model, tolerance: float, force_tolerance: float, radius: float) -> int:

@@ -149,33 +149,49 @@ def compare(model: Model, presses: Sequence[Press], ways: Sequence[Way]) -> Iter
 
 def press_mesh(model: Model, presses: Sequence[Press]) -> Generator[float, None, tuple[list[Pressed], Outcome]]:
     """Press the mesh itself, stepped by the paper's method; yield the share that is done, return ends and outcome."""
-    steps, goal = model.substeps(TICK), []
-    for k, press in enumerate(presses):
-        goal.append(Pressed())
-        for part, goal[k] in press_body(model, press, radius=press.radius, run=default_run(), substeps=steps):
-            yield (k + part) / len(presses)
-    cost = sum(p.cost for p in goal) / (DOWN + HOLD) / len(goal)
-    return goal, Outcome(way=Way(), vertices=len(model.mass), steps=steps, cost=cost, error=0.0, force_error=0.0)
+    _, steps, goal = yield from press_way(model, presses, Way())
+    return goal, judge(model, Way(), None, steps, goal, goal)
 
 
 def try_way(
     model: Model, presses: Sequence[Press], goal: Sequence[Pressed], way: Way
 ) -> Generator[float, None, Outcome]:
     """Try one way against what the mesh itself came to; yield the share that is done, return its outcome."""
-    ends: list[Pressed] = []
     try:
-        proxy = build_proxy(model, way.vertices) if way.vertices else None
-        body = proxy.model if proxy else model
-        steps = steps_of(body, way.method)
-        run = default_run() if way.method == "semi_implicit" else METHODS[way.method].run
-        for k, press in enumerate(presses):
-            ends.append(Pressed())
-            radius = contact_radius(proxy, press.radius) if proxy else press.radius
-            for part, ends[k] in press_body(body, press, radius=radius, run=run, substeps=steps):
-                yield (k + part) / len(presses)
+        proxy, steps, ends = yield from press_way(model, presses, way)
     except DimpleError as error:  # no stand-in, or a method that cannot run these laws
         return Outcome(way=way, note=str(error))
     return judge(model, way, proxy, steps, ends, goal)
+
+
+def press_way(
+    model: Model, presses: Sequence[Press], way: Way
+) -> Generator[float, None, tuple[Proxy | None, int, list[Pressed]]]:
+    """Press a body simulated one way; yield the share that is done, return its stand-in, steps a tick and the ends.
+
+    Raises:
+        DimpleError: no stand-in can be made, or the method cannot run these laws.
+    """
+    proxy = build_proxy(model, way.vertices) if way.vertices else None
+    body = proxy.model if proxy else model
+    steps, ends = steps_of(body, way.method), []
+    run = default_run() if way.method == "semi_implicit" else METHODS[way.method].run
+    for k, press in enumerate(presses):
+        ends.append(Pressed())
+        radius = contact_radius(proxy, press.radius) if proxy else press.radius
+        for part, ends[k] in press_body(body, press, radius=radius, run=run, substeps=steps):
+            yield (k + part) / len(presses)
+    return proxy, steps, ends
+
+
+def end_of(steps: Generator[float, None, _Result]) -> _Result:
+    """Return what comes at the end of steps, taken in one go."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            found: _Result = end.value
+            return found
 
 
 def _told(
