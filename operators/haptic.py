@@ -86,13 +86,16 @@ def hold(seconds: float) -> None:
 def read() -> list[str]:
     """Take the newest of the device; return sentences for the artist."""
     from ..core.devices.letters import Link
+    from ..core.devices.safety import Arming
 
     connection = get()
     if connection is None:
         return []
     before, connection.report = connection.report, connection.device.read()
-    if connection.report.link is not before.link and connection.report.link in (Link.LOST, Link.REFUSED):
-        connection.news = connection.report.message
+    report = connection.report
+    ended = report.link is not before.link and report.link in (Link.LOST, Link.REFUSED)
+    if ended or (report.arming is not before.arming and report.arming is Arming.OFF and report.message):
+        connection.news = report.message
     said, connection.news = connection.news, ""
     return [said] if said else []
 

@@ -106,10 +106,16 @@ class BadNumbers:
 
     times: deque[float] = field(default_factory=lambda: deque(maxlen=BAD_NUMBERS))
 
-    def too_many(self, now: float) -> bool:
-        """Count one; tell whether it was one too many."""
+    def count(self, now: float) -> None:
+        """Count one."""
         self.times.append(now)
-        return len(self.times) == BAD_NUMBERS and now - self.times[0] <= BAD_TIME
+
+    def too_many(self) -> bool:
+        """Tell, once, whether they were too many."""
+        many = len(self.times) == BAD_NUMBERS and self.times[-1] - self.times[0] <= BAD_TIME
+        if many:
+            self.times.clear()
+        return many
 
 
 @dataclass(slots=True)

@@ -34,6 +34,7 @@ FAULTS = {
 NO_ANSWER = "Nothing answers within 1 s. Check port, baud rate ({baud}) and power of the {name}."
 MUTE = "The device answers but streams no positions. Switch it off and on, then connect again."
 SILENT = "The device is silent: the connection is lost. When it is back, arm it again."
+WAS_SILENT = "The device was silent for more than 100 ms. Arm it again."
 STOOD_STILL = "Device or computer stood still for more than 100 ms, or the device's clock is wrong. Arm it again."
 TOO_FAST = "A fingertip was faster than 1.5 m/s. Arm the device again."
 BAD_FORCE = "The simulation gave forces that are not numbers. Reset it and arm the device again."
@@ -209,7 +210,7 @@ class Servo:
         for finger, contact in zip(self._fingers, self._contacts, strict=False):
             if contact and not is_sane(contact):
                 contact = None
-                self._count_bad(now)
+                self._bad.count(now)
             finger.feel.take(contact, finger.at, now, self.cap)
 
     def _push(self, state: wire.State, now: float, dt: float, held: bool) -> bytes:
@@ -217,7 +218,7 @@ class Servo:
         wanted: list[Vector] = [finger.feel.force(finger.at, now, self.cap) for finger in self._fingers]
         for force in wanted:
             if not is_finite(force):
-                self._count_bad(now)
+                self._bad.count(now)
         asked = self._switch.arming is Arming.ASKED
         device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
         gain = self._switch.gain(max(map(length, wanted)), now, held=held, device_on=device_on)
@@ -229,10 +230,6 @@ class Servo:
         new = self._switch.arming is Arming.ASKED and not asked
         return wire.encode(wire.Arm(self._session)) if new else b""
 
-    def _count_bad(self, now: float) -> None:
-        if self._bad.too_many(now):
-            self._stop(BAD_FORCE)
-
     def _watch(self, steady: bool) -> bytes:
         """Look for what must end all force; steady: time went on as it does, here and on the device."""
         if not steady:
@@ -243,6 +240,8 @@ class Servo:
             return self._end(FAULTS[wire.FAULT_SENSOR], wire.FAULT_SENSOR)
         if any(finger.guard.runs_away for finger in self._fingers):
             return self._end(TOO_FAST, wire.FAULT_SPEED)
+        if self._bad.too_many():
+            return self._end(BAD_FORCE, wire.FAULT_HOST)
         if self._losses.share > LOSS_DISARMS:
             return self._end(FAULTS[wire.FAULT_LINK], wire.FAULT_LINK)
         return b""
@@ -255,7 +254,7 @@ class Servo:
                 self.link, self.message = Link.REFUSED, MUTE
             return b""
         if silent > STATE_LOST:
-            self._stop("")
+            self._stop(WAS_SILENT)
             self.link, self.message = Link.LOST, SILENT
             return self._disarm(wire.FAULT_LINK)
         if silent > STATE_GAP and any(finger.guard.sent != ZERO for finger in self._fingers):

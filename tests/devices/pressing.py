@@ -27,7 +27,7 @@ from tests.devices.host import SPEC
 BEGIN = 1.2  # [s] after the device's ramp begins, when the servo's is over too
 WAY = [[0.0, 0.0, 0.0, 0.01], [BEGIN, 0.0, 0.0, 0.01], [BEGIN + 0.15, 0.0, 0.0, -0.01]]
 PATIENCE = 20.0  # [s] on a busy machine
-PRESSED = 0.5  # [N]
+PRESSED = 0.5  # [N] of the 1.7 N that a quiet machine presses: a slow one renders softer walls
 LETS_GO = 75  # [ticks] before the watchdog latches there must be no force: by 25 ms of 100 ms
 
 
@@ -57,7 +57,7 @@ class Rig:
         rows = np.loadtxt(self.folder / "trace.csv", delimiter=",", skiprows=1, converters={1: float})
         places, forces = rows[:, 2:11].reshape(-1, 3, 3), np.linalg.norm(rows[:, 11:20].reshape(-1, 3, 3), axis=2)
         armed = np.isin(rows[:, 1], (wire.RAMP, wire.ARMED))
-        pressed = np.flatnonzero(armed & (forces.min(axis=1) > PRESSED))[-1]
+        pressed = np.flatnonzero(armed & (forces.min(axis=1) > 0.8 * PRESSED))[-1]
         ended = pressed + np.flatnonzero(~armed[pressed:])[0]
         if rows[ended, 1] == wire.IDLE:
             return float(forces[ended : ended + 100].max())
@@ -95,12 +95,17 @@ def ready(report: Report) -> bool:
 
 
 def pressed(report: Report) -> bool:
-    return len(report.tips) == 3 and min(length(tip.force) for tip in report.tips) > 2 * PRESSED
+    return len(report.tips) == 3 and min(length(tip.force) for tip in report.tips) > PRESSED
 
 
 def press(device: HapticMaster) -> Report:
-    """Connect, arm and wait until the hand has pressed; arm again where a busy machine was disarmed for its gaps."""
+    """Connect, arm and wait until the hand has pressed."""
     device.open()
+    return arm(device)
+
+
+def arm(device: HapticMaster) -> Report:
+    """Arm and wait until the hand has pressed; arm again where a busy machine was disarmed for its gaps."""
     report, ends = drive(device, ready), time.perf_counter() + PATIENCE
     while not pressed(report) and time.perf_counter() < ends:
         device.arm()

