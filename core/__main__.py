@@ -16,6 +16,7 @@ COMMANDS = {
     "calibrate": ("fit a material to a force-depth file", ".calibration.command", "add_command"),
     "paper": ("make the paper's tables and figures again, beside the printed numbers", ".study.paper", "add_command"),
     "emulator": ("run a haptic device that is not there", ".devices.command", "add_emulator"),
+    "grasp": ("lift a cube with three emulated fingertips and put it down", ".study.grasp", "add_grasp"),
     "haptics": ("press with an emulated device and tell what was felt", ".study.haptics", "add_haptics"),
     "servo": ("talk to a haptic device for Blender, 1000 times a second", ".devices.command", "add_servo"),
 }

@@ -1,13 +1,19 @@
-"""Three fingertips of an emulated device lift a cube by friction alone and put it down: all in one process, on one
-clock that is handed on, so that it runs the same everywhere.
+"""`python -m core grasp`: three fingertips of an emulated device lift a cube by friction alone and put it down.
+
+All in one process, on one clock that is handed on, so that it runs the same everywhere.
 """
 
 from __future__ import annotations
 
+import argparse
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 
-from ..base import STANDARD_GRAVITY
+import numpy as np
+
+from ..base import STANDARD_GRAVITY, DimpleError
 from ..devices.emulator import Emulator
 from ..devices.felt import Felt, Workspace, fingers
 from ..devices.hand import Hand, Keyframe
@@ -29,6 +35,7 @@ SQUEEZE = 0.012  # [m] where the hand wants its fingertips inside; they yield to
 BESIDE = 0.2  # of the edge: of index and middle finger from the middle
 # [s] from the device's ramp: begin, touched, squeezed, lifted, lowered from, on the ground, let go
 TOUCH, SQUEEZED, RAISE, RAISED, LOWER, DOWN, OPEN, END = 1.3, 1.6, 1.8, 2.4, 3.0, 3.6, 3.9, 4.2
+MOMENTS = {"open": TOUCH, "squeezed": RAISE, "lifted": RAISED + 0.1, "held": LOWER, "put down": DOWN, "let go": END}
 STEP = 2e-4  # [s] of the clock: a host that answers within it
 FRAME = 1 / 60  # [s]
 
@@ -91,3 +98,35 @@ def run(session: Session, *, spec: Spec | None = None, seconds: float = END) -> 
 
 def _height(frame: Frame) -> float:
     return float(frame.positions[:, 2].mean())
+
+
+def add_grasp(command: argparse.ArgumentParser) -> None:
+    """Give the command its options."""
+    command.set_defaults(run=run_grasp)
+    command.add_argument("--friction", type=float, default=PRESET.material.friction, help="coefficient, 0: none")
+    command.add_argument("--json", type=Path, metavar="OUT", help="write height and forces of each frame")
+
+
+def run_grasp(options: argparse.Namespace) -> int:
+    """Grasp, then tell how high the cube was and what the fingers felt."""
+    session = grasp(friction=options.friction)
+    moments, weight = list(run(session)), STANDARD_GRAVITY * float(session.model.mass.sum())
+    print("when        time   cube up   thumb          index          middle: force inward, force down")
+    for name, time in MOMENTS.items():
+        moment = min(moments, key=lambda moment: abs(moment.time - time))
+        forces = "   ".join(f"{abs(force[0]):5.2f} {-force[2]:5.2f} N" for force in moment.forces)
+        print(f"{name:<9} {moment.time:5.2f} s  {1e3 * moment.height:5.1f} mm  {forces}")
+    held = [moment for moment in moments if MOMENTS["lifted"] <= moment.time <= LOWER]
+    borne = -float(np.mean([sum(force[2] for force in moment.forces) for moment in held]))
+    report = moments[-1].report
+    print(
+        f"The cube weighs {weight:.2f} N. Lifted, the fingertips feel {borne:.2f} N down: their springs sideways, up to"
+    )
+    print(f"friction, not its weight alone. Device {report.arming.name.lower()}, frames lost {report.lost}.")
+    if options.json:
+        rows = [{"time_s": m.time, "height_m": m.height, "forces_n": m.forces} for m in moments]
+        try:
+            options.json.write_text(json.dumps(rows) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise DimpleError(f"{options.json} cannot be written: {error.strerror}.") from None
+    return 0

@@ -1,8 +1,12 @@
 """`grasp`: three fingertips of an emulated device lift the cube of nylon and put it down."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from core.__main__ import main
 from core.study import grasp
 from core.study.grasp import LIFT, LOWER, RAISED, Moment
 
@@ -47,3 +51,12 @@ def test_without_friction_it_is_not_lifted() -> None:
     """What comes up then is the skin in the fingertips' dents: less than half of what friction lifts."""
     moments = list(grasp.run(grasp.grasp(friction=0.0), seconds=LOWER))
     assert max(moment.height for moment in during(moments, RAISED, LOWER)) < LIFT / 3
+
+
+def test_the_command_tells_how_high_the_cube_was(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    out = tmp_path / "grasp.json"
+    assert main(["grasp", "--json", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "lifted" in said and "weighs 0.98 N" in said
+    assert max(row["height_m"] for row in json.loads(out.read_text())) > LIFT * 2 / 3
+    assert main(["grasp", "--json", str(tmp_path)]) == 2
