@@ -32,7 +32,7 @@ class Connection:
     """Hold a device that is connected.
 
     report: what it said last.  held_until: the dead-man switch is held so long, on `time.perf_counter` [s].
-    felt: by session.  news: a sentence for the artist that was not said yet.
+    felt: by session.  news: a sentence for the artist that was not said yet.  read_at: when it was looked at last [s].
     """
 
     device: Device
@@ -40,6 +40,7 @@ class Connection:
     held_until: float = 0.0
     felt: dict[int, Felt] = field(default_factory=dict)
     news: str = ""
+    read_at: float = 0.0
 
 
 def get() -> Connection | None:
@@ -91,7 +92,7 @@ def read() -> list[str]:
     connection = get()
     if connection is None:
         return []
-    before, connection.report = connection.report, connection.device.read()
+    before, connection.report, connection.read_at = connection.report, connection.device.read(), time.perf_counter()
     report = connection.report
     ended = report.link is not before.link and report.link in (Link.LOST, Link.REFUSED)
     if ended or (report.arming is not before.arming and report.arming is Arming.OFF and report.message):
@@ -169,14 +170,17 @@ def set_origin(scene: bpy.types.Scene) -> None:
 
 
 def _look() -> float | None:
-    """Keep the panel up to date; while nothing runs nobody else does."""
-    connection = get()
+    """Keep the panel up to date; while nothing runs, or what runs is paused, nobody else does."""
+    connection, now = get(), time.perf_counter()
     if connection is None:
         return None
-    if not sessions.sessions:
-        read()
-        connection.device.hold(time.perf_counter() < connection.held_until)
-        connection.device.write([])
+    if now - connection.read_at > LOOK_S:
+        said = read()
+        connection.device.hold(now < connection.held_until)
+        if sessions.sessions:
+            connection.news = " ".join(said)  # for when it goes on
+        else:
+            connection.device.write([])
     sessions.redraw()
     return LOOK_S
 

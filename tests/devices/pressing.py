@@ -29,6 +29,7 @@ BEGIN = 1.2  # [s] after the device's ramp begins, when the servo's is over too
 WAY = [[0.0, 0.0, 0.0, 0.01], [BEGIN, 0.0, 0.0, 0.01], [BEGIN + 0.15, 0.0, 0.0, -0.01]]
 PATIENCE = 30.0  # [s] on a busy machine
 AGAIN = 0.5  # [s] between two requests to arm
+LASTING = 0.7  # [s] the device's ramp takes 0.5 s
 PRESSED = 0.5  # [N] of the 1.7 N that a quiet machine presses: a slow one renders softer walls
 LETS_GO = 75  # [ticks] before the watchdog latches there must be no force: by 25 ms of 100 ms
 
@@ -81,12 +82,19 @@ def rig(folder: Path, *words: str) -> Rig:
     return made
 
 
-def drive(device: HapticMaster, until: Callable[[Report], bool], *, k: float = 300.0) -> Report:
-    """Play the simulation, 60 times a second, until something has happened; the wall is there once there is force."""
-    ends = time.perf_counter() + PATIENCE
+def drive(device: HapticMaster, until: Callable[[Report], bool], *, k: float = 300.0, arms: bool = False) -> Report:
+    """Play the simulation, 60 times a second, until something has happened; the wall is there once there is force.
+
+    arms: ask for force, again where a busy machine was disarmed for its gaps.
+    """
+    ends, asked = time.perf_counter() + PATIENCE, -math.inf
     while not until(report := device.read()):
-        assert time.perf_counter() < ends, report
-        contact = replace(wall(time.perf_counter(), k=k), friction=0.0)
+        now = time.perf_counter()
+        assert now < ends, report
+        if arms and report.arming is Arming.OFF and now - asked > AGAIN:
+            asked = now
+            device.arm()
+        contact = replace(wall(now, k=k), friction=0.0)
         device.write([contact if report.arming in (Arming.RAMP, Arming.ON) else None] * 3)
         time.sleep(1 / 60)
     return report
@@ -96,28 +104,25 @@ def ready(report: Report) -> bool:
     return report.link is not Link.OPENING and bool(report.states or report.link is not Link.READY)
 
 
-def pressed(report: Report) -> bool:
-    return len(report.tips) == 3 and min(length(tip.force) for tip in report.tips) > PRESSED
+def pressed() -> Callable[[Report], bool]:
+    """Return what tells whether the hand has pressed for as long as a device takes to ramp its force up, and more."""
+    since = math.inf
+
+    def there(report: Report) -> bool:
+        nonlocal since
+        now = time.perf_counter()
+        all_press = len(report.tips) == 3 and min(length(tip.force) for tip in report.tips) > PRESSED
+        since = min(since, now) if all_press and report.arming is Arming.ON else math.inf
+        return now - since > LASTING
+
+    return there
 
 
 def press(device: HapticMaster) -> Report:
     """Connect, arm and wait until the hand has pressed."""
     device.open()
-    return arm(device)
-
-
-def arm(device: HapticMaster) -> Report:
-    """Arm and wait until the hand has pressed; arm again where a busy machine was disarmed for its gaps."""
-    asked = -math.inf
-
-    def there(report: Report) -> bool:
-        nonlocal asked
-        if report.arming is Arming.OFF and time.perf_counter() - asked > AGAIN:
-            asked = time.perf_counter()
-            device.arm()
-        return pressed(report)
-
-    return drive(device, there)
+    drive(device, ready)
+    return drive(device, pressed(), arms=True)
 
 
 if __name__ == "__main__":  # what Blender is in the tests that kill it

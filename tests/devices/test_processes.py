@@ -23,7 +23,7 @@ from core.devices.process import python
 from core.devices.safety import Arming
 from core.devices.vectors import length
 from core.study import haptics
-from tests.devices.pressing import Rig, arm, drive, press, ready, rig
+from tests.devices.pressing import Rig, drive, press, pressed, ready, rig
 from tests.devices.test_firmware import BRAKE_NOISE, CONVERTERS
 from tools.environment import ROOT
 
@@ -57,8 +57,7 @@ def needs_a_new_arm(port: str) -> bool:
         begun = time.perf_counter()
         report = drive(device, lambda _: time.perf_counter() - begun > 0.3)
         unarmed = report.arming is Arming.OFF and not any(length(tip.force) for tip in report.tips)
-        device.arm()
-        drive(device, lambda report: report.arming in (Arming.WAITING, Arming.ASKED, Arming.RAMP), k=0.0)
+        drive(device, lambda report: report.arming is not Arming.OFF, k=0.0, arms=True)
         return unarmed
     finally:
         device.close()
@@ -117,7 +116,7 @@ def test_the_mailbox_is_removed_while_it_is_in_use(emulator: Rig) -> None:
     drive(device, ready)
     assert device._box
     device._box.path.unlink()
-    assert arm(device).link is Link.READY
+    assert drive(device, pressed(), arms=True).link is Link.READY
     device.close()
 
 

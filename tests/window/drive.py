@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
+import device
 import robot
 
 OUT = Path("/mnt/out")
@@ -160,6 +161,7 @@ def play() -> robot.Waits:
     check("Ctrl-Z leaves nothing on the mesh", traces() == before, extra(before))
     yield from save_and_load(at, rest, before)
     yield from calibrate(at)
+    yield from device.feel(BODY, (0.0, 0.0, 1.2), OUT, check)
     yield from show_panels()
     yield from play_on(rest)
 

@@ -1,0 +1,66 @@
+"""The window test's haptic device, inside Blender: an emulated one presses the ball and is lost; the ball plays on."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import bpy
+import robot
+
+FELT = 0.3  # [N]
+
+
+def haptic() -> ModuleType:
+    name = next(name for name in bpy.context.preferences.addons.keys() if name.endswith(".dimple"))
+    return importlib.import_module(f"{name}.operators.haptic")
+
+
+def open_panel() -> robot.Waits:
+    """Open the device's panel and scroll the sidebar to it."""
+    panel = bpy.types.DIMPLE_PT_device
+    bpy.utils.unregister_class(panel)
+    panel.bl_options, panel.bl_order = set(), -1
+    bpy.utils.register_class(panel)
+    yield from robot.redrawn()
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region("UI")):
+        bpy.ops.view2d.scroll_down(deltax=0, deltay=10_000)
+    yield from robot.redrawn()
+
+
+def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[..., None]) -> robot.Waits:
+    """Connect the device to try, let it press the playing body and feel it; kill its servo; stop."""
+    rest = robot.positions(body).copy()
+    device, settings = haptic(), bpy.context.scene.dimple
+    settings.device_port, settings.device_origin = device.EMULATED, top
+    yield from open_panel()
+    bpy.ops.dimple.connect_device()
+
+    def report() -> object:
+        return device.get().report
+
+    def strongest() -> float:
+        return max(sum(c * c for c in tip.force) ** 0.5 for tip in report().tips)
+
+    yield from robot.until(lambda: report().states > 10, "the device to try answers", 60)
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.play("INVOKE_DEFAULT")
+    bpy.ops.dimple.arm_device(hold_s=600.0)
+    yield from robot.until(lambda: strongest() > FELT, "a fingertip of the device feels the ball", 120)
+    check("a fingertip of the emulated device feels the playing ball", True, f"{strongest():.2f} N")
+    yield from robot.redrawn()
+    robot.screenshot(out / "12-device.png")
+    device.get().device.process.kill()
+    yield from robot.until(lambda: report().link.name == "LOST", "the loss of the device is seen", 60)
+    playing = bool(robot.modal_operators())
+    check(
+        "a killed servo is said, and the ball plays on", playing and "arm again" in report().message, report().message
+    )
+    yield from robot.redrawn()
+    robot.screenshot(out / "13-device-lost.png")
+    bpy.ops.dimple.connect_device()  # lets go of it
+    yield from robot.key("ESC", *robot.on_screen((0.0, 0.0, 0.0)))
+    yield from robot.until(lambda: not robot.modal_operators(), "ESC ends the play", 30)
+    check("without the device the ball is as it was, bit for bit", (robot.positions(body) == rest).all())
