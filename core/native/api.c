@@ -36,14 +36,13 @@ static void lock(void) {
 
 static void unlock(void) { atomic_flag_clear_explicit(&door, memory_order_release); }
 
-/* Find a body and keep others out of it; n is what the caller takes for its size, or -1. */
-static int32_t enter(dm_body handle, int64_t n, entry **found) {
+/* Find a body and keep others out of it. */
+static int32_t enter(dm_body handle, entry **found) {
     entry *e = entries + handle % MAX_BODIES;
     int32_t code = DM_OK;
     lock();
     if (!handle || e->handle != handle) code = DM_HANDLE;
     else if (e->busy) code = DM_BUSY;
-    else if (n != -1 && n != e->n) code = DM_SIZE;
     else e->busy = 1, *found = e;
     unlock();
     return code;
@@ -120,10 +119,13 @@ static int32_t indices(int64_t count, const int64_t *a, int64_t from, int64_t li
         int32_t code_ = (test);                      \
         if (code_ != DM_OK) return leave(e, code_);  \
     } while (0)
-#define ENTER(body, n)                               \
+#define ENTER(body)                                  \
     entry *e = NULL;                                 \
-    int32_t entered = enter(body, n, &e);            \
+    int32_t entered = enter(body, &e);               \
     if (entered != DM_OK) return entered
+#define ENTER_SIZED(body, n)                         \
+    ENTER(body);                                     \
+    CHECK((n) == e->n ? DM_OK : DM_SIZE)
 #define COUNT(n, array) ((n) < 0 || (n) > MAX_COUNT || ((n) > 0 && !(array)) ? DM_SIZE : DM_OK)
 
 int32_t dm_abi(void) { return DM_ABI; }
@@ -178,15 +180,17 @@ int32_t dm_create(dm_body *body, int32_t bits, int32_t set, int64_t n, const dou
 }
 
 int32_t dm_free(dm_body body) {
-    ENTER(body, -1);
+    ENTER(body);
     e->does->destroy(e->body);
-    e->handle = 0;
-    return leave(e, DM_OK);
+    lock();
+    *e = (entry){0}; /* from here on another body may have the place */
+    unlock();
+    return DM_OK;
 }
 
 int32_t dm_set_springs(dm_body body, int64_t m, const int64_t *pairs, const double *rest, const double *stiffness,
                        const double *damping, int64_t l, const int64_t *loose, const uint8_t *ends) {
-    ENTER(body, -1);
+    ENTER(body);
     CHECK(COUNT(m, pairs) | COUNT(m, rest) | COUNT(m, stiffness) | COUNT(m, damping));
     CHECK(COUNT(l, loose) | COUNT(l, ends));
     CHECK(indices(2 * m, pairs, 0, e->n) | indices(l, loose, 0, m));
@@ -196,7 +200,7 @@ int32_t dm_set_springs(dm_body body, int64_t m, const int64_t *pairs, const doub
 
 int32_t dm_set_bend(dm_body body, int64_t m, const int64_t *pairs, const double *rest, const double *stiffness,
                     const double *damping) {
-    ENTER(body, -1);
+    ENTER(body);
     CHECK(COUNT(m, pairs) | COUNT(m, rest) | COUNT(m, stiffness) | COUNT(m, damping));
     CHECK(indices(2 * m, pairs, 0, e->n));
     CHECK(numbers(m, rest, 1) | numbers(m, stiffness, 1) | numbers(m, damping, 1));
@@ -204,7 +208,7 @@ int32_t dm_set_bend(dm_body body, int64_t m, const int64_t *pairs, const double 
 }
 
 int32_t dm_set_faces(dm_body body, int64_t t, const int64_t *triangles) {
-    ENTER(body, -1);
+    ENTER(body);
     CHECK(COUNT(t, triangles));
     CHECK(indices(3 * t, triangles, 0, e->n));
     return leave(e, e->does->set_faces(e->body, t, triangles));
@@ -212,7 +216,7 @@ int32_t dm_set_faces(dm_body body, int64_t t, const int64_t *triangles) {
 
 int32_t dm_set_fill(dm_body body, int32_t fill, double rest_volume, int64_t c, const int64_t *corners, int64_t e_count,
                     const int64_t *cap_edges, const int64_t *cap_loop) {
-    ENTER(body, -1);
+    ENTER(body);
     CHECK(fill < DM_FILL_NONE || fill > DM_FILL_PAPER ? DM_OPTION : DM_OK);
     CHECK(COUNT(c, corners) | COUNT(e_count, cap_edges) | COUNT(e_count, cap_loop));
     CHECK(!isfinite(rest_volume) || (fill != DM_FILL_NONE && !(rest_volume > 0)) ? DM_NUMBER : DM_OK);
@@ -222,7 +226,7 @@ int32_t dm_set_fill(dm_body body, int32_t fill, double rest_volume, int64_t c, c
 }
 
 int32_t dm_set_matter(dm_body body, int64_t n, const double *mass, const double *inverse_mass, const double *friction) {
-    ENTER(body, n);
+    ENTER_SIZED(body, n);
     CHECK(COUNT(n, mass) | COUNT(n, inverse_mass) | COUNT(n, friction));
     CHECK(numbers(n, mass, 1) | numbers(n, inverse_mass, 1) | numbers(n, friction, 1));
     double total = 0;
@@ -233,14 +237,14 @@ int32_t dm_set_matter(dm_body body, int64_t n, const double *mass, const double 
 
 int32_t dm_set_memory(dm_body body, int64_t n, const double *k1, const double *k2, const double *d0,
                       const double *damping) {
-    ENTER(body, n);
+    ENTER_SIZED(body, n);
     CHECK(COUNT(n, k1) | COUNT(n, k2) | COUNT(n, d0) | COUNT(n, damping));
     CHECK(numbers(n, k1, 1) | numbers(n, k2, 1) | numbers(n, d0, 1) | numbers(n, damping, 1));
     return leave(e, e->does->set_memory(e->body, k1, k2, d0, damping));
 }
 
 int32_t dm_set_world(dm_body body, int32_t laws, double rest_area, const double *gravity, double ground) {
-    ENTER(body, -1);
+    ENTER(body);
     CHECK(laws < DM_LAWS_CONSISTENT || laws > DM_LAWS_PAPER ? DM_OPTION : DM_OK);
     CHECK(gravity ? numbers(3, gravity, 0) | numbers(1, &rest_area, 1) : DM_SIZE);
     CHECK(isnan(ground) || ground == INFINITY ? DM_NUMBER : DM_OK);
@@ -249,7 +253,7 @@ int32_t dm_set_world(dm_body body, int32_t laws, double rest_area, const double 
 
 int32_t dm_set_state(dm_body body, int64_t n, const double *positions, const double *velocities, const double *pose,
                      const double *pace) {
-    ENTER(body, n);
+    ENTER_SIZED(body, n);
     CHECK(COUNT(n, positions) | COUNT(n, velocities));
     CHECK(numbers(3 * n, positions, 0) | numbers(3 * n, velocities, 0) | (pose ? numbers(12, pose, 0) : DM_OK));
     CHECK(pace ? numbers(12, pace, 0) : DM_OK);
@@ -257,7 +261,7 @@ int32_t dm_set_state(dm_body body, int64_t n, const double *positions, const dou
 }
 
 int32_t dm_set_contact(dm_body body, double inner_force, int64_t count, const int64_t *vertices) {
-    ENTER(body, -1);
+    ENTER(body);
     CHECK(COUNT(count, vertices));
     CHECK(numbers(1, &inner_force, 0));
     CHECK(indices(count, vertices, 0, e->n));
@@ -266,7 +270,7 @@ int32_t dm_set_contact(dm_body body, double inner_force, int64_t count, const in
 
 int32_t dm_step(dm_body body, int64_t ticks, int64_t substeps, double tick, int64_t fingers, const double *centres,
                 const double *radii, double *impulses) {
-    ENTER(body, -1);
+    ENTER(body);
     CHECK(ticks < 0 || substeps < 1 || ticks > DM_MAX_STEPS || substeps > DM_MAX_STEPS / (ticks + 1) ? DM_SIZE : DM_OK);
     CHECK(fingers < 0 || fingers > DM_MAX_FINGERS || (fingers && !(centres && radii && impulses)) ? DM_SIZE : DM_OK);
     CHECK(isfinite(tick) && tick > 0 ? DM_OK : DM_NUMBER);
@@ -278,12 +282,12 @@ int32_t dm_step(dm_body body, int64_t ticks, int64_t substeps, double tick, int6
 }
 
 int32_t dm_read(dm_body body, int64_t n, double *positions, double *velocities, double *pressure) {
-    ENTER(body, n);
+    ENTER_SIZED(body, n);
     return leave(e, e->does->read(e->body, positions, velocities, pressure));
 }
 
 int32_t dm_read_contact(dm_body body, int64_t n, int64_t *vertices, int64_t *count) {
-    ENTER(body, n);
+    ENTER_SIZED(body, n);
     CHECK(vertices && count ? DM_OK : DM_SIZE);
     return leave(e, e->does->read_contact(e->body, vertices, count));
 }

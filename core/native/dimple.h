@@ -5,7 +5,8 @@
  * DM_OK, and no input makes them crash: handles are looked up, sizes and indices checked, numbers must be finite.
  * Order: dm_create, every dm_set_* once (again at will), then dm_set_state, dm_step, dm_read as often as wanted.
  * The same calls give the same bits: sums run in eight lanes, in a fixed order. In double precision they are the same
- * on every machine; in single precision they depend on its instruction set, for some fuse multiplication and addition.
+ * on every machine (but for air, whose power comes from its library); in single precision they depend on its
+ * instruction set, for some fuse multiplication and addition.
  */
 #ifndef DIMPLE_H
 #define DIMPLE_H

@@ -123,6 +123,30 @@ def test_a_running_session_shows_force_depth_pressure_and_volume_with_units(bpy:
     assert "Nothing is being pressed" in draw(bpy, bpy.types.DIMPLE_PT_readout, object=body)
 
 
+@pytest.mark.parametrize(("content", "word"), [(None, "no native core"), (b"not a library", "was refused")])
+def test_without_a_native_core_a_press_runs_on_numpy_and_the_panel_says_why(
+    bpy: ModuleType, body: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: bytes | None, word: str
+) -> None:
+    from bl_ext.user_default.dimple.core import native
+    from bl_ext.user_default.dimple.operators import sessions
+
+    library = tmp_path / native.LIBRARY
+    if content:
+        library.write_bytes(content)
+    monkeypatch.setattr(native, "_loaded", [])
+    monkeypatch.setattr(native, "places", lambda: [library])
+    native.why_not.cache_clear()
+    try:
+        entry, _ = sessions.start(body, bpy.context)
+        entry.session.step(0.002)
+        said = " ".join(draw(bpy, bpy.types.DIMPLE_PT_readout, object=body))
+    finally:
+        sessions.stop_all()
+        monkeypatch.undo()
+        native.why_not.cache_clear()
+    assert entry.session.backend == "numpy" and "Runs on numpy, slower" in said and word in said
+
+
 def test_a_calibration_shows_its_constants_with_errors_and_what_a_hand_can_tell(bpy: ModuleType, body: Any) -> None:
     panel = bpy.types.DIMPLE_PT_calibration
     assert "dimple.calibrate" in " ".join(draw(bpy, panel, object=body))

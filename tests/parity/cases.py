@@ -64,6 +64,14 @@ def three_walls() -> tuple[Floats, Any]:
     return points, np.array([(0, 1, 3), (1, 2, 3), (2, 0, 3), (0, 1, 2), (1, 0, 4), (2, 1, 4), (0, 2, 4)])
 
 
+def tangle(seed: int) -> tuple[Floats, Any]:
+    """Return triangles between random points: edges of many faces, points of none, faces twice and without area."""
+    rng = np.random.default_rng(seed)
+    points, faces = rng.normal(size=(24, 3)), rng.integers(0, 20, (40, 3))
+    points[faces[0, 2]] = points[faces[0, :2]].mean(axis=0)
+    return points, np.concatenate([faces, faces[:4], faces[4:8, ::-1], faces[8:10, [0, 1, 0]]])
+
+
 def with_loose() -> tuple[Floats, Any]:
     points, faces = ball(1)
     return np.concatenate([points, [[3.0, 3, 3]]]), faces
@@ -109,6 +117,10 @@ DEGENERATE = {
     "crumpled": Case(shape=crumpled, thrown=True),
     "two bodies": Case(shape=lambda: joined(ball(1), (ball(1)[0] + (3, 0, 0), ball(1)[1])), hold="free", thrown=True),
     "a loose vertex": Case(shape=with_loose, hold="free", options={"gravity": (0, 0, -9.81)}),
+    "one triangle": Case(shape=lambda: (np.eye(3), np.array([[0, 1, 2]])), hold="free", thrown=True),
+    "tangle 1": Case(shape=lambda: tangle(1), thrown=True, ticks=2),
+    "tangle 2": Case(shape=lambda: tangle(2), hold="free", thrown=True, fingers=3, ticks=2),
+    "tangle 3": Case(shape=lambda: tangle(3), options={"bend": 0.5, "gravity": (0, 0, -9.81)}, ticks=2),
     "everything held": Case(shape=lambda: ball(1), options={"held": "all"}),
 }
 SCANS = {

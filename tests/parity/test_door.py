@@ -3,6 +3,7 @@
 import ctypes
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 from core import native
 from core.integrators.path import FingerPath
 from core.native import NativeError
+from core.session import Session
 from tests.parity.cases import CASES, TICK, build
 
 HERE = Path(__file__).parent
@@ -52,7 +54,9 @@ def test_a_freed_body_is_refused_even_when_its_place_is_taken_again() -> None:
 def test_a_body_of_another_size_is_refused(body: native.Body) -> None:
     small = np.zeros((3, 5))
     assert refused("dm_set_state", body.handle, 5, small, small, None, None) == SIZE
-    assert refused("dm_read", body.handle, body.n + 1, small, small, None) == SIZE
+    for size in (-1, 0, body.n + 1):
+        assert refused("dm_read", body.handle, size, small, small, None) == SIZE
+        assert refused("dm_read_contact", body.handle, size, np.zeros(5, int), ctypes.byref(ctypes.c_int64())) == SIZE
     assert refused("dm_set_matter", body.handle, -1, small, small, small) == SIZE
     assert refused("dm_set_faces", body.handle, -3, None) == SIZE
     assert refused("dm_set_faces", body.handle, 3, None) == SIZE
@@ -134,19 +138,35 @@ def test_random_calls_never_end_the_process(seed: int) -> None:
     assert "calls" in done.stdout
 
 
-def test_a_broken_or_foreign_library_leaves_numpy_and_a_note(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    broken = tmp_path / native.LIBRARY
-    broken.write_bytes(b"not a library")
-    for place, word in ((broken, "refused"), (tmp_path / "nothing", "no native core")):
-        native.why_not.cache_clear()
-        monkeypatch.setattr(native, "_loaded", [])
-        monkeypatch.setattr(native, "places", lambda place=place: [place])
-        assert word in native.why_not() and "numpy" in native.why_not()
+@pytest.fixture
+def unloaded(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The library as it is before its first use."""
+    good = Path(native.library()._name)
+    monkeypatch.setattr(native, "_loaded", [])
+    monkeypatch.setattr(native, "places", lambda: [good])
+    native.why_not.cache_clear()
+    yield
     monkeypatch.undo()
     native.why_not.cache_clear()
 
 
-def test_another_version_of_the_library_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(native, "ABI", 999)
-    with pytest.raises(NativeError, match="version"):
-        native.load(Path(native.library()._name))
+@pytest.mark.usefixtures("unloaded")
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("places", lambda: [HERE / "nothing"], "has no native core for this machine"),
+        ("places", lambda: [Path(__file__)], "was refused"),  # no library at all
+        ("ABI", 999, f"was refused (it has version {native.ABI}, not 999)"),
+        ("AGREEMENT", 1e-12, "was refused (it differs from numpy by"),
+        ("LIBRARY", native.LIBRARY, ""),
+    ],
+    ids=["missing", "broken", "another version", "wrong at its first use", "whole"],
+)
+def test_a_library_that_is_no_good_leaves_numpy_and_a_reason(
+    monkeypatch: pytest.MonkeyPatch, name: str, value: Any, reason: str
+) -> None:
+    monkeypatch.setattr(native, name, value)
+    session = Session(build(CASES["liquid"])[0])
+    assert session.backend == ("numpy" if reason else "native")
+    assert reason in session.backend_note and ("Runs on numpy" in session.backend_note) == bool(reason)
+    assert np.isfinite(session.step(2e-3).positions).all()
