@@ -12,11 +12,9 @@ from . import overlay, shapes
 from .drawing import draw_notes
 from .readout import iface_
 
-LIVE = 0.6  # [s] a second: what Blender leaves to the simulation
 SIZE = (330.0, 220.0)  # [px] of the chart, at a resolution scale of 1
 ROOM = 0.06  # decades round the points
 STAND_INS, OTHER = (0.55, 0.75, 1.0, 0.9), (0.95, 0.45, 0.35, 1.0)
-LABELS = {"backward_euler": "backward Euler", "xpbd": "XPBD", "vertex_block_descent": "vertex block descent"}
 
 _handlers: list[object] = []
 
@@ -49,6 +47,7 @@ class DIMPLE_PT_methods(bpy.types.Panel):
         column.active = settings.moves == "AUTO"
         column.prop(settings, "tolerance_mm")
         column.prop(settings, "tolerance_percent")
+        column.prop(context.scene.dimple, "frame_budget_percent")
         if settings.plan_reason:
             draw_notes(context, layout, [settings.plan_reason])
         layout.operator(Op.COMPARE_METHODS, icon="SORTSIZE")
@@ -88,22 +87,33 @@ def load(settings: Any) -> list[dict[str, Any]]:
 def name_of(each: dict[str, Any]) -> str:
     """Return what a way is called beside its numbers."""
     if each["method"] != "semi_implicit":
-        return f"{LABELS.get(each['method'], each['method'])}, {each['vertices']}"
+        return f"{label_of(each)}, {each['vertices']}"
     return f"{each['vertices']}" if each["asked"] else f"{iface_('Mesh Itself')}, {each['vertices']}"
 
 
-def draw_chart(found: Sequence[dict[str, Any]], settings: Any, corner: shapes.Point, scale: float, region: Any) -> None:
-    """Draw error against cost, both in decades, from a corner [px]; the mesh itself has no error: it is a line."""
+def label_of(each: dict[str, Any]) -> str:
+    """Return what a method is called."""
+    return each.get("label", each["method"])
+
+
+def draw_chart(
+    found: Sequence[dict[str, Any]], limits: shapes.Point, corner: shapes.Point, scale: float, region: Any
+) -> None:
+    """Draw error against cost, both in decades, from a corner [px]; the mesh itself has no error: it is a line.
+
+    Args:
+        limits: the cost that is live [s of a second], the error that is near enough [mm].
+    """
     size = (SIZE[0] * scale, SIZE[1] * scale)
     (left, bottom), (right, top) = corner, (corner[0] + size[0], corner[1] + size[1])
     room = overlay.MARGIN * scale
     overlay.draw_filled((left - room, bottom - 2 * room), (right + 2 * room, top + room), overlay.BACK)
     overlay.draw_lines([((left, top), (left, bottom)), ((left, bottom), (right, bottom))], overlay.FAINT, region)
-    live, near = place(found, settings, LIVE, settings.tolerance_mm, corner, size)
+    live, near = place(found, limits, *limits, corner, size)
     overlay.draw_lines([((live, bottom), (live, top)), ((left, near), (right, near))], overlay.FAINT, region)
     overlay.write(iface_("Live"), (live - 30 * scale, bottom + 4 * scale), scale)
-    overlay.write(f"{settings.tolerance_mm:g} mm", (left + 4 * scale, near + 4 * scale), scale)
-    spots = list(zip(found, places(found, settings, corner, size), strict=True))
+    overlay.write(f"{limits[1]:g} mm", (left + 4 * scale, near + 4 * scale), scale)
+    spots = list(zip(found, places(found, limits, corner, size), strict=True))
     ours = sorted(at for each, at in spots if each["method"] == "semi_implicit" and each["error"] > 0)
     overlay.draw_lines(shapes.chained(ours), STAND_INS, region)
     for each, (x, y) in spots:
@@ -111,28 +121,33 @@ def draw_chart(found: Sequence[dict[str, Any]], settings: Any, corner: shapes.Po
             overlay.draw_lines([((x, bottom), (x, top))], overlay.FORCE, region)
             overlay.write(iface_("Mesh Itself"), (x + 4 * scale, top - 14 * scale), scale)
             continue
-        label, colour = LABELS.get(each["method"]), OTHER
+        label, colour = label_of(each), OTHER
         if each["method"] == "semi_implicit":
             label, colour = f"{each['vertices']}", STAND_INS
         overlay.draw_lines(shapes.circle((x, y), (4 * scale, 0.0), (0.0, 4 * scale)), colour, region)
-        overlay.write(label or each["method"], (x + 6 * scale, y + 4 * scale), scale)
+        overlay.write(label, (x + 6 * scale, y + 4 * scale), scale)
     told = iface_("Error (mm) against cost (s of computing a second)")
     overlay.write(told, (left, bottom - 20 * scale), scale)
 
 
 def places(
-    found: Sequence[dict[str, Any]], settings: Any, corner: shapes.Point, size: shapes.Point
+    found: Sequence[dict[str, Any]], limits: shapes.Point, corner: shapes.Point, size: shapes.Point
 ) -> list[shapes.Point]:
     """Return where each way lies in a box on the screen: cost to the right, error up, in decades."""
-    return [place(found, settings, each["cost"], each["error"], corner, size) for each in found]
+    return [place(found, limits, each["cost"], each["error"], corner, size) for each in found]
 
 
 def place(
-    found: Sequence[dict[str, Any]], settings: Any, cost: float, error: float, corner: shapes.Point, size: shapes.Point
+    found: Sequence[dict[str, Any]],
+    limits: shapes.Point,
+    cost: float,
+    error: float,
+    corner: shapes.Point,
+    size: shapes.Point,
 ) -> shapes.Point:
     """Return where a cost and an error lie in a box on the screen that holds everything found, live and tolerance."""
-    costs = decades([LIVE, *(each["cost"] for each in found)])
-    errors = decades([settings.tolerance_mm, *(each["error"] for each in found if each["error"] > 0)])
+    costs = decades([limits[0], *(each["cost"] for each in found)])
+    errors = decades([limits[1], *(each["error"] for each in found if each["error"] > 0)])
     return tuple(
         start + extent * (math.log10(max(value, 1e-9)) - low) / (high - low)
         for value, (low, high), start, extent in zip((cost, error), (costs, errors), corner, size, strict=True)
@@ -155,7 +170,8 @@ def draw_over() -> None:
     left, bottom = overlay.free_corner(context.area, scale)
     # at the top, clear of the numbers of a session
     top = region.height - (SIZE[1] + 110.0) * scale
-    draw_chart(load(body.dimple), body.dimple, (left + overlay.MARGIN * scale, max(bottom, top)), scale, region)
+    limits = (context.scene.dimple.frame_budget_percent / 100, body.dimple.tolerance_mm)
+    draw_chart(load(body.dimple), limits, (left + overlay.MARGIN * scale, max(bottom, top)), scale, region)
 
 
 _register_panel, _unregister_panel = bpy.utils.register_classes_factory([DIMPLE_PT_methods])

@@ -222,6 +222,11 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     poke_along: EnumProperty(
         name="Poke Along", description="Which way the fingertip goes in", items=_POKE_ALONG, **FIXED
     )
+    frame_budget_percent: FloatProperty(
+        name="Simulation Share (%)",
+        description="How much of every second the simulation of all bodies may take; the rest is Blender's, to draw",
+        default=60.0, min=5.0, max=95.0, step=500, precision=0, **FIXED,
+    )  # fmt: skip
     use_gravity: BoolProperty(name="Gravity", description="Let the body feel the gravity of the scene", **FIXED)
     use_ground: BoolProperty(
         name="Ground", description="A floor at height 0 of the scene that nothing falls through", **FIXED

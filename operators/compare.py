@@ -14,8 +14,7 @@ SIZES = 7  # stand-ins that are tried
 LARGEST = 4000  # vertices of the largest one
 FEWEST = 100  # vertices of the smallest one
 PRESSES = 2
-OTHERS = ("backward_euler", "xpbd", "vertex_block_descent")  # methods that are stable at long steps
-ON = 300  # vertices they are tried on: they run on numpy
+ON = 300  # vertices that the other methods are tried on: they run on numpy
 
 
 class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
@@ -114,21 +113,28 @@ class DIMPLE_OT_apply_method(bpy.types.Operator):
 
 
 def ways(vertices: int):
-    """Return what is tried on a mesh of so many vertices: stand-ins, and other methods on a small one."""
+    """Return what is tried on a mesh of so many vertices: stand-ins, and other methods on a small one.
+
+    A method that is on no front of the study is not tried.
+    """
+    from ..core.integrators.methods import offered
     from ..core.trial import Way
 
-    most = min(vertices // 2, LARGEST)
+    most, others = min(vertices // 2, LARGEST), [name for name in offered() if name != Way().method]
     if most < FEWEST:
-        return [Way(method=name) for name in OTHERS]
+        return [Way(method=name) for name in others]
     growth = (most / FEWEST) ** (1 / (SIZES - 1))
     sizes = sorted({round(FEWEST * growth**k) for k in range(SIZES)})
-    return [*(Way(vertices=size) for size in sizes), *(Way(method=name, vertices=min(ON, most)) for name in OTHERS)]
+    return [*(Way(vertices=size) for size in sizes), *(Way(method=name, vertices=min(ON, most)) for name in others)]
 
 
 def told(found) -> dict:
     """Return an outcome for the chart: cost [s] a second, error [mm], force error as a share."""
+    from ..core.integrators.methods import METHODS
+
     return {
-        "method": found.way.method, "asked": found.way.vertices, "vertices": found.vertices, "steps": found.steps,
+        "method": found.way.method, "label": METHODS[found.way.method].label, "asked": found.way.vertices,
+        "vertices": found.vertices, "steps": found.steps,
         "cost": found.cost, "error": 1e3 * found.error, "force_error": found.force_error,
     }  # fmt: skip
 

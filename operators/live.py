@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 LONGEST_S = 0.1  # after a hiccup of Blender, time is lost rather than jumped over
 SHORTEST_S = 0.002
-SHARE = 0.6  # of the time between two events for the sessions; the rest is Blender's, to draw
 
 
 def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
@@ -143,13 +142,13 @@ def merged(fingers: Sequence[Finger | None], pressed: Sequence[Target | None]) -
     return tuple(Finger(*target) if target else finger for target, finger in zip(slots, fingers, strict=True))
 
 
-def ask(run: Run, wall: float) -> tuple[float, float]:
+def ask(scene: bpy.types.Scene, run: Run, wall: float) -> tuple[float, float]:
     """Return the simulated time [s] to ask for after a wall time, and the budget for it [s].
 
     Where the computer cannot keep up time runs slower, so fingertips are moved by what will really be simulated.
     """
     wall = min(wall, LONGEST_S)
-    return min(wall, run.pace), max(SHARE * wall, SHORTEST_S)
+    return min(wall, run.pace), max(scene.dimple.frame_budget_percent / 100 * wall, SHORTEST_S)
 
 
 def adapt(run: Run, asked: float) -> None:

@@ -39,18 +39,27 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
 
 def choose(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Plan:
     """Return how an object is to be simulated."""
-    wanted, radius = obj.dimple.to_plan(), scene.dimple.finger_radius_mm / 1e3
+    wanted, radius, budget = obj.dimple.to_plan(), scene.dimple.finger_radius_mm / 1e3, budget_of(scene, obj)
     if wanted["moves"] == "mesh":
-        return mesh_itself(model)
+        return mesh_itself(model, budget=budget)
     if wanted["moves"] == "stand_in":
-        return stand_in(model, wanted["vertices"], radius=radius)
-    return plan(model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius)
+        return stand_in(model, wanted["vertices"], radius=radius, budget=budget)
+    return plan(
+        model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius, budget=budget
+    )
+
+
+def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
+    """Return an object's part of the time that the simulation may take [s of a second]: bodies share it evenly."""
+    others = sum(each != obj and each.type == "MESH" and each.dimple.enabled for each in scene.objects)
+    return scene.dimple.frame_budget_percent / 100 / (1 + others)
 
 
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
-    """Return what a choice hangs on: the body with its materials, the tolerances, the fingertip."""
+    """Return what a choice hangs on: the body with its materials, the tolerances, the fingertip, the budget."""
     law, number = model.memory, 0
     for array in (law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, model.springs.stiffness):
         number = zlib.crc32(array.tobytes(), number)
-    words = (model.law_set, model.pressure.fill, scene.dimple.finger_radius_mm, *obj.dimple.to_plan().values())
+    around = (scene.dimple.finger_radius_mm, budget_of(scene, obj))
+    words = (model.law_set, model.pressure.fill, *around, *obj.dimple.to_plan().values())
     return f"{zlib.crc32(repr(words).encode(), number):08x}"

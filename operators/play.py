@@ -92,7 +92,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         wall, self._clock = now - self._clock, now
         if self._run.paused:
             return {"PASS_THROUGH"}
-        asked, budget = live.ask(self._run, wall)
+        asked, budget = live.ask(context.scene, self._run, wall)
         for sentence in live.advance(context, asked, budget=budget):
             self.report({"WARNING"}, sentence)
         live.adapt(self._run, asked)

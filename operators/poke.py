@@ -137,7 +137,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
-        asked, self._budget = live.ask(self._run, wall)
+        asked, self._budget = live.ask(context.scene, self._run, wall)
         if self._run.paused != self._state.paused:  # the sidebar's button
             self._take(context, PokeEvent(kind=Kind.PAUSE))
         result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))

@@ -26,6 +26,10 @@ WORDS = {
     ),
     "Force Within (%)": "力の許容差 (%)",
     "How much the force may differ from that of the mesh itself": "力がメッシュそのものの場合とどれだけ違ってよいか",
+    "Simulation Share (%)": "計算の割合 (%)",
+    "How much of every second the simulation of all bodies may take; the rest is Blender's, to draw": (
+        "すべての物体の計算が 1 秒のうちどれだけ使ってよいか。残りは Blender の描画に使います"
+    ),
     "Plan Key": "計画の鍵",
     "What the choice hangs on: when it changes, a new one is made": "選択の前提。変わると選び直します",
     "Planned Vertices": "計画の頂点数",

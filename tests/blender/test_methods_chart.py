@@ -33,7 +33,7 @@ def test_the_chart_leaves_the_colours_of_stand_ins_methods_and_the_mesh(bpy: Mod
         pytest.skip("this Blender cannot draw without a window; 5.2 can")
     gpu.init()
     found = methods.load(body.dimple)
-    picture = on_screen(lambda region: methods.draw_chart(found, body.dimple, (60.0, 60.0), 1.0, region))
+    picture = on_screen(lambda region: methods.draw_chart(found, (0.6, 0.5), (60.0, 60.0), 1.0, region))
     for colour in (methods.STAND_INS, methods.OTHER, overlay.FORCE, overlay.TEXT):
         assert (abs(picture[:, :, :3] / 255.0 - colour[:3]).max(axis=2) < 0.12).sum() > 20, colour
 
@@ -43,7 +43,7 @@ def test_dearer_lies_farther_right_and_worse_higher(bpy: ModuleType, body: Any) 
 
     low, high = methods.decades([0.012, 1.0])
     assert low < -1.92 and high > 0
-    places = methods.places(methods.load(body.dimple), body.dimple, (0.0, 0.0), (100.0, 100.0))
+    places = methods.places(methods.load(body.dimple), (0.6, 0.5), (0.0, 0.0), (100.0, 100.0))
     stand_ins = places[1:4]
     assert [x for x, _ in stand_ins] == sorted(x for x, _ in stand_ins)
     assert [y for _, y in stand_ins] == sorted((y for _, y in stand_ins), reverse=True)

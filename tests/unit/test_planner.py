@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from core import planner
-from core.base import TICK, DimpleError, Floats
+from core.base import TICK, DimpleError
 from core.material import PRESETS, ModelConstants
-from core.mesh import base_vertices, mesh_from_triangles
+from core.mesh import base_vertices
 from core.model import Model, build_model
 from core.planner import Plan, plan
 from core.session import Finger, Session
@@ -18,13 +18,6 @@ from core.trial import Way, choose_presses, compare
 
 NYLON = PRESETS[0]
 EVER_LIVE, NEVER_LIVE = 1e9, 0.0  # [s] a second
-
-
-def torus() -> tuple[Floats, Floats]:
-    import trimesh
-
-    made = trimesh.creation.torus(0.06, 0.025, major_sections=70, minor_sections=36)
-    return made.vertices, made.faces
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +61,7 @@ def test_tighter_tolerances_take_more_vertices(round_model: Model) -> None:
 
 def test_where_no_stand_in_is_near_enough_the_mesh_itself_moves_slowly(round_model: Model) -> None:
     chosen = plan(round_model, budget=NEVER_LIVE, tolerance=1e-6, allowance=0.0)
-    assert chosen.proxy is None and "would need" in chosen.reason
+    assert chosen.proxy is None and "no stand-in of up to 1,281 is within" in chosen.reason
     paper = build_model(round_model.mesh, [BALL], law_set="paper")
     assert "the paper's equations" in plan(paper, budget=NEVER_LIVE).reason
 
@@ -79,35 +72,6 @@ def test_a_choice_by_hand_is_taken(round_model: Model) -> None:
     assert chosen.asked == 500 and chosen.vertices == 500 and "As chosen" in chosen.reason
     with pytest.raises(DimpleError, match="from 60"):
         planner.stand_in(round_model, 2000, radius=0.02)
-
-
-def test_the_choice_is_near_the_best_of_a_ladder() -> None:
-    """On bodies it was not fitted on, judged by presses it did not see: within the tolerances or by a third over, for
-    at most 1.5 times the work (vertices x steps) of the best rung that meets them, and nowhere for twice as much.
-
-    A rung meets them when the finer ones do too: the error of the force changes sign, so that a coarse one may be
-    right by luck.
-    """
-    ratios = []
-    for mesh, material, radius in (
-        (mesh_from_triangles(*torus()), PRESETS[1].material, 0.015),
-        (cube(20, 0.12), PRESETS[2].material, 0.03),
-        (ball(4, 0.06), PRESETS[1].material, 0.02),
-    ):
-        model = build_model(mesh, [material], held=base_vertices(mesh))
-        near = {"tolerance": 0.06 * radius, "force_tolerance": 0.25}
-        chosen = plan(model, **near, radius=radius, budget=NEVER_LIVE, allowance=np.inf)
-        sizes = [round(100 * 2 ** (k / 2)) for k in range(8)]
-        ways = [Way(vertices=n) for n in [*(n for n in sizes if n < len(model.mass) / 2), chosen.asked]]
-        _, *rungs, ours = [o for _, o in compare(model, choose_presses(model, radius, 3, seed=7), ways) if o]
-        best = rungs[-1]
-        for rung in reversed(rungs):
-            if rung.error > near["tolerance"] or rung.force_error > near["force_tolerance"]:
-                break
-            best = rung
-        assert ours.error <= 4 / 3 * near["tolerance"] and ours.force_error <= 4 / 3 * near["force_tolerance"]
-        ratios.append(work(chosen) / (best.vertices * best.steps))
-    assert np.median(ratios) <= 1.5 and max(ratios) <= 2
 
 
 def test_stiff_nylon_runs_for_a_fraction_of_its_work(nylon: Model) -> None:

@@ -166,7 +166,7 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
     for module in (poke, play):
         monkeypatch.setattr(module, "time", clock)
     # however slow this computer is, it keeps up
-    monkeypatch.setattr(live, "ask", lambda _run, wall: (wall, None))
+    monkeypatch.setattr(live, "ask", lambda _scene, _run, wall: (wall, None))
 
     def take(name: str) -> Hand:
         operators = {

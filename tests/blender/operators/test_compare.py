@@ -115,10 +115,10 @@ def test_a_comparison_charts_this_very_object_and_one_way_can_be_taken(
     bpy: ModuleType, ball: Any, add: Callable, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import bmesh
+    from bl_ext.user_default.dimple.core.integrators.methods import offered
     from bl_ext.user_default.dimple.operators import compare
 
     monkeypatch.setattr(compare, "SIZES", 3)
-    monkeypatch.setattr(compare, "OTHERS", ("backward_euler",))
     monkeypatch.setattr(compare, "ON", 100)
     obj = add([], [], "Ball")
     made = bmesh.new()
@@ -130,7 +130,8 @@ def test_a_comparison_charts_this_very_object_and_one_way_can_be_taken(
     found = json.loads(obj.dimple.comparison)
     assert [each["asked"] for each in found if each["method"] == "semi_implicit"] == [0, 100, 179, 321]
     assert found[0]["error"] == 0 and all(0 < each["error"] < 10 for each in found[1:])
-    assert {each["method"] for each in found} == {"semi_implicit", "backward_euler"}
+    assert {each["method"] for each in found} <= set(offered()), "what is on no front is not offered"
+    assert len({each["method"] for each in found}) > 1 and all(each["label"] for each in found)
     assert bpy.ops.dimple.apply_method(vertices=179) == {"FINISHED"}
     assert (obj.dimple.moves, obj.dimple.stand_in_vertices) == ("STAND_IN", 179)
     assert len(start(bpy, obj)[0].session.proxy.seeds) == 179
@@ -157,3 +158,22 @@ def test_paper_laws_are_not_compared_and_the_reason_is_told(bpy: ModuleType, bal
     ball().dimple.law_set = "PAPER"
     with pytest.raises(RuntimeError, match="paper's equations"):
         bpy.ops.dimple.compare_methods()
+
+
+def test_the_budget_is_shared_by_the_bodies_of_a_scene_and_a_new_one_plans_again(
+    bpy: ModuleType, fine: Any, heavy: None, ball: Any
+) -> None:
+    from bl_ext.user_default.dimple.operators import planning
+
+    scene = bpy.context.scene
+    assert planning.budget_of(scene, fine) == pytest.approx(0.6)
+    start(bpy, fine)
+    stop()
+    first = fine.dimple.plan_key
+    ball().dimple.enabled = True
+    assert planning.budget_of(scene, fine) == pytest.approx(0.3)
+    start(bpy, fine)
+    stop()
+    assert fine.dimple.plan_key != first
+    scene.dimple.frame_budget_percent = 90.0
+    assert planning.budget_of(scene, fine) == pytest.approx(0.45)

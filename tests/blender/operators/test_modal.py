@@ -279,7 +279,7 @@ def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
     from bl_ext.user_default.dimple.operators import live, sessions
 
     run = sessions.Run(kind="play", timer=None)
-    asked, budget = live.ask(run, 5.0)
+    asked, budget = live.ask(bpy.context.scene, run, 5.0)
     assert asked == run.pace and budget < 0.1
     body = SimpleNamespace(frame=SimpleNamespace(steps=1), session=SimpleNamespace(tick=1e-3))
     monkeypatch.setattr(sessions, "sessions", {1: body})
