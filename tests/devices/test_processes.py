@@ -18,7 +18,7 @@ import pytest
 from core.base import DimpleError
 from core.devices import process as processes
 from core.devices.device import Emulated, HapticMaster, Pointer
-from core.devices.letters import Link
+from core.devices.letters import Link, Report
 from core.devices.process import python
 from core.devices.safety import Arming
 from core.devices.vectors import length
@@ -172,6 +172,43 @@ def test_a_wrong_baud_rate_is_said(tmp_path: Path) -> None:
     assert "baud" in drive(device, ready).message
     device.close()
     made.stop()
+
+
+@pytest.mark.parametrize("says", [b"", b"\x55" * 4096, bytes(range(256)) * 16], ids=["nothing", "no end", "noise"])
+def test_a_port_with_something_else_behind_it_is_said_within_a_second(says: bytes) -> None:
+    """One that nobody reads from, one that never ends a frame, one that talks nonsense; the servo ends each time."""
+    master, slave = os.openpty()
+    os.set_blocking(master, False)
+    device = HapticMaster(os.ttyname(slave))
+    device.open()
+    assert device.process
+    pid = device.process.pid
+
+    def answered(report: Report) -> bool:
+        with contextlib.suppress(BlockingIOError):
+            os.write(master, says)
+        return report.link is not Link.OPENING
+
+    report = drive(device, answered)
+    assert report.link is Link.REFUSED and "Nothing answers within 1 s" in report.message
+    assert gone(pid)
+    device.close()
+    os.close(master)
+    os.close(slave)
+
+
+def test_a_baud_rate_or_a_device_file_that_does_not_fit_is_said(tmp_path: Path) -> None:
+    (tmp_path / "device.toml").write_text("name = 3")
+    slow, other = HapticMaster("/dev/null", baud=9600), HapticMaster("/dev/null", spec_path=tmp_path / "device.toml")
+    for device, said in (
+        (slow, "9600 baud cannot carry"),
+        (other, "name must be text"),
+        (HapticMaster("/"), "/ is not"),
+    ):
+        device.open()
+        report = drive(device, ready)
+        assert report.link is Link.REFUSED and said in report.message
+        device.close()
 
 
 def test_a_port_that_is_not_there_is_said(tmp_path: Path) -> None:
