@@ -76,7 +76,13 @@ def _hand(told: dict[str, Any]) -> tuple[str, str]:
 
 def _with_error(told: dict[str, Any], name: str) -> str:
     low, high = told[f"{name}_interval"]
-    return f"{told[name]:.4g} ± {(high - low) / 2:.2g}"
+    return _plus_minus(told[name], (high - low) / 2)
+
+
+def _plus_minus(value: float, half_width: float) -> str:
+    from ..core.calibration.fit import plus_minus  # with numpy: not before there is something to show
+
+    return plus_minus(value, half_width)
 
 
 def _surface(told: dict[str, Any]) -> list[tuple[str, str]]:
@@ -86,6 +92,6 @@ def _surface(told: dict[str, Any]) -> list[tuple[str, str]]:
     if paper["value"] is not None:
         lines.append((iface_("k, Eqs. 9, 10"), f"{paper['value']:.4g} N/mm"))
     if balance["value"] is not None:
-        lines.append((iface_("k, Force Balance"), f"{balance['value']:.4g} ± {1.96 * balance['se']:.2g} N/mm"))
+        lines.append((iface_("k, Force Balance"), f"{_plus_minus(balance['value'], 1.96 * balance['se'])} N/mm"))
         lines.append((iface_("Tension"), f"{balance['pretension']:.3g} N"))
     return lines

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..base import DimpleError
 from ..material import Material
+from .contact import settle
 from .fit import Fit, fit_law
 from .prepare import Press, prepare
 from .question import Answers
@@ -59,7 +60,10 @@ def calibrate(
         raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * tip_radius:g}).")
     measurement = read_measurement(path, answers)
     press = prepare(measurement, answers)
-    fit = fit_law(press.depth, press.force, contact_known=press.contact_known)
+    if answers and answers.contact_mm is not None:
+        fit, doubt = fit_law(press.depth, press.force, free=press.free), ""
+    else:
+        fit, doubt = settle(press.depth, press.force, press.free, press.touch)
     surface = None
     if length is not None:
         surface = surface_constants(
@@ -68,7 +72,7 @@ def calibrate(
     return Calibration(
         measurement=measurement, press=press, fit=fit, length=length, tip_radius=tip_radius, surface=surface,
         notes=measurement.notes + press.notes,
-        warnings=measurement.warnings + press.warnings + _doubts(fit, press, length),
+        warnings=(*measurement.warnings, *press.warnings, *filter(None, [doubt]), *_doubts(fit, press, length)),
     )  # fmt: skip
 
 
@@ -91,9 +95,8 @@ def fitted_material(calibration: Calibration, template: Material) -> Material:
 def provenance(calibration: Calibration) -> str:
     """Return a line that says where constants come from: file, fit and uncertainty."""
     fit = calibration.fit
-    K1, K2 = (f"{c.value / 1e3:.4g} ± {c.half_width / 1e3:.2g} N/mm" for c in (fit.K1, fit.K2))
-    knee = f"K1 {K1}, K2 {K2}, x0 {1e3 * fit.x0.value:.4g} ± {1e3 * fit.x0.half_width:.2g} mm"
-    law = knee if fit.model == "two" else f"one slope {K1}"
+    knee = f"K1 {fit.K1.text(1e3)} N/mm, K2 {fit.K2.text(1e3)} N/mm, x0 {fit.x0.text(1e-3)} mm"
+    law = knee if fit.model == "two" else f"one slope {fit.K1.text(1e3)} N/mm"
     return (
         f"{calibration.measurement.source}: {law} (95 %), {fit.rows} rows, "
         f"residual {100 * fit.misfit:.1f} % of {fit.full_scale:.3g} N"
@@ -123,9 +126,13 @@ def _doubts(fit: Fit, press: Press, length: float | None) -> tuple[str, ...]:
         )
     if fit.widened > _WIDENED:
         found.append(
-            f"Neighbouring residuals agree with each other (r = {fit.correlation:.2f}), so the 95 % intervals are "
+            f"Neighbouring residuals agree with each other (r = {fit.correlation:.2f}): the curve bends where the law "
+            f"is straight, by {100 * fit.misfit_before:.0f} % of the force before the knee. The 95 % intervals are "
             f"{fit.widened:.1f} times wider than independent rows would give."
         )
+    unknown = [name for name in ("K1", "K2", "x0") if (c := getattr(fit, name)).half_width >= abs(c.value)]
+    if unknown:
+        found.append(f"The curve does not tell {', '.join(unknown)}: 0 lies within the 95 % interval.")
     if not _DEPTHS[0] < deepest < _DEPTHS[1] or not _FORCES[0] < fit.full_scale < _FORCES[1]:
         found.append(f"{1e3 * deepest:.3g} mm and {fit.full_scale:.3g} N are unlikely for a press: check the units.")
     if length is not None and deepest > length:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..base import Floats
+from .fit import Fit, Free, fit_law, independent_rows
+from .question import Candidate, Question, Undecided
 from .segments import two_pieces
 from .strokes import roughness
 
@@ -17,18 +20,21 @@ _ROWS = 6
 _HOLDS = 2.0  # times the noise: residuals of a law that holds
 _HARMLESS = 0.02  # of the range of depth: touches that differ by less
 _CLEARLY = 0.8  # a hinge with this share of a parabola's residuals, or the reverse, is clear
-_DECISIVE = 12.0  # twice the gain in log likelihood that settles the rest
+_DECISIVE = 12.0  # twice the gain in log likelihood that settles which touch it was
+_LIKELY = 4.0  # and that makes another one as likely
+_TELLS = 0.05  # of a constant: what a hand could tell
+_STARTS = np.geomspace(0.01, 0.7, 20)  # of the range of depth: where a touch may hide
+_ENOUGH = 1000  # rows to compare touches by
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touch:
-    """Hold the depth [m] of the first touch, the force there [N], whether rows came before; a note and a doubt."""
+    """Hold the depth [m] of the first touch, the force there [N], which of them are estimates (fit_law), and a note."""
 
     depth: float
     tare: float
-    seen: bool
+    free: Free
     note: str
-    doubt: str = ""
 
 
 def find_touch(depth: Floats, force: Floats) -> Touch:
@@ -36,7 +42,6 @@ def find_touch(depth: Floats, force: Floats) -> Touch:
     noise = roughness(force)
     rest = float(np.median(force[: max(3, min(20, len(force) // 50))]))
     span = float(force.max() - rest)
-    first = _already_touching(depth, force, rest, noise)
     for share in _SHARES:
         level = rest + max(2 * _CLEAR * noise, share * span)
         end = max(_sustained(force > level), _sustained(force > rest + _CLEAR * noise) + _ROWS)
@@ -45,47 +50,136 @@ def find_touch(depth: Floats, force: Floats) -> Touch:
         if pieces is None or not _is_hinge(x, pieces.join, noise, pieces.slope2):
             continue
         before = x < pieces.join
-        bent = _bent_residual(x, f)
-        if pieces.residual * _CLEARLY > bent or not _is_level(x[before], f[before], noise):
-            continue
-        seen = Touch(
-            depth=pieces.join, tare=pieces.offset, seen=True,
-            note=f"First touch at {1e3 * pieces.join:.3f} mm of the file; {pieces.offset:+.4g} N before it is no load.",
-        )  # fmt: skip
-        if pieces.residual < _CLEARLY * bent:
-            return seen
-        misfit = {touch: _misfit(depth, force, touch) for touch in (seen, first)}
-        best, other = sorted((seen, first), key=misfit.__getitem__)
-        settled = len(depth) * np.log(max(misfit[other], 1e-300) / max(misfit[best], 1e-300)) > _DECISIVE
-        if misfit[best] > len(depth) * (_HOLDS * noise) ** 2:  # the law does not hold: it cannot tell them apart
-            best, other, settled = first, seen, False
-        if settled or abs(best.depth - other.depth) < _HARMLESS * np.ptp(depth):
-            return best
-        doubt = (
-            f"The noise hides the first touch: it was taken at {1e3 * best.depth:.3g} mm, but "
-            f"{1e3 * other.depth:.3g} mm is possible. If you know it, give it with --contact-mm."
-        )
-        return replace(best, doubt=doubt)
-    return first
+        if pieces.residual < _CLEARLY * _bent_residual(x, f) and _is_level(x[before], f[before], noise):
+            note = (
+                f"First touch at {1e3 * pieces.join:.3f} mm of the file; {pieces.offset:+.4g} N before it is no load."
+            )
+            return Touch(depth=pieces.join, tare=pieces.offset, free=("contact", "tare"), note=note)
+    return _already_touching(depth, force, rest, noise)
 
 
-def _misfit(depth: Floats, force: Floats, touch: Touch) -> float:
-    """Return the sum of squared residuals of the two-piece law from a touch on."""
-    x, f = depth - touch.depth, force - touch.tare
-    pieces = two_pieces(x[x > 0], f[x > 0], left="origin")
-    return float((f[x <= 0] ** 2).sum()) + (pieces.residual if pieces else np.inf)
+def settle(depth: Floats, force: Floats, free: Free, touch: float) -> tuple[Fit, str]:
+    """Fit the law with the touch as it was found, or as the whole curve would rather have it.
+
+    Where the noise hides the touch, or the file begins with a force on the cell, several readings answer the curve as
+    well: then what they change is told, or asked where no reading is more likely than another.
+
+    Args:
+        depth: (n,) [m] from the touch that was found.  force: (n,) [N].  free: see fit_law.
+        touch: [m] depth 0 in the file's own depth, for the words.
+
+    Returns:
+        the fit, its contact from depth 0, and a doubt or "".
+
+    Raises:
+        Undecided: whether the press began before the file, or the load cell was not tared.
+    """
+    found = fit_law(depth, force, free=free)
+    if len(free) == 2:
+        return found, _drift(found, depth, force)
+    step = -(-len(depth) // _ENOUGH)
+    x, f = depth[::step], force[::step]
+    first, span = float(x[0]), float(np.ptp(x))
+    begun = [_read(x, f, first, (name,)) for name in ("tare", "contact")]
+    hinge = _read(x, f, _likely_touch(x, f), ("contact", "tare"))
+    loss, least = _loss(found, x, f), min(begun[0][1], hinge[1])
+    if least > len(x) * (_HOLDS * roughness(f)) ** 2:  # the law does not hold: it cannot tell touches apart
+        return found, _drift(found, depth, force)
+    count = independent_rows(len(x), hinge[0].correlation)
+
+    def gain(one: tuple[Fit, float]) -> float:
+        return count * math.log(max(loss, 1e-300) / max(one[1], 1e-300))
+
+    loaded, price = begun[0][0].tare, math.log(len(x))
+    pressed_before = first - begun[1][0].contact.value  # how far the press is when the file begins
+    unsure = pressed_before > max(_SURE * begun[1][0].contact.error, _HARMLESS * span)
+    doubtful = 0.0 if free else _DECISIVE + price  # depth 0 of a file is a touch until the curve decides against it
+    if gain(hinge) > price + max(gain(begun[0]), 0.0) + doubtful:
+        settled, _ = _read(depth, force, hinge[0].contact.value, ("contact", "tare"))
+        return settled, _drift(settled, depth, force)
+    if loaded < 0 and gain(begun[0]) > price + doubtful:  # what is pressed does not pull
+        settled, _ = _read(depth, force, first, ("tare",))
+        return settled, f"The force is {loaded:.3g} N where the file begins: it was taken for no load."
+    if unsure and (free or gain(begun[0]) > _DECISIVE + price):
+        raise Undecided(_begun(touch + first, touch + begun[1][0].contact.value, loaded))
+    if gain(hinge) > _LIKELY and _differs(found, hinge[0]):
+        return found, _hidden(touch, found, hinge[0])
+    return found, ""
+
+
+def _hidden(touch: float, found: Fit, other: Fit) -> str:
+    return (
+        f"The noise hides the first touch: it was taken at {1e3 * (touch + found.contact.value):.3g} mm, but "
+        f"{1e3 * (touch + other.contact.value):.3g} mm is as likely, with K1 {other.K1.text(1e3)} N/mm and "
+        f"x0 {other.x0.text(1e-3)} mm. If you know it, give it with --contact-mm."
+    )
+
+
+def _drift(fit: Fit, depth: Floats, force: Floats) -> str:
+    """Say how much the force changes before the touch, "" where it does not."""
+    before = depth < fit.contact.value
+    x, f = depth[before], force[before]
+    if len(x) < _ROWS or _is_level(x, f, roughness(force)):
+        return ""
+    slope = float(np.polyfit(x, f, 1)[0])
+    return (
+        f"The force changes by {slope * float(np.ptp(x)):+.2g} N before the touch: the load cell drifts, and the "
+        f"slopes are off by {slope / 1e3:+.2g} N/mm, or the touch is earlier."
+    )
+
+
+def _likely_touch(x: Floats, f: Floats) -> float:
+    """Return the depth [m] from which on two pieces answer the rows best, and before which the force is level."""
+
+    def loss(touch: float) -> float:
+        before = x < touch
+        if before.sum() < _ROWS:
+            return math.inf
+        tare = float(f[before].mean())
+        pieces = two_pieces(x[~before] - touch, f[~before] - tare, left="origin")
+        return float(((f[before] - tare) ** 2).sum()) + (pieces.residual if pieces else math.inf)
+
+    return min((float(x[0] + share * np.ptp(x)) for share in _STARTS), key=loss)
+
+
+def _read(x: Floats, f: Floats, start: float, free: Free) -> tuple[Fit, float]:
+    """Fit with the touch near a depth and return the fit, its contact from depth 0, and its squared residuals."""
+    fit = fit_law(x - start, f, free=free)
+    fit = replace(fit, contact=replace(fit.contact, value=start + fit.contact.value))
+    return fit, _loss(fit, x, f)
+
+
+def _loss(fit: Fit, x: Floats, f: Floats) -> float:
+    return float(((f - fit.tare - fit.law(x - fit.contact.value)) ** 2).sum())
+
+
+def _differs(one: Fit, other: Fit) -> bool:
+    pairs = [(getattr(one, name), getattr(other, name)) for name in ("K1", "x0")]
+    return any(abs(a.value - b.value) > max(_TELLS * abs(a.value), a.half_width) for a, b in pairs)
+
+
+def _begun(first: float, before: float, loaded: float) -> Question:
+    return Question(
+        name="contact_mm",
+        text=f"The force is {loaded:.3g} N where the file begins, at {1e3 * first:.4g} mm. "
+        "At which depth was the first touch?",
+        candidates=(
+            Candidate(value=f"{1e3 * first:.4g}", label="where the file begins: the load cell was not tared"),
+            Candidate(value=f"{1e3 * before:.4g}", label="before the file begins: the object was pressed already"),
+        ),
+    )
 
 
 def _already_touching(depth: Floats, force: Floats, rest: float, noise: float) -> Touch:
     """Return the touch of a file that begins in contact: at depth 0, or where the first rows point back to."""
     span, first = float(np.ptp(depth)), float(depth[0])
     if abs(first) < 0.02 * span:
-        return Touch(depth=0.0, tare=0.0, seen=False, note="The file begins at the touch: depth 0 as the file has it.")
+        return Touch(depth=0.0, tare=0.0, free=(), note="The file begins at the touch: depth 0 as the file has it.")
     end = max(_sustained(force > rest + 0.1 * (force.max() - rest)), 2 * _ROWS)
     slope, _ = np.polyfit(depth[:end] - first, force[:end], 1)
     back = rest / slope if slope > 0 and abs(rest) > _CLEAR * noise else 0.0
     note = f"The file begins in contact; the touch is taken at {1e3 * (first - back):.3f} mm."
-    return Touch(depth=first - back, tare=0.0, seen=False, note=note)
+    return Touch(depth=first - back, tare=0.0, free=("contact",), note=note)
 
 
 def _sustained(above: np.ndarray) -> int:

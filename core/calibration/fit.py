@@ -9,7 +9,9 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from .distributions import f_above, t_quantile
-from .segments import two_pieces
+from .segments import MIN_PIECE, two_pieces
+
+Free = tuple[str, ...]  # of "contact" and "tare", in this order
 
 CONFIDENCE = 0.95
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
@@ -29,6 +31,18 @@ class Constant:
     error: float
     half_width: float
 
+    def text(self, unit: float) -> str:
+        """Return value ± half of the interval in a unit."""
+        return plus_minus(self.value / unit, self.half_width / unit)
+
+
+def plus_minus(value: float, half_width: float) -> str:
+    """Return a value and half its interval, to two digits of the latter."""
+    if half_width < 1e-5 * abs(value):
+        return f"{value:.4g} ± 0"
+    digits = max(1 - math.floor(math.log10(half_width)), 0)
+    return f"{value:.{digits}f} ± {half_width:.{digits}f}"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fit:
@@ -38,8 +52,9 @@ class Fit:
     contact: how far the first touch lies beyond depth 0 [m], and tare: the force there [N], 0 where they are known.
     noise: standard deviation of the residuals [N].  correlation: of neighbouring residuals.  worst: the largest
     residual [N] and its depth [m].  full_scale: [N].  knee_p: F test of one slope.  knee_bic: how much lower two are.
-    rows: in contact.  widened: how many times the intervals are wider for correlation.  falls: the best two pieces
-    would fall, and the constants are the best of those that rise.
+    rows: in contact.  widened: how many times the intervals are wider for correlation.  misfit_before: residuals' RMS
+    up to the knee as a share of the force's there.  falls: the best two pieces would fall, and the constants are the
+    best of those that rise.
     """
 
     model: str
@@ -56,6 +71,7 @@ class Fit:
     knee_bic: float
     rows: int
     widened: float
+    misfit_before: float
     falls: bool = False
 
     @property
@@ -68,53 +84,64 @@ class Fit:
         return _law(np.asarray(x, np.float64), self.K1.value, self.K2.value, self.x0.value)
 
 
-def fit_law(depth: Floats, force: Floats, *, contact_known: bool = True) -> Fit:
+def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
     """Fit F = K1 x up to x0, then K1 x0 + K2 (x - x0).
 
     Args:
         depth: (n,) [m] from the contact; rows before it have negative depth.
         force: (n,) [N], tared.
-        contact_known: the depth 0 is where the first touch was; else it is an estimate, refined here together
-            with the constants, and its uncertainty is part of theirs.
+        free: "contact" where depth 0 is an estimate of the first touch, "tare" where force 0 is one of the force
+            there: refined together with the constants, and their uncertainty is part of that of the constants.
 
     Raises:
         DimpleError: too few rows.
     """
-    pressed = depth > 0 if contact_known else np.ones(len(depth), bool)
+    pressed = np.ones(len(depth), bool) if free else depth > 0
     x, f = np.asarray(depth, np.float64)[pressed], np.asarray(force, np.float64)[pressed]
     inside = x > 0
     if inside.sum() < 8 or len(np.unique(x[inside])) < 4:
         raise DimpleError(f"Only {int(inside.sum())} rows lie beyond the first touch; a fit needs at least 8.")
-    slope = float(x[inside] @ f[inside] / (x[inside] @ x[inside]))
-    one = _settled(_Trial(knee=False, contact_known=contact_known, values=_with_contact([slope], contact_known)), x, f)
-    pieces, falls = two_pieces(x[inside], f[inside], left="origin"), False
+    # without rows before the touch the first piece need not begin at 0, 0: either may be off, not both
+    left = "line" if len(free) == 1 and inside.sum() > len(x) - MIN_PIECE else "origin"
+    slope, offset = np.polyfit(x[inside], f[inside], 1) if left == "line" else (_slope(x[inside], f[inside]), 0.0)
+    one = _settled(_start([float(slope)], float(offset), free), x, f)
+    pieces, falls = two_pieces(x[inside], f[inside], left=left), False
     if pieces is not None and min(pieces.slope1, pieces.slope2) <= 0:  # no body of the model falls: take the best rise
-        pieces, falls = two_pieces(x[inside], f[inside], left="origin", rising=True), True
+        pieces, falls = two_pieces(x[inside], f[inside], left=left, rising=True), True
     if pieces is None:
         return _report(one, x, f, 1.0, 0.0)
-    start = _with_contact([pieces.slope1, pieces.slope2, pieces.join], contact_known)
-    two = _settled(_Trial(knee=True, contact_known=contact_known, values=start), x, f)
+    two = _settled(_start([pieces.slope1, pieces.slope2, pieces.join], pieces.offset, free), x, f)
     p, bic = _compare(one, two, x, f)
     return replace(_report(two if bic > 0 else one, x, f, p, bic), falls=falls)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Trial:
-    """Hold parameters: K1; K2 and x0 where there is a knee; contact and tare where they are estimated."""
+    """Hold parameters: K1; K2 and x0 where there is a knee; then those that are free."""
 
     knee: bool
-    contact_known: bool
+    free: Free
     values: Floats
 
     def parts(self, x: Floats) -> tuple[float, float, float, float, float]:
         """Return K1, K2, x0, contact, tare."""
         v = [float(value) for value in self.values]
-        contact, tare = (0.0, 0.0) if self.contact_known else (v[-2], v[-1])
+        known = {"contact": 0.0, "tare": 0.0} | dict(zip(self.free, v[3 if self.knee else 1 :], strict=True))
+        contact, tare = known["contact"], known["tare"]
         return (v[0], v[1], v[2], contact, tare) if self.knee else (v[0], v[0], float(x.max()) - contact, contact, tare)
 
 
-def _with_contact(values: list[float], contact_known: bool) -> Floats:
-    return np.array(values if contact_known else [*values, 0.0, 0.0])
+def _start(values: list[float], offset: float, free: Free) -> _Trial:
+    """Return a trial whose first piece begins with an offset [N] at depth 0."""
+    contact = -offset / values[0] if free == ("contact",) and values[0] > 0 else 0.0
+    if len(values) > 1:
+        values = [*values[:2], values[2] - contact]
+    known = {"contact": contact, "tare": offset}
+    return _Trial(knee=len(values) > 1, free=free, values=np.array([*values, *(known[name] for name in free)]))
+
+
+def _slope(x: Floats, f: Floats) -> float:
+    return float(x @ f / (x @ x))
 
 
 def _law(x: Floats, K1: float, K2: float, x0: float) -> Floats:
@@ -133,8 +160,8 @@ def _jacobian(trial: _Trial, x: Floats) -> Floats:
     y = np.maximum(x - contact, 0)
     beyond = y > x0
     columns = [np.minimum(y, x0), np.maximum(y - x0, 0), (K1 - K2) * beyond] if trial.knee else [y]
-    if not trial.contact_known:
-        columns += [-np.where(beyond, K2, K1) * (y > 0), np.ones_like(x)]
+    of = {"contact": -np.where(beyond, K2, K1) * (y > 0), "tare": np.ones_like(x)}
+    columns += [of[name] for name in trial.free]
     return np.stack([np.asarray(column, np.float64) for column in columns], axis=1)
 
 
@@ -143,7 +170,7 @@ def _settled(start: _Trial, x: Floats, f: Floats) -> _Trial:
 
     The start is kept where that would lead the contact away from it: then the law does not hold near the touch.
     """
-    if start.contact_known:
+    if not start.free:
         return start
     best, least = start, _sum_of_squares(start, x, f)
     for _ in range(_STEPS):
@@ -159,8 +186,18 @@ def _settled(start: _Trial, x: Floats, f: Floats) -> _Trial:
         best, least = trial, total
         if settled:
             break
-    contact, error = best.values[-2], math.sqrt(_covariance(best, x, f)[-2, -2])
-    return best if abs(contact) <= _STRAY * error else start
+    if "contact" not in best.free:
+        return best
+    at = best.free.index("contact") - len(best.free)
+    moved, error = best.values[at] - start.values[at], math.sqrt(_covariance(best, x, f)[at, at])
+    return best if abs(moved) <= _STRAY * error else start
+
+
+def _misfit_before(trial: _Trial, x: Floats, f: Floats) -> float:
+    K1, _, x0, contact, _ = trial.parts(x)
+    before = (x > contact) & (x <= contact + x0)
+    force = K1 * (x[before] - contact)
+    return float(np.linalg.norm(_residual(trial, x, f)[before])) / max(float(np.linalg.norm(force)), 1e-300)
 
 
 def _sum_of_squares(trial: _Trial, x: Floats, f: Floats) -> float:
@@ -228,9 +265,9 @@ def _report(trial: _Trial, x: Floats, f: Floats, p: float, bic: float) -> Fit:
     return Fit(
         model="two" if trial.knee else "one",
         K1=constant(K1, 0), K2=constant(K2, 1 if trial.knee else 0), x0=constant(x0, 2 if trial.knee else None),
-        contact=constant(contact, None if trial.contact_known else len(trial.values) - 2), tare=tare,
+        contact=constant(contact, len(trial.values) - len(trial.free) if "contact" in trial.free else None), tare=tare,
         noise=math.sqrt(_variance(trial, x, f)), correlation=r,
         worst=(float(residual[worst]), float(x[x > contact][worst] - contact)),
         full_scale=float(np.abs(f - tare).max()), knee_p=p, knee_bic=bic, rows=len(residual),
-        widened=math.sqrt(len(residual) / count),
+        widened=math.sqrt(len(residual) / count), misfit_before=_misfit_before(trial, x, f),
     )  # fmt: skip

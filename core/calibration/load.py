@@ -10,6 +10,7 @@ from .words import is_known
 
 MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
 MAX_LINE = 20_000  # characters
+_NARROW = dict.fromkeys(map(ord, "\u2009\u202f\u2007"), "\u00a0")  # spaces between groups of thousands
 _SNIFFED = 64 * 2**10  # bytes looked at to tell encodings apart
 
 # how other files begin: what they are
@@ -48,6 +49,7 @@ def load_lines(path: str | Path) -> tuple[list[str], str, tuple[str, ...]]:
     if not data.strip():
         raise DimpleError("The file is empty. Export the measurement again.")
     text, encoding = decode(data)
+    text = text.translate(_NARROW)
     bad = sum(text.count(chr(c)) for c in range(32) if chr(c) not in "\t\n\r\f\x1a")
     if bad > 0.001 * len(text) + 2 or "\x00" in text:
         raise DimpleError("The file holds binary data, not a text table. Export the measurement as CSV and open that.")

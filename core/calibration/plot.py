@@ -51,8 +51,5 @@ def save_plot(calibration: Calibration, path: str | Path, verdict: Verdict | Non
 def _label(calibration: Calibration) -> str:
     fit = calibration.fit
     if fit.model == "one":
-        return f"K = {fit.K1.value / 1e3:.3g} ± {fit.K1.half_width / 1e3:.1g} N/mm"
-    return (
-        f"K1 = {fit.K1.value / 1e3:.3g} ± {fit.K1.half_width / 1e3:.1g}, K2 = {fit.K2.value / 1e3:.3g} ± "
-        f"{fit.K2.half_width / 1e3:.1g} N/mm, x0 = {1e3 * fit.x0.value:.3g} ± {1e3 * fit.x0.half_width:.1g} mm"
-    )
+        return f"K = {fit.K1.text(1e3)} N/mm"
+    return f"K1 = {fit.K1.text(1e3)}, K2 = {fit.K2.text(1e3)} N/mm, x0 = {fit.x0.text(1e-3)} mm"

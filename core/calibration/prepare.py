@@ -9,9 +9,11 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from .contact import find_touch
+from .fit import Free
 from .question import Answers, Candidate, Question, Undecided
 from .reader import Measurement
-from .strokes import Cycle, find_cycles, moving, roughness, spikes
+from .strokes import FULL, Cycle, find_cycles, moving, roughness, spikes
+from .table import MIN_ROWS
 
 _AGREE = 0.10  # of full scale, RMS: cycles that differ more are different presses
 _SNAP = 0.10  # of full scale: a fall of the force while the depth grows
@@ -24,7 +26,7 @@ class Press:
     """Hold one press.
 
     depth: (n,) [m] from the first touch, negative before it; force: (n,) [N], tared; rows in the order measured.
-    back_depth, back_force: (m,) of the way back, empty where there is none.  contact_known: see fit.fit_law.
+    back_depth, back_force: (m,) of the way back, empty where there is none.  free: see fit.fit_law.
     cycle of cycles: which press of how many.  touch: [m] in the file's own depth.  tare: [N].
     loss: share of the work that is not given back, or None.  notes, warnings: sentences for the artist.
     """
@@ -33,7 +35,7 @@ class Press:
     force: Floats
     back_depth: Floats
     back_force: Floats
-    contact_known: bool
+    free: Free
     cycle: int
     cycles: int
     touch: float
@@ -70,6 +72,7 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Press:
     cycles = find_cycles(depth)
     if not cycles:
         raise DimpleError("The depth never grows: the file holds no press, only a way back.")
+    cycles = _long_enough(cycles, depth, notes)
     if len(cycles) > max(_MANY, 1) or (len(cycles) > 8 and len(depth) / len(cycles) < 16):
         raise DimpleError(
             f"The depth turns back {len(cycles)} times in {len(depth)} rows: they are not in the order measured, "
@@ -79,8 +82,6 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Press:
     chosen = _choose(strokes, answers, notes)
     stroke = strokes[chosen]
     notes.append(stroke.note)
-    if stroke.doubt:
-        warnings.append(stroke.doubt)
     if stroke.dwelt:
         notes.append(f"{stroke.dwelt} rows in which the depth stood still were left out.")
     _look_for_snap(stroke, warnings)
@@ -88,7 +89,7 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Press:
     back_depth, back_force = depth[back] - stroke.touch, force[back] - stroke.tare
     return Press(
         depth=stroke.depth, force=stroke.force, back_depth=back_depth, back_force=back_force,
-        contact_known=not stroke.seen, cycle=chosen + 1, cycles=len(cycles), touch=stroke.touch, tare=stroke.tare,
+        free=stroke.free, cycle=chosen + 1, cycles=len(cycles), touch=stroke.touch, tare=stroke.tare,
         loss=_loss(stroke, back_depth, back_force), notes=tuple(notes), warnings=tuple(warnings),
     )  # fmt: skip
 
@@ -101,10 +102,9 @@ class _Stroke:
     force: Floats
     touch: float
     tare: float
-    seen: bool
+    free: Free
     dwelt: int
     note: str
-    doubt: str
 
 
 def _without_spikes(measurement: Measurement, warnings: list[str]) -> tuple[Floats, Floats]:
@@ -184,24 +184,35 @@ def _scatter(values: Floats) -> float:
     return float(steps.std() / steps.mean()) if len(steps) > 3 else 0.0
 
 
+def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[Cycle]:
+    """Leave out presses that are no more than a few stray rows, and those that are much less deep than the rest."""
+    deepest = max(float(depth[cycle.peak]) for cycle in cycles)
+    deep = [cycle for cycle in cycles if depth[cycle.peak] - depth.min() >= FULL * (deepest - depth.min())]
+    whole = [cycle for cycle in deep if cycle.peak - cycle.start + 1 >= MIN_ROWS] or deep
+    if len(whole) < len(cycles):
+        peaks = ", ".join(f"{1e3 * depth[cycle.peak]:.4g}" for cycle in cycles if cycle not in whole)
+        notes.append(f"Touches to {peaks} mm, less deep or of a few rows only, were left out.")
+    return whole
+
+
 def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers) -> _Stroke:
     rows = slice(cycle.start, cycle.peak + 1)
     keep = moving(depth[rows])
     x, f = depth[rows][keep], force[rows][keep]
-    if len(x) < 8:
-        raise DimpleError(f"A press has {len(x)} rows; a fit needs at least 8.")
+    if len(x) < MIN_ROWS:
+        raise DimpleError(f"A press has {len(x)} rows; a fit needs at least {MIN_ROWS}.")
     if answers.contact_mm is not None:
         touch, before = answers.contact_mm / 1e3, x < answers.contact_mm / 1e3
-        tare, seen = (float(np.median(f[before])) if before.sum() > 2 else 0.0), False
-        note, doubt = "The touch is as given.", ""
+        tare = float(np.median(f[before])) if before.sum() > 2 else 0.0
+        free: Free = () if before.sum() > 2 else ("tare",)
+        note = "The touch is as given."
         if not x.min() - np.ptp(x) <= touch < x.max():
             raise DimpleError(f"The touch at {answers.contact_mm} mm lies outside the depths of the file.")
     else:
         found = find_touch(x, f)
-        touch, tare, seen, note, doubt = found.depth, found.tare, found.seen, found.note, found.doubt
+        touch, tare, free, note = found.depth, found.tare, found.free, found.note
     return _Stroke(
-        depth=x - touch, force=f - tare, touch=touch, tare=tare, seen=seen, dwelt=int((~keep).sum()), note=note,
-        doubt=doubt,
+        depth=x - touch, force=f - tare, touch=touch, tare=tare, free=free, dwelt=int((~keep).sum()), note=note
     )  # fmt: skip
 
 

@@ -35,7 +35,7 @@ def to_json(calibration: Calibration) -> dict[str, Any]:
         "deepest": press.depth.max() * 1e3,
         "rows": fit.rows,
         "contact": (press.touch + fit.contact.value) * 1e3,
-        "contact_se": fit.contact.error * 1e3 if not press.contact_known else None,
+        "contact_se": fit.contact.error * 1e3 or None,
         "tare": press.tare + fit.tare,
         "cycle": press.cycle,
         "cycles": press.cycles,
@@ -68,9 +68,9 @@ def to_lines(calibration: Calibration) -> list[str]:
     c, fit = calibration, calibration.fit
     slopes = "two slopes" if fit.model == "two" else "one slope"
     lines = [f"{c.measurement.source}: {slopes} through {fit.rows} rows up to {fit.full_scale:.4g} N"]
-    lines.append(f"  K1 = {_plain(fit.K1, 1e3)} N/mm (95 %)")
-    lines.append(f"  K2 = {_plain(fit.K2, 1e3)} N/mm")
-    lines.append(f"  x0 = {_plain(fit.x0, 1e-3)} mm")
+    lines.append(f"  K1 = {fit.K1.text(1e3)} N/mm (95 %)")
+    lines.append(f"  K2 = {fit.K2.text(1e3)} N/mm")
+    lines.append(f"  x0 = {fit.x0.text(1e-3)} mm")
     lines.append(f"  residual {100 * fit.misfit:.2f} % of full scale (RMS)")
     if c.press.damping_ratio is not None:
         lost = 100 * (c.press.loss or 0)
@@ -81,7 +81,7 @@ def to_lines(calibration: Calibration) -> list[str]:
         else:
             lines.append("  k by Eqs. (9), (10) needs --section-mm2 and --youngs-modulus-mpa: it is 2 A E / l.")
         if c.surface.balance_k is not None and c.surface.pretension is not None:
-            k = f"{_plain(c.surface.balance_k, 1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
+            k = f"{c.surface.balance_k.text(1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
             lines.append(f"  k = {k}. {BALANCE_ASSUMES}")
     lines += [f"  Note: {note}" for note in c.notes]
     lines += [f"  Warning: {warning}" for warning in c.warnings]
@@ -103,7 +103,3 @@ def questions_json(undecided: Undecided) -> dict[str, Any]:
 
 def _interval(constant: Constant, per: float) -> list[float]:
     return [(constant.value - constant.half_width) / per, (constant.value + constant.half_width) / per]
-
-
-def _plain(constant: Constant, per: float) -> str:
-    return f"{constant.value / per:.4g} ± {constant.half_width / per:.2g}"

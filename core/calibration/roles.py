@@ -115,12 +115,14 @@ def _kind(unit: str | tuple[str, ...]) -> str | None:
 
 
 def _options(table: Table, units: Sequence[str | tuple[str, ...]], role: str) -> list[int]:
-    """Return the columns that may be a role: by name and unit; else by name; else by unit."""
+    """Return the columns that may be a role: by unit, where their name says it or nothing; else by name."""
     numeric = [i for i, is_number in enumerate(table.numeric) if is_number]
+    numeric = [i for i in numeric if np.nanmin(table.numbers[:, i]) < np.nanmax(table.numbers[:, i])] or numeric
     named = [i for i in numeric if role_of(table.names[i]) == role and _kind(units[i]) in (None, _KIND[role])]
     measured = [i for i in numeric if _kind(units[i]) == _KIND[role] and role_of(table.names[i]) in (None, role)]
-    both = [i for i in named if i in measured]
-    return both or named or measured
+    if role == "time":
+        return [i for i in named if i in measured] or named or measured
+    return measured if any(i in measured for i in named) else named or measured
 
 
 def _unnamed(table: Table, units: Sequence[str | tuple[str, ...]]) -> list[int]:

@@ -27,11 +27,10 @@ class Cycle:
 def find_cycles(depth: Floats) -> list[Cycle]:
     """Return the presses in a depth that grows inward (n,)."""
     turns = _turns(depth, TURN * float(np.ptp(depth)))
-    low, high = float(depth.min()), float(depth.max())
     cycles = []
     for i in range(len(turns) - 1):
         start, peak = turns[i], turns[i + 1]
-        if depth[peak] > depth[start] and depth[peak] - low >= FULL * (high - low):
+        if depth[peak] > depth[start]:
             cycles.append(Cycle(start, peak, turns[i + 2] if i + 2 < len(turns) else peak))
     return cycles
 

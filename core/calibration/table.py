@@ -179,4 +179,6 @@ def _fitted(line: str, width: int, dialect: Dialect) -> list[str]:
         cells = re.split(r"\s{2,}|\t", text)
     if len(cells) > width and any(cells[width:]):
         return [""] * width if len(cells) > width + 1 else cells[:width]
-    return (cells + [""] * width)[:width]
+    if len(cells) < width:  # as R writes it, without a name for the first column, or for the last: nobody knows
+        return [""] * width
+    return cells[:width]

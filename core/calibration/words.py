@@ -35,9 +35,10 @@ _AMBIGUOUS = {"M", "MN", "NM", "P", "G", "MS"}  # capitals that may mean two thi
 _ROLES = {
     "force": "force load kraft standardkraft prüfkraft last druckkraft fz fx fy fn scale weight gewicht f "
     "荷重 試験力 力 圧縮力 押込力 フォース ロード",
-    "depth": "displacement disp extension compression travel stroke position crosshead deflection indentation depth "
-    "penetration distance deformation weg standardweg traverse traversenweg eindringtiefe eindringweg verformung hub "
-    "x z d 変位 変位量 ストローク 伸び 押込み 押し込み 押込量 押し込み量 距離 深さ 移動量 位置 たわみ 圧縮量",
+    "depth": "displacement disp extension compression travel stroke position crosshead extensometer deflection "
+    "indentation depth penetration distance deformation weg standardweg traverse traversenweg eindringtiefe "
+    "eindringweg verformung hub x z d 変位 変位量 ストローク 伸び 押込み 押し込み 押込量 押し込み量 距離 深さ 移動量 "
+    "位置 たわみ 圧縮量",
     "time": "time zeit prüfzeit millis seconds sec elapsed t 時間 時刻 経過時間",
     "other": "stress strain spannung dehnung stauchung torque moment drehmoment energy energie temperature temperatur "
     "speed velocity geschwindigkeit rate raw counts steps judge no nr number index sample cycle zyklus unit einheit "
@@ -45,6 +46,8 @@ _ROLES = {
     "判定 回数 サイクル",
 }
 _WORDS = {word: role for role, words in _ROLES.items() for word in words.split()}
+# a header that scales its numbers ("Force (x10 N)", "10^-3 N"): nobody knows which way, so it has no unit
+_SCALED = re.compile(r"(?<![a-z])[x×*·/]\s*10|\b10\s*(\^|\*\*|[⁻⁺]|[-+]\d)", re.IGNORECASE)
 _ENDINGS = ("kraft", "weg", "zeit", "spannung", "dehnung")  # German compounds
 
 
@@ -61,6 +64,8 @@ def unit_of(text: str) -> tuple[str, float] | None:
 def split_unit(header: str) -> tuple[str, str]:
     """Part a header such as "Load (N)", "Weg/mm", "Force_N" or "変位[mm]" into name and unit ("" where it has none)."""
     text = unicodedata.normalize("NFKC", header).strip()
+    if _SCALED.search(header):
+        return text, ""
     for pattern in (
         r"^(.*?)\s*[(\[<{]\s*([^()\[\]{}<>]+?)\s*[)\]>}]\s*$",
         r"^(.+?)\s*/\s*(\S+)$",
@@ -70,6 +75,8 @@ def split_unit(header: str) -> tuple[str, str]:
         found = re.match(pattern, text)
         if found and unit_of(found[2]):
             return found[1].strip(), found[2]
+        if found and text[-1] in ")]>}":  # what stands in brackets is the unit, known or not
+            break
     return text, ""
 
 

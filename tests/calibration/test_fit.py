@@ -134,7 +134,7 @@ def test_an_estimated_contact_widens_the_intervals_just_enough():
     for seed in range(100):
         rng = np.random.default_rng(seed)
         force = exact + 0.01 * exact.max() * rng.normal(size=len(x)) + 0.3
-        fit = fit_law(x + 0.0003 * rng.normal(), force - 0.2, contact_known=False)
+        fit = fit_law(x + 0.0003 * rng.normal(), force - 0.2, free=("contact", "tare"))
         for i, (constant, value) in enumerate(((fit.K1, truth.K1), (fit.K2, truth.K2), (fit.x0, truth.x0))):
             hits[i] += abs(constant.value - value) <= constant.half_width
     assert all(88 <= hit <= 99 for hit in hits), hits

@@ -28,7 +28,7 @@ def recording(depth, force, *, noise=0.0, seed=0) -> Measurement:
 def constants(measurement, answers=None):
     """Return K1, K2 [N/mm] and x0 [mm]."""
     press = prepare(measurement, answers)
-    fit = fit_law(press.depth, press.force, contact_known=press.contact_known)
+    fit = fit_law(press.depth, press.force, free=press.free)
     return fit.K1.value / 1e3, fit.K2.value / 1e3, fit.x0.value * 1e3
 
 
