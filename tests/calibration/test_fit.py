@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pwlf
 import pytest
 from scipy import optimize, stats
 
@@ -63,7 +64,6 @@ def test_constants_and_errors_agree_with_scipy_to_six_digits():
 
 
 def test_pieces_and_errors_agree_with_pwlf_to_six_digits():
-    pwlf = pytest.importorskip("pwlf")
     for preset in PRESETS:
         x, f = (a[1:] for a in reconstruct(preset, rows=120, seed=8))
         x = x * 1e3  # pwlf searches best near 1
@@ -87,7 +87,6 @@ def forced_residual(knee, oracle, end):
 
 
 def test_the_free_line_and_its_errors_agree_with_pwlf():
-    pwlf = pytest.importorskip("pwlf")
     x, f = reconstruct(PRESETS[2], rows=120, seed=9)
     x = x * 1e3
     pieces = two_pieces(x, f, left="line")
@@ -100,7 +99,6 @@ def test_the_free_line_and_its_errors_agree_with_pwlf():
 
 def test_standard_errors_agree_with_pwlf():
     """pwlf's errors belong to a free line: give it the origin as a row so heavy that the line goes through it."""
-    pwlf = pytest.importorskip("pwlf")
     x, f = (a[1:] for a in reconstruct(PRESETS[1], rows=200, seed=10))
     x = x * 1e3
     fit = fit_law(x, f)
