@@ -18,9 +18,10 @@ from .sweep import ALLOWED
 ROWS = 25  # of a predicted press
 # a bed of springs without a skin lets a sphere part it: F = pi kappa (R - x) x^2, which falls beyond x = 2 R / 3. A
 # mesh is a skin of its own: Object 3 answers 4.2 N at 10 mm with 1538 vertices, 2.9 N with 6146, 1.8 N with 24578
+TIP_REACH = 2 / 3  # of the fingertip's radius
 _TIP_NOTE = (
-    "This is a prediction, not a fit, and one for this mesh: deeper than two thirds of its radius so small a tip parts "
-    "a skin as slack as this, the more easily the finer the mesh."
+    "This is a prediction, not a fit, and one for this mesh: a coarse one answers too much. It ends at two thirds of "
+    "the tip's radius: deeper, so small a tip parts a skin as slack as this, the more easily the finer the mesh."
 )
 
 
@@ -51,9 +52,9 @@ def judge(calibration: Calibration, found: Identification, mesh: Mesh, indenter:
     depth, force = press.depth - fit.contact.value, press.force - fit.tare
     here = (depth >= 0) & (depth <= found.depths[-1])
     simulated = np.interp(depth[here], np.append(0.0, found.depths), np.append(0.0, found.simulated))
-    tip_depth, tip_force = press_curve(
-        mesh, found.material, Indenter(shape="sphere", radius=FINGERTIP), site, float(found.depths[-1]), rows=ROWS
-    )
+    deepest = min(float(found.depths[-1]), TIP_REACH * FINGERTIP)
+    fingertip = Indenter(shape="sphere", radius=FINGERTIP)
+    tip_depth, tip_force = press_curve(mesh, found.material, fingertip, site, deepest, rows=ROWS)
     return Verdict(
         found=found, indenter=indenter, mesh=mesh, patch=(reach(mesh, indenter), int(site.under.sum())),
         force_off=ALLOWED * found.worst, stiffness_off=_slopes_off(found),
@@ -113,7 +114,7 @@ def verdict_lines(verdict: Verdict) -> list[str]:
         for name, off in zip(("K1", "K2"), verdict.stiffness_off, strict=True)
         if off is not None
     )
-    middle = int(np.searchsorted(verdict.tip_depth, min(FINGERTIP, verdict.tip_depth[-1]) / 2))
+    middle = len(verdict.tip_depth) // 2
     pairs = " and ".join(
         f"{verdict.tip_force[i]:.3g} N at {1e3 * verdict.tip_depth[i]:.3g} mm"
         for i in (middle, len(verdict.tip_depth) - 1)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import sys
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -25,7 +26,7 @@ from ..calibration.indent import Indenter, find_site, press_curve
 from ..calibration.reconstruct import DEEPEST, write_samples
 from ..calibration.specimen import cube
 from ..calibration.surface import string_balance
-from ..calibration.verdict import Verdict, judge
+from ..calibration.verdict import TIP_REACH, Verdict, judge
 from ..estimate import FINGERTIP
 from ..laws.paper import surface_stretch, surface_tension
 from ..material import PRESETS, Preset
@@ -61,10 +62,12 @@ def run(options: argparse.Namespace) -> int:
         options.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DimpleError(f"{options.out} cannot be made: {error.strerror or error}.") from None
+    tell("Three presses of Table 2")
     curves = [calibrate(p, length=preset.size) for p, preset in zip(write_samples(options.out), PRESETS, strict=True)]
     halvings = [h for h in HALVINGS if h <= PRESSED or not options.quick]
     pressed = [identified(preset, curve, h) for preset, curve in zip(PRESETS, curves, strict=True) for h in halvings]
     shown = [one for one in pressed if len(one.verdict.mesh.rest_positions) == 6 * 4**PRESSED + 2]
+    tell("Virtual presses")
     virtual = [virtual_press(one, options.out) for one in shown]
     table_2 = list(constants(curves, virtual))
     _write_csv(options.out / "table_2.csv", NAMES, table_2)
@@ -84,9 +87,15 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def tell(doing: str) -> None:
+    """Say on stderr what is done next."""
+    print(f"{doing}...", file=sys.stderr, flush=True)
+
+
 def identified(preset: Preset, curve: Calibration, halvings: int) -> Pressed:
     """Identify a printed material on a cube of its size, as deep as it was pressed."""
     mesh, tip, started = cube(preset.size, halvings=halvings), Indenter(), time.process_time()
+    tell(f"Identifying {preset.label} on {len(mesh.rest_positions)} vertices")
     site = find_site(mesh, tip)
     deepest = DEEPEST[preset.name] * (BEYOND if preset is PRESETS[0] else 1)
     found = identify(mesh, preset.material, tip, site, deepest)
@@ -184,7 +193,8 @@ def identification_lines(pressed: Sequence[Pressed]) -> list[str]:
     """Return the table of identifications to read."""
     lines = [
         "Identification on cubes, pressed by a point: off by RMS of full scale, at the worst depth as a share of what",
-        "is allowed (10 % or 0.3 N), volume, processor time, scale on k; a 10 mm fingertip at 5 mm and deepest",
+        f"is allowed (10 % or 0.3 N), volume, processor time, scale on k; a 10 mm fingertip at 5 and "
+        f"{1e3 * TIP_REACH * FINGERTIP:.2g} mm, predicted",
         f"{'object':>6} {'vertices':>8} {'rms':>7} {'worst':>6} {'volume':>8} {'time':>7} {'scale':>8} {'deepest':>8}",
     ]
     for one in pressed:
