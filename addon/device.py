@@ -26,6 +26,10 @@ class DevicePlace:
         name="Port", description='Serial port of the haptic device, or any path; "emulated" is a device to try',
         search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
     )  # fmt: skip
+    device_file: StringProperty(
+        name="Device File", description="TOML file with the numbers of the device. Empty: the Haptic Master",
+        subtype="FILE_PATH", **_FIXED,
+    )  # fmt: skip
     device_scale: FloatProperty(
         name="Workspace Scale", description="How much larger the movement on the body is than that of the hand",
         default=1.0, min=0.01, soft_min=0.1, soft_max=10.0, precision=2, **_FIXED,
@@ -49,9 +53,10 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
         """Draw port, place, verbs and numbers."""
         settings, layout, connection = context.scene.dimple, self.layout, haptic.get()
         layout.use_property_split = True
-        row = layout.row()
-        row.enabled = connection is None
-        row.prop(settings, "device_port")
+        which = layout.column()
+        which.enabled = connection is None
+        which.prop(settings, "device_port")
+        which.prop(settings, "device_file")
         layout.prop(settings, "device_scale")
         layout.prop(settings, "device_origin")
         layout.operator(Op.CENTRE_DEVICE, icon="PIVOT_CURSOR")

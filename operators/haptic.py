@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
@@ -62,8 +63,11 @@ def connect(scene: bpy.types.Scene) -> Connection:
     port = scene.dimple.device_port.strip()
     if not port:
         raise DimpleError('Choose a port, or type its path; "emulated" is a device to try.')
-    emulated = port.lower() == EMULATED
-    device: Device = Emulated(hand=poking_hand()) if emulated else HapticMaster(bpy.path.abspath(port), held=False)
+    file = Path(bpy.path.abspath(scene.dimple.device_file)) if scene.dimple.device_file else None
+    if port.lower() == EMULATED:
+        device: Device = Emulated(hand=poking_hand(), spec_path=file, held=False)
+    else:
+        device = HapticMaster(bpy.path.abspath(port), spec_path=file, held=False)
     device.open()
     connection = Connection(device=device, report=device.read())
     sessions.devices.append(connection)

@@ -24,6 +24,10 @@ WORDS = {
     'Serial port of the haptic device, or any path; "emulated" is a device to try': (
         "力覚デバイスのシリアルポート、または任意のパス。「emulated」で模擬デバイスを試せます"
     ),
+    "Device File": "デバイスファイル",
+    "TOML file with the numbers of the device. Empty: the Haptic Master": (
+        "デバイスの数値を書いた TOML ファイル。空欄なら Haptic Master"
+    ),
     "Workspace Scale": "作業空間の倍率",
     "How much larger the movement on the body is than that of the hand": "手の動きに対する物体上の動きの倍率",
     "Origin": "原点",

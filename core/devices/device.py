@@ -125,7 +125,7 @@ class HapticMaster:
                 self._report, self._heard = unpack_report(letter), time.perf_counter()
         running = self.process is not None and self.process.poll() is None
         if not running and self._report.link in (Link.OPENING, Link.READY):
-            self._lose(self._end())
+            self._lose(f"The servo process ended ({_last_words(self._errors)}). Connect and arm again.")
         elif self._report.link is Link.READY and time.perf_counter() - self._heard > SERVO_SILENT:
             self._lose("The servo process does not answer, so the device has no force. Disconnect, then connect again.")
         return self._report
@@ -166,15 +166,6 @@ class HapticMaster:
     def _lose(self, why: str) -> None:
         self._report = replace(self._report, link=Link.LOST, arming=Arming.OFF, message=why)
 
-    def _end(self) -> str:
-        """Return why the servo ended without a word."""
-        said = b""
-        if self._errors:
-            self._errors.seek(0)
-            said = self._errors.read().strip()
-        last = said.decode(errors="replace").splitlines()[-1:] or ["killed"]
-        return f"The servo process ended ({last[0]}). Connect and arm again."
-
 
 @dataclass(slots=True)
 class Emulated(HapticMaster):
@@ -199,18 +190,19 @@ class Emulated(HapticMaster):
         self.close()
         self._folder = Path(tempfile.mkdtemp(prefix="dimple-"))
         port = self._folder / "device"
-        options = list(self.options)
+        options = [*self.options, *(["--device", str(self.spec_path)] if self.spec_path else [])]
         if self.hand:
             path = self._folder / "hand.json"
             path.write_text(self.hand, encoding="utf-8")
             options += ["--hand", str(path)]
-        self.emulator = start(["emulator", "--pty", str(port), "--lifeline", *options], None)
-        until = time.perf_counter() + PORT_WAIT
-        while not port.exists():
-            if self.emulator.poll() is not None or time.perf_counter() > until:
-                self.close()
-                raise DimpleError("The emulated device did not start. It runs on Linux and macOS.")
-            time.sleep(0.01)
+        with tempfile.TemporaryFile() as errors:
+            self.emulator = start(["emulator", "--pty", str(port), "--lifeline", *options], errors)
+            until = time.perf_counter() + PORT_WAIT
+            while not port.exists():
+                if self.emulator.poll() is not None or time.perf_counter() > until:
+                    self.close()
+                    raise DimpleError(f"The emulated device did not start ({_last_words(errors)}).")
+                time.sleep(0.01)
         self.port = str(port)
         self._run_servo()
 
@@ -266,3 +258,12 @@ class Pointer:
     def close(self) -> None:
         """Forget where it was."""
         self._at = None
+
+
+def _last_words(errors: IO[bytes] | None) -> str:
+    """Return why a process ended: the last line of what it wrote."""
+    if errors is None:
+        return "killed"
+    errors.seek(0)
+    lines = errors.read().decode(errors="replace").strip().splitlines()
+    return lines[-1] if lines else "killed"

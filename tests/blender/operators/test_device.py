@@ -283,3 +283,18 @@ def test_a_device_to_try_needs_no_port(bpy: ModuleType, empty_file: ModuleType) 
     connect(bpy, "emulated")
     assert ("emulated", "") in haptic.ports()
     haptic.disconnect()
+
+
+def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> None:
+    from bl_ext.user_default.dimple.operators import haptic
+
+    settings = bpy.context.scene.dimple
+    settings.device_file = str(tmp_path / "device.toml")
+    (tmp_path / "device.toml").write_text('name = "Mine"')
+    settings.device_port = "/dev/null"
+    bpy.ops.dimple.connect_device()
+    assert "device.toml has no 'blocks'" in wait(lambda report: report.link.name == "REFUSED").message
+    haptic.disconnect()
+    settings.device_port = "emulated"
+    with pytest.raises(RuntimeError, match="did not start .*device.toml has no 'blocks'"):
+        bpy.ops.dimple.connect_device()
