@@ -1,22 +1,26 @@
-"""Charts of the model and of speed: energy, laws, space, cost, stand-ins, the stiff cube."""
+"""Charts of the model and of speed: energy, laws, cost, space, the stiff cube with its stand-ins."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from core.integrators.methods import METHODS
+from core.planner import BUDGET, FORCE_TOLERANCE, TOLERANCE
 from core.study import conservation, cost, literal_against_consistent, space, stiff_nylon
+from core.study.stiff_nylon import Press
 
-from .drawing import LABELS, MARKERS, STYLES, save, write_csv
+from .drawing import LABELS, MARKERS, STYLES, save, table, write_csv
 
 
 def draw_energy(out: Path, quick: bool) -> None:
     omega_dt = 0.2
     long = conservation.energy_trace("velocity_verlet", omega_dt=omega_dt, steps=10_000 if quick else 100_000)
-    short = conservation.energy_traces(list(METHODS), omega_dt=omega_dt, steps=100 if quick else 300)
+    short = conservation.energy_traces(list(METHODS), omega_dt=omega_dt, steps=100)
     sizes = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
     measured = [
         conservation.artificial_damping(conservation.energy_trace("backward_euler", omega_dt=s, steps=40, looks=40))
@@ -37,14 +41,19 @@ def draw_energy(out: Path, quick: bool) -> None:
             np.array(trace.phases) / (2 * np.pi), trace.ratios, color=STYLES[trace.method],
             label=LABELS[trace.method], lw=4 - 0.4 * i, ls=("-", "--")[i % 2],
         )  # fmt: skip
-    left.set(ylim=(0, 2.6), xlabel="periods", ylabel="energy over that at the start", title=f"omega dt = {omega_dt}")
+    left.set(
+        ylim=(0, 2.6),
+        xlabel="periods",
+        ylabel="energy over that at the start",
+        title=f"\u03c9 dt = {omega_dt}, no damping",
+    )
     left.legend(frameon=False, fontsize=7, loc="upper right")
     steps = len(long.phases) and round(long.phases[-1] / omega_dt)
     middle.plot(np.array(long.phases) / omega_dt, np.array(long.ratios) - 1, ".", ms=3)
-    middle.set(xlabel="steps", ylabel="energy error", title=f"velocity Verlet, {steps:,} undamped steps: no drift")
-    right.loglog(sizes, theory, "k-", label="theory: ln(1 + (omega dt)^2) / (2 omega dt)")
+    middle.set(xlabel="steps", ylabel="energy error", title=f"velocity Verlet, {steps:,} steps")
+    right.loglog(sizes, theory, "k-", label="theory: ln(1 + (\u03c9 dt)\u00b2) / (2 \u03c9 dt)")
     right.loglog(sizes, measured, "o", label="measured")
-    right.set(xlabel="omega dt", ylabel="damping ratio", title="what backward Euler adds by itself")
+    right.set(xlabel="\u03c9 dt", ylabel="damping ratio", title="what backward Euler adds by itself")
     right.legend(frameon=False, fontsize=8)
     save(figure, out / "energy")
 
@@ -72,8 +81,8 @@ def draw_literal(out: Path, quick: bool) -> None:
 
 
 def draw_cost(out: Path, quick: bool) -> None:
-    """Draw cost against vertices; methods in numpy stop at a tenth of what the native core goes to."""
-    slow, fast = ((3, 4), (3, 4, 5, 6)) if quick else ((3, 4, 5, 6), (3, 4, 5, 6, 7))
+    """Draw cost against vertices; methods in numpy stop where a step of the dearest takes seconds."""
+    slow, fast = ((2, 3), (2, 3, 4, 5)) if quick else ((2, 3, 4, 5), (2, 3, 4, 5, 6, 7))
     found = [*cost.costs(list(METHODS), slow), *cost.costs([cost.NATIVE], fast)]
     write_csv(
         out / "cost.csv", ("method", "vertices", "dt_s", "cpu_s_per_step", "ns_per_vertex_step"),
@@ -82,17 +91,17 @@ def draw_cost(out: Path, quick: bool) -> None:
     names = list(dict.fromkeys(c.method for c in found))
     slopes = {name: round(cost.slope(found, name), 3) for name in names}
     write_csv(out / "cost_slopes.csv", ("method", "log_log_slope"), slopes.items())
-    figure, axes = plt.subplots(figsize=(8, 5.2))
+    figure, axes = plt.subplots(figsize=(10, 5.2))
     for name in names:
         mine = [c for c in found if c.method == name]
         axes.loglog(
             [c.vertices for c in mine], [1e3 * c.seconds for c in mine], color=STYLES[name], marker=MARKERS[name],
-            label=f"{LABELS[name]}: slope {slopes[name]:.2f}",
+            label=f"{LABELS[name]}, slope {slopes[name]:.2f}",
         )  # fmt: skip
     axes.axhline(1, color="0.6", lw=1)
     axes.annotate("a tick of a millisecond", (0.98, 1), xycoords=("axes fraction", "data"), va="bottom", ha="right")
     axes.set(xlabel="vertices", ylabel="processor time of one step [ms]", title="What a step costs: twisted ball, free")
-    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
     save(figure, out / "cost")
 
 
@@ -104,68 +113,89 @@ def draw_space(out: Path, quick: bool) -> None:
         out / "space.csv", ("scene", "vertices", "depth_m", "force_n", "volume_over_rest"),
         ((f.scene, f.vertices, f.depth, f.force, f.volume_ratio) for some in found.values() for f in some),
     )  # fmt: skip
-    figure, panels = plt.subplots(1, 3, figsize=(14, 4.4))
+    figure, panels = plt.subplots(1, 3, figsize=(13, 4.4))
+    shown = {"poke_ball": "liquid ball", "poke_cube": "cube of vinyl and water"}
     for (scene, some), axes in zip(found.items(), panels, strict=False):
         counts = sorted({f.vertices for f in some})
         for n, shade in zip(counts, np.linspace(0.75, 0, len(counts)), strict=True):
             mine = [f for f in some if f.vertices == n]
-            axes.plot([1e3 * f.depth for f in mine], [f.force for f in mine], color=str(shade), label=f"{n} vertices")
-        axes.set(xlabel="depth [mm]", ylabel="force on the fingertip [N]", title=f"{scene}: F(x)")
+            axes.plot([1e3 * f.depth for f in mine], [f.force for f in mine], color=str(shade), label=f"{n:,} vertices")
+        axes.set(xlabel="depth [mm]", ylabel="force on the fingertip [N]", title=f"F(x), {shown[scene]}")
         axes.legend(frameon=False, fontsize=8)
-        coarse = counts[:-1]
-        far = [100 * space.difference(some, n, counts[-1]) for n in coarse]
-        panels[2].loglog(coarse, far, "o-", label=f"{scene}, from {counts[-1]} vertices")
+        far = [100 * space.difference(some, n, counts[-1]) for n in counts[:-1]]
+        panels[2].loglog(counts[:-1], far, "o-", label=f"{shown[scene]}, from {counts[-1]:,} vertices")
     low, high = panels[2].get_xlim()
     top = panels[2].get_ylim()[1]
     panels[2].loglog([low, high], [top, top * low / high], "k:", lw=1, label="second order in the edge length")
+    ticks = (150, 300, 600) if quick else (150, 600, 2400)
+    panels[2].set_xticks(ticks, [f"{n:,}" for n in ticks])
+    panels[2].minorticks_off()
     panels[2].set(xlabel="vertices", ylabel="difference of F(x) [% of the largest]", title="convergence in space")
-    panels[2].legend(frameon=False, fontsize=8)
+    panels[2].legend(frameon=False, fontsize=8, loc="lower left")
     save(figure, out / "space")
 
 
 def draw_stiff_nylon(out: Path, quick: bool) -> None:
     """Draw which way runs the stiff cube live: error against cost, stand-ins of several sizes as a ladder."""
+    skins = {"skin as the press was measured": False} | ({} if quick else {"all of k in the skin": True})
     found = {
         label: list(stiff_nylon.presses(12 if quick else 41, whole=whole, dear=not quick and not whole))
-        for whole, label in ((False, "skin as the press was measured"), (True, "all of k in the skin"))
-        if not (quick and whole)
+        for label, whole in skins.items()
     }
     write_csv(
         out / "stiff_nylon.csv",
-        ("skin", "method", "backend", "vertices", "dt_s", "surface_error_m", "farthest_m", "force_error",
-         "cpu_s_per_s", "unsolved_steps", "within_tolerance"),
-        ((label, p.method, p.backend, p.vertices, p.dt, p.surface, p.farthest, p.force, p.cost, p.unsolved, p.within)
-         for label, some in found.items() for p in some),
+        ("skin", "way", "method", "backend", "vertices", "dt_s", "surface_error_m", "farthest_m", "force_error",
+         "cpu_s_per_s", "unsolved_steps", "within_tolerance", "live"),
+        ((label, p.way, p.method, p.backend, p.vertices, p.dt, p.surface, p.farthest, p.force, p.cost, p.unsolved,
+          p.within, p.live) for label, some in found.items() for p in some),
     )  # fmt: skip
+    tell_stiff_nylon(found)
     figure, rows = plt.subplots(len(found), 2, figsize=(11, 4.4 * len(found)), squeeze=False, sharex=True)
     for (label, some), row in zip(found.items(), rows, strict=True):
-        for axes, values, bound, what in (
-            (row[0], [1e3 * p.surface for p in some], 1e3 * stiff_nylon.SURFACE, "error between the surfaces [mm]"),
-            (row[1], [100 * p.force for p in some], 100 * stiff_nylon.FORCE, "error of the force [%]"),
-        ):
-            for p, value in zip(some, values, strict=True):
-                if p.method == "reference":
-                    axes.axhline(value, color="0.5", lw=1, ls=":")
-                    continue
-                name = p.method.rpartition(" ")[2]
-                key = "native" if p.backend == "native" else name
-                hollow = "none" if p.method.startswith("stand-in") else STYLES[key]
-                axes.loglog(p.cost, value, "o", ms=7, mec=STYLES[key], mfc=hollow)
-                text = f"{p.vertices}" if p.method.startswith("stand-in") else f"{LABELS[key]}, {1e3 * p.dt:.2g} ms"
-                left = p.backend == "numpy"
-                axes.annotate(
-                    text, (p.cost, value), xytext=(-6 if left else 6, 3), textcoords="offset points", fontsize=7,
-                    ha="right" if left else "left",
-                )  # fmt: skip
-            axes.axhline(bound, color="#4c9f70", lw=1.2)
-            axes.axvline(1, color="0.5", lw=1.2, ls="--")
-            axes.set(ylabel=what, title=f"{label}; {max(p.vertices for p in some)} vertices")
-            axes.margins(x=0.15, y=0.12)
+        mesh = f"{label}; {max(p.vertices for p in some):,} vertices"
+        draw_ways(row[0], some, [1e3 * p.surface for p in some], 1e3 * TOLERANCE)
+        draw_ways(row[1], some, [100 * p.force for p in some], 100 * FORCE_TOLERANCE)
+        row[0].set(ylabel="error between the surfaces [mm]", title=mesh)
+        row[1].set(ylabel="error of the force [%]", title=mesh)
     for axes in rows[-1]:
         axes.set_xlabel("processor time per simulated second [s]")
     figure.suptitle(
-        "stiff_nylon pressed 10 mm. Left of the dashed line: live. Below the green line: within the tolerance. "
-        "Hollow: stand-ins and their vertices.\nDotted: what halving the steps of the reference changes; nobody can be "
+        "The stiff cube pressed 10 mm. Green: live and within the tolerance. Hollow: stand-ins, by their vertices. "
+        "Star: what the planner takes.\nDotted: what halving the steps of the reference changes; nobody can be "
         "judged nearer than that", fontsize=9,
     )  # fmt: skip
     save(figure, out / "stiff_nylon")
+
+
+def draw_ways(axes: Axes, some: Sequence[Press], values: Sequence[float], tolerance: float) -> None:
+    for p, value in zip(some, values, strict=True):
+        if p.way == "reference":
+            axes.axhline(value, color="0.5", lw=1, ls=":")
+            continue
+        key = "native" if p.backend == "native" else p.method
+        star, hollow = p.way == "planner", p.way == "stand-in"
+        axes.loglog(
+            p.cost, value, "*" if star else "o", ms=14 if star else 7, mec=STYLES[key],
+            mfc="gold" if star else "none" if hollow else STYLES[key], zorder=3 if star else 2,
+        )  # fmt: skip
+        left = p.backend == "numpy"
+        axes.annotate(
+            f"{p.vertices}" if star or hollow else f"{LABELS[key]}, {1e3 * p.dt:.2g} ms", (p.cost, value),
+            xytext=(-8 if left else 8, -12 if star else 3), textcoords="offset points", fontsize=8,
+            ha="right" if left else "left",
+        )  # fmt: skip
+    axes.margins(x=0.15, y=0.12)
+    low, bottom = axes.get_xlim()[0], axes.get_ylim()[0]
+    axes.fill_between([low, BUDGET], bottom, tolerance, color="#4c9f70", alpha=0.15, lw=0)
+    axes.set(xlim=(low, None), ylim=(bottom, None))
+
+
+def tell_stiff_nylon(found: dict[str, list[Press]]) -> None:
+    lines = [("skin", "way", "method", "vertices", "step", "surface", "force", "CPU s/s", "live, within")]
+    for label, some in found.items():
+        lines += [
+            (label, p.way, f"{p.method}, {p.backend}", f"{p.vertices:,}", f"{1e3 * p.dt:.3g} ms",
+             f"{1e3 * p.surface:.2g} mm", f"{p.force:.1%}", f"{p.cost:.2g}", f"{p.live}, {p.within}")
+            for p in some
+        ]  # fmt: skip
+    print("\nThe stiff cube pressed 10 mm\n" + table(lines) + "\n", flush=True)

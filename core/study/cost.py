@@ -17,7 +17,7 @@ from .scenes import twisted_ball
 
 NATIVE = "native"
 LEAST = 2  # steps that are timed, a step at a time; the median counts
-SECONDS = 0.1  # or as many steps as this lasts
+SECONDS = 0.05  # or as many steps as this lasts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -111,11 +111,6 @@ def poke_cube(cells: int, *, law_set: str = "consistent") -> Session:
     return _under_a_fingertip(cube(cells, preset.size), preset.material, law_set=law_set)
 
 
-def stiff_nylon(cells: int) -> Session:
-    """Return Object 1, the cube of nylon and air, on its base, a 20 mm fingertip above it."""
-    return _under_a_fingertip(cube(cells, PRESETS[0].size), PRESETS[0].material)
-
-
 def whole_skin(preset: Preset) -> Material:
     """Return a preset's material with the whole of k in its skin, which the press that was measured contradicts."""
     constants = estimate(preset.material, preset.size)
