@@ -100,6 +100,8 @@ def press(seconds: float, *, busy: bool = False, words: list[str] | None = None)
             report = _drive(device, seconds, busy, frames)
         finally:
             device.close()
+        if not (trace.exists() and told.exists() and log.exists()):
+            raise DimpleError("Device or servo did not end in time, so there is no trace: the machine is too busy.")
         rows = np.loadtxt(trace, delimiter=",", skiprows=1, converters={1: float}, ndmin=2)
         given = np.loadtxt(log, delimiter=",", ndmin=2)
         return Trial(cycles, report, json.loads(told.read_text()), rows, given, np.array(frames))

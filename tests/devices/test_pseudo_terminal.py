@@ -69,6 +69,15 @@ def drive(link: Link, host: Host, seconds: float = LIMIT, *, until: int | None =
                 link.write(answer)
 
 
+def arm(link: Link, host: Host) -> None:
+    """Let a host arm the device; skip the test on a machine that loses more than one State of a hundred."""
+    drive(link, host, 0.7 * LIMIT, until=wire.ARMED)
+    if host.states[-1].status & wire.MODE != wire.ARMED:
+        ticks = (host.states[-1].t_us - host.states[0].t_us) * 1e-6 / SPEC.tick
+        assert len(host.states) < 0.99 * ticks, host.states[-1]
+        pytest.skip(f"this machine cannot run a loop of 1 kHz: {len(host.states)} of {ticks:.0f} positions came")
+
+
 def is_lost_within_100_ms(link: Link) -> bool:
     """Tell whether ten looks of 10 ms see that a line is lost; looks, for a busy machine's own gaps do not count."""
     with contextlib.suppress(LinkLost):
@@ -90,7 +99,7 @@ def test_soak(start: Start, port: Path, tmp_path: Path) -> None:
     """Some 3 s through the real driver: armed, pushing, no wrong frame, the port gone at the end."""
     process = start("--json", tmp_path / "told.json", "--trace", tmp_path / "trace.csv")
     link, host = open_link(str(port), SPEC.baud), Presser(2.0)
-    drive(link, host, until=wire.ARMED)
+    arm(link, host)
     session = host.states[-1].session
     begin = time.monotonic()
     while time.monotonic() - begin < 2.0:
@@ -149,13 +158,17 @@ def test_a_device_that_goes_away_is_lost_within_100_ms(start: Start, port: Path,
 
 HOST = """
 import sys, time
+import pytest
 sys.path.insert(0, {root!r})
 from core.devices.serial_link import open_link
 from core.devices import wire
 from tests.devices.host import SPEC, Presser
-from tests.devices.test_pseudo_terminal import drive
+from tests.devices.test_pseudo_terminal import arm
 link, host = open_link({port!r}, SPEC.baud), Presser(3.0)
-drive(link, host, until=wire.ARMED)
+try:
+    arm(link, host)
+except pytest.skip.Exception as busy:
+    print(busy, flush=True)
 print(host.mode, flush=True)
 begin = time.monotonic()
 while time.monotonic() - begin < 20.0:
@@ -171,7 +184,11 @@ def test_a_killed_host_leaves_no_force_no_arm_and_no_stuck_port(start: Start, po
         [sys.executable, "-c", HOST.format(root=str(ROOT), port=str(port))], stdout=subprocess.PIPE, cwd=ROOT
     )
     try:
-        assert host.stdout is not None and host.stdout.readline() == b"%d\n" % wire.ARMED
+        assert host.stdout is not None
+        said = host.stdout.readline()
+        if said.startswith(b"this machine"):
+            pytest.skip(said.decode())
+        assert said == b"%d\n" % wire.ARMED
         time.sleep(0.2)
     finally:
         host.send_signal(signal.SIGKILL)
