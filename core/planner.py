@@ -27,7 +27,6 @@ CONTACT = 1.15  # times the work of a body nobody touches
 # radius they go with: fitted to 75 stand-ins of the 12 bodies in core.study.bodies.FITTED, presses of half a radius
 ERROR, ERROR_POWER = 0.098, 1.41
 FORCE_ERROR, FORCE_POWER = 0.22, 1.47  # on a box about twice that, on what is round about half
-MARGIN = 1.2  # of an error that differs from place to place
 TRIES = 5
 NEAR_ENOUGH = 0.85  # of a tolerance: what is left saves under a third of the work, not worth another try
 CLOSE = 1.3  # times the vertices that missed: half the work more at most
@@ -137,9 +136,10 @@ def stand_in(
     cost, moved = pace(proxy.model), len(proxy.seeds)
     error, force_error = (measured.error, measured.force_error) if measured else expected(proxy, radius)
     speed = "runs live" if cost <= budget else f"runs at {_times(budget / cost)}"
+    known = "kept within" if measured else "should keep within about"
     reason = (
-        f"{because or 'As chosen'}; a stand-in of {moved:,} vertices keeps within about {1e3 * error:.2g} mm and "
-        f"{force_error:.0%} of the force and {speed}."
+        f"{because or 'As chosen'}; a stand-in of {moved:,} vertices {known} {1e3 * error:.2g} mm and "
+        f"{force_error:.0%} of the force{'' if measured else ' (not tried)'} and {speed}."
     )
     return Plan(
         proxy=proxy, asked=vertices, vertices=moved, steps=proxy.model.substeps(TICK), cost=cost, error=error,
@@ -178,8 +178,8 @@ def _measured(
 
 def vertices_for(model: Model, tolerance: float, force_tolerance: float, radius: float) -> int:
     """Return how many vertices a stand-in needs to meet the tolerances under a fingertip of a radius [m]."""
-    by_skin = (tolerance / (MARGIN * ERROR * radius)) ** (1 / ERROR_POWER)
-    by_force = (force_tolerance / (MARGIN * FORCE_ERROR)) ** (1 / FORCE_POWER)
+    by_skin = (tolerance / (ERROR * radius)) ** (1 / ERROR_POWER)
+    by_force = (force_tolerance / FORCE_ERROR) ** (1 / FORCE_POWER)
     spacing = radius * max(min(by_skin, by_force), 1e-6)
     return max(math.ceil((mean_spacing(model.mesh, 1) / spacing) ** 2), SMALLEST)
 

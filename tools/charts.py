@@ -15,6 +15,7 @@ from core.integrators.methods import FRONTS, METHODS
 
 from .charts_model import draw_cost, draw_energy, draw_literal, draw_space, draw_stiff_nylon
 from .charts_stability import draw_stability
+from .charts_stand_ins import draw_stand_ins
 from .charts_work import draw_work_precision
 from .environment import ROOT
 
@@ -29,7 +30,8 @@ def main(words: Sequence[str] | None = None) -> int:
     options = parser.parse_args(words)
     options.out.mkdir(parents=True, exist_ok=True)
     for draw in (
-        draw_work_precision, draw_stability, draw_energy, draw_literal, draw_cost, draw_space, draw_stiff_nylon
+        draw_work_precision, draw_stability, draw_energy, draw_literal, draw_cost, draw_space, draw_stiff_nylon,
+        draw_stand_ins,
     ):  # fmt: skip
         started = time.perf_counter()
         draw(options.out, options.quick)
@@ -41,12 +43,13 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def keep(out: Path) -> None:
-    """Keep the two main charts and the table of who is on the front."""
+    """Keep the main charts, who is on the front and what the planner's fit goes by."""
     KEPT.mkdir(parents=True, exist_ok=True)
-    for name in ("work_precision", "stability"):
+    for name in ("work_precision", "stability", "stand_ins"):
         for suffix in (".png", ".svg", ".csv"):
             shutil.copyfile(out / (name + suffix), KEPT / (name + suffix))
-    shutil.copyfile(out / "stability_bounds.csv", KEPT / "stability_bounds.csv")
+    for name in ("stability_bounds.csv", "stand_ins_fit.csv"):
+        shutil.copyfile(out / name, KEPT / name)
     shutil.copyfile(out / "fronts.csv", FRONTS)
 
 

@@ -10,11 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from core import planner
+from core.integrators.methods import METHODS, offered
 from core.study import bodies, stand_ins
 from core.study.stand_ins import COARSEST, FINEST, LINE, NEVER, SLACK, Choice, Judge, Row
+from core.trial import Way
 
 from .drawing import save, table, write_csv
 
+BUDGETS = (0.05, 0.2, 0.6, 2.0)  # [s] of a second
+ON = 300  # vertices the other methods are tried on
 COLOURS = {"presses": "tab:blue", "fit": "tab:orange"}
 FITS = (  # what a row has, what it is, the planner's line
     ("error", "skin: error over fingertip radius", planner.ERROR, planner.ERROR_POWER),
@@ -38,10 +42,12 @@ def draw_stand_ins(out: Path, quick: bool) -> None:
     figure.suptitle("Stand-ins: what the planner expects of them, and what its choices come to on bodies it never saw")
     save(figure, out / "stand_ins")
     print(told(choices), flush=True)
+    print(told_budgets(judges), flush=True)
     if known:
         again = stand_ins.fit(known)
         print("The fit made again:", ", ".join(f"{value:.3g}" for value in again), end="; the planner's: ")
         print(planner.ERROR, planner.ERROR_POWER, planner.FORCE_ERROR, planner.FORCE_POWER, sep=", ", flush=True)
+        print(told_others(bodies.UNSEEN[2]), flush=True)
 
 
 def judge_of(body: bodies.Body, quick: bool) -> Judge:
@@ -99,7 +105,7 @@ def draw_verdict(axes: Axes, choices: Sequence[Choice]) -> None:
     """Draw cost over the best choice's against error over tolerance: inside the box the line is kept."""
     for by, colour in COLOURS.items():
         some = [c for c in choices if c.by == by]
-        label = {"presses": "pressed at four places first", "fit": "by the fit alone (heavy meshes)"}[by]
+        label = {"presses": "pressed first", "fit": "by the fit alone (heavy meshes)"}[by]
         axes.semilogy([c.excess for c in some], [c.ratio for c in some], "o", color=colour, alpha=0.6, label=label)
     axes.axvline(SLACK, color="0.5", lw=1)
     axes.axhline(LINE, color="0.5", lw=1)
@@ -126,3 +132,32 @@ def told(choices: Sequence[Choice]) -> str:
             f"tolerances kept up to a third over by {near} of {len(some)}, the worst {max(c.excess for c in some):.2f}"
         )
     return "\n".join(said)
+
+
+def told_budgets(judges: Sequence[Judge]) -> str:
+    """Tell what moves as the budget grows, and how often a choice that misses it could have kept it."""
+    lines = [("budget", "mesh live", "stand-in live", "slower", "of these the best choice would be live")]
+    found = [choice for judge in judges for choice in stand_ins.over_budgets(judge, BUDGETS)]
+    for budget in BUDGETS:
+        some = [c for c in found if c.budget == budget]
+        live = [c for c in some if c.plan.cost <= budget]
+        slow = [c for c in some if c.plan.cost > budget]
+        lines.append((
+            f"{budget:g} s/s", f"{sum(not c.plan.asked for c in live)}", f"{sum(c.plan.asked > 0 for c in live)}",
+            f"{len(slow)}", f"{sum(c.best.cost <= budget for c in slow)}",
+        ))  # fmt: skip
+    return table(lines)
+
+
+def told_others(body: bodies.Body) -> str:
+    """Tell what the other methods that are offered cost on the same stand-in as the planner's, and how far off."""
+    judge = Judge(body, bodies.build(body), half=1)
+    lines = [("method", "error", "force", "cost")]
+    for name in offered():
+        tried = judge.tried(Way(method=name, vertices=ON))
+        backend = "" if name == Way().method else " (numpy)"
+        lines.append((
+            METHODS[name].label + backend, f"{1e3 * tried.error:.2f} mm", f"{tried.force_error:.0%}",
+            f"{tried.cost:.3g} s/s",
+        ))  # fmt: skip
+    return f"{body.name}, stand-in of {ON}\n{table(lines)}"

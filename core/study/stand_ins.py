@@ -177,6 +177,17 @@ def choices(judge: Judge, *, budget: float, near: Sequence[tuple[float, float]] 
             yield judge.judged(chosen, wanted, budget=budget, by=by)
 
 
+def over_budgets(judge: Judge, budgets: Sequence[float]) -> Iterator[Choice]:
+    """Plan one body by the fit for several budgets [s of a second], all for the middle one of the tolerances."""
+    near = tolerances(judge.body)[1]
+    for budget in budgets:
+        chosen = plan(
+            judge.model, tolerance=near[0], force_tolerance=near[1], radius=judge.body.radius, budget=budget,
+            allowance=0.0,
+        )  # fmt: skip
+        yield judge.judged(chosen, near, budget=budget, by="fit")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
     """Hold a rung of a body: share is spacing over fingertip radius, error is over that radius too."""
