@@ -101,7 +101,7 @@ def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple
     lines.append((iface_("Renders up to"), f"{report.cap / 1e3:.2f} N/mm, {report.peak:.0f} N"))
     for name in ("K1", "K2") if material else ():
         asked = getattr(material, name)
-        lines.append((name, f"{asked:.2f}: {min(asked, report.cap / 1e3):.2f} N/mm"))
+        lines.append((iface_("{} Asked, Felt").format(name), f"{asked:.2f}, {min(asked, report.cap / 1e3):.2f} N/mm"))
     return lines
 
 

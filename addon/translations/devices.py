@@ -47,6 +47,7 @@ WORDS = {
     "Round Trip": "往復時間",
     "Lost Frames": "失われたフレーム",
     "full": "上限",
+    "{} Asked, Felt": "{} 指定、感触",
     "Renders up to": "表現できる上限",
     "K1 and K2 are not renderable: the device shakes with so stiff a wall. Both feel softer.": (
         "K1 と K2 は表現できません。この硬さではデバイスが振動するため、どちらも柔らかく感じます。"

@@ -204,8 +204,8 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
     report = connect(bpy, port.path)
     assert any("K2 is not renderable" in note for note in device.notes(report, settings))
     rows = dict(device.rows(report, settings))
-    assert rows["K1"] == "0.20: 0.20 N/mm"
-    asked, _, rendered = rows["K2"].partition(": ")
+    assert rows["K1 Asked, Felt"] == "0.20, 0.20 N/mm"
+    asked, _, rendered = rows["K2 Asked, Felt"].partition(", ")
     assert (
         asked == "9.00"
         and float(rendered.split()[0]) == pytest.approx(report.cap / 1e3, abs=0.006)
