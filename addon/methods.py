@@ -1,5 +1,6 @@
 """How a body is simulated: the planner's choice with its reason, the way out of it, and the comparison's chart."""
 
+import itertools
 import json
 import math
 from collections.abc import Sequence
@@ -116,16 +117,18 @@ def draw_chart(
     spots = list(zip(found, places(found, limits, corner, size), strict=True))
     ours = sorted(at for each, at in spots if each["method"] == "semi_implicit" and each["error"] > 0)
     overlay.draw_lines(shapes.chained(ours), STAND_INS, region)
+    above = itertools.count(4, 15)  # [px] other methods lie side by side, their names one over the other
     for each, (x, y) in spots:
         if not each["error"]:
             overlay.draw_lines([((x, bottom), (x, top))], overlay.FORCE, region)
             overlay.write(iface_("Mesh Itself"), (x + 4 * scale, top - 14 * scale), scale)
             continue
-        label, colour = label_of(each), OTHER
         if each["method"] == "semi_implicit":
-            label, colour = f"{each['vertices']}", STAND_INS
+            label, colour, up = f"{each['vertices']}", STAND_INS, 4
+        else:
+            label, colour, up = label_of(each), OTHER, next(above)
         overlay.draw_lines(shapes.circle((x, y), (4 * scale, 0.0), (0.0, 4 * scale)), colour, region)
-        overlay.write(label, (x + 6 * scale, y + 4 * scale), scale)
+        overlay.write(label, (x + 6 * scale, y + up * scale), scale)
     told = iface_("Error (mm) against cost (s of computing a second)")
     overlay.write(told, (left, bottom - 20 * scale), scale)
 

@@ -1,0 +1,72 @@
+"""The planner's choices against the best there was, and where its constants come from."""
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from core import planner
+from core.study import bodies, stand_ins
+from core.study.bodies import Body
+from core.study.stand_ins import LINE, NEVER, SLACK, Judge, Row
+
+CHARTS = Path(__file__).parent / "charts"
+
+
+def kept(name: str) -> list[dict[str, str]]:
+    with (CHARTS / name).open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[Row]:
+    """Return the rows `python3 dev.py charts --keep` measured for the fit."""
+    return [
+        Row(
+            body=row["body"], vertices=int(row["vertices"]), share=float(row["spacing_over_radius"]),
+            error=float(row["error_over_radius"]), force_error=float(row["force_error"]),
+        )
+        for row in kept("stand_ins_fit.csv")
+        if row["fitted"] == "1"
+    ]  # fmt: skip
+
+
+def test_the_planners_constants_are_those_of_the_fit(rows: list[Row]) -> None:
+    assert {row.body for row in rows} == {body.name for body in bodies.FITTED}
+    given = (planner.ERROR, planner.ERROR_POWER, planner.FORCE_ERROR, planner.FORCE_POWER)
+    assert stand_ins.fit(rows) == pytest.approx(given, rel=0.01)  # they are written with two or three digits
+
+
+def test_a_fitted_body_measured_again_gives_what_was_kept(rows: list[Row]) -> None:
+    """To a tenth: another compiler rounds otherwise, and the native core works in single precision."""
+    body = bodies.FITTED[3]
+    again = stand_ins.rows(Judge(body, bodies.build(body)))
+    mine = [row for row in rows if row.body == body.name]
+    assert [row.vertices for row in again] == [row.vertices for row in mine]
+    assert [row.error for row in again] == pytest.approx([row.error for row in mine], rel=0.1)
+    assert [row.force_error for row in again] == pytest.approx([row.force_error for row in mine], rel=0.1)
+
+
+def test_no_shape_is_fitted_and_unseen() -> None:
+    assert not {body.shape for body in bodies.FITTED} & {body.shape for body in bodies.UNSEEN}
+
+
+@pytest.mark.parametrize("body", [bodies.UNSEEN[k] for k in (3, 9, 11)], ids=lambda body: body.name)
+def test_a_choice_for_an_unseen_body_keeps_its_tolerances_for_half_more_than_the_best_costs(body: Body) -> None:
+    """Judged by presses the planner did not see, so within a third over; costs are counted: vertices x steps."""
+    judge = Judge(body, bodies.build(body, 20))
+    near = stand_ins.tolerances(body)[-1]
+    chosen = next(stand_ins.choices(judge, budget=NEVER, near=[near]))
+    assert chosen.plan.proxy is not None
+    assert chosen.excess <= SLACK
+    assert chosen.ratio <= LINE
+
+
+def test_the_best_is_the_cheapest_that_meets_the_tolerances_on_both_halves() -> None:
+    body = bodies.UNSEEN[9]
+    judge = Judge(body, bodies.build(body, 12), half=2)
+    rungs = judge.ladder()
+    assert [rung.vertices for rung in rungs] == sorted(rung.vertices for rung in rungs)
+    assert rungs[-1].error == 0.0 and rungs[-1].meets(0.0, 0.0)
+    near = (1.01 * max(h.error for h in rungs[-2].halves), 1.01 * max(h.force_error for h in rungs[-2].halves))
+    assert rungs[-2].meets(*near) and not rungs[-2].meets(0.5 * near[0], near[1])

@@ -1,0 +1,49 @@
+"""Compare Methods in the window test: stopped by ESC, then to its end, its chart seen, one way taken."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import robot
+
+HALF = 80  # [px] of the compared square
+SEEN = 1000  # [px] that a chart changes at least
+
+Check = Callable[..., None]
+
+
+def compare_methods(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Waits:
+    """Compare ways to simulate the body, look at the chart, take a stand-in and give it back."""
+    settings, shown = bpy.data.objects[body].dimple, bpy.context.window_manager.dimple
+    yield from robot.move(*at)
+    yield from robot.redrawn()
+    bare = robot.screenshot(out / "9-compared.png")
+    start()
+    check("the comparison runs", "DIMPLE_OT_compare_methods" in robot.modal_operators())
+    yield 0.5
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: not robot.modal_operators(), "ESC stops the comparison", 30)
+    check("ESC stops the comparison and nothing is kept", settings.comparison == "" and not shown.show_comparison)
+    start()
+    yield from robot.until(lambda: settings.comparison != "", "the comparison ends", 300)
+    yield from robot.redrawn()
+    view = robot.region()
+    gap = robot.differing(
+        bare, robot.screenshot(out / "9-compared.png"), (view.x + 190, view.y + view.height - 220), HALF
+    )
+    found = json.loads(settings.comparison)
+    ways = ", ".join(f"{each['label']} {each['vertices']}" for each in found)
+    check("the chart of this very object is seen in the viewport", gap > SEEN, f"{gap} pixels differ; {ways}")
+    smallest = next(each["asked"] for each in found if each["asked"])
+    bpy.ops.dimple.apply_method(vertices=smallest)
+    check("a way is taken", (settings.moves, settings.stand_in_vertices) == ("STAND_IN", smallest))
+    settings.moves, shown.show_comparison = "AUTO", False
+    yield from robot.redrawn()
+
+
+def start() -> None:
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.compare_methods("INVOKE_DEFAULT", presses=1)
