@@ -85,7 +85,7 @@ def _terminal(path: Path) -> Iterator[int]:
         import tty
     except ImportError:
         raise DimpleError("This system has no pseudo-terminals; the emulator runs on Linux and macOS.") from None
-    if path.exists():  # the link of an emulator that was killed leads nowhere, and is replaced
+    if os.path.exists(path):  # the link of an emulator that was killed leads nowhere, and is replaced
         raise DimpleError(
             f"{path} is there already, perhaps of another emulator. End that, or name a path that is free."
         )
