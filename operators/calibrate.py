@@ -78,8 +78,9 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     press: _said("Press", "Sign of a pressing force, positive or negative")
     cycle: IntProperty(name="Cycle", description="Which of several presses, counted from 1", options=HIDDEN, min=0)
     contact_mm: FloatProperty(
-        name="Contact (mm)", description="Reading of the depth at first touch", options=HIDDEN, precision=4
-    )
+        name="Contact (mm)", description="Reading of the depth at first touch; it is found out until you change this",
+        options={"SKIP_SAVE"}, precision=4,
+    )  # fmt: skip
     asked: StringProperty(name="Asked", description="What the file leaves open", options=HIDDEN)
     answer_0: _answer(0)
     answer_1: _answer(1)
@@ -136,7 +137,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         if self.asked:
             return self._draw_questions(layout)
         layout.use_property_split = True
-        for name in ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa"):
+        for name in ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa", "contact_mm"):
             layout.prop(self, name)
         return None
 

@@ -42,6 +42,8 @@ def record(calibration: Calibration, tip: str) -> str:
     press, fit = calibration.press, calibration.fit
     shift, tare = fit.contact.value, fit.tare
     told["tip"], told["date"], told["noticeable"] = tip, date.today().isoformat(), NOTICEABLE_FORCE
+    for name in ("notes", "warnings"):
+        told[name] = [plain(text) for text in told[name]]
     told["provenance"] = f"{told['provenance']}, calibrated {told['date']}"
     told["points"] = thinned(1e3 * (press.depth - shift), press.force - tare, POINTS)
     told["way_back"] = thinned(1e3 * (press.back_depth - shift), press.back_force - tare, POINTS // 2)
@@ -90,7 +92,8 @@ def questions(undecided: Undecided) -> str:
 
 def plain(message: str) -> str:
     """Return a message of the core in the words of this interface: options are called by their labels."""
-    return re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda found: f"“{found[1].replace('-', ' ').title()}”", message)
+    named = re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda found: f"“{found[1].replace('-', ' ').title()}”", message)
+    return named.replace(" Mm”", " (mm)”")
 
 
 def deepest_mm(settings: Any) -> float:

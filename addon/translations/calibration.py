@@ -54,7 +54,9 @@ FILES = {
     "Cycle": "回",
     "Which of several presses, counted from 1": "複数回の押し込みのうちどれか。1 から数えます",
     "Contact (mm)": "接触 (mm)",
-    "Reading of the depth at first touch": "最初に触れたときの深さの読み",
+    "Reading of the depth at first touch; it is found out until you change this": (
+        "最初に触れたときの深さの読み。変えるまでは自動で求めます"
+    ),
     "Asked": "質問",
     "What the file leaves open": "ファイルだけでは決まらないこと",
     "Answer": "答え",

@@ -164,8 +164,8 @@ def _begun(first: float, before: float, loaded: float) -> Question:
         text=f"The force is {loaded:.3g} N where the file begins, at {1e3 * first:.4g} mm. "
         "At which depth was the first touch?",
         candidates=(
-            Candidate(value=f"{1e3 * first:.4g}", label="where the file begins: the load cell was not tared"),
-            Candidate(value=f"{1e3 * before:.4g}", label="before the file begins: the object was pressed already"),
+            Candidate(value=f"{1e3 * first:.3f}", label="where the file begins: the load cell was not tared"),
+            Candidate(value=f"{1e3 * before:.3f}", label="before the file begins: the object was pressed already"),
         ),
     )
 

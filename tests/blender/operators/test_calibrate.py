@@ -91,6 +91,27 @@ def test_a_script_is_told_what_a_file_leaves_open_and_its_answer_is_taken(
     assert told(scene)["K2"] == pytest.approx(7e-3, rel=1e-3)
 
 
+def test_a_force_where_the_file_begins_is_asked_and_the_touch_can_be_said(
+    bpy: ModuleType, scene: Any, write: Write
+) -> None:
+    path = write("pressed.csv", "Depth (mm),Force (N)", lambda x, f: f"{x - 6:.4f},{f:.4f}" if x > 6 else "")
+    with pytest.raises(RuntimeError, match="At which depth was the first touch.* Give contact_mm: .*not tared"):
+        bpy.ops.dimple.calibrate(filepath=path)
+    assert bpy.ops.dimple.calibrate(filepath=path, contact_mm=-6) == {"FINISHED"}
+    assert told(scene)["x0"] == pytest.approx(12, rel=1e-3)
+    assert bpy.ops.dimple.calibrate(filepath=path, contact_mm=0) == {"FINISHED"}
+    assert told(scene)["x0"] == pytest.approx(6, rel=0.1), "K1 alone tells no touch: 0 is as was said"
+    assert told(scene)["K1"] == pytest.approx(0.6, rel=1e-3)
+
+
+def test_options_of_the_command_are_called_by_their_labels_here(bpy: ModuleType) -> None:
+    from bl_ext.user_default.dimple.operators import calibration
+
+    labels = {prop.name for prop in bpy.ops.dimple.calibrate.get_rna_type().properties}
+    for option in ("--contact-mm", "--tip-radius-mm", "--depth-column"):
+        assert calibration.plain(option).strip("“”") in labels
+
+
 class Asked:
     """Stand for the operator in its dialog, which background Blender does not have; note what opens next."""
 
