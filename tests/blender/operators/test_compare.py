@@ -19,7 +19,7 @@ def fine(add: Callable[..., Any]) -> Any:
     bmesh.ops.create_icosphere(made, subdivisions=6, radius=1.0)
     made.to_mesh(obj.data)
     made.free()
-    obj.dimple.tolerance_mm, obj.dimple.tolerance_percent = 3.0, 30.0  # a small stand-in is a quick test
+    obj.dimple.tolerance_mm, obj.dimple.tolerance_percent = 2.0, 20.0  # a small stand-in is a quick test
     return obj
 
 
