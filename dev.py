@@ -98,7 +98,7 @@ def wheels(options: argparse.Namespace) -> int:
 
 
 def bench(options: argparse.Namespace) -> int:
-    """measure scenes, sizes and backends; --quick, --json FILE, --profile, --peers"""
+    """measure scenes, sizes and backends; --quick, --json FILE, --profile, --peers, --enabling"""
     python = environment(options.blender)
     native_core.provide_library(python)
     return run([python, "-m", "tests.bench.bench", *options.rest], OPENBLAS_NUM_THREADS="1")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import ctypes
 import gc
 import json
 import os
@@ -129,8 +130,14 @@ def straight(start: float, end: float, ticks: int, fingers: int) -> FingerPath:
 
 
 def memory_mb() -> float:
+    """Return what this process holds, less what it has freed; nan where the system does not tell."""
     statm = Path("/proc/self/statm")
-    return int(statm.read_text().split()[1]) * os.sysconf("SC_PAGESIZE") / 1e6 if statm.exists() else float("nan")
+    if not statm.exists():
+        return float("nan")
+    give_back = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if give_back:
+        give_back(0)
+    return int(statm.read_text().split()[1]) * os.sysconf("SC_PAGESIZE") / 1e6
 
 
 def bandwidth() -> float:
@@ -185,7 +192,12 @@ def main(words: list[str]) -> int:
     parser.add_argument("--json", type=Path, metavar="FILE", help="where the numbers go")
     parser.add_argument("--profile", action="store_true", help="what each part of a step costs, instead")
     parser.add_argument("--peers", action="store_true", help="the scenes other solvers were measured on, instead")
+    parser.add_argument("--enabling", action="store_true", help="what enabling costs in Blender, instead")
     options = parser.parse_args(words)
+    if options.enabling:
+        from tests.bench import enabling
+
+        return enabling.main()
     if options.peers:
         from tests.bench import peers
 
