@@ -19,12 +19,11 @@ from .table import MIN_ROWS, find_table
 class Measurement:
     """Hold what an instrument wrote, in its own zero and sign.
 
-    source: name of the file.  time: [s] (n,) or None.  depth: [m] (n,).  force: [N] (n,).
+    source: name of the file.  depth: [m] (n,).  force: [N] (n,).
     depth_header, force_header: where they came from.  notes, warnings: sentences for the artist.
     """
 
     source: str
-    time: Floats | None
     depth: Floats
     force: Floats
     depth_header: str
@@ -52,9 +51,9 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
     if encoding not in ("utf-8", "utf-8-sig"):
         notes += (f"The text was read as {encoding}.",)
     measurement = Measurement(
-        source=Path(path).name, time=columns.time, depth=columns.depth, force=columns.force,
+        source=Path(path).name, depth=columns.depth, force=columns.force,
         depth_header=columns.depth_header, force_header=columns.force_header,
-        notes=(*notes, *table.notes, *columns.notes), warnings=(*table.warnings, *columns.warnings),
+        notes=(*notes, *table.notes, *columns.notes), warnings=table.warnings,
     )  # fmt: skip
     return _whole_rows(measurement)
 
@@ -71,7 +70,6 @@ def _whole_rows(measurement: Measurement) -> Measurement:
     serious = missing > 0.05 * n
     return replace(
         measurement,
-        time=None if measurement.time is None else measurement.time[whole],
         depth=measurement.depth[whole],
         force=measurement.force[whole],
         notes=measurement.notes if serious else (*measurement.notes, text),

@@ -21,15 +21,13 @@ _CHOICES = {"force": ("N", "gf", "kgf", "mN", "kN", "lbf"), "depth": ("mm", "m",
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Columns:
-    """Hold time [s] (or None), depth [m] and force [N], (n,) each, NaN where a cell is no number; headers and notes."""
+    """Hold depth [m] and force [N], (n,) each, NaN where a cell is no number; their headers, and notes."""
 
-    time: Floats | None
     depth: Floats
     force: Floats
     depth_header: str
     force_header: str
     notes: tuple[str, ...]
-    warnings: tuple[str, ...]
 
 
 def find_columns(table: Table, answers: Answers) -> Columns:
@@ -75,13 +73,11 @@ def find_columns(table: Table, answers: Answers) -> Columns:
     if time_at is not None and answers.depth_column is None and answers.force_column is None:
         _check_clock(table, time_at, depth_at)
     return Columns(
-        time=None if time_at is None else table.numbers[:, time_at] * _time_factor(table, units[time_at], time_at),
         depth=table.numbers[:, depth_at] * factors["depth"],
         force=table.numbers[:, force_at] * factors["force"],
         depth_header=_title(table, depth_at),
         force_header=_title(table, force_at),
         notes=tuple(notes),
-        warnings=(),
     )
 
 
@@ -209,13 +205,6 @@ def _factor(
 def _time_column(table: Table, units: Sequence[str | tuple[str, ...]]) -> int | None:
     options = [i for i in _options(table, units, "time") if np.isfinite(table.numbers[:, i]).all()]
     return options[0] if options else None
-
-
-def _time_factor(table: Table, unit: str | tuple[str, ...], at: int) -> float:
-    found = unit_of(unit) if isinstance(unit, str) and unit else None
-    if found is None:
-        return 1e-3 if table.names[at].lower() == "millis" else 1.0
-    return found[1]
 
 
 def _check_clock(table: Table, time_at: int, depth_at: int) -> None:

@@ -21,7 +21,7 @@ def law(depth):
 def recording(depth, force, *, noise=0.0, seed=0) -> Measurement:
     """Make a measurement of depth [mm] and force [N]."""
     force = force + noise * np.ptp(force) * np.random.default_rng(seed).normal(size=len(depth))
-    return Measurement(source="x.csv", time=None, depth=np.asarray(depth) / 1e3, force=force, depth_header="Depth",
+    return Measurement(source="x.csv", depth=np.asarray(depth) / 1e3, force=force, depth_header="Depth",
                        force_header="Force")  # fmt: skip
 
 
