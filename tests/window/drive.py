@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
+import comparing
 import device
 import robot
 
@@ -160,6 +161,7 @@ def play() -> robot.Waits:
     yield from press_and_keep(at, rest, resting)
     check("Ctrl-Z leaves nothing on the mesh", traces() == before, extra(before))
     yield from save_and_load(at, rest, before)
+    yield from comparing.compare_methods(at, BODY, OUT, check)
     yield from calibrate(at)
     yield from device.feel(BODY, (0.0, 0.0, 1.2), OUT, check)
     yield from show_panels()
@@ -257,7 +259,7 @@ def calibrate(at: tuple[int, int]) -> robot.Waits:
 
 def show_panels() -> robot.Waits:
     """Photograph the panels of the properties editor, opened, in the room of the viewport."""
-    for name in ("DIMPLE_PT_material", "DIMPLE_PT_body", "DIMPLE_PT_material_calibration"):
+    for name in ("DIMPLE_PT_material", "DIMPLE_PT_body", "DIMPLE_PT_methods", "DIMPLE_PT_material_calibration"):
         panel = getattr(bpy.types, name)
         bpy.utils.unregister_class(panel)
         panel.bl_options = set()  # open, for the picture only
