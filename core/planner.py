@@ -1,7 +1,8 @@
 """Choose how a body is simulated: on its mesh where that runs live, else on the smallest stand-in that is near enough.
 
-Over live errors semi-implicit Euler in native code is on the front of every body tried (core.study.stand_ins): what
-is left to choose is how many vertices move. No law is left out to save time: a body does not know what it will meet.
+The method is semi-implicit Euler in native code: within live tolerances the error is that of too few vertices, so
+other methods only cost more for the same error (core.study.stand_ins). What is left to choose is how many vertices
+move. No law is left out to save time: a body does not know what it will meet.
 """
 
 from __future__ import annotations
