@@ -67,7 +67,8 @@ def calibrate(
     surface = None
     if length is not None:
         surface = surface_constants(
-            press.depth, press.force, length, section=section, youngs_modulus=youngs_modulus
+            press.depth - fit.contact.value, press.force - fit.tare, length,
+            section=section, youngs_modulus=youngs_modulus,
         )  # fmt: skip
     return Calibration(
         measurement=measurement, press=press, fit=fit, length=length, tip_radius=tip_radius, surface=surface,
@@ -105,7 +106,7 @@ def provenance(calibration: Calibration) -> str:
 
 def _doubts(fit: Fit, press: Press, length: float | None) -> tuple[str, ...]:
     found = []
-    deepest = float(press.depth.max())
+    deepest = float(press.depth.max()) - fit.contact.value
     if fit.model == "one":
         found.append(
             f"One slope says as much as two (F test p = {fit.knee_p:.2g}): no knee was found down to "

@@ -32,7 +32,7 @@ def to_json(calibration: Calibration) -> dict[str, Any]:
         "residual_share": fit.misfit,
         "residual_correlation": fit.correlation,
         "full_scale": fit.full_scale,
-        "deepest": press.depth.max() * 1e3,
+        "deepest": (press.depth.max() - fit.contact.value) * 1e3,
         "rows": fit.rows,
         "contact": (press.touch + fit.contact.value) * 1e3,
         "contact_se": fit.contact.error * 1e3 or None,

@@ -9,6 +9,8 @@ from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
 from core.calibration.question import Answers, Undecided
 from core.calibration.reconstruct import DEEPEST
+from core.calibration.report import to_json
+from core.calibration.surface import surface_constants
 from core.material import PRESETS
 
 
@@ -21,6 +23,13 @@ def pressed(path, preset, *, approach=0.0, noise=0.01, offset=0.0, start=0.0, dr
     force = force + noise * full * np.random.default_rng(seed).normal(size=rows) + offset * full
     write_press(path, depth - start, force + drift * full * np.linspace(0, 1, rows))
     return path
+
+
+def expected_k(preset) -> float:
+    """Return k [N/m] by the force balance of the law itself."""
+    depth = np.linspace(0, DEEPEST[preset.name], 400)
+    force = np.array([preset.material.law(x) for x in depth.tolist()])
+    return surface_constants(depth, force, preset.size).balance_k.value
 
 
 def told(path, preset, answers=None) -> str:
@@ -58,6 +67,10 @@ def test_a_force_on_the_cell_where_the_file_begins_is_asked_and_the_answer_is_ta
     untared = pressed(tmp_path / "untared.csv", preset, offset=0.05, noise=0.002)
     assert told(untared, preset) == "asked"
     assert told(untared, preset, Answers(contact_mm=0.0)) == "right"
+    for path, contact in ((before, -4.0), (untared, 0.0)):  # what follows counts from there too
+        done = calibrate(path, Answers(contact_mm=contact), length=preset.size)
+        assert to_json(done)["deepest"] == pytest.approx(1e3 * DEEPEST[preset.name], rel=0.01)
+    assert done.surface.balance_k.value == pytest.approx(expected_k(preset), rel=0.05)
 
 
 def test_a_force_below_nothing_is_no_load(tmp_path):
