@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
+import calibrating
 import comparing
 import device
 import robot
@@ -162,7 +163,7 @@ def play() -> robot.Waits:
     check("Ctrl-Z leaves nothing on the mesh", traces() == before, extra(before))
     yield from save_and_load(at, rest, before)
     yield from comparing.compare_methods(at, BODY, OUT, check)
-    yield from calibrate(at)
+    yield from calibrating.calibrate(at, BODY, OUT, check)
     yield from device.feel(BODY, (0.0, 0.0, 1.2), OUT, check)
     yield from show_panels()
     yield from play_on(rest)
@@ -226,35 +227,6 @@ def save_and_load(at: tuple[int, int], rest: np.ndarray, before: set[str]) -> ro
     check("loading a file ends the poke", not poking())
     check("what was saved is the mesh at rest, bit for bit", at_rest(rest))
     check("the saved mesh carries nothing of ours", traces() == before, extra(before))
-
-
-def calibrate(at: tuple[int, int]) -> robot.Waits:
-    """Calibrate with a file as a drop does, give it to the material, and stop an identification by ESC."""
-    path = Path("/tmp/cushion.csv")
-    law = [(x / 4, 0.6 * min(x / 4, 12) + 7 * max(x / 4 - 12, 0)) for x in range(81)]
-    path.write_text("Distance x (mm),Force F (N)\n" + "".join(f"{x},{force:.4f}\n" for x, force in law))
-    yield from robot.move(*at)
-    yield from robot.redrawn()
-    view = robot.region()
-    chart = view.x + 190, view.y + 100
-    before = robot.screenshot(OUT / "9-calibrated.png")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=view):
-        bpy.ops.dimple.calibrate("INVOKE_DEFAULT", filepath=str(path))
-        bpy.ops.dimple.apply_calibration("INVOKE_DEFAULT")
-    settings = bpy.data.objects[BODY].active_material.dimple
-    found = f"K1 {settings.K1:.3f} N/mm, K2 {settings.K2:.3f} N/mm, x0 {settings.x0:.2f} mm"
-    check("a file becomes a material", np.allclose((settings.K1, settings.K2, settings.x0), (0.6, 7, 12), 1e-3), found)
-    yield from robot.redrawn()
-    gap = robot.differing(before, robot.screenshot(OUT / "9-calibrated.png"), chart, HALF)
-    check("its chart is seen in the viewport", gap > SEEN, f"{gap} pixels differ")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=view):
-        bpy.ops.dimple.identify("INVOKE_DEFAULT")
-    check("the identification runs", "DIMPLE_OT_identify" in robot.modal_operators())
-    yield 0.5
-    yield from robot.key("ESC", *at)
-    yield from robot.until(lambda: not robot.modal_operators(), "ESC stops the identification", 30)
-    settings = bpy.data.objects[BODY].active_material.dimple
-    check("ESC stops the identification and nothing is written", settings.kappa1 == 0)
 
 
 def show_panels() -> robot.Waits:

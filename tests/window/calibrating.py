@@ -1,0 +1,96 @@
+"""Calibration in the window test: files are dropped, a question is asked, a body is identified."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import robot
+
+HALF = 80  # [px] of the compared square
+SEEN = 1000  # [px] that a chart changes at least
+LAW = 0.6, 7.0, 12.0  # K1, K2 [N/mm], x0 [mm]
+COARSE = "Small Ball"  # 642 vertices: identified in seconds also where the rendering takes most of the time
+
+Check = Callable[..., None]
+
+
+def press_file(header: str) -> Path:
+    """Write a press of the law above, with 1 % of noise."""
+    depth = np.linspace(0, 20, 81)
+    force = LAW[0] * np.minimum(depth, LAW[2]) + LAW[1] * np.maximum(depth - LAW[2], 0)
+    force = force + 0.01 * force.max() * np.random.default_rng(2).normal(size=len(depth))
+    path = Path("/tmp") / ("cushion.csv" if header else "bare.csv")
+    path.write_text(header + "".join(f"{x:.3f},{f:.4f}\n" for x, f in zip(depth, force, strict=True)))
+    return path
+
+
+def drop(path: Path) -> None:
+    """Do what Blender does with a file that is let go over the viewport: ask its file handlers."""
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.wm.drop_import_file("INVOKE_DEFAULT", directory=str(path.parent), files=[{"name": path.name}])
+
+
+def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Waits:
+    """Drop two files, give the result to the material, and identify it: stopped by ESC, then to its end."""
+    scene = bpy.context.scene.dimple
+    yield from robot.move(*at)
+    yield from robot.redrawn()
+    bare = robot.screenshot(out / "9-question.png")
+    drop(press_file(""))
+    yield from robot.redrawn()
+    gap = robot.differing(bare, robot.screenshot(out / "9-question.png"), at, HALF)
+    check("a dropped file without a header is asked about", gap > SEEN, f"{gap} pixels differ")
+    yield from robot.key("ESC", *at)
+    yield from robot.redrawn()
+    check("a question that is left changes nothing", scene.calibration == "")
+    drop(press_file("Distance x (mm),Force F (N)\n"))
+    yield from robot.until(lambda: scene.calibration != "", "the dropped file is read", 30)
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.apply_calibration("INVOKE_DEFAULT")
+    settings = bpy.data.objects[body].active_material.dimple
+    found = settings.K1, settings.K2, settings.x0
+    told = "K1 {:.3f} N/mm, K2 {:.3f} N/mm, x0 {:.2f} mm".format(*found)
+    check("a dropped file becomes a material", np.allclose(found, LAW, 0.05), told)
+    yield from robot.redrawn()
+    view = robot.region()
+    chart = view.x + 190, view.y + 100
+    gap = robot.differing(bare, robot.screenshot(out / "9-calibrated.png"), chart, HALF)
+    check("its chart is seen in the viewport", gap > SEEN, f"{gap} pixels differ")
+    yield from identify(at, body, out, check)
+
+
+def identify(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Waits:
+    """Stop an identification by ESC; let another one end, on a coarse ball of the same material."""
+    start("identify")
+    check("the identification runs", "DIMPLE_OT_identify" in robot.modal_operators())
+    yield 0.5
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: not robot.modal_operators(), "ESC stops the identification", 30)
+    settings = bpy.data.objects[body].active_material.dimple
+    check("ESC stops the identification and nothing is written", settings.kappa1 == 0)
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1.0)
+    coarse, old = bpy.context.object, bpy.data.objects[body]
+    coarse.name = COARSE
+    coarse.data.materials.append(old.active_material)
+    coarse.dimple.enabled, coarse.dimple.size_mode, coarse.dimple.size_mm = True, "CUSTOM", old.dimple.size_mm
+    old.hide_set(True)
+    start("identify")
+    yield from robot.until(lambda: settings.kappa1 > 0 and not robot.modal_operators(), "the identification ends", 200)
+    check("an identification ends and writes its constants", settings.kappa1 > 0, f"kappa1 {settings.kappa1:.3g} N/cm3")
+    yield from robot.redrawn()
+    robot.screenshot(out / "9-identified.png")
+    bpy.data.objects.remove(coarse)
+    old.hide_set(False)
+    bpy.context.view_layer.objects.active = old
+    old.select_set(True)
+    settings.property_unset("kappa1")
+    yield from robot.redrawn()
+
+
+def start(verb: str) -> None:
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        getattr(bpy.ops.dimple, verb)("INVOKE_DEFAULT")
