@@ -84,7 +84,7 @@ METHODS = {
         label="implicit midpoint", run=implicit_midpoint.run, order=2, kind="implicit",
         purpose="stiff free bodies whose swinging must last",
         fails="What it cannot follow flips sign each step and never dies: pressed by a fingertip it rattles, the force "
-        "changes sign, and some steps find no solution (they are counted).",
+        "on it may be twice too large, and some steps find no solution (they are counted).",
     ),
     "tr_bdf2": Method(
         label="TR-BDF2", run=tr_bdf2.run, order=2, kind="implicit",

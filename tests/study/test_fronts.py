@@ -14,7 +14,9 @@ from core.integrators.methods import FRONTS, METHODS, offered
 from core.planner import TOLERANCE
 from core.study import cost, space, stiff_nylon
 from core.study.scenes import twisted_ball
-from core.study.work_precision import DECADES, NATIVE, Point, cases, front
+from core.study.work_precision import DECADES, NATIVE, Point, cases, exact, front, run
+from tools.charts import KEPT
+from tools.charts_work import dop853
 
 
 def point(method: str, error: float, cost: float, unsolved: int = 0) -> Point:
@@ -41,7 +43,7 @@ def test_the_front_is_the_cheapest_solved_run_in_numpy_and_of_equals_the_most_ac
 
 def test_the_kept_fronts_name_every_scene_and_runs_that_meet_their_bound() -> None:
     rows = read(FRONTS)
-    assert {row["scene"] for row in rows} <= {case.name for case in cases(quick=False)}
+    assert {row["scene"] for row in rows} == {case.name for case in cases(quick=False)}
     for row in rows:
         assert row["method"] in METHODS
         assert float(row["error_at_most"]) in DECADES
@@ -52,6 +54,36 @@ def test_an_offered_method_is_on_a_front_and_what_only_shows_a_failure_is_not_of
     assert set(offered()) == {row["method"] for row in read(FRONTS)}
     assert "explicit_euler" not in offered()
     assert "semi_implicit" in offered()
+
+
+def test_the_kept_fronts_are_those_of_the_kept_points() -> None:
+    """A front depends on costs, so it is not measured again here."""
+    points: dict[str, list[Point]] = {}
+    for row in read(KEPT / "work_precision.csv"):
+        mine = points.setdefault(row["scene"], [])
+        mine.append(point(row["method"], float(row["relative_error"]), float(row["cpu_s"]), int(row["unsolved_steps"])))
+    wanted = {(s, b): p.method for s, some in points.items() for b, p in front(some).items() if p}
+    assert {(row["scene"], float(row["error_at_most"])): row["method"] for row in read(FRONTS)} == wanted
+
+
+def test_what_is_on_the_front_of_the_oscillator_comes_as_near_when_it_is_run_again() -> None:
+    case = next(case for case in cases(quick=True) if case.name == "oscillator")
+    wanted = exact(case, dop853)
+    for row in read(FRONTS):
+        if row["scene"] == case.name:
+            error = run(case, row["method"], int(row["steps"]), wanted).error
+            assert error == pytest.approx(float(row["relative_error"]), rel=0.02, abs=1e-9)
+
+
+def test_the_kept_map_has_limits_within_a_tenth_of_theory_over_four_decades_and_none_for_the_rest() -> None:
+    found = [row for row in read(KEPT / "stability_bounds.csv") if row["measured_dt_s"] != "nan"]
+    for method in {row["method"] for row in found}:
+        mine = [row for row in found if row["method"] == method]
+        k = [float(row["k_n_per_m"]) for row in mine]
+        assert max(k) / min(k) > 0.99e4
+        assert all(float(r["measured_dt_s"]) == pytest.approx(float(r["bound_dt_s"]), rel=0.1) for r in mine)
+    blown = {row["method"] for row in read(KEPT / "stability.csv") if row["label"] == "blown up"}
+    assert blown == {row["method"] for row in found} == {n for n, m in METHODS.items() if m.kind == "explicit"}
 
 
 def test_the_slope_of_cost_is_that_of_a_power_law() -> None:

@@ -17,6 +17,7 @@ from core.mesh import base_vertices
 from core.model import build_model, initial_state
 from core.study.motion import move
 from core.study.scenes import BALL, FINGERTIP, ball, twisted_ball
+from core.study.work_precision import cases, exact, run
 
 IMPLICIT = [name for name, method in METHODS.items() if method.kind == "implicit"]
 
@@ -68,6 +69,14 @@ def test_backward_euler_at_one_step_a_millisecond_meets_the_force_of_ten_small_s
         impulse = METHODS[method].run(frictionless, state, still, tick=1e-3, substeps=substeps)
         forces[method] = float(impulse[0, 2]) / 0.010
     assert forces["backward_euler"] == pytest.approx(forces["semi_implicit"], rel=0.05)
+
+
+def test_pressed_by_a_fingertip_implicit_midpoint_rattles_where_backward_euler_is_still() -> None:
+    case = next(case for case in cases(quick=False) if case.name == "poke_cube")
+    wanted = exact(case, None)
+    rattling, still = (run(case, method, 17, wanted) for method in ("implicit_midpoint", "backward_euler"))
+    assert still.error < 0.05
+    assert rattling.error > 5 * still.error
 
 
 def test_a_step_that_finds_no_solution_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
