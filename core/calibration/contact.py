@@ -24,6 +24,7 @@ _DECISIVE = 12.0  # twice the gain in log likelihood that settles which touch it
 _LIKELY = 4.0  # and that makes another one as likely
 _TELLS = 0.05  # of a constant: what a hand could tell
 _STARTS = np.geomspace(0.01, 0.7, 20)  # of the range of depth: where a touch may hide
+_NEARER = np.linspace(0.8, 1.25, 10)
 _ENOUGH = 1000  # rows to compare touches by
 
 
@@ -82,6 +83,9 @@ def settle(depth: Floats, force: Floats, free: Free, touch: float) -> tuple[Fit,
     first, span = float(x[0]), float(np.ptp(x))
     begun = [_read(x, f, first, (name,)) for name in ("tare", "contact")]
     hinge = _read(x, f, _likely_touch(x, f), ("contact", "tare"))
+    if free:  # steps from where the file begins may end before the touch
+        again, _ = _read(depth, force, hinge[0].contact.value, free)
+        found = min(found, again, key=lambda fit: _loss(fit, x, f))
     loss, least = _loss(found, x, f), min(begun[0][1], hinge[1])
     if least > len(x) * (_HOLDS * roughness(f)) ** 2:  # the law does not hold: it cannot tell touches apart
         return found, _drift(found, depth, force)
@@ -139,7 +143,8 @@ def _likely_touch(x: Floats, f: Floats) -> float:
         pieces = two_pieces(x[~before] - touch, f[~before] - tare, left="origin")
         return float(((f[before] - tare) ** 2).sum()) + (pieces.residual if pieces else math.inf)
 
-    return min((float(x[0] + share * np.ptp(x)) for share in _STARTS), key=loss)
+    best = min((float(x[0] + share * np.ptp(x)) for share in _STARTS), key=loss)
+    return min((float(x[0] + share * (best - x[0])) for share in _NEARER), key=loss)  # a fit does not stray far
 
 
 def _read(x: Floats, f: Floats, start: float, free: Free) -> tuple[Fit, float]:
