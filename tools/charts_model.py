@@ -19,7 +19,7 @@ from .drawing import LABELS, MARKERS, STYLES, save, table, write_csv
 
 def draw_energy(out: Path, quick: bool) -> None:
     omega_dt = 0.2
-    long = conservation.energy_trace("velocity_verlet", omega_dt=omega_dt, steps=10_000 if quick else 100_000)
+    long = conservation.energy_trace("velocity_verlet", omega_dt=omega_dt, steps=3_000 if quick else 100_000)
     short = conservation.energy_traces(list(METHODS), omega_dt=omega_dt, steps=100)
     sizes = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
     measured = [

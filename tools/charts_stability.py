@@ -25,7 +25,7 @@ COLOURS = ("#b7dcc3", "#f2b134", "#a4303f")  # told apart by their lightness too
 
 def draw_stability(out: Path, quick: bool) -> None:
     stiffness = np.logspace(0.8, 4.8, 3 if quick else 9).tolist()
-    steps = np.logspace(-4, -1, 6 if quick else 13).tolist()
+    steps = np.logspace(-4, -1, 4 if quick else 13).tolist()
     sought = stiffness[-1:] if quick else stiffness[::2]
     found = list(stability.stability_map(list(METHODS), stiffness, steps, sought=sought))
     cells = {(c.method, c.k, c.dt): c for c in found if isinstance(c, stability.Cell)}

@@ -73,8 +73,8 @@ def cases(*, quick: bool) -> list[Case]:
     found = [
         Case(name="oscillator", label="breathing triangle", model=swing, start=swing_start, seconds=0.04),
         Case(name="free_ball", label="twisted ball, free", model=free, start=free_start, seconds=0.01),
-        _poke("poke_ball", "poked liquid ball", round_mesh, BALL, 0.03 if quick else 0.05),
-        _poke("stiff_nylon", "poked nylon cube", stiff_mesh, nylon.material, 0.03 if quick else 0.06),
+        _poke("poke_ball", "poked liquid ball", round_mesh, BALL, 0.02 if quick else 0.05),
+        _poke("stiff_nylon", "poked nylon cube", stiff_mesh, nylon.material, 0.015 if quick else 0.06),
     ]
     if quick:
         return found
