@@ -57,12 +57,12 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
         which.enabled = connection is None
         which.prop(settings, "device_port")
         which.prop(settings, "device_file")
-        layout.prop(settings, "device_scale")
+        layout.prop(settings, "device_scale", text="Scale")
         layout.prop(settings, "device_origin")
         layout.operator(Op.CENTRE_DEVICE, icon="PIVOT_CURSOR")
-        row = layout.row(align=True)
         icon = "UNLINKED" if connection else "LINKED"
-        row.operator(Op.CONNECT_DEVICE, text="Disconnect" if connection else "Connect", icon=icon)
+        layout.operator(Op.CONNECT_DEVICE, text="Disconnect" if connection else "Connect", icon=icon)
+        row = layout.row(align=True)
         row.operator(Op.ARM_DEVICE, icon="PLAY")
         row.operator(Op.DISARM_DEVICE, icon="CANCEL")
         if connection is None:

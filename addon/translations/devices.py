@@ -29,6 +29,7 @@ WORDS = {
         "デバイスの数値を書いた TOML ファイル。空欄なら Haptic Master"
     ),
     "Workspace Scale": "作業空間の倍率",
+    "Scale": "倍率",
     "How much larger the movement on the body is than that of the hand": "手の動きに対する物体上の動きの倍率",
     "Origin": "原点",
     "Where in the scene the calibrated place of the device is": "デバイスの基準位置に対応するシーン内の位置",

@@ -18,14 +18,13 @@ def haptic() -> ModuleType:
     return importlib.import_module(f"{name}.operators.haptic")
 
 
-def show_panel(options: set[str], scale: float) -> robot.Waits:
-    """Open or close the device's panel, for the picture only, and draw Blender larger or smaller."""
-    panel = bpy.types.DIMPLE_PT_device
-    bpy.utils.unregister_class(panel)
-    panel.bl_options = options
-    bpy.utils.register_class(panel)
-    bpy.context.preferences.view.ui_scale = scale
-    yield from robot.redrawn()
+def open_panel() -> type:
+    """Draw the device's panel once more, open, at the end of the sidebar; who was drawn closed stays so."""
+    panel, place = bpy.types.DIMPLE_PT_device, {"bl_space_type": "VIEW_3D", "bl_region_type": "UI"}
+    shown = {"bl_label": "Haptic Device (open)", "bl_category": "Dimple", "draw": panel.draw}
+    made = type("DIMPLE_PT_device_open", (bpy.types.Panel,), {**place, **shown})
+    bpy.utils.register_class(made)
+    return made
 
 
 def photograph(path: Path, scroll: Callable[..., object]) -> robot.Waits:
@@ -41,7 +40,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     rest = robot.positions(body).copy()
     device, settings = haptic(), bpy.context.scene.dimple
     settings.device_port, settings.device_origin = device.EMULATED, top
-    yield from show_panel(set(), 0.75)
+    panel = open_panel()
     bpy.ops.dimple.connect_device()
 
     def report() -> object:
@@ -76,6 +75,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     bpy.ops.dimple.connect_device()  # lets go of it
     yield from robot.key("ESC", *robot.on_screen((0.0, 0.0, 0.0)))
     yield from robot.until(lambda: not robot.modal_operators(), "ESC ends the play", 30)
-    yield from show_panel({"DEFAULT_CLOSED"}, 1.0)
+    bpy.utils.unregister_class(panel)
+    yield from robot.redrawn()
     yield from photograph(out / "14-device-gone.png", bpy.ops.view2d.scroll_up)
     check("without the device the ball is as it was, bit for bit", (robot.positions(body) == rest).all())
