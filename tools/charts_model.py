@@ -99,7 +99,7 @@ def draw_cost(out: Path, quick: bool) -> None:
             label=f"{LABELS[name]}, slope {slopes[name]:.2f}",
         )  # fmt: skip
     axes.axhline(1, color="0.6", lw=1)
-    axes.annotate("a tick of a millisecond", (0.98, 1), xycoords=("axes fraction", "data"), va="bottom", ha="right")
+    axes.annotate("a tick of a millisecond", (0.02, 1), xycoords=("axes fraction", "data"), va="top")
     axes.set(xlabel="vertices", ylabel="processor time of one step [ms]", title="What a step costs: twisted ball, free")
     axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
     save(figure, out / "cost")
@@ -178,11 +178,11 @@ def draw_ways(axes: Axes, some: Sequence[Press], values: Sequence[float], tolera
             p.cost, value, "*" if star else "o", ms=14 if star else 7, mec=STYLES[key],
             mfc="gold" if star else "none" if hollow else STYLES[key], zorder=3 if star else 2,
         )  # fmt: skip
-        left = p.backend == "numpy"
+        name = LABELS[key].partition(",")[0] if p.backend == "numpy" else "the mesh"
         axes.annotate(
-            f"{p.vertices}" if star or hollow else f"{LABELS[key]}, {1e3 * p.dt:.2g} ms", (p.cost, value),
-            xytext=(-8 if left else 8, -12 if star else 3), textcoords="offset points", fontsize=8,
-            ha="right" if left else "left",
+            f"{p.vertices}" if star or hollow else f"{name}\n{1e3 * p.dt:.2g} ms", (p.cost, value),
+            xytext=(-9 if star else 8 if hollow else 0, -3 if star or hollow else -25), textcoords="offset points",
+            fontsize=8, ha="right" if star else "left" if hollow else "center",
         )  # fmt: skip
     axes.margins(x=0.15, y=0.12)
     low, bottom = axes.get_xlim()[0], axes.get_ylim()[0]
