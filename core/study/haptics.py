@@ -69,7 +69,10 @@ def run_haptics(options: argparse.Namespace) -> int:
     """Press, then tell what was felt."""
     words = [word for fault in options.fault for word in ("--fault", fault)]
     words += [] if options.baud is None else ["--baud", str(options.baud)]
-    figures = judge(press(options.seconds, busy=options.busy, words=words))
+    trial = press(options.seconds, busy=options.busy, words=words)
+    figures = judge(trial)
+    if trial.report.arming is not Arming.ON:
+        print(f"Disarmed before the end, so forces and stiffness are too small: {trial.report.message}")
     print("\n".join(f"{name:<22} {value:.6g}" for name, value in figures.items()))
     if options.json:
         try:
