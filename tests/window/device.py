@@ -19,18 +19,17 @@ def haptic() -> ModuleType:
 
 
 def open_panel() -> type:
-    """Draw the device's panel once more, open, at the end of the sidebar; who was drawn closed stays so."""
+    """Draw the device's panel once more, open, at the top of the sidebar; who was drawn closed stays so."""
     panel, place = bpy.types.DIMPLE_PT_device, {"bl_space_type": "VIEW_3D", "bl_region_type": "UI"}
-    shown = {"bl_label": "Haptic Device (open)", "bl_category": "Dimple", "draw": panel.draw}
+    shown = {"bl_label": "Haptic Device (open)", "bl_category": "Dimple", "bl_order": -1, "draw": panel.draw}
     made = type("DIMPLE_PT_device_open", (bpy.types.Panel,), {**place, **shown})
     bpy.utils.register_class(made)
     return made
 
 
-def photograph(path: Path, scroll: Callable[..., object]) -> robot.Waits:
-    """Scroll the sidebar to its end or its beginning and take a picture."""
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region("UI")):
-        scroll(deltax=0, deltay=10_000)
+def photograph(path: Path) -> robot.Waits:
+    """Take a picture of what is drawn now."""
+    robot.region("UI").tag_redraw()
     yield from robot.redrawn()
     robot.screenshot(path)
 
@@ -62,7 +61,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     yield from robot.until(feels, "a fingertip of the device feels the ball", 120)
     check("a fingertip of the emulated device feels the playing ball", True, f"{strongest():.2f} N")
     for _ in range(20):
-        yield from photograph(out / "12-device.png", bpy.ops.view2d.scroll_down)
+        yield from photograph(out / "12-device.png")
         if strongest() > FELT:
             break  # it is seen pressing
     device.get().device.process.kill()
@@ -71,11 +70,10 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     check(
         "a killed servo is said, and the ball plays on", playing and "arm again" in report().message, report().message
     )
-    yield from photograph(out / "13-device-lost.png", bpy.ops.view2d.scroll_down)
+    yield from photograph(out / "13-device-lost.png")
     bpy.ops.dimple.connect_device()  # lets go of it
     yield from robot.key("ESC", *robot.on_screen((0.0, 0.0, 0.0)))
     yield from robot.until(lambda: not robot.modal_operators(), "ESC ends the play", 30)
     bpy.utils.unregister_class(panel)
-    yield from robot.redrawn()
-    yield from photograph(out / "14-device-gone.png", bpy.ops.view2d.scroll_up)
+    yield from photograph(out / "14-device-gone.png")
     check("without the device the ball is as it was, bit for bit", (robot.positions(body) == rest).all())
