@@ -11,6 +11,7 @@ import bpy
 import robot
 
 FELT = 0.3  # [N]
+TAB = "Device"
 
 
 def haptic() -> ModuleType:
@@ -19,9 +20,9 @@ def haptic() -> ModuleType:
 
 
 def open_panel() -> type:
-    """Draw the device's panel once more, open, at the top of the sidebar; who was drawn closed stays so."""
+    """Draw the device's panel once more, open, in a tab of its own; who was drawn closed stays so."""
     panel, place = bpy.types.DIMPLE_PT_device, {"bl_space_type": "VIEW_3D", "bl_region_type": "UI"}
-    shown = {"bl_label": "Haptic Device (open)", "bl_category": "Dimple", "bl_order": -1, "draw": panel.draw}
+    shown = {"bl_label": "Haptic Device (open)", "bl_category": TAB, "draw": panel.draw}
     made = type("DIMPLE_PT_device_open", (bpy.types.Panel,), {**place, **shown})
     bpy.utils.register_class(made)
     return made
@@ -58,6 +59,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
             bpy.ops.dimple.arm_device(hold_s=600.0)
         return strongest() > FELT
 
+    yield from robot.show_tab(TAB)
     yield from robot.until(feels, "a fingertip of the device feels the ball", 120)
     check("a fingertip of the emulated device feels the playing ball", True, f"{strongest():.2f} N")
     for _ in range(20):
@@ -74,6 +76,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     bpy.ops.dimple.connect_device()  # lets go of it
     yield from robot.key("ESC", *robot.on_screen((0.0, 0.0, 0.0)))
     yield from robot.until(lambda: not robot.modal_operators(), "ESC ends the play", 30)
+    yield from robot.show_tab("Dimple")
     bpy.utils.unregister_class(panel)
     yield from photograph(out / "14-device-gone.png")
     check("without the device the ball is as it was, bit for bit", (robot.positions(body) == rest).all())
