@@ -63,23 +63,25 @@ def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
     i, j = np.concatenate([mesh.springs, mesh.springs[:, ::-1]]).T
     order = np.argsort(j, kind="stable")
     i, j = i[order], j[order]
-    starts = np.flatnonzero(np.diff(j, prepend=-1))
     cells = np.full(len(place), -1)
     cells[seeds] = np.arange(len(seeds))
     away = np.full(len(place), np.inf)
     away[seeds] = 0.0
-    while True:
-        offered = cells[i]
-        distance = np.where(offered >= 0, ((place[j] - place[seeds[offered]]) ** 2).sum(axis=1), np.inf)
+    changed = cells >= 0
+    while changed.any():
+        new = changed[i]
+        source, end = i[new], j[new]
+        offered = cells[source]
+        distance = ((place[end] - place[seeds[offered]]) ** 2).sum(axis=1)
+        starts = np.flatnonzero(np.diff(end, prepend=-1))
         nearest = np.minimum.reduceat(distance, starts)
-        better = nearest < away[j[starts]]
-        if not better.any():
-            break
-        taken = np.repeat(better, np.diff(starts, append=len(j))) & (
-            distance == np.repeat(nearest, np.diff(starts, append=len(j)))
-        )
-        cells[j[taken]] = offered[taken]
-        away[j[starts]] = np.minimum(nearest, away[j[starts]])
+        better = nearest < away[end[starts]]
+        sizes = np.diff(starts, append=len(end))
+        taken = np.repeat(better, sizes) & (distance == np.repeat(nearest, sizes))
+        changed = np.zeros(len(place), bool)
+        changed[end[taken]] = True
+        cells[end[taken]] = offered[taken]
+        away[end[starts]] = np.minimum(nearest, away[end[starts]])
     lost = np.flatnonzero(cells < 0)  # parts without a seed, and loose vertices
     for part in np.array_split(lost, len(lost) * len(seeds) // 2_000_000 + 1):
         distance = ((place[part, None, :3] - place[None, seeds, :3]) ** 2).sum(axis=2)
