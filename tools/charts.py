@@ -37,18 +37,21 @@ def main(words: Sequence[str] | None = None) -> int:
         draw(options.out, options.quick)
         print(f"{draw.__name__.removeprefix('draw_')}: {time.perf_counter() - started:.1f} s", flush=True)
     if options.keep:
-        keep(options.out)
+        keep(options.out, options.quick)
     print("\nWhere each method fails, and why\n" + where_methods_fail(), flush=True)
     return 0
 
 
-def keep(out: Path) -> None:
+def keep(out: Path, quick: bool) -> None:
     """Keep the main charts, who is on the front and what the planner's fit goes by."""
     KEPT.mkdir(parents=True, exist_ok=True)
-    for name in ("work_precision", "stability", "stand_ins"):
+    charts, rows = ["work_precision", "stability"], ["stability_bounds.csv"]
+    if not quick:  # nothing is fitted in a hurry: what the planner's constants come from stays
+        charts, rows = [*charts, "stand_ins"], [*rows, "stand_ins_fit.csv"]
+    for name in charts:
         for suffix in (".png", ".svg", ".csv"):
             shutil.copyfile(out / (name + suffix), KEPT / (name + suffix))
-    for name in ("stability_bounds.csv", "stand_ins_fit.csv"):
+    for name in rows:
         shutil.copyfile(out / name, KEPT / name)
     shutil.copyfile(out / "fronts.csv", FRONTS)
 
