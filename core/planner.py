@@ -9,16 +9,30 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from .base import TICK, DimpleError
 from .integrators.path import FingerPath
 from .model import Model, initial_state
-from .proxy import LARGEST, SMALLEST, Proxy, build_proxy, check, mean_spacing
-from .trial import DOWN, HOLD, Outcome, Press, Way, choose_presses, default_run, end_of, press_mesh, try_way
+from .proxy import LARGEST, SMALLEST, Proxy, build_proxy, carry, check, mean_spacing
+from .trial import (
+    DOWN,
+    HOLD,
+    Outcome,
+    Press,
+    Pressed,
+    Way,
+    choose_presses,
+    default_run,
+    end_of,
+    press_mesh,
+    press_way,
+    try_way,
+)
 
 BUDGET = 0.6  # [s] of a second for the simulation; the rest is Blender's, to draw
 TOLERANCE = 0.5e-3  # [m] between the skins, over the dent
@@ -32,9 +46,12 @@ TRIES = 5
 NEAR_ENOUGH = 0.85  # of a tolerance: what is left saves under a third of the work, not worth another try
 CLOSE = 1.3  # times the vertices that missed: half the work more at most
 FAR = 4.0  # times the vertices, from one try to the next
-PRESSES = 6  # at most
-ALLOWANCE = 1.5  # [s] of computing that pressing the mesh itself may take; stand-ins take about as long again
-DENSER = 1.5  # where no stand-in can be made, one with so many times the vertices may
+PRESSES = 12  # at most: with half as many, edges are met by too few, and errors scatter by a half
+FEW = 4  # where the mesh cannot be pressed so often, a large stand-in of it is
+ALLOWANCE = 2.0  # [s] of computing that these presses may take; the tried stand-ins take about as long again
+DENSER = 1.25  # where no stand-in can be made, one with so many times the vertices may
+
+_Result = TypeVar("_Result")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,14 +82,14 @@ def plan(
     budget: float = BUDGET,
     allowance: float = ALLOWANCE,
 ) -> Plan:
-    """Choose; where pressing the mesh itself takes no longer than allowed, by what stand-ins of it are measured to be.
+    """Choose, by what stand-ins are measured to be.
 
     Args:
         tolerance: between the skins over the dent, root of the mean square [m].
         force_tolerance: of the force, as a share.
         radius: of the fingertips [m].
         budget: [s] of computing for a second of motion. A mesh that keeps to it moves itself.
-        allowance: [s] of computing.
+        allowance: [s] of computing for presses; 0: none, and the fit alone chooses.
 
     Raises:
         DimpleError: the material is too stiff for the mesh, and there is no stand-in either.
@@ -90,10 +107,10 @@ def plan(
     except DimpleError as error:
         return _mesh_itself(model, cost, f"{slow}, but {error}.")
     wanted, measured = vertices_for(model, tolerance, force_tolerance, radius), None
-    presses = int(min(allowance / (cost * (DOWN + HOLD)), PRESSES))
-    if presses and not model.held.all():  # a mesh too heavy to press once is planned by the fit alone
-        wanted, measured = _measured(model, choose_presses(model, radius, presses), tolerance, force_tolerance, wanted)
-    most = min(int((~model.mesh.loose).sum()) // 2, LARGEST)
+    if allowance and not model.held.all():
+        presses = allowance / (cost * (DOWN + HOLD))
+        wanted, measured = _measured(model, presses, radius, tolerance, force_tolerance, wanted)
+    most = most_of(model)
     if wanted > most:
         near = f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
         return _mesh_itself(model, cost, f"{slow}, and no stand-in of up to {most:,} is within {near}.")
@@ -129,18 +146,14 @@ def stand_in(
     Raises:
         DimpleError: none can be made, and why.
     """
-    try:
-        proxy = build_proxy(model, vertices)
-    except DimpleError:
-        vertices = math.ceil(DENSER * vertices)
-        proxy = build_proxy(model, vertices)
+    proxy, vertices = _first(vertices, lambda n: build_proxy(model, n))
     cost, moved = pace(proxy.model), len(proxy.seeds)
     error, force_error = (measured.error, measured.force_error) if measured else expected(proxy, radius)
     speed = "runs live" if cost <= budget else f"runs at {_times(budget / cost)}"
     known = "kept within" if measured else "should keep within about"
     reason = (
         f"{because or 'As chosen'}; a stand-in of {moved:,} vertices {known} {1e3 * error:.2g} mm and "
-        f"{force_error:.0%} of the force{'' if measured else ' (not tried)'} and {speed}."
+        f"{force_error:.0%} of the force{measured.note if measured else ' (not tried)'} and {speed}."
     )
     return Plan(
         proxy=proxy, asked=vertices, vertices=moved, steps=proxy.model.substeps(TICK), cost=cost, error=error,
@@ -148,33 +161,81 @@ def stand_in(
     )  # fmt: skip
 
 
+def _first(vertices: int, make: Callable[[int], _Result]) -> tuple[_Result, int]:
+    """Return what is made with so many vertices, or with the next larger number that it can be made with; and that.
+
+    Raises:
+        DimpleError: none can be made, and why.
+    """
+    why = DimpleError()
+    for asked in (math.ceil(vertices * DENSER**k) for k in range(TRIES)):
+        try:
+            return make(asked), asked
+        except DimpleError as error:
+            why = why if why.args else error
+    raise why
+
+
+def _goal(model: Model, presses: Sequence[Press], paid: float) -> tuple[list[Pressed], int]:
+    """Return what presses of the mesh come to; where fewer than FEW are paid for, as the largest stand-in that they
+    pay for has it, and how many vertices that has.
+
+    Raises:
+        DimpleError: no such stand-in can be made.
+    """
+    if paid >= FEW:
+        return end_of(press_mesh(model, presses))[0], 0
+    size = int(len(model.mass) * (paid / FEW) ** (2 / 3))  # steps go with the root of the vertices
+    size = min(max(size, round(FAR * SMALLEST)), most_of(model), LARGEST // 2)
+    (proxy, _, ends), _ = _first(size, lambda n: end_of(press_way(model, presses, Way(vertices=n))))
+    assert proxy  # of a way with vertices
+    return [replace(end, positions=carry(proxy, end.positions).T) for end in ends], len(proxy.seeds)
+
+
 def _measured(
-    model: Model, presses: Sequence[Press], tolerance: float, force_tolerance: float, start: int
+    model: Model, paid: float, radius: float, tolerance: float, force_tolerance: float, wanted: int
 ) -> tuple[int, Outcome | None]:
     """Return the fewest vertices tried that met the tolerances, and what they came to.
 
-    Where none did: more than a stand-in may have.
+    Where none did: how many should, by how the errors fall.
+
+    Args:
+        paid: presses of the mesh itself that are paid for.
+        wanted: vertices to begin with.
     """
-    most = min(int((~model.mesh.loose).sum()) // 2, LARGEST)
-    goal, _ = end_of(press_mesh(model, presses))
-    best, missed, vertices = None, 0, min(start, most)
+    presses = choose_presses(model, radius, int(min(max(paid, FEW), PRESSES)))
+    try:
+        goal, seen_from = _goal(model, presses, paid)
+    except DimpleError:
+        return wanted, None
+    # what the goal is off by itself: by the fit, and the squares of errors add up
+    share, most = (1 / seen_from, seen_from // 2) if seen_from else (0.0, most_of(model))
+    note = f" (seen from {seen_from:,})" if seen_from else ""
+    best, missed, vertices = None, 0, wanted
     for _ in range(TRIES):
-        found = end_of(try_way(model, presses, goal, Way(vertices=vertices)))
-        skin, force = found.error / tolerance, found.force_error / force_tolerance
+        tried = min(vertices, most)
+        found = end_of(try_way(model, presses, goal, Way(vertices=tried)))
+        skin = found.error / tolerance / math.sqrt(1 - (share * tried) ** ERROR_POWER)
+        force = found.force_error / force_tolerance / math.sqrt(1 - (share * tried) ** FORCE_POWER)
         if max(skin, force) <= 1:
-            best = found
+            best = replace(found, error=skin * tolerance, force_error=force * force_tolerance, note=note)
         else:
-            missed = vertices
+            missed = tried
         if best and (NEAR_ENOUGH < max(skin, force) <= 1 or best.way.vertices <= CLOSE * missed):
             break
         # the errors fall with the spacing, which is as one over the root of the vertices
         factor = max(skin ** (2 / ERROR_POWER), force ** (2 / FORCE_POWER)) if not found.note else DENSER
-        vertices = min(max(math.ceil(vertices * min(max(factor, 1 / FAR), FAR)), SMALLEST), 2 * most)
+        vertices = max(math.ceil(tried * min(max(factor, 1 / FAR), FAR)), SMALLEST)
         if best:  # between what missed and what met
             vertices = min(max(vertices, math.ceil(missed * math.sqrt(CLOSE))), best.way.vertices - 1)
-        if vertices > most:
+        elif missed == most:
             break
-    return (best.way.vertices, best) if best else (most + 1, None)
+    return (best.way.vertices, best) if best else (vertices, None)
+
+
+def most_of(model: Model) -> int:
+    """Return how many vertices a stand-in may have."""
+    return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
 
 
 def vertices_for(model: Model, tolerance: float, force_tolerance: float, radius: float) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from .drawing import save, table, write_csv
 
 BUDGETS = (0.05, 0.2, 0.6, 2.0)  # [s] of a second
 ON = 300  # vertices the other methods are tried on
-COLOURS = {"presses": "tab:blue", "fit": "tab:orange"}
+COLOURS = {"presses": "tab:blue", "heavy": "tab:orange"}
 FITS = (  # what a row has, what it is, the planner's line
     ("error", "skin: error over fingertip radius", planner.ERROR, planner.ERROR_POWER),
     ("force_error", "force: error as a share", planner.FORCE_ERROR, planner.FORCE_POWER),
@@ -29,7 +30,7 @@ FITS = (  # what a row has, what it is, the planner's line
 def draw_stand_ins(out: Path, quick: bool) -> None:
     """Draw the fit, ladders of stand-ins and what the planner's choices come to; print the table."""
     known = [] if quick else [row for body in bodies.FITTED for row in stand_ins.rows(Judge(body, bodies.build(body)))]
-    judges = [judge_of(body, quick) for body in (bodies.UNSEEN[2:3] if quick else bodies.UNSEEN)]
+    judges = [judge_of(body, quick) for body in (bodies.UNSEEN[2:3] if quick else bodies.UNSEEN + bodies.FRESH)]
     choices = [choice for judge in judges for choice in choices_of(judge, quick)]
     unseen = [row for judge in judges for row in stand_ins.rows(judge)]
     write_rows(out, known, unseen, choices)
@@ -105,7 +106,7 @@ def draw_verdict(axes: Axes, choices: Sequence[Choice]) -> None:
     """Draw cost over the best choice's against error over tolerance: inside the box the line is kept."""
     for by, colour in COLOURS.items():
         some = [c for c in choices if c.by == by]
-        label = {"presses": "pressed first", "fit": "by the fit alone (heavy meshes)"}[by]
+        label = {"presses": "pressed first", "heavy": "as if the mesh were too heavy to press"}[by]
         axes.semilogy([c.excess for c in some], [c.ratio for c in some], "o", color=colour, alpha=0.6, label=label)
     axes.axvline(SLACK, color="0.5", lw=1)
     axes.axhline(LINE, color="0.5", lw=1)
@@ -123,11 +124,14 @@ def told(choices: Sequence[Choice]) -> str:
             f"{c.cost_ratio:.2f}", "" if c.keeps and c.ratio <= LINE else "not kept",
         ))  # fmt: skip
     said = [table(lines)]
-    for by in COLOURS:
-        some = [c for c in choices if c.by == by]
+    sets = [("unseen", bodies.UNSEEN), ("fresh", bodies.FRESH)]
+    for by, (name, members) in itertools.product(COLOURS, sets):
+        some = [c for c in choices if c.by == by and c.body in members]
+        if not some:
+            continue
         near = sum(c.keeps for c in some)
         said.append(
-            f"By {by}: at most {max(c.ratio for c in some):.2f} times the work of the best choice, "
+            f"By {by}, {name}: at most {max(c.ratio for c in some):.2f} times the work of the best choice, "
             f"{sum(c.ratio <= LINE for c in some)} of {len(some)} within {LINE:g}; "
             f"tolerances kept up to a third over by {near} of {len(some)}, the worst {max(c.excess for c in some):.2f}"
         )

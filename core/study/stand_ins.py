@@ -17,9 +17,9 @@ import numpy as np
 
 from ..base import TICK, DimpleError
 from ..model import Model
-from ..planner import Plan, plan
+from ..planner import FEW, Plan, pace, plan
 from ..proxy import LARGEST, mean_spacing
-from ..trial import Outcome, Way, choose_presses, end_of, judge, press_way
+from ..trial import DOWN, HOLD, Outcome, Way, choose_presses, end_of, judge, press_way
 from .bodies import Body
 
 HALF = 4  # presses
@@ -27,6 +27,7 @@ SEED = 11  # of their places; the planner takes others
 GROWTH = math.sqrt(2)  # of the vertices from rung to rung
 FEWEST = 100  # vertices of the lowest rung
 SLACK = 4 / 3
+HEAVY = 0.6  # of the allowance that pays for presses of the mesh itself: half its vertices are pressed
 NEVER = 0.0  # [s] a second: a budget that no mesh keeps to
 LINE = 1.5  # times the work of the best that a choice may cost
 NEAR = ((0.03, 0.10), (0.05, 0.20), (0.08, 0.30))  # tolerances: of the fingertip's radius, and of the force
@@ -79,7 +80,7 @@ class Tried:
 class Choice:
     """Hold a plan, what it came to, and the cheapest candidate that meets the tolerances.
 
-    tolerance [m], force_tolerance: what was asked.  by: "presses" or "fit".  live: the mesh itself, within the budget.
+    tolerance [m], force_tolerance: what was asked.  by: "presses", "heavy" or "fit".
     """
 
     body: Body
@@ -163,13 +164,14 @@ def tolerances(body: Body) -> list[tuple[float, float]]:
 
 
 def choices(judge: Judge, *, budget: float, near: Sequence[tuple[float, float]] | None = None) -> Iterator[Choice]:
-    """Plan one body for several tolerances, by presses and, where nothing runs live, by the fit alone.
+    """Plan one body for several tolerances, by presses of its mesh and as if that were too heavy to be pressed.
 
     Args:
         budget: [s] a second. NEVER: no mesh runs live, so that all is up to the planner.
     """
     for wanted in near or tolerances(judge.body):
-        for by, allowance in (("presses", math.inf), ("fit", 0.0)):
+        heavy = HEAVY * FEW * (DOWN + HOLD) * pace(judge.model)
+        for by, allowance in (("presses", math.inf), ("heavy", heavy)):
             chosen = plan(
                 judge.model, tolerance=wanted[0], force_tolerance=wanted[1], radius=judge.body.radius, budget=budget,
                 allowance=allowance,

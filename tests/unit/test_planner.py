@@ -12,9 +12,11 @@ from core.material import PRESETS, ModelConstants
 from core.mesh import base_vertices
 from core.model import Model, build_model
 from core.planner import Plan, plan
+from core.proxy import build_proxy
 from core.session import Finger, Session
+from core.study import bodies
 from core.study.scenes import BALL, ball, cube
-from core.trial import Way, choose_presses, compare
+from core.trial import DOWN, HOLD, Way, choose_presses, compare
 
 NYLON = PRESETS[0]
 EVER_LIVE, NEVER_LIVE = 1e9, 0.0  # [s] a second
@@ -72,6 +74,32 @@ def test_a_choice_by_hand_is_taken(round_model: Model) -> None:
     assert chosen.asked == 500 and chosen.vertices == 500 and "As chosen" in chosen.reason
     with pytest.raises(DimpleError, match="from 60"):
         planner.stand_in(round_model, 2000, radius=0.02)
+
+
+def test_where_a_stand_in_would_have_holes_the_next_larger_one_is_taken() -> None:
+    """A rough scan: of 700 vertices there is none, so one with at most twice the work is taken, not the mesh."""
+    rough = bodies.build(bodies.UNSEEN[10])
+    with pytest.raises(DimpleError, match="holes"):
+        build_proxy(rough, 700)
+    chosen = planner.stand_in(rough, 700, radius=0.015)
+    assert 700 < chosen.asked < 2 ** (2 / 3) * 700
+    with pytest.raises(DimpleError, match="not 20"):  # what was asked, not the last that was tried
+        planner.stand_in(rough, 20, radius=0.015)
+
+
+def test_a_mesh_too_heavy_to_press_is_seen_from_a_large_stand_in(
+    round_model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What stand-ins come to against that, with what it misses itself, is what they come to against the mesh."""
+    monkeypatch.setattr(planner, "pace", lambda model: 1e-4 * len(model.mass) * model.substeps(TICK))
+    chosen = plan(
+        round_model, budget=NEVER_LIVE, tolerance=1.5e-3, force_tolerance=0.3, radius=0.02,
+        allowance=0.5 * planner.FEW * (DOWN + HOLD) * planner.pace(round_model),
+    )  # fmt: skip
+    assert chosen.proxy is not None and "(seen from 1,2" in chosen.reason
+    told = compare(round_model, choose_presses(round_model, 0.02, 4), [Way(vertices=chosen.asked)])
+    *_, found = (outcome for _, outcome in told if outcome)
+    assert chosen.error == pytest.approx(found.error, rel=0.15)  # the fit's own scatter is 30 percent
 
 
 def test_stiff_nylon_runs_for_a_fraction_of_its_work(nylon: Model) -> None:
