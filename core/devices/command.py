@@ -105,6 +105,7 @@ def measured(emulator: Emulator) -> dict[str, float | str]:
         report = watch.report(0, emulator.decoder.counts.refused, emulator.baud)
         names = ("answered", "rtt_p50_us", "rtt_p99_us", "rtt_max_us", "wire_us", "bad", "stale", "lost")
         told |= {name: getattr(report, name) for name in names}
-        told |= {"ticks": watch.ticks, "late_share": 1 - watch.in_time / watch.ticks}
+        # when the host has hung up, nobody answers any more
+        told |= {"ticks": watch.ticks, "late_share": 1 - watch.in_time / watch.heard if watch.heard else 1.0}
     told["protocol"] = ".".join(map(str, wire.PROTOCOL))
     return told

@@ -20,6 +20,7 @@ _HEAD: Final = struct.Struct("<II")  # sequence number, CRC-32 of the letter
 _LETTER: Final = 4096  # bytes for each letter and its head
 TRIES = 4
 TO_SERVO, FROM_SERVO = 0, 1
+MEMORY: Final = "/dev/shm"  # files in memory, on Linux: a page written to a disk keeps the writer waiting for ms
 
 
 class Mailbox:
@@ -36,7 +37,7 @@ class Mailbox:
         try:
             self.path, self._map = _map(path)
         except (OSError, ValueError) as error:  # ValueError: a file that is shorter
-            where = path or tempfile.gettempdir()
+            where = path or _folder()
             raise DimpleError(f"The mailbox of the device's servo cannot be used: {where} ({error}).") from None
 
     def post(self, which: int, letter: bytes) -> None:
@@ -75,7 +76,7 @@ class Mailbox:
 def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
     """Return a mailbox file and its bytes; None makes one."""
     if path is None:
-        handle, name = tempfile.mkstemp(prefix="dimple-", suffix=".mail")
+        handle, name = tempfile.mkstemp(dir=_folder(), prefix="dimple-", suffix=".mail")
     else:
         handle, name = os.open(path, os.O_RDWR), str(path)
     try:
@@ -84,3 +85,7 @@ def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
         return Path(name), mmap.mmap(handle, 2 * _LETTER)
     finally:
         os.close(handle)
+
+
+def _folder() -> str:
+    return MEMORY if os.access(MEMORY, os.W_OK) else tempfile.gettempdir()

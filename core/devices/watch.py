@@ -15,11 +15,11 @@ LOSS_FEW: Final = 50  # unless there were so few
 
 
 class Watch:
-    """Count the States and their answers of a session."""
+    """Count the States and their answers of a session; heard: ticks until the last answer came."""
 
     def __init__(self, spec: Spec, session: int) -> None:
         self.session, self.seq, self.ack = session, 0xFFFF, 0
-        self.ticks = self.answered = self.in_time = self.stale = self.lost = self.taken = 0
+        self.ticks = self.heard = self.answered = self.in_time = self.stale = self.lost = self.taken = 0
         self.rtts: deque[float] = deque(maxlen=RECENT)  # [s]
         self._tick = spec.tick
         self._sent: dict[int, float] = {}  # seq: when [s], of States that may still be answered
@@ -42,7 +42,7 @@ class Watch:
         if sent >= 0:  # the first answer to this State
             rtt = now - sent
             self.rtts.append(rtt)
-            self.answered += 1
+            self.answered, self.heard = self.answered + 1, self.ticks
             self.in_time += rtt <= self._tick
             self._sent[command.echo] = -1.0
         lost = (command.seq - self.ack - 1 & 0xFFFF) if self.taken else 0

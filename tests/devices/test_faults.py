@@ -7,6 +7,7 @@ import math
 import pytest
 
 from core.devices import wire
+from core.devices.command import measured
 from core.devices.faults import FAULTS, FOREVER, Fault, parse_fault
 from core.errors import DimpleError
 from tests.devices.bit_errors import lost_share
@@ -122,6 +123,16 @@ def test_answers_older_than_5_ticks_are_no_answers() -> None:
     watch = late.device.firmware.watch
     assert watch is not None and watch.rtts[-1] == pytest.approx(2e-3 + 738e-6, abs=3e-4)
     assert watch.answered - watch.in_time > 250  # counted as late
+
+
+def test_states_after_the_host_has_hung_up_are_not_late_answers() -> None:
+    table = Table(up(3.0)).run(0.8)
+    told = measured(table.device)
+    table.host.answers = False
+    table.run(0.05)
+    after = measured(table.device)
+    assert after["ticks"] == pytest.approx(float(told["ticks"]) + 50, abs=2)
+    assert after["late_share"] == pytest.approx(float(told["late_share"]), abs=0.005)
 
 
 def test_an_unplugged_device_says_no_more() -> None:
