@@ -126,7 +126,8 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="dev.py", description=(__doc__ or "").partition("\n")[0])
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for action in (demo, test, lint, build, native, wheels, bench, charts, window, samples, core, ci):
-        command = commands.add_parser(action.__name__, help=action.__doc__, allow_abbrev=False)
+        own_help = action not in (test, bench, charts, core)  # what they run has a help of its own
+        command = commands.add_parser(action.__name__, help=action.__doc__, allow_abbrev=False, add_help=own_help)
         command.set_defaults(action=action, out=None)
         command.add_argument("--blender", metavar="VERSION", help=f"{', '.join(BLENDERS)} or its beginning")
         if action in (demo, build, wheels, charts, window):

@@ -31,6 +31,7 @@ def three_objects() -> None:
         key_press(tip, top, Vector((0.0, 0.0, -depth / 1e3)))
         setattr(scene.dimple, f"finger_{number}", tip)
     scene.dimple.finger_radius_mm = FINGERTIP_MM
+    choose(body)
     save(HERE / "three_objects.blend")
 
 
@@ -62,7 +63,15 @@ def suzanne() -> None:
     key_press(tip, touch, -normal * 0.022)
     scene.dimple.finger_1 = tip
     scene.dimple.finger_radius_mm = FINGERTIP_MM
+    choose(head)
     save(HERE / "suzanne.blend")
+
+
+def choose(body: bpy.types.Object) -> None:
+    """Select a body alone, so that whoever opens the file can press it."""
+    bpy.ops.object.select_all(action="DESELECT")
+    body.select_set(True)
+    bpy.context.view_layer.objects.active = body
 
 
 def soft_cube(name: str, edge: float, cells: int, place: Vector) -> bpy.types.Object:

@@ -47,6 +47,8 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
         given, scene = self.properties.is_property_set, context.scene
         objects = live.candidates(context)
         self._said: list[str] = []
+        if not any(sessions.fingertip_objects(scene)):
+            self._said.append("There is no fingertip, so nothing presses: Fingertips > Add Fingertip adds one.")
         self._what = f"{len(objects)} object{'s' if len(objects) > 1 else ''}"
         plan = baking.Plan(
             objects=objects,

@@ -16,13 +16,15 @@ import numpy as np
 import numpy.typing as npt
 
 from ..core.base import DimpleError
-from . import calibration
+from . import advice, calibration
 from .names import BAKED_KEY, LIVE_KEY
 
 if TYPE_CHECKING:
     from ..core.material import Material
     from ..core.mesh import Mesh
     from ..core.model import Model
+
+LEVEL = 1e-4  # of its size: points of an object as high as its highest one
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -86,7 +88,7 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting,
         rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()),
     )  # fmt: skip
-    notes = (*filter(None, said), *_notes(body, mesh.size, context.scene))
+    notes = (*filter(None, said), *advice.on_body(body, mesh, context.scene))
     return link, replace(model, notes=(*model.notes, *notes))
 
 
@@ -173,12 +175,14 @@ def to_local(link: Link, matrix: Floats, physical: Singles) -> Singles:
 
 
 def scale_and_top(context: bpy.types.Context, body: bpy.types.Object) -> tuple[float, Floats]:
-    """Return physical metres per scene unit of an object, and its highest point (3,) in the scene."""
+    """Return physical metres per scene unit of an object, and in the scene the middle (3,) of its highest points."""
     context.view_layer.update()
     rest, matrix = rest_coordinates(body), np.array(body.matrix_world)
     scale = _scale(context.scene, body.name, rest, matrix, body.dimple.to_params()["size"])
     world = to_physical(1.0, matrix, rest)
-    return scale, world[world[:, 2].argmax()]
+    height = world[:, 2]
+    highest = world[height >= height.max() - LEVEL * np.ptp(world, axis=0).max()]
+    return scale, highest[((highest - highest.mean(axis=0)) ** 2).sum(axis=1).argmin()]
 
 
 def _scale(scene: bpy.types.Scene, name: str, rest: Singles, matrix: Floats, size: float | None) -> float:
@@ -279,19 +283,3 @@ def _weights(body: bpy.types.Object, group: str, role: str) -> Floats:
             if element.group == index:
                 weights[i] = element.weight
     return weights
-
-
-def _notes(body: bpy.types.Object, size: float, scene: bpy.types.Scene) -> tuple[str, ...]:
-    notes = []
-    moving = [modifier.name for modifier in body.modifiers if modifier.type in _MOVING and modifier.show_viewport]
-    if moving:
-        notes.append(f'The modifier "{moving[0]}" moves the surface after the press: aim at the mesh before it.')
-    if scene.dimple.finger_radius_mm / 1e3 < size / 100:
-        notes.append(
-            f"The body is {size:.3g} m large and the fingertip tiny beside it. "
-            "Set the size it stands for in Physics > Dimple."
-        )
-    return tuple(notes)
-
-
-_MOVING = {"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOOK", "SIMPLE_DEFORM", "DISPLACE"}

@@ -36,7 +36,7 @@ class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
         body = context.object
         if context.mode != "OBJECT":
             cls.poll_message_set("Go back to Object Mode first")
-        elif body is None or body.type != "MESH":
+        elif body is None or body.type != "MESH" or body in sessions.fingertip_objects(context.scene):
             cls.poll_message_set("Select the mesh to press")
         elif sessions.at_work():
             cls.poll_message_set("A bake or a virtual press is running; Esc cancels it")

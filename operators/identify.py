@@ -61,7 +61,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
                     break
             cache.remember(folder, name, self._found)
 
-    def _finished(self, _context: bpy.types.Context) -> set[str]:
+    def _finished(self, context: bpy.types.Context) -> set[str]:
         """Write the constants, and how they were found."""
         from ..core.base import DimpleError
         from ..core.calibration.identify import NOTICEABLE_FORCE
@@ -78,13 +78,24 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         told = indentation.described(bench) | {
             "date": date.today().isoformat(), "holds_for": settings.held_by(), "rms": found.rms, "worst": found.worst,
             "deepest": 1e3 * float(found.depths[-1]), "volume_change": found.volume_change,
-            "noticeable": NOTICEABLE_FORCE, "notes": [*found.notes, *bench.notes],
+            "noticeable": NOTICEABLE_FORCE, "notes": [*found.notes, _reach(context.scene), *bench.notes],
             "points": calibration.thinned(1e3 * found.depths, found.simulated, calibration.SIMULATED),
         }  # fmt: skip
         settings.identification, settings.stale = json.dumps(told, ensure_ascii=False), False
         for note in told["notes"]:
             self.report({"INFO" if found.worst <= 1 else "WARNING"}, note)
         return {"FINISHED"}
+
+
+def _reach(scene: bpy.types.Scene) -> str:
+    """Return how deep a fingertip may go into what was identified."""
+    from ..core.calibration.verdict import TIP_REACH
+
+    radius = scene.dimple.finger_radius_mm
+    return (
+        f"A fingertip of {radius:.3g} mm may go about {TIP_REACH * radius:.2g} mm deep, two thirds of its radius: "
+        "deeper, it parts a skin as slack as this. Take a larger fingertip, or Undo for the estimate."
+    )
 
 
 def place_of(operator: bpy.types.Operator, context: bpy.types.Context) -> str:
@@ -97,7 +108,7 @@ def can_press(operator: type, context: bpy.types.Context) -> bool:
     body = context.object
     if context.mode != "OBJECT":
         operator.poll_message_set("Go back to Object Mode first")
-    elif body is None or body.type != "MESH":
+    elif body is None or body.type != "MESH" or body in sessions.fingertip_objects(context.scene):
         operator.poll_message_set("Select the mesh to press")
     elif body.active_material is None:
         operator.poll_message_set("Give the object a material first: calibrate, or choose a preset")

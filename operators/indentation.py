@@ -52,7 +52,7 @@ def set_up(
         raise DimpleError(f'"{body.name}" has no material. Give it one: calibrate, or choose one of the presets.')
     if body.dimple.to_params()["law_set"] != "consistent":
         raise DimpleError("The paper's literal laws have no model constants. Choose Consistent in Physics > Dimple.")
-    link, model = bridge.read_body(context, body)
+    link, model = bridge.read_body(context, body, baked=False)
     settings, mesh = material.dimple, model.mesh
     tip = tip or Indenter(shape=settings.tip.lower(), radius=settings.tip_radius_mm / 1e3)
     above, inward = (None, DOWN) if place == "TOP" else _at_cursor(context, link, mesh)

@@ -26,14 +26,15 @@ def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
     Raises:
         DimpleError: nothing is selected.
     """
-    settings = context.scene.dimple
-    fingers = {settings.finger_1, settings.finger_2, settings.finger_3}
+    fingers = sessions.fingertip_objects(context.scene)
     selected = [obj for obj in context.selected_objects if obj not in fingers]
     meshes = [obj for obj in selected if obj.type == "MESH"]
     if meshes:
         return meshes
     if others := selected or [obj for obj in (context.object,) if obj and obj not in fingers]:
         return others[:1]
+    if context.selected_objects:
+        raise DimpleError("Only a fingertip is selected. Select the mesh to press.")
     raise DimpleError("Nothing is selected. Select a mesh to press it.")
 
 

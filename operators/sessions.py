@@ -103,6 +103,11 @@ def at_work() -> bool:
     return any(run.kind not in ("poke", "play") for run in runs)
 
 
+def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:
+    """Return the objects that are fingertips; they press and are not pressed."""
+    return {getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)}
+
+
 def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list[str]]:
     """Start the session of an object, or return the one it has; and sentences for the artist.
 

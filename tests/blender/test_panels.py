@@ -152,7 +152,7 @@ def test_a_calibration_shows_its_constants_with_errors_and_what_a_hand_can_tell(
     assert "dimple.calibrate" in " ".join(draw(bpy, panel, object=body))
     bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=165)
     pending = draw(bpy, panel, object=body)
-    for text in ("K1", "0.6106 ± 0.0073 N/mm", "7.225 ± 0.07 N/mm", "16.32 ± 0.039 mm", "1.0%", "6% – 8%"):
+    for text in ("K1", "0.6106 ± 0.0073 N/mm", "7.225 ± 0.070 N/mm", "16.317 ± 0.039 mm", "1.0%", "6% – 8%"):
         assert text in pending, text
     assert "k, Force Balance" in pending and "dimple.apply_calibration" in pending
     words = " ".join(draw(bpy, bpy.types.DIMPLE_PT_calibration_notes, object=body))
@@ -176,11 +176,19 @@ def test_what_moves_is_told_with_its_reason_and_a_comparison_as_a_table(bpy: Mod
     assert "DIMPLE_PG_object.moves" in shown and "dimple.apply_method" not in shown
     settings.plan_reason = "8 vertices at 1 steps a millisecond run live."
     ways = (("semi_implicit", 0, 9602, 1.01, 0.0, 0.0), ("semi_implicit", 400, 400, 0.025, 0.487, 0.25))
-    others = (("backward_euler", 300, 300, 8.1, 0.7, 0.3),)
+    others = (("xpbd", 300, 300, 8.1, 0.7, 0.3),)
     names = ("method", "asked", "vertices", "cost", "error", "force_error")
-    settings.comparison = json.dumps([dict(zip(names, way, strict=True)) for way in (*ways, *others)])
+    table = [dict(zip(names, way, strict=True)) for way in (*ways, *others)]
+    settings.comparison = json.dumps([*table[:2], table[2] | {"label": "XPBD"}])
     shown = draw(bpy, panel, object=body)
-    for text in ("8 vertices at 1 steps", "Mesh Itself, 9602", "0.025 s/s", "0.49 mm", "25%", "backward Euler, 300"):
+    for text in (
+        "8 vertices at 1 steps",
+        "Mesh Itself, 9602",
+        "0.025 s/s",
+        "0.49 mm",
+        "25%",
+        "XPBD, 300",
+    ):
         assert any(text in each for each in shown), text
     assert shown.count("dimple.apply_method") == 2, "only what a session can take has a button"
 

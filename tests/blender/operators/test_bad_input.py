@@ -155,6 +155,15 @@ def test_what_is_not_a_mesh_is_refused_with_what_to_do(bpy: ModuleType, add: Cal
     assert not sessions.sessions
 
 
+def test_a_fingertip_that_alone_is_selected_is_said(bpy: ModuleType, add: Callable[..., Any]) -> None:
+    body, tip = add(), add()
+    bpy.context.scene.dimple.finger_1 = tip
+    body.select_set(False)
+    with pytest.raises(RuntimeError, match="Only a fingertip is selected"):
+        bpy.ops.dimple.poke(**QUICK)
+    assert bpy.context.object == tip and not bpy.ops.dimple.compare_methods.poll()
+
+
 def test_nothing_selected_is_said(bpy: ModuleType, empty_file: ModuleType) -> None:
     with pytest.raises(RuntimeError, match="Nothing is selected"):
         bpy.ops.dimple.poke()

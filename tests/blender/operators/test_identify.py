@@ -208,6 +208,26 @@ def test_the_3d_cursor_says_where_the_tip_goes_in(bpy: ModuleType, vinyl: Any, c
     assert top.site.point == pytest.approx([0, 0, 0.0825], abs=1e-6) and top.deepest == 0.005
 
 
+def test_a_fingertip_is_set_down_on_the_middle_of_a_flat_top(bpy: ModuleType, cube: Any) -> None:
+    bpy.ops.dimple.add_fingertip()
+    assert tuple(bpy.context.scene.dimple.finger_1.location)[:2] == pytest.approx((0, 0), abs=1e-6)
+
+
+def test_a_baked_press_is_no_part_of_the_shape_that_is_pressed(bpy: ModuleType, vinyl: Any, cube: Any) -> None:
+    from bl_ext.user_default.dimple.operators import indentation
+
+    rest = indentation.set_up(bpy.context, cube, "TOP", 8.0).mesh.rest_positions
+    bpy.ops.dimple.add_fingertip()
+    tip = bpy.context.scene.dimple.finger_1
+    for frame, height in ((1, 1.2), (6, 0.9)):
+        tip.location.z = height
+        tip.keyframe_insert("location", index=2, frame=frame)
+    bpy.ops.dimple.bake(target="SHAPE_KEYS", frame_start=1, frame_end=6)
+    bpy.context.scene.frame_set(6)
+    assert cube.data.shape_keys.key_blocks[-1].value == 1
+    assert np.array_equal(indentation.set_up(bpy.context, cube, "TOP", 8.0).mesh.rest_positions, rest)
+
+
 def test_what_cannot_be_pressed_says_why(bpy: ModuleType, vinyl: Any, cube: Any) -> None:
     cube.dimple.law_set = "PAPER"
     with pytest.raises(RuntimeError, match="Choose Consistent"):
