@@ -62,6 +62,7 @@ class Emulator:
         self._in = Line(baud, [fault for fault in spoils if fault.way != "out"], random.Random(seed + 1))
         self._out = Line(baud, [fault for fault in spoils if fault.way != "in"], random.Random(seed + 2))
         self._blocks = kinematics.blocks(spec)
+        self._angles = self._sense()
         self._noise = [dice.gauss(0, spec.adc_noise) * (1 << 16 - spec.adc_bits) for _ in range(NOISE)]
         self._frozen: dict[int, list[int]] = {}  # finger: its readings when it froze
         self._rest = b""  # of a frame from the host
@@ -103,6 +104,7 @@ class Emulator:
         time = -math.inf if self._script is None else now - self._script
         for i, tip in enumerate(self.tips):
             tip.step(self.spec, self.hand, i, time, self.forces[i])
+        self._angles = self._sense()
 
     def next_time(self) -> float:
         """Return when there is something to do [s]: step then, or earlier when bytes come."""
@@ -141,15 +143,18 @@ class Emulator:
         self.settle()
         self._ticks += 1
         self.unplugged = self._acts("unplug", now)
-        angles = [kinematics.inverse(self._blocks[i], self.tips[i].position) for i in range(wire.FINGERS)]
-        words = self._convert(angles, now)
+        words = self._convert(self._angles, now)
         if self._acts("stall", now):  # its amplifiers want a pulse each tick, and let go without
             self.firmware.torques = [ZERO] * wire.FINGERS
         else:
             self._say(self.firmware.tick(words, now), now)
         if self._script is None and self.mode == wire.RAMP:
             self._script = now
-        self._begun = now, self.mode, angles
+        self._begun = now, self.mode, self._angles
+
+    def _sense(self) -> list[Vector]:
+        """Return the angles [rad] at which the fingertips stand."""
+        return [kinematics.inverse(block, tip.position) for block, tip in zip(self._blocks, self.tips, strict=True)]
 
     def _convert(self, angles: list[Vector], now: float) -> list[int]:
         """Return the 16-bit readings of the nine joints."""
