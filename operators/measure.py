@@ -96,7 +96,10 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
             found.append((station.depth, station.force))
             yield min(len(found) / self.rows, 0.999)
         if len(found) < 12:
-            raise DimpleError(f"The body finds no rest deeper than {1e3 * found[-1][0]:.3g} mm: nothing was written.")
+            way_out = "Press elsewhere." if bench.material.constants else "Identify it first: its skin is an estimate."
+            raise DimpleError(
+                f"The body finds no rest deeper than {1e3 * found[-1][0]:.3g} mm: nothing was written. {way_out}"
+            )
         self._curve = np.array(found).T
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
