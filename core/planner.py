@@ -1,8 +1,8 @@
 """Choose how a body is simulated: on its mesh where that runs live, else on the smallest stand-in that is near enough.
 
 The method is semi-implicit Euler in native code: within live tolerances the error is that of too few vertices, so
-other methods only cost more for the same error (core.study.stand_ins). What is left to choose is how many vertices
-move. No law is left out to save time: a body does not know what it will meet.
+other methods only cost more for the same error (core.study.work_precision has it in both languages). What is left to
+choose is how many vertices move. No law is left out to save time: a body does not know what it will meet.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ from typing import TypeVar
 
 import numpy as np
 
+from .backend import choose_backend
 from .base import TICK, DimpleError
 from .integrators.path import FingerPath
 from .model import Model, initial_state
-from .proxy import LARGEST, SMALLEST, Proxy, build_proxy, carry, check, mean_spacing
+from .proxy import LARGEST, SMALLEST, Proxy, build_proxy, carry, check, mean_spacing, most_of
 from .trial import (
     DOWN,
     HOLD,
@@ -27,7 +28,6 @@ from .trial import (
     Pressed,
     Way,
     choose_presses,
-    default_run,
     end_of,
     press_mesh,
     press_way,
@@ -96,9 +96,13 @@ def plan(
     """
     try:
         cost = pace(model)
-    except DimpleError:  # too stiff for any tick; a stand-in is softer on the clock
+    except DimpleError as too_stiff:  # for any tick; a stand-in is softer on the clock
         wanted = vertices_for(model, tolerance, force_tolerance, radius)
-        return stand_in(model, wanted, radius=radius, budget=budget, because="The mesh itself is too stiff to move")
+        because = "The mesh itself is too stiff to move"
+        try:
+            return stand_in(model, wanted, radius=radius, budget=budget, because=because)
+        except DimpleError as none:
+            raise too_stiff from none
     if cost <= budget:
         return _mesh_itself(model, cost, f"{_work(model)} run live.")
     slow = f"{_work(model)} would run at {_times(budget / cost)} real time"
@@ -106,16 +110,18 @@ def plan(
         check(model)
     except DimpleError as error:
         return _mesh_itself(model, cost, f"{slow}, but {error}.")
-    wanted, measured = vertices_for(model, tolerance, force_tolerance, radius), None
+    wanted, measured, seen_from = vertices_for(model, tolerance, force_tolerance, radius), None, 0
     if allowance and not model.held.all():
         presses = allowance / (cost * (DOWN + HOLD))
-        wanted, measured = _measured(model, presses, radius, tolerance, force_tolerance, wanted)
+        wanted, measured, seen_from = _measured(model, presses, radius, tolerance, force_tolerance, wanted)
     most = most_of(model)
     if wanted > most:
         near = f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
         return _mesh_itself(model, cost, f"{slow}, and no stand-in of up to {most:,} is within {near}.")
     try:
-        chosen = stand_in(model, wanted, radius=radius, budget=budget, because=slow, measured=measured)
+        chosen = stand_in(
+            model, wanted, radius=radius, budget=budget, because=slow, measured=measured, seen_from=seen_from
+        )
     except DimpleError as error:
         return _mesh_itself(model, cost, f"{slow}, but {error}.")
     if chosen.cost >= cost:
@@ -137,11 +143,13 @@ def stand_in(
     budget: float = BUDGET,
     because: str = "",
     measured: Outcome | None = None,
+    seen_from: int = 0,
 ) -> Plan:
     """Return the plan for a stand-in of about so many vertices, or somewhat more where the mesh asks for them.
 
     Args:
-        measured: what it came to where it was tried.
+        measured: what it came to where it was tried.  seen_from: vertices of the stand-in that was pressed in place of
+            a mesh too heavy for it, 0 for the mesh.
 
     Raises:
         DimpleError: none can be made, and why.
@@ -151,9 +159,10 @@ def stand_in(
     error, force_error = (measured.error, measured.force_error) if measured else expected(proxy, radius)
     speed = "runs live" if cost <= budget else f"runs at {_times(budget / cost)}"
     known = "kept within" if measured else "should keep within about"
+    how = f" (seen from {seen_from:,})" if seen_from else "" if measured else " (not tried)"
     reason = (
         f"{because or 'As chosen'}; a stand-in of {moved:,} vertices {known} {1e3 * error:.2g} mm and "
-        f"{force_error:.0%} of the force{measured.note if measured else ' (not tried)'} and {speed}."
+        f"{force_error:.0%} of the force{how} and {speed}."
     )
     return Plan(
         proxy=proxy, asked=vertices, vertices=moved, steps=proxy.model.substeps(TICK), cost=cost, error=error,
@@ -194,10 +203,10 @@ def _goal(model: Model, presses: Sequence[Press], paid: float) -> tuple[list[Pre
 
 def _measured(
     model: Model, paid: float, radius: float, tolerance: float, force_tolerance: float, wanted: int
-) -> tuple[int, Outcome | None]:
-    """Return the fewest vertices tried that met the tolerances, and what they came to.
+) -> tuple[int, Outcome | None, int]:
+    """Return the fewest vertices tried that met the tolerances, what they came to, and from how many that was seen.
 
-    Where none did: how many should, by how the errors fall.
+    Where none did: how many should, by how the errors fall, and None.
 
     Args:
         paid: presses of the mesh itself that are paid for.
@@ -207,10 +216,9 @@ def _measured(
     try:
         goal, seen_from = _goal(model, presses, paid)
     except DimpleError:
-        return wanted, None
+        return wanted, None, 0
     # what the goal is off by itself: by the fit, and the squares of errors add up
     share, most = (1 / seen_from, seen_from // 2) if seen_from else (0.0, most_of(model))
-    note = f" (seen from {seen_from:,})" if seen_from else ""
     best, missed, vertices = None, 0, wanted
     for _ in range(TRIES):
         tried = min(vertices, most)
@@ -218,7 +226,7 @@ def _measured(
         skin = found.error / tolerance / math.sqrt(1 - (share * tried) ** ERROR_POWER)
         force = found.force_error / force_tolerance / math.sqrt(1 - (share * tried) ** FORCE_POWER)
         if max(skin, force) <= 1:
-            best = replace(found, error=skin * tolerance, force_error=force * force_tolerance, note=note)
+            best = replace(found, error=skin * tolerance, force_error=force * force_tolerance)
         else:
             missed = tried
         if best and (NEAR_ENOUGH < max(skin, force) <= 1 or best.way.vertices <= CLOSE * missed):
@@ -230,12 +238,7 @@ def _measured(
             vertices = min(max(vertices, math.ceil(missed * math.sqrt(CLOSE))), best.way.vertices - 1)
         elif missed == most:
             break
-    return (best.way.vertices, best) if best else (vertices, None)
-
-
-def most_of(model: Model) -> int:
-    """Return how many vertices a stand-in may have."""
-    return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
+    return (best.way.vertices, best, seen_from) if best else (vertices, None, 0)
 
 
 def vertices_for(model: Model, tolerance: float, force_tolerance: float, radius: float) -> int:
@@ -254,14 +257,14 @@ def expected(proxy: Proxy, radius: float) -> tuple[float, float]:
 
 def pace(model: Model) -> float:
     """Time this machine: [s] of computing for a second of motion, from a tick or three that nobody touches."""
-    state, run, steps = initial_state(model), default_run(), model.substeps(TICK)
+    state, run, steps = initial_state(model), choose_backend()[2], model.substeps(TICK)
     nobody = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
     run(model, state, nobody, tick=TICK, substeps=1)  # lays the body out
     best, spent = math.inf, 0.0
     while best == math.inf or spent < min(3 * best, 0.05):
-        started = time.process_time()
+        started = time.perf_counter()  # some systems count processor time in steps of many ticks
         run(model, state, nobody, tick=TICK, substeps=steps)
-        took = time.process_time() - started
+        took = time.perf_counter() - started
         best, spent = min(best, took), spent + took
     return CONTACT * best / TICK
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from .base import Bools, DimpleError, Floats, Ints, sums_at
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
@@ -43,7 +44,7 @@ class Proxy:
     spacing: float
     fine_spacing: float
     followed: Ints
-    weights: Floats
+    weights: npt.NDArray[np.float32]
     lever: Floats
     arms: Ints
     spread: Floats
@@ -60,7 +61,7 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
     mesh = model.mesh
     check(model)
     used = np.flatnonzero(~mesh.loose)
-    most = min(len(used) // 2, LARGEST)
+    most = most_of(model)
     if not SMALLEST <= vertices <= most:
         raise DimpleError(f"a stand-in of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
     spacing = mean_spacing(mesh, vertices)
@@ -85,7 +86,7 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
     arms, spread, upright = _gradient(coarse.mesh)
     return Proxy(
         model=coarse, seeds=seeds, rest=mesh.rest_positions, still=model.held | mesh.loose, spacing=spacing,
-        fine_spacing=mean_spacing(mesh, len(used)), followed=followed, weights=weights,
+        fine_spacing=mean_spacing(mesh, len(used)), followed=followed, weights=weights.astype(np.float32),
         lever=2 * mesh.rest_positions - mesh.rest_positions.mean(axis=0) - middle,
         arms=arms, spread=spread, upright=upright,
         normals=vertex_normals(coarse.mesh.triangles, coarse.mesh.rest_positions),
@@ -119,9 +120,14 @@ def carry(proxy: Proxy, positions: Floats) -> Floats:
     taken = np.empty_like(mixed)
     for follow, weight in zip(proxy.followed, proxy.weights, strict=True):
         np.take(motions, follow, axis=0, out=taken, mode="clip")
-        taken *= weight.astype(np.float32)[:, None]
+        taken *= weight[:, None]
         mixed += taken
     return proxy.rest + mixed[:, :3] + np.einsum("ncd,nd->nc", mixed[:, 3:].reshape(-1, 3, 3), proxy.lever)
+
+
+def most_of(model: Model) -> int:
+    """Return how many vertices a stand-in may have."""
+    return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
 
 
 def contact_radius(proxy: Proxy, radius: float) -> float:

@@ -79,7 +79,6 @@ class Session:
         self.backend, self.backend_note, self._stepper = choose_backend(backend)
         self._whole = not self._body.mesh.loose.any()
         self._surface = rest_surface(model.mesh)
-        self._state = initial_state(self._body)
         self._input_of = input_vertices(model.mesh)
         # the vertices of the mesh that are told where to be
         self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[self._body.held]

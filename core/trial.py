@@ -13,12 +13,12 @@ from typing import TypeVar
 
 import numpy as np
 
-from . import native
+from .backend import choose_backend
 from .base import TICK, DimpleError, Floats
 from .cells import vertex_normals
-from .integrators import semi_implicit
 from .integrators.methods import METHODS, Run
 from .integrators.path import FingerPath
+from .mesh import Mesh
 from .model import Model, State, initial_state
 from .proxy import Proxy, build_proxy, carry, contact_radius
 
@@ -175,7 +175,7 @@ def press_way(
     proxy = build_proxy(model, way.vertices) if way.vertices else None
     body = proxy.model if proxy else model
     steps, ends = steps_of(body, way.method), []
-    run = default_run() if way.method == "semi_implicit" else METHODS[way.method].run
+    run = choose_backend()[2] if way.method == "semi_implicit" else METHODS[way.method].run
     for k, press in enumerate(presses):
         ends.append(Pressed())
         radius = contact_radius(proxy, press.radius) if proxy else press.radius
@@ -214,10 +214,7 @@ def judge(
     mesh, squares = model.mesh, []
     for end, wanted in zip(ends, goal, strict=True):
         x = carry(proxy, end.positions).T if proxy else end.positions
-        normals = vertex_normals(mesh.triangles, wanted.positions.T).T
-        moved = np.sqrt(((wanted.positions - mesh.rest_positions.T) ** 2).sum(axis=0))
-        dent = moved > DENT * moved.max()
-        squares.append(float((((x - wanted.positions) * normals).sum(axis=0)[dent] ** 2).mean()))
+        squares.append(dent_error(mesh, x.T, wanted.positions.T) ** 2)
     forces, wanted_forces = (np.array([p.force for p in group]) for group in (ends, goal))
     error = math.sqrt(np.mean(squares))
     seconds = (DOWN + HOLD) * len(ends)
@@ -228,9 +225,15 @@ def judge(
     return outcome if math.isfinite(error) else Outcome(way=way, steps=steps, note="it blew up")
 
 
-def default_run() -> Run:
-    """Return the stepper of a session that nobody chose a backend for."""
-    return semi_implicit.run if native.why_not() else native.run
+def dent_error(mesh: Mesh, skin: Floats, wanted: Floats) -> float:
+    """Return how far a skin (n, 3) [m] is off the wanted one: along the normal, over what moved by DENT of the most.
+
+    Source: root of the mean square; what slides along the skin is not seen, and what stands still would flatter.
+    """
+    moved = np.sqrt(((wanted - mesh.rest_positions) ** 2).sum(axis=1))
+    dent = moved > DENT * moved.max()
+    along = ((skin - wanted) * vertex_normals(mesh.triangles, wanted)).sum(axis=1)[dent]
+    return float(np.sqrt((along**2).mean()))
 
 
 def steps_of(model: Model, method: str) -> int:

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty
 
-from . import sessions
+from . import polls, sessions
 from .names import Op
 from .working import Working
 
@@ -31,10 +31,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
         if context.mode != "OBJECT":
             cls.poll_message_set("Go back to Object Mode to bake")
             return False
-        if sessions.at_work():
-            cls.poll_message_set("A bake or a virtual press is running; Esc cancels it")
-            return False
-        return True
+        return polls.is_free(cls)
 
     def _open(self, context: bpy.types.Context) -> sessions.Run:
         return sessions.open_run(context, "bake", "Baking: Esc cancels", interval=0.01)

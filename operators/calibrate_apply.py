@@ -5,7 +5,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty
 
-from . import calibration
+from . import calibration, polls
 from .names import Op
 from .preset import material_of
 
@@ -32,8 +32,7 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         if told["unusable"]:
             cls.poll_message_set("There is no material with these constants")
             return False
-        if context.object is None or context.object.type != "MESH":
-            cls.poll_message_set("Select a mesh first")
+        if not polls.needs_mesh(cls, context):
             return False
         if context.object.active_material and context.object.active_material.library:
             cls.poll_message_set("The material is linked from another file: make it local first")

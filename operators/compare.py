@@ -6,12 +6,12 @@ import math
 import bpy
 from bpy.props import IntProperty
 
-from . import sessions
+from . import polls, sessions
 from .names import Op
 from .working import Working
 
 SIZES = 7  # stand-ins that are tried
-LARGEST = 4000  # vertices of the largest one
+FINEST = 4000  # vertices of the largest one
 FEWEST = 100  # vertices of the smallest one
 PRESSES = 2
 ON = 300  # vertices that the other methods are tried on: they run on numpy
@@ -33,23 +33,14 @@ class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need Object Mode, a mesh, and nothing else at work."""
-        body = context.object
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Go back to Object Mode first")
-        elif body is None or body.type != "MESH" or body in sessions.fingertip_objects(context.scene):
-            cls.poll_message_set("Select the mesh to press")
-        elif sessions.at_work():
-            cls.poll_message_set("A bake or a virtual press is running; Esc cancels it")
-        else:
-            return True
-        return False
+        return polls.can_press(cls, context)
 
     def _open(self, context: bpy.types.Context) -> sessions.Run:
         return sessions.open_run(context, "compare", "Comparing: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; a body is at rest before it is pressed."""
-        from ..core.proxy import check
+        from ..core.proxy import check, most_of
         from ..core.trial import choose_presses, compare
         from . import bridge
 
@@ -59,7 +50,7 @@ class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
         self._link, self._found = link, []
         radius = context.scene.dimple.finger_radius_mm / 1e3
         presses = choose_presses(model, radius, self.presses)
-        return self._steps_of(compare(model, presses, ways(int((~model.mesh.loose).sum()))))
+        return self._steps_of(compare(model, presses, ways(most_of(model))))
 
     def _steps_of(self, steps):
         for share, found in steps:
@@ -97,10 +88,7 @@ class DIMPLE_OT_apply_method(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need a mesh."""
-        if context.object is None or context.object.type != "MESH":
-            cls.poll_message_set("Select a mesh first")
-            return False
-        return True
+        return polls.needs_mesh(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set what moves; what runs ends, for it moves something else."""
@@ -113,14 +101,14 @@ class DIMPLE_OT_apply_method(bpy.types.Operator):
 
 
 def ways(vertices: int):
-    """Return what is tried on a mesh of so many vertices: stand-ins, and other methods on a small one.
+    """Return what is tried on a mesh whose stand-ins have at most so many vertices: them, and other methods on one.
 
     A method that is on no front of the study is not tried.
     """
     from ..core.integrators.methods import offered
     from ..core.trial import Way
 
-    most, others = min(vertices // 2, LARGEST), [name for name in offered() if name != Way().method]
+    most, others = min(vertices, FINEST), [name for name in offered() if name != Way().method]
     if most < FEWEST:
         return [Way(method=name) for name in others]
     growth = (most / FEWEST) ** (1 / (SIZES - 1))
@@ -131,9 +119,11 @@ def ways(vertices: int):
 def told(found) -> dict:
     """Return an outcome for the chart: cost [s] a second, error [mm], force error as a share."""
     from ..core.integrators.methods import METHODS
+    from ..core.trial import Way
 
+    slower = "" if found.way.method == Way().method else " (numpy)"
     return {
-        "method": found.way.method, "label": METHODS[found.way.method].label, "asked": found.way.vertices,
+        "method": found.way.method, "label": METHODS[found.way.method].label + slower, "asked": found.way.vertices,
         "vertices": found.vertices, "steps": found.steps,
         "cost": found.cost, "error": 1e3 * found.error, "force_error": found.force_error,
     }  # fmt: skip
@@ -143,8 +133,8 @@ def named(way) -> str:
     """Return what a way is called."""
     from ..core.integrators.methods import METHODS
 
-    on = f"stand-in of {way.vertices}" if way.vertices else "the mesh itself"
-    return on if way.method == "semi_implicit" else f"{METHODS[way.method].label} on a {on}"
+    on = f"a stand-in of {way.vertices}" if way.vertices else "the mesh itself"
+    return on if way.method == "semi_implicit" else f"{METHODS[way.method].label} on {on}"
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_compare_methods, DIMPLE_OT_apply_method])

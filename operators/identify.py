@@ -6,7 +6,7 @@ from datetime import date
 import bpy
 from bpy.props import EnumProperty, FloatProperty
 
-from . import calibration, sessions
+from . import calibration, polls, sessions
 from .names import PLACES, Op
 from .working import Working
 
@@ -31,7 +31,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need Object Mode, a mesh with a material, and nothing else at work."""
-        return can_press(cls, context)
+        return polls.can_measure(cls, context)
 
     def _open(self, context: bpy.types.Context) -> sessions.Run:
         return sessions.open_run(context, "identify", "Identifying: Esc cancels", interval=0.01)
@@ -101,24 +101,6 @@ def _reach(scene: bpy.types.Scene) -> str:
 def place_of(operator: bpy.types.Operator, context: bpy.types.Context) -> str:
     """Return where an operator presses: where it was told, else where the scene says."""
     return operator.place if operator.properties.is_property_set("place") else context.scene.dimple.tip_place
-
-
-def can_press(operator: type, context: bpy.types.Context) -> bool:
-    """Tell whether the active object can be pressed by a measuring tip, and say why not."""
-    body = context.object
-    if context.mode != "OBJECT":
-        operator.poll_message_set("Go back to Object Mode first")
-    elif body is None or body.type != "MESH" or body in sessions.fingertip_objects(context.scene):
-        operator.poll_message_set("Select the mesh to press")
-    elif body.active_material is None:
-        operator.poll_message_set("Give the object a material first: calibrate, or choose a preset")
-    elif body.active_material.library:
-        operator.poll_message_set("The material is linked from another file: make it local first")
-    elif sessions.at_work():
-        operator.poll_message_set("A bake or a virtual press is running; Esc cancels it")
-    else:
-        return True
-    return False
 
 
 def _folder() -> str:

@@ -3,8 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from . import sessions
-from .identify import can_press, place_of
+from . import polls, sessions
+from .identify import place_of
 from .names import PLACES, TIPS, Op
 from .working import Working
 
@@ -38,7 +38,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need Object Mode, a mesh with a material, and nothing else at work."""
-        return can_press(cls, context)
+        return polls.can_measure(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file, then measure between Blender's events."""

@@ -1,5 +1,5 @@
-"""How an object is simulated: by its own choice, or by the planner's, kept with the object so that a bake, here or on
-a farm, moves what the preview moved.
+"""How an object is simulated: by its own choice, or by the planner's, kept with the object so that a bake moves
+what the preview moved, and a farm what was sent to it (the same numpy; another may round and plan anew).
 """
 
 from __future__ import annotations
@@ -30,9 +30,8 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     try:
         chosen = choose(scene, obj, model)
     except DimpleError as error:
-        raise DimpleError(
-            f'"{obj.name}": {error}. Choose another number, or Automatic, in Physics > Dimple.'
-        ) from error
+        way_out = ". Choose another number, or Automatic, in Physics > Dimple." if settings.moves == "STAND_IN" else ""
+        raise DimpleError(f'"{obj.name}": {error}{way_out}') from error
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, chosen.asked, chosen.reason
     return chosen.proxy, f'"{obj.name}": {chosen.reason}' if chosen.proxy else ""
 
@@ -58,7 +57,10 @@ def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
     """Return what a choice hangs on: the body with its materials, the tolerances, the fingertip, the budget."""
     law, number = model.memory, 0
-    for array in (law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, model.springs.stiffness):
+    for array in (
+        law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, law.d0, law.damping,
+        model.springs.stiffness, model.springs.damping, model.friction,
+    ):  # fmt: skip
         number = zlib.crc32(array.tobytes(), number)
     around = (scene.dimple.finger_radius_mm, budget_of(scene, obj))
     words = (model.law_set, model.pressure.fill, *around, *obj.dimple.to_plan().values())

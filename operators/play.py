@@ -5,7 +5,7 @@ import time
 import bpy
 from bpy.props import FloatProperty
 
-from . import sessions
+from . import polls, sessions
 from .names import Op
 
 
@@ -25,10 +25,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         if context.mode != "OBJECT":
             cls.poll_message_set("Go back to Object Mode to play")
             return False
-        if sessions.at_work():
-            cls.poll_message_set("A bake or a virtual press is running; Esc cancels it")
-            return False
-        return True
+        return polls.is_free(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Run for some seconds at once, frame by frame of the scene."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
-from . import sessions
+from . import polls, sessions
 from .names import Op
 
 if TYPE_CHECKING:
@@ -66,10 +66,10 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         if context.mode != "OBJECT":
             cls.poll_message_set("Go back to Object Mode to press")
             return False
-        if any(run.kind != "play" for run in sessions.runs):
-            cls.poll_message_set("A poke or a bake is running; Esc leaves it")
+        if any(run.kind == "poke" for run in sessions.runs):
+            cls.poll_message_set("A poke is running; Esc leaves it")
             return False
-        return True
+        return polls.is_free(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Press once, as the properties say, without a window."""

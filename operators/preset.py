@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
+from . import polls
 from .names import Op
 
 
@@ -25,10 +26,7 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need a mesh."""
-        if context.object is None or context.object.type != "MESH":
-            cls.poll_message_set("Select a mesh first")
-            return False
-        return True
+        return polls.needs_mesh(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set material, size and source."""

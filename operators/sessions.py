@@ -76,8 +76,8 @@ class Body:
 class Run:
     """Hold a modal operator that drives the sessions.
 
-    kind: "poke", "play", "bake", "identify" or "measure".  pace: simulated time the next step asks for [s]; it falls
-    when the computer lags.  leave: called when the run is closed, by whomever.
+    kind: "poke", "play", "bake", "compare", "identify" or "measure".  pace: simulated time the next step asks for [s];
+    it falls when the computer lags.  leave: called when the run is closed, by whomever.
     """
 
     kind: str

@@ -28,6 +28,8 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true", help="smaller bodies, fewer points: under 50 seconds")
     parser.add_argument("--keep", action="store_true", help="keep the main charts and the fronts")
     options = parser.parse_args(words)
+    if options.keep and options.quick:
+        parser.error("what is measured in a hurry is not kept: leave out --quick or --keep")
     options.out.mkdir(parents=True, exist_ok=True)
     for draw in (
         draw_work_precision, draw_stability, draw_energy, draw_literal, draw_cost, draw_space, draw_stiff_nylon,
@@ -37,21 +39,18 @@ def main(words: Sequence[str] | None = None) -> int:
         draw(options.out, options.quick)
         print(f"{draw.__name__.removeprefix('draw_')}: {time.perf_counter() - started:.1f} s", flush=True)
     if options.keep:
-        keep(options.out, options.quick)
+        keep(options.out)
     print("\nWhere each method fails, and why\n" + where_methods_fail(), flush=True)
     return 0
 
 
-def keep(out: Path, quick: bool) -> None:
+def keep(out: Path) -> None:
     """Keep the main charts, who is on the front and what the planner's fit goes by."""
     KEPT.mkdir(parents=True, exist_ok=True)
-    charts, rows = ["work_precision", "stability"], ["stability_bounds.csv"]
-    if not quick:  # nothing is fitted in a hurry: what the planner's constants come from stays
-        charts, rows = [*charts, "stand_ins"], [*rows, "stand_ins_fit.csv"]
-    for name in charts:
+    for name in ("work_precision", "stability", "stand_ins"):
         for suffix in (".png", ".svg", ".csv"):
             shutil.copyfile(out / (name + suffix), KEPT / (name + suffix))
-    for name in rows:
+    for name in ("stability_bounds.csv", "stand_ins_fit.csv"):
         shutil.copyfile(out / name, KEPT / name)
     shutil.copyfile(out / "fronts.csv", FRONTS)
 

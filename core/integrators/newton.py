@@ -17,6 +17,7 @@ from ..laws import penalty, springs
 from ..laws.contact import Touch, rest_on_ground
 from ..laws.penalty import Meeting
 from ..model import Model, State
+from .kept import kept
 from .path import FingerPath
 from .tangent import Tangent, tangent
 from .ticks import acceleration_of, each_tick, needs_an_energy
@@ -66,11 +67,16 @@ def moved_back(touches: Sequence[Touch], seconds: float) -> list[Touch]:
     return [replace(touch, centre=touch.centre - seconds * touch.velocity) for touch in touches]
 
 
+def what_holds(model: Model) -> Floats:
+    """Return how stiffly springs and memory hold each vertex (n,) [N/m]."""
+    return springs.row_bounds(model.springs, len(model.mass))[0] / 2 + model.memory.k2
+
+
 def meet_faces(model: Model, state: State, touches: Sequence[Touch], share: float = CONTACT_STIFFNESS) -> list[Meeting]:
     """Find what the fingertips press at a state; share: stiffness of a face over what holds a vertex."""
     if not touches:
         return []
-    stiffness = share * (springs.row_bounds(model.springs, len(model.mass))[0] / 2 + model.memory.k2)
+    stiffness = share * kept(model, what_holds)
     return [penalty.meeting(state.positions, touch, stiffness) for touch in touches]
 
 

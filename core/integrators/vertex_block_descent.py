@@ -49,14 +49,15 @@ class Block:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Around:
     """Hold what a sweep keeps fixed: y (3, n) [m], where the step began, moved as a rigid body where nothing holds it
-    (3, n), the pose, the force of the fill (3, n) [N], the faces met and where they were met (3, c, 3)."""
+    (3, n), the pose, the force of the fill (3, n) [N], the faces met, where they were met (3, c, 3) and how
+    stiffly they hold each vertex (n, 3, 3) [N/m]."""
 
     goal: Floats
     before: Floats
     drift: Floats
     pose: Pose
     fill: Floats
-    met: Sequence[tuple[Meeting, Floats]]
+    met: Sequence[tuple[Meeting, Floats, Floats]]
 
 
 def advance(model: Model, state: State, touches: Sequence[Touch], dt: float, *, sweeps: int = SWEEPS) -> Floats:
@@ -72,7 +73,7 @@ def advance(model: Model, state: State, touches: Sequence[Touch], dt: float, *, 
         drift = before + (carried if state.pose else memory.rigid_velocity(model.memory.mass, x, x - before))
         around = Around(
             goal=goal, before=before, drift=drift, pose=memory.pose_of(model.memory, x, state.pose),
-            fill=state.pressure * g, met=[(m, x[:, m.corners]) for m in met],
+            fill=state.pressure * g, met=[(m, x[:, m.corners], penalty.stiffness_blocks(m, x.shape[1])) for m in met],
         )  # fmt: skip
         inverse = np.zeros((6, len(w)))
         for block in kept(model, blocks):
@@ -140,12 +141,12 @@ def move(block: Block, x: Floats, around: Around, h: float) -> Floats:
     flat = inertia + level + block.memory.damping / h + across.sum(axis=0)
     matrix = np.stack([np.einsum("wb,wb,wb->b", along, n[a], n[b]) + turn * u[a] * u[b] for a, b in PAIRS])
     matrix[:3] += flat
-    for met, then in around.met:
+    for met, then, stiffest in around.met:
         if len(met.depths):
             now = met.depths - (met.normals * ((x[:, met.corners] - then) * met.weights).sum(axis=2)).sum(axis=0)
             here_met = replace(met, depths=np.maximum(now, 0))
             force += penalty.force(here_met, x.shape[1])[:, at]
-            stiff = penalty.stiffness_blocks(met, x.shape[1])[at]
+            stiff = stiffest[at]
             matrix += np.stack([stiff[:, a, b] for a, b in PAIRS])
     inverse = inverted(matrix)
     x[:, at] = here + times(inverse, force)

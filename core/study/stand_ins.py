@@ -18,7 +18,7 @@ import numpy as np
 from ..base import TICK, DimpleError
 from ..model import Model
 from ..planner import FEW, Plan, pace, plan
-from ..proxy import LARGEST, mean_spacing
+from ..proxy import mean_spacing, most_of
 from ..trial import DOWN, HOLD, Outcome, Way, choose_presses, end_of, judge, press_way
 from .bodies import Body
 
@@ -143,7 +143,7 @@ class Judge:
 
     def ladder(self) -> list[Tried]:
         """Return every rung: stand-ins, then the mesh itself."""
-        most = min(int((~self.model.mesh.loose).sum()) // 2, LARGEST)
+        most = most_of(self.model)
         count = int(math.log(most / FEWEST, GROWTH)) + 1
         rungs = (self.stand_in(round(FEWEST * GROWTH**k)) for k in range(count))
         return [*(rung for rung in rungs if rung.vertices and math.isfinite(rung.error)), self.mesh]

@@ -17,9 +17,8 @@ from functools import partial
 import numpy as np
 
 from .. import native
+from ..backend import choose_backend
 from ..base import TICK, Floats
-from ..cells import vertex_normals
-from ..integrators import semi_implicit
 from ..integrators.methods import METHODS, Run
 from ..integrators.path import FingerPath
 from ..material import PRESETS
@@ -28,7 +27,7 @@ from ..model import Model, initial_state
 from ..model import build_model as build
 from ..planner import BUDGET, FORCE_TOLERANCE, TOLERANCE, plan
 from ..proxy import Proxy, build_proxy, carry, contact_radius
-from ..trial import DENT
+from ..trial import dent_error
 from .scenes import FINGERTIP, cube, whole_skin
 
 DEPTH = 0.010  # [m]
@@ -85,8 +84,8 @@ def presses(cells: int, *, whole: bool, dear: bool) -> Iterator[Press]:
         dear: XPBD at smaller substeps too, half a minute on a fine mesh.
     """
     model = nylon(cells, whole=whole)
-    fast, exact = (semi_implicit.run,) * 2 if native.why_not() else (native.run, native.run64)
-    backend, substeps, n = "numpy" if native.why_not() else "native", model.substeps(TICK), len(model.mass)
+    backend, why, fast = choose_backend()
+    exact, substeps, n = fast if why else native.run64, model.substeps(TICK), len(model.mass)
     wanted = pressed(model, exact, FINE * substeps)
 
     def judged(way: str, method: str, backend: str, vertices: int, dt: float, seen: Seen) -> Press:
@@ -121,19 +120,13 @@ def judge(
 ) -> tuple[float, float, float]:
     """Return the error between the surfaces over the dent, the farthest vertex [m], and the error of the force.
 
-    Between surfaces: along the normal, the root of the mean square over what moved by DENT of the most, at the worst
-    look, as in `core.trial`. All are inf where a skin ever strays by more than the size of the body: it blew up.
+    Between surfaces at the worst look. All are inf where a skin ever strays by more than the size of the body.
     """
     apart = [a - b for a, b in zip(skins, wanted, strict=True)]
     farthest = max(float(np.sqrt((d**2).sum(axis=1)).max()) for d in apart)
     if not all(np.isfinite(d).all() for d in apart) or farthest > mesh.size:
         return np.inf, np.inf, np.inf
-    surface = 0.0
-    for d, skin in zip(apart, wanted, strict=True):
-        moved = np.sqrt(((skin - mesh.rest_positions) ** 2).sum(axis=1))
-        dent = moved > DENT * moved.max()
-        along = (d * vertex_normals(mesh.triangles, skin)).sum(axis=1)[dent]
-        surface = max(surface, float(np.sqrt((along**2).mean())))
+    surface = max(dent_error(mesh, skin, goal) for skin, goal in zip(skins, wanted, strict=True))
     return surface, farthest, float(np.abs(forces - wanted_forces).max() / np.abs(wanted_forces).max())
 
 
