@@ -12,6 +12,7 @@ import pytest
 
 Add = Callable[..., Any]
 Bits = Callable[[Any], bytes]
+Shown = Callable[[Any], np.ndarray]
 
 
 @pytest.fixture
@@ -46,16 +47,6 @@ def is_clean(obj: Any) -> bool:
     return ".dimple_rest" not in obj.data.attributes and not (keys and "Dimple" in keys.key_blocks)
 
 
-@pytest.mark.parametrize("keys", [False, True])
-def test_reset_puts_every_bit_back(bpy: ModuleType, sessions: Any, playing: Any, coordinates: Bits, keys: bool) -> None:
-    rest = np.frombuffer(coordinates(playing(keys)), np.float32).copy()
-    obj = bpy.data.objects["Ball"]
-    assert keys or not np.array_equal(np.frombuffer(coordinates(obj), np.float32), obj["rest"] if "rest" in obj else 0)
-    bpy.ops.dimple.reset()
-    assert is_clean(obj)
-    assert keys == np.array_equal(np.frombuffer(coordinates(obj), np.float32), rest)
-
-
 @pytest.fixture
 def rest(bpy: ModuleType, ball: Add, coordinates: Bits) -> bytes:
     """The coordinates of the ball as it is made."""
@@ -63,6 +54,18 @@ def rest(bpy: ModuleType, ball: Add, coordinates: Bits) -> bytes:
     bits = coordinates(obj)
     bpy.data.objects.remove(obj)
     return bits
+
+
+@pytest.mark.parametrize("keys", [False, True])
+def test_reset_puts_every_bit_back(
+    bpy: ModuleType, sessions: Any, playing: Any, coordinates: Bits, shown: Shown, rest: bytes, keys: bool
+) -> None:
+    obj = playing(keys)
+    assert shown(obj).tobytes() != rest
+    bpy.ops.dimple.reset()
+    assert is_clean(obj) and coordinates(obj) == rest == shown(obj).tobytes()
+    for key in obj.data.shape_keys.key_blocks if keys else ():
+        assert np.array([point.co for point in key.data], np.float32).tobytes() == rest
 
 
 def test_loading_a_file_ends_the_session(bpy: ModuleType, sessions: Any, playing: Any) -> None:
