@@ -47,7 +47,7 @@ _handlers: list[tuple[object, str]] = []
 def draw_bodies() -> None:
     """Draw fingertips and force arrows in the scene (POST_VIEW)."""
     context = bpy.context
-    for entry in _shown(context):
+    for _, entry in _shown(context):
         draw_fingers(entry, context.region)
 
 
@@ -64,10 +64,11 @@ def draw_numbers() -> None:
     left, bottom = free_corner(context.area, scale)
     if calibrated:
         draw_key(calibrated, (left, draw_curves(calibrated, (left, bottom), scale, context.region)), scale)
-    for entry in shown:
+    for body, entry in shown:
         if context.scene.dimple.show_chart:
-            bottom = draw_chart(entry, (left, bottom), scale, context.region) + MARGIN * scale
-        bottom = draw_rows(entry, (left, bottom), scale) + MARGIN * scale
+            curves = pressed_curves(body, entry)
+            bottom = draw_curves(curves, (left, bottom), scale, context.region) + MARGIN * scale
+        bottom = draw_rows(body, entry, (left, bottom), scale) + MARGIN * scale
         if bottom > context.region.height:
             break
 
@@ -80,11 +81,11 @@ def draw_fingers(entry: Any, region: Any) -> None:
         draw_lines(shapes.arrow(centre, force, radius), FORCE, region)
 
 
-def draw_rows(entry: Any, corner: Point, scale: float) -> float:
+def draw_rows(body: bpy.types.Object, entry: Any, corner: Point, scale: float) -> float:
     """Write the numbers of a session upwards from a corner [px] and return where they end."""
     lines = [f"{label}: {value}" for label, value in readout.rows(entry.frame, entry.session.tick)]
     said = readout.sentences(entry.session.model.notes, entry.frame)
-    lines = [entry.name, *lines, *(line for sentence in said for line in readout.wrapped(sentence, 60))]
+    lines = [body.name, *lines, *(line for sentence in said for line in readout.wrapped(sentence, 60))]
     height = corner[1]
     for line in reversed(lines):
         write(line, (corner[0], height), scale)
@@ -92,14 +93,24 @@ def draw_rows(entry: Any, corner: Point, scale: float) -> float:
     return height
 
 
-def draw_chart(entry: Any, corner: Point, scale: float, region: Any) -> float:
-    """Draw force against depth of a session over the measured curve, from a corner [px], and return where it ends."""
-    material = entry.session.model.materials[0]
-    trail = [(float(depth), float(force)) for depth, force in entry.trail]
-    body = bpy.context.scene.objects.get(entry.name)
-    known = _material_curves(body.active_material.dimple) if body and body.active_material else None
+def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
+    """Return what the chart of a session shows: force against depth over the law of the material that is pressed."""
+    which = pressed_material(body, entry)
+    material, slot = entry.session.model.materials[which], entry.link.slots[which]
+    theirs = body.material_slots[slot].material if slot < len(body.material_slots) else None
+    known = _material_curves(theirs.dimple) if theirs else None
     law = (material.K1, material.K2, material.x0)
-    return draw_curves((known or Curves(law))._replace(law=law, trail=trail), corner, scale, region)
+    trail = [(float(depth), float(force)) for depth, force in entry.trail]
+    return (known or Curves(law))._replace(law=law, trail=trail)
+
+
+def pressed_material(body: bpy.types.Object, entry: Any) -> int:
+    """Return which of the model's materials the deepest fingertip is nearest to; without one, the active material."""
+    frame, slots = entry.frame, entry.link.slots
+    down = [(depth, which) for depth, which in zip(frame.depths, frame.materials, strict=True) if which >= 0]
+    if down:
+        return max(down)[1]
+    return slots.index(body.active_material_index) if body.active_material_index in slots else 0
 
 
 def calibrated_curves(context: bpy.types.Context) -> Curves | None:
@@ -160,12 +171,12 @@ def draw_curves(curves: Curves, corner: Point, scale: float, region: Any) -> flo
     return top
 
 
-def _shown(context: bpy.types.Context) -> list[Any]:
-    """Return the sessions that may be drawn in this viewport."""
+def _shown(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any]]:
+    """Return the sessions that may be drawn in this viewport, each with its object."""
     if not sessions or not context.scene.dimple.show_overlay or not context.space_data.overlay.show_overlays:
         return []
-    here = {body.session_uid for body in context.scene.objects}
-    return [entry for uid, entry in sessions.items() if uid in here]
+    here = {body.session_uid: body for body in context.scene.objects}
+    return [(here[uid], entry) for uid, entry in sessions.items() if uid in here]
 
 
 def _fingers(entry: Any) -> list[tuple[Any, Point]]:

@@ -233,11 +233,6 @@ def forces(model: Model, state: State) -> Floats:
     return f + model.mass * model.gravity[:, None]
 
 
-def law_force(model: Model, triangle: int, depth: float) -> float:
-    """Return K(x) [N] of the material at a triangle, Eq. (1)."""
-    return model.materials[int(model.mesh.triangle_material[triangle])].law(depth)
-
-
 def _row(material: Material, size: float) -> tuple[float, ...]:
     constants = estimate(material, size)
     return (

@@ -21,7 +21,7 @@ from .integrators.path import FingerPath
 from .laws import pressure
 from .laws.memory import Pose, carried_pose, fit_pose
 from .mesh import input_vertices
-from .model import Model, initial_state, law_force
+from .model import Model, initial_state
 from .proxy import Proxy, carry, contact_radius
 
 MAX_FINGERS = 3
@@ -41,9 +41,9 @@ class Frame:
     """Hold what a session shows after a step.
 
     time: [s].  positions: (N, 3) float32 [m].  finger_forces: (k, 3) on the fingertips, mean over the step [N].
-    law_forces: (k,) K(x) of Eq. (1) [N] at depths: (k,) [m].  pressure: [Pa].  volume, rest_volume: [m3].
-    substeps: per tick.  steps: ticks done.  cost: [s] of wall time.  total_steps, total_cost: substeps and [s] since
-    the start.  note: "" or a sentence for the artist.
+    law_forces: (k,) K(x) of Eq. (1) [N] at depths: (k,) [m].  materials: (k,) which of the model's it is nearest to,
+    -1 where none is down.  pressure: [Pa].  volume, rest_volume: [m3].  substeps: per tick.  steps: ticks done.
+    cost: [s] of wall time.  total_steps, total_cost: substeps and [s] since the start.  note: "" or a sentence.
     """
 
     time: float
@@ -51,6 +51,7 @@ class Frame:
     finger_forces: Floats
     law_forces: Floats
     depths: Floats
+    materials: tuple[int, ...]
     pressure: float
     volume: float
     rest_volume: float
@@ -203,7 +204,7 @@ class Session:
         )
         self._move_held(self._share((self._ticks + 1) * self.tick))
         if self._body.needs_contact:
-            self._state.inner_force = float(sum(self._depths()[1]))
+            self._state.inner_force = float(sum(law for _, law, _ in self._depths()))
         total = np.zeros((len(self._targets), 3))
         total[which] = self._stepper(self._body, self._state, path, tick=self.tick, substeps=self.substeps)
         for row, i in enumerate(which):
@@ -253,23 +254,22 @@ class Session:
         weight = body.memory.k1 if body.memory.k1.any() else body.mass
         return self._state.pose or fit_pose(body.memory.rest, self._state.positions, weight)
 
-    def _depths(self) -> tuple[list[float], list[float]]:
-        """Return the depth [m] and the force [N] of Eq. (1) of each fingertip."""
+    def _depths(self) -> list[tuple[float, float, int]]:
+        """Return each fingertip's depth [m], its force [N] by Eq. (1), and which material it is nearest to."""
         model = self.model
         rotation, translation = self._pose()
-        depths, law = [], []
+        found = []
         for i, finger in enumerate(self._fingers):
             if finger is None:
-                depths.append(0.0)
-                law.append(0.0)
+                found.append((0.0, 0.0, -1))
                 continue
             centre = rotation.T @ (np.array(finger.position) - translation)
             depth, triangle = depth_below(self._surface, centre, finger.radius, self._sides[i])
             if depth < finger.radius:  # its centre is still outside
                 self._sides[i] = self._surface.normals[:, triangle] if depth > 0 else None
-            depths.append(max(depth, 0.0))
-            law.append(law_force(model, triangle, depth))
-        return depths, law
+            material = int(model.mesh.triangle_material[triangle])
+            found.append((max(depth, 0.0), model.materials[material].law(depth), material))
+        return found
 
     def _is_finite(self) -> bool:
         x = self._state.positions if self._whole else self._state.positions[:, ~self._body.mesh.loose]
@@ -289,10 +289,10 @@ class Session:
         volume, _ = pressure.volume_and_gradient(self._body.pressure, state.positions)
         if self._body.mesh.volume > 0:
             volume *= model.mesh.volume / self._body.mesh.volume
-        depths, law = self._depths()
+        depths, law, materials = zip(*self._depths(), strict=True) if self._fingers else ((), (), ())
         return Frame(
             time=self._time, positions=self._skin()[model.mesh.source].astype(np.float32), finger_forces=forces,
-            law_forces=np.array(law), depths=np.array(depths), pressure=state.pressure, volume=volume,
-            rest_volume=model.mesh.volume, substeps=self.substeps, steps=steps, cost=cost,
+            law_forces=np.array(law), depths=np.array(depths), materials=materials, pressure=state.pressure,
+            volume=volume, rest_volume=model.mesh.volume, substeps=self.substeps, steps=steps, cost=cost,
             total_steps=self._ticks * self.substeps, total_cost=self._cost, finite=not note, note=note,
         )  # fmt: skip

@@ -36,7 +36,7 @@ class Link:
 
     uid, name: of the object.  rest: (N, 3) its coordinates at rest, bit for bit.  scale: physical metres per
     scene unit.  matrix: (4, 4) of the object at the start.  resting: (N, 3) what a frame shows at rest [m].
-    rounding: what a vertex at rest may be off it [m].
+    rounding: what a vertex at rest may be off it [m].  slots: of the object's materials that the model has.
     """
 
     uid: int
@@ -46,6 +46,7 @@ class Link:
     matrix: Floats
     resting: Singles
     rounding: float
+    slots: tuple[int, ...]
 
 
 def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True) -> tuple[Link, Model]:
@@ -86,7 +87,7 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
     resting = mesh.rest_positions[mesh.source].astype(np.float32)
     link = Link(
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting,
-        rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()),
+        rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()), slots=tuple(map(int, used)),
     )  # fmt: skip
     notes = (*filter(None, said), *advice.on_body(body, mesh, context.scene))
     return link, replace(model, notes=(*model.notes, *notes))

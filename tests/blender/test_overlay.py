@@ -1,6 +1,8 @@
 """What is drawn over the viewport says what the frame says, and nothing when nothing runs."""
 
+import json
 import math
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -33,18 +35,23 @@ def entry(bpy: ModuleType) -> Any:
 
     material = PRESETS[1].material
     frame = SimpleNamespace(
-        finger_forces=[(0.0, 0.0, 7.4)], law_forces=[7.32], depths=[0.012], pressure=812.0, time=1.25,
-        volume=0.0044, rest_volume=0.0045, substeps=12, steps=33, cost=0.011, note="",
+        finger_forces=[(0.0, 0.0, 7.4)], law_forces=[7.32], depths=[0.012], materials=(0,), pressure=812.0,
+        time=1.25, volume=0.0044, rest_volume=0.0045, substeps=12, steps=33, cost=0.011, note="",
     )  # fmt: skip
     trail = [(i * 1e-3, material.law(i * 1e-3) * 1.02) for i in range(13)]
     return SimpleNamespace(
-        name="Ball", frame=frame, trail=trail, fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
+        link=SimpleNamespace(slots=(0,)), frame=frame, trail=trail,
+        fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
         session=SimpleNamespace(tick=1e-3, model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))),
         to_world=lambda point: tuple(12 * c for c in point),
     )  # fmt: skip
 
 
-def test_without_a_session_nothing_is_drawn_and_gpu_is_not_asked(overlay: ModuleType) -> None:
+def test_without_a_session_nothing_is_drawn_and_gpu_is_not_asked(
+    overlay: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("gpu", "blf"):
+        monkeypatch.setitem(sys.modules, name, None)  # whoever imports it fails
     overlay.draw_bodies()
     overlay.draw_numbers()
 
@@ -115,6 +122,61 @@ def test_the_chart_of_a_calibration_shows_the_measured_points_and_leaves_their_c
         assert seen.sum() > 20, colour
 
 
+@pytest.fixture
+def halves(empty_file: ModuleType) -> Any:
+    """A cube that stands for one of 165 mm, soft but for its top, and a session on it."""
+    from bl_ext.user_default.dimple.operators import sessions
+
+    bpy = empty_file
+    bpy.ops.mesh.primitive_cube_add()
+    body = bpy.context.object
+    for name, stiffness in (("Unused", 3.0), ("Soft", 0.5), ("Hard", 2.0)):
+        body.data.materials.append(bpy.data.materials.new(name))
+        body.data.materials[-1].dimple.K1 = stiffness
+    for polygon in body.data.polygons:
+        polygon.material_index = 2 if polygon.normal.z > 0.5 else 1
+    body.dimple.size_mode = "CUSTOM"
+    sessions.start(body, bpy.context)
+    yield body
+    sessions.stop_all()
+
+
+def test_the_chart_shows_the_law_and_the_measurement_of_the_material_that_is_pressed(
+    bpy: ModuleType, overlay: ModuleType, halves: Any
+) -> None:
+    from bl_ext.user_default.dimple.core.session import Finger
+    from bl_ext.user_default.dimple.operators import sessions
+
+    for name, force in (("Unused", 1.0), ("Soft", 2.0), ("Hard", 3.0)):
+        bpy.data.materials[name].dimple.calibration = json.dumps({"points": [[1.0, force]]})
+    (entry,) = sessions.sessions.values()
+    for index, K1 in ((1, 500.0), (2, 2000.0)):
+        halves.active_material_index = index
+        assert overlay.pressed_curves(halves, entry).law[0] == K1, "nothing is pressed: of the active material"
+    reach = 0.0825 + 0.010 - 0.002
+    for place, K1, force in (((0.0, 0.0, reach), 2000.0, 3.0), ((reach, 0.0, 0.0), 500.0, 2.0)):
+        entry.session.set_fingers([])  # or the fingertip would be dragged through the cube
+        entry.session.set_fingers([None, Finger(place, 0.010)])
+        entry.session.step(0.002)
+        curves = overlay.pressed_curves(halves, entry)
+        assert curves.law[0] == K1 and curves.measured == [(0.001, force)]
+        assert entry.frame.law_forces[1] == pytest.approx(K1 * entry.frame.depths[1])
+
+
+def test_a_body_that_is_renamed_while_pressed_is_called_by_its_new_name(
+    bpy: ModuleType, overlay: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: list[str] = []
+    monkeypatch.setattr(overlay, "write", lambda text, *_: written.append(text))
+    halves.name = "Another"
+    shown = SimpleNamespace(
+        scene=bpy.context.scene, space_data=SimpleNamespace(overlay=SimpleNamespace(show_overlays=1))
+    )
+    ((body, entry),) = overlay._shown(shown)
+    overlay.draw_rows(body, entry, (0.0, 0.0), 1.0)
+    assert "Another" in written and "Cube" not in written
+
+
 def test_an_arrow_points_along_the_force_and_a_stronger_one_is_longer(shapes: ModuleType) -> None:
     assert shapes.arrow((0, 0, 0), (0, 0, 0), 1) == []
     lengths = []
@@ -156,8 +218,9 @@ def drawn(overlay: ModuleType, entry: Any) -> Any:
     """Draw a session into a picture (height, width, 4) of bytes."""
 
     def draw(region: Any) -> None:
-        end = overlay.draw_chart(entry, (20.0, 20.0), 1.0, region)
-        overlay.draw_rows(entry, (20.0, end + 16), 1.0)
+        body = SimpleNamespace(name="Ball", material_slots=())
+        end = overlay.draw_curves(overlay.pressed_curves(body, entry), (20.0, 20.0), 1.0, region)
+        overlay.draw_rows(body, entry, (20.0, end + 16), 1.0)
 
     return on_screen(draw, lambda region: overlay.draw_fingers(entry, region))
 
