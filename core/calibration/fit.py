@@ -16,6 +16,8 @@ Free = tuple[str, ...]  # of "contact" and "tare", in this order
 CONFIDENCE = 0.95
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
 _STEPS = 20  # of Gauss-Newton
+_ROWS = 8  # beyond the touch: fewer tell nothing
+_ON_A_PIECE = 2  # rows: fewer leave its slope open
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
 _STRAY = 4.0  # standard errors that the joint fit may move the contact
 
@@ -99,18 +101,23 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
     pressed = np.ones(len(depth), bool) if free else depth > 0
     x, f = np.asarray(depth, np.float64)[pressed], np.asarray(force, np.float64)[pressed]
     inside = x > 0
-    if inside.sum() < 8 or len(np.unique(x[inside])) < 4:
-        raise DimpleError(f"Only {int(inside.sum())} rows lie beyond the first touch; a fit needs at least 8.")
+    if inside.sum() < _ROWS or len(np.unique(x[inside])) < 4:
+        raise _too_few(int(inside.sum()))
     # without rows before the touch the first piece need not begin at 0, 0: either may be off, not both
     left = "line" if len(free) == 1 and inside.sum() > len(x) - MIN_PIECE else "origin"
     slope, offset = np.polyfit(x[inside], f[inside], 1) if left == "line" else (_slope(x[inside], f[inside]), 0.0)
-    one = _settled(_start([float(slope)], float(offset), free), x, f)
+    start = _start([float(slope)], float(offset), free)
+    if not _holds(start, x):
+        raise _too_few(int((x > start.parts(x)[3]).sum()))
+    one = _settled(start, x, f)
     pieces, falls = two_pieces(x[inside], f[inside], left=left), False
     if pieces is not None and min(pieces.slope1, pieces.slope2) <= 0:  # no body of the model falls: take the best rise
         pieces, falls = two_pieces(x[inside], f[inside], left=left, rising=True), True
-    if pieces is None:
+    if pieces is not None:
+        start = _start([pieces.slope1, pieces.slope2, pieces.join], pieces.offset, free)
+    if pieces is None or not _holds(start, x):
         return _report(one, x, f, 1.0, 0.0)
-    two = _settled(_start([pieces.slope1, pieces.slope2, pieces.join], pieces.offset, free), x, f)
+    two = _settled(start, x, f)
     p, bic = _compare(one, two, x, f)
     return replace(_report(two if bic > 0 else one, x, f, p, bic), falls=falls)
 
@@ -138,6 +145,17 @@ def _start(values: list[float], offset: float, free: Free) -> _Trial:
         values = [*values[:2], values[2] - contact]
     known = {"contact": contact, "tare": offset}
     return _Trial(knee=len(values) > 1, free=free, values=np.array([*values, *(known[name] for name in free)]))
+
+
+def _holds(trial: _Trial, x: Floats) -> bool:
+    """Tell whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
+    _, _, x0, contact, _ = trial.parts(x)
+    pressed, beyond = int((x > contact).sum()), int((x > contact + x0).sum())
+    return min(pressed - beyond, beyond) >= _ON_A_PIECE if trial.knee else pressed >= _ROWS
+
+
+def _too_few(rows: int) -> DimpleError:
+    return DimpleError(f"Only {rows} rows lie beyond the first touch; a fit needs at least {_ROWS}.")
 
 
 def _slope(x: Floats, f: Floats) -> float:
@@ -180,7 +198,7 @@ def _settled(start: _Trial, x: Floats, f: Floats) -> _Trial:
         trials = [replace(best, values=best.values + share * step) for share in (1.0, 0.5, 0.2, 0.05)]
         trial = min(trials, key=lambda t: _sum_of_squares(t, x, f))
         total = _sum_of_squares(trial, x, f)
-        if not total < least or not trial.parts(x)[2] > 0:
+        if not total < least or not _holds(trial, x):
             break
         settled = least - total < 1e-14 * least
         best, least = trial, total

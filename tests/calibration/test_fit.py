@@ -190,6 +190,26 @@ def test_too_few_rows_are_told():
         fit_law(np.linspace(0, 1, 6), np.linspace(0, 1, 6))
 
 
+def test_short_and_noisy_presses_are_fitted_with_errors_or_refused():
+    """Their noise may put the touch beyond the rows, or the knee before the touch."""
+    fitted = 0
+    for seed in range(200):
+        rng = np.random.default_rng(seed)
+        x = np.linspace(rng.choice([0.0, -0.3]), 1, int(rng.choice([10, 15, 30])))
+        f = law(np.maximum(x, 0), 1.0, 10 ** rng.uniform(-1, 1), rng.uniform(0, 1.3))
+        f += np.ptp(f) * (10 ** rng.uniform(-3, 0.3) * rng.normal(size=len(x)) + rng.choice([0.0, -1.0]))
+        for free in ((), ("contact",), ("tare",), ("contact", "tare")):
+            try:
+                fit = fit_law(x, f, free=free)
+            except DimpleError as error:
+                assert "beyond the first touch" in str(error)
+                continue
+            fitted += 1
+            assert all(math.isfinite(c.half_width) for c in (fit.K1, fit.K2, fit.x0, fit.contact)), (seed, free)
+            assert 0 < fit.x0.value <= x[-1] - fit.contact.value
+    assert fitted > 400
+
+
 def test_t_and_f_and_the_incomplete_beta_agree_with_scipy():
     for freedom in (1.0, 2.5, 7.0, 30.0, 1e3, 1e6):
         assert t_quantile(0.975, freedom) == pytest.approx(stats.t.ppf(0.975, freedom), rel=1e-9)
