@@ -18,20 +18,18 @@ def rows(told: dict[str, Any]) -> list[tuple[str, str]]:
     if told["damping_ratio_hint"] is not None:
         lines.append((iface_("Work Lost"), f"{told['loss']:.0%}"))
         lines.append((iface_("Damping Ratio"), f"≈ {told['damping_ratio_hint']:.2f}"))
-    lines.append((iface_("Residual"), f"{told['residual_share']:.1%}"))
+    lines.append((iface_("Residual, of Full Scale"), f"{told['residual_share']:.1%}"))
     return [*lines, _hand(told)]
 
 
 def sentences(told: dict[str, Any]) -> list[str]:
-    """Return what the residual means to a hand, then what the core noted."""
-    notes = [noticed(told["residual_share"], told["noticeable"])]
-    if told["k"]:
-        notes += [told["k"][way]["assumes"] for way in _WAYS if told["k"][way]["value"] is not None]
-    return [*notes, *told["notes"]]
+    """Return what k assumes, then what the core noted."""
+    ways = [told["k"][way] for way in _WAYS] if told["k"] else []
+    return [*(way["assumes"] for way in ways if way["value"] is not None), *told["notes"]]
 
 
 def noticed(share: float, noticeable: list[float]) -> str:
-    """Say what a deviation, a share of full scale, is to a hand that can tell a share of a force from here to there."""
+    """Say what a deviation, a share of the force, is to a hand that can tell a share of a force from here to there."""
     if share < noticeable[0]:
         return iface_("A hand could not tell this from the measurement.")
     if share < noticeable[1]:
@@ -47,7 +45,8 @@ def identified(told: dict[str, Any], settings: Any) -> list[tuple[str, str]]:
         (iface_("Vertices"), f"{told['mesh']['vertices']}"),
         (iface_("Tip"), f"{iface_(tip)}, {told['tip_radius']:.3g} mm"),
         (iface_("Pressed To"), f"{told['deepest']:.4g} mm"),
-        (iface_("Simulated Press"), f"{told['rms']:.1%}"),
+        (iface_("Off, of Full Scale"), f"{told['rms']:.1%}"),
+        (iface_("Off at Worst, of the Force"), f"{told['force_off']:.1%}"),
         _hand(told),
         (iface_("Change of Volume"), f"{told['volume_change']:.2%}"),
         ("κ1, κ2", f"{settings.kappa1:.4g}, {settings.kappa2:.4g} N/cm³"),
@@ -58,7 +57,7 @@ def identified(told: dict[str, Any], settings: Any) -> list[tuple[str, str]]:
 
 def identified_sentences(told: dict[str, Any]) -> list[str]:
     """Return what the deviation of the virtual press means to a hand, then what the core noted."""
-    return [noticed(told["rms"], told["noticeable"]), *told["notes"]]
+    return [noticed(told["force_off"], told["noticeable"]), *told["notes"]]
 
 
 def edited(told: dict[str, Any], settings: Any) -> bool:

@@ -10,7 +10,7 @@ from . import calibration, polls, sessions
 from .names import PLACES, Op
 from .working import Working
 
-HOPELESS = 3  # times what a hand can tell: then the estimate is no worse
+HOPELESS = 3  # times what a hand can tell, at half of the depths: then the estimate is no worse
 _NOTHING = "Nothing was written: use a finer mesh, or press elsewhere."
 
 
@@ -63,12 +63,14 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
 
     def _finished(self, context: bpy.types.Context) -> set[str]:
         """Write the constants, and how they were found."""
+        import numpy as np
+
         from ..core.base import DimpleError
         from ..core.calibration.identify import NOTICEABLE_FORCE
         from . import indentation
 
         found, bench = self._found, self._bench
-        if found.rms > HOPELESS * max(NOTICEABLE_FORCE):
+        if np.median(found.off) > HOPELESS * max(NOTICEABLE_FORCE):
             raise DimpleError(" ".join(
                 [f"No model constants let this body answer as was measured. {found.notes[-1]}", _NOTHING]
             ))  # fmt: skip
@@ -76,9 +78,10 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         settings.kappa1, settings.kappa2 = constants.kappa1 / 1e6, constants.kappa2 / 1e6
         settings.d0, settings.membrane_scale = constants.d0 * 1e3, constants.membrane_scale
         told = indentation.described(bench) | {
-            "date": date.today().isoformat(), "holds_for": settings.held_by(), "rms": found.rms, "worst": found.worst,
-            "deepest": 1e3 * float(found.depths[-1]), "volume_change": found.volume_change,
-            "noticeable": NOTICEABLE_FORCE, "notes": [*found.notes, _reach(context.scene), *bench.notes],
+            "date": date.today().isoformat(), "holds_for": settings.held_by(), "rms": found.rms,
+            "force_off": float(found.off.max()), "deepest": 1e3 * float(found.depths[-1]),
+            "volume_change": found.volume_change, "noticeable": NOTICEABLE_FORCE,
+            "notes": [*found.notes, _reach(context.scene), *bench.notes],
             "points": calibration.thinned(1e3 * found.depths, found.simulated, calibration.SIMULATED),
         }  # fmt: skip
         settings.identification, settings.stale = json.dumps(told, ensure_ascii=False), False

@@ -79,7 +79,7 @@ RESULT = {
     "k, Force Balance": "k、力の釣り合い",
     "Tension": "張力",
     "Work Lost": "失われた仕事",
-    "Residual": "残差",
+    "Residual, of Full Scale": "残差（フルスケール比）",
     "A Hand Can Tell": "手で分かる差",
     "A hand could not tell this from the measurement.": "手では、測定との違いは分かりません。",
     "A trained hand might just tell this from the measurement.": (
@@ -133,7 +133,8 @@ VIRTUAL = {
     "On": "対象",
     "Vertices": "頂点数",
     "Pressed To": "押した深さ",
-    "Simulated Press": "仮想の押し込みの差",
+    "Off, of Full Scale": "差（フルスケール比）",
+    "Off at Worst, of the Force": "最大の差（力に対する比）",
     "Law": "法則",
     "Simulated": "シミュレーション",
     "Press the active object with its measuring tip, virtually, and write force against depth as a CSV file": (

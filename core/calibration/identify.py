@@ -51,6 +51,11 @@ class Identification:
     stopped: str
     notes: tuple[str, ...]
 
+    @property
+    def off(self) -> Floats:
+        """Return how far each force is off, as shares (m,) of the force wanted there: what a hand may tell."""
+        return np.abs(self.simulated / self.wanted - 1)
+
 
 class Cancelled(DimpleError):
     """Say that the user stopped an identification."""

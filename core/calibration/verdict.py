@@ -13,7 +13,6 @@ from ..mesh import Mesh
 from .calibrate import Calibration
 from .identify import NOTICEABLE_FORCE, NOTICEABLE_STIFFNESS, Identification
 from .indent import Indenter, Site, press_curve, reach
-from .sweep import ALLOWED
 
 ROWS = 25  # of a predicted press
 # a bed of springs without a skin lets a sphere part it: F = pi kappa (R - x) x^2, which falls beyond x = 2 R / 3. A
@@ -30,7 +29,7 @@ class Verdict:
     """Hold an identification, the tip, the mesh, and how far the simulated press is off.
 
     patch: radius [m] of what pressed, and how many vertices were under it if it is flat.
-    force_off: at the worst depth, share of the force.  stiffness_off: of K1 and K2 (None: no row there), shares.
+    force_off: the largest share of a force that it is off.  stiffness_off: of K1 and K2 (None: no row there), shares.
     measured_rms: to the measured points, share of full scale.  tip_depth [m], tip_force [N]: (m,) each, of the same
     material pressed by a fingertip: a prediction.
     """
@@ -57,7 +56,7 @@ def judge(calibration: Calibration, found: Identification, mesh: Mesh, indenter:
     tip_depth, tip_force = press_curve(mesh, found.material, fingertip, site, deepest, rows=ROWS)
     return Verdict(
         found=found, indenter=indenter, mesh=mesh, patch=(reach(mesh, indenter), int(site.under.sum())),
-        force_off=ALLOWED * found.worst, stiffness_off=_slopes_off(found),
+        force_off=float(found.off.max()), stiffness_off=_slopes_off(found),
         measured_rms=float(np.sqrt(((simulated - force[here]) ** 2).mean()) / force.max()),
         tip_depth=tip_depth, tip_force=tip_force,
     )  # fmt: skip
@@ -125,8 +124,8 @@ def verdict_lines(verdict: Verdict) -> list[str]:
         f"d0 = {1e3 * constants.d0:.4g} mm, scale on k {constants.membrane_scale:.2g}",
         f"    off by {100 * found.rms:.2f} % of full scale from the law (RMS), {100 * verdict.measured_rms:.2f} % from "
         f"the points; volume {100 * found.volume_change:.3f} %",
-        f"    force off by {100 * verdict.force_off:.1f} % at worst (a hand tells {_range(NOTICEABLE_FORCE)}), "
-        f"{slopes} (a hand tells {_range(NOTICEABLE_STIFFNESS)})",
+        f"    force off by {100 * verdict.force_off:.1f} % at worst, at {1e3 * found.depths[found.off.argmax()]:.3g} "
+        f"mm (a hand tells {_range(NOTICEABLE_FORCE)}), {slopes} (a hand tells {_range(NOTICEABLE_STIFFNESS)})",
         *(f"    {note}" for note in found.notes),
         f"    A {1e3 * FINGERTIP:.3g} mm fingertip would feel {pairs}. {_TIP_NOTE}",
     ]

@@ -2,6 +2,7 @@
 
 import functools
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ from core.base import DimpleError
 from core.calibration import cache
 from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
-from core.calibration.identify import Cancelled, identification, identify
+from core.calibration.identify import NOTICEABLE_FORCE, Cancelled, identification, identify
 from core.calibration.indent import Indenter, find_site, press, press_curve
 from core.calibration.reconstruct import DEEPEST
 from core.calibration.sweep import Task, fitted, swept
+from core.calibration.verdict import judge, verdict_json, verdict_lines
 from core.estimate import estimate
 from core.laws import memory, pressure, springs
 from core.material import PRESETS, ModelConstants
@@ -139,6 +141,21 @@ def test_a_fingertip_curve_follows_from_the_material():
     forces = [station.force for station in press(mesh, material, Indenter(shape="sphere", radius=0.01), site,
                                                  [0.004, 0.008, 0.012])]  # fmt: skip
     assert 0 < forces[0] < forces[1] < forces[2]
+
+
+def test_a_round_tip_that_starts_too_soft_is_off_by_a_share_of_the_force_that_a_hand_can_tell():
+    """Its first contact is a point: near the touch it answers too little, which full scale or 0.3 N would hide."""
+    preset, tip = PRESETS[1], Indenter(shape="sphere", radius=0.025)
+    mesh = cube(8, preset.size)
+    site = find_site(mesh, tip)
+    found = identify(mesh, preset.material, tip, site, DEEPEST[preset.name])
+    off = np.abs(found.simulated - found.wanted) / found.wanted
+    assert found.rms < min(NOTICEABLE_FORCE) < max(NOTICEABLE_FORCE) < np.median(off) < off.max()
+    assert found.off == pytest.approx(off)
+    measured = calibrate(Path(__file__).parents[2] / "blend_samples" / "calibration" / f"{preset.name}.csv")
+    verdict = judge(measured, found, mesh, tip, site)
+    assert verdict_json(verdict)["force_off_percent"] == pytest.approx(100 * off.max())
+    assert f"off by {100 * off.max():.1f} % at worst" in " ".join(verdict_lines(verdict))
 
 
 def test_a_ball_is_met_too():

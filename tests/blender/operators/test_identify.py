@@ -65,7 +65,7 @@ def test_the_identified_body_answers_the_measured_curve_and_sessions_use_its_con
 ) -> None:
     assert bpy.ops.dimple.identify() == {"FINISHED"}
     told = identified(vinyl)
-    assert told["rms"] < 0.03 and told["worst"] <= 1 and told["volume_change"] < 0.005
+    assert told["rms"] < 0.03 and told["force_off"] < 0.1 and told["volume_change"] < 0.005
     assert told["deepest"] == pytest.approx(1.35 * 16.3, rel=1e-3)
     assert told["object"] == "Cube" and told["mesh"]["vertices"] == 98 and told["size"] == pytest.approx(165)
     assert any("k" in note and "%" in note for note in told["notes"]), "the scale on k is told in words"
@@ -164,7 +164,7 @@ def test_a_body_that_cannot_answer_as_was_measured_keeps_its_estimate(
 
     def hopeless(*given: Any) -> Iterator[Any]:
         found = yield from real(*given)
-        return replace(found, rms=0.5, notes=(*found.notes, "It is off the most at 3 mm."))
+        return replace(found, simulated=1.5 * found.wanted, notes=(*found.notes, "It is off the most at 3 mm."))
 
     monkeypatch.setattr(identify, "identification", hopeless)
     with pytest.raises(RuntimeError, match="off the most at 3 mm. Nothing was written"):
