@@ -17,6 +17,8 @@ class Working:
     does.  stopped: what it says after Esc.
     """
 
+    _run = None  # while it asks for a file nothing runs yet
+
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Work in one go."""
         from ..core.base import DimpleError
@@ -72,7 +74,8 @@ class Working:
 
     def cancel(self, _context: bpy.types.Context) -> None:
         """Leave when Blender ends the operator: the window closes, another file is loaded."""
-        sessions.close_run(self._run)
+        if self._run is not None:
+            sessions.close_run(self._run)
 
     def _work(self) -> float:
         """Work for a moment; return the share that is done, 1 when all is."""

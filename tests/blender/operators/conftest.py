@@ -1,7 +1,7 @@
 """What the operators' tests share: bodies to press, and their coordinates bit for bit."""
 
 from collections.abc import Callable, Iterator
-from types import FunctionType, ModuleType, SimpleNamespace
+from types import FunctionType, ModuleType, NoneType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -82,7 +82,7 @@ class Context:
         self.bpy, self.said = bpy, ""
         self.window_manager = SimpleNamespace(
             event_timer_add=lambda *_, **__: None, modal_handler_add=lambda _: None,
-            progress_begin=lambda *_: None, progress_update=lambda *_: None,
+            progress_begin=lambda *_: None, progress_update=lambda *_: None, fileselect_add=lambda _: None,
             dimple=bpy.context.window_manager.dimple,
         )  # fmt: skip
         self.workspace = SimpleNamespace(status_text_set=self._say)
@@ -98,7 +98,7 @@ def _plain(operator: type) -> dict[str, Any]:
     """Return the functions and words of an operator and of what it is made of, without Blender's part of it."""
     ours = [each for each in reversed(operator.__mro__) if each.__module__.startswith("bl_ext.")]
     named = [(name, value) for each in ours for name, value in vars(each).items() if not name.startswith("__")]
-    return {name: value for name, value in named if isinstance(value, (FunctionType, str))}
+    return {name: value for name, value in named if isinstance(value, (FunctionType, str, NoneType))}
 
 
 class Hand:

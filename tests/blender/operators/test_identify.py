@@ -301,6 +301,14 @@ def test_a_measurement_between_blenders_events_is_written_at_its_end_or_not_at_a
     assert rows.shape == (12, 2) and rows[-1, 0] == pytest.approx(5) and (np.diff(rows[:, 1]) > 0).all()
 
 
+def test_a_measurement_can_be_cancelled_while_it_asks_for_the_file(bpy: ModuleType, vinyl: Any, hand: Any) -> None:
+    """Blender does that where a window with a file browser closes."""
+    run = hand("measure")
+    assert run.invoke() == {"RUNNING_MODAL"}
+    run.operator.cancel(run.context)
+    assert bpy.ops.dimple.measure.poll(), "nothing is left at work"
+
+
 def test_a_measurement_stops_before_the_far_side(bpy: ModuleType, vinyl: Any, cube: Any, tmp_path: Path) -> None:
     from bl_ext.user_default.dimple.operators import indentation
 
