@@ -6,10 +6,9 @@ import bpy
 from bpy.props import FloatProperty
 
 from . import haptic, sessions
-from .names import Op
+from .names import DEAD_MAN, Op
 
-KEY = "LEFT_SHIFT"  # the dead-man key: there is force only while it is held
-HELD_S = 3600.0  # as long as the key is down
+RENEW_S = 0.05  # between two looks at the dead-man key; `safety.LEASE` bears a standstill of 0.2 s and one more of them
 ANSWER_S = 1.0  # the device says within it that it arms
 KEYS_SAID = "Hold Shift: force | Esc: disarm"
 
@@ -60,38 +59,50 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
         """Arm, and hold the dead-man switch for the time given."""
+        connection = haptic.get()
+        connection.watch = None
         haptic.hold(self.hold_s)
-        haptic.get().device.arm()
+        connection.device.arm()
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Arm, and watch the key from now on."""
+        connection = haptic.get()
+        self._watch = connection.watch = object()
+        self._since, self._down = time.perf_counter(), False
         haptic.hold(0.0)
-        self._connection, self._since = haptic.get(), time.perf_counter()
-        self._connection.device.arm()
-        context.window_manager.modal_handler_add(self)
+        connection.device.arm()
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(RENEW_S, window=context.window)
+        manager.modal_handler_add(self)
         context.workspace.status_text_set(KEYS_SAID)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Follow the key; another window, a lost device and Esc end it."""
+        """Follow the key: it is held from its press until anything says otherwise. A lost device and Esc end it.
+
+        Every event tells which keys are down. Timers and the loss of the focus reach every modal operator, whatever the
+        one before it keeps to itself; without either the lease runs out.
+        """
+        from ..core.devices.safety import LEASE
+
         connection = haptic.get()
-        if connection is not self._connection or not self._is_armed(connection):
+        if connection is None or connection.watch is not self._watch or not self._is_armed(connection):
             return self._end(context)
         if event.type == "ESC" and event.value == "PRESS":
             connection.device.disarm()
-            self._end(context)
-            return {"PASS_THROUGH"} if sessions.runs else {"FINISHED"}
-        if event.type == KEY:
-            haptic.hold(0.0 if event.value == "RELEASE" else HELD_S)
-        elif event.type == "WINDOW_DEACTIVATE":
-            haptic.hold(0.0)
+            connection.watch = None
+            return {"PASS_THROUGH"} if sessions.runs else self._end(context)
+        if event.type == DEAD_MAN:
+            self._down = event.value != "RELEASE"
+        elif event.type == "WINDOW_DEACTIVATE" or not event.shift:
+            self._down = False
+        haptic.hold(LEASE if self._down else 0.0)
         return {"PASS_THROUGH"}
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Disarm when Blender ends the operator."""
-        if connection := haptic.get():
-            connection.device.disarm()
+        sessions.disarm()
         self._end(context)
 
     def _is_armed(self, connection: haptic.Connection) -> bool:
@@ -102,6 +113,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
 
     def _end(self, context: bpy.types.Context) -> set[str]:
         haptic.hold(0.0)
+        context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
         return {"FINISHED"}
 

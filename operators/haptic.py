@@ -32,13 +32,13 @@ LOOK_S = 0.1  # between two looks at the device while nothing runs
 class Connection:
     """Hold a device that is connected.
 
-    report: what it said last.  held_until: the dead-man switch is held so long, on `time.perf_counter` [s].
-    felt: by session.  news: a sentence for the artist that was not said yet.  read_at: when it was looked at last [s].
+    report: what it said last.  watch: of the operator that follows the dead-man key.  felt: by session.  news: a
+    sentence for the artist that was not said yet.  read_at: when it was looked at last [s].
     """
 
     device: Device
     report: Report
-    held_until: float = 0.0
+    watch: object = None
     felt: dict[int, Felt] = field(default_factory=dict)
     news: str = ""
     read_at: float = 0.0
@@ -65,9 +65,9 @@ def connect(scene: bpy.types.Scene) -> Connection:
         raise DimpleError('Choose a port, or type its path; "emulated" is a device to try.')
     file = Path(bpy.path.abspath(scene.dimple.device_file)) if scene.dimple.device_file else None
     if port.lower() == EMULATED:
-        device: Device = Emulated(hand=poking_hand(), spec_path=file, held=False)
+        device: Device = Emulated(hand=poking_hand(), spec_path=file, held_until=0.0)
     else:
-        device = HapticMaster(bpy.path.abspath(port), spec_path=file, held=False)
+        device = HapticMaster(bpy.path.abspath(port), spec_path=file, held_until=0.0)
     device.open()
     connection = Connection(device=device, report=device.read())
     sessions.devices.append(connection)
@@ -84,8 +84,7 @@ def disconnect() -> None:
 def hold(seconds: float) -> None:
     """Hold the dead-man switch for some seconds from now; 0 releases it."""
     if connection := get():
-        connection.held_until = time.perf_counter() + seconds
-        connection.device.hold(seconds > 0)
+        connection.device.hold(time.perf_counter() + seconds)
 
 
 def read() -> list[str]:
@@ -142,7 +141,6 @@ def write(scene: bpy.types.Scene) -> None:
         felt = connection.felt.setdefault(uid, Felt())
         where = place(scene, body.link.scale)
         chosen = nearer(chosen, felt.contacts(body.session, where, connection.report.cap, now))
-    connection.device.hold(now < connection.held_until)
     connection.device.write(chosen)
 
 
@@ -180,9 +178,9 @@ def _look() -> float | None:
         return None
     if now - connection.read_at > LOOK_S:
         said = read()
-        connection.device.hold(now < connection.held_until)
         if sessions.sessions:
             connection.news = " ".join(said)  # for when it goes on
+            connection.device.renew()
         else:
             connection.device.write([])
     sessions.redraw()

@@ -11,12 +11,14 @@ from bpy_extras import view3d_utils
 
 from ..core.poke import Hit, Kind, PokeEvent, Vector
 from ..core.ray import ray_hit
+from .names import DEAD_MAN
 from .sessions import Body
 
 KEYS = {"SPACE": Kind.PAUSE, "R": Kind.RECORD, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
 FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
 WHEEL = {"WHEELUPMOUSE": 1, "WHEELDOWNMOUSE": -1}
 NAVIGATION = {"MIDDLEMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "HOME", "ACCENT_GRAVE"}
+PASSING = {DEAD_MAN, *NAVIGATION}
 DOWN = {"PRESS", "DOUBLE_CLICK"}
 
 Shapes = Mapping[int, np.ndarray]
@@ -79,13 +81,14 @@ def poke_event(
 
 
 def passes(event: bpy.types.Event, view: View | None) -> bool:
-    """Tell whether Blender may have an event too: navigation, and all that happens outside the viewport.
+    """Tell whether Blender may have an event too: navigation, the haptic device's dead-man key, and all that happens
+    outside the viewport.
 
     Undo never: it would replace the data under a running session.
     """
     if event.type == "Z" and (event.ctrl or event.oskey):
         return False
-    if view is None or event.type in NAVIGATION or event.type.startswith(("NDOF", "NUMPAD", "TIMER", "WINDOW")):
+    if view is None or event.type in PASSING or event.type.startswith(("NDOF", "NUMPAD", "TIMER", "WINDOW")):
         return True
     moving = event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"} and event.alt
     return moving or event.type in WHEEL or event.type == "NONE"

@@ -164,11 +164,18 @@ def stop(uid: int, *, restore: bool = True, mesh: bool = True) -> None:
 
 
 def stop_all(*, restore: bool = True) -> None:
-    """End every session and everything that drives them."""
+    """End every session and everything that drives them; the haptic device is disarmed first."""
+    disarm()
     for run in list(runs):
         close_run(run)
     for uid in list(sessions):
         stop(uid, restore=restore)
+
+
+def disarm() -> None:
+    """End all force of the haptic device."""
+    for connection in devices:
+        connection.device.disarm()
 
 
 @contextmanager

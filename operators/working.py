@@ -56,6 +56,7 @@ class Working:
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
+            sessions.disarm()
             sessions.close_run(self._run)
             self.report({"INFO"}, self.stopped)
             return {"CANCELLED"}

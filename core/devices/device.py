@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import subprocess
 import tempfile
@@ -16,7 +17,7 @@ from .contact_model import Contact
 from .letters import REPORT_SIZE, Link, Order, Report, Tip, pack_order, unpack_report
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .process import end, start
-from .safety import Arming
+from .safety import LEASE, Arming
 from .spec import load_spec
 from .vectors import ZERO, Vector, along
 
@@ -58,8 +59,11 @@ class Device(Protocol):
     def disarm(self) -> None:
         """End all force."""
 
-    def hold(self, held: bool) -> None:
-        """Hold or release the dead-man key; the device's own button does as well."""
+    def hold(self, until: float) -> None:
+        """Hold the dead-man key until a time of `time.perf_counter` [s]; the device's own button does as well."""
+
+    def renew(self) -> None:
+        """Say that whoever ordered is still there: a key that is held is so for no longer than LEASE without a word."""
 
     def close(self) -> None:
         """Let go of it; closing twice does nothing."""
@@ -70,13 +74,14 @@ class HapticMaster:
     """Run a Haptic Master on a serial port, or what speaks like one, by a servo process.
 
     port: its path.  baud: None is the device file's.  spec_path: device file, None is the Haptic Master's.
-    held: the dead-man key is; False leaves it to the device's button.  log: where the servo writes each answer.
+    held_until: the dead-man key is, as long as this is written to or renewed; 0 leaves it to the device's button.
+    log: where the servo writes each answer.
     """
 
     port: str
     baud: int | None = None
     spec_path: Path | None = None
-    held: bool = True
+    held_until: float = math.inf
     log: Path | None = None
     process: subprocess.Popen[bytes] | None = None
     _box: Mailbox | None = None
@@ -106,7 +111,7 @@ class HapticMaster:
 
     def _run_servo(self) -> None:
         self._heard = time.perf_counter()
-        self._box, self._seen, self._order, self._report = Mailbox(), 0, Order(held=self.held), Report()
+        self._box, self._seen, self._order, self._report = Mailbox(), 0, Order(), Report()
         options = ["--baud", str(self.baud)] if self.baud else []
         options += ["--device", str(self.spec_path)] if self.spec_path else []
         options += ["--log", str(self.log)] if self.log else []
@@ -132,7 +137,7 @@ class HapticMaster:
 
     def write(self, contacts: Sequence[Contact | None]) -> None:
         """Let its fingertips feel."""
-        self._post(replace(self._order, contacts=tuple(contacts), held=self.held))
+        self._post(replace(self._order, contacts=tuple(contacts)))
 
     def arm(self) -> None:
         """Ask for force."""
@@ -142,11 +147,14 @@ class HapticMaster:
         """End all force."""
         self._post(replace(self._order, disarm=self._order.disarm + 1))
 
-    def hold(self, held: bool) -> None:
-        """Hold or release the dead-man key."""
-        self.held = held
-        if held != self._order.held:
-            self._post(replace(self._order, held=held))
+    def hold(self, until: float) -> None:
+        """Hold the dead-man key until a time [s]."""
+        self.held_until = until
+        self.renew()
+
+    def renew(self) -> None:
+        """Say that whoever ordered is still there."""
+        self._post(self._order)
 
     def close(self) -> None:
         """End the servo, which ends all force and frees the port."""
@@ -159,9 +167,9 @@ class HapticMaster:
         self.process = self._box = self._errors = None
 
     def _post(self, order: Order) -> None:
-        self._order = order
+        self._order = replace(order, held_until=min(self.held_until, time.perf_counter() + LEASE))
         if self._box:
-            self._box.post(TO_SERVO, pack_order(order))
+            self._box.post(TO_SERVO, pack_order(self._order))
 
     def _lose(self, why: str) -> None:
         self._report = replace(self._report, link=Link.LOST, arming=Arming.OFF, message=why)
@@ -252,7 +260,10 @@ class Pointer:
     def disarm(self) -> None:
         """Do nothing."""
 
-    def hold(self, held: bool) -> None:
+    def hold(self, until: float) -> None:
+        """Do nothing."""
+
+    def renew(self) -> None:
         """Do nothing."""
 
     def close(self) -> None:

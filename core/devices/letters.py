@@ -6,12 +6,12 @@ import struct
 from dataclasses import dataclass
 from enum import Enum
 
-from .contact_model import Contact
-from .safety import Arming
+from .contact_model import MOST_AHEAD, Contact
+from .safety import LEASE, Arming
 from .vectors import ZERO, Vector
 
 TIPS = 3
-_ORDER = struct.Struct("<IIB")  # arm, disarm, held
+_ORDER = struct.Struct("<IId")  # arm, disarm, held until
 _CONTACT = struct.Struct("<B14d")
 _REPORT = struct.Struct("<dBBB5I6dBB")
 _TIP = struct.Struct("<BB7d")
@@ -33,13 +33,18 @@ class Link(Enum):
 class Order:
     """Hold what Blender wants of the servo.
 
-    arm, disarm: counters; one more is one request more.  held: the dead-man key is.  contacts: up to three.
+    arm, disarm: counters; one more is one request more.  held_until: the dead-man key is held so long on the clock of
+    both [s]; it must be said anew within LEASE.  contacts: up to three.
     """
 
     arm: int = 0
     disarm: int = 0
-    held: bool = True
+    held_until: float = 0.0
     contacts: tuple[Contact | None, ...] = ()
+
+    def is_held(self, now: float) -> bool:
+        """Tell whether the dead-man key is held; a time too far ahead is none of this clock."""
+        return 0 < self.held_until - now <= LEASE + MOST_AHEAD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,7 +92,7 @@ class Report:
 
 def pack_order(order: Order) -> bytes:
     """Return an order as bytes."""
-    parts = [_ORDER.pack(order.arm & 0xFFFFFFFF, order.disarm & 0xFFFFFFFF, order.held)]
+    parts = [_ORDER.pack(order.arm & 0xFFFFFFFF, order.disarm & 0xFFFFFFFF, order.held_until)]
     for i in range(TIPS):
         c = order.contacts[i] if i < len(order.contacts) else None
         numbers = (*c.force, *c.at, *c.normal, c.k_n, c.k_t, c.gap, c.friction, c.stamp) if c else (0.0,) * 14
@@ -97,7 +102,7 @@ def pack_order(order: Order) -> bytes:
 
 def unpack_order(letter: bytes) -> Order:
     """Return the order in a letter."""
-    arm, disarm, held = _ORDER.unpack_from(letter)
+    arm, disarm, held_until = _ORDER.unpack_from(letter)
     contacts: list[Contact | None] = []
     for i in range(TIPS):
         given, *v = _CONTACT.unpack_from(letter, _ORDER.size + i * _CONTACT.size)
@@ -107,7 +112,7 @@ def unpack_order(letter: bytes) -> Order:
                 k_n=v[9], k_t=v[10], gap=v[11], friction=v[12], stamp=v[13],
             ) if given else None
         )  # fmt: skip
-    return Order(arm=arm, disarm=disarm, held=bool(held), contacts=tuple(contacts))
+    return Order(arm=arm, disarm=disarm, held_until=held_until, contacts=tuple(contacts))
 
 
 def pack_report(report: Report) -> bytes:

@@ -22,6 +22,9 @@ TOP_SPEED = 1.5  # [m/s] no hand exploring an object is faster; a motor running 
 RMS_TIME = 10.0  # [s] the motors' heat
 STATE_GAP, STATE_LOST = 0.005, 0.100  # [s] without a STATE: no force; the device counts as lost
 BAD_NUMBERS, BAD_TIME = 3, 0.100  # so many NaN or inf within [s] disarm
+# [s] the dead-man key counts as held after it was last seen down: force fades in 0.2 s of a standstill anyway, and who
+# holds on through one of that length, renewing every 0.05 s, need not arm again
+LEASE = 0.3
 SPEED_TIME = 0.005  # [s] time constant of the speed: one converter bit a tick is already 0.1 m/s
 PASSIVITY_DAMPING = 12.0  # [N s/m] the most the passivity controller adds: a tenth of tip mass over tick
 PASSIVITY_SPEED = 2e-3  # [m/s] slower than this is converter noise

@@ -191,7 +191,7 @@ class Servo:
             words = state.adc[3 * i], state.adc[3 * i + 1], state.adc[3 * i + 2]
             finger.sense(self.spec, words, bool(state.status & wire.MASKED << i), ticks, self._device_time)
         self._take_contacts(now)
-        held = self.order.held or bool(state.buttons & BUTTON)
+        held = self.order.is_held(now) or bool(state.buttons & BUTTON)
         out = self._watch(steady) + self._push(state, now, min(dt, MOST_DT), held)
         a, b, c = (finger.drive(self.spec, finger.guard.sent) for finger in self._fingers)
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from core.devices import kinematics, wire
 from core.devices.contact_model import Contact
 from core.devices.letters import Order
+from core.devices.safety import LEASE
 from core.devices.servo import Servo
 from core.devices.spec import Spec, info, load_spec
 from core.devices.vectors import ZERO, Vector, length
@@ -37,6 +38,7 @@ class BenchDevice:
     obedient: bool = True
     adc: tuple[int, ...] | None = None  # instead of what the places give
     fresh: bool = True  # the simulation posts its contacts anew, 60 times a second
+    held: bool = True  # and the dead-man key with them
     forces: list[Vector] = field(default_factory=lambda: [ZERO] * 3)
     heard: list[wire.Frame] = field(default_factory=list)
 
@@ -78,7 +80,8 @@ class BenchDevice:
         """Let milliseconds pass with a STATE each."""
         for _ in range(times):
             self.now += TICK
-            if self.fresh and self.seq % 16 == 0 and self.servo.order.contacts:
+            if self.fresh and self.seq % 16 == 0:
+                self.hold()
                 self.feel(*(c and replace(c, stamp=self.now) for c in self.servo.order.contacts))
             self.say(wire.encode(self.state()))
 
@@ -96,8 +99,13 @@ class BenchDevice:
         """Ask the servo to arm."""
         self.servo.order = replace(self.servo.order, arm=self.servo.order.arm + 1)
 
+    def hold(self) -> None:
+        """Say whether the dead-man key is held."""
+        self.servo.order = replace(self.servo.order, held_until=self.now + LEASE if self.held else 0.0)
+
     def armed(self) -> "BenchDevice":
         """Arm, and let the ramp pass."""
+        self.hold()
         self.arm()
         self.tick(700)
         return self

@@ -17,6 +17,7 @@ from core.devices.emulator import Emulator, Row
 from core.devices.faults import parse_fault
 from core.devices.hand import Hand
 from core.devices.letters import Link
+from core.devices.safety import LEASE
 from core.devices.servo import Servo
 from core.devices.vectors import length
 from tests.devices.bench_device import wall
@@ -57,7 +58,8 @@ class Press:
                 self.next_frame = self.now + FRAME
                 contact = self.contact(self.now)
                 contacts = (replace(contact, friction=0.0),) * 3 if contact else self.servo.order.contacts
-                self.servo.order = replace(self.servo.order, arm=max(self.servo.order.arm, 1), contacts=contacts)
+                order, held = self.servo.order, self.now + LEASE
+                self.servo.order = replace(order, arm=max(order.arm, 1), held_until=held, contacts=contacts)
             for tip, (at, _) in zip(self.device.tips, self.servo.tips, strict=True):
                 if self.servo.device_time_us > 0 and not self.device.unplugged:
                     self.places = max(self.places, math.dist(tip.position, at))

@@ -40,7 +40,9 @@ while True:
 
 
 def test_an_order_and_a_report_arrive_as_they_were_sent() -> None:
-    order = Order(arm=3, disarm=2, held=False, contacts=(None, wall(1.5), replace(wall(2.5), force=(1.0, -2.0, 3.0))))
+    order = Order(
+        arm=3, disarm=2, held_until=4.5, contacts=(None, wall(1.5), replace(wall(2.5), force=(1.0, -2.0, 3.0)))
+    )
     assert unpack_order(pack_order(order)) == order
     report = Report(
         time=1.0, link=Link.READY, arming=Arming.RAMP, tips=(Tip(position=(1.0, 2.0, 3.0), full=True), Tip(), Tip()),

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from core.devices import wire
-from core.devices.letters import Link, Order
+from core.devices.letters import Link
 from core.devices.servo import Servo
 from core.devices.spec import info, load_spec
 from tests.devices.bench_device import SESSION, BenchDevice, disarmed, wall
@@ -207,22 +207,6 @@ def test_a_request_to_disarm_takes_the_force_away_at_once() -> None:
     device.tick()
     assert disarmed(device)
     assert any(isinstance(frame, wire.Disarm) for frame in device.heard)
-
-
-def test_the_dead_man_switch_is_a_key_or_the_button_of_the_device() -> None:
-    device = BenchDevice(buttons=1)
-    device.servo.order = Order(held=False)
-    device.pressing()
-    assert device.strongest > 1
-    device.buttons = 0
-    device.tick()
-    assert device.strongest == 0.0
-    device.servo.order = replace(device.servo.order, held=True)
-    for i in range(100):
-        device.at[0] = (0.0, 0.0, -0.005 + i * 1.5e-4)
-        device.tick()
-    device.tick(700)
-    assert device.servo.report().arming.name == "ON"
 
 
 def test_the_last_words_are_no_force_and_disarm() -> None:

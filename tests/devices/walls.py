@@ -12,7 +12,7 @@ import numpy as np
 from core.devices.emulator import Emulator, Row
 from core.devices.hand import Hand, Keyframe
 from core.devices.letters import Link
-from core.devices.safety import Passivity
+from core.devices.safety import LEASE, Passivity
 from core.devices.servo import Servo
 from core.devices.spec import Spec, load_spec
 from core.devices.vectors import Vector
@@ -68,7 +68,7 @@ def feel(
         if servo.link is Link.READY and now >= frame:
             frame = now + FRAME
             contact = replace(wall(now, k=k(servo)), friction=0.0)
-            servo.order = replace(servo.order, arm=1, contacts=(contact,) * 3)
+            servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=(contact,) * 3)
         if until == math.inf and emulator.mode == 2:
             until = now + BEGIN + seconds
     assert servo.report().arming.name == "ON", servo.report().message

@@ -145,28 +145,123 @@ def test_without_the_dead_man_switch_there_is_no_force(bpy: ModuleType, port: An
     assert wait(lambda report: report.arming.name == "OFF", bpy)
 
 
-def test_the_key_is_the_dead_man_switch(bpy: ModuleType, port: Any) -> None:
-    """Press, release, another window in front: the modal operator follows, and Esc disarms."""
-    from bl_ext.user_default.dimple.operators.device import DIMPLE_OT_arm_device
+class Watch:
+    """Follow the dead-man key as the operator does: events in, and whether the key counts as held out."""
+
+    def __init__(self, bpy: ModuleType) -> None:
+        from bl_ext.user_default.dimple.operators.device import DIMPLE_OT_arm_device
+
+        self.timers: list[float] = []
+        names = ("invoke", "modal", "cancel", "_end", "_is_armed")
+        self.operator = type("Stub", (), {name: DIMPLE_OT_arm_device.__dict__[name] for name in names})()
+        manager = SimpleNamespace(
+            modal_handler_add=lambda _: None,
+            event_timer_add=lambda seconds, window: self.timers.append(seconds) or seconds,
+            event_timer_remove=self.timers.remove,
+        )
+        workspace = SimpleNamespace(status_text_set=lambda _: None)
+        self.context = SimpleNamespace(window_manager=manager, workspace=workspace, window=None)
+        assert self.operator.invoke(self.context, None) == {"RUNNING_MODAL"}
+
+    def send(self, kind: str, value: str = "NOTHING", *, shift: bool = False) -> set[str]:
+        return self.operator.modal(self.context, SimpleNamespace(type=kind, value=value, shift=shift))
+
+    def press(self) -> None:
+        self.send("LEFT_SHIFT", "PRESS")
+        assert self.holds()
+        self.send("TIMER", shift=True)
+        assert self.holds()
+
+    def holds(self) -> bool:
+        return connection().device.held_until > time.perf_counter()
+
+
+LOST = {
+    "it is released": [("LEFT_SHIFT", "RELEASE", False)],
+    "another operator kept its release to itself": [("TIMER", "NOTHING", False)],
+    "another window is in front": [("WINDOW_DEACTIVATE", "NOTHING", True)],
+    "another window is in front, and Blender does not know that it is up": [
+        ("WINDOW_DEACTIVATE", "NOTHING", True), ("TIMER", "NOTHING", True), ("MOUSEMOVE", "NOTHING", True),
+    ],
+    "the mouse moves without it": [("MOUSEMOVE", "NOTHING", False)],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", LOST)
+def test_the_key_is_let_go_when(bpy: ModuleType, port: Any, how: str) -> None:
+    connect(bpy, port.path)
+    watch = Watch(bpy)
+    watch.send("TIMER", shift=True)
+    assert not watch.holds(), "a key that was down before is not this one"
+    for _ in range(2):
+        watch.press()
+        for kind, value, shift in LOST[how]:
+            watch.send(kind, value, shift=shift)
+            assert not watch.holds()
+
+
+def test_the_key_is_let_go_when_nobody_looks_at_it_any_more(
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
+) -> None:
+    """The operator is gone, or Blender stands still; that frames go on holds nothing."""
+    from bl_ext.user_default.dimple.core.devices.safety import LEASE
+    from bl_ext.user_default.dimple.operators import live
 
     connect(bpy, port.path)
-    window = SimpleNamespace(modal_handler_add=lambda _: None)
-    workspace = SimpleNamespace(status_text_set=lambda _: None)
-    context = SimpleNamespace(window_manager=window, workspace=workspace)
-    names = ("invoke", "modal", "cancel", "_end", "_is_armed")
-    operator = type("Stub", (), {name: DIMPLE_OT_arm_device.__dict__[name] for name in names})()
+    run(bpy, add())
+    watch = Watch(bpy)
+    watch.press()
+    pressed = time.perf_counter()
+    live.advance(bpy.context, 1 / 60)
+    assert connection().device._order.held_until <= pressed + LEASE
+    time.sleep(LEASE)
+    live.advance(bpy.context, 1 / 60)
+    assert not watch.holds() and not connection().device._order.is_held(time.perf_counter())
 
-    def send(kind: str, value: str = "PRESS") -> bool:
-        operator.modal(context, SimpleNamespace(type=kind, value=value))
-        return connection().held_until > time.perf_counter()
 
-    assert operator.invoke(context, None) == {"RUNNING_MODAL"}
-    assert not send("MOUSEMOVE", "NOTHING")
-    assert send("LEFT_SHIFT") and not send("LEFT_SHIFT", "RELEASE")
-    assert send("LEFT_SHIFT") and not send("WINDOW_DEACTIVATE", "NOTHING")
-    assert send("LEFT_SHIFT")
+def test_the_newest_operator_follows_the_key_alone(bpy: ModuleType, port: Any) -> None:
+    connect(bpy, port.path)
+    old, new = Watch(bpy), Watch(bpy)
+    assert old.send("LEFT_SHIFT", "PRESS") == {"FINISHED"} and not old.holds() and not old.timers
+    new.press()
+    assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
+    assert new.send("TIMER", shift=True) == {"FINISHED"} and not new.timers
+
+
+def test_escape_disarms(bpy: ModuleType, port: Any) -> None:
+    connect(bpy, port.path)
+    watch = Watch(bpy)
+    watch.press()
     wait(lambda report: report.arming.name == "ON", arms=True)
-    assert not send("ESC")
+    watch = Watch(bpy)
+    watch.press()
+    assert watch.send("ESC", "PRESS") == {"FINISHED"} and not watch.holds() and not watch.timers
+    wait(lambda report: report.arming.name == "OFF")
+
+
+ENDS = ("poke", "play", "compare_methods")
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_escape_of_whatever_runs_disarms(
+    bpy: ModuleType, port: Any, add: Callable[..., Any], hand: Any, name: str
+) -> None:
+    softened(bpy, add())
+    connect(bpy, port.path)
+    runs = hand(name)
+    assert runs.invoke() == {"RUNNING_MODAL"}
+    wait(lambda report: report.arming.name == "ON", arms=True)
+    if name == "poke":
+        assert runs.send("LEFT_SHIFT", shift=True) == {"PASS_THROUGH"}, "it keeps the dead-man key from nobody"
+    assert runs.send("ESC") == {"CANCELLED"}
+    wait(lambda report: report.arming.name == "OFF")
+
+
+def test_reset_disarms(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
+    connect(bpy, port.path)
+    run(bpy, add())
+    wait(lambda report: report.arming.name == "ON", arms=True)
+    assert bpy.ops.dimple.reset() == {"FINISHED"}
     wait(lambda report: report.arming.name == "OFF")
 
 
