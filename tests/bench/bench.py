@@ -30,30 +30,33 @@ from core.material import PRESETS, Material
 from core.mesh import Mesh, base_vertices
 from core.model import Model, State, build_model, initial_state
 from core.session import TICKS_AT_ONCE
-from core.study.scenes import BALL, FINGERTIP, ball, cube
+from core.study.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 from tests.bench.chart import draw
 
 Stepper = Callable[[Model, State, FingerPath, float, int], object]
 
 TICK = 1e-3  # [s]
 DEPTH = 0.010  # [m] of the press that is measured
-PRESS_TICKS = 20  # from the skin to there
+PRESS_TICKS = 8  # from the skin to there
 BALL_SIZES, CUBE_SIZES = (3, 4, 5, 6, 7), (10, 20, 41, 82, 165)  # 642 or 602 vertices to 164 thousand
 SUBSTEPS = 10  # in a tick, for "so many vertices in real time"
 
-# scene: mesh of a size, material, held by its base, number of fingertips; all consistent laws are on in each
-SCENES: dict[str, tuple[Callable[[int], Mesh], Material, bool, int, tuple[int, ...]]] = {
-    "poke_ball": (ball, BALL, True, 1, BALL_SIZES),
-    "free_ball": (ball, BALL, False, 0, BALL_SIZES),
-    "poke_cube": (lambda cells: cube(cells, PRESETS[2].size), PRESETS[2].material, True, 1, CUBE_SIZES),
+WORLD = {"bend": 0.1, "gravity": (0.0, 0.0, -9.81), "ground": -BALL_RADIUS}
+
+# scene: mesh of a size, material, held by its base, number of fingertips, sizes, and what build_model is told beside
+SCENES: dict[str, tuple[Callable[[int], Mesh], Material, bool, int, tuple[int, ...], dict[str, Any]]] = {
+    "poke_ball": (ball, BALL, True, 1, BALL_SIZES, {}),
+    "free_ball": (ball, BALL, False, 0, BALL_SIZES, {}),
+    "poke_cube": (lambda cells: cube(cells, PRESETS[2].size), PRESETS[2].material, True, 1, CUBE_SIZES, {}),
+    "everything": (ball, BALL, False, 1, BALL_SIZES, WORLD),
 }
 
 
-def measure(scene: str, size: int, *, seconds: float, slowest: int) -> list[dict[str, Any]]:
+def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int) -> list[dict[str, Any]]:
     """Return a case for each backend.
 
     Args:
-        seconds: to spend.
+        seconds, repeats: the least to spend.
         slowest: numpy and double precision are left out of larger meshes.
     """
     gc.collect()  # what the case before left must not be counted as this one's
@@ -86,7 +89,7 @@ def measure(scene: str, size: int, *, seconds: float, slowest: int) -> list[dict
     times = {name: list[float]() for name in bodies}
     end = time.perf_counter() + seconds
     gc.disable()
-    while time.perf_counter() < end or len(times[first]) < 3:
+    while time.perf_counter() < end or len(times[first]) < repeats:
         for name, (stepper, _, _) in bodies.items():
             ticks, steps = turns[name]
             still = straight(top - DEPTH, top - DEPTH, ticks, fingers)
@@ -108,9 +111,9 @@ def measure(scene: str, size: int, *, seconds: float, slowest: int) -> list[dict
 
 def scene_of(scene: str, size: int) -> tuple[Model, int, float]:
     """Return its model, how many fingertips press, and where [m] their centres are when they touch."""
-    make, material, held, fingers, _ = SCENES[scene]
+    make, material, held, fingers, _, more = SCENES[scene]
     mesh = make(size)
-    model = build_model(mesh, [material], held=base_vertices(mesh) if held else None)
+    model = build_model(mesh, [material], held=base_vertices(mesh) if held else None, **more)
     return model, fingers, float(mesh.rest_positions[:, 2].max()) + FINGERTIP
 
 
@@ -210,10 +213,10 @@ def main(words: list[str]) -> int:
     print(f"{note or native.instructions()}; {machine()}; Python {platform.python_version()}, numpy {np.__version__}")
     print("scene      vertices backend         ns/vertex/step    least real time   set-up     MB")
     cases: list[dict[str, Any]] = []
-    seconds, slowest = (0.5, 12_000) if options.quick else (8.0, 50_000)
-    for scene, (*_, sizes) in SCENES.items():
+    seconds, repeats, slowest = (0.4, 1, 12_000) if options.quick else (0.8, 2, 50_000)
+    for scene, (*_, sizes, _more) in SCENES.items():
         for size in sizes:
-            some = measure(scene, size, seconds=seconds, slowest=slowest)
+            some = measure(scene, size, seconds=seconds, repeats=repeats, slowest=slowest)
             print("\n".join(map(row, some)), flush=True)
             cases += some
     lines, speed = summary(cases), bandwidth()

@@ -27,19 +27,20 @@ def draw(cases: list[dict[str, Any]], lines: dict[str, Any], bandwidth: float, s
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(8, 5.5), layout="constrained")
-    for backend in dict.fromkeys(case["backend"] for case in cases):
-        mine = [case for case in cases if (case["scene"], case["backend"]) == ("poke_ball", backend)]
+    backends = dict.fromkeys(case["backend"] for case in cases)
+    for scene, backend in [*(("poke_ball", each) for each in backends), ("everything", "native")]:
+        mine = [case for case in cases if (case["scene"], case["backend"]) == (scene, backend)]
         n = np.array([case["vertices"] for case in mine])
         cost = n * [case["ns_per_vertex_step"] for case in mine] * 1e-3
-        slope = lines.get(f"poke_ball, {backend}", {}).get("slope", float("nan"))
-        axes.loglog(n, cost, "o-", label=f"{backend}: slope {slope:.2f}")
+        slope = lines.get(f"{scene}, {backend}", {}).get("slope", float("nan"))
+        axes.loglog(n, cost, "o-", label=f"{scene}, {backend}: slope {slope:.2f}")
     n = np.array([600, 170_000])
     axes.loglog(n, n * FLOPS / PEAK * 1e6, "k--", lw=1, label=f"{FLOPS} flop at {PEAK / 1e9:.0f} Gflop/s")
     label = f"{BYTES} bytes at {bandwidth / 1e9:.0f} GB/s (memory; caches are faster)"
     axes.loglog(n, n * BYTES / bandwidth * 1e6, "k:", lw=1, label=label)
     axes.axhline(100, color="0.7", lw=1)
     axes.annotate("10 substeps at 1 kHz", (n[0], 100), va="bottom", color="0.4", fontsize=8)
-    axes.set(xlabel="vertices", ylabel="one step [µs], one core, all consistent laws", title="poke_ball")
+    axes.set(xlabel="vertices", ylabel="one step [µs], one core")
     axes.grid(alpha=0.3, which="both", lw=0.4)
     axes.legend(fontsize=8)
     for suffix in (".png", ".svg"):

@@ -13,8 +13,8 @@ from core.model import initial_state
 from tests.bench import bench
 from tools.native import compile_library, this_platform
 
-PARTS = ("fits", "rings", "fill", "advance", "contact", "reach")  # core/native/spent.h
-SIZES = {"poke_ball": (3, 4, 5, 7), "free_ball": (3, 4, 5, 7), "poke_cube": (10, 20, 41, 165)}
+PARTS = ("fits", "rings", "bend and fill", "advance", "contact", "reach")  # core/native/spent.h
+SIZES = {"poke_ball": (3, 4, 5, 7), "free_ball": (3, 4, 5, 7), "poke_cube": (10, 20, 41, 165), "everything": (4, 5)}
 TIMES = 60  # calls of the stepper, a third for the largest bodies; the median of the quickest quarter counts
 
 
