@@ -14,10 +14,15 @@ TARGETS = (
 
 
 class DIMPLE_OT_bake(Working, bpy.types.Operator):
-    """Simulate the selected bodies over a range of frames, pressed by the keyframed fingertip objects"""
+    """Simulate bodies over a range of frames."""
 
     bl_idname = Op.BAKE
     bl_label = "Bake"
+    bl_description = (
+        "Simulate the selected bodies over a range of frames, pressed by the keyframed fingertip objects. "
+        "What moves is what moves when they are pressed live: a stand-in, where the mesh is too heavy for that. "
+        "Mesh Itself in Physics > Dimple bakes every vertex"
+    )
     bl_options = {"UNDO"}
     verb, stopped = "Baking", "The bake was cancelled; nothing has changed"
 

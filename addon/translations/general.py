@@ -214,8 +214,12 @@ VERBS = {
     "Record what is being pressed, or stop; the object plays it once its session has ended": (
         "押している動きの記録を始める、または止めます。セッションが終わるとオブジェクトが再生します"
     ),
-    "Simulate the selected bodies over a range of frames, pressed by the keyframed fingertip objects": (
-        "キーフレームの付いた指先オブジェクトで押しながら、選択した物体を指定のフレーム範囲で計算します"
+    "Simulate the selected bodies over a range of frames, pressed by the keyframed fingertip objects. "
+    "What moves is what moves when they are pressed live: a stand-in, where the mesh is too heavy for that. "
+    "Mesh Itself in Physics > Dimple bakes every vertex": (
+        "キーフレームの付いた指先オブジェクトで押しながら、選択した物体を指定のフレーム範囲で計算します。"
+        "動くのはライブで押すときと同じもので、メッシュがそれには重すぎる場合は代役です。"
+        "物理演算 > Dimple の「メッシュそのもの」を選ぶと、すべての頂点をベイクします"
     ),
     "Target": "ベイク先",
     "What the bake becomes": "ベイクの結果を何にするか",
