@@ -163,15 +163,15 @@ def _check_columns(measurement: Measurement, depth: Floats, force: Floats, answe
     if answers.depth_column or answers.force_column:
         return
     if _scatter(force) < _EVEN and _scatter(depth) > _UNEVEN:
-        d, f = measurement.depth_header, measurement.force_header
+        (depth_at, force_at), d, f = measurement.columns, measurement.depth_header, measurement.force_header
         raise Undecided(
             Question(
                 name="depth_column",
                 text=f"“{f}” advances evenly like a driven depth and “{d}” does not: are they exchanged? "
-                "Say which is the depth, and give the other with --force-column.",
+                "Which is the depth?",
                 candidates=(
-                    Candidate(value=d, label="as the header says (a press driven by its force)"),
-                    Candidate(value=f, label="exchanged"),
+                    Candidate(value=str(depth_at), label=f"{d}, as the header says (a press driven by its force)"),
+                    Candidate(value=str(force_at), label=f"{f}, for they are exchanged"),
                 ),
             )
         )

@@ -20,7 +20,8 @@ class Measurement:
     """Hold what an instrument wrote, in its own zero and sign.
 
     source: name of the file.  depth: [m] (n,).  force: [N] (n,).
-    depth_header, force_header: where they came from.  notes, warnings: sentences for the artist.
+    depth_header, force_header: where they came from.  columns: their numbers, counted from 1.
+    notes, warnings: sentences for the artist.
     """
 
     source: str
@@ -28,6 +29,7 @@ class Measurement:
     force: Floats
     depth_header: str
     force_header: str
+    columns: tuple[int, int] = (1, 2)
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
@@ -52,7 +54,7 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
         notes += (f"The text was read as {encoding}.",)
     measurement = Measurement(
         source=Path(path).name, depth=columns.depth, force=columns.force,
-        depth_header=columns.depth_header, force_header=columns.force_header,
+        depth_header=columns.depth_header, force_header=columns.force_header, columns=columns.numbers,
         notes=(*notes, *table.notes, *columns.notes), warnings=table.warnings,
     )  # fmt: skip
     return _whole_rows(measurement)

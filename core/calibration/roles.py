@@ -21,12 +21,13 @@ _CHOICES = {"force": ("N", "gf", "kgf", "mN", "kN", "lbf"), "depth": ("mm", "m",
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Columns:
-    """Hold depth [m] and force [N], (n,) each, NaN where a cell is no number; their headers, and notes."""
+    """Hold depth [m] and force [N], (n,) each, NaN where a cell is no number; their headers, numbers, and notes."""
 
     depth: Floats
     force: Floats
     depth_header: str
     force_header: str
+    numbers: tuple[int, int]
     notes: tuple[str, ...]
 
 
@@ -40,15 +41,19 @@ def find_columns(table: Table, answers: Answers) -> Columns:
     units = _units(table)
     notes: list[str] = []
     questions: list[Question] = []
-    chosen: dict[str, int | None] = {}
+    told = {"depth": answers.depth_column, "force": answers.force_column}
+    said = {role: _named(table, name, role) for role, name in told.items() if name is not None}
+    chosen: dict[str, int | None] = dict(said)
+
+    def left(columns: Sequence[int]) -> list[int]:
+        return [i for i in columns if i not in said.values()]
+
     for role in ("depth", "force"):
-        said = getattr(answers, f"{role}_column")
-        if said is not None:
-            chosen[role] = _named(table, said, role)
+        if role in said:
             continue
-        options = _options(table, units, role)
+        options = left(_options(table, units, role))
         if not options and any(table.names):
-            options = _unnamed(table, units)
+            options = left(_unnamed(table, units))
         if len(options) > 1 and _alike(table.numbers[:, options]):
             notes.append(f"{_title(table, options[0])} was taken; {_title(table, options[1])} says the same.")
             options = options[:1]
@@ -56,8 +61,8 @@ def find_columns(table: Table, answers: Answers) -> Columns:
         if chosen[role] is None and len(options) == 1 and _kind(units[options[0]]) == _KIND[role]:
             chosen[role] = options[0]
         if chosen[role] is None:
-            questions.append(_which_column(table, role, options or _unnamed(table, units)))
-    _check_distinct(table, chosen, questions)
+            questions.append(_which_column(table, role, options or left(_unnamed(table, units))))
+    _check_distinct(table, chosen, questions, bool(said) or not any(table.names))
     factors: dict[str, Floats | float] = {}
     for role in ("depth", "force"):
         factor = _factor(table, units, chosen[role], role, getattr(answers, f"{role}_unit"), notes)
@@ -77,6 +82,7 @@ def find_columns(table: Table, answers: Answers) -> Columns:
         force=table.numbers[:, force_at] * factors["force"],
         depth_header=_title(table, depth_at),
         force_header=_title(table, force_at),
+        numbers=(depth_at + 1, force_at + 1),
         notes=tuple(notes),
     )
 
@@ -154,13 +160,14 @@ def _alike(columns: Floats) -> bool:
     return True
 
 
-def _check_distinct(table: Table, chosen: dict[str, int | None], questions: list[Question]) -> None:
+def _check_distinct(table: Table, chosen: dict[str, int | None], questions: list[Question], sole: bool) -> None:
+    """Refuse one column for both; where `sole`, the column that is left is the other one."""
     if chosen["depth"] is not None and chosen["depth"] == chosen["force"]:
         raise DimpleError(f"{_title(table, chosen['depth'])} cannot be both the depth and the force.")
     if sum(table.numeric) < 2:
         raise DimpleError("The table has one column of numbers; it needs a depth and a force.")
     for role, other in (("depth", "force"), ("force", "depth")):
-        if chosen[role] is None and not any(table.names) and chosen[other] is not None and sum(table.numeric) == 2:
+        if sole and chosen[role] is None and chosen[other] is not None and sum(table.numeric) == 2:
             chosen[role] = next(i for i, is_number in enumerate(table.numeric) if is_number and i != chosen[other])
             questions[:] = [question for question in questions if question.name != f"{role}_column"]
 

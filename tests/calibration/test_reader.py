@@ -295,4 +295,4 @@ def test_answers_that_name_nothing_are_told(curve, write):
     with pytest.raises(DimpleError, match="no table 4"):
         read_measurement(path, Answers(table=4))
     with pytest.raises(DimpleError, match="both"):
-        read_measurement(path, Answers(force_column="1"))
+        read_measurement(path, Answers(depth_column="2", force_column="2"))

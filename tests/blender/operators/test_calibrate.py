@@ -162,6 +162,22 @@ def test_the_dialog_asks_until_nothing_is_open(
     assert told(scene)["K2"] == pytest.approx(7, rel=1e-3)
 
 
+def test_headers_that_are_exchanged_can_be_told_so_in_the_dialog(
+    bpy: ModuleType, scene: Any, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(0)
+    path = write("exchanged.csv", "Force (N),Depth (mm)", lambda x, f: f"{x:.4f},{f + 0.5 * rng.normal():.4f}")
+    asked = Asked(bpy, monkeypatch, path)
+    asked.answer()
+    (question,) = json.loads(asked.opened[-1]["asked"])["questions"]
+    assert "are they exchanged?" in question["text"] and "--" not in question["text"]
+    asked.answer("1")
+    questions = json.loads(asked.opened[-1]["asked"])["questions"]
+    assert [question["name"] for question in questions] == ["depth_unit", "force_unit"]
+    assert asked.answer("0", "0") == {"FINISHED"}  # mm, N
+    assert told(scene)["x0"] == pytest.approx(12, rel=0.05)
+
+
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04rest", b"no table here\n", b"1,2\n3,4\n", b"\x00\xff" * 400])
 def test_a_bad_file_is_told_and_nothing_is_lost(bpy: ModuleType, scene: Any, tmp_path: Path, content: bytes) -> None:
     (tmp_path / "bad.csv").write_bytes(content)
