@@ -136,6 +136,7 @@ def test_settings_are_kept_in_the_file_and_the_state_is_not(empty_file: ModuleTy
     assert body.dimple.enabled and body.dimple.pin_group == "Neck"
     assert body.data.materials[0].dimple.to_params()["x0"] == 0.0363
     assert empty_file.context.scene.dimple.finger_1 == body
+    assert empty_file.context.window_manager.dimple.state == ""
 
 
 def test_the_sidebar_moves_to_the_tab_the_preferences_name(bpy: ModuleType) -> None:

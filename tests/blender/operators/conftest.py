@@ -1,6 +1,7 @@
 """What the operators' tests share: bodies to press, and their coordinates bit for bit."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import FunctionType, ModuleType, NoneType, SimpleNamespace
 from typing import Any
 
@@ -31,20 +32,35 @@ def add(empty_file: ModuleType) -> Callable[..., Any]:
     return add_mesh
 
 
-@pytest.fixture
-def ball(add: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that adds a ball of 42 vertices and radius 1 that stands for one of 165 mm."""
+def icosphere(mesh: Any, subdivisions: int) -> None:
     import bmesh
 
-    def add_ball(name: str = "Ball") -> Any:
+    made = bmesh.new()
+    bmesh.ops.create_icosphere(made, subdivisions=subdivisions, radius=1.0)
+    made.to_mesh(mesh)
+    made.free()
+
+
+@pytest.fixture
+def ball(add: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that adds a ball of radius 1 that stands for one of 165 mm; of 42 vertices unless told."""
+
+    def add_ball(name: str = "Ball", subdivisions: int = 2) -> Any:
         obj = add([], [], name)
-        made = bmesh.new()
-        bmesh.ops.create_icosphere(made, subdivisions=2, radius=1.0)
-        made.to_mesh(obj.data)
-        made.free()
+        icosphere(obj.data, subdivisions)
         return obj
 
     return add_ball
+
+
+@pytest.fixture
+def rest(empty_file: ModuleType, coordinates: Callable[[Any], bytes]) -> bytes:
+    """The coordinates of a ball as it is made, bit for bit; the ball itself is gone."""
+    mesh = empty_file.data.meshes.new("Rest")
+    icosphere(mesh, 2)
+    bits = coordinates(SimpleNamespace(data=mesh))
+    empty_file.data.meshes.remove(mesh)
+    return bits
 
 
 @pytest.fixture
@@ -70,6 +86,63 @@ def shown(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
         return numbers.reshape(-1, 3)
 
     return read
+
+
+@pytest.fixture
+def sessions(bpy: ModuleType) -> Any:
+    """The running sessions; after the test nothing may be left of them."""
+    from bl_ext.user_default.dimple.operators import sessions
+
+    yield sessions
+    assert not sessions.sessions and not sessions.runs
+    assert bpy.context.window_manager.dimple.state == ""
+
+
+@pytest.fixture
+def playing(bpy: ModuleType, ball: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that adds a ball and lets it hang from its base in gravity until it is out of shape."""
+
+    def play(keys: bool = False) -> Any:
+        obj = ball()
+        if keys:
+            obj.shape_key_add(name="Basis")
+            obj.shape_key_add(name="Other").value = 0.5
+        bpy.context.scene.dimple.use_gravity = True
+        bpy.ops.ed.undo_push(message="Before")
+        bpy.ops.dimple.play(seconds=0.05)
+        return obj
+
+    return play
+
+
+@pytest.fixture
+def scene(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> Any:
+    """A scene whose caches go to a folder of its own."""
+    scene = bpy.context.scene
+    scene.dimple.cache_dir = str(tmp_path / "caches")
+    return scene
+
+
+@pytest.fixture
+def pressed(bpy: ModuleType, scene: Any, ball: Callable[..., Any]) -> Callable[[float], Any]:
+    """Return a function that adds a ball and a fingertip keyframed to press it 20 mm within a quarter of a second."""
+
+    def set_up(fps: int = 24) -> Any:
+        scene.render.fps = fps
+        obj = ball()
+        bpy.ops.dimple.add_fingertip()
+        tip = scene.dimple.finger_1
+        top, deep = tip.location.z, tip.location.z - 20 / 165 * 2
+        for time, height in ((0.0, top), (0.25, deep), (0.5, deep), (0.75, top)):
+            tip.location.z = height
+            tip.keyframe_insert("location", index=2, frame=1 + time * fps)
+        for layer in tip.animation_data.action.layers:
+            for curve in layer.strips[0].channelbag(tip.animation_data.action_slot).fcurves:
+                for point in curve.keyframe_points:
+                    point.interpolation = "LINEAR"
+        return obj
+
+    return set_up
 
 
 RADIUS_PX = 200  # of the ball's outline, seen from above; the picture is 1000 px wide

@@ -2,7 +2,7 @@
 
 import csv
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -13,36 +13,6 @@ import pytest
 Add = Callable[..., Any]
 Bits = Callable[[Any], bytes]
 Shown = Callable[[Any], np.ndarray]
-
-
-@pytest.fixture
-def scene(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> Any:
-    """A scene whose caches go to a folder of its own."""
-    scene = bpy.context.scene
-    scene.dimple.cache_dir = str(tmp_path / "caches")
-    return scene
-
-
-@pytest.fixture
-def pressed(bpy: ModuleType, scene: Any, ball: Add) -> Callable[[float], Any]:
-    """Return a function that adds a ball and a fingertip keyframed to press it 20 mm within a quarter of a second."""
-
-    def set_up(fps: int = 24) -> Any:
-        scene.render.fps = fps
-        obj = ball()
-        bpy.ops.dimple.add_fingertip()
-        tip = scene.dimple.finger_1
-        top, deep = tip.location.z, tip.location.z - 20 / 165 * 2
-        for time, height in ((0.0, top), (0.25, deep), (0.5, deep), (0.75, top)):
-            tip.location.z = height
-            tip.keyframe_insert("location", index=2, frame=1 + time * fps)
-        for layer in tip.animation_data.action.layers:
-            for curve in layer.strips[0].channelbag(tip.animation_data.action_slot).fcurves:
-                for point in curve.keyframe_points:
-                    point.interpolation = "LINEAR"
-        return obj
-
-    return set_up
 
 
 def table(obj: Any, scene: Any) -> list[dict[str, float]]:
@@ -78,7 +48,7 @@ def test_the_modifier_plays_what_was_recorded(
     for frame in range(1, 20):
         scene.frame_set(frame)
         assert np.abs(shown(obj) - positions[frame - 1]).max() < 1e-5
-    assert np.array_equal(positions[0].tobytes(), np.frombuffer(before, np.uint8).tobytes())
+    assert positions[0].tobytes() == before
     assert np.abs(positions[8] - positions[0]).max() > 0.1
 
 
@@ -88,9 +58,9 @@ def test_unbake_takes_everything_off(
     obj = pressed()
     before, rest = coordinates(obj), shown(obj).copy()
     bpy.ops.dimple.bake(frame_start=1, frame_end=8)
-    assert np.abs(shown(obj) - rest).max() == 0 or scene.frame_current != 1
-    bpy.ops.dimple.unbake()
     scene.frame_set(8)
+    assert np.abs(shown(obj) - rest).max() > 0.1
+    bpy.ops.dimple.unbake()
     assert not obj.modifiers and np.array_equal(shown(obj), rest) and coordinates(obj) == before
 
 
@@ -205,31 +175,6 @@ def test_an_animated_body_carries_its_pins(bpy: ModuleType, scene: Any, ball: Ad
     assert abs(lags[-1]) < 1e-6, "and comes to rest where it is carried"
 
 
-def test_the_table_beside_the_cache_has_force_depth_pressure_and_volume(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any]
-) -> None:
-    obj = pressed()
-    bpy.ops.dimple.bake(frame_start=1, frame_end=19)
-    rows = table(obj, scene)
-    assert [row["frame"] for row in rows] == list(range(1, 20))
-    held = rows[11]
-    assert held["depth_1_mm"] == pytest.approx(20, abs=1.5)
-    assert held["law_force_1_n"] == pytest.approx(610 * 0.0163 + 7230 * (held["depth_1_mm"] / 1e3 - 0.0163), rel=1e-3)
-    assert held["force_1_n"] > 1 and held["pressure_pa"] > 0
-    assert 0.9 < held["volume_m3"] / held["rest_volume_m3"] < 1
-    assert rows[0]["force_1_n"] == 0 and held["force_2_n"] == 0
-
-
-def test_several_objects_are_baked_in_one_pass(bpy: ModuleType, scene: Any, ball: Add) -> None:
-    bodies = [ball(name) for name in ("One", "Two/three", "Two_three")]
-    for obj in bodies:
-        obj.select_set(True)
-    bpy.ops.dimple.bake(frame_start=5, frame_end=8)
-    paths = {obj.modifiers[0].filepath for obj in bodies}
-    assert len(paths) == 3 and all(Path(path).exists() for path in paths)
-    assert {obj.modifiers[0].frame_start for obj in bodies} == {5.0}
-
-
 def test_linked_duplicates_are_baked_without_a_copy(bpy: ModuleType, scene: Any, ball: Add) -> None:
     obj = ball()
     twin = obj.copy()
@@ -239,99 +184,7 @@ def test_linked_duplicates_are_baked_without_a_copy(bpy: ModuleType, scene: Any,
     assert obj.data == twin.data and obj.modifiers and not twin.modifiers
 
 
-def unfinished(bpy: ModuleType, obj: Any, **changes: Any) -> Iterator[float]:
-    """Return the steps of a bake that may be stopped."""
-    from bl_ext.user_default.dimple.operators import baking
-
-    plan = {"objects": [obj], "first": 1, "last": 12, "target": "MESH_CACHE"}
-    return baking.bake(bpy.context, baking.Plan(**{**plan, **changes}), [])
-
-
-@pytest.mark.parametrize("target", ["MESH_CACHE", "SHAPE_KEYS"])
-def test_a_cancelled_bake_leaves_nothing_half_done(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], coordinates: Bits, target: str
-) -> None:
-    obj = pressed()
-    before = coordinates(obj)
-    scene.frame_set(7)
-    steps = unfinished(bpy, obj, target=target)
-    for _ in range(5):
-        assert 0 < next(steps) < 1
-    steps.close()
-    assert scene.frame_current == 7
-    assert list(Path(scene.dimple.cache_dir).iterdir()) == []
-    assert not obj.modifiers and obj.data.shape_keys is None and coordinates(obj) == before
-
-
-def test_a_cancelled_bake_leaves_the_bake_before_it(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
-    obj = pressed()
-    bpy.ops.dimple.bake(frame_start=1, frame_end=4)
-    files = {path.name: path.read_bytes() for path in Path(scene.dimple.cache_dir).iterdir()}
-    steps = unfinished(bpy, obj)
-    next(steps)
-    steps.close()
-    assert {path.name: path.read_bytes() for path in Path(scene.dimple.cache_dir).iterdir()} == files
-    assert len(obj.modifiers) == 1
-
-
-def test_a_bake_whose_object_is_deleted_fails_with_a_sentence(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any]
-) -> None:
-    obj = pressed()
-    steps = unfinished(bpy, obj)
-    next(steps)
-    bpy.data.objects.remove(obj)
-    with pytest.raises(ValueError, match='"Ball" is gone'):
-        next(steps)
-    assert list(Path(scene.dimple.cache_dir).iterdir()) == []
-
-
 def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
     pressed()
     with pytest.raises(RuntimeError, match="must come after"):
         bpy.ops.dimple.bake(frame_start=5, frame_end=5)
-
-
-def test_an_unsaved_file_bakes_into_the_preferred_folder(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
-) -> None:
-    settings = bpy.context.preferences.addons["bl_ext.user_default.dimple"].preferences
-    pressed()
-    scene.dimple.cache_dir, settings.cache_dir = "", str(tmp_path / "preferred")
-    try:
-        bpy.ops.dimple.bake(frame_start=1, frame_end=2)
-    finally:
-        settings.cache_dir = ""
-    assert [path.suffix for path in sorted((tmp_path / "preferred").iterdir())] == [".csv", ".pc2"]
-
-
-def test_a_bake_beside_a_saved_file_is_found_again_when_the_project_moves(
-    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], shown: Shown, tmp_path: Path
-) -> None:
-    obj = pressed()
-    scene.dimple.cache_dir = ""
-    (tmp_path / "here").mkdir()
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "here" / "press.blend"))
-    bpy.ops.dimple.bake(frame_start=1, frame_end=8)
-    assert obj.modifiers[0].filepath == "//press_Ball_bake.pc2"
-    scene.frame_set(7)
-    seen = shown(obj).copy()
-    bpy.ops.wm.save_mainfile()
-    shutil.move(tmp_path / "here", tmp_path / "there")
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "there" / "press.blend"))
-    assert np.array_equal(shown(bpy.data.objects["Ball"]), seen)
-
-
-def test_a_recorded_press_is_played_back(bpy: ModuleType, scene: Any, ball: Add, shown: Shown) -> None:
-    obj = ball()
-    rest = shown(obj).copy()
-    scene.frame_set(10)
-    bpy.ops.dimple.poke(record=True, press_s=0.25, hold_s=0.25, release_s=0.25)
-    start, positions = cached(scene)
-    assert start == 10 and len(positions) == 19
-    assert obj.modifiers[0].frame_start == 10
-    for frame in (10, 16, 28):
-        scene.frame_set(frame)
-        assert np.abs(shown(obj) - positions[frame - 10]).max() < 1e-5
-    scene.frame_set(20)
-    assert np.abs(shown(obj) - rest).max() > 0.1

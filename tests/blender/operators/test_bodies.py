@@ -53,8 +53,7 @@ def test_a_press_dents_the_body_where_and_as_deep_as_it_is_told(ball: Add, dent:
 def test_scale_place_and_turn_do_not_change_the_press(
     ball: Add, dent: Callable[..., Any], place: dict[str, Any]
 ) -> None:
-    plain, moved = ball("Plain"), None
-    expected = np.sort(dent(plain)[:, 2])
+    expected = np.sort(dent(ball("Plain"))[:, 2])
     moved = ball("Moved")
     for name, value in place.items():
         setattr(moved, name, value)

@@ -1,8 +1,8 @@
-"""The modal operators fed with events by hand: Blender without a window runs none, so what it would call is called."""
+"""The poke fed with events by hand: Blender without a window runs none, so what it would call is called."""
 
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,10 @@ Bits = Callable[[Any], bytes]
 RADIUS_PX = 200  # see conftest.py
 
 
-@pytest.fixture
-def rest(bpy: ModuleType, ball: Callable[..., Any], coordinates: Bits) -> bytes:
-    """The coordinates of the ball that is there."""
-    return coordinates(ball())
+@pytest.fixture(autouse=True)
+def body(ball: Callable[..., Any]) -> Any:
+    """The ball that is there."""
+    return ball()
 
 
 def ball_of(bpy: ModuleType) -> Any:
@@ -184,39 +184,6 @@ def test_reset_from_the_sidebar_ends_the_poke(bpy: ModuleType, hand: Any, rest: 
     assert poke.ticks(1) == {"CANCELLED"}
 
 
-@pytest.mark.parametrize("name", ["poke", "play"])
-def test_deleting_the_body_ends_the_operator(bpy: ModuleType, hand: Any, rest: bytes, name: str) -> None:
-    run = hand(name)
-    run.invoke()
-    run.ticks(3)
-    bpy.data.objects.remove(ball_of(bpy))
-    assert run.ticks(2) == {"CANCELLED"}
-    assert any("is gone" in text for _, text in run.reports)
-
-
-@pytest.mark.parametrize("name", ["poke", "play", "bake"])
-def test_loading_a_file_ends_the_operator(bpy: ModuleType, hand: Any, rest: bytes, name: str) -> None:
-    run = hand(name)
-    run.invoke()
-    run.ticks(2)
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    assert run.ticks(1) == {"CANCELLED"}
-    run.operator.cancel(run.context)
-
-
-@pytest.mark.parametrize("name", ["poke", "play"])
-def test_a_window_that_is_closed_ends_the_operator(
-    bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits, name: str
-) -> None:
-    bpy.context.scene.dimple.use_gravity = True
-    run = hand(name)
-    run.invoke()
-    run.ticks(5)
-    assert coordinates(ball_of(bpy)) != rest
-    run.operator.cancel(run.context)
-    assert coordinates(ball_of(bpy)) == rest
-
-
 def test_something_unforeseen_ends_the_poke_and_is_raised(
     bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -234,97 +201,3 @@ def test_something_unforeseen_ends_the_poke_and_is_raised(
     with pytest.raises(ZeroDivisionError):
         poke.ticks(1)
     assert coordinates(ball_of(bpy)) == rest and not sessions.runs
-
-
-def test_play_pauses_goes_on_and_ends(bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
-
-    bpy.context.scene.dimple.use_gravity = True
-    play = hand("play")
-    assert play.invoke() == {"RUNNING_MODAL"}
-    assert play.ticks(5) == {"PASS_THROUGH"}
-    body, button = sessions.get(ball_of(bpy)), hand("play")
-    assert body.running and body.frame.time > 0
-    button.invoke()
-    paused = body.frame.time
-    play.time += 1
-    play.ticks(3)
-    assert body.frame.time == paused and not body.running
-    button.invoke()
-    play.ticks(3)
-    assert body.running and body.frame.time > paused
-    for kind in ("Z", "MOUSEMOVE", "LEFTMOUSE", "TAB"):
-        assert play.send(kind) == {"PASS_THROUGH"}
-    assert play.send("ESC") == {"CANCELLED"}
-    assert coordinates(ball_of(bpy)) == rest
-
-
-def test_a_poke_takes_over_from_play(bpy: ModuleType, hand: Any, rest: bytes) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
-
-    play, poke = hand("play"), None
-    play.invoke()
-    play.ticks(2)
-    body = sessions.get(ball_of(bpy))
-    poke = hand("poke")
-    poke.invoke()
-    assert play.operator.modal(play.context, play.event("TIMER")) == {"CANCELLED"}
-    assert sessions.get(ball_of(bpy)) is body, "the session goes on"
-    poke.send("ESC")
-
-
-def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
-    bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from bl_ext.user_default.dimple.operators import live, sessions
-
-    run = sessions.Run(kind="play", timer=None)
-    asked, budget = live.ask(bpy.context.scene, run, 5.0)
-    assert asked == run.pace and budget < 0.1
-    body = SimpleNamespace(frame=SimpleNamespace(steps=1), session=SimpleNamespace(tick=1e-3))
-    monkeypatch.setattr(sessions, "sessions", {1: body})
-    live.adapt(run, asked)
-    assert run.pace == pytest.approx(0.002)
-    for _ in range(9):
-        body.frame.steps = round(run.pace / 1e-3)
-        live.adapt(run, asked)
-    assert run.pace == pytest.approx(0.1), "and is real again as soon as it can"
-
-
-def test_a_bake_shows_progress_and_can_be_cancelled(
-    bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from bl_ext.user_default.dimple.operators import working
-
-    monkeypatch.setattr(working, "SLICE_S", 0.0)
-    bpy.context.scene.dimple.cache_dir = str(tmp_path)
-    run = hand("bake")
-    run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
-    assert run.invoke() == {"RUNNING_MODAL"}
-    run.ticks(3)
-    assert "%" in run.context.said and "left" in run.context.said
-    assert run.send("G") == {"RUNNING_MODAL"}
-    assert len(list(tmp_path.iterdir())) == 2
-    assert run.send("ESC") == {"CANCELLED"}
-    assert not list(tmp_path.iterdir()) and not ball_of(bpy).modifiers and coordinates(ball_of(bpy)) == rest
-    run = hand("bake")
-    run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
-    run.invoke()
-    assert run.ticks(50) == {"FINISHED"}
-    assert len(list(tmp_path.iterdir())) == 2 and ball_of(bpy).modifiers
-
-
-def test_a_bake_that_fails_on_its_way_leaves_nothing(
-    bpy: ModuleType, hand: Any, rest: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from bl_ext.user_default.dimple.operators import working
-
-    monkeypatch.setattr(working, "SLICE_S", 0.0)
-    bpy.context.scene.dimple.cache_dir = str(tmp_path)
-    run = hand("bake")
-    run.invoke()
-    run.ticks(2)
-    ball_of(bpy).scale.x = 0
-    assert run.ticks(2) == {"CANCELLED"}
-    assert any("scale of 0" in text for _, text in run.reports)
-    assert not list(tmp_path.iterdir()) and not ball_of(bpy).modifiers

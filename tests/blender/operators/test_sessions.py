@@ -1,4 +1,4 @@
-"""Nothing that happens to Blender while a body is pressed leaves a trace: undo, save, load, delete, edit."""
+"""Nothing that happens to Blender while a body is pressed leaves a trace: save, load, delete, edit."""
 
 import subprocess
 import sys
@@ -15,45 +15,9 @@ Bits = Callable[[Any], bytes]
 Shown = Callable[[Any], np.ndarray]
 
 
-@pytest.fixture
-def sessions(bpy: ModuleType) -> Any:
-    """The running sessions; after the test nothing may be left of them."""
-    from bl_ext.user_default.dimple.operators import sessions
-
-    yield sessions
-    assert not sessions.sessions and not sessions.runs
-    assert bpy.context.window_manager.dimple.state == ""
-
-
-@pytest.fixture
-def playing(bpy: ModuleType, ball: Add) -> Callable[..., Any]:
-    """Return a function that adds a ball and lets it hang from its base in gravity until it is out of shape."""
-
-    def play(keys: bool = False) -> Any:
-        obj = ball()
-        if keys:
-            obj.shape_key_add(name="Basis")
-            obj.shape_key_add(name="Other").value = 0.5
-        bpy.context.scene.dimple.use_gravity = True
-        bpy.ops.ed.undo_push(message="Before")
-        bpy.ops.dimple.play(seconds=0.05)
-        return obj
-
-    return play
-
-
 def is_clean(obj: Any) -> bool:
     keys = obj.data.shape_keys
     return ".dimple_rest" not in obj.data.attributes and not (keys and "Dimple" in keys.key_blocks)
-
-
-@pytest.fixture
-def rest(bpy: ModuleType, ball: Add, coordinates: Bits) -> bytes:
-    """The coordinates of the ball as it is made."""
-    obj = ball("Rest")
-    bits = coordinates(obj)
-    bpy.data.objects.remove(obj)
-    return bits
 
 
 @pytest.mark.parametrize("keys", [False, True])
@@ -148,93 +112,6 @@ def test_an_object_taken_out_of_the_scene_is_put_back_to_rest(
     bpy.ops.dimple.play(seconds=0.02)
     assert coordinates(obj) == rest and obj.session_uid not in sessions.sessions
     bpy.ops.dimple.reset()
-
-
-@pytest.mark.parametrize("keys", [False, True])
-def test_undo_while_playing_goes_on_and_leaves_no_trace(
-    bpy: ModuleType, sessions: Any, playing: Any, coordinates: Bits, rest: bytes, keys: bool
-) -> None:
-    playing(keys)
-    lamp = bpy.data.objects.new("Lamp", None)
-    bpy.context.collection.objects.link(lamp)
-    bpy.ops.ed.undo_push(message="A lamp, while the ball is out of shape")
-    bpy.ops.dimple.play(seconds=0.02)
-    bpy.ops.ed.undo()
-    assert "Lamp" not in bpy.data.objects and len(sessions.sessions) == 1
-    bpy.ops.dimple.play(seconds=0.02)
-    bpy.ops.ed.redo()
-    bpy.ops.dimple.play(seconds=0.02)
-    obj = bpy.data.objects["Ball"]
-    assert keys or coordinates(obj) != rest
-    bpy.ops.dimple.reset()
-    assert is_clean(bpy.data.objects["Ball"]) and coordinates(bpy.data.objects["Ball"]) == rest
-
-
-@pytest.mark.parametrize("keys", [False, True])
-def test_undo_back_into_a_session_that_has_ended_shows_the_rest_shape(
-    bpy: ModuleType, sessions: Any, playing: Any, coordinates: Bits, rest: bytes, keys: bool
-) -> None:
-    playing(keys)
-    bpy.ops.ed.undo_push(message="Something, while the ball is out of shape")
-    bpy.ops.dimple.reset()
-    bpy.ops.ed.undo_push(message="Reset")
-    for step in (bpy.ops.ed.undo, bpy.ops.ed.undo, bpy.ops.ed.redo, bpy.ops.ed.redo, bpy.ops.ed.undo):
-        step()
-        obj = bpy.data.objects["Ball"]
-        assert is_clean(obj) and coordinates(obj) == rest
-
-
-def test_undo_of_the_body_itself_ends_its_session(bpy: ModuleType, sessions: Any, ball: Add) -> None:
-    bpy.ops.ed.undo_push(message="Empty")
-    ball()
-    bpy.ops.ed.undo_push(message="Ball")
-    bpy.ops.dimple.play(seconds=0.02)
-    bpy.ops.ed.undo()
-    assert "Ball" not in bpy.data.objects and not sessions.sessions
-
-
-def test_a_kept_poke_is_undone_bit_for_bit(
-    bpy: ModuleType, sessions: Any, ball: Add, coordinates: Bits, rest: bytes
-) -> None:
-    ball()
-    bpy.ops.ed.undo_push(message="Before")
-    bpy.ops.dimple.poke(press_s=0.05, hold_s=0, release_s=0, keep=True)
-    bpy.ops.ed.undo_push(message="Poke")
-    kept = coordinates(bpy.data.objects["Ball"])
-    assert kept != rest
-    bpy.ops.ed.undo()
-    assert coordinates(bpy.data.objects["Ball"]) == rest and is_clean(bpy.data.objects["Ball"])
-    bpy.ops.ed.redo()
-    assert coordinates(bpy.data.objects["Ball"]) == kept and is_clean(bpy.data.objects["Ball"])
-
-
-@pytest.mark.parametrize("undos", [1, 2, 3])
-def test_undo_leaves_duplicates_with_a_mesh_that_is_there(
-    bpy: ModuleType, sessions: Any, ball: Add, coordinates: Bits, rest: bytes, undos: int
-) -> None:
-    """A step that does not know of the copy would give the object a mesh that is gone, and Blender crashed."""
-    obj = ball()
-    twin = obj.copy()
-    bpy.context.collection.objects.link(twin)
-    twin.select_set(False)
-    bpy.context.scene.dimple.use_gravity = True
-    bpy.ops.ed.undo_push(message="Before")
-    bpy.ops.ed.undo_push(message="Nothing")
-    bpy.ops.dimple.play(seconds=0.05)
-    bpy.ops.ed.undo_push(message="Something, meanwhile")
-    for _ in range(undos):
-        bpy.ops.ed.undo()
-    obj, twin = bpy.data.objects["Ball"], bpy.data.objects["Ball.001"]
-    assert coordinates(twin) == rest and is_clean(twin)
-    assert bool(sessions.sessions) == (undos == 1), "undone past its start a session ends"
-    assert (obj.data == twin.data) == (undos > 1)
-    for _ in range(undos):
-        bpy.ops.ed.redo()
-    obj = bpy.data.objects["Ball"]
-    bpy.ops.dimple.play(seconds=0.05)
-    assert coordinates(obj) != rest
-    bpy.ops.dimple.reset()
-    assert coordinates(obj) == rest == coordinates(bpy.data.objects["Ball.001"]) and is_clean(obj)
 
 
 @pytest.mark.parametrize("keys", [False, True])

@@ -1,0 +1,118 @@
+"""What a bake leaves on the disk: a cache and a table, all of it or nothing, found again when the project moves."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.blender.operators.test_bake import table
+
+Add = Callable[..., Any]
+Bits = Callable[[Any], bytes]
+Shown = Callable[[Any], np.ndarray]
+
+
+def test_the_table_beside_the_cache_has_force_depth_pressure_and_volume(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any]
+) -> None:
+    obj = pressed()
+    bpy.ops.dimple.bake(frame_start=1, frame_end=19)
+    rows = table(obj, scene)
+    assert [row["frame"] for row in rows] == list(range(1, 20))
+    held = rows[11]
+    assert held["depth_1_mm"] == pytest.approx(20, abs=1.5)
+    assert held["law_force_1_n"] == pytest.approx(610 * 0.0163 + 7230 * (held["depth_1_mm"] / 1e3 - 0.0163), rel=1e-3)
+    assert held["force_1_n"] > 1 and held["pressure_pa"] > 0
+    assert 0.9 < held["volume_m3"] / held["rest_volume_m3"] < 1
+    assert rows[0]["force_1_n"] == 0 and held["force_2_n"] == 0
+
+
+def test_several_objects_are_baked_in_one_pass(bpy: ModuleType, scene: Any, ball: Add) -> None:
+    bodies = [ball(name) for name in ("One", "Two/three", "Two_three")]
+    for obj in bodies:
+        obj.select_set(True)
+    bpy.ops.dimple.bake(frame_start=5, frame_end=8)
+    paths = {obj.modifiers[0].filepath for obj in bodies}
+    assert len(paths) == 3 and all(Path(path).exists() for path in paths)
+    assert {obj.modifiers[0].frame_start for obj in bodies} == {5.0}
+
+
+def unfinished(bpy: ModuleType, obj: Any, **changes: Any) -> Iterator[float]:
+    """Return the steps of a bake that may be stopped."""
+    from bl_ext.user_default.dimple.operators import baking
+
+    plan = {"objects": [obj], "first": 1, "last": 12, "target": "MESH_CACHE"}
+    return baking.bake(bpy.context, baking.Plan(**{**plan, **changes}), [])
+
+
+@pytest.mark.parametrize("target", ["MESH_CACHE", "SHAPE_KEYS"])
+def test_a_cancelled_bake_leaves_nothing_half_done(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], coordinates: Bits, target: str
+) -> None:
+    obj = pressed()
+    before = coordinates(obj)
+    scene.frame_set(7)
+    steps = unfinished(bpy, obj, target=target)
+    for _ in range(5):
+        assert 0 < next(steps) < 1
+    steps.close()
+    assert scene.frame_current == 7
+    assert list(Path(scene.dimple.cache_dir).iterdir()) == []
+    assert not obj.modifiers and obj.data.shape_keys is None and coordinates(obj) == before
+
+
+def test_a_cancelled_bake_leaves_the_bake_before_it(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
+    obj = pressed()
+    bpy.ops.dimple.bake(frame_start=1, frame_end=4)
+    files = {path.name: path.read_bytes() for path in Path(scene.dimple.cache_dir).iterdir()}
+    steps = unfinished(bpy, obj)
+    next(steps)
+    steps.close()
+    assert {path.name: path.read_bytes() for path in Path(scene.dimple.cache_dir).iterdir()} == files
+    assert len(obj.modifiers) == 1
+
+
+def test_a_bake_whose_object_is_deleted_fails_with_a_sentence(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any]
+) -> None:
+    obj = pressed()
+    steps = unfinished(bpy, obj)
+    next(steps)
+    bpy.data.objects.remove(obj)
+    with pytest.raises(ValueError, match='"Ball" is gone'):
+        next(steps)
+    assert list(Path(scene.dimple.cache_dir).iterdir()) == []
+
+
+def test_an_unsaved_file_bakes_into_the_preferred_folder(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
+) -> None:
+    settings = bpy.context.preferences.addons["bl_ext.user_default.dimple"].preferences
+    pressed()
+    scene.dimple.cache_dir, settings.cache_dir = "", str(tmp_path / "preferred")
+    try:
+        bpy.ops.dimple.bake(frame_start=1, frame_end=2)
+    finally:
+        settings.cache_dir = ""
+    assert [path.suffix for path in sorted((tmp_path / "preferred").iterdir())] == [".csv", ".pc2"]
+
+
+def test_a_bake_beside_a_saved_file_is_found_again_when_the_project_moves(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], shown: Shown, tmp_path: Path
+) -> None:
+    obj = pressed()
+    scene.dimple.cache_dir = ""
+    (tmp_path / "here").mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "here" / "press.blend"))
+    bpy.ops.dimple.bake(frame_start=1, frame_end=8)
+    assert obj.modifiers[0].filepath == "//press_Ball_bake.pc2"
+    scene.frame_set(7)
+    seen = shown(obj).copy()
+    bpy.ops.wm.save_mainfile()
+    shutil.move(tmp_path / "here", tmp_path / "there")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "there" / "press.blend"))
+    assert np.array_equal(shown(bpy.data.objects["Ball"]), seen)

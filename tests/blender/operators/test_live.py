@@ -1,0 +1,103 @@
+"""What poke and play share, fed with events by hand: they end when their body or window does, and time may lag."""
+
+from collections.abc import Callable
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+
+Bits = Callable[[Any], bytes]
+
+
+@pytest.fixture(autouse=True)
+def body(ball: Callable[..., Any]) -> Any:
+    """The ball that is there."""
+    return ball()
+
+
+@pytest.mark.parametrize("name", ["poke", "play"])
+def test_deleting_the_body_ends_the_operator(bpy: ModuleType, hand: Any, body: Any, name: str) -> None:
+    run = hand(name)
+    run.invoke()
+    run.ticks(3)
+    bpy.data.objects.remove(body)
+    assert run.ticks(2) == {"CANCELLED"}
+    assert any("is gone" in text for _, text in run.reports)
+
+
+@pytest.mark.parametrize("name", ["poke", "play", "bake"])
+def test_loading_a_file_ends_the_operator(bpy: ModuleType, hand: Any, name: str) -> None:
+    run = hand(name)
+    run.invoke()
+    run.ticks(2)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert run.ticks(1) == {"CANCELLED"}
+    run.operator.cancel(run.context)
+
+
+@pytest.mark.parametrize("name", ["poke", "play"])
+def test_a_window_that_is_closed_ends_the_operator(
+    bpy: ModuleType, hand: Any, body: Any, rest: bytes, coordinates: Bits, name: str
+) -> None:
+    bpy.context.scene.dimple.use_gravity = True
+    run = hand(name)
+    run.invoke()
+    run.ticks(5)
+    assert coordinates(body) != rest
+    run.operator.cancel(run.context)
+    assert coordinates(body) == rest
+
+
+def test_play_pauses_goes_on_and_ends(bpy: ModuleType, hand: Any, body: Any, rest: bytes, coordinates: Bits) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    bpy.context.scene.dimple.use_gravity = True
+    play = hand("play")
+    assert play.invoke() == {"RUNNING_MODAL"}
+    assert play.ticks(5) == {"PASS_THROUGH"}
+    entry, button = sessions.get(body), hand("play")
+    assert entry.running and entry.frame.time > 0
+    button.invoke()
+    paused = entry.frame.time
+    play.time += 1
+    play.ticks(3)
+    assert entry.frame.time == paused and not entry.running
+    button.invoke()
+    play.ticks(3)
+    assert entry.running and entry.frame.time > paused
+    for kind in ("Z", "MOUSEMOVE", "LEFTMOUSE", "TAB"):
+        assert play.send(kind) == {"PASS_THROUGH"}
+    assert play.send("ESC") == {"CANCELLED"}
+    assert coordinates(body) == rest
+
+
+def test_a_poke_takes_over_from_play(bpy: ModuleType, hand: Any, body: Any) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    play, poke = hand("play"), None
+    play.invoke()
+    play.ticks(2)
+    entry = sessions.get(body)
+    poke = hand("poke")
+    poke.invoke()
+    assert play.operator.modal(play.context, play.event("TIMER")) == {"CANCELLED"}
+    assert sessions.get(body) is entry, "the session goes on"
+    poke.send("ESC")
+
+
+def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
+    bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    run = sessions.Run(kind="play", timer=None)
+    asked, budget = live.ask(bpy.context.scene, run, 5.0)
+    assert asked == run.pace and budget < 0.1
+    body = SimpleNamespace(frame=SimpleNamespace(steps=1), session=SimpleNamespace(tick=1e-3))
+    monkeypatch.setattr(sessions, "sessions", {1: body})
+    live.adapt(run, asked)
+    assert run.pace == pytest.approx(0.002)
+    for _ in range(9):
+        body.frame.steps = round(run.pace / 1e-3)
+        live.adapt(run, asked)
+    assert run.pace == pytest.approx(0.1), "and is real again as soon as it can"

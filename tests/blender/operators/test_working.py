@@ -1,0 +1,61 @@
+"""What takes a while shows how far it is, can be cancelled, and leaves nothing half done."""
+
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+Bits = Callable[[Any], bytes]
+
+
+@pytest.fixture(autouse=True)
+def body(ball: Callable[..., Any]) -> Any:
+    """The ball that is there."""
+    return ball()
+
+
+def test_a_bake_shows_progress_and_can_be_cancelled(
+    bpy: ModuleType,
+    hand: Any,
+    body: Any,
+    rest: bytes,
+    coordinates: Bits,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from bl_ext.user_default.dimple.operators import working
+
+    monkeypatch.setattr(working, "SLICE_S", 0.0)
+    bpy.context.scene.dimple.cache_dir = str(tmp_path)
+    run = hand("bake")
+    run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
+    assert run.invoke() == {"RUNNING_MODAL"}
+    run.ticks(3)
+    assert "%" in run.context.said and "left" in run.context.said
+    assert run.send("G") == {"RUNNING_MODAL"}
+    assert len(list(tmp_path.iterdir())) == 2
+    assert run.send("ESC") == {"CANCELLED"}
+    assert not list(tmp_path.iterdir()) and not body.modifiers and coordinates(body) == rest
+    run = hand("bake")
+    run.operator.frame_end, run.given = 9, {"frame_start", "frame_end"}
+    run.invoke()
+    assert run.ticks(50) == {"FINISHED"}
+    assert len(list(tmp_path.iterdir())) == 2 and body.modifiers
+
+
+def test_a_bake_that_fails_on_its_way_leaves_nothing(
+    bpy: ModuleType, hand: Any, body: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import working
+
+    monkeypatch.setattr(working, "SLICE_S", 0.0)
+    bpy.context.scene.dimple.cache_dir = str(tmp_path)
+    run = hand("bake")
+    run.invoke()
+    run.ticks(2)
+    body.scale.x = 0
+    assert run.ticks(2) == {"CANCELLED"}
+    assert any("scale of 0" in text for _, text in run.reports)
+    assert not list(tmp_path.iterdir()) and not body.modifiers
