@@ -88,7 +88,9 @@ def test_a_computer_too_slow_for_real_time_says_so(entry: Any) -> None:
 def test_the_curve_behind_the_chart_is_the_law_of_the_core(shapes: ModuleType, entry: Any) -> None:
     material = entry.session.model.materials[0]
     for deepest in (0.5 * material.x0, material.x0, 3 * material.x0):
-        for depth, force in shapes.law_curve(material.K1, material.K2, material.x0, deepest):
+        curve = shapes.law_curve(material.K1, material.K2, material.x0, deepest)
+        assert curve[0] == (0, 0) and curve[-1][0] == pytest.approx(deepest)
+        for depth, force in curve:
             assert force == pytest.approx(material.law(depth), abs=1e-12)
 
 
@@ -190,9 +192,10 @@ def test_an_arrow_points_along_the_force_and_a_stronger_one_is_longer(shapes: Mo
 def test_a_fingertip_is_drawn_as_large_as_it_is(shapes: ModuleType, overlay: ModuleType, entry: Any) -> None:
     centre, radius = overlay._in_scene(entry, entry.fingers[0])
     assert radius == pytest.approx(0.12) and centre == pytest.approx((0, 0, 0.6))
-    for line in shapes.sphere(centre, radius):
-        for point in line:
-            assert math.dist(point, centre) == pytest.approx(radius)
+    points = [point for line in shapes.sphere(centre, radius) for point in line]
+    assert [math.dist(point, centre) for point in points] == pytest.approx([radius] * len(points))
+    for axis in range(3):
+        assert max(point[axis] for point in points) == pytest.approx(centre[axis] + radius)
 
 
 def test_an_axis_ends_at_a_round_number(shapes: ModuleType) -> None:

@@ -91,9 +91,10 @@ def test_every_panel_draws_on_a_mesh_on_nothing_and_on_a_curve(bpy: ModuleType, 
     curve = bpy.data.objects.new("Curve", bpy.data.curves.new("Curve", "CURVE"))
     found = list(panels(bpy))
     assert len(found) >= 11
-    for panel in found:
-        for context in ({}, {"object": body, "material": body.active_material}, {"object": curve}):
-            draw(bpy, panel, **context)
+    places = ({}, {"object": body, "material": body.active_material}, {"object": curve})
+    drawn = {panel.__name__ for panel in found for place in places if draw(bpy, panel, **place)}
+    waiting = {"DIMPLE_PT_calibration_notes", "DIMPLE_PT_material_calibration"}  # for a calibration: below
+    assert drawn == {panel.__name__ for panel in found} - waiting
 
 
 def test_a_wrong_constant_is_told_under_the_constants(bpy: ModuleType, body: Any) -> None:

@@ -230,20 +230,19 @@ def test_the_way_back_tells_the_damping(bpy: ModuleType, add: Callable[..., Any]
     assert settings.damping_ratio == pytest.approx(0.2 / np.pi, rel=0.05), "a fifth of the work is lost"
 
 
-def test_constants_that_are_no_material_cannot_be_applied(
-    bpy: ModuleType, add: Callable[..., Any], tmp_path: Path
-) -> None:
-    path = tmp_path / "falls.csv"
-    path.write_text("Depth (mm),Force (N)\n" + "".join(f"{x:.3f},{max(5 * x - x * x, -40):.4f}\n" for x in DEPTH[:30]))
+def test_constants_that_are_no_material_cannot_be_applied(bpy: ModuleType, add: Callable[..., Any]) -> None:
+    from bl_ext.user_default.dimple.operators import calibration
+
     add()
-    try:
-        bpy.ops.dimple.calibrate(filepath=str(path))
-    except RuntimeError:
-        return  # the core refuses it before
-    if told(bpy.context.scene.dimple)["unusable"]:
-        assert not bpy.ops.dimple.apply_calibration.poll()
-    else:
-        assert told(bpy.context.scene.dimple)["warnings"]
+    bpy.ops.dimple.calibrate(filepath=str(SAMPLE))
+    scene = bpy.context.scene.dimple
+    result = told(scene)
+    assert result["unusable"] == "" and bpy.ops.dimple.apply_calibration.poll()
+    result |= {"K1": -0.5}
+    result["unusable"] = calibration._unusable(result)
+    assert "K1 must be greater than 0" in result["unusable"]
+    scene.calibration = json.dumps(result)
+    assert not bpy.ops.dimple.apply_calibration.poll()
 
 
 def test_a_preset_keeps_the_calibration_with_its_source(

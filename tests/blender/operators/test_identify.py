@@ -68,7 +68,7 @@ def test_the_identified_body_answers_the_measured_curve_and_sessions_use_its_con
     assert told["rms"] < 0.03 and told["force_off"] < 0.1 and told["volume_change"] < 0.005
     assert told["deepest"] == pytest.approx(1.35 * 16.3, rel=1e-3)
     assert told["object"] == "Cube" and told["mesh"]["vertices"] == 98 and told["size"] == pytest.approx(165)
-    assert any("k" in note and "%" in note for note in told["notes"]), "the scale on k is told in words"
+    assert any("skin's k is taken at" in note for note in told["notes"]), "the scale on k is told in words"
     from bl_ext.user_default.dimple.operators import bridge
 
     _, model = bridge.read_body(bpy.context, cube)
