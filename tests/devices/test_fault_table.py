@@ -80,10 +80,8 @@ class Press:
 
     def let_go(self) -> bool:
         """Tell whether host and device are disarmed, and no force acts but a brake at rest."""
-        last = self.forces(self.now - 0.05, self.now)
-        return self.arming == "OFF" and self.device.mode not in (wire.RAMP, wire.ARMED) and not any(
-            force > BRAKE_NOISE for force in last
-        )  # fmt: skip
+        acts = max(self.forces(self.now - 0.05, self.now)) > BRAKE_NOISE
+        return self.arming == "OFF" and self.device.mode not in (wire.RAMP, wire.ARMED) and not acts
 
     def presses(self) -> bool:
         """Tell whether all is as it was: armed, and the wall felt."""
@@ -112,9 +110,9 @@ def test_more_flipped_bits_than_a_line_can_bear() -> None:
 
 @pytest.mark.parametrize("fault", ["garbage=0.05", "truncate=0.05", "drop=0.05"])
 def test_garbage(fault: str) -> None:
+    """At most two frames are lost by each of the 50 times of a second, give or take three deviations of their number."""
     press = Press(f"{fault}@{AT}").run(AT + 1.0)
-    report = press.servo.report()
-    assert press.presses() and 0 < report.lost <= 2 * 1.5 * 0.05 * report.states
+    assert press.presses() and 0 < press.servo.report().lost <= 2 * (50 + 3 * math.sqrt(50))
     assert max(press.forces(AT)) < 1.9 + CONVERTERS
 
 
@@ -128,7 +126,9 @@ def test_wrong_baud_rate() -> None:
 def test_duplicated_reordered_and_stale_frames(fault: str) -> None:
     length_of = "+0.02" if fault == "stale=1" else ""  # longer than 100 ms is an unplugged line
     press = Press(f"{fault}@{AT}{length_of}").run(AT + 1.0)
-    assert press.presses() and press.servo.report().stale > 0 or fault == "stale=1"
+    watch = press.device.firmware.watch
+    assert press.presses() and watch and watch.stale > 0  # answers that came twice, late, or to States long gone
+    assert press.servo.report().stale > 0 or fault == "stale=1"  # which come in order, if late
     assert max(press.forces(AT)) < 1.9 + CONVERTERS
 
 
