@@ -110,7 +110,7 @@ def test_more_flipped_bits_than_a_line_can_bear() -> None:
 
 @pytest.mark.parametrize("fault", ["garbage=0.05", "truncate=0.05", "drop=0.05"])
 def test_garbage(fault: str) -> None:
-    """At most two frames are lost by each of the 50 times of a second, give or take three deviations of their number."""
+    """At most two frames are lost by each of the 50 times of a second, give or take three deviations."""
     press = Press(f"{fault}@{AT}").run(AT + 1.0)
     assert press.presses() and 0 < press.servo.report().lost <= 2 * (50 + 3 * math.sqrt(50))
     assert max(press.forces(AT)) < 1.9 + CONVERTERS
