@@ -1,11 +1,21 @@
 """Shapes that several tests press, each written out so that what is expected of it is known beforehand."""
 
+from pathlib import Path
+
 import numpy as np
+import pytest
 
 from core import native
 from core.base import Floats, Ints
 
 Shape = tuple[Floats, Ints]
+REAL = ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")  # scans and exports as they come
+    "bunny.ply",
+    "not_convex.obj",
+    "soup.stl",
+    "teapot.stl",
+)  # scans and exports as they come, beside the repository
+BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data" / "meshes"  # the repository
 TETRAHEDRON: Shape = (
     np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]),
     np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
@@ -67,6 +77,16 @@ def walled_box() -> Shape:
         squares += [(low + i, low + (i + 1) % 4, low + 4 + (i + 1) % 4, low + 4 + i) for i in range(4)]
     faces = [f for a, b, c, d in squares for f in ((a, b, c), (a, c, d))]
     return points, np.array(faces)
+
+
+def real(name: str) -> Shape:
+    """Return one of REAL; the test that asks for it is skipped where it is not there."""
+    import trimesh
+
+    if not (BESIDE / name).exists():
+        pytest.skip(f"{name} is not beside the repository")
+    raw = trimesh.load(BESIDE / name, process=False, force="mesh")
+    return np.asarray(raw.vertices, float), np.asarray(raw.faces)
 
 
 def signed_volume(points: Floats, faces: Ints) -> float:

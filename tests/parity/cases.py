@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,8 @@ from core.integrators.path import FingerPath
 from core.material import PRESETS, Material
 from core.mesh import Mesh, base_vertices, mesh_from_triangles
 from core.model import Model, State, build_model, initial_state
-from tests.bodies import ball, hemisphere, joined, sheet, soup
+from tests.bodies import REAL, ball, hemisphere, joined, real, sheet, soup
 
-REAL = Path(__file__).resolve().parents[3] / "shared" / "data" / "meshes"
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")
 SIZE = 0.16
 TICK = 1e-3
@@ -77,16 +76,6 @@ def with_loose() -> tuple[Floats, Any]:
     return np.concatenate([points, [[3.0, 3, 3]]]), faces
 
 
-def real(name: str) -> Callable[[], tuple[Floats, Any]]:
-    def load() -> tuple[Floats, Any]:
-        import trimesh
-
-        raw = trimesh.load(REAL / name, process=False, force="mesh")
-        return np.asarray(raw.vertices, float), np.asarray(raw.faces)
-
-    return load
-
-
 WHOLE = {
     "liquid": Case(shape=lambda: ball(2)),
     "air": Case(shape=lambda: ball(2), material=replace(SOFT, fill="air")),
@@ -123,11 +112,7 @@ DEGENERATE = {
     "tangle 3": Case(shape=lambda: tangle(3), options={"bend": 0.5, "gravity": (0, 0, -9.81)}, ticks=2),
     "everything held": Case(shape=lambda: ball(1), options={"held": "all"}),
 }
-SCANS = {
-    name: Case(shape=real(name), material=PRESETS[1].material, ticks=4)
-    for name in ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")
-    if (REAL / name).exists()
-}
+SCANS = {name: Case(shape=partial(real, name), material=PRESETS[1].material, ticks=4) for name in REAL}
 CASES = WHOLE | DEGENERATE | SCANS
 
 

@@ -1,11 +1,9 @@
 """A stand-in weighs, presses and looks as its mesh does, within what its spacing allows."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 
 from core.base import DimpleError, Floats
 from core.laws.memory import fit_pose
@@ -15,10 +13,9 @@ from core.model import Model, build_model
 from core.proxy import Proxy, build_proxy, carry, contact_radius
 from core.session import Finger, Session
 from core.study.scenes import BALL, ball, cube
+from tests.bodies import REAL, hemisphere, joined, real, soup
 from tests.bodies import ball as ball_shape
-from tests.bodies import hemisphere, joined, soup
 
-FOLDER = Path(__file__).resolve().parents[3] / "shared" / "data" / "meshes"
 VINYL = PRESETS[1].material
 
 
@@ -153,12 +150,10 @@ def test_separate_parts_and_holes_have_stand_ins() -> None:
         assert np.array_equal(carry(proxy, proxy.model.memory.rest), model.mesh.rest_positions)
 
 
-@pytest.mark.parametrize("name", ["bunny.ply", "teapot.stl", "soup.stl", "not_convex.obj"])
+@pytest.mark.parametrize("name", REAL)
 def test_scans_have_a_stand_in_or_a_reason(name: str) -> None:
-    if not (FOLDER / name).exists():
-        pytest.skip(f"{name} is not beside the repository")
-    raw = trimesh.load(FOLDER / name, process=False, force="mesh")
-    mesh = mesh_from_triangles(0.165 / raw.extents.max() * np.asarray(raw.vertices, float), np.asarray(raw.faces))
+    points, faces = real(name)
+    mesh = mesh_from_triangles(0.165 / np.ptp(points, axis=0).max() * points, faces)
     model = build_model(mesh, [VINYL], held=base_vertices(mesh))
     for vertices in (150, 600):
         try:

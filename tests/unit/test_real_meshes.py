@@ -1,7 +1,5 @@
 """Scans and exports as they come. The files are beside the repository; without them these tests skip."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import trimesh
@@ -10,18 +8,12 @@ from core.material import PRESETS
 from core.mesh import Mesh, base_vertices, mesh_from_triangles
 from core.model import build_model
 from core.session import Finger, Session
-from tests.bodies import signed_volume
-
-FOLDER = Path(__file__).resolve().parents[3] / "shared" / "data" / "meshes"
-FILES = ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")
+from tests.bodies import REAL, real, signed_volume
 
 
-@pytest.fixture(params=FILES)
+@pytest.fixture(params=REAL)
 def raw(request: pytest.FixtureRequest) -> trimesh.Trimesh:
-    path = FOLDER / request.param
-    if not path.exists():
-        pytest.skip(f"{path.name} is not beside the repository")
-    return trimesh.load(path, process=False, force="mesh")
+    return trimesh.Trimesh(*real(request.param), process=False)
 
 
 @pytest.fixture
