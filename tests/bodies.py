@@ -10,12 +10,7 @@ from core.base import Floats, Ints
 
 Shape = tuple[Floats, Ints]
 REAL = ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")  # scans and exports as they come
-    "bunny.ply",
-    "not_convex.obj",
-    "soup.stl",
-    "teapot.stl",
-)  # scans and exports as they come, beside the repository
-BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data" / "meshes"  # the repository
+BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data" / "meshes"
 TETRAHEDRON: Shape = (
     np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]),
     np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
