@@ -47,10 +47,11 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
     def _steps_of(self, bench):
         from ..core.calibration import cache
         from ..core.calibration.identify import identification
+        from .output import own_folder
 
-        folder, given = _folder(), (bench.mesh, bench.material, bench.indenter, bench.site, bench.deepest)
-        name = cache.key(*given)
-        self._found = cache.recall(folder, name)
+        given = bench.mesh, bench.material, bench.indenter, bench.site, bench.deepest
+        folder, name = own_folder("identified"), cache.key(*given)
+        self._found, self._anew = cache.recall(folder, name), None
         if self._found is None:
             steps = identification(*given)
             while True:
@@ -59,13 +60,14 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
                 except StopIteration as end:
                     self._found = end.value
                     break
-            cache.remember(folder, name, self._found)
+            self._anew = folder, name
 
     def _finished(self, context: bpy.types.Context) -> set[str]:
         """Write the constants, and how they were found."""
         import numpy as np
 
         from ..core.base import DimpleError
+        from ..core.calibration import cache
         from ..core.calibration.identify import NOTICEABLE_FORCE
         from . import indentation
 
@@ -87,6 +89,11 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         settings.identification, settings.stale = json.dumps(told, ensure_ascii=False), False
         for note in told["notes"]:
             self.report({"INFO" if found.worst <= 1 else "WARNING"}, note)
+        if self._anew is not None:
+            try:
+                cache.remember(*self._anew, found)
+            except DimpleError as error:
+                self.report({"WARNING"}, f"It was not remembered, so another time it is worked out again: {error}")
         return {"FINISHED"}
 
 
@@ -104,14 +111,6 @@ def _reach(scene: bpy.types.Scene) -> str:
 def place_of(operator: bpy.types.Operator, context: bpy.types.Context) -> str:
     """Return where an operator presses: where it was told, else where the scene says."""
     return operator.place if operator.properties.is_property_set("place") else context.scene.dimple.tip_place
-
-
-def _folder() -> str:
-    """Return where identifications are remembered."""
-    package = (__package__ or "").rpartition(".")[0]
-    if package.startswith("bl_ext."):
-        return bpy.utils.extension_path_user(package, path="identified", create=True)
-    return bpy.app.tempdir
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_identify])

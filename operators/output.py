@@ -105,7 +105,7 @@ def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> 
     elif bpy.data.filepath:
         folder = Path(bpy.data.filepath).parent
     else:
-        folder = _own_folder()
+        folder = own_folder("caches")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -117,14 +117,14 @@ def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> 
     return folder / f"{stem}_{name}{twin}_{kind}.pc2"
 
 
-def _own_folder() -> Path:
-    """Return the folder of the preferences, else the one Blender keeps for the extension."""
+def own_folder(name: str) -> Path:
+    """Return the folder of the preferences, else one that Blender keeps for the extension; either may be missing."""
     package = (__package__ or "").rpartition(".")[0]
     settings = bpy.context.preferences.addons.get(package)
     if settings and settings.preferences.cache_dir:
         return Path(bpy.path.abspath(settings.preferences.cache_dir))
     if package.startswith("bl_ext."):
-        return Path(bpy.utils.extension_path_user(package, path="caches", create=True))
+        return Path(bpy.utils.extension_path_user(package, path=name))
     return Path(bpy.app.tempdir)
 
 

@@ -92,6 +92,22 @@ def test_what_was_identified_once_is_remembered(
     assert vinyl.kappa1 == first and not vinyl.stale
 
 
+def test_where_nothing_can_be_remembered_the_result_is_kept_all_the_same(
+    bpy: ModuleType, vinyl: Any, hand: Any, forgetful: Path
+) -> None:
+    forgetful.rmdir()
+    forgetful.write_text("a file where the folder should be")
+    try:
+        run = hand("identify")
+        run.operator.depth_mm = 8.0
+        assert run.operator.execute(bpy.context) == {"FINISHED"}
+    finally:
+        forgetful.unlink()
+        forgetful.mkdir()
+    assert vinyl.kappa1 > 0 and identified(vinyl)["rms"] < 0.03
+    assert any(level == "WARNING" and "not remembered" in text for level, text in run.reports)
+
+
 @pytest.mark.parametrize(
     ("name", "value"), [("K1", 0.5), ("K2", 5.0), ("x0", 10.0), ("k", 4.0), ("tip", "SPHERE"), ("fill", "LIQUID")]
 )
