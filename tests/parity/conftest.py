@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from core import native
+from tests.native_core import missing
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -14,4 +15,4 @@ def _library() -> None:
     if named:
         native.use(native.load(Path(named)))
     elif native.why_not():
-        pytest.skip("the native core is not compiled here: python3 dev.py native")
+        missing(f"{native.why_not()} (python3 dev.py native compiles it)")

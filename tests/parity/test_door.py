@@ -14,6 +14,7 @@ from core import native
 from core.integrators.path import FingerPath
 from core.native import NativeError
 from core.session import Session
+from tests.native_core import missing
 from tests.parity.cases import CASES, TICK, build
 
 HERE = Path(__file__).parent
@@ -170,3 +171,17 @@ def test_a_library_that_is_no_good_leaves_numpy_and_a_reason(
     assert session.backend == ("numpy" if reason else "native")
     assert reason in session.backend_note and ("Runs on numpy" in session.backend_note) == bool(reason)
     assert np.isfinite(session.step(2e-3).positions).all()
+
+
+@pytest.mark.parametrize(("ci", "compiler", "outcome"), [
+    ("true", True, pytest.fail.Exception), ("true", False, pytest.skip.Exception), ("", True, pytest.skip.Exception),
+])  # fmt: skip
+def test_where_ci_has_a_compiler_a_missing_core_fails_the_tests(
+    ci: str, compiler: bool, outcome: type[BaseException], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("CI", ci)
+    monkeypatch.setattr("tools.native.ZIG", tmp_path)
+    if compiler:
+        (tmp_path / "ziglang").mkdir()
+    with pytest.raises(outcome, match="not compiled"):
+        missing("not compiled")
