@@ -41,7 +41,7 @@ class Touching:
 
 
 def rest_surface(mesh: Mesh) -> RestSurface:
-    """Prepare a mesh for `depth_below`."""
+    """Prepare a mesh for `touching`."""
     corners = mesh.rest_positions[mesh.triangles].transpose(2, 0, 1)
     a, b, c = corners[:, :, 0], corners[:, :, 1], corners[:, :, 2]
     normals = np.cross(b - a, c - a, axis=0)
@@ -54,39 +54,31 @@ def rest_surface(mesh: Mesh) -> RestSurface:
     )
 
 
-def depth_below(surface: RestSurface, centre: Floats, radius: float, side: Floats | None = None) -> tuple[float, int]:
-    """Return the depth [m] of a sphere below the surface (negative: clear of it) and the nearest triangle.
+def touching(surface: RestSurface, pose: Pose, centre: Floats, radius: float, side: Floats | None = None) -> Touching:
+    """Return how a fingertip at a centre (3,) [m] meets the surface at rest in its pose.
 
     Args:
-        centre: (3,) [m] in the space of the shape at rest.
-        side: (3,) outward normal where the fingertip came in; only faces turned that way count.
+        side: (3,) outward normal, in the space of the shape at rest, where the fingertip came in; only faces turned
+            that way count.
     """
+    rotation, translation = pose
+    local = rotation.T @ (centre - translation)
     facing = np.ones(len(surface.extents), bool) if side is None else side @ surface.normals > SAME_SIDE
     if not facing.any():
         facing[:] = True
-    away = np.sqrt(((surface.middles - centre[:, None]) ** 2).sum(axis=0))
+    away = np.sqrt(((surface.middles - local[:, None]) ** 2).sum(axis=0))
     limit = (away + surface.extents)[facing].min()
     near: Ints = np.flatnonzero(facing & (away - surface.extents <= limit))
-    weights = nearest_on_triangles(surface.corners[:, near], centre)
-    offset = centre[:, None] - (surface.corners[:, near] * weights).sum(axis=2)
+    weights = nearest_on_triangles(surface.corners[:, near], local)
+    offset = local[:, None] - (surface.corners[:, near] * weights).sum(axis=2)
     distance = np.sqrt((offset**2).sum(axis=0))
-    height = (offset * surface.normals[:, near]).sum(axis=0)
+    heights = (offset * surface.normals[:, near]).sum(axis=0)
     # on an edge several faces are as near: the one that sees the point most squarely knows its side
     tied = np.flatnonzero(distance <= distance.min() * (1 + 1e-9) + 1e-12)
-    best = tied[np.abs(height[tied]).argmax()]
-    signed = distance[best] if height[best] >= 0 else -distance[best]
-    return float(radius - signed), int(near[best])
-
-
-def touching(surface: RestSurface, pose: Pose, centre: Floats, radius: float, side: Floats | None) -> Touching:
-    """Return how a fingertip at a centre (3,) [m] meets the surface at rest in its pose; side: see `depth_below`."""
-    rotation, translation = pose
-    local = rotation.T @ (centre - translation)
-    depth, triangle = depth_below(surface, local, radius, side)
-    weights = nearest_on_triangles(surface.corners[:, [triangle]], local)
-    offset = local - (surface.corners[:, [triangle]] * weights).sum(axis=2)[:, 0]
-    height = radius - depth  # of the centre above the surface
-    face = surface.normals[:, triangle]
+    best = tied[np.abs(heights[tied]).argmax()]
+    height, triangle = float(distance[best] if heights[best] >= 0 else -distance[best]), int(near[best])
     # the way the depth falls fastest; on the very surface only the face knows it
-    outward = offset / height if abs(height) > 1e-6 * radius else face
-    return Touching(depth=depth, outward=rotation @ outward, triangle=triangle, centre=centre, local=local, pose=pose)
+    outward = offset[:, best] / height if abs(height) > 1e-6 * radius else surface.normals[:, triangle]
+    return Touching(
+        depth=radius - height, outward=rotation @ outward, triangle=triangle, centre=centre, local=local, pose=pose
+    )

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from .backend import choose_backend
 from .base import FINGER_TRAVEL, TICK, DimpleError, Floats
-from .depth import Touching, depth_below, rest_surface, touching
+from .depth import Touching, rest_surface, touching
 from .integrators.path import FingerPath
 from .laws import pressure
 from .laws.memory import Pose, carried_pose, fit_pose
@@ -42,8 +42,9 @@ class Frame:
 
     time: [s].  positions: (N, 3) float32 [m].  finger_forces: (k, 3) on the fingertips, mean over the step [N].
     law_forces: (k,) K(x) of Eq. (1) [N] at depths: (k,) [m].  materials: (k,) which of the model's it is nearest to,
-    -1 where none is down.  pressure: [Pa].  volume, rest_volume: [m3].  substeps: per tick.  steps: ticks done.
-    cost: [s] of wall time.  total_steps, total_cost: substeps and [s] since the start.  note: "" or a sentence.
+    -1 where none is down.  touches: how each meets the surface at rest, which a device lets feel.  pressure: [Pa].
+    volume, rest_volume: [m3].  substeps: per tick.  steps: ticks done.  cost: [s] of wall time.  total_steps,
+    total_cost: substeps and [s] since the start.  note: "" or a sentence.
     """
 
     time: float
@@ -52,6 +53,7 @@ class Frame:
     law_forces: Floats
     depths: Floats
     materials: tuple[int, ...]
+    touches: tuple[Touching | None, ...]
     pressure: float
     volume: float
     rest_volume: float
@@ -204,7 +206,7 @@ class Session:
         )
         self._move_held(self._share((self._ticks + 1) * self.tick))
         if self._body.needs_contact:
-            self._state.inner_force = float(sum(law for _, law, _ in self._depths()))
+            self._state.inner_force = float(sum(force for _, force, _ in map(self._law, self._touches())))
         total = np.zeros((len(self._targets), 3))
         total[which] = self._stepper(self._body, self._state, path, tick=self.tick, substeps=self.substeps)
         for row, i in enumerate(which):
@@ -240,36 +242,29 @@ class Session:
             there = here + way[:, pins[held]]
             state.pose, state.pace = carried_pose(rest, here, there, tick=self.tick, substeps=self.substeps)
 
-    def touches(self) -> list[Touching | None]:
-        """Return how each fingertip meets the surface at rest: what a device feels between two steps."""
-        pose = self._pose()
-        return [
-            touching(self._surface, pose, np.array(finger.position), finger.radius, side) if finger else None
-            for finger, side in zip(self._fingers, self._sides, strict=True)
-        ]
-
     def _pose(self) -> Pose:
         """Return where the shape at rest is now."""
         body = self._body
         weight = body.memory.k1 if body.memory.k1.any() else body.mass
         return self._state.pose or fit_pose(body.memory.rest, self._state.positions, weight)
 
-    def _depths(self) -> list[tuple[float, float, int]]:
-        """Return each fingertip's depth [m], its force [N] by Eq. (1), and which material it is nearest to."""
-        model = self.model
-        rotation, translation = self._pose()
-        found = []
+    def _touches(self) -> list[Touching | None]:
+        """Return how each fingertip meets the surface at rest, and remember by which side it came in."""
+        pose, touches = self._pose(), list[Touching | None]()
         for i, finger in enumerate(self._fingers):
-            if finger is None:
-                found.append((0.0, 0.0, -1))
-                continue
-            centre = rotation.T @ (np.array(finger.position) - translation)
-            depth, triangle = depth_below(self._surface, centre, finger.radius, self._sides[i])
-            if depth < finger.radius:  # its centre is still outside
-                self._sides[i] = self._surface.normals[:, triangle] if depth > 0 else None
-            material = int(model.mesh.triangle_material[triangle])
-            found.append((max(depth, 0.0), model.materials[material].law(depth), material))
-        return found
+            side = self._sides[i]
+            touch = touching(self._surface, pose, np.array(finger.position), finger.radius, side) if finger else None
+            if touch and finger and touch.depth < finger.radius:  # its centre is still outside
+                self._sides[i] = self._surface.normals[:, touch.triangle] if touch.depth > 0 else None
+            touches.append(touch)
+        return touches
+
+    def _law(self, touch: Touching | None) -> tuple[float, float, int]:
+        """Return a fingertip's depth [m], its force [N] by Eq. (1), and which material it is nearest to."""
+        if touch is None:
+            return 0.0, 0.0, -1
+        material = int(self.model.mesh.triangle_material[touch.triangle])
+        return max(touch.depth, 0.0), self.model.materials[material].law(touch.depth), material
 
     def _is_finite(self) -> bool:
         x = self._state.positions if self._whole else self._state.positions[:, ~self._body.mesh.loose]
@@ -289,10 +284,11 @@ class Session:
         volume, _ = pressure.volume_and_gradient(self._body.pressure, state.positions)
         if self._body.mesh.volume > 0:
             volume *= model.mesh.volume / self._body.mesh.volume
-        depths, law, materials = zip(*self._depths(), strict=True) if self._fingers else ((), (), ())
+        touches = self._touches()
+        depths, law, materials = zip(*map(self._law, touches), strict=True) if touches else ((), (), ())
         return Frame(
             time=self._time, positions=self._skin()[model.mesh.source].astype(np.float32), finger_forces=forces,
-            law_forces=np.array(law), depths=np.array(depths), materials=materials, pressure=state.pressure,
-            volume=volume, rest_volume=model.mesh.volume, substeps=self.substeps, steps=steps, cost=cost,
-            total_steps=self._ticks * self.substeps, total_cost=self._cost, finite=not note, note=note,
+            law_forces=np.array(law), depths=np.array(depths), materials=materials, touches=tuple(touches),
+            pressure=state.pressure, volume=volume, rest_volume=model.mesh.volume, substeps=self.substeps, steps=steps,
+            cost=cost, total_steps=self._ticks * self.substeps, total_cost=self._cost, finite=not note, note=note,
         )  # fmt: skip

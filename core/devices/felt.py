@@ -71,9 +71,11 @@ class Felt:
         Args:
             cap: largest stiffness the device renders [N/m].  now: [s] of the clock that the servo reads too.
         """
+        touches = session.frame.touches
+        self.stuck = {i: place for i, place in self.stuck.items() if i < len(touches) and touches[i]}
         return tuple(
             self._contact(session.model, i, touch, place, cap, now) if touch else None
-            for i, touch in enumerate(session.touches())
+            for i, touch in enumerate(touches)
         )
 
     def _contact(self, model: Model, i: int, touch: Touching, place: Workspace, cap: float, now: float) -> Contact:

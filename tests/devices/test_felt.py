@@ -114,13 +114,25 @@ def test_sideways_too_two_frames_tell_the_same_line(session: Session) -> None:
 def test_a_place_that_is_carried_off_pulls_the_fingertip_along(session: Session) -> None:
     felt = Felt()
     (before,) = drag(session, felt, [])
-    (touch,) = session.touches()
+    (touch,) = session.frame.touches
     assert touch
     rotation, _ = touch.pose
     felt.stuck[0] = felt.stuck[0] + rotation.T @ np.array([0.003, 0.0, 0.0])
     (after,) = felt.contacts(session, Workspace(), CAP, 0.0)
     assert after
     assert after.force[0] - before.force[0] == pytest.approx(2 / 3 * MATERIAL.K1 * 0.003, rel=0.03)
+
+
+@pytest.mark.parametrize("fingers", [[None], []], ids=["its sensor is believed no more", "the device is gone"])
+def test_a_fingertip_that_was_lifted_off_sticks_anew_where_it_comes_down(session: Session, fingers: list[None]) -> None:
+    felt = Felt()
+    assert np.hypot(*drag(session, felt, [0.004])[-1].force[:2]) > 0.5
+    session.set_fingers(fingers)
+    session.step(0.0)
+    assert felt.contacts(session, Workspace(), CAP, 0.0) == tuple(fingers) and felt.stuck == {}
+    press(session, 0.010)
+    (contact,) = felt.contacts(session, Workspace(), CAP, 0.0)
+    assert contact and np.hypot(*contact.force[:2]) < 0.02 * contact.force[2]
 
 
 def test_a_larger_workspace_feels_as_stiff(session: Session) -> None:
@@ -146,6 +158,7 @@ def test_on_a_round_body_the_normal_is_the_way_out() -> None:
     session = Session(build_model(scenes.ball(2), [replace(MATERIAL, fill="none")]))
     way = np.array([0.3, 0.5, 0.8]) / np.linalg.norm([0.3, 0.5, 0.8])
     session.set_fingers([Finger(tuple(way * (scenes.BALL_RADIUS + RADIUS + 0.02)), RADIUS)])
+    session.step(0.0)
     (contact,) = contacts(session, Workspace(), CAP, 0.0)
     # a chord of the second icosphere turns its faces by up to 10 degrees
     assert contact and np.dot(contact.normal, way) > np.cos(np.radians(10))
@@ -154,4 +167,5 @@ def test_on_a_round_body_the_normal_is_the_way_out() -> None:
 def test_no_fingertip_no_contact(session: Session) -> None:
     session.reset()
     session.set_fingers([None, Finger((0.0, 0.0, 1.0), RADIUS)])
+    session.step(0.0)
     assert [contact is None for contact in contacts(session, Workspace(), CAP, 0.0)] == [True, False]
