@@ -59,7 +59,10 @@ def _creased(mesh: Mesh) -> Ints:
 
 
 def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
-    """Return the seed (n,) each vertex belongs to: the nearest one of those that its neighbours belong to."""
+    """Return the seed (n,) each vertex belongs to: the nearest one of those that its neighbours belong to.
+
+    A cell is in one piece: islands that another cell cut off go to what is round them.
+    """
     i, j = np.concatenate([mesh.springs, mesh.springs[:, ::-1]]).T
     order = np.argsort(j, kind="stable")
     i, j = i[order], j[order]
@@ -82,11 +85,28 @@ def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
         changed[end[taken]] = True
         cells[end[taken]] = offered[taken]
         away[end[starts]] = np.minimum(nearest, away[end[starts]])
+    _join_islands(i, j, place, seeds, cells)
     lost = np.flatnonzero(cells < 0)  # parts without a seed, and loose vertices
     for part in np.array_split(lost, len(lost) * len(seeds) // 2_000_000 + 1):
         distance = ((place[part, None, :3] - place[None, seeds, :3]) ** 2).sum(axis=2)
         cells[part] = distance.argmin(axis=1)
     return cells
+
+
+def _join_islands(i: Ints, j: Ints, place: Floats, seeds: Ints, cells: Ints) -> None:
+    """Give what another cell cut off from its seed to the nearest cell beside it, in place; i, j: directed edges."""
+    joined = np.zeros(len(place), bool)
+    more = seeds
+    while len(more):
+        joined[more] = True
+        more = np.unique(j[joined[i] & ~joined[j] & (cells[i] == cells[j])])
+    while len(beside := np.flatnonzero(joined[i] & ~joined[j])):
+        end, offered = j[beside], cells[i[beside]]
+        distance = ((place[end] - place[seeds[offered]]) ** 2).sum(axis=1)
+        order = np.lexsort((distance, end))
+        end, first = np.unique(end[order], return_index=True)
+        cells[end] = offered[order][first]
+        joined[end] = True
 
 
 def dual(corners: Ints) -> Ints:

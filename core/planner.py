@@ -44,10 +44,11 @@ ERROR, ERROR_POWER = 0.098, 1.41
 FORCE_ERROR, FORCE_POWER = 0.22, 1.47  # on a box about twice that, on what is round about half
 TRIES = 5
 NEAR_ENOUGH = 0.85  # of a tolerance: what is left saves under a third of the work, not worth another try
+NEARLY = 1.15  # of a tolerance, where nothing keeps to it: nearer than presses elsewhere would say the same
 CLOSE = 1.3  # times the vertices that missed: half the work more at most
 FAR = 4.0  # times the vertices, from one try to the next
-PRESSES = 12  # at most: with half as many, edges are met by too few, and errors scatter by a half
-FEW = 4  # where the mesh cannot be pressed so often, a large stand-in of it is
+PRESSES = 24  # at most: with a quarter as many, edges are met by too few, and errors scatter by a half
+FEW = 8  # where the mesh cannot be pressed so often, a large stand-in of it is
 ALLOWANCE = 2.0  # [s] of computing that these presses may take; the tried stand-ins take about as long again
 DENSER = 1.25  # where no stand-in can be made, one with so many times the vertices may
 
@@ -185,17 +186,28 @@ def _first(vertices: int, make: Callable[[int], _Result]) -> tuple[_Result, int]
     raise why
 
 
-def _goal(model: Model, presses: Sequence[Press], paid: float) -> tuple[list[Pressed], int]:
-    """Return what presses of the mesh come to; where fewer than FEW are paid for, as the largest stand-in that they
-    pay for has it, and how many vertices that has.
+def _affordable(model: Model, paid: float) -> tuple[int, int]:
+    """Return of how many vertices the body is that others are compared with, 0 for the mesh, and how often to press it.
+
+    Args:
+        paid: presses of the mesh itself that are paid for.
+    """
+    if paid >= FEW:
+        return 0, int(min(paid, PRESSES))
+    n = len(model.mass)
+    size = n * (paid / FEW) ** (2 / 3)  # steps go with the root of the vertices
+    size = min(max(size, FAR * SMALLEST), most_of(model), LARGEST // 2)
+    return round(size), int(min(max(paid * (n / size) ** 1.5, FEW), PRESSES))
+
+
+def _goal(model: Model, presses: Sequence[Press], size: int) -> tuple[list[Pressed], int]:
+    """Return what presses of the mesh come to, or of a stand-in of some size in its place, and how many move there.
 
     Raises:
         DimpleError: no such stand-in can be made.
     """
-    if paid >= FEW:
+    if not size:
         return end_of(press_mesh(model, presses))[0], 0
-    size = int(len(model.mass) * (paid / FEW) ** (2 / 3))  # steps go with the root of the vertices
-    size = min(max(size, round(FAR * SMALLEST)), most_of(model), LARGEST // 2)
     (proxy, _, ends), _ = _first(size, lambda n: end_of(press_way(model, presses, Way(vertices=n))))
     assert proxy  # of a way with vertices
     return [replace(end, positions=carry(proxy, end.positions).T) for end in ends], len(proxy.seeds)
@@ -206,30 +218,34 @@ def _measured(
 ) -> tuple[int, Outcome | None, int]:
     """Return the fewest vertices tried that met the tolerances, what they came to, and from how many that was seen.
 
-    Where none did: how many should, by how the errors fall, and None.
+    Where none did: those that nearly did; or how many should, by how the errors fall, and None.
 
     Args:
         paid: presses of the mesh itself that are paid for.
         wanted: vertices to begin with.
     """
-    presses = choose_presses(model, radius, int(min(max(paid, FEW), PRESSES)))
+    size, count = _affordable(model, paid)
+    presses = choose_presses(model, radius, count)
     try:
-        goal, seen_from = _goal(model, presses, paid)
+        goal, seen_from = _goal(model, presses, size)
     except DimpleError:
         return wanted, None, 0
     # what the goal is off by itself: by the fit, and the squares of errors add up
     share, most = (1 / seen_from, seen_from // 2) if seen_from else (0.0, most_of(model))
-    best, missed, vertices = None, 0, wanted
+    best, nearly, missed, vertices = None, None, 0, wanted
     for _ in range(TRIES):
         tried = min(vertices, most)
         found = end_of(try_way(model, presses, goal, Way(vertices=tried)))
         skin = found.error / tolerance / math.sqrt(1 - (share * tried) ** ERROR_POWER)
         force = found.force_error / force_tolerance / math.sqrt(1 - (share * tried) ** FORCE_POWER)
-        if max(skin, force) <= 1:
-            best = replace(found, error=skin * tolerance, force_error=force * force_tolerance)
+        off, known = max(skin, force), replace(found, error=skin * tolerance, force_error=force * force_tolerance)
+        if off <= 1:
+            best = known
         else:
             missed = tried
-        if best and (NEAR_ENOUGH < max(skin, force) <= 1 or best.way.vertices <= CLOSE * missed):
+        if off <= NEARLY and (nearly is None or tried < nearly.way.vertices):
+            nearly = known
+        if best and (NEAR_ENOUGH < off <= 1 or best.way.vertices <= CLOSE * missed):
             break
         # the errors fall with the spacing, which is as one over the root of the vertices
         factor = max(skin ** (2 / ERROR_POWER), force ** (2 / FORCE_POWER)) if not found.note else DENSER
@@ -238,7 +254,8 @@ def _measured(
             vertices = min(max(vertices, math.ceil(missed * math.sqrt(CLOSE))), best.way.vertices - 1)
         elif missed == most:
             break
-    return (best.way.vertices, best, seen_from) if best else (vertices, None, 0)
+    chosen = best or nearly
+    return (chosen.way.vertices, chosen, seen_from) if chosen else (vertices, None, 0)
 
 
 def vertices_for(model: Model, tolerance: float, force_tolerance: float, radius: float) -> int:

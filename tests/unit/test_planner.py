@@ -76,15 +76,15 @@ def test_a_choice_by_hand_is_taken(round_model: Model) -> None:
         planner.stand_in(round_model, 2000, radius=0.02)
 
 
-def test_where_a_stand_in_would_have_holes_the_next_larger_one_is_taken() -> None:
-    """A rough scan: of 700 vertices there is none, so one with at most twice the work is taken, not the mesh."""
-    rough = bodies.build(bodies.UNSEEN[10])
-    with pytest.raises(DimpleError, match="holes"):
-        build_proxy(rough, 700)
-    chosen = planner.stand_in(rough, 700, radius=0.015)
-    assert 700 < chosen.asked < 2 ** (2 / 3) * 700
+def test_where_no_stand_in_can_be_made_the_next_larger_one_is_taken() -> None:
+    """A belt of pins is narrower than the cells of 100 vertices, so one with at most twice the work is taken."""
+    belted = bodies.build(bodies.FRESH[4])
+    with pytest.raises(DimpleError, match="pins are too few"):
+        build_proxy(belted, 100)
+    chosen = planner.stand_in(belted, 100, radius=0.02)
+    assert 100 < chosen.asked < 2 ** (2 / 3) * 100
     with pytest.raises(DimpleError, match="not 20"):  # what was asked, not the last that was tried
-        planner.stand_in(rough, 20, radius=0.015)
+        planner.stand_in(belted, 20, radius=0.02)
 
 
 def test_a_mesh_too_heavy_to_press_is_seen_from_a_large_stand_in(
@@ -144,6 +144,16 @@ def test_a_comparison_tells_errors_against_the_mesh_and_what_does_not_work(round
     assert (mesh.error, mesh.vertices) == (0.0, 2562)
     assert fine.error < coarse.error < 4e-3 and fine.cost > coarse.cost
     assert "from 60" in too_many.note
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_presses_are_spread_evenly(round_model: Model, seed: int) -> None:
+    """Of 24 on a ball three fall in each octant, give or take one; drawn one by one, some would get six or none."""
+    free = build_model(round_model.mesh, [BALL])
+    at = np.stack([press.at for press in choose_presses(free, 0.02, 24, seed=seed)])
+    middle = round_model.mesh.rest_positions.mean(axis=0)
+    count = np.bincount(((at > middle) * [1, 2, 4]).sum(axis=1), minlength=8)
+    assert count.sum() == 24 and (np.abs(count - 3) <= 1).all()
 
 
 def test_a_machine_twice_as_slow_is_seen(round_model: Model, monkeypatch: pytest.MonkeyPatch) -> None:

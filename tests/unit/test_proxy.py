@@ -4,14 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 
 from core.base import DimpleError, Floats
+from core.cells import grow_cells, spread_seeds, vertex_normals
 from core.laws.memory import fit_pose
 from core.material import PRESETS
 from core.mesh import Mesh, base_vertices, mesh_from_triangles
 from core.model import Model, build_model
-from core.proxy import Proxy, build_proxy, carry, contact_radius
+from core.proxy import NORMAL_SHARE, Proxy, build_proxy, carry, contact_radius, mean_spacing
 from core.session import Finger, Session
+from core.study import bodies
 from core.study.scenes import BALL, ball, cube
 from tests.bodies import REAL, hemisphere, joined, real, soup
 from tests.bodies import ball as ball_shape
@@ -137,6 +140,21 @@ def test_fingertips_shrink_by_the_dip_of_a_facet(proxy: Proxy) -> None:
     assert contact_radius(like, 0.020) == pytest.approx(0.020 - 0.3e-3)
     assert contact_radius(replace(like, fine_spacing=6e-3), 0.020) == 0.020
     assert contact_radius(replace(like, spacing=1.0), 0.020) == 0.010
+
+
+@pytest.mark.parametrize("vertices", [283, 800, 1600])
+def test_cells_are_in_one_piece_so_a_closed_mesh_has_a_closed_stand_in(vertices: int) -> None:
+    """On a bent body cells cut one another in two while they grow; two pieces of one left a hole between them."""
+    bent = bodies.build(bodies.FRESH[5])
+    mesh, spacing = bent.mesh, mean_spacing(bent.mesh, vertices)
+    normals = vertex_normals(mesh.triangles, mesh.rest_positions)
+    place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
+    seeds = spread_seeds(mesh, place, np.arange(len(place)), vertices, spacing)
+    cells = grow_cells(mesh, place, seeds)
+    own = mesh.springs[cells[mesh.springs[:, 0]] == cells[mesh.springs[:, 1]]]
+    pieces = trimesh.graph.connected_component_labels(own, node_count=len(place)).max() + 1
+    assert pieces == len(seeds)
+    assert build_proxy(bent, vertices).model.mesh.closed
 
 
 def test_separate_parts_and_holes_have_stand_ins() -> None:
