@@ -6,6 +6,7 @@ is kept in `sessions`, with all that is mutable.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -32,14 +33,16 @@ LOOK_S = 0.1  # between two looks at the device while nothing runs
 class Connection:
     """Hold a device that is connected.
 
-    report: what it said last.  watch: of the operator that follows the dead-man key.  felt: by session.  news: a
-    sentence for the artist that was not said yet.  read_at: when it was looked at last [s].
+    report: what it said last.  watch: of the operator that follows the dead-man key.  felt, places: of each body, and
+    where the device is in its space.  news: a sentence for the artist that was not said yet.  read_at: when it was
+    looked at last [s].
     """
 
     device: Device
     report: Report
     watch: object = None
-    felt: dict[int, Felt] = field(default_factory=dict)
+    felt: dict[Body, Felt] = field(default_factory=dict)
+    places: dict[Body, Workspace] = field(default_factory=dict)
     news: str = ""
     read_at: float = 0.0
 
@@ -129,18 +132,28 @@ def fingertips(scene: bpy.types.Scene, body: Body) -> list[Finger | None]:
 
 
 def write(scene: bpy.types.Scene) -> None:
-    """Let each fingertip feel the body that it is deepest in, or nearest to."""
+    """Let each fingertip feel the body that it is deepest in, or nearest to.
+
+    What is put under a fingertip at once, by a new session or another place of the device, must not push, as when it is
+    armed: else it is disarmed.
+    """
     from ..core.devices.felt import Felt
     from ..core.devices.letters import Link
+    from ..core.devices.safety import QUIET_FORCE
 
     connection = get()
     if connection is None or connection.report.link is not Link.READY:
         return
-    now, chosen = time.perf_counter(), []
-    for uid, body in sessions.sessions.items():
-        felt = connection.felt.setdefault(uid, Felt())
-        where = place(scene, body.link.scale)
-        chosen = nearer(chosen, felt.contacts(body.session, where, connection.report.cap, now))
+    now, chosen, places = time.perf_counter(), [], {}
+    for body in sessions.sessions.values():
+        places[body] = place(scene, body.link.scale)
+        felt = connection.felt.setdefault(body, Felt())
+        chosen = nearer(chosen, felt.contacts(body.session, places[body], connection.report.cap, now))
+    pushes = any(contact and math.hypot(*contact.force) >= QUIET_FORCE for contact in chosen)
+    if pushes and places != connection.places and connection.report.arming.name != "OFF":
+        connection.device.disarm()
+        connection.news = "What is under the fingertips has changed. Lift them and arm the device again."
+    connection.places, connection.felt = places, {body: connection.felt[body] for body in places}
     connection.device.write(chosen)
 
 

@@ -326,6 +326,55 @@ def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> N
     assert at == pytest.approx((0.1, 0.2, 0.3), abs=1e-5)
 
 
+@pytest.mark.parametrize(("above", "kicks"), [(0.040, False), (-0.020, True)])
+def test_a_body_put_under_the_fingertips_at_once_disarms(
+    bpy: ModuleType, port: Any, add: Callable[..., Any], above: float, kicks: bool
+) -> None:
+    """They are in it when its session starts, and nothing may kick; below them, it may start."""
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    body, said = add(), []
+    connect(bpy, port.path)
+    for _ in range(3 if kicks else 1):  # a busy machine may have disarmed it meanwhile
+        wait(lambda report: report.arming.name == "ON", arms=True)
+        entry = run(bpy, body)
+        bpy.context.scene.dimple.device_origin[2] += above / entry.link.scale
+        said += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        if kicks:
+            wait(lambda report: report.arming.name == "OFF")
+        sessions.stop_all()
+    assert any("has changed" in sentence for sentence in said) == kicks
+
+
+def test_another_place_of_the_device_disarms_while_a_fingertip_presses(
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
+) -> None:
+    """As when a step that set it is undone: the wall would jump by as much."""
+    body = add()
+    softened(bpy, body)
+    connect(bpy, port.path)
+    run(bpy, body)
+    wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
+    bpy.context.scene.dimple.device_origin[2] -= 0.1
+    wait(lambda report: report.arming.name == "OFF", bpy)
+
+
+def test_a_new_session_remembers_nothing_of_what_was_felt_in_the_last(
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
+) -> None:
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    body, felt = add(), []
+    connect(bpy, port.path)
+    for _ in range(2):
+        entry = run(bpy, body)
+        live.advance(bpy.context, 1 / 60)
+        felt.append(connection().felt[entry])
+        assert list(connection().felt) == [entry]
+        sessions.stop_all()
+    assert felt[0] is not felt[1]
+
+
 def test_a_device_that_is_lost_while_play_is_paused_is_said_when_it_goes_on(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
