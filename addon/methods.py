@@ -1,13 +1,13 @@
 """How a body is simulated: the planner's choice with its reason, the way out of it, and the comparison's chart."""
 
 import itertools
-import json
 import math
 from collections.abc import Sequence
 from typing import Any
 
 import bpy
 
+from ..operators import calibration, compare, planning
 from ..operators.names import Op
 from . import overlay, shapes
 from .drawing import draw_notes
@@ -55,6 +55,8 @@ class DIMPLE_PT_methods(bpy.types.Panel):
         found = load(settings)
         if found:
             layout.prop(context.window_manager.dimple, "show_comparison")
+            if calibration.load(settings.comparison).get("holds_for") != compare.holds_for(context.scene, body):
+                draw_notes(context, layout, [iface_("The body or the fingertip was changed since: compare again")])
             draw_table(layout, found)
 
 
@@ -81,8 +83,9 @@ def numbers(each: dict[str, Any]) -> tuple[str, ...]:
 
 
 def load(settings: Any) -> list[dict[str, Any]]:
-    """Return the comparison that an object keeps; nothing where it has none."""
-    return json.loads(settings.comparison) if settings.comparison else []
+    """Return the ways that an object was compared in; none where it was not, or where what it keeps is damaged."""
+    ways = calibration.load(settings.comparison).get("ways")
+    return ways if isinstance(ways, list) else []
 
 
 def name_of(each: dict[str, Any]) -> str:
@@ -110,15 +113,15 @@ def draw_chart(
     room = overlay.MARGIN * scale
     overlay.draw_filled((left - room, bottom - 2 * room), (right + 2 * room, top + room), overlay.BACK)
     overlay.draw_lines([((left, top), (left, bottom)), ((left, bottom), (right, bottom))], overlay.FAINT, region)
-    live, near = place(found, limits, *limits, corner, size)
+    (live, near), *spots = places(found, limits, corner, size)
     overlay.draw_lines([((live, bottom), (live, top)), ((left, near), (right, near))], overlay.FAINT, region)
     overlay.write(iface_("Live"), (live - 30 * scale, bottom + 4 * scale), scale)
     overlay.write(f"{limits[1]:g} mm", (left + 4 * scale, near + 4 * scale), scale)
-    spots = list(zip(found, places(found, limits, corner, size), strict=True))
-    ours = sorted(at for each, at in spots if each["method"] == "semi_implicit" and each["error"] > 0)
+    ways = list(zip(found, spots, strict=True))
+    ours = sorted(at for each, at in ways if each["method"] == "semi_implicit" and each["error"] > 0)
     overlay.draw_lines(shapes.chained(ours), STAND_INS, region)
     above = itertools.count(4, 15)  # [px] other methods lie side by side, their names one over the other
-    for each, (x, y) in spots:
+    for each, (x, y) in ways:
         if not each["error"]:
             overlay.draw_lines([((x, bottom), (x, top))], overlay.FORCE, region)
             overlay.write(iface_("Mesh Itself"), (x + 4 * scale, top - 14 * scale), scale)
@@ -136,25 +139,16 @@ def draw_chart(
 def places(
     found: Sequence[dict[str, Any]], limits: shapes.Point, corner: shapes.Point, size: shapes.Point
 ) -> list[shapes.Point]:
-    """Return where each way lies in a box on the screen: cost to the right, error up, in decades."""
-    return [place(found, limits, each["cost"], each["error"], corner, size) for each in found]
-
-
-def place(
-    found: Sequence[dict[str, Any]],
-    limits: shapes.Point,
-    cost: float,
-    error: float,
-    corner: shapes.Point,
-    size: shapes.Point,
-) -> shapes.Point:
-    """Return where a cost and an error lie in a box on the screen that holds everything found, live and tolerance."""
-    costs = decades([limits[0], *(each["cost"] for each in found)])
-    errors = decades([limits[1], *(each["error"] for each in found if each["error"] > 0)])
-    return tuple(
-        start + extent * (math.log10(max(value, 1e-9)) - low) / (high - low)
-        for value, (low, high), start, extent in zip((cost, error), (costs, errors), corner, size, strict=True)
-    )
+    """Return where the limits and then each way lie in a box on the screen: cost to the right, error up, in decades."""
+    spots = [limits, *((each["cost"], each["error"]) for each in found)]
+    costs, errors = decades([cost for cost, _ in spots]), decades([error for _, error in spots if error > 0])
+    return [
+        tuple(
+            start + extent * (math.log10(max(value, 1e-9)) - low) / (high - low)
+            for value, (low, high), start, extent in zip(spot, (costs, errors), corner, size, strict=True)
+        )
+        for spot in spots
+    ]
 
 
 def decades(values: Sequence[float]) -> tuple[float, float]:
@@ -173,7 +167,7 @@ def draw_over() -> None:
     left, bottom = overlay.free_corner(context.area, scale)
     # at the top, clear of the numbers of a session
     top = region.height - (SIZE[1] + 110.0) * scale
-    limits = (context.scene.dimple.frame_budget_percent / 100, body.dimple.tolerance_mm)
+    limits = (planning.budget_of(context.scene, body), body.dimple.tolerance_mm)
     draw_chart(load(body.dimple), limits, (left + overlay.MARGIN * scale, max(bottom, top)), scale, region)
 
 

@@ -13,7 +13,7 @@ from .working import Working
 SIZES = 7  # stand-ins that are tried
 FINEST = 4000  # vertices of the largest one
 FEWEST = 100  # vertices of the smallest one
-PRESSES = 2
+PRESSES = 4  # one more or less says more than the next size of stand-in would
 ON = 300  # vertices that the other methods are tried on: they run on numpy
 
 
@@ -66,7 +66,9 @@ class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
         if obj is None:
             return self._failed("The object is gone, so nothing was kept.")
         good = [each for each in self._found if not each.note and math.isfinite(each.cost)]
-        obj.dimple.comparison = json.dumps([told(each) for each in good])
+        obj.dimple.comparison = json.dumps(
+            {"holds_for": holds_for(context.scene, obj), "ways": [told(each) for each in good]}
+        )
         context.window_manager.dimple.show_comparison = True
         for each in self._found:
             if each.note:
@@ -114,6 +116,12 @@ def ways(vertices: int):
     growth = (most / FEWEST) ** (1 / (SIZES - 1))
     sizes = sorted({round(FEWEST * growth**k) for k in range(SIZES)})
     return [*(Way(vertices=size) for size in sizes), *(Way(method=name, vertices=min(ON, most)) for name in others)]
+
+
+def holds_for(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
+    """Return what a comparison hangs on, as a text that is another when any of it is."""
+    materials = [slot.material.dimple.to_params() for slot in obj.material_slots if slot.material]
+    return repr((len(obj.data.vertices), scene.dimple.finger_radius_mm, obj.dimple.to_params(), materials))
 
 
 def told(found) -> dict:

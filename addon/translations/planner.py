@@ -47,6 +47,9 @@ WORDS = {
     "How many places are pressed: more take longer and tell more": "押す場所の数。多いほど時間がかかり、よく分かります",
     "Simulate the active object this way from now on": "これからアクティブな物体をこの方法で計算します",
     "Comparing: Esc cancels": "比較中: Esc で中止",
+    "The body or the fingertip was changed since: compare again": (
+        "物体か指先がその後変更されました。もう一度比較してください"
+    ),
     "Live": "実時間",
     "Error (mm) against cost (s of computing a second)": "誤差 (mm) と費用 (1 秒あたりの計算秒)",
 }

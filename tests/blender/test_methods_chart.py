@@ -21,7 +21,7 @@ def body(empty_file: ModuleType) -> Any:
     bpy = empty_file
     bpy.ops.mesh.primitive_cube_add()
     obj = bpy.context.object
-    obj.dimple.comparison = json.dumps([dict(zip(NAMES, row, strict=True)) for row in FOUND])
+    obj.dimple.comparison = json.dumps({"ways": [dict(zip(NAMES, row, strict=True)) for row in FOUND]})
     return obj
 
 
@@ -44,10 +44,10 @@ def test_dearer_lies_farther_right_and_worse_higher(bpy: ModuleType, body: Any) 
     low, high = methods.decades([0.012, 1.0])
     assert low < -1.92 and high > 0
     places = methods.places(methods.load(body.dimple), (0.6, 0.5), (0.0, 0.0), (100.0, 100.0))
-    stand_ins = places[1:4]
+    stand_ins = places[2:5]
     assert [x for x, _ in stand_ins] == sorted(x for x, _ in stand_ins)
     assert [y for _, y in stand_ins] == sorted((y for _, y in stand_ins), reverse=True)
-    assert all(0 <= x <= 100 and 0 <= y <= 100 for x, y in places[1:])
+    assert all(0 <= x <= 100 and 0 <= y <= 100 for x, y in (places[0], *places[2:]))
 
 
 def test_nothing_is_drawn_of_an_object_that_was_not_compared(bpy: ModuleType, empty_file: ModuleType) -> None:
@@ -57,5 +57,6 @@ def test_nothing_is_drawn_of_an_object_that_was_not_compared(bpy: ModuleType, em
     empty_file.ops.mesh.primitive_cube_add()
     bpy.context.window_manager.dimple.show_comparison = True
     methods.draw_over()
-    assert methods.load(SimpleNamespace(comparison="")) == []
+    for damaged in ("", "{", "[]", '{"ways": 1}'):
+        assert methods.load(SimpleNamespace(comparison=damaged)) == []
     bpy.context.window_manager.dimple.show_comparison = False

@@ -180,7 +180,7 @@ def test_what_moves_is_told_with_its_reason_and_a_comparison_as_a_table(bpy: Mod
     others = (("xpbd", 300, 300, 8.1, 0.7, 0.3),)
     names = ("method", "asked", "vertices", "cost", "error", "force_error")
     table = [dict(zip(names, way, strict=True)) for way in (*ways, *others)]
-    settings.comparison = json.dumps([*table[:2], table[2] | {"label": "XPBD"}])
+    settings.comparison = json.dumps({"ways": [*table[:2], table[2] | {"label": "XPBD"}]})
     shown = draw(bpy, panel, object=body)
     for text in (
         "8 vertices at 1 steps",

@@ -129,7 +129,8 @@ def test_a_comparison_charts_this_very_object_and_one_way_can_be_taken(
     made.free()
     bpy.context.scene.dimple.finger_radius_mm = 20.0
     assert bpy.ops.dimple.compare_methods(presses=1) == {"FINISHED"}
-    found = json.loads(obj.dimple.comparison)
+    kept = json.loads(obj.dimple.comparison)
+    found = kept["ways"]
     assert [each["asked"] for each in found if each["method"] == "semi_implicit"] == [0, 100, 179, 321]
     assert found[0]["error"] == 0 and all(0 < each["error"] < 10 for each in found[1:])
     assert {each["method"] for each in found} <= set(offered()), "what is on no front is not offered"
@@ -140,6 +141,9 @@ def test_a_comparison_charts_this_very_object_and_one_way_can_be_taken(
     stop()
     bpy.ops.dimple.apply_method(vertices=0)
     assert obj.dimple.moves == "MESH"
+    assert kept["holds_for"] == compare.holds_for(bpy.context.scene, obj), "how it moves is what is compared"
+    bpy.context.scene.dimple.finger_radius_mm = 10.0
+    assert kept["holds_for"] != compare.holds_for(bpy.context.scene, obj)
 
 
 def test_escape_stops_a_comparison_and_nothing_has_changed(
