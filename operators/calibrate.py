@@ -111,13 +111,15 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Read and fit; nothing is lost where that fails."""
         from ..core.base import DimpleError
         from ..core.calibration.calibrate import calibrate
+        from ..core.calibration.indent import Indenter
         from ..core.calibration.question import Undecided
 
         try:
             if not self._take_answers():
                 return self._ask(context, self.asked, "")
+            tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3)
             found = calibrate(
-                self.filepath, self._answers(), tip_radius=self.tip_radius_mm / 1e3, length=_si(self.length_mm, 1e-3),
+                self.filepath, self._answers(), tip=tip, length=_si(self.length_mm, 1e-3),
                 section=_si(self.section_mm2, 1e-6), youngs_modulus=_si(self.youngs_modulus_mpa, 1e6),
             )  # fmt: skip
         except Undecided as undecided:
@@ -125,7 +127,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         except DimpleError as error:
             self.report({"ERROR"}, calibration.plain(str(error)))
             return {"CANCELLED"}
-        context.scene.dimple.calibration = calibration.record(found, self.tip.lower())
+        context.scene.dimple.calibration = calibration.record(found)
         for warning in found.warnings:
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, calibration.load(context.scene.dimple.calibration)["provenance"])

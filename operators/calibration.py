@@ -29,25 +29,20 @@ def load(text: str) -> dict[str, Any]:
     return told if isinstance(told, dict) else {}
 
 
-def record(calibration: Calibration, tip: str) -> str:
-    """Return the text that keeps a calibration: the core's report, and what a chart and a material need of it.
-
-    Args:
-        tip: "point", "punch" or "sphere".
-    """
+def record(calibration: Calibration) -> str:
+    """Return the text that keeps a calibration: the core's report, and what a chart and a material need of it."""
     from ..core.calibration.identify import NOTICEABLE_FORCE
     from ..core.calibration.report import to_json
 
     told = to_json(calibration)
-    press, fit = calibration.press, calibration.fit
-    shift, tare = fit.contact.value, fit.tare
-    told["tip"], told["date"], told["noticeable"] = tip, date.today().isoformat(), NOTICEABLE_FORCE
+    press, surface = calibration.press, calibration.surface
+    told["date"], told["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
     for name in ("notes", "warnings"):
         told[name] = [plain(text) for text in told[name]]
     told["provenance"] = f"{told['provenance']}, calibrated {told['date']}"
-    told["points"] = thinned(1e3 * (press.depth - shift), press.force - tare, POINTS)
-    told["way_back"] = thinned(1e3 * (press.back_depth - shift), press.back_force - tare, POINTS // 2)
-    told["k_to_use"] = _surface_k(calibration)
+    told["points"] = thinned(1e3 * press.depth, press.force, POINTS)
+    told["way_back"] = thinned(1e3 * press.back_depth, press.back_force, POINTS // 2)
+    told["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
     told["unusable"] = _unusable(told)
     return json.dumps(told, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
@@ -57,17 +52,6 @@ def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
     step = max(math.ceil(len(depth_mm) / most), 1)
     pairs = zip(depth_mm[::step].tolist(), force[::step].tolist(), strict=True)
     return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]
-
-
-def _surface_k(calibration: Calibration) -> float | None:
-    """Return the k [N/mm] that a material gets: by Eqs. (9), (10) where they could be used, else by the balance."""
-    surface = calibration.surface
-    if surface is None:
-        return None
-    if surface.paper_k is not None:
-        return surface.paper_k / 1e3
-    balance = surface.balance_k
-    return balance.value / 1e3 if balance is not None and balance.value > 0 else None
 
 
 def _unusable(told: dict[str, Any]) -> str:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..base import DimpleError
 from ..material import Material
 from .contact import settle
 from .fit import Fit, fit_law
+from .indent import POINT, Indenter
 from .prepare import Press, prepare
 from .question import Answers
 from .reader import Measurement, read_measurement
@@ -17,12 +17,11 @@ from .surface import Surface, surface_constants
 _POOR = 0.05  # of full scale, RMS: a law that misses the curve by more is said to
 _WIDENED = 2.0  # times wider intervals are explained
 _DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N]: presses outside have the wrong unit more often than not
-POINT_RADIUS = 0.002  # [m] the paper's sensor "touches at a point"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
-    """Hold a calibration: the file, its press, the fit; the object's length and the measuring tip's radius [m].
+    """Hold a calibration: the file, its press from the fitted touch, the fit; the object's length [m] and the tip.
 
     surface: k both ways, None without a length.  notes, warnings: sentences for the artist.
     """
@@ -31,7 +30,7 @@ class Calibration:
     press: Press
     fit: Fit
     length: float | None
-    tip_radius: float
+    tip: Indenter
     surface: Surface | None
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
@@ -42,71 +41,68 @@ def calibrate(
     answers: Answers | None = None,
     *,
     length: float | None = None,
-    tip_radius: float = POINT_RADIUS,
+    tip: Indenter = POINT,
     section: float | None = None,
     youngs_modulus: float | None = None,
 ) -> Calibration:
     """Read a file and fit the law to it.
 
     Args:
-        length: edge of the object [m], for k.  tip_radius: of what pressed it [m].
+        length: edge of the object [m], for k.  tip: what pressed it.
         section: of the surface as a beam [m2].  youngs_modulus: [Pa].
 
     Raises:
         Undecided: the file leaves something open; its questions say what.
         DimpleError: the file cannot be used.
     """
-    if not tip_radius > 0:
-        raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * tip_radius:g}).")
     measurement = read_measurement(path, answers)
     press = prepare(measurement, answers)
     if answers and answers.contact_mm is not None:
         fit, doubt = fit_law(press.depth, press.force, free=press.free), ""
     else:
         fit, doubt = settle(press.depth, press.force, press.free, press.touch)
-    surface = None
+    depth, force, surface = press.depth - fit.contact.value, press.force - fit.tare, None
     if length is not None:
-        surface = surface_constants(
-            press.depth - fit.contact.value, press.force - fit.tare, length,
-            section=section, youngs_modulus=youngs_modulus,
-        )  # fmt: skip
+        surface = surface_constants(depth, force, length, section=section, youngs_modulus=youngs_modulus)
+    press = replace(
+        press, depth=depth, force=force, back_depth=press.back_depth - fit.contact.value,
+        back_force=press.back_force - fit.tare, touch=press.touch + fit.contact.value, tare=press.tare + fit.tare,
+    )  # fmt: skip
     return Calibration(
-        measurement=measurement, press=press, fit=fit, length=length, tip_radius=tip_radius, surface=surface,
+        measurement=measurement, press=press, fit=fit, length=length, tip=tip, surface=surface,
         notes=measurement.notes + press.notes,
         warnings=(*measurement.warnings, *press.warnings, *filter(None, [doubt]), *_doubts(fit, press, length)),
     )  # fmt: skip
 
 
 def fitted_material(calibration: Calibration, template: Material) -> Material:
-    """Return a template material with the calibrated constants; k is by the force balance where it is known.
+    """Return a template material with the calibrated constants; k where it is known.
 
     Raises:
         DimpleError: a constant is not one of a body.
     """
-    fit, surface = calibration.fit, calibration.surface
-    k = template.k
-    if surface is not None:
-        if surface.paper_k is not None:
-            k = surface.paper_k
-        elif surface.balance_k is not None and surface.balance_k.value > 0:
-            k = surface.balance_k.value
-    return replace(template, K1=fit.K1.value, K2=fit.K2.value, x0=fit.x0.value, k=k)
+    fit, k = calibration.fit, calibration.surface and calibration.surface.k
+    return replace(template, K1=fit.K1.value, K2=fit.K2.value, x0=fit.x0.value, k=k.value if k else template.k)
 
 
 def provenance(calibration: Calibration) -> str:
-    """Return a line that says where constants come from: file, fit and uncertainty."""
-    fit = calibration.fit
+    """Return a line that says where constants come from: file, fit, uncertainty and tip."""
+    fit, tip, surface = calibration.fit, calibration.tip, calibration.surface
+    k = ""
+    if surface is not None and surface.k is not None:
+        way = "the force balance" if surface.paper_k is None else "Eqs. (9), (10)"
+        k = f", k {surface.k.text(1e3)} N/mm by {way}"
     knee = f"K1 {fit.K1.text(1e3)} N/mm, K2 {fit.K2.text(1e3)} N/mm, x0 {fit.x0.text(1e-3)} mm"
     law = knee if fit.model == "two" else f"one slope {fit.K1.text(1e3)} N/mm"
     return (
-        f"{calibration.measurement.source}: {law} (95 %), {fit.rows} rows, "
-        f"residual {100 * fit.misfit:.1f} % of {fit.full_scale:.3g} N"
+        f"{calibration.measurement.source}: {law}{k} (95 %), {fit.rows} rows, "
+        f"residual {100 * fit.misfit:.1f} % of {fit.full_scale:.3g} N, {tip.shape} of {1e3 * tip.radius:.3g} mm radius"
     )
 
 
 def _doubts(fit: Fit, press: Press, length: float | None) -> tuple[str, ...]:
     found = []
-    deepest = float(press.depth.max()) - fit.contact.value
+    deepest = float(press.depth.max())
     if fit.model == "one":
         found.append(
             f"One slope says as much as two (F test p = {fit.knee_p:.2g}): no knee was found down to "

@@ -11,9 +11,9 @@ from typing import Any
 
 from ..base import DimpleError
 from ..material import FILLS, PRESETS
-from .calibrate import POINT_RADIUS, Calibration, calibrate, fitted_material
+from .calibrate import Calibration, calibrate, fitted_material
 from .identify import identify
-from .indent import SHAPES, Indenter, find_site
+from .indent import POINT, SHAPES, Indenter, find_site
 from .plot import save_plot
 from .question import Answers, Undecided
 from .report import questions_json, to_json, to_lines
@@ -28,7 +28,8 @@ def add_command(command: argparse.ArgumentParser) -> None:
     command.set_defaults(run=run)
     command.add_argument("file", type=Path, metavar="FILE", help="what the instrument wrote (CSV or text)")
     command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
-    command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT_RADIUS, help="of the tip")
+    command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="of the tip")
+    command.add_argument("--indenter", choices=SHAPES, default="point", help="what measured; a point is a small punch")
     command.add_argument("--section-mm2", type=float, metavar="A", help="section of the surface, for k by Eq. (10)")
     command.add_argument("--youngs-modulus-mpa", type=float, metavar="E", help="of the surface, for k by Eq. (10)")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
@@ -36,7 +37,6 @@ def add_command(command: argparse.ArgumentParser) -> None:
     press = command.add_argument_group("the simulated press")
     press.add_argument("--identify", action="store_true", help="find the model's constants for a cube of --length-mm")
     press.add_argument("--mesh", type=Path, metavar="FILE", help="the body instead (OBJ, STL, PLY; longest side L)")
-    press.add_argument("--indenter", choices=SHAPES, default="point", help="what measured; a point is a small punch")
     press.add_argument("--fill", choices=[fill for fill in FILLS if fill != "paper"], default="air", help="inside")
     answers = command.add_argument_group("answers, where the file leaves something open")
     for option, kind, text in (
@@ -56,10 +56,10 @@ def add_command(command: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Calibrate and tell; return OPEN where the file leaves something open."""
     answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
+    tip = Indenter(shape=options.indenter, radius=1e-3 * options.tip_radius_mm)
     try:
         calibration = calibrate(
-            options.file, answers,
-            length=_scaled(options.length_mm, 1e-3), tip_radius=1e-3 * options.tip_radius_mm,
+            options.file, answers, length=_scaled(options.length_mm, 1e-3), tip=tip,
             section=_scaled(options.section_mm2, 1e-6), youngs_modulus=_scaled(options.youngs_modulus_mpa, 1e6),
         )  # fmt: skip
     except Undecided as undecided:
@@ -88,9 +88,8 @@ def _pressed(options: argparse.Namespace, calibration: Calibration) -> Verdict:
     mesh = load_mesh(options.mesh, length) if options.mesh else cube(length)
     template = next(preset.material for preset in PRESETS if preset.material.fill == options.fill)
     material = fitted_material(calibration, template)
-    indenter = Indenter(shape=options.indenter, radius=calibration.tip_radius)
+    indenter = calibration.tip
     site = find_site(mesh, indenter)
-    deepest = float(calibration.press.depth.max() - calibration.fit.contact.value)
     told = ""
 
     def tell(share: float, text: str) -> None:
@@ -99,7 +98,7 @@ def _pressed(options: argparse.Namespace, calibration: Calibration) -> Verdict:
             print(f"{100 * share:3.0f} % {text}", file=sys.stderr, flush=True)
             told = text
 
-    found = identify(mesh, material, indenter, site, deepest, progress=tell)
+    found = identify(mesh, material, indenter, site, float(calibration.press.depth.max()), progress=tell)
     return judge(calibration, found, mesh, indenter, site)
 
 

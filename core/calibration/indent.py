@@ -45,6 +45,9 @@ class Indenter:
             raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * self.radius:g}).")
 
 
+POINT = Indenter()  # the paper's sensor "touches at a point"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
     """Hold where a body is pressed.

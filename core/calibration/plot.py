@@ -24,10 +24,9 @@ def save_plot(calibration: Calibration, path: str | Path, verdict: Verdict | Non
     figure = import_module("matplotlib.figure").Figure(figsize=(7, 5), layout="constrained")
     axes = figure.add_subplot()
     press, fit = calibration.press, calibration.fit
-    shift, tare = fit.contact.value, fit.tare
-    axes.plot(1e3 * (press.depth - shift), press.force - tare, ".", ms=3, color="0.55", label="measured")
+    axes.plot(1e3 * press.depth, press.force, ".", ms=3, color="0.55", label="measured")
     if len(press.back_depth) > 8:
-        axes.plot(1e3 * (press.back_depth - shift), press.back_force - tare, color="0.75", label="way back")
+        axes.plot(1e3 * press.back_depth, press.back_force, color="0.75", label="way back")
     x = np.linspace(0, float(press.depth.max()), 400)
     axes.plot(1e3 * x, fit.law(x), color="tab:red", label=_label(calibration))
     if verdict is not None:

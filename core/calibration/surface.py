@@ -37,6 +37,13 @@ class Surface:
     balance_k: Constant | None
     pretension: float | None
 
+    @property
+    def k(self) -> Constant | None:
+        """Return the k [N/m] that a material gets: by Eqs. (9), (10) where they could be used, else by the balance."""
+        if self.paper_k is not None:
+            return Constant(value=self.paper_k, error=0.0, half_width=0.0)
+        return self.balance_k if self.balance_k is not None and self.balance_k.value > 0 else None
+
 
 def surface_constants(
     depth: Floats, force: Floats, length: float, *, section: float | None = None, youngs_modulus: float | None = None

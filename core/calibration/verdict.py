@@ -47,8 +47,7 @@ class Verdict:
 
 def judge(calibration: Calibration, found: Identification, mesh: Mesh, indenter: Indenter, site: Site) -> Verdict:
     """Compare a simulated press with what was measured, and press the same material with a fingertip."""
-    fit, press = calibration.fit, calibration.press
-    depth, force = press.depth - fit.contact.value, press.force - fit.tare
+    depth, force = calibration.press.depth, calibration.press.force
     here = (depth >= 0) & (depth <= found.depths[-1])
     simulated = np.interp(depth[here], np.append(0.0, found.depths), np.append(0.0, found.simulated))
     deepest = min(float(found.depths[-1]), TIP_REACH * FINGERTIP)

@@ -13,7 +13,9 @@ import trimesh
 from core.__main__ import main
 from core.calibration.calibrate import calibrate, fitted_material, provenance
 from core.calibration.export import text_cell, write_press
+from core.calibration.question import Answers
 from core.calibration.reconstruct import DEEPEST, write_samples
+from core.calibration.report import to_json
 from core.calibration.surface import surface_constants
 from core.laws.paper import surface_stretch, surface_tension
 from core.material import PRESETS
@@ -148,7 +150,23 @@ def test_each_sample_gives_its_row_of_table_2_back(preset):
     assert done.press.depth.max() == pytest.approx(DEEPEST[preset.name])
     material = fitted_material(done, truth)
     assert material.K2 == done.fit.K2.value
-    assert preset.name in provenance(done) and "±" in provenance(done)
+    line = provenance(done)
+    assert all(
+        part in line for part in (f"{preset.name}.csv", f"k {done.surface.k.text(1e3)} N/mm by the force balance")
+    )
+    assert line.endswith("point of 2 mm radius")
+
+
+def test_the_press_of_a_calibration_begins_at_the_touch_that_was_fitted(make, write):
+    curve = make(approach=5.0, noise=0.003)
+    rows = "".join(f"{x + 31:.5f},{f + 2:.5f}\n" for x, f in zip(curve.depth, curve.force, strict=True))
+    path = write("mm,N\n" + rows)
+    done = calibrate(path, Answers(depth_column="1", force_column="2"))
+    beyond = done.press.depth > 0
+    off = done.press.force[beyond] - done.fit.law(done.press.depth[beyond])
+    assert np.sqrt((off**2).mean()) == pytest.approx(done.fit.noise, rel=0.05)
+    assert to_json(done)["contact"] == pytest.approx(31, abs=0.2)
+    assert to_json(done)["tare"] == pytest.approx(2, abs=0.05)
 
 
 def test_k_by_the_paper_is_a_slope_of_section_modulus_and_length_alone():
