@@ -326,7 +326,7 @@ def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> N
     assert at == pytest.approx((0.1, 0.2, 0.3), abs=1e-5)
 
 
-@pytest.mark.parametrize(("above", "kicks"), [(0.040, False), (-0.020, True)])
+@pytest.mark.parametrize(("above", "kicks"), [(0.040, False), (-0.040, True)])
 def test_a_body_put_under_the_fingertips_at_once_disarms(
     bpy: ModuleType, port: Any, add: Callable[..., Any], above: float, kicks: bool
 ) -> None:
