@@ -34,8 +34,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need Object Mode, and no other bake."""
         if context.mode != "OBJECT":
-            cls.poll_message_set("Go back to Object Mode to bake")
-            return False
+            return polls.refuse(cls, "Go back to Object Mode to bake")
         return polls.is_free(cls)
 
     def _open(self, context: bpy.types.Context) -> sessions.Run:
@@ -79,11 +78,9 @@ class DIMPLE_OT_unbake(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need Object Mode and a mesh."""
         if context.mode != "OBJECT":
-            cls.poll_message_set("Go back to Object Mode first")
-            return False
+            return polls.refuse(cls, "Go back to Object Mode first")
         if not any(obj.type == "MESH" for obj in (*context.selected_objects, context.object) if obj):
-            cls.poll_message_set("Select a mesh first")
-            return False
+            return polls.refuse(cls, "Select a mesh first")
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:

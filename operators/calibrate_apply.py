@@ -27,16 +27,13 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         """Need a mesh and a result that can be a material."""
         told = calibration.load(context.scene.dimple.calibration)
         if not told:
-            cls.poll_message_set("Calibrate with a file first")
-            return False
+            return polls.refuse(cls, "Calibrate with a file first")
         if told["unusable"]:
-            cls.poll_message_set("There is no material with these constants")
-            return False
+            return polls.refuse(cls, "There is no material with these constants")
         if not polls.needs_mesh(cls, context):
             return False
         if context.object.active_material and context.object.active_material.library:
-            cls.poll_message_set("The material is linked from another file: make it local first")
-            return False
+            return polls.refuse(cls, "The material is linked from another file: make it local first")
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:

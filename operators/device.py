@@ -5,7 +5,7 @@ import time
 import bpy
 from bpy.props import FloatProperty
 
-from . import haptic, sessions
+from . import haptic, polls, sessions
 from .names import DEAD_MAN, Op
 
 RENEW_S = 0.05  # between two looks at the dead-man key; `safety.LEASE` bears a standstill of 0.2 s and one more of them
@@ -21,8 +21,7 @@ class _NeedsDevice:
         """Need a device that is ready."""
         connection = haptic.get()
         if connection is None or connection.report.link.name != "READY":
-            cls.poll_message_set("No haptic device is ready")
-            return False
+            return polls.refuse(cls, "No haptic device is ready")
         return True
 
 

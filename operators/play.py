@@ -23,8 +23,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need Object Mode and no bake."""
         if context.mode != "OBJECT":
-            cls.poll_message_set("Go back to Object Mode to play")
-            return False
+            return polls.refuse(cls, "Go back to Object Mode to play")
         return polls.is_free(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -117,8 +116,7 @@ class DIMPLE_OT_reset(bpy.types.Operator):
     def poll(cls, _context: bpy.types.Context) -> bool:
         """Need something that runs."""
         if not (sessions.sessions or sessions.runs):
-            cls.poll_message_set("Nothing is being pressed")
-            return False
+            return polls.refuse(cls, "Nothing is being pressed")
         return True
 
     def execute(self, _context: bpy.types.Context) -> set[str]:

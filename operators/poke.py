@@ -64,11 +64,9 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need Object Mode, and no other poke or bake."""
         if context.mode != "OBJECT":
-            cls.poll_message_set("Go back to Object Mode to press")
-            return False
+            return polls.refuse(cls, "Go back to Object Mode to press")
         if any(run.kind == "poke" for run in sessions.runs):
-            cls.poll_message_set("A poke is running; Esc leaves it")
-            return False
+            return polls.refuse(cls, "A poke is running; Esc leaves it")
         return polls.is_free(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -65,11 +65,9 @@ class DIMPLE_OT_add_fingertip(bpy.types.Operator):
         """Need Object Mode, a mesh and a free slot."""
         settings = context.scene.dimple
         if context.mode != "OBJECT" or context.object is None or context.object.type != "MESH":
-            cls.poll_message_set("Select the mesh to press, in Object Mode")
-            return False
+            return polls.refuse(cls, "Select the mesh to press, in Object Mode")
         if settings.finger_1 and settings.finger_2 and settings.finger_3:
-            cls.poll_message_set("All three fingertips are in use; take one out of its slot first")
-            return False
+            return polls.refuse(cls, "All three fingertips are in use; take one out of its slot first")
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import sessions
+from . import polls, sessions
 from .names import Op
 
 
@@ -44,8 +44,7 @@ class DIMPLE_OT_record(bpy.types.Operator):
     def poll(cls, _context: bpy.types.Context) -> bool:
         """Need a session."""
         if not sessions.sessions:
-            cls.poll_message_set("Poke or play first: there is nothing to record")
-            return False
+            return polls.refuse(cls, "Poke or play first: there is nothing to record")
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:

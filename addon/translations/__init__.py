@@ -2,13 +2,13 @@
 
 import bpy
 
-from . import calibration, devices, general, planner
+from . import calibration, devices, general, planner, polls
 
 # Blender has words of its own for some of ours, and they win: its "Air" is the drag of air. In a context, ours win
 CONTEXT = "Dimple"
 
 # a file a subject: OPERATORS (labels of operators, looked up in a context of their own) and WORDS (the rest)
-SUBJECTS = (general, calibration, planner, devices)
+SUBJECTS = (general, calibration, planner, devices, polls)
 OPERATORS = {english: text for subject in SUBJECTS for english, text in subject.OPERATORS.items()}
 EVERYTHING = OPERATORS | {english: text for subject in SUBJECTS for english, text in subject.WORDS.items()}
 JAPANESE = {

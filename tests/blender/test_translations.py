@@ -61,7 +61,7 @@ def texts(bpy: ModuleType) -> Iterator[tuple[str, str]]:
 
 
 def drawn_texts() -> Iterator[str]:
-    """Yield the words that our code writes: text=, heading=, iface_(), draw_notes(), and what a run says it does."""
+    """Yield what our code writes: text=, heading=, iface_(), draw_notes(), what a run does, why a poll refuses."""
     import bl_ext.user_default.dimple as dimple
 
     root = Path(dimple.__file__).parent
@@ -74,8 +74,11 @@ def drawn_texts() -> Iterator[str]:
                 written += node.args
             if getattr(node.func, "id", "") == "draw_notes":
                 written += [each for each in node.args if isinstance(each, ast.List)]
-            if getattr(node.func, "attr", "") == "open_run":
+            name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+            if name == "open_run":
                 written += node.args[2:]
+            if name in ("refuse", "poll_message_set"):
+                written += node.args
             for expression in written:
                 yield from (
                     part.value
@@ -106,8 +109,20 @@ def test_every_label_and_description_is_there_in_japanese(bpy: ModuleType, japan
 
 def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, japanese: dict) -> None:
     wanted = {text for text in [*drawn_texts(), *measured(bpy)] if text}
-    assert {"Measured Objects", "Pause", "Force {}", "Baking: Esc cancels"} <= wanted
+    assert {"Measured Objects", "Pause", "Force {}", "Baking: Esc cancels", "Select a mesh first"} <= wanted
     assert sorted(wanted - {text for _, text in japanese}) == []
+
+
+def test_why_a_button_is_grey_is_looked_up_when_it_is_shown(
+    bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Blender does not translate it, and has no Japanese in this environment: a stand-in looks it up."""
+    from bl_ext.user_default.dimple.operators import polls
+
+    monkeypatch.setattr(polls, "pgettext_tip", lambda text: f"<{text}>")
+    for verb in ("identify", "record", "reset", "arm_device"):
+        with pytest.raises(RuntimeError, match=r"poll\(\) <.+>"):
+            getattr(bpy.ops.dimple, verb)()
 
 
 def test_no_translation_is_left_over(bpy: ModuleType, japanese: dict) -> None:

@@ -1,0 +1,30 @@
+"""Why something cannot be used now: what hovering over a greyed-out button says."""
+
+OPERATORS: dict[str, str] = {}
+WORDS = {
+    "A bake, a comparison or a virtual press is running; Esc cancels it": (
+        "ベイク、比較、または仮想の押し込みを実行中です。Esc で中止できます"
+    ),
+    "A poke is running; Esc leaves it": "押しているところです。Esc で終了します",
+    "All three fingertips are in use; take one out of its slot first": (
+        "3 つの指先はすべて使われています。先にどれかをスロットから外してください"
+    ),
+    "Calibrate with a file first": "先にファイルで較正してください",
+    "Give the object a material first: calibrate, or choose a preset": (
+        "先に物体にマテリアルを付けてください。較正するか、プリセットを選びます"
+    ),
+    "Go back to Object Mode first": "先にオブジェクトモードに戻ってください",
+    "Go back to Object Mode to bake": "ベイクするにはオブジェクトモードに戻ってください",
+    "Go back to Object Mode to calibrate": "較正するにはオブジェクトモードに戻ってください",
+    "Go back to Object Mode to play": "再生するにはオブジェクトモードに戻ってください",
+    "Go back to Object Mode to press": "押すにはオブジェクトモードに戻ってください",
+    "No haptic device is ready": "使える力覚デバイスがありません",
+    "Poke or play first: there is nothing to record": "先に押すか再生してください。記録するものがありません",
+    "Select a mesh first": "先にメッシュを選択してください",
+    "Select the mesh to press": "押すメッシュを選択してください",
+    "Select the mesh to press, in Object Mode": "オブジェクトモードで、押すメッシュを選択してください",
+    "The material is linked from another file: make it local first": (
+        "マテリアルは別のファイルからリンクされています。先にローカル化してください"
+    ),
+    "There is no material with these constants": "この定数を持つマテリアルはありえません",
+}
