@@ -375,6 +375,27 @@ def test_a_new_session_remembers_nothing_of_what_was_felt_in_the_last(
     assert felt[0] is not felt[1]
 
 
+@pytest.mark.parametrize("paused", [True, False], ids=["paused", "nothing runs"])
+def test_a_servo_hears_of_blender_while_nothing_moves(
+    bpy: ModuleType, port: Any, add: Callable[..., Any], paused: bool
+) -> None:
+    """Where its pipe cannot be watched (Windows) a servo that hears nothing for 10 s takes Blender for gone."""
+    from bl_ext.user_default.dimple.core.devices.letters import ORDER_SIZE
+    from bl_ext.user_default.dimple.core.devices.mailbox import TO_SERVO
+    from bl_ext.user_default.dimple.operators import haptic
+
+    body = add()
+    connect(bpy, port.path)
+    if paused:
+        run(bpy, body)
+    seen = 0
+    for _ in range(3):
+        time.sleep(haptic.LOOK_S)
+        haptic._look()
+        seen, order = connection().device._box.read(TO_SERVO, ORDER_SIZE, seen)
+        assert order
+
+
 def test_a_device_that_is_lost_while_play_is_paused_is_said_when_it_goes_on(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
