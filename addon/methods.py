@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from ..operators import calibration, compare, planning
+from ..operators import calibration, compare
 from ..operators.names import Op
 from . import overlay, shapes
 from .drawing import draw_notes
@@ -163,6 +163,8 @@ def draw_over() -> None:
     body = context.object
     if not context.window_manager.dimple.show_comparison or body is None or not body.dimple.comparison:
         return
+    from ..operators import planning  # not at import: it needs numpy, and enabling must be quick
+
     scale, region = context.preferences.system.ui_scale, context.region
     left, bottom = overlay.free_corner(context.area, scale)
     # at the top, clear of the numbers of a session
