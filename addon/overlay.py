@@ -12,12 +12,14 @@ import bpy
 from ..operators import calibration
 from ..operators.sessions import sessions
 from . import readout, shapes
+from .calibrated import edited
 from .readout import iface_
 from .shapes import Point, Segment
 
 FINGERTIP = (1.0, 0.62, 0.15, 1.0)
 FORCE = (0.95, 0.2, 0.15, 1.0)
 LAW = (0.55, 0.75, 1.0, 0.9)
+BAND = (0.55, 0.75, 1.0, 0.35)
 MEASURED = (1.0, 1.0, 0.55, 0.9)
 SIMULATED = (0.3, 0.95, 0.45, 0.95)
 TEXT = (1.0, 1.0, 1.0, 1.0)
@@ -33,9 +35,13 @@ CHART = (230.0, 130.0)
 
 
 class Curves(NamedTuple):
-    """Hold what a chart shows, as (depth [m], force [N]); law: K1, K2 [N/m] and x0 [m] of Eq. (1)."""
+    """Hold what a chart shows, as (depth [m], force [N]); law: K1, K2 [N/m] and x0 [m] of Eq. (1).
+
+    band: the ends of the law's 95 % interval.
+    """
 
     law: Point
+    band: tuple[list[Point], list[Point]] = ([], [])
     measured: list[Point] = []
     simulated: list[Point] = []
     trail: list[Point] = []
@@ -119,19 +125,27 @@ def calibrated_curves(context: bpy.types.Context) -> Curves | None:
     if not settings.show_overlay or not settings.show_chart:
         return None
     if told := calibration.load(settings.calibration):
-        return Curves((told["K1"] * 1e3, told["K2"] * 1e3, told["x0"] / 1e3), _metres(told["points"]))
+        law = (told["K1"] * 1e3, told["K2"] * 1e3, told["x0"] / 1e3)
+        return Curves(law, _band(told), _metres(told["points"]))
     material = body.active_material if body else None
     return _material_curves(material.dimple) if material else None
 
 
 def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
     """Return the measured and the simulated press of a material, None where there is neither."""
-    measured = calibration.load(settings.calibration).get("points", [])
+    told = calibration.load(settings.calibration)
+    measured = told.get("points", [])
     simulated = calibration.load(settings.identification).get("points", [])
     if not measured and not simulated:
         return None
     law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3)
-    return Curves(law, _metres(measured), _metres(simulated))
+    band = _band(told) if "band" in told and not edited(told, settings) else ([], [])
+    return Curves(law, band, _metres(measured), _metres(simulated))
+
+
+def _band(told: dict[str, Any]) -> tuple[list[Point], list[Point]]:
+    rows = told.get("band", [])
+    return _metres([(depth, low) for depth, low, _ in rows]), _metres([(depth, high) for depth, _, high in rows])
 
 
 def _metres(rows: Sequence[Sequence[float]]) -> list[Point]:
@@ -140,7 +154,8 @@ def _metres(rows: Sequence[Sequence[float]]) -> list[Point]:
 
 def draw_key(curves: Curves, corner: Point, scale: float) -> None:
     """Write what the colours of a chart mean, above it."""
-    words = [(iface_("Law"), LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured)]
+    law = iface_("Law") + (" ± 95 %" if curves.band[0] else "")
+    words = [(law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured)]
     words += [(iface_("Simulated"), SIMULATED, curves.simulated)]
     left = corner[0]
     for word, colour, shown in words:
@@ -160,6 +175,8 @@ def draw_curves(curves: Curves, corner: Point, scale: float, region: Any) -> flo
     draw_filled(corner, (right, top), BACK)
     draw_lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, region)
     draw_lines(shapes.crosses(shapes.into_box(curves.measured, ends, corner, size), CROSS * scale), MEASURED, region)
+    for end in curves.band:
+        draw_lines(shapes.chained(shapes.into_box(end, ends, corner, size)), BAND, region)
     draw_lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, region)
     draw_lines(shapes.chained(shapes.into_box(curves.simulated, ends, corner, size)), SIMULATED, region)
     trail = shapes.into_box(curves.trail, ends, corner, size)

@@ -42,9 +42,20 @@ def record(calibration: Calibration) -> str:
     told["provenance"] = f"{told['provenance']}, calibrated {told['date']}"
     told["points"] = thinned(1e3 * press.depth, press.force, POINTS)
     told["way_back"] = thinned(1e3 * press.back_depth, press.back_force, POINTS // 2)
+    told["band"] = band(calibration)
     told["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
     told["unusable"] = _unusable(told)
     return json.dumps(told, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def band(calibration: Calibration) -> list[list[float]]:
+    """Return rows [mm, N, N] of depth and of the ends of the law's 95 % interval there, for the chart."""
+    import numpy as np
+
+    fit = calibration.fit
+    x = np.linspace(0, calibration.press.depth.max(), SIMULATED)
+    rows = zip(1e3 * x, fit.law(x) - fit.band(x), fit.law(x) + fit.band(x), strict=True)
+    return [[float(f"{value:.6g}") for value in row] for row in rows]
 
 
 def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:

@@ -54,9 +54,9 @@ class Fit:
     contact: how far the first touch lies beyond depth 0 [m], and tare: the force there [N], 0 where they are known.
     noise: standard deviation of the residuals [N].  correlation: of neighbouring residuals.  worst: the largest
     residual [N] and its depth [m].  full_scale: [N].  knee_p: F test of one slope.  knee_bic: how much lower two are.
-    rows: in contact.  widened: how many times the intervals are wider for correlation.  misfit_before: residuals' RMS
-    up to the knee as a share of the force's there.  falls: the best two pieces would fall, and the constants are the
-    best of those that rise.
+    rows: in contact.  trial: its parameters, spread: their covariance (p, p) stretched to 95 %.  widened: how often
+    as wide the intervals are for correlation.  misfit_before: residuals' RMS up to the knee as a share of the force's
+    there.  falls: the best two pieces would fall, and the constants are the best of those that rise.
     """
 
     model: str
@@ -72,6 +72,8 @@ class Fit:
     knee_p: float
     knee_bic: float
     rows: int
+    trial: _Trial
+    spread: Floats
     widened: float
     misfit_before: float
     falls: bool = False
@@ -84,6 +86,11 @@ class Fit:
     def law(self, x: Floats) -> Floats:
         """Return K(x) [N] at depths [m] below the contact."""
         return _law(np.asarray(x, np.float64), self.K1.value, self.K2.value, self.x0.value)
+
+    def band(self, x: Floats) -> Floats:
+        """Return half the width [N] of the law's 95 % interval at depths [m] below the contact."""
+        slopes = _jacobian(self.trial, np.asarray(x, np.float64) + self.trial.parts(x)[3])
+        return np.sqrt(np.maximum(((slopes @ self.spread) * slopes).sum(axis=1), 0))
 
 
 def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
@@ -272,7 +279,8 @@ def _report(trial: _Trial, x: Floats, f: Floats, p: float, bic: float) -> Fit:
     residual = _pressed_residual(trial, x, f)
     r = _correlation(residual)
     count = independent_rows(len(residual), r)
-    errors = np.sqrt(np.diag(_covariance(trial, x, f)))
+    covariance = _covariance(trial, x, f)
+    errors = np.sqrt(np.diag(covariance))
     reach = t_quantile((1 + CONFIDENCE) / 2, max(count - len(trial.values), 1.0)) * math.sqrt(len(residual) / count)
 
     def constant(value: float, at: int | None) -> Constant:
@@ -287,5 +295,6 @@ def _report(trial: _Trial, x: Floats, f: Floats, p: float, bic: float) -> Fit:
         noise=math.sqrt(_variance(trial, x, f)), correlation=r,
         worst=(float(residual[worst]), float(x[x > contact][worst] - contact)),
         full_scale=float(np.abs(f - tare).max()), knee_p=p, knee_bic=bic, rows=len(residual),
-        widened=math.sqrt(len(residual) / count), misfit_before=_misfit_before(trial, x, f),
+        trial=trial, spread=reach**2 * covariance, widened=math.sqrt(len(residual) / count),
+        misfit_before=_misfit_before(trial, x, f),
     )  # fmt: skip

@@ -28,6 +28,8 @@ def save_plot(calibration: Calibration, path: str | Path, verdict: Verdict | Non
     if len(press.back_depth) > 8:
         axes.plot(1e3 * press.back_depth, press.back_force, color="0.75", label="way back")
     x = np.linspace(0, float(press.depth.max()), 400)
+    low, high = fit.law(x) - fit.band(x), fit.law(x) + fit.band(x)
+    axes.fill_between(1e3 * x, low, high, color="tab:red", alpha=0.25, lw=0, label="95 % of the law")
     axes.plot(1e3 * x, fit.law(x), color="tab:red", label=_label(calibration))
     if verdict is not None:
         found = verdict.found

@@ -108,6 +108,10 @@ def test_the_chart_of_a_calibration_shows_the_measured_points_and_leaves_their_c
     K1, K2, x0 = curves.law
     for depth, force in curves.measured:  # the sample has 1 % of 51.5 N of noise on the law
         assert abs(force - (K1 * min(depth, x0) + K2 * max(depth - x0, 0))) < 5 * 0.515
+    low, high = curves.band
+    for (depth, least), (_, most) in zip(low[1:], high[1:], strict=True):
+        law = K1 * min(depth, x0) + K2 * max(depth - x0, 0)
+        assert 0.9 * law < least < law < most < 1.1 * law, "the sample tells the law to a few percent"
     bpy.context.scene.dimple.show_chart = False
     assert overlay.calibrated_curves(bpy.context) is None
     if not hasattr(gpu, "init"):

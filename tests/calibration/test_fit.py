@@ -138,6 +138,18 @@ def test_an_estimated_contact_widens_the_intervals_just_enough():
     assert all(88 <= hit <= 99 for hit in hits), hits
 
 
+def test_the_band_round_the_law_holds_the_true_law():
+    truth = PRESETS[1].material
+    at = np.linspace(0.001, 0.021, 11)
+    exact = law(at, truth.K1, truth.K2, truth.x0)
+    held = np.zeros(len(at), int)
+    for seed in range(200):
+        fit = fit_law(*reconstruct(PRESETS[1], seed=seed))
+        held += np.abs(fit.law(at) - exact) <= fit.band(at)
+    assert ((held >= 180) & (held <= 198)).all(), held  # 90 to 99 %, as the intervals of the constants
+    assert fit.band(at[:3]) == pytest.approx(at[:3] * fit.K1.half_width)  # one slope alone is at work there
+
+
 def test_a_straight_line_is_not_given_a_knee():
     claimed = 0
     for seed in range(100):
