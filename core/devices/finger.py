@@ -8,12 +8,9 @@ from . import kinematics
 from .contact_model import Feel
 from .kinematics import Block
 from .safety import Guard
+from .sensors import JUMP, RAIL
 from .spec import Spec
 from .vectors import ZERO, Vector
-
-JUMP = 0.05  # [rad] in a tick: 15 m/s at the tip, so the converter and not the hand
-RAIL = 0x0100  # of 16 bits, at either end of the converter's range: a wire is off
-SENSOR_TICKS = 5  # so many readings in a row that cannot be, and the finger's sensor has failed
 
 Three = tuple[int, int, int]
 Angles = tuple[float, float, float]
@@ -40,23 +37,20 @@ class Finger:
             masked: the device itself does not believe it.  ticks: since the last reading.  time: of the device [s].
         """
         angles = kinematics.adc_angles(spec, words)
-        if masked or any(not RAIL <= word < 0x10000 - RAIL for word in words) or self._jumps(angles, ticks):
+        if (
+            masked
+            or any(not RAIL <= word < 0x10000 - RAIL for word in words)
+            or self._jumps(angles, spec.tick * max(ticks, 1))
+        ):
             self.bad += 1
             self.guard.skip()
             return
-        try:
-            self.at = kinematics.forward(self.block, angles)
-        except ValueError:
-            self.bad += 1
-            return
-        self.angles, self.bad = angles, 0
+        self.at, self.angles, self.bad = kinematics.forward(self.block, angles), angles, 0
         self.guard.move(self.at, time)
 
-    def _jumps(self, angles: Angles, ticks: int) -> bool:
+    def _jumps(self, angles: Angles, dt: float) -> bool:
         before = self.angles
-        return before is not None and any(
-            abs(a - b) > JUMP * max(ticks, 1) for a, b in zip(angles, before, strict=True)
-        )
+        return before is not None and any(abs(a - b) > JUMP * dt for a, b in zip(angles, before, strict=True))
 
     def forget(self) -> None:
         """Believe the next reading wherever it is: no force acts."""

@@ -11,10 +11,11 @@ import math
 from ..errors import DimpleError
 from . import kinematics, wire
 from .contact_model import Contact, is_sane, stiffness_cap
-from .finger import SENSOR_TICKS, Finger
+from .finger import Finger
 from .letters import Link, Order, Report, Tip
 from .losses import LOSS_DISARMS, LOSS_WARNS, Losses
 from .safety import STATE_GAP, STATE_LOST, Arming, BadNumbers, Guard, Limits, Switch
+from .sensors import FAILED_TICKS
 from .spec import Spec, check_info
 from .vectors import ZERO, Vector, is_finite, length
 
@@ -234,7 +235,7 @@ class Servo:
         """Look for what must end all force; steady: time went on as it does, here and on the device."""
         if not steady:
             return self._end(STOOD_STILL, wire.FAULT_LINK)
-        if any(finger.bad >= SENSOR_TICKS for finger in self._fingers):
+        if any(finger.bad >= FAILED_TICKS for finger in self._fingers):
             for finger in self._fingers:
                 finger.forget()
             return self._end(FAULTS[wire.FAULT_SENSOR], wire.FAULT_SENSOR)

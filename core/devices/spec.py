@@ -203,7 +203,9 @@ def _check(spec: Spec, ceiling: float) -> None:
          0 < spec.adc_noise <= 100),
         ("torque_limits_nm must be above 0, 60 at most", 0 < min(spec.torque_limits) and max(spec.torque_limits) <= 60),
         ("id must be from 0 to 255", 0 <= spec.geometry <= 255),
-        ("tick_hz must be from 50 to 2000", 50 <= spec.tick_hz <= 2000),
+        # a force is held for 5 ms at most, here and there: a slower device would let go between two ticks
+        ("tick_hz must be from 250 to 2000, and its period shorter than hold_s",
+         250 <= spec.tick_hz <= 2000 and spec.tick < spec.hold),
         ("rms_window_s must be above 0, 10 at most", 0 < spec.rms_window <= 10),
     ):  # fmt: skip
         if not holds:

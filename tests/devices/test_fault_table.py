@@ -12,13 +12,14 @@ from dataclasses import replace
 import pytest
 
 from core.devices import wire
-from core.devices.contact_model import Contact
+from core.devices.contact_model import Contact, stiffness_cap
 from core.devices.emulator import Emulator, Row
 from core.devices.faults import parse_fault
 from core.devices.hand import Hand
 from core.devices.letters import Link
 from core.devices.safety import LEASE
 from core.devices.servo import Servo
+from core.devices.spec import Spec
 from core.devices.vectors import length
 from tests.devices.bench_device import wall
 from tests.devices.host import SPEC
@@ -39,12 +40,15 @@ class Press:
     """
 
     def __init__(
-        self, *faults: str, contact: Callable[[float], Contact | None] = lambda now: wall(now, k=300.0)
+        self,
+        *faults: str,
+        contact: Callable[[float], Contact | None] = lambda now: wall(now, k=300.0),
+        spec: Spec = SPEC,
     ) -> None:
         self.trace: list[Row] = []
         hand, spoiled = Hand(tips=(WAY,) * 3), [parse_fault(text) for text in faults]
-        self.device = Emulator(SPEC, hand=hand, faults=spoiled, seed=3, trace=self.trace)
-        self.servo, self.contact = Servo(SPEC), contact
+        self.device = Emulator(spec, hand=hand, faults=spoiled, seed=3, trace=self.trace)
+        self.servo, self.contact = Servo(spec), contact
         self.now = self.next_frame = self.places = 0.0
         self.host_runs, self.to_device = True, b""
 
@@ -91,6 +95,16 @@ class Press:
 def test_without_a_fault_it_presses() -> None:
     press = Press().run(AT)
     assert press.presses() and press.places < NEAR / 2
+
+
+@pytest.mark.parametrize("hz", [250, 500, 2000])
+def test_slower_and_faster_devices_press_too(hz: int) -> None:
+    """No wall is stiffer than the tick lets it be: at 250 Hz 267 N/m, so a little less than the 1.7 N."""
+    spec = replace(SPEC, tick_hz=hz)
+    press = Press(spec=spec).run(AT)
+    k = min(300.0, stiffness_cap(spec.viscous, spec.tick, spec.tick))  # answers come within the tick
+    force = 0.01 * k * 400 / (k + 400)  # the hand wants 10 mm, on a spring of 400 N/m
+    assert press.arming == "ON" and press.forces(AT - 0.02)[-1] == pytest.approx(force, abs=0.1)
 
 
 @pytest.mark.parametrize("rate", ["1e-6", "1e-5", "1e-4", "1e-3"])

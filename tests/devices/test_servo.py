@@ -181,6 +181,20 @@ def test_a_sensor_that_jumps_masks_its_finger_and_disarms() -> None:
     assert disarmed(device) and "sensor" in message(device)
 
 
+@pytest.mark.parametrize("hz", [250, 1000, 2000])
+def test_a_turn_faster_than_any_hand_is_a_jump_at_every_rate(hz: int) -> None:
+    """20 rad/s, 6 m/s at the tip: one a little slower is believed, one a little faster is not, and neither is a gap."""
+    for missed, speed, believed in ((0, 19.0, True), (0, 22.0, False), (3, 19.0, True), (3, 22.0, False)):
+        device = BenchDevice(spec=replace(load_spec(), tick_hz=hz))
+        device.tick(2)
+        q0, *rest = device.state_words(0)
+        step = round(speed * (1 + missed) / hz / device.spec.adc_span * 65536)
+        device.adc = (q0 + step, *rest, *device.state_words(1), *device.state_words(2))
+        device.seq += missed
+        device.tick()
+        assert device.servo.report().tips[0].masked != believed
+
+
 def test_a_finger_that_the_device_masks_feels_nothing() -> None:
     device = BenchDevice().pressing()
     device.masked = wire.MASKED << 0

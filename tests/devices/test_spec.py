@@ -47,6 +47,14 @@ def test_no_device_file_weakens_a_limit(tmp_path: Path, name: str) -> None:
         load_spec(changed(tmp_path, name, str(WEAKER[name])))
 
 
+def test_a_device_that_would_let_go_between_two_ticks_is_refused(tmp_path: Path) -> None:
+    for hz in (50, 100, 200, 249):
+        with pytest.raises(DimpleError, match="tick_hz must be from 250"):
+            load_spec(changed(tmp_path, "tick_hz", str(hz)))
+    with pytest.raises(DimpleError, match="shorter than hold_s"):
+        load_spec(changed(tmp_path, "hold_s", "0.001"))
+
+
 def test_a_table_that_is_none_and_a_file_that_is_no_toml_are_said(tmp_path: Path) -> None:
     path = tmp_path / "device.toml"
     for text, said in (("tip = 3", "no 'name'"), ("[", "not right"), ("\x00", "not right"), ("", "has no")):
