@@ -15,6 +15,7 @@ from .emulator import Emulator, Row
 from .faults import FAULTS, parse_fault
 from .hand import load_hand
 from .spec import load_spec
+from .watch import percentiles
 
 MODES = ("idle", "arming", "ramp", "armed", "brake", "fault")
 COLUMNS = (
@@ -103,8 +104,9 @@ def measured(emulator: Emulator) -> dict[str, float | str]:
     told: dict[str, float | str] = {"mode": MODES[firmware.mode], "fault": firmware.code, "ticks": 0}
     if watch is not None and watch.ticks:
         report = watch.report(0, emulator.decoder.counts.refused, emulator.baud)
-        names = ("answered", "rtt_p50_us", "rtt_p99_us", "rtt_max_us", "wire_us", "bad", "stale", "lost")
-        told |= {name: getattr(report, name) for name in names}
+        told |= {name: getattr(report, name) for name in ("answered", "wire_us", "bad", "stale", "lost")}
+        names = ("rtt_p50_us", "rtt_p99_us", "rtt_max_us")  # of the whole session, not of its last second
+        told |= dict(zip(names, percentiles(watch.trips.elements()), strict=True))
         # when the host has hung up, nobody answers any more
         told |= {"ticks": watch.ticks, "late_share": 1 - watch.in_time / watch.heard if watch.heard else 1.0}
     told["protocol"] = ".".join(map(str, wire.PROTOCOL))

@@ -62,21 +62,17 @@ class Emulator:
         self._in = Line(baud, [fault for fault in spoils if fault.way != "out"], random.Random(seed + 1))
         self._out = Line(baud, [fault for fault in spoils if fault.way != "in"], random.Random(seed + 2))
         self._blocks = kinematics.blocks(spec)
-        self._angles = self._sense()
         self._noise = [dice.gauss(0, spec.adc_noise) * (1 << 16 - spec.adc_bits) for _ in range(NOISE)]
         self._frozen: dict[int, list[int]] = {}  # finger: its readings when it froze
         self._rest = b""  # of a frame from the host
         self._begin: float | None = None  # [s] on the clock of step
         self._ticks = 0
-        self._begun: tuple[float, int, list[Vector]] | None = None  # the tick under way [s], mode and angles then
+        self._begun: tuple[float, int] | None = None  # the tick under way [s], and the mode then
         self._script: float | None = None if self.hand.from_arm else 0.0  # when the hand's time began [s]
+        self._angles, self._words = self._sense()
 
-    def step(self, now: float, incoming: bytes, *, settle: bool = True) -> bytes:
-        """Live up to a time [s]; take the host's bytes, which set off now; return those that have come to the host.
-
-        Args:
-            settle: move the fingertips too; who has a host waiting calls `settle` after it has the bytes.
-        """
+    def step(self, now: float, incoming: bytes) -> bytes:
+        """Live up to a time [s]; take the host's bytes, which set off now; return those that have come to the host."""
         if self._begin is None:
             self._begin = now
         now -= self._begin
@@ -87,24 +83,32 @@ class Emulator:
         for frame in frames:
             self._in.send(now, frame + b"\0")
         self._live(now)
-        if settle:
-            self.settle()
-        return self._out.take(now)
+        outgoing = self._out.take(now)
+        if not outgoing:
+            self._settle()
+        return outgoing
 
-    def settle(self) -> None:
-        """Let motors and hand move the fingertips over the tick that has begun."""
+    def _settle(self) -> None:
+        """Let motors and hand move the fingertips over the tick that has begun, and sense where they are at its end.
+
+        Once the State has left: no host waits for what only an emulator has to compute.
+        """
         if self._begun is None:
             return
-        (now, mode, angles), self._begun = self._begun, None
+        (now, mode), self._begun = self._begun, None
+        if self._acts("stall", now):  # its amplifiers want a pulse each tick, and let go without
+            self.firmware.torques = [ZERO] * wire.FINGERS
+        else:
+            self.firmware.drive(now)
         for i, torque in enumerate(self.firmware.torques):
-            self.forces[i] = kinematics.force(self._blocks[i], angles[i], torque) if any(torque) else ZERO
+            self.forces[i] = kinematics.force(self._blocks[i], self._angles[i], torque) if any(torque) else ZERO
         if self.trace is not None:
             places, forces = [tip.position for tip in self.tips], self.forces
             self.trace.append((now, float(mode), *(x for three in (*places, *forces) for x in three)))
         time = -math.inf if self._script is None else now - self._script
         for i, tip in enumerate(self.tips):
             tip.step(self.spec, self.hand, i, time, self.forces[i])
-        self._angles = self._sense()
+        self._angles, self._words = self._sense()
 
     def next_time(self) -> float:
         """Return when there is something to do [s]: step then, or earlier when bytes come."""
@@ -126,6 +130,7 @@ class Emulator:
     def _live(self, now: float) -> None:
         """Let happen what happens by now, in order."""
         while not self.unplugged and (time := min(self._next_tick(), self._in.next_time())) <= now:
+            self._settle()
             self._hear(time)
             if time == self._next_tick():
                 self._tick(time)
@@ -140,24 +145,17 @@ class Emulator:
             self._out.send(now, wire.encode(frame))
 
     def _tick(self, now: float) -> None:
-        self.settle()
         self._ticks += 1
         self.unplugged = self._acts("unplug", now)
-        words = self._convert(self._angles, now)
-        if self._acts("stall", now):  # its amplifiers want a pulse each tick, and let go without
-            self.firmware.torques = [ZERO] * wire.FINGERS
-        else:
-            self._say(self.firmware.tick(words, now), now)
+        if not self._acts("stall", now):
+            self._say(self.firmware.tick(self._words, now), now)
         if self._script is None and self.mode == wire.RAMP:
             self._script = now
-        self._begun = now, self.mode, self._angles
+        self._begun = now, self.mode
 
-    def _sense(self) -> list[Vector]:
-        """Return the angles [rad] at which the fingertips stand."""
-        return [kinematics.inverse(block, tip.position) for block, tip in zip(self._blocks, self.tips, strict=True)]
-
-    def _convert(self, angles: list[Vector], now: float) -> list[int]:
-        """Return the 16-bit readings of the nine joints."""
+    def _sense(self) -> tuple[list[Vector], list[int]]:
+        """Return the angles [rad] at which the fingertips stand at the next tick, and their readings, 16 bits each."""
+        angles = [kinematics.inverse(block, tip.position) for block, tip in zip(self._blocks, self.tips, strict=True)]
         scale, noise = 65536 / self.spec.adc_span, self._noise
         at = self._ticks * wire.CHANNELS
         words = [
@@ -167,8 +165,8 @@ class Emulator:
         ]
         for fault in self._faults:
             if fault.name.startswith("adc-"):
-                self._mistake(fault, words, now)
-        return words
+                self._mistake(fault, words, self._next_tick())
+        return angles, words
 
     def _mistake(self, fault: Fault, words: list[int], now: float) -> None:
         finger = int(fault.value) % wire.FINGERS

@@ -25,9 +25,9 @@ FINGERS: Final = range(wire.FINGERS)
 
 
 class Firmware:
-    """Run a device: `receive` each frame, `tick` at each tick, then `torques` [N m] are what the motors make.
+    """Run a device: `receive` each frame, `tick` and `drive` at each tick; the motors make `torques` [N m].
 
-    mode: of wire.IDLE...  forces: that the torques make at the tips [N].
+    mode: of wire.IDLE...
     """
 
     def __init__(self, spec: Spec, *, baud: int, session: int = 0, protocol: tuple[int, int] = wire.PROTOCOL) -> None:
@@ -102,7 +102,7 @@ class Firmware:
     # what happens at a tick
 
     def tick(self, words: list[int], now: float) -> list[wire.Frame]:
-        """Take the 16-bit readings of the nine joints at a time [s]; return what goes to the host."""
+        """Take the 16-bit readings of the nine joints at a time [s]; return what goes to the host, then `drive`."""
         out: list[wire.Frame] = []
         self._sensors.check(words)
         self._move(words)
@@ -110,12 +110,10 @@ class Firmware:
             self.streaming = False
             self._rest()
         out += self._judge(now)
-        age = now - self._command_at if self._command else math.inf
-        self._drive(age, now)
         if self.watch is None or not self.streaming:
             return []
         seq = self.watch.send(now)
-        return [self._state(words, seq, age, now), *out]
+        return [self._state(words, seq, now), *out]
 
     def _move(self, words: list[int]) -> None:
         """Follow the tips and their speed."""
@@ -205,8 +203,9 @@ class Firmware:
 
     # what the motors do
 
-    def _drive(self, age: float, now: float) -> None:
-        """Set the torques; age: of the last Command [s]."""
+    def drive(self, now: float) -> None:
+        """Set the torques, at a tick [s] whose State is on its way: what the host is to answer does not wait for it."""
+        age = self._age(now)
         for i in FINGERS:
             motors = self._motors[i]
             wanted = None if self._sensors.bad[i] else self._wanted(i, age, now)
@@ -245,11 +244,15 @@ class Firmware:
         )
         return a, b, c
 
-    def _state(self, words: list[int], seq: int, age: float, now: float) -> wire.State:
+    def _age(self, now: float) -> float:
+        """Return the age of the last Command [s]."""
+        return now - self._command_at if self._command else math.inf
+
+    def _state(self, words: list[int], seq: int, now: float) -> wire.State:
         mask = 0xFFFF << 16 - self.spec.adc_bits & 0xFFFF
         a, b, c, d, e, f, g, h, i = [word & mask for word in words]
         mode = self.mode
-        if mode in (wire.RAMP, wire.ARMED) and age >= self.spec.zero:
+        if mode in (wire.RAMP, wire.ARMED) and self._age(now) >= self.spec.zero:
             mode = wire.BRAKE
         status = mode | (wire.LIMITED if any(motors.limited for motors in self._motors) else 0)
         for finger in FINGERS:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import os
-import select
 import signal
 import time
 from collections.abc import Iterator
@@ -14,6 +13,7 @@ from types import FrameType
 
 from ..errors import DimpleError
 from . import precedence
+from .arrivals import Arrivals
 from .emulator import Emulator
 
 MOST_LATE = 2e-3  # [s] when this process was kept from running for longer, the device's clock stood still meanwhile
@@ -47,7 +47,7 @@ def serve(emulator: Emulator, path: Path, seconds: float, *, lifeline: int | Non
 def _run(emulator: Emulator, master: int, seconds: float, lifeline: int | None) -> dict[str, float]:
     told = {"slips": 0.0, "slipped_s": 0.0, "overflows": 0.0}
     begin = time.monotonic()
-    watched = [master] if lifeline is None else [master, lifeline]
+    arrivals = Arrivals(master, *([] if lifeline is None else [lifeline]))
     precedence.ask()  # it stands for hardware, which nothing keeps from running
     gc.disable()  # nothing here makes cycles, and a sweep would be late
     with suppress(Stopped):
@@ -58,15 +58,14 @@ def _run(emulator: Emulator, master: int, seconds: float, lifeline: int | None) 
                 told["slips"], told["slipped_s"], now = told["slips"] + 1, told["slipped_s"] + late, now - late
             incoming = b""
             wait = max(emulator.next_time() - now, 0.0) if emulator.started else 0.0
-            ready = select.select(watched, [], [], wait)[0]
+            ready = arrivals.wait(wait)
             if lifeline in ready and not os.read(lifeline, READ):
                 break
             if master in ready:
                 incoming = os.read(master, READ)
-            outgoing = emulator.step(time.monotonic() - told["slipped_s"], incoming, settle=False)
+            outgoing = emulator.step(time.monotonic() - told["slipped_s"], incoming)
             if outgoing:
                 told["overflows"] += not _write(master, outgoing)
-            emulator.settle()
     return told
 
 

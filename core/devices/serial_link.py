@@ -12,6 +12,7 @@ from ..errors import DimpleError
 
 WINDOWS: Final = os.name == "nt"
 POLL: Final = 5e-4  # [s] between looks where the system cannot wait for a port (Windows)
+READ: Final = 65536  # bytes at most
 IN_USE: Final = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY}
 
 
@@ -33,11 +34,11 @@ class Link:
             LinkLost: the line is gone.
         """
         try:
-            # one byte at least: with none to come, only the attempt shows that the other end is gone
-            data: bytes = self._port.read(max(self._port.in_waiting, 1))
+            data = b"" if WINDOWS else _read(self._port.fileno())
+            # with nothing to come only pyserial's attempt shows that the other end is gone
+            return data or self._port.read(max(self._port.in_waiting, 1))
         except self._lost as error:
             raise self._gone(error) from None
-        return data
 
     def write(self, data: bytes) -> bool:
         """Send bytes; return False where the line did not take them all, which it never makes up for.
@@ -46,8 +47,10 @@ class Link:
             LinkLost: the line is gone.
         """
         try:
-            # a full queue first: pyserial would try again for ever (write_timeout 0 on EAGAIN)
-            sent = self._port.write(data) if self._has_room() else 0
+            # pyserial tries a full queue again for ever, and to ask for room first can take ms (arrivals)
+            sent = self._port.write(data) if WINDOWS else os.write(self._port.fileno(), data)
+        except BlockingIOError:
+            sent = 0
         except self._lost as error:
             raise self._gone(error) from None
         whole: bool = sent == len(data)
@@ -82,11 +85,15 @@ class Link:
         except self._lost:
             pass
 
-    def _has_room(self) -> bool:
-        return WINDOWS or bool(select.select([], [self._port.fileno()], [], 0)[1])
-
     def _gone(self, error: BaseException) -> LinkLost:
         return LinkLost(f"The connection to {self.name} is lost ({error}). Plug it in, connect, then arm again.")
+
+
+def _read(descriptor: int) -> bytes:
+    try:
+        return os.read(descriptor, READ)
+    except BlockingIOError:
+        return b""
 
 
 def lost_errors() -> tuple[type[Exception], ...]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import gc
 import os
-import select
 import signal
 import sys
 import time
@@ -19,6 +18,7 @@ from pathlib import Path
 
 from ..errors import DimpleError
 from . import precedence
+from .arrivals import Arrivals
 from .letters import ORDER_SIZE, Link, Report, pack_report, unpack_order
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .serial_link import WINDOWS, LinkLost, open_link
@@ -28,7 +28,7 @@ from .spec import load_spec
 
 LogRow = tuple[float, ...]
 
-LOOK = 0.002  # [s] at most between two looks at line and lifeline
+LOOK = 0.001  # [s] at most between two looks at line and lifeline: what comes each tick is not waited for any longer
 REPORT_EVERY = 0.002  # [s] Blender reads at 60 Hz
 LAST_WORDS = 0.010  # [s] for the bytes of the last command to leave
 BLENDER_GONE = 10.0  # [s] without an order where a pipe cannot be watched (Windows)
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
         spec = replace(spec, baud=options.baud or spec.baud)
         servo, line = Servo(spec, nonce=os.getpid() & 0xFFFF), open_link(options.port, spec.baud)
         try:
-            serve(servo, line, box, lifeline(line), log)
+            serve(servo, line, box, listener(line), log)
         finally:
             hang_up(servo, line)
             write_log(options.log, log)
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def serve(
-    servo: Servo, line: Line, box: Mailbox, alive: Callable[[float], bool], log: list[LogRow] | None = None
+    servo: Servo, line: Line, box: Mailbox, listen: Callable[[float], bytes | None], log: list[LogRow] | None = None
 ) -> None:
     """Answer the device until Blender is gone or the device refused; log each answer where asked to.
 
@@ -69,12 +69,9 @@ def serve(
         LinkLost: the line is gone.
     """
     seen, posted, heard = 0, 0.0, time.perf_counter()
-    while alive(heard):
-        seen, letter = box.read(TO_SERVO, ORDER_SIZE, seen)
-        if letter:
-            servo.order, heard = unpack_order(letter), time.perf_counter()
+    while (data := listen(heard)) is not None:
         now = time.perf_counter()
-        out = servo.step(now, line.read())
+        out = servo.step(now, data)
         if out:
             line.write(out)
             if log is not None and servo.device_time_us >= 0:
@@ -84,23 +81,29 @@ def serve(
             box.post(FROM_SERVO, pack_report(servo.report()))
         if servo.link is Link.REFUSED:
             return
+        seen, letter = box.read(TO_SERVO, ORDER_SIZE, seen)  # after the answer: no device waits for Blender
+        if letter:
+            servo.order, heard = unpack_order(letter), time.perf_counter()
 
 
-def lifeline(line: Line) -> Callable[[float], bool]:
-    """Return what waits for the line, and tells whether Blender is still there."""
+def listener(line: Line) -> Callable[[float], bytes | None]:
+    """Return what waits for the next bytes of the line, b"" for none; None says that Blender is gone."""
     if WINDOWS:
 
-        def by_orders(heard: float) -> bool:
+        def by_orders(heard: float) -> bytes | None:
             line.wait(LOOK)
-            return time.perf_counter() - heard < BLENDER_GONE
+            return line.read() if time.perf_counter() - heard < BLENDER_GONE else None
 
         return by_orders
 
     stdin, port = sys.stdin.fileno(), line.fileno()
+    arrivals = Arrivals(port, stdin)
 
-    def by_pipe(_heard: float) -> bool:
-        ready = select.select([port, stdin], [], [], LOOK)[0]
-        return stdin not in ready or os.read(stdin, 4096) != b""
+    def by_pipe(_heard: float) -> bytes | None:
+        ready = arrivals.wait(LOOK)
+        if stdin in ready and not os.read(stdin, 4096):
+            return None
+        return line.read() if port in ready else b""
 
     return by_pipe
 

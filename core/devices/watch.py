@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
+from collections.abc import Iterable
 from typing import Final
 
 from . import wire
@@ -15,12 +16,16 @@ LOSS_FEW: Final = 50  # unless there were so few
 
 
 class Watch:
-    """Count the States and their answers of a session; heard: ticks until the last answer came."""
+    """Count the States and their answers of a session.
+
+    heard: ticks until the last answer came.  rtts: of the last answers [s].  trips: how many of all took so long [us].
+    """
 
     def __init__(self, spec: Spec, session: int) -> None:
         self.session, self.seq, self.ack = session, 0xFFFF, 0
         self.ticks = self.heard = self.answered = self.in_time = self.stale = self.lost = self.taken = 0
-        self.rtts: deque[float] = deque(maxlen=RECENT)  # [s]
+        self.rtts: deque[float] = deque(maxlen=RECENT)
+        self.trips: Counter[int] = Counter()
         self._tick = spec.tick
         self._sent: dict[int, float] = {}  # seq: when [s], of States that may still be answered
         self._loss = [0, 0]  # of the verdict under way: lost, taken
@@ -42,6 +47,7 @@ class Watch:
         if sent >= 0:  # the first answer to this State
             rtt = now - sent
             self.rtts.append(rtt)
+            self.trips[_word(1e6 * rtt)] += 1
             self.answered, self.heard = self.answered + 1, self.ticks
             self.in_time += rtt <= self._tick
             self._sent[command.echo] = -1.0
@@ -57,28 +63,30 @@ class Watch:
         (lost, taken), self._loss = self._loss, [0, 0]
         return lost + taken >= LOSS_FEW and lost > LOSS_SHARE * (lost + taken)
 
-    def rtt(self, share: float) -> float:
-        """Return the round trip [s] that a share of the last answers does not exceed, 0 before the first."""
-        order = sorted(self.rtts)
-        return order[min(int(share * len(order)), len(order) - 1)] if order else 0.0
-
     def report(self, nonce: int, bad: int, baud: int) -> wire.Report:
         """Return what a Ping asks for; bad: frames refused by their form."""
         bits = BITS_A_BYTE * (wire.size(wire.State) + wire.size(wire.Command))
+        p50, p99, longest = percentiles(self.rtts)
         return wire.Report(
             self.session,
             nonce,
             ticks=self.ticks & 0xFFFFFFFF,
             answered=self.answered & 0xFFFFFFFF,
             late=self.answered - self.in_time & 0xFFFFFFFF,
-            rtt_p50_us=_word(1e6 * self.rtt(0.50)),
-            rtt_p99_us=_word(1e6 * self.rtt(0.99)),
-            rtt_max_us=_word(1e6 * self.rtt(1.0)),
+            rtt_p50_us=_word(1e6 * p50),
+            rtt_p99_us=_word(1e6 * p99),
+            rtt_max_us=_word(1e6 * longest),
             wire_us=_word(1e6 * bits / baud) if baud else 0,
             bad=_word(bad),
             stale=_word(self.stale),
             lost=_word(self.lost),
         )
+
+
+def percentiles(trips: Iterable[float]) -> tuple[float, float, float]:
+    """Return what half of some round trips, 99 % and all of them do not exceed, 0 where there is none."""
+    order = sorted(trips) or [0.0]
+    return order[len(order) // 2], order[99 * len(order) // 100], order[-1]
 
 
 def _word(number: float) -> int:

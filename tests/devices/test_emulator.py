@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from core.devices import kinematics, wire
-from core.devices.emulator import Emulator
+from core.devices.emulator import Emulator, Row
 from core.devices.faults import Fault
 from core.devices.hand import Hand, Keyframe, load_hand
 from core.devices.line import Line
@@ -216,3 +216,20 @@ def test_the_same_seed_is_the_same_device() -> None:
         return got + b"".join(device.step(i * 1e-3, b"") for i in range(100))
 
     assert bytes_of(1) == bytes_of(1) != bytes_of(2)
+
+
+def test_a_state_leaves_before_the_motors_are_computed_and_its_answer_acts_from_the_next_tick_on() -> None:
+    """On a line without wire time, answered at once: 0.5 N are asked from 0.7 s on, and act a tick later."""
+    trace: list[Row] = []
+    device = Emulator(SPEC, baud=0, trace=trace)
+    host = Host(lambda finger, time: (0.0, 0.0, 0.5 if time >= 0.7 - 1e-9 else 0.0))
+    rest = device.step(0.0, host.hello())
+    for i in range(1, 710):
+        now, before = i * SPEC.tick, len(trace)
+        outgoing = rest + device.step(now, b"")
+        assert len(trace) == before  # nobody computed what the host does not wait for
+        rest = device.step(now, host.step(now, outgoing))
+        assert len(trace) == before + 1
+    assert device.mode == wire.ARMED
+    acts = [row[0] for row in trace if row[13] > 0.25]
+    assert acts[0] == pytest.approx(0.701)

@@ -91,6 +91,16 @@ def test_a_line_nobody_reads_from_takes_no_time_and_is_counted(ends: tuple[int, 
     assert link.write(b"again")
 
 
+def test_reading_and_writing_ask_the_terminal_nothing(
+    ends: tuple[int, str], link: Link, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A question waits for the system's worker that brings the bytes (arrivals): 1 to 4 ms between State and answer."""
+    os.write(ends[0], b"state")
+    assert link.wait(1.0)
+    monkeypatch.setattr(select, "select", lambda *_: pytest.fail("asked"))
+    assert link.read() == b"state" and link.write(b"answer")
+
+
 def test_what_is_no_port_is_named(tmp_path: Path) -> None:
     with pytest.raises(DimpleError, match="no port /dev/ttyNothing0"):
         open_link("/dev/ttyNothing0", 921600)
