@@ -9,7 +9,7 @@ from functools import lru_cache
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from . import calibration
+from . import calibration, polls
 from .names import TIPS, Op
 
 OPEN = "NONE"  # a question that has no answer yet
@@ -91,8 +91,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need Object Mode: the result is one undo step there."""
         if context.mode != "OBJECT":
-            cls.poll_message_set("Go back to Object Mode to calibrate")
-            return False
+            return polls.refuse(cls, "Go back to Object Mode to calibrate")
         return True
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
