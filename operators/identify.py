@@ -53,13 +53,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         folder, name = own_folder("identified"), cache.key(*given)
         self._found, self._anew = cache.recall(folder, name), None
         if self._found is None:
-            steps = identification(*given)
-            while True:
-                try:
-                    yield min(next(steps).share, 0.999)
-                except StopIteration as end:
-                    self._found = end.value
-                    break
+            self._found = yield from identification(*given)
             self._anew = folder, name
 
     def _finished(self, context: bpy.types.Context) -> set[str]:

@@ -90,13 +90,13 @@ def _pressed(options: argparse.Namespace, calibration: Calibration) -> Verdict:
     material = fitted_material(calibration, template)
     indenter = calibration.tip
     site = find_site(mesh, indenter)
-    told = ""
+    told = 0.0
 
-    def tell(share: float, text: str) -> None:
+    def tell(share: float) -> None:
         nonlocal told
-        if text != told:
-            print(f"{100 * share:3.0f} % {text}", file=sys.stderr, flush=True)
-            told = text
+        if share > told + 0.1:
+            print(f"Identifying: {share:.0%}", file=sys.stderr, flush=True)
+            told = share
 
     found = identify(mesh, material, indenter, site, float(calibration.press.depth.max()), progress=tell)
     return judge(calibration, found, mesh, indenter, site)

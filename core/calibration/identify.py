@@ -18,10 +18,8 @@ from ..base import DimpleError, Floats
 from ..material import Material, ModelConstants
 from ..mesh import Mesh
 from .indent import CLEAR, Indenter, Site
-from .sweep import SWEEPS, Progress, Sweep, Task, constants_of, fitted, swept
+from .sweep import CHECKED, STATIONS, SWEEPS, Sweep, Task, constants_of, fitted, swept
 
-STATIONS = 12  # depths of a sweep that is fitted
-CHECKED = 30  # depths of the sweep that judges the result
 GOAL = (0.35, 0.5)  # of what is allowed, at the worst depth: a hand does not tell 5 % of a force
 FIRST_SHARE = 0.1  # of the force: what the skin may carry in the first guess
 LIMITS = (1e-5, 1.0)  # of the skin's scale
@@ -57,10 +55,6 @@ class Identification:
         return np.abs(self.simulated / self.wanted - 1)
 
 
-class Cancelled(DimpleError):
-    """Say that the user stopped an identification."""
-
-
 def identify(
     mesh: Mesh,
     material: Material,
@@ -68,35 +62,37 @@ def identify(
     site: Site,
     deepest: float,
     *,
-    progress: Callable[[float, str], None] | None = None,
-    cancelled: Callable[[], bool] | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Identification:
     """Run `identification` to its end.
 
     Args:
-        progress: called with the share done and what is being done.  cancelled: asked before each equilibrium.
+        progress: called with the share that is done.
 
     Raises:
-        Cancelled: `cancelled` said so.
         DimpleError: the body cannot be pressed.
     """
     steps = identification(mesh, material, indenter, site, deepest)
     while True:
-        if cancelled is not None and cancelled():
-            raise Cancelled("The identification was stopped; the material is as it was.")
         try:
-            step = next(steps)
+            share = next(steps)
         except StopIteration as end:
             found: Identification = end.value
             return found
         if progress is not None:
-            progress(step.share, step.text)
+            progress(share)
 
 
 def identification(
     mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float
-) -> Generator[Progress, None, Identification]:
-    """Identify model constants in steps of one equilibrium each, for a timer; the generator returns the result.
+) -> Generator[float, None, Identification]:
+    """Identify model constants in steps of one equilibrium each, for a timer.
+
+    Yields:
+        the share that is done: a guess, for nobody knows how many sweeps the fit will take.
+
+    Returns:
+        what was found.
 
     Args:
         mesh: in the size of the real object [m].
@@ -109,7 +105,7 @@ def identification(
     task = Task(mesh=mesh, material=material, indenter=indenter, site=site)
     depths, stopped = _depths(deepest, site)
     logs = np.log(_first_guess(task, depths[-1]))
-    sweep = yield from swept(task, logs, depths, 0, "First press")
+    sweep = yield from swept(task, logs, depths, 0)
     if not sweep.whole:
         depths, stopped = sweep.depths, _lost_in_words(sweep)
         sweep = replace(sweep, whole=True)
@@ -124,11 +120,11 @@ def identification(
         if abs(change) < 0.01:
             break
         logs = logs + [0, 0, 0, change]
-        sweep = yield from swept(task, logs, depths, sweeps, "Another share for the skin")
+        sweep = yield from swept(task, logs, depths, sweeps)
         sweeps += 1
     logs, sweep = best or (logs, sweep)
     fine = depths[-1] * np.arange(1, CHECKED + 1) / CHECKED
-    check = yield from swept(task, logs, fine, SWEEPS, "Checking")
+    check = yield from swept(task, logs, fine, sweeps, last=True)
     if not check.whole:
         stopped = _lost_in_words(check)
     constants = constants_of(logs)

@@ -13,7 +13,10 @@ from ..material import Material, ModelConstants
 from ..mesh import Mesh
 from .indent import Indenter, Site, press
 
+STATIONS = 12  # depths of a sweep that is fitted
+CHECKED = 30  # depths of the sweep that judges the result
 SWEEPS = 24  # at most in an identification
+USUAL = 3  # sweeps before that one: more are rare
 SWEEPS_OF_A_FIT = 10
 ALLOWED = 0.10  # of the force, or
 ALLOWED_FORCE = 0.3  # [N] whichever is more: what a depth may be off
@@ -21,14 +24,6 @@ WEAK = 0.02  # of full scale: what a depth of a weak press may be off
 GAIN = 0.05  # of the squared error: a step that brings less is the last of a fit
 LONGEST = np.array([1.0, 1.0, 0.1])  # step in the logarithms: a knee that passes the deepest depth is lost
 _NAMES = ("kappa1", "kappa2", "d0", "membrane_scale")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Progress:
-    """Hold the share done and what is being done."""
-
-    share: float
-    text: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,12 +82,12 @@ def constants_of(logs: Floats) -> ModelConstants:
 
 def fitted(
     task: Task, logs: Floats, sweep: Sweep, depths: Floats, sweeps: int
-) -> Generator[Progress, None, tuple[Floats, Sweep, int]]:
+) -> Generator[float, None, tuple[Floats, Sweep, int]]:
     """Fit kappa1, kappa2 and d0, the skin's scale held; return the logarithms, their sweep and all sweeps so far."""
     damping, last = 1e-4, min(sweeps + SWEEPS_OF_A_FIT, SWEEPS)
     while sweeps < last and sweep.whole:
         trial = logs + np.append(_step(sweep, damping), 0.0)
-        found = yield from swept(task, trial, depths, sweeps, f"{100 * sweep.rms:.1f} % off")
+        found = yield from swept(task, trial, depths, sweeps)
         sweeps += 1
         gain = 1 - found.cost / max(sweep.cost, 1e-30)
         if gain > 0:
@@ -111,15 +106,20 @@ def _step(sweep: Sweep, damping: float) -> Floats:
     return np.clip(-np.linalg.solve(matrix, jacobian.T @ sweep.errors), -LONGEST, LONGEST)
 
 
-def swept(task: Task, logs: Floats, depths: Floats, sweeps: int, text: str) -> Generator[Progress, None, Sweep]:
-    """Press to every depth."""
+def swept(
+    task: Task, logs: Floats, depths: Floats, sweeps: int, *, last: bool = False
+) -> Generator[float, None, Sweep]:
+    """Press to every depth; yield the share of the identification that is done after each."""
     material = replace(task.material, constants=constants_of(logs))
     stations = []
     for station in press(task.mesh, material, task.indenter, task.site, depths.tolist()):
         if not station.found:
             break
         stations.append(station)
-        yield Progress(share=(sweeps + len(stations) / len(depths)) / (SWEEPS + 1), text=text)
+        done = STATIONS * sweeps + len(stations)
+        # never all of it: what was found is still to be put together
+        left = 1 + CHECKED - len(stations) if last else CHECKED + max(STATIONS * USUAL - done, 0)
+        yield done / (done + left)
     reached = np.array([station.depth for station in stations])
     pulls = np.array([np.zeros(4), *(station.pull for station in stations)])
     # dF/dc = d/dx (dE/dc), from nothing at the touch

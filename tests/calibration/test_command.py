@@ -53,7 +53,7 @@ def test_identify_adds_the_constants_of_the_model_and_what_they_are_worth(suffix
     trimesh.creation.box((2, 2, 2)).subdivide().subdivide().export(body)  # in any unit
     words = ["--length-mm", "165", "--mesh", str(body), "--fill", "liquid", "--json", str(out)]
     assert main(["calibrate", str(SAMPLES / "object_3_vinyl_water.csv"), *words]) == 0
-    assert "Checking" in capsys.readouterr().err  # progress
+    assert "Identifying: " in capsys.readouterr().err
     told = json.loads(out.read_text())["identification"]
     assert told["vertices"] == 98
     assert told["size"] == pytest.approx(165)
