@@ -108,6 +108,9 @@ def step(
     follow(obj, body)
     felt = haptic.fingertips(context.scene, body) or fingertips(context.scene, body.link.scale)
     fingers = merged(felt, pressed)
+    before, body.poked = body.poked, frozenset(i for i, target in enumerate(pressed) if target)
+    # one that goes from hand to hand is lifted: it would fly through the body, and a device would feel the way
+    body.session.set_fingers([None if i in before ^ body.poked else finger for i, finger in enumerate(fingers)])
     body.session.set_fingers(fingers)
     body.fingers = fingers
     frame = body.session.step(dt, budget=budget)
@@ -138,9 +141,9 @@ def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
 
 
 def merged(fingers: Sequence[Finger | None], pressed: Sequence[Target | None]) -> tuple[Finger | None, ...]:
-    """Return the fingertips of a session: those of a poke, where there are any, else the objects."""
-    slots = [*pressed, *([None] * MAX_FINGERS)][:MAX_FINGERS]
-    return tuple(Finger(*target) if target else finger for target, finger in zip(slots, fingers, strict=True))
+    """Return the fingertips of a session: those of a poke, where there are any, else the device's or the objects."""
+    first, second = ([*some, *([None] * MAX_FINGERS)][:MAX_FINGERS] for some in (pressed, fingers))
+    return tuple(Finger(*target) if target else finger for target, finger in zip(first, second, strict=True))
 
 
 def ask(scene: bpy.types.Scene, run: Run, wall: float) -> tuple[float, float]:

@@ -33,7 +33,7 @@ class Body:
 
     triangles: (t, 3) of the object's own vertices, outward.  matrix: (4, 4) of the object when it was last stepped.
     fingers: the fingertips to be drawn, in the session's space.  trail: depth [m] and force [N] of the deepest one.
-    take: the last recording and its first frame.
+    poked: which fingertips are the poke's.  take: the last recording and its first frame.
     """
 
     link: Link
@@ -42,6 +42,7 @@ class Body:
     matrix: np.ndarray
     triangles: np.ndarray
     fingers: tuple[Finger | None, ...] = (None, None, None)
+    poked: frozenset[int] = frozenset()
     trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None

@@ -8,6 +8,7 @@ a frame.) Slopes steeper than the device can render are rendered as steep as it 
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -65,13 +66,16 @@ class Felt:
 
     stuck: dict[int, Floats] = field(default_factory=dict)
 
-    def contacts(self, session: Session, place: Workspace, cap: float, now: float) -> tuple[Contact | None, ...]:
+    def contacts(
+        self, session: Session, place: Workspace, cap: float, now: float, others: Container[int] = ()
+    ) -> tuple[Contact | None, ...]:
         """Return what each fingertip feels, in the space of the device.
 
         Args:
             cap: largest stiffness the device renders [N/m].  now: [s] of the clock that the servo reads too.
+            others: fingertips of the session that are not the device's.
         """
-        touches = session.frame.touches
+        touches = [None if i in others else touch for i, touch in enumerate(session.frame.touches)]
         self.stuck = {i: place for i, place in self.stuck.items() if i < len(touches) and touches[i]}
         return tuple(
             self._contact(session.model, i, touch, place, cap, now) if touch else None

@@ -1,112 +1,18 @@
-"""The haptic device in Blender: an emulated one in a process of its own, behind a real pseudo-terminal."""
+"""The haptic device in Blender."""
 
-import json
-import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import Any
 
 import pytest
 
+from tests.blender.operators.device_rig import PATIENCE, connect, connection, gone, run, softened, strongest, wait
+
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
-PATIENCE = 30.0  # [s] on a busy machine
-AGAIN = 0.5  # [s] between two requests to arm
-BEGIN = 1.2  # [s] from the device's ramp until the servo's is over
-DOWN, UP = 4.0, 1.5  # [s] of a press and between two: a busy machine, disarmed for its gaps, arms again while it is up
-WAY = [[0.0, 0.0, 0.0, 0.02]] + [
-    [BEGIN + k * (DOWN + UP) + t, 0.0, 0.0, z]
-    for k in range(12)
-    for t, z in ((0.0, 0.02), (0.2, -0.010), (DOWN, -0.010), (DOWN + 0.2, 0.02))
-]
-APART = 0.02  # [m]
-
-
-@pytest.fixture
-def port(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> Iterator[Any]:
-    """An emulator whose hand presses 10 mm deep once there is force; it ends with the test."""
-    from bl_ext.user_default.dimple.core.devices.process import end, start
-    from bl_ext.user_default.dimple.operators import haptic, sessions
-
-    tips = [[[t, x + shift, y, z] for t, x, y, z in WAY] for shift in (-APART, 0.0, APART)]
-    (tmp_path / "hand.json").write_text(json.dumps({"tips": tips}))
-    path = tmp_path / "port"
-    process = start(["emulator", "--pty", str(path), "--hand", str(tmp_path / "hand.json"), "--lifeline"], None)
-    until = time.perf_counter() + PATIENCE
-    while not os.path.exists(path) and time.perf_counter() < until:
-        time.sleep(0.01)
-    yield SimpleNamespace(path=str(path), process=process)
-    haptic.disconnect()
-    sessions.stop_all()
-    end(process)
-
-
-def connection() -> Any:
-    from bl_ext.user_default.dimple.operators import haptic
-
-    return haptic.get()
-
-
-def wait(holds: Callable[[Any], bool], bpy: ModuleType | None = None, *, arms: bool = False) -> Any:
-    """Let time pass until something holds of the report; with bpy, let the sessions run as Play does.
-
-    arms: ask for force, again where the machine was too busy.
-    """
-    from bl_ext.user_default.dimple.operators import haptic, live
-
-    until, asked = time.perf_counter() + PATIENCE, 0.0
-    while not holds(connection().report):
-        assert time.perf_counter() < until, connection().report
-        if arms and connection().report.arming.name == "OFF" and time.perf_counter() - asked > AGAIN:
-            asked = time.perf_counter()
-            haptic.hold(60.0)
-            connection().device.arm()
-        if bpy:
-            live.advance(bpy.context, 1 / 60)
-        else:
-            haptic._look()
-        time.sleep(1 / 60)
-    return connection().report
-
-
-def connect(bpy: ModuleType, path: str) -> Any:
-    bpy.context.scene.dimple.device_port = path
-    assert bpy.ops.dimple.connect_device() == {"FINISHED"}
-    return wait(lambda report: report.states > 10)
-
-
-def run(bpy: ModuleType, body: Any) -> Any:
-    """Start a session on a body under the fingertips: the middle of the workspace is where they touch its top."""
-    from bl_ext.user_default.dimple.operators import live, sessions
-
-    live.start_all(bpy.context)
-    entry = sessions.get(body)
-    bpy.context.scene.dimple.device_origin = (0.0, 0.0, 1.0 + 0.010 / entry.link.scale)
-    return entry
-
-
-def softened(bpy: ModuleType, body: Any) -> Any:
-    """Give a body a material that any machine's delay lets a device render."""
-    material = bpy.data.materials.new("Soft")
-    body.data.materials.append(material)
-    material.dimple.K1, material.dimple.K2, material.dimple.x0 = 0.2, 9.0, 30.0
-    return material.dimple
-
-
-def gone(pid: int) -> bool:
-    for _ in range(300):
-        status = Path(f"/proc/{pid}/stat")
-        if not status.exists() or status.read_text().rpartition(")")[2].split()[0] == "Z":
-            return True
-        time.sleep(0.01)
-    return False
-
-
-def strongest(report: Any) -> float:
-    return max(sum(c * c for c in tip.force) ** 0.5 for tip in report.tips)
 
 
 def test_three_fingertips_press_the_session_and_feel_it(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
@@ -130,139 +36,6 @@ def test_three_fingertips_press_the_session_and_feel_it(bpy: ModuleType, port: A
 
     wait(felt, bpy, arms=True)
     assert len([finger for finger in entry.fingers if finger]) == 3  # which the overlay draws
-
-
-def test_without_the_dead_man_switch_there_is_no_force(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
-    body = add()
-    softened(bpy, body)
-    connect(bpy, port.path)
-    run(bpy, body)
-    bpy.ops.dimple.arm_device(hold_s=0.0)
-    until = time.perf_counter() + 1.0
-    report = wait(lambda _: time.perf_counter() > until, bpy)
-    assert report.arming.name == "WAITING" and strongest(report) == 0.0
-    bpy.ops.dimple.disarm_device()
-    assert wait(lambda report: report.arming.name == "OFF", bpy)
-
-
-class Watch:
-    """Follow the dead-man key as the operator does: events in, and whether the key counts as held out."""
-
-    def __init__(self, bpy: ModuleType) -> None:
-        from bl_ext.user_default.dimple.operators.device import DIMPLE_OT_arm_device
-
-        self.timers: list[float] = []
-        names = ("invoke", "modal", "cancel", "_end", "_is_armed")
-        self.operator = type("Stub", (), {name: DIMPLE_OT_arm_device.__dict__[name] for name in names})()
-        manager = SimpleNamespace(
-            modal_handler_add=lambda _: None,
-            event_timer_add=lambda seconds, window: self.timers.append(seconds) or seconds,
-            event_timer_remove=self.timers.remove,
-        )
-        workspace = SimpleNamespace(status_text_set=lambda _: None)
-        self.context = SimpleNamespace(window_manager=manager, workspace=workspace, window=None)
-        assert self.operator.invoke(self.context, None) == {"RUNNING_MODAL"}
-
-    def send(self, kind: str, value: str = "NOTHING", *, shift: bool = False) -> set[str]:
-        return self.operator.modal(self.context, SimpleNamespace(type=kind, value=value, shift=shift))
-
-    def press(self) -> None:
-        self.send("LEFT_SHIFT", "PRESS")
-        assert self.holds()
-        self.send("TIMER", shift=True)
-        assert self.holds()
-
-    def holds(self) -> bool:
-        return connection().device.held_until > time.perf_counter()
-
-
-LOST = {
-    "it is released": [("LEFT_SHIFT", "RELEASE", False)],
-    "another operator kept its release to itself": [("TIMER", "NOTHING", False)],
-    "another window is in front": [("WINDOW_DEACTIVATE", "NOTHING", True)],
-    "another window is in front, and Blender does not know that it is up": [
-        ("WINDOW_DEACTIVATE", "NOTHING", True), ("TIMER", "NOTHING", True), ("MOUSEMOVE", "NOTHING", True),
-    ],
-    "the mouse moves without it": [("MOUSEMOVE", "NOTHING", False)],
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("how", LOST)
-def test_the_key_is_let_go_when(bpy: ModuleType, port: Any, how: str) -> None:
-    connect(bpy, port.path)
-    watch = Watch(bpy)
-    watch.send("TIMER", shift=True)
-    assert not watch.holds(), "a key that was down before is not this one"
-    for _ in range(2):
-        watch.press()
-        for kind, value, shift in LOST[how]:
-            watch.send(kind, value, shift=shift)
-            assert not watch.holds()
-
-
-def test_the_key_is_let_go_when_nobody_looks_at_it_any_more(
-    bpy: ModuleType, port: Any, add: Callable[..., Any]
-) -> None:
-    """The operator is gone, or Blender stands still; that frames go on holds nothing."""
-    from bl_ext.user_default.dimple.core.devices.safety import LEASE
-    from bl_ext.user_default.dimple.operators import live
-
-    connect(bpy, port.path)
-    run(bpy, add())
-    watch = Watch(bpy)
-    watch.press()
-    pressed = time.perf_counter()
-    live.advance(bpy.context, 1 / 60)
-    assert connection().device._order.held_until <= pressed + LEASE
-    time.sleep(LEASE)
-    live.advance(bpy.context, 1 / 60)
-    assert not watch.holds() and not connection().device._order.is_held(time.perf_counter())
-
-
-def test_the_newest_operator_follows_the_key_alone(bpy: ModuleType, port: Any) -> None:
-    connect(bpy, port.path)
-    old, new = Watch(bpy), Watch(bpy)
-    assert old.send("LEFT_SHIFT", "PRESS") == {"FINISHED"} and not old.holds() and not old.timers
-    new.press()
-    assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
-    assert new.send("TIMER", shift=True) == {"FINISHED"} and not new.timers
-
-
-def test_escape_disarms(bpy: ModuleType, port: Any) -> None:
-    connect(bpy, port.path)
-    watch = Watch(bpy)
-    watch.press()
-    wait(lambda report: report.arming.name == "ON", arms=True)
-    watch = Watch(bpy)
-    watch.press()
-    assert watch.send("ESC", "PRESS") == {"FINISHED"} and not watch.holds() and not watch.timers
-    wait(lambda report: report.arming.name == "OFF")
-
-
-ENDS = ("poke", "play", "compare_methods")
-
-
-@pytest.mark.parametrize("name", ENDS)
-def test_escape_of_whatever_runs_disarms(
-    bpy: ModuleType, port: Any, add: Callable[..., Any], hand: Any, name: str
-) -> None:
-    softened(bpy, add())
-    connect(bpy, port.path)
-    runs = hand(name)
-    assert runs.invoke() == {"RUNNING_MODAL"}
-    wait(lambda report: report.arming.name == "ON", arms=True)
-    if name == "poke":
-        assert runs.send("LEFT_SHIFT", shift=True) == {"PASS_THROUGH"}, "it keeps the dead-man key from nobody"
-    assert runs.send("ESC") == {"CANCELLED"}
-    wait(lambda report: report.arming.name == "OFF")
-
-
-def test_reset_disarms(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
-    connect(bpy, port.path)
-    run(bpy, add())
-    wait(lambda report: report.arming.name == "ON", arms=True)
-    assert bpy.ops.dimple.reset() == {"FINISHED"}
-    wait(lambda report: report.arming.name == "OFF")
 
 
 @pytest.mark.parametrize("who", ["servo", "emulator"])
@@ -326,55 +99,6 @@ def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> N
     assert at == pytest.approx((0.1, 0.2, 0.3), abs=1e-5)
 
 
-@pytest.mark.parametrize(("above", "kicks"), [(0.040, False), (-0.040, True)])
-def test_a_body_put_under_the_fingertips_at_once_disarms(
-    bpy: ModuleType, port: Any, add: Callable[..., Any], above: float, kicks: bool
-) -> None:
-    """They are in it when its session starts, and nothing may kick; below them, it may start."""
-    from bl_ext.user_default.dimple.operators import live, sessions
-
-    body, said = add(), []
-    connect(bpy, port.path)
-    for _ in range(3 if kicks else 1):  # a busy machine may have disarmed it meanwhile
-        wait(lambda report: report.arming.name == "ON", arms=True)
-        entry = run(bpy, body)
-        bpy.context.scene.dimple.device_origin[2] += above / entry.link.scale
-        said += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
-        if kicks:
-            wait(lambda report: report.arming.name == "OFF")
-        sessions.stop_all()
-    assert any("has changed" in sentence for sentence in said) == kicks
-
-
-def test_another_place_of_the_device_disarms_while_a_fingertip_presses(
-    bpy: ModuleType, port: Any, add: Callable[..., Any]
-) -> None:
-    """As when a step that set it is undone: the wall would jump by as much."""
-    body = add()
-    softened(bpy, body)
-    connect(bpy, port.path)
-    run(bpy, body)
-    wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
-    bpy.context.scene.dimple.device_origin[2] -= 0.1
-    wait(lambda report: report.arming.name == "OFF", bpy)
-
-
-def test_a_new_session_remembers_nothing_of_what_was_felt_in_the_last(
-    bpy: ModuleType, port: Any, add: Callable[..., Any]
-) -> None:
-    from bl_ext.user_default.dimple.operators import live, sessions
-
-    body, felt = add(), []
-    connect(bpy, port.path)
-    for _ in range(2):
-        entry = run(bpy, body)
-        live.advance(bpy.context, 1 / 60)
-        felt.append(connection().felt[entry])
-        assert list(connection().felt) == [entry]
-        sessions.stop_all()
-    assert felt[0] is not felt[1]
-
-
 @pytest.mark.parametrize("paused", [True, False], ids=["paused", "nothing runs"])
 def test_a_servo_hears_of_blender_while_nothing_moves(
     bpy: ModuleType, port: Any, add: Callable[..., Any], paused: bool
@@ -394,6 +118,25 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
         haptic._look()
         seen, order = connection().device._box.read(TO_SERVO, ORDER_SIZE, seen)
         assert order
+
+
+def test_a_fingertip_that_is_believed_no_more_moves_no_other(
+    bpy: ModuleType, port: Any, add: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dataclasses import replace
+
+    from bl_ext.user_default.dimple.operators import live
+
+    connect(bpy, port.path)
+    entry = run(bpy, add())
+    live.advance(bpy.context, 1 / 60)
+    tips, device = connection().report.tips, type(connection().device)
+    for masked in ((True, False, False), (False, True, True), (True, True, True)):
+        spoiled = [replace(tip, masked=mask) for tip, mask in zip(tips, masked, strict=True)]
+        report = replace(connection().report, tips=tuple(spoiled))
+        monkeypatch.setattr(device, "read", lambda _, report=report: report)
+        assert live.advance(bpy.context, 1 / 60) == []
+        assert [finger is None for finger in entry.fingers] == list(masked)
 
 
 def test_a_device_that_is_lost_while_play_is_paused_is_said_when_it_goes_on(

@@ -1,0 +1,106 @@
+"""A haptic device for Blender's tests: an emulated one in a process of its own, behind a real pseudo-terminal."""
+
+import json
+import os
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+
+PATIENCE = 30.0  # [s] on a busy machine
+AGAIN = 0.5  # [s] between two requests to arm
+BEGIN = 1.2  # [s] from the device's ramp until the servo's is over
+DOWN, UP = 4.0, 1.5  # [s] of a press and between two: a busy machine, disarmed for its gaps, arms again while it is up
+WAY = [[0.0, 0.0, 0.0, 0.02]] + [
+    [BEGIN + k * (DOWN + UP) + t, 0.0, 0.0, z]
+    for k in range(12)
+    for t, z in ((0.0, 0.02), (0.2, -0.010), (DOWN, -0.010), (DOWN + 0.2, 0.02))
+]
+APART = 0.02  # [m]
+
+
+@pytest.fixture
+def port(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> Iterator[Any]:
+    """An emulator whose hand presses 10 mm deep once there is force; it ends with the test."""
+    from bl_ext.user_default.dimple.core.devices.process import end, start
+    from bl_ext.user_default.dimple.operators import haptic, sessions
+
+    tips = [[[t, x + shift, y, z] for t, x, y, z in WAY] for shift in (-APART, 0.0, APART)]
+    (tmp_path / "hand.json").write_text(json.dumps({"tips": tips}))
+    path = tmp_path / "port"
+    process = start(["emulator", "--pty", str(path), "--hand", str(tmp_path / "hand.json"), "--lifeline"], None)
+    until = time.perf_counter() + PATIENCE
+    while not os.path.exists(path) and time.perf_counter() < until:
+        time.sleep(0.01)
+    yield SimpleNamespace(path=str(path), process=process)
+    haptic.disconnect()
+    sessions.stop_all()
+    end(process)
+
+
+def connection() -> Any:
+    from bl_ext.user_default.dimple.operators import haptic
+
+    return haptic.get()
+
+
+def wait(holds: Callable[[Any], bool], bpy: ModuleType | None = None, *, arms: bool = False) -> Any:
+    """Let time pass until something holds of the report; with bpy, let the sessions run as Play does.
+
+    arms: ask for force, again where the machine was too busy.
+    """
+    from bl_ext.user_default.dimple.operators import haptic, live
+
+    until, asked = time.perf_counter() + PATIENCE, 0.0
+    while not holds(connection().report):
+        assert time.perf_counter() < until, connection().report
+        if arms and connection().report.arming.name == "OFF" and time.perf_counter() - asked > AGAIN:
+            asked = time.perf_counter()
+            haptic.hold(60.0)
+            connection().device.arm()
+        if bpy:
+            live.advance(bpy.context, 1 / 60)
+        else:
+            haptic._look()
+        time.sleep(1 / 60)
+    return connection().report
+
+
+def connect(bpy: ModuleType, path: str) -> Any:
+    bpy.context.scene.dimple.device_port = path
+    assert bpy.ops.dimple.connect_device() == {"FINISHED"}
+    return wait(lambda report: report.states > 10)
+
+
+def run(bpy: ModuleType, body: Any) -> Any:
+    """Start a session on a body under the fingertips: the middle of the workspace is where they touch its top."""
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    live.start_all(bpy.context)
+    entry = sessions.get(body)
+    bpy.context.scene.dimple.device_origin = (0.0, 0.0, 1.0 + 0.010 / entry.link.scale)
+    return entry
+
+
+def softened(bpy: ModuleType, body: Any) -> Any:
+    """Give a body a material that any machine's delay lets a device render."""
+    material = bpy.data.materials.new("Soft")
+    body.data.materials.append(material)
+    material.dimple.K1, material.dimple.K2, material.dimple.x0 = 0.2, 9.0, 30.0
+    return material.dimple
+
+
+def gone(pid: int) -> bool:
+    for _ in range(300):
+        status = Path(f"/proc/{pid}/stat")
+        if not status.exists() or status.read_text().rpartition(")")[2].split()[0] == "Z":
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def strongest(report: Any) -> float:
+    return max(sum(c * c for c in tip.force) ** 0.5 for tip in report.tips)

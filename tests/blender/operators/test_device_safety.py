@@ -1,0 +1,234 @@
+"""What lets the haptic device have force in Blender, and what takes it away: the dead-man key, and a body at once."""
+
+import sys
+import time
+from collections.abc import Callable
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tests.blender.operators.device_rig import connect, connection, run, softened, strongest, wait
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
+
+
+def test_without_the_dead_man_switch_there_is_no_force(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
+    body = add()
+    softened(bpy, body)
+    connect(bpy, port.path)
+    run(bpy, body)
+    bpy.ops.dimple.arm_device(hold_s=0.0)
+    until = time.perf_counter() + 1.0
+    report = wait(lambda _: time.perf_counter() > until, bpy)
+    assert report.arming.name == "WAITING" and strongest(report) == 0.0
+    bpy.ops.dimple.disarm_device()
+    assert wait(lambda report: report.arming.name == "OFF", bpy)
+
+
+class Watch:
+    """Follow the dead-man key as the operator does: events in, and whether the key counts as held out."""
+
+    def __init__(self, bpy: ModuleType) -> None:
+        from bl_ext.user_default.dimple.operators.device import DIMPLE_OT_arm_device
+
+        self.timers: list[float] = []
+        names = ("invoke", "modal", "cancel", "_end", "_is_armed")
+        self.operator = type("Stub", (), {name: DIMPLE_OT_arm_device.__dict__[name] for name in names})()
+        manager = SimpleNamespace(
+            modal_handler_add=lambda _: None,
+            event_timer_add=lambda seconds, window: self.timers.append(seconds) or seconds,
+            event_timer_remove=self.timers.remove,
+        )
+        workspace = SimpleNamespace(status_text_set=lambda _: None)
+        self.context = SimpleNamespace(window_manager=manager, workspace=workspace, window=None)
+        assert self.operator.invoke(self.context, None) == {"RUNNING_MODAL"}
+
+    def send(self, kind: str, value: str = "NOTHING", *, shift: bool = False) -> set[str]:
+        return self.operator.modal(self.context, SimpleNamespace(type=kind, value=value, shift=shift))
+
+    def press(self) -> None:
+        self.send("LEFT_SHIFT", "PRESS")
+        assert self.holds()
+        self.send("TIMER", shift=True)
+        assert self.holds()
+
+    def holds(self) -> bool:
+        return connection().device.held_until > time.perf_counter()
+
+
+LOST = {
+    "it is released": [("LEFT_SHIFT", "RELEASE", False)],
+    "another operator kept its release to itself": [("TIMER", "NOTHING", False)],
+    "another window is in front": [("WINDOW_DEACTIVATE", "NOTHING", True)],
+    "another window is in front, and Blender does not know that it is up": [
+        ("WINDOW_DEACTIVATE", "NOTHING", True), ("TIMER", "NOTHING", True), ("MOUSEMOVE", "NOTHING", True),
+    ],
+    "the mouse moves without it": [("MOUSEMOVE", "NOTHING", False)],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", LOST)
+def test_the_key_is_let_go_when(bpy: ModuleType, port: Any, how: str) -> None:
+    connect(bpy, port.path)
+    watch = Watch(bpy)
+    watch.send("TIMER", shift=True)
+    assert not watch.holds(), "a key that was down before is not this one"
+    for _ in range(2):
+        watch.press()
+        for kind, value, shift in LOST[how]:
+            watch.send(kind, value, shift=shift)
+            assert not watch.holds()
+
+
+def test_the_key_is_let_go_when_nobody_looks_at_it_any_more(
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
+) -> None:
+    """The operator is gone, or Blender stands still; that frames go on holds nothing."""
+    from bl_ext.user_default.dimple.core.devices.safety import LEASE
+    from bl_ext.user_default.dimple.operators import live
+
+    connect(bpy, port.path)
+    run(bpy, add())
+    watch = Watch(bpy)
+    watch.press()
+    pressed = time.perf_counter()
+    live.advance(bpy.context, 1 / 60)
+    assert connection().device._order.held_until <= pressed + LEASE
+    time.sleep(LEASE)
+    live.advance(bpy.context, 1 / 60)
+    assert not watch.holds() and not connection().device._order.is_held(time.perf_counter())
+
+
+def test_the_newest_operator_follows_the_key_alone(bpy: ModuleType, port: Any) -> None:
+    connect(bpy, port.path)
+    old, new = Watch(bpy), Watch(bpy)
+    assert old.send("LEFT_SHIFT", "PRESS") == {"FINISHED"} and not old.holds() and not old.timers
+    new.press()
+    assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
+    assert new.send("TIMER", shift=True) == {"FINISHED"} and not new.timers
+
+
+def test_escape_disarms(bpy: ModuleType, port: Any) -> None:
+    connect(bpy, port.path)
+    watch = Watch(bpy)
+    watch.press()
+    wait(lambda report: report.arming.name == "ON", arms=True)
+    watch = Watch(bpy)
+    watch.press()
+    assert watch.send("ESC", "PRESS") == {"FINISHED"} and not watch.holds() and not watch.timers
+    wait(lambda report: report.arming.name == "OFF")
+
+
+ENDS = ("poke", "play", "compare_methods")
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_escape_of_whatever_runs_disarms(
+    bpy: ModuleType, port: Any, add: Callable[..., Any], hand: Any, name: str
+) -> None:
+    softened(bpy, add())
+    connect(bpy, port.path)
+    runs = hand(name)
+    assert runs.invoke() == {"RUNNING_MODAL"}
+    wait(lambda report: report.arming.name == "ON", arms=True)
+    if name == "poke":
+        assert runs.send("LEFT_SHIFT", shift=True) == {"PASS_THROUGH"}, "it keeps the dead-man key from nobody"
+    assert runs.send("ESC") == {"CANCELLED"}
+    wait(lambda report: report.arming.name == "OFF")
+
+
+def test_reset_disarms(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
+    connect(bpy, port.path)
+    run(bpy, add())
+    wait(lambda report: report.arming.name == "ON", arms=True)
+    assert bpy.ops.dimple.reset() == {"FINISHED"}
+    wait(lambda report: report.arming.name == "OFF")
+
+
+@pytest.mark.parametrize(("above", "kicks"), [(0.040, False), (-0.040, True)])
+def test_a_body_put_under_the_fingertips_at_once_disarms(
+    bpy: ModuleType, port: Any, add: Callable[..., Any], above: float, kicks: bool
+) -> None:
+    """They are in it when its session starts, and nothing may kick; below them, it may start."""
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    body, said = add(), []
+    connect(bpy, port.path)
+    for _ in range(3 if kicks else 1):  # a busy machine may have disarmed it meanwhile
+        wait(lambda report: report.arming.name == "ON", arms=True)
+        entry = run(bpy, body)
+        bpy.context.scene.dimple.device_origin[2] += above / entry.link.scale
+        said += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        if kicks:
+            wait(lambda report: report.arming.name == "OFF")
+        sessions.stop_all()
+    assert any("has changed" in sentence for sentence in said) == kicks
+
+
+def test_another_place_of_the_device_disarms_while_a_fingertip_presses(
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
+) -> None:
+    """As when a step that set it is undone: the wall would jump by as much."""
+    body = add()
+    softened(bpy, body)
+    connect(bpy, port.path)
+    run(bpy, body)
+    wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
+    bpy.context.scene.dimple.device_origin[2] -= 0.1
+    wait(lambda report: report.arming.name == "OFF", bpy)
+
+
+def test_a_new_session_remembers_nothing_of_what_was_felt_in_the_last(
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
+) -> None:
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    body, felt = add(), []
+    connect(bpy, port.path)
+    for _ in range(2):
+        entry = run(bpy, body)
+        live.advance(bpy.context, 1 / 60)
+        felt.append(connection().felt[entry])
+        assert list(connection().felt) == [entry]
+        sessions.stop_all()
+    assert felt[0] is not felt[1]
+
+
+def test_what_the_mouse_presses_is_not_felt_by_the_device(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
+    """The mouse takes the first fingertip: the device's presses nothing and feels nothing until the mouse lets go."""
+    from bl_ext.user_default.dimple.operators import live
+
+    body = add()
+    softened(bpy, body)
+    connect(bpy, port.path)
+    entry = run(bpy, body)
+    live.advance(bpy.context, 1 / 60)
+    mouse = ((0.0, 0.0, entry.link.scale + 0.010 - 0.012), 0.010)
+    for _ in range(3):
+        live.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (mouse,)})
+        first, second, _ = connection().device._order.contacts
+        assert first is None and second and entry.frame.depths[0] == pytest.approx(0.012, abs=1e-4)
+    live.advance(bpy.context, 1 / 60)
+    here = connection().device._order.contacts[0].at
+    there = connection().report.tips[0].position
+    assert here == pytest.approx(there, abs=1e-4) and entry.frame.depths[0] == 0.0
+
+
+def test_a_mouse_that_lets_a_pressed_fingertip_go_disarms(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
+    """The device's own is inside the body, and would be pushed out at once."""
+    from bl_ext.user_default.dimple.operators import live
+
+    body, said = add(), []
+    softened(bpy, body)
+    connect(bpy, port.path)
+    entry = run(bpy, body)
+    above = ((0.0, 0.0, entry.link.scale + 0.050), 0.010)
+    for _ in range(3):  # a busy machine may have disarmed it meanwhile
+        wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
+        live.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (above,)})
+        said += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        wait(lambda report: report.arming.name == "OFF", bpy)
+        if said:
+            break
+    assert any("has changed" in sentence for sentence in said)
