@@ -127,9 +127,10 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
             self.report({"ERROR"}, calibration.plain(str(error)))
             return {"CANCELLED"}
         context.scene.dimple.calibration = calibration.record(found)
-        for warning in found.warnings:
+        told = calibration.load(context.scene.dimple.calibration)
+        for warning in told["warnings"]:
             self.report({"WARNING"}, warning)
-        self.report({"INFO"}, calibration.load(context.scene.dimple.calibration)["provenance"])
+        self.report({"INFO"}, told["provenance"])
         return {"FINISHED"}
 
     def draw(self, _context: bpy.types.Context) -> None:

@@ -162,6 +162,20 @@ def test_the_dialog_asks_until_nothing_is_open(
     assert told(scene)["K2"] == pytest.approx(7, rel=1e-3)
 
 
+def test_warnings_speak_of_what_the_interface_has(
+    bpy: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, depth = tmp_path / "noisy.csv", np.linspace(-1, 20, 120)
+    force = 0.6 * np.clip(depth, 0, 12) + 7 * np.maximum(depth - 12, 0)
+    force += 2.4 * np.random.default_rng(0).normal(size=120)  # it hides the touch
+    rows = (f"{x + 1:.4f},{f:.4f}\n" for x, f in zip(depth, force, strict=True))
+    path.write_text("Depth (mm),Force (N)\n" + "".join(rows))
+    asked = Asked(bpy, monkeypatch, str(path))
+    assert asked.answer() == {"FINISHED"}
+    warnings = [text for level, text in asked.reports if level == "WARNING"]
+    assert any("“Contact (mm)”" in text for text in warnings) and not any("--" in text for text in warnings)
+
+
 def test_headers_that_are_exchanged_can_be_told_so_in_the_dialog(
     bpy: ModuleType, scene: Any, write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
