@@ -69,7 +69,7 @@ def draw_numbers() -> None:
     scale = context.preferences.system.ui_scale
     left, bottom = free_corner(context.area, scale)
     if calibrated:
-        draw_key(calibrated, (left, draw_curves(calibrated, (left, bottom), scale, context.region)), scale)
+        draw_curves(calibrated, (left, bottom), scale, context.region)
     for body, entry in shown:
         if context.scene.dimple.show_chart:
             curves = pressed_curves(body, entry)
@@ -152,19 +152,20 @@ def _metres(rows: Sequence[Sequence[float]]) -> list[Point]:
     return [(depth / 1e3, force) for depth, force in rows]
 
 
-def draw_key(curves: Curves, corner: Point, scale: float) -> None:
-    """Write what the colours of a chart mean, above it."""
+def draw_key(curves: Curves, corner: Point, scale: float) -> float:
+    """Write what the colours of a chart mean, from a corner [px], and return where it ends."""
     law = iface_("Law") + (" ± 95 %" if curves.band[0] else "")
     words = [(law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured)]
-    words += [(iface_("Simulated"), SIMULATED, curves.simulated)]
+    words += [(iface_("Simulated"), SIMULATED, curves.simulated), (iface_("Pressed"), FORCE, curves.trail)]
     left = corner[0]
     for word, colour, shown in words:
         if shown:
             left += write(word, (left, corner[1] + 5 * scale), scale, colour) + MARGIN * scale
+    return corner[1] + LINE_HEIGHT * scale
 
 
 def draw_curves(curves: Curves, corner: Point, scale: float, region: Any) -> float:
-    """Draw a chart from a corner [px] and return where it ends."""
+    """Draw a chart and its key from a corner [px] and return where they end."""
     size = (CHART[0] * scale, CHART[1] * scale)
     seen = [*curves.measured, *curves.simulated, *curves.trail]
     # the knee always shows: it tells how far the press has come
@@ -185,7 +186,7 @@ def draw_curves(curves: Curves, corner: Point, scale: float, region: Any) -> flo
         draw_lines(shapes.circle(trail[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, region)
     write(f"{ends[1]:g} N", (corner[0] + 4 * scale, top - LINE_HEIGHT * scale), scale)
     write(f"{ends[0] * 1e3:g} mm", (right - 48 * scale, corner[1] + 5 * scale), scale)
-    return top
+    return draw_key(curves, (corner[0], top), scale)
 
 
 def _shown(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any]]:

@@ -136,6 +136,7 @@ VIRTUAL = {
     "Off, of Full Scale": "差（フルスケール比）",
     "Off at Worst, of the Force": "最大の差（力に対する比）",
     "Law": "法則",
+    "Pressed": "押した軌跡",
     "Simulated": "シミュレーション",
     "Press the active object with its measuring tip, virtually, and write force against depth as a CSV file": (
         "アクティブオブジェクトを測定用の先端で仮想的に押し、深さに対する力を CSV ファイルに書き出します"

@@ -120,7 +120,7 @@ def test_the_chart_of_a_calibration_shows_the_measured_points_and_leaves_their_c
     curves = curves._replace(simulated=[(depth, 0.5 * force) for depth, force in curves.measured])
 
     def draw(region: Any) -> None:
-        overlay.draw_key(curves, (20.0, overlay.draw_curves(curves, (20.0, 20.0), 1.0, region)), 1.0)
+        overlay.draw_curves(curves, (20.0, 20.0), 1.0, region)
 
     picture = on_screen(draw)
     for colour in (overlay.LAW, overlay.MEASURED, overlay.SIMULATED):
@@ -167,6 +167,23 @@ def test_the_chart_shows_the_law_and_the_measurement_of_the_material_that_is_pre
         curves = overlay.pressed_curves(halves, entry)
         assert curves.law[0] == K1 and curves.measured == [(0.001, force)]
         assert entry.frame.law_forces[1] == pytest.approx(K1 * entry.frame.depths[1])
+
+
+def test_the_key_over_a_chart_names_what_is_in_it_and_nothing_else(
+    overlay: ModuleType, entry: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: dict[str, Any] = {}
+
+    def write(text: str, _at: Any, _scale: float, colour: Any = None) -> float:
+        written[text] = colour
+        return 0.0
+
+    for name, stand_in in (("write", write), ("draw_lines", lambda *_: None), ("draw_filled", lambda *_: None)):
+        monkeypatch.setattr(overlay, name, stand_in)
+    curves = overlay.pressed_curves(SimpleNamespace(material_slots=()), entry)
+    end = overlay.draw_curves(curves, (0.0, 0.0), 1.0, None)
+    assert end > overlay.CHART[1] and written["Law"] == overlay.LAW and written["Pressed"] == overlay.FORCE
+    assert not {"Measured", "Simulated"} & written.keys()
 
 
 def test_a_body_that_is_renamed_while_pressed_is_called_by_its_new_name(
