@@ -82,6 +82,8 @@ def disconnect() -> None:
     """Let go of the device; without one nothing happens."""
     while sessions.devices:
         sessions.devices.pop().device.close()
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
 
 
 def hold(seconds: float) -> None:

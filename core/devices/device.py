@@ -104,23 +104,25 @@ class HapticMaster:
         """Start the servo.
 
         Raises:
-            DimpleError: there is no Python or no pyserial to start it with.
+            DimpleError: there is no Python or no pyserial to start it with, or the system refuses.
         """
         self.close()
-        self._run_servo()
+        try:
+            self._run()
+        except BaseException as error:
+            self.close()
+            if isinstance(error, OSError):
+                raise DimpleError(f"The device cannot be opened: {error}.") from None
+            raise
 
-    def _run_servo(self) -> None:
+    def _run(self) -> None:
         self._heard = time.perf_counter()
         self._box, self._seen, self._order, self._report = Mailbox(), 0, Order(), Report()
         options = ["--baud", str(self.baud)] if self.baud else []
         options += ["--device", str(self.spec_path)] if self.spec_path else []
         options += ["--log", str(self.log)] if self.log else []
         self._errors = tempfile.TemporaryFile()
-        try:
-            self.process = start(["servo", self.port, "--mailbox", str(self._box.path), *options], self._errors)
-        except DimpleError:
-            self.close()
-            raise
+        self.process = start(["servo", self.port, "--mailbox", str(self._box.path), *options], self._errors)
 
     def read(self) -> Report:
         """Return where its fingertips are, and how it stands."""
@@ -189,13 +191,12 @@ class Emulated(HapticMaster):
     emulator: subprocess.Popen[bytes] | None = None
     _folder: Path | None = None
 
-    def open(self) -> None:
+    def _run(self) -> None:
         """Start the emulator, then the servo.
 
         Raises:
             DimpleError: this system has no pseudo-terminals, or the emulator does not start.
         """
-        self.close()
         self._folder = Path(tempfile.mkdtemp(prefix="dimple-"))
         port = self._folder / "device"
         options = [*self.options, *(["--device", str(self.spec_path)] if self.spec_path else [])]
@@ -208,11 +209,10 @@ class Emulated(HapticMaster):
             until = time.perf_counter() + PORT_WAIT
             while not port.exists():
                 if self.emulator.poll() is not None or time.perf_counter() > until:
-                    self.close()
                     raise DimpleError(f"The emulated device did not start ({_last_words(errors)}).")
                 time.sleep(0.01)
         self.port = str(port)
-        self._run_servo()
+        HapticMaster._run(self)
 
     def close(self) -> None:
         """End servo and emulator."""

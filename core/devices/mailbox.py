@@ -26,7 +26,8 @@ MEMORY: Final = "/dev/shm"  # files in memory, on Linux: a page written to a dis
 class Mailbox:
     """Map a mailbox file.
 
-    path: of the file; None makes one, which `close` then removes. It may vanish meanwhile: it stays mapped.
+    path: of the file; None makes one. Who is given it removes it where the system lets him: it stays mapped, and
+    nothing is left behind whoever is killed. Else `close` does where it was made.
 
     Raises:
         DimpleError: it cannot be made or opened.
@@ -67,7 +68,7 @@ class Mailbox:
         return seen, None
 
     def close(self) -> None:
-        """Let go of the file; remove it if it was made here."""
+        """Let go of the file; remove it if it was made here and is still there."""
         self._map.close()
         if self._own:
             self.path.unlink(missing_ok=True)
@@ -82,7 +83,10 @@ def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
     try:
         if path is None:
             os.write(handle, bytes(2 * _LETTER))  # a full disk is known now, and not when a letter is posted
-        return Path(name), mmap.mmap(handle, 2 * _LETTER)
+        mapped = mmap.mmap(handle, 2 * _LETTER)
+        if path is not None and os.name == "posix":
+            path.unlink(missing_ok=True)
+        return Path(name), mapped
     finally:
         os.close(handle)
 

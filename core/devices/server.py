@@ -29,7 +29,7 @@ from .spec import load_spec
 LogRow = tuple[float, ...]
 
 LOOK = 0.001  # [s] at most between two looks at line and lifeline: what comes each tick is not waited for any longer
-REPORT_EVERY = 0.002  # [s] Blender reads at 60 Hz
+REPORT_EVERY = 0.002  # [s] the most that a report adds to the age of the places a session is given
 LAST_WORDS = 0.010  # [s] for the bytes of the last command to leave
 BLENDER_GONE = 10.0  # [s] without an order where a pipe cannot be watched (Windows)
 
@@ -119,6 +119,13 @@ def hang_up(servo: Servo, line: Line) -> None:
 
 
 def write_log(path: Path | None, log: list[LogRow] | None) -> None:
-    """Write what the servo took and gave: time of the device [us], then position [m] and force [N] of each tip."""
+    """Write what the servo took and gave: time of the device [us], then position [m] and force [N] of each tip.
+
+    Raises:
+        DimpleError: it cannot be written.
+    """
     if path and log is not None:
-        path.write_text("".join(",".join(map(repr, row)) + "\n" for row in log), encoding="utf-8")
+        try:
+            path.write_text("".join(",".join(map(repr, row)) + "\n" for row in log), encoding="utf-8")
+        except OSError as error:
+            raise DimpleError(f"The servo's log {path} cannot be written: {error.strerror}.") from None

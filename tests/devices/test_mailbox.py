@@ -1,11 +1,11 @@
 """Letters between two processes: whole or not at all."""
 
 import math
+import os
 import subprocess
 import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -95,13 +95,17 @@ def test_no_reader_ever_gets_a_mixture_of_two_letters() -> None:
     assert read == 200
 
 
-def test_the_file_goes_with_the_one_who_made_it(tmp_path: Path) -> None:
+def test_the_file_goes_as_soon_as_both_have_it_or_with_the_one_who_made_it() -> None:
+    """So that nothing is left behind, whoever is killed."""
     box = Mailbox()
-    other = Mailbox(box.path)
-    other.close()
     assert box.path.exists()
-    box.close()
-    assert not box.path.exists()
+    other = Mailbox(box.path)
+    assert box.path.exists() == (os.name != "posix")
+    box.post(TO_SERVO, b"mapped")
+    assert other.read(TO_SERVO, 6)[1] == b"mapped"
+    for each in (other, box, Mailbox()):
+        each.close()
+        assert not each.path.exists()
 
 
 def test_a_letter_that_does_not_fit_is_refused() -> None:

@@ -12,14 +12,18 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
 
 import pytest
 
 from core.base import DimpleError
+from core.devices import device as devices
 from core.devices import process as processes
-from core.devices import wire
+from core.devices import server, wire
 from core.devices.device import Emulated, HapticMaster, Pointer
 from core.devices.letters import Link, Report
+from core.devices.mailbox import Mailbox
 from core.devices.process import python
 from core.devices.safety import Arming
 from core.devices.servo import FAULTS, SILENT, STOOD_STILL, WAS_SILENT
@@ -120,15 +124,36 @@ def test_the_servo_hangs(emulator: Rig) -> None:
     assert emulator.force_left() < NOISE
 
 
-def test_the_mailbox_is_removed_while_it_is_in_use(emulator: Rig) -> None:
-    """By whoever tidies up: it is mapped, and goes on."""
+def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
+    """So that whoever is killed leaves none behind; it is mapped, and goes on."""
     device = HapticMaster(emulator.port)
     device.open()
     drive(device, ready)
-    assert device._box
-    device._box.path.unlink()
+    assert device._box and not device._box.path.exists()
     assert drive(device, pressed(), arms=True).link is Link.READY
     device.close()
+
+
+@pytest.mark.parametrize(("device", "which"), [(HapticMaster("/dev/null"), 0), (Emulated(), 0), (Emulated(), 1)])
+def test_a_device_that_cannot_be_opened_leaves_nothing_behind(
+    device: HapticMaster, which: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first process that is started cannot be, or the second: out of memory, say."""
+    started, folders, boxes = [], [], []
+    monkeypatch.setattr(devices, "Mailbox", lambda: boxes.append(Mailbox()) or boxes[-1])
+    monkeypatch.setattr(devices.tempfile, "mkdtemp", lambda **how: folders.append(mkdtemp(**how)) or folders[-1])
+
+    def fails(words: list[str], errors: Any) -> Any:
+        if len(started) == which:
+            raise OSError(12, "Cannot allocate memory")
+        started.append(processes.start(words, errors))
+        return started[-1]
+
+    monkeypatch.setattr(devices, "start", fails)
+    with pytest.raises(DimpleError, match="cannot be opened: .*Cannot allocate"):
+        device.open()
+    assert len(started) == which and all(gone(process.pid) for process in started)
+    assert not any(map(os.path.exists, [*folders, *(box.path for box in boxes)]))
 
 
 @pytest.mark.parametrize("how", ["killed", "unplugged"])
@@ -220,6 +245,11 @@ def test_a_baud_rate_or_a_device_file_that_does_not_fit_is_said(tmp_path: Path) 
         report = drive(device, ready)
         assert report.link is Link.REFUSED and said in report.message
         device.close()
+
+
+def test_a_log_that_cannot_be_written_is_said(tmp_path: Path) -> None:
+    with pytest.raises(DimpleError, match="log .* cannot be written"):
+        server.write_log(tmp_path, [(0.0,)])
 
 
 def test_a_port_that_is_not_there_is_said(tmp_path: Path) -> None:

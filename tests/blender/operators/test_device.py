@@ -170,6 +170,7 @@ def test_whatever_ends_it_ends_the_servo_and_frees_the_port(bpy: ModuleType, por
     else:
         bpy.ops.dimple.connect_device()
     assert haptic.get() is None and gone(servo)
+    assert not bpy.app.timers.is_registered(haptic._look), "it would go on with the next device, beside its own"
     connect(bpy, port.path)
 
 
