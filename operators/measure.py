@@ -85,15 +85,11 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         import numpy as np
 
         from ..core.base import DimpleError
-        from ..core.calibration.indent import CLEAR, press
+        from ..core.calibration.indent import press_rows
 
-        # deeper, the tip meets the far side
-        depths = min(bench.deepest, CLEAR * bench.site.thickness) * np.arange(1, self.rows) / (self.rows - 1)
-        found = [(0.0, 0.0)]
-        for station in press(bench.mesh, bench.material, bench.indenter, bench.site, depths.tolist()):
-            if not station.found:
-                break
-            found.append((station.depth, station.force))
+        found, given = [], (bench.mesh, bench.material, bench.indenter, bench.site, bench.deepest)
+        for row in press_rows(*given, rows=self.rows):
+            found.append(row)
             yield min(len(found) / self.rows, 0.999)
         if len(found) < 12:
             way_out = "Press elsewhere." if bench.material.constants else "Identify it first: its skin is an estimate."

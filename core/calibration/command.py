@@ -17,7 +17,7 @@ from .indent import POINT, SHAPES, Indenter, find_site
 from .plot import save_plot
 from .question import Answers, Undecided
 from .report import questions_json, to_json, to_lines
-from .specimen import cube, load_mesh
+from .specimen import CELLS, cube, load_mesh
 from .verdict import Verdict, judge, verdict_json, verdict_lines
 
 DONE, OPEN = 0, 3  # exit codes
@@ -85,7 +85,7 @@ def _pressed(options: argparse.Namespace, calibration: Calibration) -> Verdict:
     length = calibration.length
     if length is None:
         raise DimpleError("How large is the object? Say it with --length-mm: a cube's edge, or a mesh's longest side.")
-    mesh = load_mesh(options.mesh, length) if options.mesh else cube(length)
+    mesh = load_mesh(options.mesh, length) if options.mesh else cube(CELLS, length)
     template = next(preset.material for preset in PRESETS if preset.material.fill == options.fill)
     material = fitted_material(calibration, template)
     indenter = calibration.tip

@@ -26,6 +26,7 @@ from ..session import Finger, Session
 
 SHAPES = ("point", "punch", "sphere")
 POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point; springs in a flat skin cannot spread it wider
+ROWS = 60  # of a virtual press
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 SPEED = 0.05  # [m/s] of a sphere between two depths
 SETTLING, LISTENING = 0.1, 0.03  # [s] of waiting at a depth, and of taking the mean of the force
@@ -157,13 +158,26 @@ def press(mesh: Mesh, material: Material, indenter: Indenter, site: Site, depths
             return
 
 
+def press_rows(
+    mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float, *, rows: int = ROWS
+) -> Iterator[tuple[float, float]]:
+    """Yield depth [m] and force [N] of a virtual press from the touch on, as an instrument would.
+
+    It ends before the far side, and where the body finds no rest.
+    """
+    yield 0.0, 0.0
+    deepest = min(deepest, CLEAR * site.thickness)
+    depths = deepest * np.arange(1, rows) / (rows - 1)
+    for station in press(mesh, material, indenter, site, depths.tolist()):
+        if station.found:
+            yield station.depth, station.force
+
+
 def press_curve(
-    mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float, *, rows: int = 60
+    mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float, *, rows: int = ROWS
 ) -> tuple[Floats, Floats]:
-    """Return depth (n,) [m] and force (n,) [N] of a virtual press from the touch on, as an instrument would."""
-    stations = list(press(mesh, material, indenter, site, (deepest * np.arange(1, rows) / (rows - 1)).tolist()))
-    found = [(station.depth, station.force) for station in stations if station.found]
-    depth, force = np.array([(0.0, 0.0), *found]).T
+    """Return depth (n,) [m] and force (n,) [N] of `press_rows`."""
+    depth, force = np.array(list(press_rows(mesh, material, indenter, site, deepest, rows=rows))).T
     return depth, force
 
 

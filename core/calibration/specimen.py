@@ -4,21 +4,36 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..base import DimpleError
+import numpy as np
+
+from ..base import DimpleError, Floats, Ints
 from ..mesh import Mesh, mesh_from_triangles
 
 SUFFIXES = (".obj", ".stl", ".ply")
-_HALVINGS = 4  # of a cube's edges: 1538 vertices
+CELLS = 16  # squares along an edge of a cube: 1538 vertices
 
 
-def cube(edge: float, *, halvings: int = _HALVINGS) -> Mesh:
-    """Return a cube of an edge [m]: 386 vertices by 3 halvings of its edges, 1538 by 4, 6146 by 5."""
-    import trimesh
+def cube(cells: int, edge: float) -> Mesh:
+    """Return a cube with cells x cells squares a side, 6 * cells**2 + 2 vertices."""
+    return mesh_from_triangles(*cube_triangles(cells, edge))
 
-    box = trimesh.creation.box((edge, edge, edge))
-    for _ in range(halvings):
-        box = box.subdivide()
-    return mesh_from_triangles(box.vertices, box.faces)
+
+def cube_triangles(cells: int, edge: float) -> tuple[Floats, Ints]:
+    """Return the positions and triangles of `cube`, its six sides not yet welded."""
+    line = np.linspace(-edge / 2, edge / 2, cells + 1)
+    u, v = (a.ravel() for a in np.meshgrid(line, line, indexing="ij"))
+    corner = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
+    a, b, c, d = (corner[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
+    side = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    positions: list[Floats] = []
+    triangles: list[Ints] = []
+    for axis in range(3):
+        for sign in (-1, 1):
+            plane = np.empty((len(u), 3))
+            plane[:, axis], plane[:, (axis + 1) % 3], plane[:, (axis + 2) % 3] = sign * edge / 2, u, v
+            triangles.append((side if sign > 0 else side[:, ::-1]) + len(positions) * len(u))
+            positions.append(plane)
+    return np.concatenate(positions), np.concatenate(triangles)
 
 
 def load_mesh(path: str | Path, size: float) -> Mesh:

@@ -31,8 +31,8 @@ from ..estimate import FINGERTIP
 from ..laws.paper import surface_stretch, surface_tension
 from ..material import PRESETS, Preset
 
-HALVINGS = (3, 4, 5)  # of a cube's edges: 386, 1538, 6146 vertices
-PRESSED = 4  # halvings of the cube whose press is drawn and written
+CELLS = (8, 16, 32)  # along an edge of a cube: 386, 1538, 6146 vertices
+PRESSED = 16  # cells of the cube whose press is drawn and written
 SECTION = 1e-6  # [m2] any: Eq. (10) needs A E, and the paper prints neither
 BEYOND = 1.4  # times as deep as Object 1 can be pressed, to show that it stops and why
 NAMES = ("object", "constant", "printed", "from_the_curve", "half_width_95", "from_a_virtual_press")
@@ -64,9 +64,9 @@ def run(options: argparse.Namespace) -> int:
         raise DimpleError(f"{options.out} cannot be made: {error.strerror or error}.") from None
     tell("Three presses of Table 2")
     curves = [calibrate(p, length=preset.size) for p, preset in zip(write_samples(options.out), PRESETS, strict=True)]
-    halvings = [h for h in HALVINGS if h <= PRESSED or not options.quick]
-    pressed = [identified(preset, curve, h) for preset, curve in zip(PRESETS, curves, strict=True) for h in halvings]
-    shown = [one for one in pressed if len(one.verdict.mesh.rest_positions) == 6 * 4**PRESSED + 2]
+    cells = [n for n in CELLS if n <= PRESSED or not options.quick]
+    pressed = [identified(preset, curve, n) for preset, curve in zip(PRESETS, curves, strict=True) for n in cells]
+    shown = [one for one in pressed if len(one.verdict.mesh.rest_positions) == 6 * PRESSED**2 + 2]
     tell("Virtual presses")
     virtual = [virtual_press(one, options.out) for one in shown]
     table_2 = list(constants(curves, virtual))
@@ -92,9 +92,9 @@ def tell(doing: str) -> None:
     print(f"{doing}...", file=sys.stderr, flush=True)
 
 
-def identified(preset: Preset, curve: Calibration, halvings: int) -> Pressed:
+def identified(preset: Preset, curve: Calibration, cells: int) -> Pressed:
     """Identify a printed material on a cube of its size, as deep as it was pressed."""
-    mesh, tip, started = cube(preset.size, halvings=halvings), Indenter(), time.process_time()
+    mesh, tip, started = cube(cells, preset.size), Indenter(), time.process_time()
     tell(f"Identifying {preset.label} on {len(mesh.rest_positions)} vertices")
     site = find_site(mesh, tip)
     deepest = DEEPEST[preset.name] * (BEYOND if preset is PRESETS[0] else 1)

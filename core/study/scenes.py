@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base import Floats, Ints
+from ..base import Floats
+from ..calibration.specimen import cube as cube
 from ..estimate import estimate
 from ..material import PRESETS, Material, Preset
 from ..mesh import Mesh, base_vertices, mesh_from_triangles
@@ -27,29 +28,6 @@ def ball(subdivisions: int, radius: float = BALL_RADIUS) -> Mesh:
 
     sphere = trimesh.creation.icosphere(subdivisions, radius)
     return mesh_from_triangles(sphere.vertices, sphere.faces)
-
-
-def cube(cells: int, edge: float) -> Mesh:
-    """Return a cube with cells x cells squares a side, 6 * cells**2 + 2 vertices."""
-    return mesh_from_triangles(*cube_triangles(cells, edge))
-
-
-def cube_triangles(cells: int, edge: float) -> tuple[Floats, Ints]:
-    """Return the positions and triangles of `cube`, its six sides not yet welded."""
-    line = np.linspace(-edge / 2, edge / 2, cells + 1)
-    u, v = (a.ravel() for a in np.meshgrid(line, line, indexing="ij"))
-    corner = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
-    a, b, c, d = (corner[s].ravel() for s in (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]))
-    side = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    positions: list[Floats] = []
-    triangles: list[Ints] = []
-    for axis in range(3):
-        for sign in (-1, 1):
-            plane = np.empty((len(u), 3))
-            plane[:, axis], plane[:, (axis + 1) % 3], plane[:, (axis + 2) % 3] = sign * edge / 2, u, v
-            triangles.append((side if sign > 0 else side[:, ::-1]) + len(positions) * len(u))
-            positions.append(plane)
-    return np.concatenate(positions), np.concatenate(triangles)
 
 
 def oscillator(*, damping_ratio: float = 0.0, stretch: float = 0.1) -> tuple[Model, State]:

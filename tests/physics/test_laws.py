@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from core.base import Floats
+from core.calibration.specimen import cube_triangles
 from core.laws import memory, paper, pressure, springs
 from core.laws.memory import fit_pose
 from core.mesh import Mesh, mesh_from_triangles
-from core.study.scenes import cube_triangles
 from tests.bodies import ball, hemisphere, joined, sheet, walled_box
 
 SHAPES = {

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from core.calibration.specimen import cube_triangles
 from core.integrators import semi_implicit
 from core.integrators.path import FingerPath
 from core.laws import paper
@@ -18,7 +19,6 @@ from core.material import PRESETS, Material
 from core.mesh import mesh_from_triangles
 from core.model import build_model, forces, initial_state
 from core.session import Finger, Session
-from core.study.scenes import cube_triangles
 from tests.bodies import TETRAHEDRON, ball
 
 Vector = Sequence[float]

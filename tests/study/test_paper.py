@@ -20,8 +20,8 @@ def folder(tmp_path_factory):
     """Make it all on cubes of 98 and 386 vertices."""
     out = tmp_path_factory.mktemp("paper")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(paper, "HALVINGS", (2, 3))
-        patch.setattr(paper, "PRESSED", 3)
+        patch.setattr(paper, "CELLS", (4, 8))
+        patch.setattr(paper, "PRESSED", 8)
         assert main(["paper", "--out", str(out)]) == 0
     return out
 
