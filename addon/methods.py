@@ -115,12 +115,13 @@ def draw_chart(
     overlay.draw_lines([((left, top), (left, bottom)), ((left, bottom), (right, bottom))], overlay.FAINT, region)
     (live, near), *spots = places(found, limits, corner, size)
     overlay.draw_lines([((live, bottom), (live, top)), ((left, near), (right, near))], overlay.FAINT, region)
-    overlay.write(iface_("Live"), (live - 30 * scale, bottom + 4 * scale), scale)
+    overlay.write(iface_("Live"), (live + 4 * scale, top - 30 * scale), scale)
     overlay.write(f"{limits[1]:g} mm", (left + 4 * scale, near + 4 * scale), scale)
     ways = list(zip(found, spots, strict=True))
     ours = sorted(at for each, at in ways if each["method"] == "semi_implicit" and each["error"] > 0)
     overlay.draw_lines(shapes.chained(ours), STAND_INS, region)
     above = itertools.count(4, 15)  # [px] other methods lie side by side, their names one over the other
+    named: list[tuple[float, float, float]] = []  # where names begin, and how wide they are
     for each, (x, y) in ways:
         if not each["error"]:
             overlay.draw_lines([((x, bottom), (x, top))], overlay.FORCE, region)
@@ -131,9 +132,19 @@ def draw_chart(
         else:
             label, colour, up = label_of(each), OTHER, next(above)
         overlay.draw_lines(shapes.circle((x, y), (4 * scale, 0.0), (0.0, 4 * scale)), colour, region)
-        overlay.write(label, (x + 6 * scale, y + up * scale), scale)
+        wide = overlay.width(label, scale)
+        name = (min(x + 6 * scale, right + 2 * room - wide), y + up * scale, wide)
+        if all(apart(name, other, scale) for other in named):  # the table has the names of all
+            overlay.write(label, name[:2], scale)
+            named.append(name)
     told = iface_("Error (mm) against cost (s of computing a second)")
     overlay.write(told, (left, bottom - 20 * scale), scale)
+
+
+def apart(one: tuple[float, float, float], other: tuple[float, float, float], scale: float) -> bool:
+    """Tell whether two names (x, y, width) [px] can both be read."""
+    beside = one[0] >= other[0] + other[2] or other[0] >= one[0] + one[2]
+    return beside or abs(one[1] - other[1]) >= overlay.TEXT_SIZE * scale
 
 
 def places(
@@ -166,11 +177,14 @@ def draw_over() -> None:
     from ..operators import planning  # not at import: it needs numpy, and enabling must be quick
 
     scale, region = context.preferences.system.ui_scale, context.region
-    left, bottom = overlay.free_corner(context.area, scale)
-    # at the top, clear of the numbers of a session
-    top = region.height - (SIZE[1] + 110.0) * scale
     limits = (planning.budget_of(context.scene, body), body.dimple.tolerance_mm)
-    draw_chart(load(body.dimple), limits, (left + overlay.MARGIN * scale, max(bottom, top)), scale, region)
+    draw_chart(load(body.dimple), limits, chart_corner(context.area, region, scale), scale, region)
+
+
+def chart_corner(area: bpy.types.Area, region: bpy.types.Region, scale: float) -> shapes.Point:
+    """Return where [px] the chart begins: at the top, clear of the numbers of a session."""
+    left, bottom = overlay.free_corner(area, scale)
+    return left + overlay.MARGIN * scale, max(bottom, region.height - (SIZE[1] + 110.0) * scale)
 
 
 _register_panel, _unregister_panel = bpy.utils.register_classes_factory([DIMPLE_PT_methods])

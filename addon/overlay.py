@@ -258,7 +258,15 @@ def write(text: str, at: Point, scale: float, colour: Point = TEXT) -> float:
     blf.position(font, at[0], at[1], 0)
     blf.draw(font, text)
     blf.disable(font, blf.SHADOW)
-    return blf.dimensions(font, text)[0]
+    return width(text, scale)
+
+
+def width(text: str, scale: float) -> float:
+    """Return how wide a line is [px]."""
+    import blf
+
+    blf.size(0, TEXT_SIZE * scale)
+    return blf.dimensions(0, text)[0]
 
 
 def register() -> None:

@@ -50,6 +50,29 @@ def test_dearer_lies_farther_right_and_worse_higher(bpy: ModuleType, body: Any) 
     assert all(0 <= x <= 100 and 0 <= y <= 100 for x, y in (places[0], *places[2:]))
 
 
+def test_no_name_lies_over_another_or_beside_the_chart(
+    bpy: ModuleType, body: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.addon import methods, overlay
+
+    names: list[tuple[float, float, float]] = []
+
+    def write(text: str, at: Any, scale: float, *_: Any) -> float:
+        names.append((*at, overlay.width(text, scale)))
+        return names[-1][2]
+
+    for name, stand_in in (("draw_lines", lambda *_: None), ("draw_filled", lambda *_: None), ("write", write)):
+        monkeypatch.setattr(overlay, name, stand_in)
+    monkeypatch.setattr(overlay, "width", lambda text, _scale: 7.0 * len(text))
+    found = methods.load(body.dimple)
+    crowded = [*found, found[1] | {"vertices": 201, "cost": found[1]["cost"] * 1.1}]
+    methods.draw_chart(crowded, (0.6, 0.5), (60.0, 60.0), 1.0, None)
+    ways = names[2:-1]  # after the limits, before what the axes are
+    assert len(ways) == len(crowded) - 1, "of two that are as good as one only the first is named"
+    assert all(methods.apart(one, other, 1.0) for i, one in enumerate(ways) for other in ways[:i])
+    assert all(x + wide <= 60 + methods.SIZE[0] + 2 * overlay.MARGIN for x, _, wide in ways)
+
+
 def test_nothing_is_drawn_of_an_object_that_was_not_compared(bpy: ModuleType, empty_file: ModuleType) -> None:
     from bl_ext.user_default.dimple.addon import methods
 
