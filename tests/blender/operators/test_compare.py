@@ -10,15 +10,9 @@ import pytest
 
 
 @pytest.fixture
-def fine(add: Callable[..., Any]) -> Any:
+def fine(ball: Callable[..., Any]) -> Any:
     """A ball of 10,242 vertices and radius 1 that stands for one of 165 mm: too heavy to run live."""
-    import bmesh
-
-    obj = add([], [], "Fine")
-    made = bmesh.new()
-    bmesh.ops.create_icosphere(made, subdivisions=6, radius=1.0)
-    made.to_mesh(obj.data)
-    made.free()
+    obj = ball("Fine", 6)
     obj.dimple.tolerance_mm, obj.dimple.tolerance_percent = 2.0, 20.0  # a small stand-in is a quick test
     return obj
 
@@ -114,19 +108,14 @@ def test_a_press_and_a_bake_move_the_same_stand_in_and_give_the_mesh_back(
 
 
 def test_a_comparison_charts_this_very_object_and_one_way_can_be_taken(
-    bpy: ModuleType, ball: Any, add: Callable, monkeypatch: pytest.MonkeyPatch
+    bpy: ModuleType, ball: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import bmesh
     from bl_ext.user_default.dimple.core.integrators.methods import offered
     from bl_ext.user_default.dimple.operators import compare
 
     monkeypatch.setattr(compare, "SIZES", 3)
     monkeypatch.setattr(compare, "ON", 100)
-    obj = add([], [], "Ball")
-    made = bmesh.new()
-    bmesh.ops.create_icosphere(made, subdivisions=4, radius=1.0)
-    made.to_mesh(obj.data)
-    made.free()
+    obj = ball("Ball", 4)
     bpy.context.scene.dimple.finger_radius_mm = 20.0
     assert bpy.ops.dimple.compare_methods(presses=1) == {"FINISHED"}
     kept = json.loads(obj.dimple.comparison)
