@@ -69,7 +69,7 @@ class Emulator:
         self._ticks = 0
         self._begun: tuple[float, int] | None = None  # the tick under way [s], and the mode then
         self._script: float | None = None if self.hand.from_arm else 0.0  # when the hand's time began [s]
-        self._angles, self._words = self._sense()
+        self._angles = self._sense()
 
     def step(self, now: float, incoming: bytes) -> bytes:
         """Live up to a time [s]; take the host's bytes, which set off now; return those that have come to the host."""
@@ -108,7 +108,7 @@ class Emulator:
         time = -math.inf if self._script is None else now - self._script
         for i, tip in enumerate(self.tips):
             tip.step(self.spec, self.hand, i, time, self.forces[i])
-        self._angles, self._words = self._sense()
+        self._angles = self._sense()
 
     def next_time(self) -> float:
         """Return when there is something to do [s]: step then, or earlier when bytes come."""
@@ -148,13 +148,13 @@ class Emulator:
         self._ticks += 1
         self.unplugged = self._acts("unplug", now)
         if not self._acts("stall", now):
-            self._say(self.firmware.tick(self._words, now), now)
+            self._say(self.firmware.tick(now), now)
         if self._script is None and self.mode == wire.RAMP:
             self._script = now
         self._begun = now, self.mode
 
-    def _sense(self) -> tuple[list[Vector], list[int]]:
-        """Return the angles [rad] at which the fingertips stand at the next tick, and their readings, 16 bits each."""
+    def _sense(self) -> list[Vector]:
+        """Let the device read its joints at the next tick; return the true angles there [rad]."""
         angles = [kinematics.inverse(block, tip.position) for block, tip in zip(self._blocks, self.tips, strict=True)]
         scale, noise = 65536 / self.spec.adc_span, self._noise
         at = self._ticks * wire.CHANNELS
@@ -166,7 +166,9 @@ class Emulator:
         for fault in self._faults:
             if fault.name.startswith("adc-"):
                 self._mistake(fault, words, self._next_tick())
-        return angles, words
+        if not self._acts("stall", self._next_tick()):
+            self.firmware.sense(words)
+        return angles
 
     def _mistake(self, fault: Fault, words: list[int], now: float) -> None:
         finger = int(fault.value) % wire.FINGERS

@@ -39,7 +39,7 @@ class Finger:
         angles = kinematics.adc_angles(spec, words)
         if (
             masked
-            or any(not RAIL <= word < 0x10000 - RAIL for word in words)
+            or not RAIL <= min(words) <= max(words) < 0x10000 - RAIL
             or self._jumps(angles, spec.tick * max(ticks, 1))
         ):
             self.bad += 1
@@ -49,8 +49,10 @@ class Finger:
         self.guard.move(self.at, time)
 
     def _jumps(self, angles: Angles, dt: float) -> bool:
-        before = self.angles
-        return before is not None and any(abs(a - b) > JUMP * dt for a, b in zip(angles, before, strict=True))
+        if self.angles is None:
+            return False
+        (a, b, c), (x, y, z) = angles, self.angles
+        return max(abs(a - x), abs(b - y), abs(c - z)) > JUMP * dt
 
     def forget(self) -> None:
         """Believe the next reading wherever it is: no force acts."""
@@ -62,8 +64,9 @@ class Finger:
         if force == ZERO or self.angles is None:
             return (0, 0, 0)
         torques = kinematics.torques(self.block, self.angles, force)
-        over = max(abs(t) / most for t, most in zip(torques, spec.torque_limits, strict=True))
+        (x, y, z), (a, b, c) = torques, spec.torque_limits
+        over = max(abs(x) / a, abs(y) / b, abs(z) / c)
         if over > 1:
             self.guard.full = True
-            torques = (torques[0] / over, torques[1] / over, torques[2] / over)
+            torques = x / over, y / over, z / over
         return kinematics.torque_words(spec, torques)

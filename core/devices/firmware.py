@@ -25,7 +25,7 @@ FINGERS: Final = range(wire.FINGERS)
 
 
 class Firmware:
-    """Run a device: `receive` each frame, `tick` and `drive` at each tick; the motors make `torques` [N m].
+    """Run a device: `receive` each frame, `sense`, `tick` and `drive` at each tick; the motors make `torques` [N m].
 
     mode: of wire.IDLE...
     """
@@ -39,6 +39,7 @@ class Firmware:
         self._baud, self._protocol, self._last_session = baud, protocol, session
         self._blocks, self._sensors = kinematics.blocks(spec), Sensors(spec)
         self._motors = [Motors(spec) for _ in FINGERS]
+        self._words = [0] * wire.CHANNELS
         self._angles: list[Vector] = [ZERO] * wire.FINGERS
         self._tips: list[Vector | None] = [None] * wire.FINGERS
         self._velocities: list[Vector] = [ZERO] * wire.FINGERS
@@ -101,21 +102,25 @@ class Firmware:
 
     # what happens at a tick
 
-    def tick(self, words: list[int], now: float) -> list[wire.Frame]:
-        """Take the 16-bit readings of the nine joints at a time [s]; return what goes to the host, then `drive`."""
-        out: list[wire.Frame] = []
+    def sense(self, words: list[int]) -> None:
+        """Take the 16-bit readings of the nine joints at a tick."""
         self._sensors.check(words)
-        self._move(words)
+        mask = 0xFFFF << 16 - self.spec.adc_bits & 0xFFFF
+        self._words = [word & mask for word in words]
+        self._move()
+
+    def tick(self, now: float) -> list[wire.Frame]:
+        """Return what goes to the host at a time [s], before `drive`: no host waits for the motors."""
         if self.streaming and now - self._heard > SILENCE:
             self.streaming = False
             self._rest()
-        out += self._judge(now)
+        out = self._judge(now)
         if self.watch is None or not self.streaming:
             return []
         seq = self.watch.send(now)
-        return [self._state(words, seq, now), *out]
+        return [self._state(seq, now), *out]
 
-    def _move(self, words: list[int]) -> None:
+    def _move(self) -> None:
         """Follow the tips and their speed."""
         spec = self.spec
         share = spec.tick / (SPEED_TIME + spec.tick)
@@ -123,8 +128,7 @@ class Firmware:
             if self._sensors.bad[i]:
                 self._tips[i], self._velocities[i] = None, ZERO
                 continue
-            mask = 0xFFFF << 16 - spec.adc_bits & 0xFFFF
-            q = kinematics.adc_angles(spec, tuple([word & mask for word in words[3 * i : 3 * i + 3]]))
+            q = kinematics.adc_angles(spec, tuple(self._words[3 * i : 3 * i + 3]))
             x, y, z = tip = kinematics.forward(self._blocks[i], q)
             before, (vx, vy, vz) = self._tips[i] or tip, self._velocities[i]
             self._velocities[i] = (
@@ -204,7 +208,7 @@ class Firmware:
     # what the motors do
 
     def drive(self, now: float) -> None:
-        """Set the torques, at a tick [s] whose State is on its way: what the host is to answer does not wait for it."""
+        """Set the torques, at the time of the tick [s]."""
         age = self._age(now)
         for i in FINGERS:
             motors = self._motors[i]
@@ -248,9 +252,8 @@ class Firmware:
         """Return the age of the last Command [s]."""
         return now - self._command_at if self._command else math.inf
 
-    def _state(self, words: list[int], seq: int, now: float) -> wire.State:
-        mask = 0xFFFF << 16 - self.spec.adc_bits & 0xFFFF
-        a, b, c, d, e, f, g, h, i = [word & mask for word in words]
+    def _state(self, seq: int, now: float) -> wire.State:
+        a, b, c, d, e, f, g, h, i = self._words
         mode = self.mode
         if mode in (wire.RAMP, wire.ARMED) and self._age(now) >= self.spec.zero:
             mode = wire.BRAKE

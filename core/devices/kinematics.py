@@ -157,11 +157,12 @@ def adc_words(spec: Spec, q: Vector) -> tuple[int, int, int]:
 
 def torque_words(spec: Spec, torque: Vector) -> tuple[int, int, int]:
     """Return the words of a Command for a block's torques [N m], held at full scale; no number, no torque."""
-    a, b, c = (
-        round(FULL_SCALE * min(max(part / limit, -1.0), 1.0)) if math.isfinite(part) else 0
-        for part, limit in zip(torque, spec.torque_limits, strict=True)
-    )
-    return a, b, c
+    a, b, c = spec.torque_limits
+    return _word(torque[0] / a), _word(torque[1] / b), _word(torque[2] / c)
+
+
+def _word(share: float) -> int:
+    return round(FULL_SCALE * min(max(share, -1.0), 1.0)) if math.isfinite(share) else 0
 
 
 def word_torques(spec: Spec, words: tuple[int, ...]) -> Vector:
