@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -43,11 +43,11 @@ CONTACT = 1.15  # times the work of a body nobody touches
 ERROR, ERROR_POWER = 0.098, 1.41
 FORCE_ERROR, FORCE_POWER = 0.22, 1.47  # on a box about twice that, on what is round about half
 TRIES = 5
-NEAR_ENOUGH = 0.85  # of a tolerance: what is left saves under a third of the work, not worth another try
+NEAR_ENOUGH = 0.9  # of a tolerance: what is left saves a fifth of the work, not worth another try
 NEARLY = 1.15  # of a tolerance, where nothing keeps to it: nearer than presses elsewhere would say the same
-CLOSE = 1.3  # times the vertices that missed: half the work more at most
+CLOSE = 1.2  # times the vertices that missed: a third of the work more at most
 FAR = 4.0  # times the vertices, from one try to the next
-PRESSES = 24  # at most: with a quarter as many, edges are met by too few, and errors scatter by a half
+PRESSES = 24  # at most: of four, too few meet edges, and the error of the force scatters by a half
 FEW = 8  # where the mesh cannot be pressed so often, a large stand-in of it is
 ALLOWANCE = 2.0  # [s] of computing that these presses may take; the tried stand-ins take about as long again
 DENSER = 1.25  # where no stand-in can be made, one with so many times the vertices may
@@ -186,31 +186,25 @@ def _first(vertices: int, make: Callable[[int], _Result]) -> tuple[_Result, int]
     raise why
 
 
-def _affordable(model: Model, paid: float) -> tuple[int, int]:
-    """Return of how many vertices the body is that others are compared with, 0 for the mesh, and how often to press it.
+def _goal(model: Model, radius: float, paid: float) -> tuple[list[Press], list[Pressed], int]:
+    """Return presses, what they come to, and of how many vertices a stand-in is where one is pressed in place of the mesh.
 
     Args:
         paid: presses of the mesh itself that are paid for.
-    """
-    if paid >= FEW:
-        return 0, int(min(paid, PRESSES))
-    n = len(model.mass)
-    size = n * (paid / FEW) ** (2 / 3)  # steps go with the root of the vertices
-    size = min(max(size, FAR * SMALLEST), most_of(model), LARGEST // 2)
-    return round(size), int(min(max(paid * (n / size) ** 1.5, FEW), PRESSES))
-
-
-def _goal(model: Model, presses: Sequence[Press], size: int) -> tuple[list[Pressed], int]:
-    """Return what presses of the mesh come to, or of a stand-in of some size in its place, and how many move there.
 
     Raises:
         DimpleError: no such stand-in can be made.
     """
-    if not size:
-        return end_of(press_mesh(model, presses))[0], 0
-    (proxy, _, ends), _ = _first(size, lambda n: end_of(press_way(model, presses, Way(vertices=n))))
+    if paid >= FEW:
+        presses = choose_presses(model, radius, int(min(paid, PRESSES)))
+        return presses, end_of(press_mesh(model, presses))[0], 0
+    n = len(model.mass)
+    size = n * (paid / FEW) ** (2 / 3)  # steps go with the root of the vertices
+    size = min(max(size, FAR * SMALLEST), most_of(model), LARGEST // 2)
+    presses = choose_presses(model, radius, int(min(max(paid * (n / size) ** 1.5, FEW), PRESSES)))
+    (proxy, _, ends), _ = _first(round(size), lambda n: end_of(press_way(model, presses, Way(vertices=n))))
     assert proxy  # of a way with vertices
-    return [replace(end, positions=carry(proxy, end.positions).T) for end in ends], len(proxy.seeds)
+    return presses, [replace(end, positions=carry(proxy, end.positions).T) for end in ends], len(proxy.seeds)
 
 
 def _measured(
@@ -224,10 +218,8 @@ def _measured(
         paid: presses of the mesh itself that are paid for.
         wanted: vertices to begin with.
     """
-    size, count = _affordable(model, paid)
-    presses = choose_presses(model, radius, count)
     try:
-        goal, seen_from = _goal(model, presses, size)
+        presses, goal, seen_from = _goal(model, radius, paid)
     except DimpleError:
         return wanted, None, 0
     # what the goal is off by itself: by the fit, and the squares of errors add up
