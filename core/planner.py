@@ -187,7 +187,7 @@ def _first(vertices: int, make: Callable[[int], _Result]) -> tuple[_Result, int]
 
 
 def _goal(model: Model, radius: float, paid: float) -> tuple[list[Press], list[Pressed], int]:
-    """Return presses, what they come to, and of how many vertices a stand-in is where one is pressed in place of the mesh.
+    """Return presses, what they come to, and the vertices of the stand-in that was pressed; 0 where the mesh was.
 
     Args:
         paid: presses of the mesh itself that are paid for.
