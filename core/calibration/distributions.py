@@ -6,6 +6,7 @@ import math
 
 _TINY = 1e-300
 _STEPS = 500
+_FINE = 1e-12
 
 
 def beta_share(a: float, b: float, x: float) -> float:
@@ -40,7 +41,7 @@ def t_quantile(p: float, freedom: float) -> float:
     low, high = 0.0, 1.0
     while _t_below(high, freedom) < p:
         high *= 2
-    for _ in range(100):
+    while high - low > _FINE * high:
         middle = (low + high) / 2
         low, high = (middle, high) if _t_below(middle, freedom) < p else (low, middle)
     return (low + high) / 2

@@ -351,5 +351,5 @@ def test_sizes_beyond_the_limit_are_refused_at_once(size, tmp_path):
     with path.open("wb") as file:
         file.write(b"Depth (mm),Force (N)\n" + b"1.0,2.0\n" * 1000)
         file.truncate(size)
-    with pytest.raises(DimpleError, match="larger"):
+    with pytest.raises(DimpleError, match="larger than 64 MB"):
         calibrate(path)

@@ -263,14 +263,6 @@ def test_unusable_files_say_what_is_wrong(content, words, write):
         read_measurement(write(content))
 
 
-def test_a_file_of_200_mb_is_refused_by_its_size(tmp_path):
-    path = tmp_path / "huge.csv"
-    with path.open("wb") as file:
-        file.truncate(200 * 2**20)
-    with pytest.raises(DimpleError, match="larger than 64 MB"):
-        read_measurement(path)
-
-
 def test_missing_files_and_folders_are_told(tmp_path):
     with pytest.raises(DimpleError, match="cannot be read"):
         read_measurement(tmp_path / "nothing.csv")
