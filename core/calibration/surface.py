@@ -19,6 +19,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from .fit import Constant
 
+_CLEAR = 0.05  # of the deepest: nearer the touch the tension is 0/0, all of it noise
 PAPER_ASSUMES = (
     "Eqs. (9) and (10): a simply supported beam of section A and Young's modulus E; k = 2 A E / l follows from these "
     "alone and says nothing about the measured curve."
@@ -62,8 +63,7 @@ def surface_constants(
     stretch, tension = string_balance(depth, force, length)
     known = section is not None and youngs_modulus is not None
     paper_k = 2 * section * youngs_modulus / length if known else None  # type: ignore[operator]
-    # near the touch the stretch is nothing and the tension 0/0: a hundredth of the way is clear of it
-    clear = depth > 0.05 * depth.max()
+    clear = depth > _CLEAR * depth.max()
     slope = _line(stretch[clear], tension[clear])
     return Surface(paper_k=paper_k, balance_k=slope and slope[0], pretension=slope and slope[1])
 

@@ -16,7 +16,7 @@ from .indent import Indenter, Site, press_curve, reach
 
 ROWS = 25  # of a predicted press
 # a bed of springs without a skin lets a sphere part it: F = pi kappa (R - x) x^2, which falls beyond x = 2 R / 3. A
-# mesh is a skin of its own: Object 3 answers 4.2 N at 10 mm with 1538 vertices, 2.9 N with 6146, 1.8 N with 24578
+# mesh is a skin of its own, the more so the coarser it is: `python -m core paper` tells how much
 TIP_REACH = 2 / 3  # of the fingertip's radius
 _TIP_NOTE = (
     "This is a prediction, not a fit, and one for this mesh: a coarse one answers too much. It ends at two thirds of "
