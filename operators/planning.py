@@ -27,11 +27,17 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     settings, now = obj.dimple, key(scene, obj, model)
     if settings.plan_key == now:
         return build_proxy(model, settings.plan_vertices) if settings.plan_vertices else None, ""
+    window = bpy.context.window  # none in the background
+    if window:
+        window.cursor_modal_set("WAIT")  # the presses that a choice goes by take some seconds
     try:
         chosen = choose(scene, obj, model)
     except DimpleError as error:
         way_out = ". Choose another number, or Automatic, in Physics > Dimple." if settings.moves == "STAND_IN" else ""
         raise DimpleError(f'"{obj.name}": {error}{way_out}') from error
+    finally:
+        if window:
+            window.cursor_modal_restore()
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, chosen.asked, chosen.reason
     return chosen.proxy, f'"{obj.name}": {chosen.reason}' if chosen.proxy else ""
 
