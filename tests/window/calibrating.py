@@ -9,8 +9,6 @@ import bpy
 import numpy as np
 import robot
 
-HALF = 80  # [px] of the compared square
-SEEN = 1000  # [px] that a chart changes at least
 LAW = 0.6, 7.0, 12.0  # K1, K2 [N/mm], x0 [mm]
 COARSE = "Small Ball"  # 642 vertices: identified in seconds also where the rendering takes most of the time
 
@@ -41,8 +39,8 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
     bare = robot.screenshot(out / "9-question.png")
     drop(press_file(""))
     yield from robot.redrawn()
-    gap = robot.differing(bare, robot.screenshot(out / "9-question.png"), at, HALF)
-    check("a dropped file without a header is asked about", gap > SEEN, f"{gap} pixels differ")
+    gap = robot.differing(bare, robot.screenshot(out / "9-question.png"), at, robot.HALF)
+    check("a dropped file without a header is asked about", gap > robot.SEEN, f"{gap} pixels differ")
     yield from robot.key("ESC", *at)
     yield from robot.redrawn()
     check("a question that is left changes nothing", scene.calibration == "")
@@ -55,10 +53,11 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
     told = "K1 {:.3f} N/mm, K2 {:.3f} N/mm, x0 {:.2f} mm".format(*found)
     check("a dropped file becomes a material", np.allclose(found, LAW, 0.05), told)
     yield from robot.redrawn()
-    view = robot.region()
-    chart = view.x + 190, view.y + 100
-    gap = robot.differing(bare, robot.screenshot(out / "9-calibrated.png"), chart, HALF)
-    check("its chart is seen in the viewport", gap > SEEN, f"{gap} pixels differ")
+    overlay, scale, view = robot.extension("addon.overlay"), bpy.context.preferences.system.ui_scale, robot.region()
+    left, bottom = overlay.free_corner(robot.area(), scale)
+    chart = round(view.x + left + overlay.CHART[0] * scale / 2), round(view.y + bottom + overlay.CHART[1] * scale / 2)
+    gap = robot.differing(bare, robot.screenshot(out / "9-calibrated.png"), chart, robot.HALF)
+    check("its chart is seen in the viewport", gap > robot.SEEN, f"{gap} pixels differ")
     yield from identify(at, body, out, check)
 
 

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
 import bpy
 import robot
-
-HALF = 80  # [px] of the compared square
-SEEN = 1000  # [px] that a chart changes at least
 
 Check = Callable[..., None]
 
@@ -30,13 +26,13 @@ def compare_methods(at: tuple[int, int], body: str, out: Path, check: Check) -> 
     start()
     yield from robot.until(lambda: settings.comparison != "", "the comparison ends", 300)
     yield from robot.redrawn()
-    view = robot.region()
-    gap = robot.differing(
-        bare, robot.screenshot(out / "9-compared.png"), (view.x + 190, view.y + view.height - 220), HALF
-    )
-    found = json.loads(settings.comparison)
+    methods, scale, view = robot.extension("addon.methods"), bpy.context.preferences.system.ui_scale, robot.region()
+    left, bottom = methods.chart_corner(robot.area(), view, scale)
+    chart = round(view.x + left + methods.SIZE[0] * scale / 2), round(view.y + bottom + methods.SIZE[1] * scale / 2)
+    gap = robot.differing(bare, robot.screenshot(out / "9-compared.png"), chart, robot.HALF)
+    found = methods.load(settings)
     ways = ", ".join(f"{each['label']} {each['vertices']}" for each in found)
-    check("the chart of this very object is seen in the viewport", gap > SEEN, f"{gap} pixels differ; {ways}")
+    check("the chart of this very object is seen in the viewport", gap > robot.SEEN, f"{gap} pixels differ; {ways}")
     smallest = next(each["asked"] for each in found if each["asked"])
     bpy.ops.dimple.apply_method(vertices=smallest)
     check("a way is taken", (settings.moves, settings.stand_in_vertices) == ("STAND_IN", smallest))

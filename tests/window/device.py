@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 import bpy
 import robot
@@ -14,15 +12,11 @@ FELT = 0.3  # [N]
 TAB = "Device"
 
 
-def haptic() -> ModuleType:
-    name = next(name for name in bpy.context.preferences.addons.keys() if name.endswith(".dimple"))
-    return importlib.import_module(f"{name}.operators.haptic")
-
-
 def open_panel() -> type:
     """Draw the device's panel once more, open, in a tab of its own; who was drawn closed stays so."""
-    panel, place = bpy.types.DIMPLE_PT_device, {"bl_space_type": "VIEW_3D", "bl_region_type": "UI"}
-    shown = {"bl_label": "Haptic Device (open)", "bl_category": TAB, "draw": panel.draw}
+    panel = bpy.types.DIMPLE_PT_device
+    place = {name: getattr(panel, name) for name in ("bl_space_type", "bl_region_type")}
+    shown = {"bl_label": f"{panel.bl_label} (open)", "bl_category": TAB, "draw": panel.draw}
     made = type("DIMPLE_PT_device_open", (bpy.types.Panel,), {**place, **shown})
     bpy.utils.register_class(made)
     return made
@@ -38,7 +32,7 @@ def photograph(path: Path) -> robot.Waits:
 def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[..., None]) -> robot.Waits:
     """Connect the device to try, let it press the playing body and feel it; kill its servo; stop."""
     rest = robot.positions(body).copy()
-    device, settings = haptic(), bpy.context.scene.dimple
+    device, settings = robot.extension("operators.haptic"), bpy.context.scene.dimple
     settings.device_port, settings.device_origin = device.EMULATED, top
     panel = open_panel()
     bpy.ops.dimple.connect_device()

@@ -21,13 +21,10 @@ import robot
 
 OUT = Path("/mnt/out")
 BODY = "Ball"
-SIZE_MM = 165.0  # the ball is 2 m wide in the scene and stands for this
-DENT = 0.12  # [m] in the scene, so 10 mm of the real ball
+DENT = 0.12  # [m] in the scene: the ball is 2 m wide there and stands for one of 165 mm, so 10 mm of the real one
 ROUNDING = 1e-5  # [m] that a running body at rest may tremble
-HALF = 80  # [px] of the compared square: inside the ball's outline, whose smoothing is never the same twice
 ALIKE = 20  # [px] that may differ between two pictures of the same mesh
 NEAR = 25  # [px] that the deepest vertex may be from the pointer: a fingertip is 27 wide, an edge 11 long
-SEEN = 1000  # [px] that a dent changes at least
 CHECKS: list[dict] = []
 REPORT: dict = {"blender": bpy.app.version_string, "checks": CHECKS, "measured": {}, "seconds": {}}
 STARTED = time.monotonic()
@@ -73,7 +70,7 @@ def open_scene() -> robot.Waits:
         bpy.ops.object.shade_smooth()
         body = bpy.context.object
         body.name = BODY
-        body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", SIZE_MM
+        body.dimple.size_mode = "CUSTOM"
         bpy.context.scene.dimple.finger_radius_mm = 15.0
         # scripted operators push no undo step of their own
         bpy.ops.ed.undo_push(message="Ball")
@@ -112,7 +109,10 @@ def deepest(rest: np.ndarray) -> tuple[float, tuple[int, int]]:
 def judge_dent(at: tuple[int, int], rest: np.ndarray, when: str) -> None:
     """Check the pressed mesh: finite, dented away from the viewer, and where it was pressed."""
     depth, spot = deepest(rest)
-    depth_mm, off = depth / 2.0 * SIZE_MM, float(np.hypot(spot[0] - at[0], spot[1] - at[1]))
+    depth_mm, off = (
+        depth / 2.0 * bpy.data.objects[BODY].dimple.size_mm,
+        float(np.hypot(spot[0] - at[0], spot[1] - at[1])),
+    )
     REPORT["measured"][when] = {"depth_mm": round(depth_mm, 3), "off_px": round(off, 1)}
     check(f"{when}: all positions are finite", bool(np.isfinite(robot.positions(BODY)).all()))
     check(f"{when}: the mesh gives way", 0.5 * DENT < depth < 4 * DENT, f"{depth_mm:.2f} mm")
@@ -140,7 +140,7 @@ def compare(wanted: np.ndarray, at: tuple[int, int], name: str) -> robot.Differs
     """Take a picture and count the pixels on the ball that differ from an earlier one."""
     yield from robot.move(*at)
     yield from robot.redrawn()
-    return robot.differing(wanted, robot.screenshot(OUT / name), at, HALF)
+    return robot.differing(wanted, robot.screenshot(OUT / name), at, robot.HALF)
 
 
 def play() -> robot.Waits:
@@ -166,6 +166,7 @@ def play() -> robot.Waits:
     yield from calibrating.calibrate(at, BODY, OUT, check)
     yield from device.feel(BODY, (0.0, 0.0, 1.2), OUT, check)
     yield from show_panels()
+    yield from in_japanese()
     yield from play_on(rest)
 
 
@@ -181,7 +182,7 @@ def press_and_leave(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray) 
     yield from robot.redrawn()
     judge_dent(at, rest, "pressed")
     gap = yield from compare(hover, at, "3-pressed.png")
-    check("the press is seen", gap > SEEN, f"{gap} pixels differ")
+    check("the press is seen", gap > robot.SEEN, f"{gap} pixels differ")
     yield from drag(at, rest)
     yield from robot.redrawn()
     robot.screenshot(OUT / "4-dragged.png")
@@ -206,7 +207,7 @@ def press_and_keep(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray) -
     yield from robot.button(*at, "RELEASE")
     judge_dent(at, rest, "kept by Enter")
     gap = yield from compare(resting, at, "7-kept.png")
-    check("the kept dent is seen, with nothing drawn over it", gap > SEEN, f"{gap} pixels differ")
+    check("the kept dent is seen, with nothing drawn over it", gap > robot.SEEN, f"{gap} pixels differ")
     yield from robot.key("Z", *at, ctrl=True)
     yield from robot.until(lambda: at_rest(rest), "Ctrl-Z restores the mesh bit for bit")
     check("Ctrl-Z restores the mesh bit for bit", True)
@@ -247,6 +248,21 @@ def show_panels() -> robot.Waits:
         yield 2.0
         robot.screenshot(OUT / f"10-{tab.lower()}.png")
     place.type = "VIEW_3D"
+    yield from robot.redrawn()
+
+
+def in_japanese() -> robot.Waits:
+    """Photograph the sidebar in Japanese, and ask why a button is grey."""
+    view, said = bpy.context.preferences.view, ""
+    view.language = "ja_JP"
+    try:
+        bpy.ops.dimple.record()
+    except RuntimeError as error:
+        said = str(error).strip()
+    check("why a button is grey is said in Japanese", "先に押すか再生してください" in said, said)
+    yield from robot.redrawn()
+    robot.screenshot(OUT / "10-japanese.png")
+    view.language = "en_US"
     yield from robot.redrawn()
 
 

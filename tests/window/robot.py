@@ -6,6 +6,7 @@ from a `bpy.app.timers` callback, so Blender handles events and draws in between
 
 from __future__ import annotations
 
+import importlib
 import struct
 import subprocess
 import time
@@ -13,6 +14,7 @@ import traceback
 import zlib
 from collections.abc import Callable, Generator
 from pathlib import Path
+from types import ModuleType
 
 import bpy
 import numpy as np
@@ -21,6 +23,8 @@ Waits = Generator[float, None, None]
 Differs = Generator[float, None, int]
 TICK_S = 0.05
 WIDTH, HEIGHT = 1280, 800
+HALF = 80  # [px] of a compared square: inside the ball's outline, whose smoothing is never the same twice
+SEEN = 1000  # [px] that a dent or a chart changes at least
 _draws = {"count": 0}
 
 
@@ -47,6 +51,12 @@ def run(steps: Waits, finish: Callable[[str], None]) -> None:
 
 def _count_draw() -> None:
     _draws["count"] += 1
+
+
+def extension(name: str) -> ModuleType:
+    """Return a module of the installed extension."""
+    ours = next(each for each in bpy.context.preferences.addons.keys() if each.endswith(".dimple"))
+    return importlib.import_module(f"{ours}.{name}")
 
 
 def window() -> bpy.types.Window:
