@@ -61,6 +61,20 @@ def test_scale_place_and_turn_do_not_change_the_press(
     assert np.sort(dent(moved)[:, 2]) == pytest.approx(expected, abs=1.0)
 
 
+@pytest.mark.parametrize("mirror", [1, -1])
+def test_an_open_mesh_faces_the_way_it_looks_also_where_it_is_mirrored(
+    bpy: ModuleType, add: Add, mirror: float
+) -> None:
+    """A closed one is turned right side out anyway."""
+    from bl_ext.user_default.dimple.operators import bridge
+
+    obj = add([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
+    obj.scale.x = mirror
+    _, model = bridge.read_body(bpy.context, obj)
+    a, b, c = model.mesh.rest_positions[model.mesh.triangles].transpose(1, 0, 2)
+    assert (np.cross(b - a, c - a)[:, 2] > 0).all()
+
+
 def test_a_parent_and_its_scale_are_seen_through(bpy: ModuleType, ball: Add, dent: Callable[..., Any]) -> None:
     parent, obj = bpy.data.objects.new("Parent", None), ball()
     bpy.context.collection.objects.link(parent)
