@@ -18,31 +18,14 @@ from .letters import REPORT_SIZE, Link, Order, Report, Tip, pack_order, unpack_r
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .process import end, start
 from .safety import LEASE, Arming
-from .spec import load_spec
 from .vectors import ZERO, Vector, along
 
 PORT_WAIT = 10.0  # [s] at most for the emulator to make its port
 SERVO_SILENT = 1.0  # [s] the servo writes every 2 ms; one that has not for so long hangs
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Caps:
-    """Say what a device can: fingertips, force, rate [1/s], peak and continuous force [N], radius of workspace [m]."""
-
-    tips: int
-    has_force: bool
-    rate: float
-    peak_force: float
-    continuous_force: float
-    workspace_radius: float
-
-
 class Device(Protocol):
     """Do what a device does. Contacts rather than forces are written: a force held for a frame is not stable."""
-
-    @property
-    def caps(self) -> Caps:
-        """Return what it can."""
 
     def open(self) -> None:
         """Connect; `read` tells how that went."""
@@ -90,15 +73,6 @@ class HapticMaster:
     _order: Order = field(default_factory=Order)
     _report: Report = field(default_factory=Report)
     _errors: IO[bytes] | None = None
-
-    @property
-    def caps(self) -> Caps:
-        """Return what it can."""
-        spec = load_spec(self.spec_path)
-        return Caps(
-            tips=len(spec.block_names), has_force=True, rate=spec.tick_hz, peak_force=spec.peak_force,
-            continuous_force=spec.continuous_force, workspace_radius=spec.workspace_radius,
-        )  # fmt: skip
 
     def open(self) -> None:
         """Start the servo.
@@ -234,11 +208,6 @@ class Pointer:
     radius: float = 0.010
     depth: float = 0.015
     _at: Vector | None = None
-
-    @property
-    def caps(self) -> Caps:
-        """Return what it can."""
-        return Caps(tips=1, has_force=False, rate=60, peak_force=0, continuous_force=0, workspace_radius=1.0)
 
     def point(self, surface: Vector, outward: Vector, pressure: float) -> None:
         """Take what the pointer is on [m], the unit way out there, and the pen's pressure 0..1."""

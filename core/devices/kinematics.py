@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from ..errors import DimpleError
 from .spec import Spec
-from .vectors import Vector, dot
+from .vectors import Vector
 from .wire import FULL_SCALE
 
 Rows = tuple[Vector, Vector, Vector]
@@ -115,21 +115,6 @@ def force(block: Block, q: Vector, torque: Vector) -> Vector:
     return c * out - s * across, s * out + c * across, up
 
 
-def condition_number(block: Block, q: Vector) -> float:
-    """Return the ratio of the largest to the smallest singular value of J, inf where it is singular.
-
-    The yaw is at right angles to the rest: its singular value is r; those of the 2 x 2 rest follow from its trace
-    and determinant.
-    """
-    r = abs(block.l1 * math.cos(q[1]) + block.l2 * math.cos(q[2]))
-    half = (block.l1**2 + block.l2**2) / 2
-    area = block.l1 * block.l2 * abs(math.sin(q[1] - q[2]))
-    largest = math.sqrt(half + math.sqrt(max(half * half - area * area, 0.0)))
-    smallest = area / largest
-    least = min(r, smallest)
-    return max(r, largest) / least if least > 0 else math.inf
-
-
 def _refuse_singular(block: Block, r: float, bend: float) -> None:
     if abs(r) * MOST_CONDITION < block.l1 + block.l2:
         raise Singular(f"The tip of the {block.name} is on the axis of its base: it cannot move sideways there.")
@@ -169,9 +154,3 @@ def word_torques(spec: Spec, words: tuple[int, ...]) -> Vector:
     """Return the torques [N m] that the words of a Command ask of a block."""
     a, b, c = spec.torque_limits
     return words[0] / FULL_SCALE * a, words[1] / FULL_SCALE * b, words[2] / FULL_SCALE * c
-
-
-def speed(block: Block, q: Vector, rates: Vector) -> Vector:
-    """Return the velocity [m/s] of the tip for rates [rad/s] of its joints: J dq/dt."""
-    rows = jacobian(block, q)
-    return dot(rows[0], rates), dot(rows[1], rates), dot(rows[2], rates)
