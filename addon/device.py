@@ -93,7 +93,7 @@ def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple
         return lines
     lines.append((iface_("Rate"), f"{report.rate:.0f} Hz"))
     lines.append((iface_("Round Trip"), f"{1e3 * report.delay_p50:.2f} ms, 99 %: {1e3 * report.delay_p99:.2f} ms"))
-    lines.append((iface_("Lost Frames"), f"{report.lost}"))
+    lines.append((iface_("Lost Frames"), f"{report.lost + report.unsent}"))
     for number, tip in enumerate(report.tips, start=1):
         force = sum(c * c for c in tip.force) ** 0.5
         full = f" ({iface_('full')})" if tip.full or force > FULL * report.peak else ""

@@ -13,7 +13,7 @@ from .vectors import ZERO, Vector
 TIPS = 3
 _ORDER = struct.Struct("<IId")  # arm, disarm, held until
 _CONTACT = struct.Struct("<B14d")
-_REPORT = struct.Struct("<dBBB5I6dBB")
+_REPORT = struct.Struct("<dBBB6I6dBB")
 _TIP = struct.Struct("<BB7d")
 _TEXT = 400  # bytes of the message
 ORDER_SIZE = _ORDER.size + TIPS * _CONTACT.size
@@ -25,7 +25,7 @@ class Link(Enum):
 
     OPENING = 0
     READY = 1
-    LOST = 2  # for good: connect again
+    LOST = 2  # the line: connect again; or the device fell silent, and is READY when it answers again, not armed
     REFUSED = 3  # of another protocol, another baud rate, in use...
 
 
@@ -63,9 +63,10 @@ class Tip:
 class Report:
     """Hold what the servo says of the device.
 
-    time: of the newest STATE [s].  states: taken.  lost: missing in their sequence.  wrong: refused by their check.
-    stale: older than the newest.  late: answered after the next had begun.  rate: [1/s].  delay_p50, delay_p99: from
-    the STATE to its answer's arrival [s]; wire: what of it the bytes took on the line.
+    time: of the newest STATE [s].  states: taken.  lost: missing in their sequence.  unsent: answers that the line did
+    not take.  wrong: refused by their check.  stale: older than the newest.  late: answered after the next had begun.
+    rate: [1/s].  delay_p50, delay_p99: from the STATE to its answer's arrival [s]; wire: what of it the bytes took on
+    the line.
     cap: largest stiffness to render [N/m].  peak: force of a fingertip [N].
     buttons, status: bits of the device.  message: "" or a sentence for the person.
     """
@@ -76,6 +77,7 @@ class Report:
     tips: tuple[Tip, ...] = ()
     states: int = 0
     lost: int = 0
+    unsent: int = 0
     wrong: int = 0
     stale: int = 0
     late: int = 0
@@ -120,8 +122,8 @@ def pack_report(report: Report) -> bytes:
     r = report
     parts = [
         _REPORT.pack(
-            r.time, r.link.value, r.arming.value, len(r.tips), r.states, r.lost, r.wrong, r.stale, r.late,
-            r.rate, r.delay_p50, r.delay_p99, r.wire, r.cap, r.peak, r.buttons, r.status,
+            r.time, r.link.value, r.arming.value, len(r.tips), r.states, r.lost, r.unsent, r.wrong, r.stale,
+            r.late, r.rate, r.delay_p50, r.delay_p99, r.wire, r.cap, r.peak, r.buttons, r.status,
         )
     ]  # fmt: skip
     for i in range(TIPS):
@@ -133,9 +135,8 @@ def pack_report(report: Report) -> bytes:
 
 def unpack_report(letter: bytes) -> Report:
     """Return the report in a letter."""
-    (time, link, arming, count, states, lost, wrong, stale, late, rate, p50, p99, wire, cap, peak, buttons, status) = (
-        _REPORT.unpack_from(letter)
-    )
+    (time, link, arming, count, states, lost, unsent, wrong, stale, late, rate, p50, p99, wire, cap, peak, buttons,
+     status) = _REPORT.unpack_from(letter)  # fmt: skip
     tips = []
     for i in range(count):
         masked, full, *v = _TIP.unpack_from(letter, _REPORT.size + i * _TIP.size)
@@ -146,7 +147,7 @@ def unpack_report(letter: bytes) -> Report:
             )
         )  # fmt: skip
     return Report(
-        time=time, link=Link(link), arming=Arming(arming), tips=tuple(tips), states=states, lost=lost, wrong=wrong,
-        stale=stale, late=late, rate=rate, delay_p50=p50, delay_p99=p99, wire=wire, cap=cap, peak=peak, buttons=buttons,
-        status=status, message=letter[-_TEXT:].rstrip(b"\0").decode(errors="ignore"),
+        time=time, link=Link(link), arming=Arming(arming), tips=tuple(tips), states=states, lost=lost, unsent=unsent,
+        wrong=wrong, stale=stale, late=late, rate=rate, delay_p50=p50, delay_p99=p99, wire=wire, cap=cap, peak=peak,
+        buttons=buttons, status=status, message=letter[-_TEXT:].rstrip(b"\0").decode(errors="ignore"),
     )  # fmt: skip

@@ -21,10 +21,10 @@ class LinkLost(DimpleError):
 
 
 class Link:
-    """Hold an open line.  short_writes: how often the line took less than it was given."""
+    """Hold an open line."""
 
     def __init__(self, port: Any, name: str) -> None:
-        self.name, self.short_writes = name, 0
+        self.name = name
         self._port, self._lost = port, lost_errors()
 
     def read(self) -> bytes:
@@ -53,9 +53,7 @@ class Link:
             sent = 0
         except self._lost as error:
             raise self._gone(error) from None
-        whole: bool = sent == len(data)
-        self.short_writes += not whole
-        return whole
+        return bool(sent == len(data))
 
     def wait(self, seconds: float) -> bool:
         """Wait for bytes, so long at most; tell whether there are some (or the line is gone: read says so).

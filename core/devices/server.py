@@ -73,7 +73,7 @@ def serve(
         now = time.perf_counter()
         out = servo.step(now, data)
         if out:
-            line.write(out)
+            servo.unsent += not line.write(out)
             if log is not None and servo.device_time_us >= 0:
                 log.append((servo.device_time_us, *(c for tip in servo.tips for three in tip for c in three)))
         if now - posted > REPORT_EVERY or servo.link is Link.REFUSED:

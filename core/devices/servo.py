@@ -47,7 +47,7 @@ class Servo:
 
     order: what Blender wants; replace it whenever it changes.  link, message: for Blender.  cap: largest stiffness to
     render [N/m]; it falls as soon as the delay grows, and rises only while nothing is touched: a wall that stiffens
-    under a finger pushes it out.
+    under a finger pushes it out.  unsent: answers that the line did not take.
     """
 
     def __init__(self, spec: Spec, *, nonce: int = 1) -> None:
@@ -63,6 +63,7 @@ class Servo:
         self._state: wire.State | None = None
         self._heard = self._device_time = 0.0  # when the last STATE came, and when the device says it was [s]
         self._measured: wire.Report | None = None
+        self.unsent = 0
         self.cap = stiffness_cap(spec.viscous, spec.tick, FIRST_DELAY)
 
     @property
@@ -115,7 +116,7 @@ class Servo:
         warning = LOSSY.format(share=losses.share) if losses.share > LOSS_WARNS else ""
         return Report(
             time=self._heard, link=self.link, arming=self._switch.arming, states=losses.taken, lost=losses.missing,
-            wrong=counts.refused, stale=losses.stale, late=measured.late if measured else 0,
+            unsent=self.unsent, wrong=counts.refused, stale=losses.stale, late=measured.late if measured else 0,
             rate=losses.rate, delay_p50=measured.rtt_p50_us * 1e-6 if measured else 0.0,
             delay_p99=measured.rtt_p99_us * 1e-6 if measured else 0.0,
             wire=measured.wire_us * 1e-6 if measured else 0.0,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import tempfile
 import time
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from ..devices.felt import Felt, Workspace, fingers
 from ..devices.hand import Keyframe
 from ..devices.letters import Link, Report
 from ..devices.safety import Arming
+from ..devices.wire import RAMP
 from ..material import PRESETS
 from ..mesh import base_vertices
 from ..model import build_model
@@ -35,6 +37,7 @@ LEVELS = (0.005, 0.010, 0.015)  # [m] where the hand wants its fingertips below 
 MOVE, HOLD, LIFT, SETTLE = 0.15, 0.40, 0.30, 0.10  # [s]
 READY_AFTER = 1.3  # [s] from the device's ramp until the servo's is over too
 CYCLE = 2 * LIFT + len(LEVELS) * (MOVE + HOLD)
+SHORTEST = READY_AFTER + CYCLE
 FRAME = 1 / 60  # [s]
 STALL, STALL_EVERY = 0.200, 1.0  # [s] Blender's main thread, busy
 CONNECT = 5.0  # [s] at most
@@ -58,7 +61,9 @@ def add_haptics(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_haptics)
     command.add_argument("--emulate", action="store_true", required=True, help="with an emulated device")
-    command.add_argument("--seconds", type=float, default=10.0, metavar="N", help="of pressing, 5 at least")
+    command.add_argument(
+        "--seconds", type=float, default=10.0, metavar="N", help=f"of pressing, {SHORTEST:.2f} at least"
+    )
     command.add_argument("--busy", action="store_true", help="stall the main thread for 200 ms each second")
     command.add_argument("--fault", action="append", default=[], metavar="FAULT", help="see `emulator --help`")
     command.add_argument("--baud", type=int, metavar="B", help="bits a second, 0: bytes take no time")
@@ -88,9 +93,9 @@ def press(seconds: float, *, busy: bool = False, words: list[str] | None = None)
     Raises:
         DimpleError: the device does not connect or does not arm, or the time is too short for one press.
     """
-    cycles = int((seconds - READY_AFTER) / CYCLE)
+    cycles = math.floor((seconds - READY_AFTER) / CYCLE + 1e-9)
     if cycles < 1:
-        raise DimpleError(f"A press takes {READY_AFTER + CYCLE:.1f} s: give --seconds at least that.")
+        raise DimpleError(f"A press takes {SHORTEST:.2f} s: give --seconds at least that.")
     with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
         hand, trace, told, log = (Path(folder) / name for name in ("hand.json", "trace.csv", "device.json", "log.csv"))
         hand.write_text(json.dumps({"tips": [_way(i, cycles) for i in range(3)]}))
@@ -105,7 +110,7 @@ def press(seconds: float, *, busy: bool = False, words: list[str] | None = None)
             device.close()
         if not (trace.exists() and told.exists() and log.exists()):
             raise DimpleError("Device or servo did not end in time, so there is no trace: the machine is too busy.")
-        rows = np.loadtxt(trace, delimiter=",", skiprows=1, converters={1: float}, ndmin=2)
+        rows = np.loadtxt(trace, delimiter=",", skiprows=1, ndmin=2)
         given = np.loadtxt(log, delimiter=",", ndmin=2)
         return Trial(cycles, report, json.loads(told.read_text()), rows, given, np.array(frames))
 
@@ -114,7 +119,7 @@ def judge(trial: Trial) -> dict[str, float]:
     """Return the figures of a trial, by the device's own trace."""
     device, report = trial.device, trial.report
     time, places, forces = trial.trace[:, 0], _tips(trial.trace, 2), _tips(trial.trace, 11)
-    begin = time[np.flatnonzero(trial.trace[:, 1] == 2)[0]]  # of the ramp
+    begin = time[np.flatnonzero(trial.trace[:, 1] == RAMP)[0]]
     felt = [_felt(trial.cycles, time - begin, places[:, i], forces[:, i]) for i in range(3)]
     slopes = np.array([slope for slope, _ in felt])
     errors = np.concatenate([error for _, error in felt])
@@ -130,6 +135,7 @@ def judge(trial: Trial) -> dict[str, float]:
         "wire_us": device["wire_us"],
         "late_share": device["late_share"],
         "lost_frames": report.lost + device["lost"],
+        "unsent_frames": report.unsent,
         "wrong_frames": int((off > WRONG).any(axis=1).sum()),
         "refused_frames": report.wrong + device["bad"],
         "force_rms_error_n": float(np.sqrt((errors**2).mean())),

@@ -59,7 +59,7 @@ class Rig:
         After a DISARM that is at once. Without a Command it is 25 ms after the last one, so 75 ms before the device
         latches its fault, and what acts then is a brake: at most as strong as the last 20 ms were fast.
         """
-        rows = np.loadtxt(self.folder / "trace.csv", delimiter=",", skiprows=1, converters={1: float})
+        rows = np.loadtxt(self.folder / "trace.csv", delimiter=",", skiprows=1)
         places, forces = rows[:, 2:11].reshape(-1, 3, 3), np.linalg.norm(rows[:, 11:20].reshape(-1, 3, 3), axis=2)
         armed = np.isin(rows[:, 1], (wire.RAMP, wire.ARMED))
         pressed = np.flatnonzero(armed & (forces.min(axis=1) > 0.8 * PRESSED))
