@@ -3,7 +3,7 @@
     F(x) = F0 - [k_n n n^T + k_t (I - n n^T)] (x - x0)
 
 Forces held from frame to frame would be stable only on soft objects; a contact evaluated where the fingertip is
-now is stable up to the device's own limit (HAPTICS.md). It can push and slide, never pull.
+now is stable up to the device's own limit (`stiffness_cap`). It can push and slide, never pull.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def stiffness_cap(viscous: float, period: float, delay: float) -> float:
     Args:
         viscous: friction b of the device [N s/m].  period: of its tick T [s].  delay: from sensor to motor t_d [s].
 
-    Source: Colgate and Brown's condition for a passive wall with a delay; HAPTICS.md.
+    Source: Colgate and Brown's condition for a passive wall, with a delay; tests.devices.walls finds the same limit.
     """
     return PASSIVE_SHARE * viscous / (period / 2 + delay)
 

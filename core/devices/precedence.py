@@ -11,7 +11,7 @@ NICENESS = -20  # the least there is
 def ask() -> str:
     """Ask for it; return what was granted: "real time", "nice" or "".
 
-    Windows is asked when the process is started (device.start); other systems may say no to an ordinary account.
+    Windows is asked when the process is started (process.start); other systems may say no to an ordinary account.
     """
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))

@@ -54,7 +54,7 @@ def test_friction_holds_no_more_than_its_cone() -> None:
 
 
 def test_the_largest_stiffness_is_that_of_the_design() -> None:
-    """0.8 b / (T/2 + t_d): b = 2 N s/m, T = 1 ms; with a delay of 0.7 ms the 1331 N/m of HAPTICS.md."""
+    """0.8 b / (T/2 + t_d): b = 2 N s/m, T = 1 ms; with a delay of 0.7 ms 1331 N/m."""
     assert stiffness_cap(2.0, 1e-3, 0.702e-3) == pytest.approx(1331, abs=1)
 
 

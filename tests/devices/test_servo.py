@@ -1,4 +1,4 @@
-"""The servo on an injected clock: what it answers, and what must end all force. Rows of HAPTICS.md's fault table."""
+"""The servo on an injected clock: what it answers, and what must end all force."""
 
 import math
 from dataclasses import replace

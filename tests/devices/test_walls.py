@@ -1,4 +1,4 @@
-"""The goals of HAPTICS.md that hold on one clock, whatever the machine. `python -m tests.devices.walls` prints them."""
+"""What holds of a felt wall on one clock, whatever the machine. `python -m tests.devices.walls` prints them."""
 
 import pytest
 
@@ -20,4 +20,18 @@ def test_the_stiffness_felt_is_the_stiffness_asked_within_3_percent(k: float | N
 def test_poking_the_stiffest_wall_gives_no_hand_a_millijoule() -> None:
     run = walls.poke(6.0)
     assert run.cap == pytest.approx(0.8 * walls.limit_by_formula(), rel=1e-3)
+    assert run.energy > -1e-3 and run.observed > -1e-3
+
+
+def test_answers_late_now_and_then_leave_the_stiffness_and_give_no_hand_a_millijoule_either() -> None:
+    """One of 500 ticks finds the servo stuck for 2 to 3 ms, twice what was measured: its 99th percentile is a tick."""
+    run = walls.poke(6.0, stuck=1 / 500)
+    assert run.cap == pytest.approx(0.8 * walls.limit_by_formula(), rel=1e-3)
+    assert run.energy > -1e-3 and run.observed > -1e-3
+
+
+def test_answers_late_too_often_lower_the_stiffness() -> None:
+    """One of 20 ticks: the delay is 3 ticks, 0.8 b / (T / 2 + 3 T) = 457 N/m, whatever States were passed over."""
+    run = walls.poke(3.0, stuck=1 / 20)
+    assert run.cap == pytest.approx(0.8 * 2.0 / 3.5e-3, rel=1e-3)
     assert run.energy > -1e-3 and run.observed > -1e-3
