@@ -12,6 +12,7 @@ from tests.blender.operators.device_rig import port  # noqa: F401
 
 CUBE = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+SIDE = 5  # vertices along an edge of the cube: 98 in all
 
 
 @pytest.fixture
@@ -63,6 +64,42 @@ def rest(empty_file: ModuleType, coordinates: Callable[[Any], bytes]) -> bytes:
     bits = coordinates(SimpleNamespace(data=mesh))
     empty_file.data.meshes.remove(mesh)
     return bits
+
+
+@pytest.fixture
+def cube(add: Callable[..., Any]) -> Any:
+    """A cube of 98 vertices that stands for the paper's second object, of 165 mm."""
+    import bmesh
+
+    obj = add([], [], "Cube")
+    made = bmesh.new()
+    bmesh.ops.create_cube(made, size=2.0)
+    bmesh.ops.subdivide_edges(made, edges=made.edges[:], cuts=SIDE - 2, use_grid_fill=True)
+    made.to_mesh(obj.data)
+    made.free()
+    return obj
+
+
+@pytest.fixture
+def vinyl(bpy: ModuleType, cube: Any) -> Any:
+    """The settings of the cube's material."""
+    bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+    return cube.active_material.dimple
+
+
+@pytest.fixture
+def forgetful(bpy: ModuleType) -> Iterator[Path]:
+    """The folder of remembered identifications, empty before and after."""
+    package = "bl_ext.user_default.dimple"
+    folder = Path(bpy.utils.extension_path_user(package, path="identified", create=True))
+
+    def empty() -> None:
+        for path in folder.glob("*"):
+            path.unlink()
+
+    empty()
+    yield folder
+    empty()
 
 
 @pytest.fixture

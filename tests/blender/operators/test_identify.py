@@ -1,51 +1,13 @@
-"""A virtual press that answers as was measured: identified, cancelled, remembered, cleared; measured and read back."""
+"""A virtual press that answers as was measured: identified, cancelled, remembered, cleared."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
-
-SIDE = 5  # vertices along an edge of the cube: 98 in all
-
-
-@pytest.fixture
-def cube(add: Callable[..., Any]) -> Any:
-    """A cube of 98 vertices that stands for the paper's second object, of 165 mm."""
-    import bmesh
-
-    obj = add([], [], "Cube")
-    made = bmesh.new()
-    bmesh.ops.create_cube(made, size=2.0)
-    bmesh.ops.subdivide_edges(made, edges=made.edges[:], cuts=SIDE - 2, use_grid_fill=True)
-    made.to_mesh(obj.data)
-    made.free()
-    return obj
-
-
-@pytest.fixture
-def vinyl(bpy: ModuleType, cube: Any) -> Any:
-    """The settings of the cube's material."""
-    bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
-    return cube.active_material.dimple
-
-
-@pytest.fixture
-def forgetful(bpy: ModuleType) -> Iterator[Path]:
-    """The folder of remembered identifications, empty before and after."""
-    package = "bl_ext.user_default.dimple"
-    folder = Path(bpy.utils.extension_path_user(package, path="identified", create=True))
-
-    def empty() -> None:
-        for path in folder.glob("*"):
-            path.unlink()
-
-    empty()
-    yield folder
-    empty()
 
 
 @pytest.fixture
@@ -259,78 +221,3 @@ def test_what_cannot_be_pressed_says_why(bpy: ModuleType, vinyl: Any, cube: Any)
         bpy.ops.dimple.identify()
     cube.active_material = None
     assert not bpy.ops.dimple.identify.poll() and not bpy.ops.dimple.measure.poll()
-
-
-def test_what_is_measured_on_the_identified_body_calibrates_to_its_material(
-    bpy: ModuleType, vinyl: Any, forgetful: Path, tmp_path: Path
-) -> None:
-    """The round trip: constants, identified, measured by a virtual press, fitted again."""
-    bpy.ops.dimple.identify()
-    path = tmp_path / "round.csv"
-    assert bpy.ops.dimple.measure(filepath=str(path), rows=40) == {"FINISHED"}
-    text = path.read_text()
-    assert "Distance x (mm)" in text and "Simulated by Dimple" in text and "identified on its mesh" in text
-    assert bpy.ops.dimple.calibrate(filepath=str(path)) == {"FINISHED"}
-    told = json.loads(bpy.context.scene.dimple.calibration)
-    # the identification may be off by 3 % of full scale: a tenth of a slope, and of the knee
-    assert told["model"] == "two"
-    assert told["K1"] == pytest.approx(0.61, rel=0.1)
-    assert told["K2"] == pytest.approx(7.23, rel=0.1)
-    assert told["x0"] == pytest.approx(16.3, rel=0.1)
-    bpy.ops.dimple.apply_calibration()
-    assert "round.csv" in vinyl.provenance
-
-
-def test_another_tip_is_a_prediction_and_leaves_what_was_identified(
-    bpy: ModuleType, vinyl: Any, forgetful: Path, tmp_path: Path
-) -> None:
-    bpy.ops.dimple.identify(depth_mm=8)
-    before = (vinyl.kappa1, vinyl.identification, vinyl.tip)
-    path = tmp_path / "finger.csv"
-    bpy.ops.dimple.measure(filepath=str(path), tip="SPHERE", tip_radius_mm=10, depth_mm=8, rows=12)
-    assert (vinyl.kappa1, vinyl.identification, vinyl.tip) == before
-    assert "sphere, radius 10 mm" in path.read_text()
-    rows = np.loadtxt(path, delimiter=",", skiprows=4)
-    assert rows[-1] == pytest.approx([8, rows[:, 1].max()]) and rows[-1, 1] > 1, "it presses, and harder as it goes in"
-
-
-def test_a_measurement_between_blenders_events_is_written_at_its_end_or_not_at_all(
-    bpy: ModuleType, vinyl: Any, hand: Any, tmp_path: Path
-) -> None:
-    from bl_ext.user_default.dimple.operators import working
-
-    path = tmp_path / "live.csv"
-    slice_s, working.SLICE_S = working.SLICE_S, 0.0
-    try:
-        for key in ("ESC", ""):
-            run = hand("measure")
-            run.given.add("filepath")
-            run.operator.filepath, run.operator.rows, run.operator.depth_mm = str(path), 12, 5.0
-            run.invoke()
-            run.ticks(3)
-            if key:
-                assert run.send(key) == {"CANCELLED"} and not path.exists()
-    finally:
-        working.SLICE_S = slice_s
-    assert run.ticks(100) == {"FINISHED"}
-    rows = np.loadtxt(path, delimiter=",", skiprows=4)
-    assert rows.shape == (12, 2) and rows[-1, 0] == pytest.approx(5) and (np.diff(rows[:, 1]) > 0).all()
-
-
-def test_a_measurement_can_be_cancelled_while_it_asks_for_the_file(bpy: ModuleType, vinyl: Any, hand: Any) -> None:
-    """Blender does that where a window with a file browser closes."""
-    run = hand("measure")
-    assert run.invoke() == {"RUNNING_MODAL"}
-    run.operator.cancel(run.context)
-    assert bpy.ops.dimple.measure.poll(), "nothing is left at work"
-
-
-def test_a_measurement_stops_before_the_far_side(bpy: ModuleType, vinyl: Any, cube: Any, tmp_path: Path) -> None:
-    from bl_ext.user_default.dimple.operators import indentation
-
-    cube.scale.z = 0.1
-    bench = indentation.set_up(bpy.context, cube, "TOP", 400.0)
-    assert bench.site.thickness == pytest.approx(0.0165, rel=1e-4)
-    bpy.ops.dimple.measure(filepath=str(tmp_path / "thin.csv"), depth_mm=400, rows=12)
-    rows = np.loadtxt(tmp_path / "thin.csv", delimiter=",", skiprows=4)
-    assert rows[-1, 0] <= 0.9 * 16.5 + 1e-3
