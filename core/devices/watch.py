@@ -9,7 +9,7 @@ from typing import Final
 from . import wire
 from .spec import BITS_A_BYTE, Spec
 
-RECENT: Final = 1000  # answers the percentiles are of
+RECENT: Final = 1000  # States the percentiles are of: ten that wait too long move the 99th, one does not
 OLDEST_ECHO: Final = 5  # [ticks] an answer to an older State is refused
 LOSS_TICKS, LOSS_SHARE = 1000, 0.30  # ticks a verdict spans; more lost than this disarms,
 LOSS_FEW: Final = 50  # unless there were so few
@@ -18,7 +18,8 @@ LOSS_FEW: Final = 50  # unless there were so few
 class Watch:
     """Count the States and their answers of a session.
 
-    heard: ticks until the last answer came.  rtts: of the last answers [s].  trips: how many of all took so long [us].
+    heard: ticks until the last answer came.  rtts: how long the last States waited for an answer, to them or to a newer
+    one [s].  trips: how many of all took so long [us].
     """
 
     def __init__(self, spec: Spec, session: int) -> None:
@@ -45,12 +46,13 @@ class Watch:
             self.stale += 1
             return False
         if sent >= 0:  # the first answer to this State
-            rtt = now - sent
-            self.rtts.append(rtt)
-            self.trips[_word(1e6 * rtt)] += 1
             self.answered, self.heard = self.answered + 1, self.ticks
-            self.in_time += rtt <= self._tick
-            self._sent[command.echo] = -1.0
+            self.in_time += now - sent <= self._tick
+            for seq, sent in self._sent.items():  # those a host in a hurry passed over have waited until now as well
+                if sent >= 0 and not wire.seq_newer(seq, command.echo):
+                    self.rtts.append(now - sent)
+                    self.trips[_word(1e6 * (now - sent))] += 1
+                    self._sent[seq] = -1.0
         lost = (command.seq - self.ack - 1 & 0xFFFF) if self.taken else 0
         self.lost, self.taken, self.ack = self.lost + lost, self.taken + 1, command.seq
         self._loss = [self._loss[0] + lost, self._loss[1] + 1]

@@ -134,9 +134,9 @@ class Report(NamedTuple):
     """Say how the link does, measured on the device's clock; the device, to a Ping with this nonce.
 
     ticks: since the session began.  answered: of their States.  late: answered more than a tick after.
-    rtt_p50_us, rtt_p99_us, rtt_max_us: from a State's tick to its whole answer, over the last 1000 answers; of it
-    wire_us is the time of the bytes on the line.  bad, stale, lost: frames of the host that were refused by their CRC
-    or form, came too old or twice, or never.
+    rtt_p50_us, rtt_p99_us, rtt_max_us: from a State's tick to the whole answer to it, or to a newer one where it was
+    passed over, of the last 1000; of it wire_us is the time of the bytes on the line.  bad, stale, lost: frames of the
+    host that were refused by their CRC or form, came too old or twice, or never.
     """
 
     session: int

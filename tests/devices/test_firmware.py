@@ -10,6 +10,7 @@ import pytest
 from core.devices import wire
 from core.devices.hand import Hand
 from core.devices.vectors import ZERO
+from core.devices.watch import Watch
 from tests.devices.host import HELD, SPEC, Host, Table
 from tests.devices.test_motors import hottest
 
@@ -269,3 +270,13 @@ def test_the_round_trip_is_measured_on_the_device_s_clock() -> None:
     assert report is not None and (report.nonce, report.wire_us, report.late) == (77, 738, 0)
     assert 738 <= report.rtt_p50_us <= 738 + 200
     assert report.answered >= report.ticks - 12 and (report.bad, report.stale, report.lost) == (0, 0, 0)
+
+
+def test_a_state_that_was_passed_over_has_waited_for_the_answer_to_the_next() -> None:
+    """The host was kept from running for 2.4 ms, then answered the newest of three: the hand felt an old force."""
+    watch = Watch(SPEC, 1)
+    seqs = [watch.send(1e-3 * i) for i in range(3)]
+    assert watch.take(wire.Command(1, 1, seqs[-1], wire.NO_TORQUE, 0, 5), 2.4e-3)
+    assert list(watch.rtts) == pytest.approx([2.4e-3, 1.4e-3, 0.4e-3])
+    assert (watch.answered, watch.in_time) == (1, 1)
+    assert not watch.take(wire.Command(1, 1, seqs[0], wire.NO_TORQUE, 0, 5), 2.5e-3) and len(watch.rtts) == 3
