@@ -4,7 +4,6 @@ from dataclasses import dataclass, field, replace
 
 from core.devices import kinematics, wire
 from core.devices.contact_model import Contact
-from core.devices.letters import Order
 from core.devices.safety import LEASE
 from core.devices.servo import Servo
 from core.devices.spec import Spec, info, load_spec
@@ -137,9 +136,14 @@ class BenchDevice:
         return kinematics.adc_words(self.spec, kinematics.inverse(self.blocks[i], self.at[i]))
 
 
+def message(device: BenchDevice) -> str:
+    """Return what the servo says."""
+    return device.servo.report().message
+
+
 def disarmed(device: BenchDevice) -> bool:
     """Tell whether nothing acts, and nothing will without a new request."""
     return device.servo.report().arming.name == "OFF" and device.strongest == 0.0
 
 
-__all__ = ["SESSION", "TICK", "BenchDevice", "Order", "disarmed", "wall"]
+__all__ = ["SESSION", "TICK", "BenchDevice", "disarmed", "message", "wall"]
