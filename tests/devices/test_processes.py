@@ -1,7 +1,7 @@
 """Processes that die during a press: no force, no orphan, no stuck port, a new ARM.
 
 When the force must be gone is judged on the device's clock; that Blender hears of it in 100 ms is judged on an injected
-clock (test_servo.py). Here it is waited for.
+clock (test_servo_link.py). Here it is waited for.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""The servo's end of the line, on an injected clock: what it answers, and what it makes of lost, late and wrong bytes."""
+"""The servo's end of the line on an injected clock: what it answers, and what it makes of lost and wrong bytes."""
 
 import pytest
 
