@@ -64,6 +64,16 @@ def test_unbake_takes_everything_off(
     assert not obj.modifiers and np.array_equal(shown(obj), rest) and coordinates(obj) == before
 
 
+def test_a_bake_without_frames_takes_those_of_the_scene(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any]
+) -> None:
+    pressed()
+    scene.frame_start, scene.frame_end = 3, 6
+    bpy.ops.dimple.bake()
+    start, positions = cached(scene)
+    assert (start, len(positions)) == (3, 4)
+
+
 def test_a_second_bake_takes_the_place_of_the_first(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
     obj = pressed()
     bpy.ops.dimple.bake(frame_start=1, frame_end=6)

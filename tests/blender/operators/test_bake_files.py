@@ -88,6 +88,15 @@ def test_a_bake_whose_object_is_deleted_fails_with_a_sentence(
     assert list(Path(scene.dimple.cache_dir).iterdir()) == []
 
 
+def test_a_bake_whose_object_is_renamed_goes_on(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
+    obj = pressed()
+    steps = unfinished(bpy, obj)
+    next(steps)
+    obj.name = "Another"
+    list(steps)
+    assert [modifier.name for modifier in obj.modifiers] == ["Dimple"]
+
+
 def test_an_unsaved_file_bakes_into_the_preferred_folder(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
 ) -> None:

@@ -85,6 +85,22 @@ def test_a_poke_takes_over_from_play(bpy: ModuleType, hand: Any, body: Any) -> N
     poke.send("ESC")
 
 
+def test_the_time_there_is_is_shared_by_the_bodies(bpy: ModuleType, ball: Callable[..., Any], body: Any) -> None:
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    for obj in (body, ball("Other")):
+        sessions.start(obj, bpy.context)
+    given = []
+    for entry in sessions.sessions.values():
+        step = entry.session.step
+        entry.session.step = lambda dt, *, budget, step=step: given.append(budget) or step(dt)
+    try:
+        live.advance(bpy.context, 0.002, budget=0.5)
+    finally:
+        sessions.stop_all()
+    assert given == [0.25, 0.25]
+
+
 def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
     bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
