@@ -8,10 +8,13 @@ computes there keeps the worker, and so the question, waiting for 1 to 4 ms. A t
 
 from __future__ import annotations
 
+import os
 import select
 from typing import Final
 
 EDGES: Final = hasattr(select, "epoll")
+MILLISECOND: Final = 1e-3
+MOST: Final = 65536  # bytes at once
 
 
 class Arrivals:
@@ -28,6 +31,15 @@ class Arrivals:
         """Return those where bytes have come, after so long [s] at most."""
         if not EDGES:
             return select.select(self._descriptors, [], [], seconds)[0]
-        if not select.select([self._told], [], [], seconds)[0]:  # epoll itself counts in whole milliseconds
-            return []
-        return [each for each, _ in self._told.poll(0)]
+        if seconds < MILLISECOND:  # epoll counts in whole ones
+            select.select([self._told], [], [], seconds)
+            seconds = 0
+        return [each for each, _ in self._told.poll(seconds)]
+
+
+def take(descriptor: int) -> bytes:
+    """Return the bytes that are there, b"" where there are none."""
+    try:
+        return os.read(descriptor, MOST)
+    except BlockingIOError:
+        return b""

@@ -13,11 +13,11 @@ from types import FrameType
 
 from ..errors import DimpleError
 from . import precedence
-from .arrivals import Arrivals
+from .arrivals import MOST, Arrivals, take
 from .emulator import Emulator
 
 MOST_LATE = 2e-3  # [s] when this process was kept from running for longer, the device's clock stood still meanwhile
-READ = 65536  # bytes at most
+LEAD = 1e-4  # [s] to wake up and compute in: what leaves a device at a tick leaves at it, and not when Python is done
 
 
 class Stopped(Exception):
@@ -53,17 +53,19 @@ def _run(emulator: Emulator, master: int, seconds: float, lifeline: int | None) 
     with suppress(Stopped):
         while not emulator.unplugged and time.monotonic() - begin < seconds:
             now = time.monotonic() - told["slipped_s"]
-            late = now - emulator.next_time() if emulator.started else 0.0
-            if late > MOST_LATE:
-                told["slips"], told["slipped_s"], now = told["slips"] + 1, told["slipped_s"] + late, now - late
-            incoming = b""
-            wait = max(emulator.next_time() - now, 0.0) if emulator.started else 0.0
-            ready = arrivals.wait(wait)
-            if lifeline in ready and not os.read(lifeline, READ):
+            due = emulator.next_time() if emulator.started else now
+            if now - due > MOST_LATE:
+                told["slips"], told["slipped_s"], now = told["slips"] + 1, told["slipped_s"] + now - due, due
+            ready = arrivals.wait(max(due - LEAD - now, 0.0))
+            now = time.monotonic() - told["slipped_s"]  # as bytes come, like a device's interrupt, not once read
+            if lifeline in ready and not os.read(lifeline, MOST):
                 break
-            if master in ready:
-                incoming = os.read(master, READ)
-            outgoing = emulator.step(time.monotonic() - told["slipped_s"], incoming)
+            if ready:
+                outgoing = emulator.step(now, take(master))
+            else:
+                outgoing = emulator.step(max(now, due), b"")
+                while outgoing and time.monotonic() - told["slipped_s"] < due:
+                    pass
             if outgoing:
                 told["overflows"] += not _write(master, outgoing)
     return told

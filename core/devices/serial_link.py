@@ -9,10 +9,10 @@ import time
 from typing import Any, Final
 
 from ..errors import DimpleError
+from .arrivals import take
 
 WINDOWS: Final = os.name == "nt"
 POLL: Final = 5e-4  # [s] between looks where the system cannot wait for a port (Windows)
-READ: Final = 65536  # bytes at most
 IN_USE: Final = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY}
 
 
@@ -34,7 +34,7 @@ class Link:
             LinkLost: the line is gone.
         """
         try:
-            data = b"" if WINDOWS else _read(self._port.fileno())
+            data = b"" if WINDOWS else take(self._port.fileno())
             # with nothing to come only pyserial's attempt shows that the other end is gone
             return data or self._port.read(max(self._port.in_waiting, 1))
         except self._lost as error:
@@ -85,13 +85,6 @@ class Link:
 
     def _gone(self, error: BaseException) -> LinkLost:
         return LinkLost(f"The connection to {self.name} is lost ({error}). Plug it in, connect, then arm again.")
-
-
-def _read(descriptor: int) -> bytes:
-    try:
-        return os.read(descriptor, READ)
-    except BlockingIOError:
-        return b""
 
 
 def lost_errors() -> tuple[type[Exception], ...]:
