@@ -40,7 +40,7 @@ def start(port: Path) -> Iterator[Start]:
     started: list[subprocess.Popen[str]] = []
 
     def begin(*words: str | Path) -> subprocess.Popen[str]:
-        command = [sys.executable, "-m", "core", "emulator", "--pty", port, "--seconds", str(LIMIT), *words]
+        command = [sys.executable, "-m", "core", "emulator", "--pty", port, "--seconds", str(6 * LIMIT), *words]
         process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         started.append(process)
         assert process.stdout is not None and "emulated" in process.stdout.readline()
