@@ -9,7 +9,10 @@ import pytest
 from core.devices.arrivals import EDGES, Arrivals
 
 
-def test_each_end_is_named_when_something_came_there() -> None:
+@pytest.mark.parametrize("edges", [EDGES, False], ids=["told", "asked"])
+def test_each_end_is_named_when_something_came_there(edges: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On Linux, and where the system has no epoll."""
+    monkeypatch.setattr("core.devices.arrivals.EDGES", edges)
     (here, there), (here2, there2) = os.pipe(), os.pipe()
     arrivals = Arrivals(here, here2)
     assert arrivals.wait(0.0) == []
