@@ -73,6 +73,15 @@ def test_a_force_on_the_cell_where_the_file_begins_is_asked_and_the_answer_is_ta
     assert done.surface.balance_k.value == pytest.approx(expected_k(preset), rel=0.05)
 
 
+def test_a_touch_that_the_noise_hides_is_told_with_the_reading_that_is_as_likely(tmp_path):
+    """A millimetre before the touch, which the file calls 0, under a newton of noise."""
+    depth = np.linspace(-0.001, 0.022, 200)
+    force = np.array([PRESETS[1].material.law(max(x, 0.0)) for x in depth.tolist()])
+    write_press(tmp_path / "x.csv", depth + 0.001, force + np.random.default_rng(0).normal(size=200))
+    (doubt,) = (text for text in calibrate(tmp_path / "x.csv").warnings if "hides the first touch" in text)
+    assert "as likely, with K1" in doubt and "--contact-mm" in doubt
+
+
 def test_a_force_below_nothing_is_no_load(tmp_path):
     path = pressed(tmp_path / "x.csv", PRESETS[1], offset=-0.05, noise=0.002)
     done = calibrate(path)
