@@ -3,7 +3,9 @@
 What the skin carries and what the shape memory carries can hardly be told apart from one curve, so the skin's scale is
 not fitted: it is the largest that still lets the press follow the curve well. For each scale tried kappa1, kappa2 and
 d0 are fitted by least squares over their logarithms (Levenberg and Marquardt). One sweep of equilibria gives the
-forces and, by the energy's slopes, their derivatives: see `indent`.
+forces and, by the energy's slopes, their derivatives: see `indent`. Under a flat tip all of it is numpy, for the
+equilibrium has no native twin; a sphere presses in a session, native where there is a native core. Blender remembers
+what was identified (`cache`); the command works it out each time.
 """
 
 from __future__ import annotations
