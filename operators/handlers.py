@@ -42,6 +42,7 @@ def _on_save_post(*_: object) -> None:
 @bpy.app.handlers.persistent
 def _on_undo(*_: object) -> None:
     """Go on where the object is still there; an undo may bring back meshes that it caught pressed."""
+    sessions.disarm()  # it may put anything under a fingertip of the haptic device at once
     if sessions.sessions:
         from . import bridge, bridge_write
 

@@ -91,6 +91,7 @@ def advance(
             sessions.stop(uid)
             said.append(str(error))
         if body.frame.note:
+            sessions.disarm()  # it is back at rest at once, which may be on a fingertip
             said.append(f'"{body.name}": {body.frame.note}')
     haptic.write(context.scene)
     return said

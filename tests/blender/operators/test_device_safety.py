@@ -179,6 +179,28 @@ def test_another_place_of_the_device_disarms_while_a_fingertip_presses(
     wait(lambda report: report.arming.name == "OFF", bpy)
 
 
+@pytest.mark.parametrize("how", ["undo", "blow-up"])
+def test_a_body_that_is_somewhere_else_at_once_disarms(
+    bpy: ModuleType, port: Any, add: Callable[..., Any], how: str
+) -> None:
+    from bl_ext.user_default.dimple.operators import live
+
+    body = add()
+    bpy.ops.ed.undo_push(message="Before")
+    connect(bpy, port.path)
+    entry = run(bpy, body)
+    bpy.ops.ed.undo_push(message="After")
+    before = connection().device._order.disarm
+    wait(lambda report: report.arming.name == "ON", bpy, arms=True)
+    if how == "undo":
+        assert bpy.ops.ed.undo() == {"FINISHED"}
+    else:
+        entry.session._state.positions[:] = float("nan")
+        assert any("blew up" in sentence for sentence in live.advance(bpy.context, 1 / 60))
+    assert connection().device._order.disarm == before + 1
+    wait(lambda report: report.arming.name == "OFF")
+
+
 def test_a_new_session_remembers_nothing_of_what_was_felt_in_the_last(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
