@@ -59,6 +59,10 @@ class Watch:
 
 LOST = {
     "it is released": [("LEFT_SHIFT", "RELEASE", False)],
+    "it is released while the other Shift is down": [("LEFT_SHIFT", "RELEASE", True), ("LEFT_SHIFT", "CLICK", True)],
+    "it is released after a short while, which Blender calls a click too": [
+        ("LEFT_SHIFT", "RELEASE", False), ("LEFT_SHIFT", "CLICK", False), ("TIMER", "NOTHING", False),
+    ],
     "another operator kept its release to itself": [("TIMER", "NOTHING", False)],
     "another window is in front": [("WINDOW_DEACTIVATE", "NOTHING", True)],
     "another window is in front, and Blender does not know that it is up": [
