@@ -77,7 +77,9 @@ def run_haptics(options: argparse.Namespace) -> int:
     trial = press(options.seconds, busy=options.busy, words=words)
     figures = judge(trial)
     if trial.report.arming is not Arming.ON:
-        print(f"Disarmed before the end, so forces and stiffness are too small: {trial.report.message}")
+        print(f"Not armed at the end, so forces and stiffness are too small. {trial.report.message}")
+    if not figures["real_time"]:
+        print("This account may not run anything in real time, so device and servo wait for others now and then.")
     print("\n".join(f"{name:<22} {value:.6g}" for name, value in figures.items()))
     if options.json:
         try:
@@ -129,6 +131,7 @@ def judge(trial: Trial) -> dict[str, float]:
     given = -np.cumsum((forces[:-1] * np.diff(places, axis=0)).sum(axis=2), axis=0)
     K1 = PRESET.material.K1
     return {
+        "real_time": device["real_time"],
         "rate_hz": report.rate,
         "rtt_p50_us": device["rtt_p50_us"],
         "rtt_p99_us": device["rtt_p99_us"],
