@@ -110,7 +110,7 @@ def plan(
     try:
         check(model)
     except DimpleError as error:
-        return _mesh_itself(model, cost, f"{slow}, but {error}.")
+        return _mesh_itself(model, cost, f"{slow}, but {error}: the mesh itself moves.")
     wanted, measured, seen_from = vertices_for(model, tolerance, force_tolerance, radius), None, 0
     if allowance and not model.held.all():
         presses = allowance / (cost * (DOWN + HOLD))
@@ -118,15 +118,19 @@ def plan(
     most = most_of(model)
     if wanted > most:
         near = f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
-        return _mesh_itself(model, cost, f"{slow}, and no stand-in of up to {most:,} is within {near}.")
+        return _mesh_itself(
+            model, cost, f"{slow}, and no stand-in of up to {most:,} is within {near}: the mesh itself moves."
+        )
     try:
         chosen = stand_in(
             model, wanted, radius=radius, budget=budget, because=slow, measured=measured, seen_from=seen_from
         )
     except DimpleError as error:
-        return _mesh_itself(model, cost, f"{slow}, but {error}.")
+        return _mesh_itself(model, cost, f"{slow}, but {error}: the mesh itself moves.")
     if chosen.cost >= cost:
-        return _mesh_itself(model, cost, f"{slow}, and a stand-in that is near enough is no faster.")
+        return _mesh_itself(
+            model, cost, f"{slow}, and a stand-in that is near enough is no faster: the mesh itself moves."
+        )
     return chosen
 
 

@@ -28,7 +28,12 @@ def pins(path: Path) -> list[str]:
 
 
 def test_the_zip_holds_the_extension_and_nothing_else(names: list[str]) -> None:
-    paths = [path for folder in ("addon", "operators", "core") for path in (ROOT / folder).rglob("*.py")]
+    paths = [
+        path
+        for folder in ("addon", "operators", "core")
+        for ending in ("py", "c", "h")  # the licence: the sources of what is compiled go with it
+        for path in (ROOT / folder).rglob(f"*.{ending}")
+    ]
     sources = {path.relative_to(ROOT).as_posix() for path in paths}
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
     wheels = {wheel.removeprefix("./") for wheel in manifest["wheels"]}
