@@ -107,6 +107,16 @@ def drive(device: HapticMaster, until: Callable[[Report], bool], *, k: float = 3
     raise AssertionError(report)
 
 
+def gone(pid: int) -> bool:
+    """Tell whether a process ends."""
+    for _ in range(1000):
+        status = Path(f"/proc/{pid}/stat")
+        if not status.exists() or status.read_text().rpartition(")")[2].split()[0] == "Z":
+            return True
+        time.sleep(0.01)
+    return False
+
+
 def ready(report: Report) -> bool:
     return report.link is not Link.OPENING and bool(report.states or report.link is not Link.READY)
 

@@ -12,24 +12,18 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from tempfile import mkdtemp
-from typing import Any
 
 import pytest
 
 from core.base import DimpleError
-from core.devices import device as devices
-from core.devices import process as processes
-from core.devices import server, wire
-from core.devices.device import Emulated, HapticMaster, Pointer
+from core.devices import wire
+from core.devices.device import HapticMaster
 from core.devices.letters import Link, Report
-from core.devices.mailbox import Mailbox
-from core.devices.process import python
 from core.devices.safety import Arming
 from core.devices.servo import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
 from core.devices.vectors import length
 from core.study import haptics
-from tests.devices.pressing import Rig, drive, press, pressed, ready, rig
+from tests.devices.pressing import Rig, drive, gone, press, pressed, ready, rig
 from tests.devices.test_firmware import BRAKE_NOISE, CONVERTERS
 from tools.environment import ROOT
 
@@ -47,16 +41,6 @@ def emulator(tmp_path: Path) -> Iterator[Rig]:
     made = rig(tmp_path)
     yield made
     made.stop()
-
-
-def gone(pid: int) -> bool:
-    """Tell whether a process ends."""
-    for _ in range(1000):
-        status = Path(f"/proc/{pid}/stat")
-        if not status.exists() or status.read_text().rpartition(")")[2].split()[0] == "Z":
-            return True
-        time.sleep(0.01)
-    return False
 
 
 def needs_a_new_arm(port: str) -> bool:
@@ -132,28 +116,6 @@ def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
     assert device._box and not device._box.path.exists()
     assert drive(device, pressed(), arms=True).link is Link.READY
     device.close()
-
-
-@pytest.mark.parametrize(("device", "which"), [(HapticMaster("/dev/null"), 0), (Emulated(), 0), (Emulated(), 1)])
-def test_a_device_that_cannot_be_opened_leaves_nothing_behind(
-    device: HapticMaster, which: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The first process that is started cannot be, or the second: out of memory, say."""
-    started, folders, boxes = [], [], []
-    monkeypatch.setattr(devices, "Mailbox", lambda: boxes.append(Mailbox()) or boxes[-1])
-    monkeypatch.setattr(devices.tempfile, "mkdtemp", lambda **how: folders.append(mkdtemp(**how)) or folders[-1])
-
-    def fails(words: list[str], errors: Any) -> Any:
-        if len(started) == which:
-            raise OSError(12, "Cannot allocate memory")
-        started.append(processes.start(words, errors))
-        return started[-1]
-
-    monkeypatch.setattr(devices, "start", fails)
-    with pytest.raises(DimpleError, match="cannot be opened: .*Cannot allocate"):
-        device.open()
-    assert len(started) == which and all(gone(process.pid) for process in started)
-    assert not any(map(os.path.exists, [*folders, *(box.path for box in boxes)]))
 
 
 @pytest.mark.parametrize("how", ["killed", "unplugged"])
@@ -233,45 +195,6 @@ def test_a_port_with_something_else_behind_it_is_said_within_a_second(says: byte
     os.close(slave)
 
 
-def test_a_baud_rate_or_a_device_file_that_does_not_fit_is_said(tmp_path: Path) -> None:
-    (tmp_path / "device.toml").write_text("name = 3")
-    slow, other = HapticMaster("/dev/null", baud=9600), HapticMaster("/dev/null", spec_path=tmp_path / "device.toml")
-    for device, said in (
-        (slow, "9600 baud cannot carry"),
-        (other, "name must be text"),
-        (HapticMaster("/"), "/ is not"),
-    ):
-        device.open()
-        report = drive(device, ready)
-        assert report.link is Link.REFUSED and said in report.message
-        device.close()
-
-
-def test_a_log_that_cannot_be_written_is_said(tmp_path: Path) -> None:
-    with pytest.raises(DimpleError, match="log .* cannot be written"):
-        server.write_log(tmp_path, [(0.0,)])
-
-
-def test_a_port_that_is_not_there_is_said(tmp_path: Path) -> None:
-    device = HapticMaster(str(tmp_path / "nothing"))
-    device.open()
-    report = drive(device, ready)
-    assert report.link is Link.REFUSED and "nothing" in report.message
-    device.close()
-
-
-def test_an_emulated_device_opens_moves_and_leaves_nothing_behind() -> None:
-    device = Emulated()
-    device.open()
-    assert device.process and device.emulator
-    pids = device.process.pid, device.emulator.pid
-    drive(device, ready)
-    folder = Path(device.port).parent
-    device.close()
-    device.close()
-    assert all(map(gone, pids)) and not folder.exists()
-
-
 def test_five_seconds_behind_a_real_pseudo_terminal() -> None:
     """Bounds that a busy machine keeps too; the goals are for a quiet one, and `python -m core haptics` shows them."""
     for _ in range(3):
@@ -292,30 +215,3 @@ def test_five_seconds_behind_a_real_pseudo_terminal() -> None:
     assert figures["tip_rms_error_mm"] < 0.2
     assert 1.0 < figures["force_largest_n"] < 10.0
     assert figures["stiffness_felt_n_m"] < 1.25 * haptics.PRESET.material.K1
-
-
-def test_a_python_is_found_where_sys_executable_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    """So it is in some builds of Blender; and where it is Blender itself."""
-    for executable in (None, "/opt/blender/blender"):
-        python.cache_clear()
-        monkeypatch.setattr(sys, "executable", executable)
-        monkeypatch.setattr(sys, "_base_executable", executable)
-        said = subprocess.run([python(), "-c", "print(6 * 7)"], capture_output=True, check=True).stdout
-        assert said.strip() == b"42"
-    python.cache_clear()
-
-
-def test_without_any_python_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    python.cache_clear()
-    monkeypatch.setattr(processes, "_candidates", lambda: iter(["/nowhere/python3"]))
-    with pytest.raises(DimpleError, match="Python was not found"):
-        python()
-    python.cache_clear()
-
-
-def test_a_pen_presses_as_deep_as_it_is_pressed() -> None:
-    pen = Pointer(radius=0.01, depth=0.02)
-    assert pen.read().tips[0].masked
-    pen.point((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.5)
-    assert pen.read().tips[0].position == pytest.approx((0.0, 0.0, 1.0 + 0.01 - 0.01))
-    assert pen.read().peak == 0.0  # it has no force
