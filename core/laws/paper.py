@@ -1,6 +1,6 @@
 """The paper's model, literally: Eqs. (1) to (5), with nothing mended.
 
-Kept as the reference. Its limits (PHYSICS.md, section 1) are stated by tests/physics/test_paper_limits.py.
+Kept as the reference. Its limits are stated by tests/physics/test_paper_limits.py.
 Source: Sakama, Tanaka and Araki, Haptic Rendering for Virtual Object in Cyber Space.
 """
 

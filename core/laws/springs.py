@@ -77,7 +77,7 @@ def membrane_stiffness(mesh: Mesh, k: Floats) -> Floats:
     """Turn a material's k [N/m] into one constant per spring, (m,) [N/m].
 
     k_e = k (A_1 + A_2) / (l^2 sqrt(3) / 2): the sheet's stiffness depends on neither resolution nor
-    triangulation, and k_e = k where the triangles are equilateral. Source: PHYSICS.md, section 2.
+    triangulation, and k_e = k where the triangles are equilateral. Source: Van Gelder 1998.
     """
     length = np.maximum(mesh.rest_lengths, 1e-9 * mesh.size)
     return k * mesh.spring_areas / (length**2 * np.sqrt(3) / 2)

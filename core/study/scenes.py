@@ -1,4 +1,4 @@
-"""Scenes, each a function of resolution. Source: PHYSICS.md, section 4."""
+"""Scenes, each a function of resolution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the paper's model fails, each as a sentence (PHYSICS.md, section 1). The consistent set is the answer.
+"""Where the paper's model fails, each as a sentence. The consistent set is the answer.
 
 The measured scene is Object 3, the 165 mm cube of vinyl and water, pressed by a 20 mm fingertip: 602 vertices.
 """
