@@ -60,7 +60,7 @@ class Model:
     def substeps(self, tick: float) -> int:
         """Return how many steps of an explicit method a tick [s] needs.
 
-        dt < 2 / omega (sqrt(1 + z^2) - z), z = decay / (2 omega). Source: semi-implicit Euler on an oscillator with a dashpot.
+        dt < 2 / omega (sqrt(1 + z^2) - z), z = decay / (2 omega). Source: semi-implicit Euler on a damped oscillator.
         """
         omega = math.sqrt(max(self.omega_squared, 1e-12))
         z = self.decay / (2 * omega)
