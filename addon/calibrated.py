@@ -18,7 +18,7 @@ def rows(told: dict[str, Any]) -> list[tuple[str, str]]:
     if told["damping_ratio_hint"] is not None:
         lines.append((iface_("Work Lost"), f"{told['loss']:.0%}"))
         lines.append((iface_("Damping Ratio"), f"≈ {told['damping_ratio_hint']:.2f}"))
-    lines.append((iface_("Residual, of Full Scale"), f"{told['residual_share']:.1%}"))
+    lines.append((iface_("Residual"), iface_("{} of full scale").format(f"{told['residual_share']:.1%}")))
     return [*lines, _hand(told)]
 
 

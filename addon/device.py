@@ -79,7 +79,7 @@ def state(report: object) -> str:
     """Return a word for how the device stands."""
     if report.link.name == "READY":
         words = {
-            "OFF": iface_("Ready, no force"), "WAITING": iface_("Waits for Shift and no touch"),
+            "OFF": iface_("Ready, no force"), "WAITING": iface_("Hold Shift, untouched"),
             "ASKED": iface_("Arming"), "RAMP": iface_("Arming"), "ON": iface_("Armed"),
         }  # fmt: skip
         return words[report.arming.name]

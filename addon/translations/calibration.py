@@ -1,8 +1,8 @@
 """Japanese of calibration, identification and the virtual measurement."""
 
 OPERATORS = {
-    "Calibrate": "較正",
-    "Calibrate from File...": "ファイルから較正...",
+    "Calibrate": "キャリブレーション",
+    "Calibrate from File...": "ファイルからキャリブレーション...",
     "Apply to Material": "マテリアルに適用",
     "Discard": "破棄",
     "Keep as My Material": "自分のマテリアルとして保存",
@@ -67,7 +67,7 @@ FILES = {
 }
 
 RESULT = {
-    "Calibration": "較正",
+    "Calibration": "キャリブレーション",
     "The measurement behind these constants": "この定数のもとになった測定",
     "The last result, before it goes to a material": "マテリアルに適用する前の、最後の結果",
     "In Words": "説明",
@@ -79,7 +79,8 @@ RESULT = {
     "k, Force Balance": "k、力の釣り合い",
     "Tension": "張力",
     "Work Lost": "失われた仕事",
-    "Residual, of Full Scale": "残差（フルスケール比）",
+    "Residual": "残差",
+    "{} of full scale": "フルスケールの {}",
     "A Hand Can Tell": "手で分かる差",
     "A hand could not tell this from the measurement.": "手では、測定との違いは分かりません。",
     "A trained hand might just tell this from the measurement.": (
@@ -88,13 +89,13 @@ RESULT = {
     "A hand can tell this from the measurement.": "手で、測定との違いが分かります。",
     "The constants of the material were changed since.": "その後、マテリアルの定数が変更されています。",
     "Give the active material the calibrated constants with their source, and the body the size that was measured": (
-        "アクティブマテリアルに較正した定数とその出典を、物体に測定時の大きさを与えます"
+        "アクティブマテリアルにキャリブレーションした定数とその出典を、物体に測定時の大きさを与えます"
     ),
     "Surface Spring": "表面のばね",
     "Set k too, where the object's size told it": "物体の大きさから分かった場合は k も設定します",
     "Set the damping ratio too, where the way back told it": "戻りから分かった場合は減衰比も設定します",
     "Forget the result of the calibration; materials stay as they are": (
-        "較正の結果を捨てます。マテリアルはそのままです"
+        "キャリブレーションの結果を捨てます。マテリアルはそのままです"
     ),
 }
 

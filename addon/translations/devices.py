@@ -38,7 +38,7 @@ WORDS = {
     "Haptic Device": "力覚デバイス",
     "Disconnect": "切断",
     "Ready, no force": "準備完了、力なし",
-    "Waits for Shift and no touch": "Shift と非接触を待っています",
+    "Hold Shift, untouched": "触れずに Shift を押す",
     "Arming": "力をオンにしています",
     "Armed": "力がオンです",
     "Connecting": "接続中",

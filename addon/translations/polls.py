@@ -9,13 +9,13 @@ WORDS = {
     "All three fingertips are in use; take one out of its slot first": (
         "3 つの指先はすべて使われています。先にどれかをスロットから外してください"
     ),
-    "Calibrate with a file first": "先にファイルで較正してください",
+    "Calibrate with a file first": "先にファイルでキャリブレーションしてください",
     "Give the object a material first: calibrate, or choose a preset": (
-        "先に物体にマテリアルを付けてください。較正するか、プリセットを選びます"
+        "先に物体にマテリアルを付けてください。キャリブレーションするか、プリセットを選びます"
     ),
     "Go back to Object Mode first": "先にオブジェクトモードに戻ってください",
     "Go back to Object Mode to bake": "ベイクするにはオブジェクトモードに戻ってください",
-    "Go back to Object Mode to calibrate": "較正するにはオブジェクトモードに戻ってください",
+    "Go back to Object Mode to calibrate": "キャリブレーションするにはオブジェクトモードに戻ってください",
     "Go back to Object Mode to play": "再生するにはオブジェクトモードに戻ってください",
     "Go back to Object Mode to press": "押すにはオブジェクトモードに戻ってください",
     "No haptic device is ready": "使える力覚デバイスがありません",

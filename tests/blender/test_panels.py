@@ -153,7 +153,14 @@ def test_a_calibration_shows_its_constants_with_errors_and_what_a_hand_can_tell(
     assert "dimple.calibrate" in " ".join(draw(bpy, panel, object=body))
     bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=165)
     pending = draw(bpy, panel, object=body)
-    for text in ("K1", "0.6106 ± 0.0073 N/mm", "7.225 ± 0.070 N/mm", "16.317 ± 0.039 mm", "1.0%", "6% – 8%"):
+    for text in (
+        "K1",
+        "0.6106 ± 0.0073 N/mm",
+        "7.225 ± 0.070 N/mm",
+        "16.317 ± 0.039 mm",
+        "1.0% of full scale",
+        "6% – 8%",
+    ):
         assert text in pending, text
     assert "k, Force Balance" in pending and "dimple.apply_calibration" in pending
     words = " ".join(draw(bpy, bpy.types.DIMPLE_PT_calibration_notes, object=body))
