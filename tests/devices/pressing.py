@@ -137,8 +137,11 @@ def pressed() -> Callable[[Report], bool]:
 
 def press(device: HapticMaster) -> Report:
     """Connect, arm and wait until the hand has pressed."""
-    device.open()
-    drive(device, ready)
+    for _ in range(3):  # again where the machine stood still for the second in which a device must answer
+        device.open()
+        if drive(device, ready).link is Link.READY:
+            break
+        device.close()
     return drive(device, pressed(), arms=True)
 
 
