@@ -44,11 +44,12 @@ ERROR, ERROR_POWER = 0.098, 1.41
 FORCE_ERROR, FORCE_POWER = 0.22, 1.47  # on a box about twice that, on what is round about half
 TRIES = 5
 NEAR_ENOUGH = 0.9  # of a tolerance: what is left saves a fifth of the work, not worth another try
+DOUBT = 0.25  # of an error over the root of the number of presses: how much more others may say
 NEARLY = 1.15  # of a tolerance, where nothing keeps to it: nearer than presses elsewhere would say the same
 CLOSE = 1.2  # times the vertices that missed: a third of the work more at most
 FAR = 4.0  # times the vertices, from one try to the next
 PRESSES = 24  # at most: of four, too few meet edges, and the error of the force scatters by a half
-FEW = 8  # where the mesh cannot be pressed so often, a large stand-in of it is
+FEW = 6  # where the mesh cannot be pressed so often, a large stand-in of it is
 ALLOWANCE = 2.0  # [s] of computing that these presses may take; the tried stand-ins take about as long again
 DENSER = 1.25  # where no stand-in can be made, one with so many times the vertices may
 
@@ -226,14 +227,15 @@ def _measured(
         presses, goal, seen_from = _goal(model, radius, paid)
     except DimpleError:
         return wanted, None, 0
-    # what the goal is off by itself: by the fit, and the squares of errors add up
-    share, most = (1 / seen_from, seen_from // 2) if seen_from else (0.0, most_of(model))
+    most, doubt = seen_from // 2 if seen_from else most_of(model), 1 + DOUBT / math.sqrt(len(presses))
     best, nearly, missed, vertices = None, None, 0, wanted
     for _ in range(TRIES):
         tried = min(vertices, most)
         found = end_of(try_way(model, presses, goal, Way(vertices=tried)))
-        skin = found.error / tolerance / math.sqrt(1 - (share * tried) ** ERROR_POWER)
-        force = found.force_error / force_tolerance / math.sqrt(1 - (share * tried) ** FORCE_POWER)
+        # what the goal is off by itself: by the fit, and the squares of errors add up
+        share = tried / seen_from if seen_from else 0.0
+        skin = doubt * found.error / tolerance / math.sqrt(1 - share**ERROR_POWER)
+        force = doubt * found.force_error / force_tolerance / math.sqrt(1 - share**FORCE_POWER)
         off, known = max(skin, force), replace(found, error=skin * tolerance, force_error=force * force_tolerance)
         if off <= 1:
             best = known
