@@ -241,7 +241,7 @@ def _measured(
             best = known
         else:
             missed = tried
-        if off <= NEARLY and (nearly is None or tried < nearly.way.vertices):
+        if nearly is None and off <= NEARLY:
             nearly = known
         if best and (NEAR_ENOUGH < off <= 1 or best.way.vertices <= CLOSE * missed):
             break

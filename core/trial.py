@@ -99,7 +99,8 @@ def choose_presses(model: Model, radius: float, count: int, *, seed: int = 0) ->
     away = np.array([_distance(held, mesh.rest_positions[v]) > BESIDE_PINS * radius for v in drawn])
     chosen = drawn[_strata((away if away.any() else ~away).astype(float), count, rng)]
     depth = min(DEPTH * radius, mesh.size / 8)
-    return [Press(at=mesh.rest_positions[v], outward=normals[v], radius=radius, depth=depth) for v in chosen]
+    places = dict.fromkeys(chosen.tolist())  # fewer where not so many are free
+    return [Press(at=mesh.rest_positions[v], outward=normals[v], radius=radius, depth=depth) for v in places]
 
 
 def _strata(share: Floats, count: int, rng: np.random.Generator) -> Ints:

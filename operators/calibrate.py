@@ -130,7 +130,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         told = calibration.load(context.scene.dimple.calibration)
         for warning in told["warnings"]:
             self.report({"WARNING"}, warning)
-        self.report({"INFO"}, told["provenance"])
+        self.report({"INFO"}, calibration.source(told, told["source_of_k"]))
         return {"FINISHED"}
 
     def draw(self, _context: bpy.types.Context) -> None:

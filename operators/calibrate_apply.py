@@ -42,13 +42,14 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
         told = calibration.load(scene.calibration)
         settings = material_of(body, Path(told["source"]).stem).dimple
         settings.K1, settings.K2, settings.x0 = told["K1"], told["K2"], told["x0"]
-        if self.use_k and told["k_to_use"]:
+        k = told["source_of_k"] if self.use_k else ""
+        if k:
             settings.k = told["k_to_use"]
         if self.use_damping and told["damping_ratio_hint"] is not None:
             settings.damping_ratio = told["damping_ratio_hint"]
         settings.tip, settings.tip_radius_mm = told["tip"].upper(), told["tip_radius"]
         settings.calibration, scene.calibration = scene.calibration, ""
-        settings.provenance = told["provenance"]  # last: a constant that is set marks it as edited
+        settings.provenance = calibration.source(told, k)  # last: a constant that is set marks it as edited
         body.dimple.enabled = True
         if told["length"]:
             body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", told["length"]

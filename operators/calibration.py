@@ -48,6 +48,11 @@ def record(calibration: Calibration) -> str:
     return json.dumps(told, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
+def source(told: dict[str, Any], k: str) -> str:
+    """Return the line that a material keeps of where its constants come from; k: where its own does, if so."""
+    return f"{told['provenance']}, {k}" if k else told["provenance"]
+
+
 def band(calibration: Calibration) -> list[list[float]]:
     """Return rows [mm, N, N] of depth and of the ends of the law's 95 % interval there, for the chart."""
     import numpy as np

@@ -119,9 +119,13 @@ def ways(vertices: int):
 
 
 def holds_for(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
-    """Return what a comparison hangs on, as a text that is another when any of it is."""
+    """Return what a comparison hangs on, as a text that is another when any of it is.
+
+    Panels ask at each redraw, so a shape that is sculpted or a weight that is painted is not seen.
+    """
     materials = [slot.material.dimple.to_params() for slot in obj.material_slots if slot.material]
-    return repr((len(obj.data.vertices), scene.dimple.finger_radius_mm, obj.dimple.to_params(), materials))
+    sizes = (len(obj.data.vertices), *obj.scale, scene.unit_settings.scale_length, scene.dimple.finger_radius_mm)
+    return repr((*sizes, obj.dimple.to_params(), materials))
 
 
 def told(found) -> dict:

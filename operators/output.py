@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .bridge import Singles
 
 FINGERS = 3
+_PACKAGE = (__package__ or "").rpartition(".")[0]
 
 
 class ForceTable:
@@ -105,7 +106,7 @@ def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> 
     elif bpy.data.filepath:
         folder = Path(bpy.data.filepath).parent
     else:
-        folder = own_folder("caches")
+        folder = _preferred_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -118,14 +119,17 @@ def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> 
 
 
 def own_folder(name: str) -> Path:
-    """Return the folder of the preferences, else one that Blender keeps for the extension; either may be missing."""
-    package = (__package__ or "").rpartition(".")[0]
-    settings = bpy.context.preferences.addons.get(package)
-    if settings and settings.preferences.cache_dir:
-        return Path(bpy.path.abspath(settings.preferences.cache_dir))
-    if package.startswith("bl_ext."):
-        return Path(bpy.utils.extension_path_user(package, path=name))
+    """Return a folder that Blender keeps for the extension; it may be missing."""
+    if _PACKAGE.startswith("bl_ext."):
+        return Path(bpy.utils.extension_path_user(_PACKAGE, path=name))
     return Path(bpy.app.tempdir)
+
+
+def _preferred_folder() -> Path:
+    """Return where recordings go that have no other place; it may be missing."""
+    settings = bpy.context.preferences.addons.get(_PACKAGE)
+    chosen = settings.preferences.cache_dir if settings else ""
+    return Path(bpy.path.abspath(chosen)) if chosen else own_folder("caches")
 
 
 @contextlib.contextmanager

@@ -87,17 +87,23 @@ def fitted_material(calibration: Calibration, template: Material) -> Material:
 
 def provenance(calibration: Calibration) -> str:
     """Return a line that says where constants come from: file, fit, uncertainty and tip."""
-    fit, tip, surface = calibration.fit, calibration.tip, calibration.surface
-    k = ""
-    if surface is not None and surface.k is not None:
-        way = "the force balance" if surface.paper_k is None else "Eqs. (9), (10)"
-        k = f", k {surface.k.text(1e3)} N/mm by {way}"
+    fit, tip = calibration.fit, calibration.tip
     knee = f"K1 {fit.K1.text(1e3)} N/mm, K2 {fit.K2.text(1e3)} N/mm, x0 {fit.x0.text(1e-3)} mm"
     law = knee if fit.model == "two" else f"one slope {fit.K1.text(1e3)} N/mm"
     return (
-        f"{calibration.measurement.source}: {law}{k} (95 %), {fit.rows} rows, "
+        f"{calibration.measurement.source}: {law} (95 %), {fit.rows} rows, "
         f"residual {100 * fit.misfit:.1f} % of {fit.full_scale:.3g} N, {tip.shape} of {1e3 * tip.radius:.3g} mm radius"
     )
+
+
+def source_of_k(calibration: Calibration) -> str:
+    """Return how k was found, with its uncertainty where there is a measured one; "" where it was not."""
+    surface = calibration.surface
+    if surface is None or surface.k is None:
+        return ""
+    if surface.paper_k is not None:  # of numbers that were typed in
+        return f"k {surface.paper_k / 1e3:.4g} N/mm by Eqs. (9), (10)"
+    return f"k {surface.k.text(1e3)} N/mm (95 %) by the force balance"
 
 
 def _doubts(fit: Fit, press: Press, length: float | None) -> tuple[str, ...]:

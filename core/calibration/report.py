@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .calibrate import Calibration, provenance
+from .calibrate import Calibration, provenance, source_of_k
 from .fit import Constant
 from .question import Undecided
 from .surface import BALANCE_ASSUMES, PAPER_ASSUMES
@@ -47,6 +47,7 @@ def to_json(calibration: Calibration) -> dict[str, Any]:
         "length": None if c.length is None else c.length * 1e3,
         "k": None,
         "provenance": provenance(c),
+        "source_of_k": source_of_k(c),
         "notes": list(c.notes),
         "warnings": list(c.warnings),
     }

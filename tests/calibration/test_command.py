@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from core.__main__ import main
-from core.calibration.calibrate import calibrate, fitted_material, provenance
+from core.calibration.calibrate import calibrate, fitted_material, provenance, source_of_k
 from core.calibration.export import text_cell, write_press
 from core.calibration.question import Answers
 from core.calibration.reconstruct import DEEPEST, write_samples
@@ -151,10 +151,13 @@ def test_each_sample_gives_its_row_of_table_2_back(preset):
     material = fitted_material(done, truth)
     assert material.K2 == done.fit.K2.value
     line = provenance(done)
-    assert all(
-        part in line for part in (f"{preset.name}.csv", f"k {done.surface.k.text(1e3)} N/mm by the force balance")
-    )
-    assert line.endswith("point of 2 mm radius")
+    assert f"{preset.name}.csv" in line and line.endswith("point of 2 mm radius")
+    assert source_of_k(done) == f"k {done.surface.k.text(1e3)} N/mm (95 %) by the force balance"
+
+
+def test_a_k_of_typed_numbers_claims_no_interval():
+    done = calibrate(SAMPLES / f"{PRESETS[1].name}.csv", length=0.165, section=1e-4, youngs_modulus=1e6)
+    assert source_of_k(done) == "k 1.212 N/mm by Eqs. (9), (10)"
 
 
 def test_the_press_of_a_calibration_begins_at_the_touch_that_was_fitted(make, write):

@@ -203,6 +203,14 @@ def test_a_bad_file_is_told_and_nothing_is_lost(bpy: ModuleType, scene: Any, tmp
     assert scene.calibration == before
 
 
+def test_a_k_that_is_not_taken_is_not_in_the_source(bpy: ModuleType, add: Callable[..., Any]) -> None:
+    add()
+    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=150)
+    bpy.ops.dimple.apply_calibration(use_k=False)
+    settings = bpy.context.object.active_material.dimple
+    assert "force balance" not in settings.provenance and settings.provenance
+
+
 def test_apply_sets_constants_tip_size_and_source_and_one_undo_takes_them_back(
     bpy: ModuleType, add: Callable[..., Any]
 ) -> None:
@@ -220,7 +228,7 @@ def test_apply_sets_constants_tip_size_and_source_and_one_undo_takes_them_back(
         assert getattr(settings, name) == pytest.approx(result[name], rel=1e-6)
     assert settings.k == pytest.approx(result["k_to_use"], rel=1e-6)
     assert (settings.tip, settings.tip_radius_mm) == ("PUNCH", 4)
-    assert settings.provenance == result["provenance"]
+    assert settings.provenance == f"{result['provenance']}, {result['source_of_k']}"
     for part in (SAMPLE.name, "±", "95 %", "residual", f"calibrated {result['date']}"):
         assert part in settings.provenance
     assert body.dimple.enabled and body.dimple.size_mm == 150
