@@ -33,8 +33,8 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     try:
         chosen = choose(scene, obj, model)
     except DimpleError as error:
-        way_out = ". Choose another number, or Automatic, in Physics > Dimple." if settings.moves == "STAND_IN" else ""
-        raise DimpleError(f'"{obj.name}": {error}{way_out}') from error
+        way_out = " Choose another number, or Automatic, in Physics > Dimple." if settings.moves == "STAND_IN" else ""
+        raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
     finally:
         if window:
             window.cursor_modal_restore()
