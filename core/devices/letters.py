@@ -46,6 +46,10 @@ class Order:
         """Tell whether the dead-man key is held; a time too far ahead is none of this clock."""
         return 0 < self.held_until - now <= LEASE + MOST_AHEAD
 
+    def is_fresh(self, now: float, oldest: float) -> bool:
+        """Tell whether the simulation posted all contacts within so long [s]; a stamp that is no number is no time."""
+        return all(c is None or -MOST_AHEAD <= now - c.stamp <= oldest for c in self.contacts)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tip:

@@ -10,11 +10,11 @@ import math
 
 from ..errors import DimpleError
 from . import kinematics, wire
-from .contact_model import Contact, is_sane, stiffness_cap
+from .contact_model import FADE_BEGINS, Contact, is_sane, stiffness_cap
 from .finger import Finger
 from .letters import Link, Order, Report, Tip
 from .losses import LOSS_DISARMS, LOSS_WARNS, Losses
-from .safety import STATE_GAP, STATE_LOST, Arming, BadNumbers, Guard, Limits, Switch
+from .safety import LEASE, STATE_GAP, STATE_LOST, Arming, BadNumbers, Guard, Limits, Switch
 from .sensors import FAILED_TICKS
 from .spec import Spec, check_info
 from .vectors import ZERO, Vector, is_finite, length
@@ -193,7 +193,9 @@ class Servo:
             words = state.adc[3 * i], state.adc[3 * i + 1], state.adc[3 * i + 2]
             finger.sense(self.spec, words, bool(state.status & wire.MASKED << i), ticks, self._device_time)
         self._take_contacts(now)
-        held = self.order.is_held(now) or bool(state.buttons & BUTTON)
+        # a simulation that stands still is a key let go; the quiet is judged by contacts that have not begun to fade
+        oldest = FADE_BEGINS if self._switch.arming is Arming.WAITING else LEASE
+        held = (self.order.is_held(now) or bool(state.buttons & BUTTON)) and self.order.is_fresh(now, oldest)
         out = self._watch(steady) + self._push(state, now, min(dt, MOST_DT), held)
         a, b, c = (finger.drive(self.spec, finger.guard.sent) for finger in self._fingers)
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held

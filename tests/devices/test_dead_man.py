@@ -94,6 +94,62 @@ def test_a_stall_of_200_ms_each_second_lets_the_key_not_go() -> None:
     assert stalls == 3 and device.strongest > 1
 
 
+@pytest.mark.parametrize("button", [0, 1], ids=["the key", "the button of the device"])
+def test_after_a_pause_a_finger_that_sank_in_feels_nothing_until_it_lets_go(button: int) -> None:
+    """Blender renews the key, or stands still while the button is held; the wall fades, and must not come back."""
+    device = BenchDevice(buttons=button, held=not button).pressing(0.001)
+    device.fresh = False
+    for i in range(1000):
+        if i % 50 == 0 and not button:
+            device.hold()
+        device.at[0] = (0.0, 0.0, -0.001 - i * 1e-5)
+        device.tick()
+    assert device.strongest == 0.0 and arming(device) == "WAITING"
+    device.fresh = True
+    for _ in range(1000):
+        device.tick()
+        assert device.strongest == 0.0 and arming(device) == "WAITING"
+    lift(device)
+    assert arming(device) == "ON"
+
+
+def test_arming_over_a_simulation_that_stands_still_waits_for_it_and_then_for_the_quiet() -> None:
+    """The finger is 10 mm deep: contacts that have faded are no quiet, and those that come at last are none either."""
+    device = BenchDevice(at=[(0.0, 0.0, -0.01)] * 3, fresh=False)
+    device.feel(*[wall(device.now)] * 3)
+    device.tick(150)
+    device.arm()
+    for fresh in (False, True):
+        device.fresh = fresh
+        for _ in range(3000):
+            device.hold()
+            device.tick()
+            assert device.strongest == 0.0 and arming(device) == "WAITING"
+
+
+def test_a_simulation_of_4_frames_a_second_arms_where_there_is_no_force_and_nowhere_else() -> None:
+    """Its contacts fade before the next one comes; what is left of them then is no quiet."""
+    for at, ends in ((0.01, "ON"), (-0.01, "WAITING")):
+        device = BenchDevice(at=[(0.0, 0.0, at)] * 3, fresh=False)
+        device.arm()
+        for i in range(3000):
+            if i % 250 == 0:
+                device.feel(*[wall(device.now)] * 3)
+            device.hold()
+            device.tick()
+            assert device.strongest == 0.0
+        assert arming(device) == ends
+
+
+@pytest.mark.parametrize("stamp", [math.nan, math.inf, -math.inf, 1e9, 0.0])
+def test_a_contact_of_no_time_of_this_clock_lets_the_key_go(stamp: float) -> None:
+    device = BenchDevice().pressing()
+    device.fresh = False
+    device.feel(replace(wall(device.now), stamp=stamp))
+    device.tick()
+    assert device.strongest == 0.0 and arming(device) == "WAITING"
+
+
 @pytest.mark.parametrize("until", [math.nan, math.inf, -math.inf, 1e9, 0.0, -1.0])
 def test_a_time_that_is_none_of_this_clock_holds_nothing(until: float) -> None:
     assert not Order(held_until=until).is_held(100.0)

@@ -207,7 +207,8 @@ def test_a_frozen_simulation() -> None:
     press = Press(contact=lambda now: wall(now, k=300.0) if now < AT else None).run(AT + 0.09)
     assert press.presses()
     assert 0.3 < press.run(AT + 0.15).forces(AT + 0.14)[-1] < 1.5
-    assert max(press.run(AT + 0.3).forces(AT + 0.25)) == 0.0 and press.arming == "ON"
+    assert max(press.run(AT + 0.26).forces(AT + 0.25)) == 0.0 and press.arming == "ON"
+    assert max(press.run(AT + 1.5).forces(AT + 0.25)) == 0.0 and press.arming == "WAITING"
 
 
 def test_another_protocol() -> None:
