@@ -92,12 +92,13 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
             connection.device.disarm()
             connection.watch = None
             return {"PASS_THROUGH"} if sessions.runs else self._end(context)
-        key = event.value if event.type == DEAD_MAN else ""
+        before, key = self._down, event.value if event.type == DEAD_MAN else ""
         if key == "PRESS":
             self._down = True
         elif key == "RELEASE" or event.type == "WINDOW_DEACTIVATE" or not event.shift:
             self._down = False
-        haptic.hold(LEASE if self._down else 0.0)
+        if event.type == "TIMER" or self._down != before:
+            haptic.hold(LEASE if self._down else 0.0)
         return {"PASS_THROUGH"}
 
     def cancel(self, context: bpy.types.Context) -> None:

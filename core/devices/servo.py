@@ -60,6 +60,7 @@ class Servo:
         limits = Limits(spec.peak_force, spec.continuous_force)
         self._fingers = [Finger(block=block, guard=Guard(limits)) for block in kinematics.blocks(spec)]
         self._switch, self._bad, self._losses = Switch(), BadNumbers(), Losses()
+        self._old_fault = False  # what the device has latched is from before it was to arm, and may be cleared
         self._state: wire.State | None = None
         self._heard = self._device_time = 0.0  # when the last STATE came, and when the device says it was [s]
         self._measured: wire.Report | None = None
@@ -164,6 +165,7 @@ class Servo:
             self._losses.stale += 1
             return newest
         self._losses.take((state.seq - last.seq - 1) & 0xFFFF if last else 0, now)
+        self._old_fault &= state.status & wire.MODE == wire.FAULT
         return state
 
     def _obey(self) -> bytes:
@@ -171,14 +173,14 @@ class Servo:
         before, self._taken = self._taken, self.order
         if self.order.disarm != before.disarm:
             return self._end("", wire.FAULT_HOST)
-        if self.order.arm == before.arm:
-            return b""
-        self._switch.arm()
+        if self.order.arm != before.arm:
+            self._switch.arm()
+            self._old_fault = True
         return b""
 
     def _heed(self, fault: wire.Fault) -> None:
-        """Take the device's word that something is wrong; before it was asked to arm that is an old story."""
-        if self._switch.arming is not Arming.WAITING:
+        """Take the device's word that something is wrong; while waiting, old stories and late refusals are none."""
+        if self._switch.arming is not Arming.WAITING or not (self._old_fault or fault.code == wire.FAULT_ARM_REFUSED):
             self._stop(FAULTS.get(fault.code, "The device disarmed itself."))
 
     def _answer(self, state: wire.State, now: float) -> bytes:
@@ -199,7 +201,7 @@ class Servo:
         out = self._watch(steady) + self._push(state, now, min(dt, MOST_DT), held)
         a, b, c = (finger.drive(self.spec, finger.guard.sent) for finger in self._fingers)
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
-        if self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
+        if self._old_fault and self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
             flags = wire.CLEAR
         return out + self._command((*a, *b, *c), flags)
 
@@ -207,10 +209,12 @@ class Servo:
         """Let the fingers feel the newest contacts, as stiff as the delay allows; what is no number is no contact."""
         if self.order.contacts is self._contacts:
             return
-        self._contacts = self.order.contacts
+        before, self._contacts = self._contacts, self.order.contacts
         cap = stiffness_cap(self.spec.viscous, self.spec.tick, self.delay)
         if cap < self.cap or all(finger.guard.sent == ZERO for finger in self._fingers):
             self.cap = cap
+        if self._contacts == before:  # only the key was renewed
+            return
         for finger, contact in zip(self._fingers, self._contacts, strict=False):
             if contact and not is_sane(contact):
                 contact = None

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 
 from core.devices import kinematics, wire
 from core.devices.contact_model import Contact
+from core.devices.letters import pack_order, unpack_order
 from core.devices.safety import LEASE
 from core.devices.servo import Servo
 from core.devices.spec import Spec, info, load_spec
@@ -38,6 +39,7 @@ class BenchDevice:
     adc: tuple[int, ...] | None = None  # instead of what the places give
     fresh: bool = True  # the simulation posts its contacts anew, 60 times a second
     held: bool = True  # and the dead-man key with them
+    looks: int = 0  # Blender renews the key between them too, once in so many ticks
     forces: list[Vector] = field(default_factory=lambda: [ZERO] * 3)
     heard: list[wire.Frame] = field(default_factory=list)
 
@@ -79,6 +81,8 @@ class BenchDevice:
         """Let milliseconds pass with a STATE each."""
         for _ in range(times):
             self.now += TICK
+            if self.looks and self.seq % self.looks == 0:
+                self.hold()
             if self.fresh and self.seq % 16 == 0:
                 self.hold()
                 self.feel(*(c and replace(c, stamp=self.now) for c in self.servo.order.contacts))
@@ -99,8 +103,9 @@ class BenchDevice:
         self.servo.order = replace(self.servo.order, arm=self.servo.order.arm + 1)
 
     def hold(self) -> None:
-        """Say whether the dead-man key is held."""
-        self.servo.order = replace(self.servo.order, held_until=self.now + LEASE if self.held else 0.0)
+        """Say whether the dead-man key is held, by a letter: its contacts equal those before, and are not the same."""
+        order = replace(self.servo.order, held_until=self.now + LEASE if self.held else 0.0)
+        self.servo.order = unpack_order(pack_order(order))
 
     def armed(self) -> "BenchDevice":
         """Arm, and let the ramp pass."""

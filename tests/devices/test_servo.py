@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from core.devices import wire
+from core.devices.servo import FAULTS
 from core.devices.spec import load_spec
 from tests.devices.bench_device import SESSION, BenchDevice, disarmed, message, wall
 
@@ -78,6 +79,21 @@ def test_a_huge_contact_is_never_on_the_wire(huge: dict[str, object]) -> None:
         assert before <= device.spec.peak_force * 1.01
 
 
+@pytest.mark.parametrize("looks", [0, 1, 5])
+def test_a_change_is_spread_over_a_frame_however_often_the_key_is_renewed(looks: int) -> None:
+    """1.5 N more, 16 ms after the contact before: 0.1 N a millisecond, and twice that for the converters' steps."""
+    device = BenchDevice(looks=looks).pressing()
+    before = device.strongest
+    device.tick(-device.seq % 16)
+    device.feel(wall(device.now, force=1.5))
+    pushes = [before]
+    for _ in range(40):
+        device.tick()
+        pushes.append(device.strongest)
+    assert pushes[-1] == pytest.approx(before + 1.5, abs=0.05)
+    assert max(b - a for a, b in zip(pushes, pushes[1:], strict=False)) < 0.2
+
+
 def test_a_fingertip_that_runs_away_disarms() -> None:
     device = BenchDevice().pressing()
     for _ in range(60):
@@ -138,6 +154,43 @@ def test_a_fault_of_the_device_disarms_and_says_which(code: int) -> None:
     device.at[0] = (0.0, 0.0, 0.01)
     device.tick(100)
     device.armed()  # which clears the fault
+    assert device.servo.report().arming.name == "ON"
+
+
+@pytest.mark.parametrize("code", [wire.FAULT_WATCHDOG, wire.FAULT_SENSOR, wire.FAULT_SPEED])
+def test_a_fault_while_the_key_is_up_is_said_and_needs_a_new_arm(code: int) -> None:
+    device = BenchDevice().armed()
+    device.held = False
+    device.tick(50)
+    assert device.servo.report().arming.name == "WAITING"
+    device.mode = wire.FAULT
+    device.tick(50)  # though its word of it was lost at first
+    assert device.mode == wire.FAULT, "nobody has asked to clear it"
+    device.say(wire.encode(wire.Fault(SESSION, code, 0, device.seq)))
+    assert disarmed(device) and message(device) == FAULTS[code]
+    device.held = True
+    device.tick(1000)
+    assert disarmed(device) and device.mode == wire.FAULT
+    assert device.armed().servo.report().arming.name == "ON"
+
+
+def test_a_fault_whose_word_never_comes_gives_no_force_either() -> None:
+    device = BenchDevice().armed()
+    device.held = False
+    device.tick(50)
+    device.mode, device.held, device.obedient = wire.FAULT, True, False
+    device.tick(1500)
+    assert disarmed(device) and device.mode == wire.FAULT
+
+
+def test_a_late_refusal_of_a_short_tap_of_the_key_disarms_nothing() -> None:
+    """The device gives up after 1 s; the key was let go meanwhile."""
+    device = BenchDevice().armed()
+    device.held = False
+    device.tick(50)
+    device.say(wire.encode(wire.Fault(SESSION, wire.FAULT_ARM_REFUSED, wire.EVERY_FINGER, device.seq)))
+    device.held = True
+    device.tick(1000)
     assert device.servo.report().arming.name == "ON"
 
 

@@ -104,6 +104,18 @@ def test_the_key_is_let_go_when_nobody_looks_at_it_any_more(
     assert not watch.holds() and not connection().device._order.is_held(time.perf_counter())
 
 
+def test_only_a_timer_and_the_key_itself_are_told_to_the_servo(bpy: ModuleType, port: Any) -> None:
+    """Each word is a letter, and a mouse moves a thousand times a second."""
+    connect(bpy, port.path)
+    watch = Watch(bpy)
+    watch.press()
+    before = connection().device._order
+    watch.send("MOUSEMOVE", shift=True)
+    assert connection().device._order is before and watch.holds()
+    watch.send("TIMER", shift=True)
+    assert connection().device._order.held_until > before.held_until
+
+
 def test_the_newest_operator_follows_the_key_alone(bpy: ModuleType, port: Any) -> None:
     connect(bpy, port.path)
     old, new = Watch(bpy), Watch(bpy)
