@@ -68,9 +68,9 @@ def connect(scene: bpy.types.Scene) -> Connection:
         raise DimpleError('Choose a port, or type its path; "emulated" is a device to try.')
     file = Path(bpy.path.abspath(scene.dimple.device_file)) if scene.dimple.device_file else None
     if port.lower() == EMULATED:
-        device: Device = Emulated(hand=poking_hand(), spec_path=file, held_until=0.0)
+        device: Device = Emulated(hand=poking_hand(), spec_path=file)
     else:
-        device = HapticMaster(bpy.path.abspath(port), spec_path=file, held_until=0.0)
+        device = HapticMaster(bpy.path.abspath(port), spec_path=file)
     device.open()
     connection = Connection(device=device, report=device.read())
     sessions.devices.append(connection)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shutil
 import subprocess
 import tempfile
@@ -57,14 +56,14 @@ class HapticMaster:
     """Run a Haptic Master on a serial port, or what speaks like one, by a servo process.
 
     port: its path.  baud: None is the device file's.  spec_path: device file, None is the Haptic Master's.
-    held_until: the dead-man key is, as long as this is written to or renewed; 0 leaves it to the device's button.
+    held_until: the dead-man key is, as long as this is written to or renewed [s]; 0 leaves it to the device's button.
     log: where the servo writes each answer.
     """
 
     port: str
     baud: int | None = None
     spec_path: Path | None = None
-    held_until: float = math.inf
+    held_until: float = 0.0
     log: Path | None = None
     process: subprocess.Popen[bytes] | None = None
     _box: Mailbox | None = None

@@ -102,7 +102,9 @@ def press(seconds: float, *, busy: bool = False, words: list[str] | None = None)
         hand, trace, told, log = (Path(folder) / name for name in ("hand.json", "trace.csv", "device.json", "log.csv"))
         hand.write_text(json.dumps({"tips": [_way(i, cycles) for i in range(3)]}))
         device = Emulated(
-            options=("--hand", str(hand), "--trace", str(trace), "--json", str(told), *(words or [])), log=log
+            options=("--hand", str(hand), "--trace", str(trace), "--json", str(told), *(words or [])),
+            held_until=math.inf,
+            log=log,
         )
         frames: list[tuple[float, float]] = []
         try:

@@ -89,7 +89,7 @@ def rig(folder: Path, *words: str) -> Rig:
 def drive(device: HapticMaster, until: Callable[[Report], bool], *, k: float = 300.0, arms: bool = False) -> Report:
     """Play the simulation, 60 times a second, until something has happened; the wall is there once there is force.
 
-    arms: ask for force, again where a busy machine was disarmed for its gaps.
+    arms: hold the dead-man key and ask for force, again where a busy machine was disarmed for its gaps.
     """
     asked = -math.inf
     for _ in range(round(60 * PATIENCE)):  # frames, for a busy machine may stand still for longer
@@ -98,6 +98,7 @@ def drive(device: HapticMaster, until: Callable[[Report], bool], *, k: float = 3
         now = time.perf_counter()
         if arms and report.arming is Arming.OFF and now - asked > AGAIN:
             asked = now
+            device.hold(math.inf)
             device.arm()
         contact = replace(wall(now, k=k), friction=0.0)
         device.write([contact if report.arming in (Arming.RAMP, Arming.ON) else None] * 3)

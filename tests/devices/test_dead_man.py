@@ -165,6 +165,9 @@ def test_no_word_of_blender_holds_the_key_for_longer_than_it_was_said_to_be_held
         order = unpack_order(box.read(TO_SERVO, ORDER_SIZE)[1] or b"")
         return order.held_until - time.perf_counter()
 
+    device.arm()
+    device.write([wall()])
+    assert held_for() < 0.0, "it is not held before somebody says so"
     device.hold(time.perf_counter() + 0.1)
     device.write([wall()])
     device.renew()
