@@ -90,6 +90,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
             return self._end(context)
         if event.type == "ESC" and event.value == "PRESS":
             connection.device.disarm()
+            haptic.hold(0.0)
             connection.watch = None
             return {"PASS_THROUGH"} if sessions.runs else self._end(context)
         before, key = self._down, event.value if event.type == DEAD_MAN else ""
@@ -113,9 +114,12 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         return report.link.name == "READY" and not (settled and report.arming.name == "OFF")
 
     def _end(self, context: bpy.types.Context) -> set[str]:
-        haptic.hold(0.0)
         context.window_manager.event_timer_remove(self._timer)
-        context.workspace.status_text_set(None)
+        owner = connection.watch if (connection := haptic.get()) else None
+        if owner is self._watch:
+            haptic.hold(0.0)
+        if owner in (None, self._watch):  # a newer operator has a text too, a script has none
+            context.workspace.status_text_set(None)
         return {"FINISHED"}
 
 

@@ -34,15 +34,15 @@ class Connection:
     """Hold a device that is connected.
 
     report: what it said last.  watch: of the operator that follows the dead-man key.  felt: of each body.  places: of
-    the device in the space of each body, for each of its fingertips.  news: a sentence for the artist that was not said
-    yet.  read_at: when it was looked at last [s].
+    the device in the space of each body, for each of its fingertips, and its radius [mm].  news: a sentence for the
+    artist that was not said yet.  read_at: when it was looked at last [s].
     """
 
     device: Device
     report: Report
     watch: object = None
     felt: dict[Body, Felt] = field(default_factory=dict)
-    places: dict[tuple[Body, int], Workspace] = field(default_factory=dict)
+    places: dict[tuple[Body, int], tuple[Workspace, float]] = field(default_factory=dict)
     news: str = ""
     read_at: float = 0.0
 
@@ -136,8 +136,8 @@ def fingertips(scene: bpy.types.Scene, body: Body) -> list[Finger | None]:
 def write(scene: bpy.types.Scene) -> None:
     """Let each fingertip feel the body that it is deepest in, or nearest to.
 
-    What is put under a fingertip at once, by a new session, another place of the device or the end of a poke, must not
-    push, as when it is armed: else it is disarmed.
+    What is put under a fingertip at once, by a new session, another place of the device, another radius or the end of a
+    poke, must not push, as when it is armed: else it is disarmed.
     """
     from ..core.devices.felt import Felt
     from ..core.devices.letters import Link
@@ -146,14 +146,15 @@ def write(scene: bpy.types.Scene) -> None:
     connection = get()
     if connection is None or connection.report.link is not Link.READY:
         return
+    radius = scene.dimple.finger_radius_mm
     now, chosen, places, kicks = time.perf_counter(), [], {}, False
     for body in sessions.sessions.values():
         felt, where = connection.felt.setdefault(body, Felt()), place(scene, body.link.scale)
         contacts = felt.contacts(body.session, where, connection.report.cap, now, body.poked)
         chosen = nearer(chosen, contacts)
         pushed = [i for i, contact in enumerate(contacts) if contact and math.hypot(*contact.force) >= QUIET_FORCE]
-        kicks |= any(connection.places.get((body, i)) != where for i in pushed)
-        places |= {(body, i): where for i in range(len(contacts)) if i not in body.poked}
+        kicks |= any(connection.places.get((body, i)) != (where, radius) for i in pushed)
+        places |= {(body, i): (where, radius) for i in range(len(contacts)) if i not in body.poked}
     if kicks and connection.report.arming.name != "OFF":
         connection.device.disarm()
         connection.news = "What is under a fingertip has changed. Lift it and arm the device again."

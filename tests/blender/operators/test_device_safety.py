@@ -33,6 +33,7 @@ class Watch:
         from bl_ext.user_default.dimple.operators.device import DIMPLE_OT_arm_device
 
         self.timers: list[float] = []
+        self.said: list[str | None] = []
         names = ("invoke", "modal", "cancel", "_end", "_is_armed")
         self.operator = type("Stub", (), {name: DIMPLE_OT_arm_device.__dict__[name] for name in names})()
         manager = SimpleNamespace(
@@ -40,7 +41,7 @@ class Watch:
             event_timer_add=lambda seconds, window: self.timers.append(seconds) or seconds,
             event_timer_remove=self.timers.remove,
         )
-        workspace = SimpleNamespace(status_text_set=lambda _: None)
+        workspace = SimpleNamespace(status_text_set=self.said.append)
         self.context = SimpleNamespace(window_manager=manager, workspace=workspace, window=None)
         assert self.operator.invoke(self.context, None) == {"RUNNING_MODAL"}
 
@@ -121,8 +122,12 @@ def test_the_newest_operator_follows_the_key_alone(bpy: ModuleType, port: Any) -
     old, new = Watch(bpy), Watch(bpy)
     assert old.send("LEFT_SHIFT", "PRESS") == {"FINISHED"} and not old.holds() and not old.timers
     new.press()
+    newest = Watch(bpy)
+    newest.press()
+    assert new.send("TIMER") == {"FINISHED"} and not new.timers and newest.holds() and new.said[-1]
     assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
-    assert new.send("TIMER", shift=True) == {"FINISHED"} and not new.timers
+    assert newest.send("TIMER", shift=True) == {"FINISHED"} and not newest.timers
+    assert newest.holds() and newest.said[-1] is None, "the script holds it, and no key does"
 
 
 def test_escape_disarms(bpy: ModuleType, port: Any) -> None:
@@ -182,17 +187,28 @@ def test_a_body_put_under_the_fingertips_at_once_disarms(
     assert any("has changed" in sentence for sentence in said) == kicks
 
 
-def test_another_place_of_the_device_disarms_while_a_fingertip_presses(
-    bpy: ModuleType, port: Any, add: Callable[..., Any]
+@pytest.mark.parametrize("what", ["place", "radius"])
+def test_another_place_or_radius_of_the_device_disarms_while_a_fingertip_presses(
+    bpy: ModuleType, port: Any, add: Callable[..., Any], what: str
 ) -> None:
-    """As when a step that set it is undone: the wall would jump by as much."""
-    body = add()
+    """As when a step that set it is undone, or the wheel turns: the wall would jump by as much."""
+    from bl_ext.user_default.dimple.operators import live
+
+    body, said, settings = add(), [], bpy.context.scene.dimple
     softened(bpy, body)
     connect(bpy, port.path)
     run(bpy, body)
-    wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
-    bpy.context.scene.dimple.device_origin[2] -= 0.1
-    wait(lambda report: report.arming.name == "OFF", bpy)
+    for _ in range(3):  # a busy machine may have disarmed it meanwhile
+        wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
+        if what == "place":
+            settings.device_origin[2] -= 0.1
+        else:
+            settings.finger_radius_mm += 2.0
+        said += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        wait(lambda report: report.arming.name == "OFF", bpy)
+        if any("has changed" in sentence for sentence in said):
+            return
+    raise AssertionError(said)
 
 
 @pytest.mark.parametrize("how", ["undo", "blow-up"])
