@@ -233,6 +233,17 @@ def test_a_body_that_is_somewhere_else_at_once_disarms(
     wait(lambda report: report.arming.name == "OFF")
 
 
+def test_a_pause_lets_the_key_go_though_it_is_held(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
+    """Nothing steps the sessions: the wall fades, the fingertip sinks in, and when it goes on nothing may push it."""
+    body = add()
+    softened(bpy, body)
+    connect(bpy, port.path)
+    run(bpy, body)
+    wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
+    report = wait(lambda report: report.arming.name in ("WAITING", "OFF"))
+    assert strongest(report) == 0.0 and connection().device.held_until > time.perf_counter()
+
+
 def test_a_new_session_remembers_nothing_of_what_was_felt_in_the_last(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
