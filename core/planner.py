@@ -41,10 +41,10 @@ CONTACT = 1.15  # times the work of a body nobody touches
 # Error over fingertip radius, and of force, at a spacing as large as the fingertip, and the power of spacing over
 # radius they go with: fitted to 75 stand-ins of the 12 bodies in core.study.bodies.FITTED, presses of half a radius
 ERROR, ERROR_POWER = 0.098, 1.41
-FORCE_ERROR, FORCE_POWER = 0.22, 1.47  # on a box about twice that, on what is round about half
+FORCE_ERROR, FORCE_POWER = 0.206, 1.32  # on a box about twice that, on what is round about half
 TRIES = 5
 NEAR_ENOUGH = 0.9  # of a tolerance: what is left saves a fifth of the work, not worth another try
-DOUBT = 0.25  # of an error over the root of the number of presses: how much more others may say
+DOUBT = 0.5  # of an error over the root of the number of presses: how much more others may say, than PRESSES do
 NEARLY = 1.15  # of a tolerance, where nothing keeps to it: nearer than presses elsewhere would say the same
 CLOSE = 1.2  # times the vertices that missed: a third of the work more at most
 FAR = 4.0  # times the vertices, from one try to the next
@@ -227,7 +227,7 @@ def _measured(
         presses, goal, seen_from = _goal(model, radius, paid)
     except DimpleError:
         return wanted, None, 0
-    most, doubt = seen_from // 2 if seen_from else most_of(model), 1 + DOUBT / math.sqrt(len(presses))
+    most, doubt = seen_from // 2 if seen_from else most_of(model), 1 + DOUBT * (len(presses) ** -0.5 - PRESSES**-0.5)
     best, nearly, missed, vertices = None, None, 0, wanted
     for _ in range(TRIES):
         tried = min(vertices, most)
