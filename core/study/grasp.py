@@ -18,7 +18,7 @@ from ..devices.emulator import Emulator
 from ..devices.felt import Felt, Workspace, fingers
 from ..devices.hand import Hand, Keyframe
 from ..devices.letters import Link, Report
-from ..devices.safety import Arming
+from ..devices.safety import LEASE, Arming
 from ..devices.servo import Servo
 from ..devices.spec import Spec, load_spec
 from ..devices.vectors import Vector
@@ -89,7 +89,9 @@ def run(session: Session, *, spec: Spec | None = None, seconds: float = END) -> 
         report = servo.report()
         session.set_fingers(fingers(report, place, RADIUS))
         frame = session.step(FRAME)
-        servo.order = replace(servo.order, arm=1, contacts=felt.contacts(session, place, report.cap, now))
+        servo.order = replace(
+            servo.order, arm=1, held_until=now + LEASE, contacts=felt.contacts(session, place, report.cap, now)
+        )
         if began is None and report.arming is Arming.RAMP:
             began = now
         if began is not None:
