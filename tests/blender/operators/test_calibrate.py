@@ -1,4 +1,4 @@
-"""From an instrument's file to a material: read, asked about, applied, undone, kept as a preset."""
+"""From an instrument's file to constants: read, asked about, refused."""
 
 import json
 from collections.abc import Callable
@@ -201,102 +201,6 @@ def test_a_bad_file_is_told_and_nothing_is_lost(bpy: ModuleType, scene: Any, tmp
         bpy.ops.dimple.calibrate(filepath=str(tmp_path / "bad.csv"))
     assert "Traceback" not in str(error.value) and "--" not in str(error.value)
     assert scene.calibration == before
-
-
-def test_a_k_that_is_not_taken_is_not_in_the_source(bpy: ModuleType, add: Callable[..., Any]) -> None:
-    add()
-    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=150)
-    bpy.ops.dimple.apply_calibration(use_k=False)
-    settings = bpy.context.object.active_material.dimple
-    assert "force balance" not in settings.provenance and settings.provenance
-
-
-def test_apply_sets_constants_tip_size_and_source_and_one_undo_takes_them_back(
-    bpy: ModuleType, add: Callable[..., Any]
-) -> None:
-    add()
-    scene = bpy.context.scene.dimple
-    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=150, tip="PUNCH", tip_radius_mm=4)
-    bpy.ops.ed.undo_push(message="Calibrate")
-    result = told(scene)
-    assert result["k"]["force_balance"]["value"] == pytest.approx(result["k_to_use"])
-    assert bpy.ops.dimple.apply_calibration() == {"FINISHED"}
-    bpy.ops.ed.undo_push(message="Apply")
-    body = bpy.data.objects["Body"]
-    settings = body.active_material.dimple
-    for name in ("K1", "K2", "x0"):
-        assert getattr(settings, name) == pytest.approx(result[name], rel=1e-6)
-    assert settings.k == pytest.approx(result["k_to_use"], rel=1e-6)
-    assert (settings.tip, settings.tip_radius_mm) == ("PUNCH", 4)
-    assert settings.provenance == f"{result['provenance']}, {result['source_of_k']}"
-    for part in (SAMPLE.name, "±", "95 %", "residual", f"calibrated {result['date']}"):
-        assert part in settings.provenance
-    assert body.dimple.enabled and body.dimple.size_mm == 150
-    assert bpy.context.scene.dimple.calibration == "" and json.loads(settings.calibration) == result
-    bpy.ops.ed.undo()
-    assert bpy.data.objects["Body"].active_material is None
-    assert told(bpy.context.scene.dimple) == result, "the result waits again"
-    bpy.ops.ed.redo()
-    assert bpy.data.objects["Body"].active_material.dimple.tip == "PUNCH"
-
-
-def test_the_way_back_tells_the_damping(bpy: ModuleType, add: Callable[..., Any], tmp_path: Path) -> None:
-    rows = [(x, f) for x, f in zip(DEPTH, FORCE, strict=True)]
-    back = [(x, 0.8 * f) for x, f in reversed(rows[:-1])]
-    path = tmp_path / "loop.csv"
-    path.write_text("Depth (mm),Force (N)\n" + "".join(f"{x:.4f},{f:.4f}\n" for x, f in rows + back))
-    add()
-    bpy.ops.dimple.calibrate(filepath=str(path))
-    bpy.ops.dimple.apply_calibration()
-    settings = bpy.context.object.active_material.dimple
-    assert settings.damping_ratio == pytest.approx(0.2 / np.pi, rel=0.05), "a fifth of the work is lost"
-
-
-def test_constants_that_are_no_material_cannot_be_applied(bpy: ModuleType, add: Callable[..., Any]) -> None:
-    from bl_ext.user_default.dimple.operators import calibration
-
-    add()
-    bpy.ops.dimple.calibrate(filepath=str(SAMPLE))
-    scene = bpy.context.scene.dimple
-    result = told(scene)
-    assert result["unusable"] == "" and bpy.ops.dimple.apply_calibration.poll()
-    result |= {"K1": -0.5}
-    result["unusable"] = calibration._unusable(result)
-    assert "K1 must be greater than 0" in result["unusable"]
-    scene.calibration = json.dumps(result)
-    assert not bpy.ops.dimple.apply_calibration.poll()
-
-
-def test_a_preset_keeps_the_calibration_with_its_source(
-    bpy: ModuleType, add: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # Blender gives the popover the name of the preset that was chosen last
-    monkeypatch.setattr(bpy.types.DIMPLE_PT_material_presets, "bl_label", "Materials")
-    add()
-    bpy.ops.dimple.calibrate(filepath=str(SAMPLE))
-    bpy.ops.dimple.apply_calibration()
-    settings = bpy.context.object.active_material.dimple
-    before = {name: getattr(settings, name) for name in ("K1", "K2", "x0", "tip", "calibration", "provenance")}
-    bpy.ops.dimple.material_preset_add(name="My Cushion")
-    settings.K1, settings.calibration, settings.tip = 1.0, "", "SPHERE"
-    folder = Path(bpy.utils.user_resource("SCRIPTS", path="presets/dimple/material"))
-    (path,) = folder.glob("My_Cushion*.py")
-    try:
-        bpy.ops.script.execute_preset(filepath=str(path), menu_idname="DIMPLE_PT_material_presets")
-    finally:
-        path.unlink()
-    assert {name: getattr(settings, name) for name in before} == before
-
-
-def test_a_measured_object_of_the_paper_takes_the_place_of_a_calibration(
-    bpy: ModuleType, add: Callable[..., Any]
-) -> None:
-    add()
-    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), tip="SPHERE")
-    bpy.ops.dimple.apply_calibration()
-    bpy.ops.dimple.apply_preset(preset="object_1_nylon_air")
-    settings = bpy.context.object.active_material.dimple
-    assert settings.calibration == "" and settings.tip == "POINT"
 
 
 def test_a_file_dropped_into_a_viewport_and_only_there_is_calibrated(bpy: ModuleType) -> None:
