@@ -73,7 +73,8 @@ def test(options: argparse.Namespace) -> int:
 def lint(options: argparse.Namespace) -> int:
     """check the sources with ruff and mypy"""
     python = environment(options.blender)
-    return run([python, "-m", "ruff", "check", "."]) or run([python, "-m", "mypy", "-p", "core", "-p", "tools"])
+    mypy = [python, "-m", "mypy", "-p", "core", "-p", "studies", "-p", "tools"]
+    return run([python, "-m", "ruff", "check", "."]) or run(mypy)
 
 
 def build(options: argparse.Namespace) -> int:
@@ -111,10 +112,10 @@ def charts(options: argparse.Namespace) -> int:
 
 
 def core(options: argparse.Namespace) -> int:
-    """run `python -m core` with the arguments that follow"""
+    """run a command without Blender: calibrate, paper, emulator, haptics, grasp"""
     python = environment(options.blender)
     native_core.provide_library(python)
-    return run([python, "-m", "core", *options.rest])
+    return run([python, "-m", "studies", *options.rest])
 
 
 def ci(_options: argparse.Namespace) -> int:

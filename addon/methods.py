@@ -1,6 +1,5 @@
 """How a body is simulated: the planner's choice with its reason, the way out of it, and the comparison's chart."""
 
-import itertools
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -15,7 +14,7 @@ from .readout import iface_
 
 SIZE = (330.0, 220.0)  # [px] of the chart, at a resolution scale of 1
 ROOM = 0.06  # decades round the points
-STAND_INS, OTHER = (0.55, 0.75, 1.0, 0.9), (0.95, 0.45, 0.35, 1.0)
+PROXIES = (0.55, 0.75, 1.0, 0.9)
 
 _handlers: list[object] = []
 
@@ -61,15 +60,12 @@ class DIMPLE_PT_methods(bpy.types.Panel):
 
 
 def draw_table(layout: bpy.types.UILayout, found: Sequence[dict[str, Any]]) -> None:
-    """List every way that was tried; those a session can take have a button."""
+    """List every variant that was compared, each with a button that chooses it."""
     for each in found:
         row = layout.row(align=True)
-        for told in numbers(each):
-            row.label(text=told, translate=False)
-        if each["method"] == "semi_implicit":
-            row.operator(Op.APPLY_METHOD, text="", icon="CHECKMARK").vertices = each["asked"]
-        else:
-            row.label(text="", icon="BLANK1")
+        for number in numbers(each):
+            row.label(text=number, translate=False)
+        row.operator(Op.APPLY_METHOD, text="", icon="CHECKMARK").vertices = each["asked"]
 
 
 def numbers(each: dict[str, Any]) -> tuple[str, ...]:
@@ -83,21 +79,14 @@ def numbers(each: dict[str, Any]) -> tuple[str, ...]:
 
 
 def load(settings: Any) -> list[dict[str, Any]]:
-    """Return the ways that an object was compared in; none where it was not, or where what it keeps is damaged."""
-    ways = calibration.load(settings.comparison).get("ways")
-    return ways if isinstance(ways, list) else []
+    """Return the variants that were compared; none where they were not, or where what is kept is damaged."""
+    variants = calibration.load(settings.comparison).get("variants")
+    return variants if isinstance(variants, list) else []
 
 
 def name_of(each: dict[str, Any]) -> str:
-    """Return what a way is called beside its numbers."""
-    if each["method"] != "semi_implicit":
-        return f"{label_of(each)}, {each['vertices']}"
+    """Return what a variant is called beside its numbers."""
     return f"{each['vertices']}" if each["asked"] else f"{iface_('Mesh Itself')}, {each['vertices']}"
-
-
-def label_of(each: dict[str, Any]) -> str:
-    """Return what a method is called."""
-    return each.get("label", each["method"])
 
 
 def draw_chart(
@@ -117,23 +106,19 @@ def draw_chart(
     overlay.draw_lines([((live, bottom), (live, top)), ((left, near), (right, near))], overlay.FAINT, region)
     overlay.write(iface_("Live"), (live + 4 * scale, top - 30 * scale), scale)
     overlay.write(f"{limits[1]:g} mm", (left + 4 * scale, near + 4 * scale), scale)
-    ways = list(zip(found, spots, strict=True))
-    ours = sorted(at for each, at in ways if each["method"] == "semi_implicit" and each["error"] > 0)
-    overlay.draw_lines(shapes.chained(ours), STAND_INS, region)
-    above = itertools.count(4, 15)  # [px] other methods lie side by side, their names one over the other
+    variants = list(zip(found, spots, strict=True))
+    proxies = sorted(at for each, at in variants if each["error"] > 0)
+    overlay.draw_lines(shapes.chained(proxies), PROXIES, region)
     named: list[tuple[float, float, float]] = []  # where names begin, and how wide they are
-    for each, (x, y) in ways:
+    for each, (x, y) in variants:
         if not each["error"]:
             overlay.draw_lines([((x, bottom), (x, top))], overlay.FORCE, region)
             overlay.write(iface_("Mesh Itself"), (x + 4 * scale, top - 14 * scale), scale)
             continue
-        if each["method"] == "semi_implicit":
-            label, colour, up = f"{each['vertices']}", STAND_INS, 4
-        else:
-            label, colour, up = label_of(each), OTHER, next(above)
-        overlay.draw_lines(shapes.circle((x, y), (4 * scale, 0.0), (0.0, 4 * scale)), colour, region)
+        label = f"{each['vertices']}"
+        overlay.draw_lines(shapes.circle((x, y), (4 * scale, 0.0), (0.0, 4 * scale)), PROXIES, region)
         wide = overlay.width(label, scale)
-        name = (min(x + 6 * scale, right + 2 * room - wide), y + up * scale, wide)
+        name = (min(x + 6 * scale, right + 2 * room - wide), y + 4 * scale, wide)
         if all(apart(name, other, scale) for other in named):  # the table has the names of all
             overlay.write(label, name[:2], scale)
             named.append(name)

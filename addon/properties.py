@@ -129,7 +129,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     calibration: _kept("Calibration", "The measurement behind these constants")
     kappa1: _model_constant("Shape Memory κ1 (N/cm³)", "Identified: force per area and depth, up to the knee")
     kappa2: _model_constant("Shape Memory κ2 (N/cm³)", "Identified: force per area and depth, beyond the knee")
-    d0: _model_constant("Knee d0 (mm)", "Identified: displacement at which the shape memory becomes harder")
+    d0: _model_constant("Knee d0 (mm)", "Identified: displacement at which the shape matching becomes harder")
     membrane_scale: _model_constant("Share of k", "Identified: how much of its k the skin has")
     identification: _kept("Identification", "How the model constants were found")
     stale: BoolProperty(name="Stale", description="The model constants no longer held and were cleared", **FIXED)

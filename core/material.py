@@ -12,7 +12,7 @@ FILLS = ("air", "liquid", "paper", "none")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelConstants:
-    """Hold kappa1, kappa2: shape memory per area [N/m3], d0: its knee [m], membrane_scale: factor on k.
+    """Hold kappa1, kappa2: shape matching per area [N/m3], d0: its knee [m], membrane_scale: factor on k.
 
     Raises:
         DimpleError: one of them is not greater than 0.
@@ -39,7 +39,7 @@ class Material:
         k: surface spring constant [N/m], Eq. (4).
         mass: of the whole body were it all of this material [kg]; or
         density: of the body [kg/m3] (of an open sheet: see `mesh.Mesh.bulk`). Give exactly one.
-        damping_ratio: of critical, for springs and shape memory.
+        damping_ratio: of critical, for springs and shape matching.
         friction: Coulomb coefficient of skin on fingertip and ground.
         fill: "air", "liquid", "paper" (Eq. (2)) or "none".
         constants: of the model, identified for one mesh by a simulated press; None: estimated from K1, K2 and x0.

@@ -14,15 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from .backend import choose_backend
 from .base import FINGER_TRAVEL, TICK, DimpleError, Floats
-from .depth import Touching, rest_surface, touching
-from .integrators.path import FingerPath
-from .laws import pressure
-from .laws.memory import Pose, carried_pose, fit_pose
-from .mesh import input_vertices
-from .model import Model, initial_state
-from .proxy import Proxy, carry, contact_radius
+from .body import pressure
+from .body.model import Model, initial_state
+from .body.shape_matching import Pose, carried_pose, fit_pose
+from .mesh.depth import Touching, rest_surface, touching
+from .mesh.surface import input_vertices
+from .reduction.proxy import Proxy, carry, contact_radius
+from .solver.backend import choose_backend
+from .solver.path import FingerPath
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock and at whether the body is still whole
@@ -97,7 +97,7 @@ class Session:
         self._sides: list[Floats | None] = []
         self._begin, self._end = 0.0, 0.0  # of the step under way, and where fingertips and pins were at its begin:
         self._origins: list[Floats | None] = []
-        self._held_origin: Floats = self.model.memory.rest  # of the mesh, not of a stand-in
+        self._held_origin: Floats = self.model.matching.rest  # of the mesh, not of a stand-in
         self._held_target: Floats | None = None
         self.frame = self._show(np.zeros((0, 3)), 0, 0.0, "")
 
@@ -238,15 +238,15 @@ class Session:
         state.velocities[:, held] = way / self.tick
         if state.pose is not None:
             pins = held & ~self._body.mesh.loose
-            rest, here = self._body.memory.rest[:, pins], state.positions[:, pins]
+            rest, here = self._body.matching.rest[:, pins], state.positions[:, pins]
             there = here + way[:, pins[held]]
             state.pose, state.pace = carried_pose(rest, here, there, tick=self.tick, substeps=self.substeps)
 
     def _pose(self) -> Pose:
         """Return where the shape at rest is now."""
         body = self._body
-        weight = body.memory.k1 if body.memory.k1.any() else body.mass
-        return self._state.pose or fit_pose(body.memory.rest, self._state.positions, weight)
+        weight = body.matching.k1 if body.matching.k1.any() else body.mass
+        return self._state.pose or fit_pose(body.matching.rest, self._state.positions, weight)
 
     def _touches(self) -> list[Touching | None]:
         """Return how each fingertip meets the surface at rest, and remember by which side it came in."""

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..core.mesh import Mesh
+    from ..core.mesh.surface import Mesh
 
 _MOVING = {"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOOK", "SIMPLE_DEFORM", "DISPLACE"}
 

@@ -20,9 +20,9 @@ from . import advice, calibration
 from .names import BAKED_KEY, LIVE_KEY
 
 if TYPE_CHECKING:
+    from ..core.body.model import Model
     from ..core.material import Material
-    from ..core.mesh import Mesh
-    from ..core.model import Model
+    from ..core.mesh.surface import Mesh
 
 LEVEL = 1e-4  # of its size: points of an object as high as its highest one
 
@@ -58,8 +58,8 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
     Raises:
         DimpleError: this object cannot be pressed, with the reason and what to do.
     """
-    from ..core.mesh import base_vertices, mesh_from_triangles
-    from ..core.model import build_model
+    from ..core.body.model import build_model
+    from ..core.mesh.surface import base_vertices, mesh_from_triangles
 
     check(body)
     context.view_layer.update()

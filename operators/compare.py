@@ -1,4 +1,4 @@
-"""Try ways to simulate one object against its own mesh, show what each costs and how far off it is, and take one."""
+"""Compare proxies of one object with its own mesh, show what each costs and how far off it is, and take one."""
 
 import json
 import math
@@ -10,15 +10,14 @@ from . import polls, sessions
 from .names import Op
 from .working import Working
 
-SIZES = 7  # stand-ins that are tried
+SIZES = 7  # proxies that are compared
 FINEST = 4000  # vertices of the largest one
 FEWEST = 100  # vertices of the smallest one
-PRESSES = 4  # one more or less says more than the next size of stand-in would
-ON = 300  # vertices that the other methods are tried on: they run on numpy
+PRESSES = 4  # one more or less says more than the next size of proxy would
 
 
 class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
-    """Press the active object virtually, simulated in several ways, and chart what each costs and how far it is off"""
+    """Press the active object virtually on proxies of several sizes, and chart their cost against their error"""
 
     bl_idname = Op.COMPARE_METHODS
     bl_label = "Compare Methods"
@@ -40,8 +39,8 @@ class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; a body is at rest before it is pressed."""
-        from ..core.proxy import check, most_of
-        from ..core.trial import choose_presses, compare
+        from ..core.reduction.benchmark import choose_presses, compare
+        from ..core.reduction.proxy import check, most_of
         from . import bridge
 
         sessions.stop_all()
@@ -50,7 +49,7 @@ class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
         self._link, self._found = link, []
         radius = context.scene.dimple.finger_radius_mm / 1e3
         presses = choose_presses(model, radius, self.presses)
-        return self._steps_of(compare(model, presses, ways(most_of(model))))
+        return self._steps_of(compare(model, presses, proxy_sizes(most_of(model))))
 
     def _steps_of(self, steps):
         for share, found in steps:
@@ -67,13 +66,13 @@ class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
             return self._failed("The object is gone, so nothing was kept.")
         good = [each for each in self._found if not each.note and math.isfinite(each.cost)]
         obj.dimple.comparison = json.dumps(
-            {"holds_for": holds_for(context.scene, obj), "ways": [told(each) for each in good]}
+            {"holds_for": holds_for(context.scene, obj), "variants": [as_row(each) for each in good]}
         )
         context.window_manager.dimple.show_comparison = True
         for each in self._found:
             if each.note:
-                self.report({"INFO"}, f"{named(each.way)}: {each.note}")
-        self.report({"INFO"}, f"Compared {len(good)} ways to simulate {obj.name}")
+                self.report({"INFO"}, f"A proxy of {each.asked} vertices: {each.note}")
+        self.report({"INFO"}, f"Compared {len(good)} variants of {obj.name}")
         sessions.redraw()
         return {"FINISHED"}
 
@@ -102,20 +101,13 @@ class DIMPLE_OT_apply_method(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def ways(vertices: int):
-    """Return what is tried on a mesh whose stand-ins have at most so many vertices: them, and other methods on one.
-
-    A method that is on no front of the study is not tried.
-    """
-    from ..core.integrators.methods import offered
-    from ..core.trial import Way
-
-    most, others = min(vertices, FINEST), [name for name in offered() if name != Way().method]
+def proxy_sizes(most: int) -> list[int]:
+    """Return the numbers of vertices that are compared on a mesh whose proxies have at most so many."""
+    most = min(most, FINEST)
     if most < FEWEST:
-        return [Way(method=name) for name in others]
+        return []
     growth = (most / FEWEST) ** (1 / (SIZES - 1))
-    sizes = sorted({round(FEWEST * growth**k) for k in range(SIZES)})
-    return [*(Way(vertices=size) for size in sizes), *(Way(method=name, vertices=min(ON, most)) for name in others)]
+    return sorted({round(FEWEST * growth**k) for k in range(SIZES)})
 
 
 def holds_for(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
@@ -128,25 +120,12 @@ def holds_for(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
     return repr((*sizes, obj.dimple.to_params(), materials))
 
 
-def told(found) -> dict:
+def as_row(found) -> dict:
     """Return an outcome for the chart: cost [s] a second, error [mm], force error as a share."""
-    from ..core.integrators.methods import METHODS
-    from ..core.trial import Way
-
-    slower = "" if found.way.method == Way().method else " (numpy)"
     return {
-        "method": found.way.method, "label": METHODS[found.way.method].label + slower, "asked": found.way.vertices,
-        "vertices": found.vertices, "steps": found.steps,
+        "asked": found.asked, "vertices": found.vertices, "steps": found.steps,
         "cost": found.cost, "error": 1e3 * found.error, "force_error": found.force_error,
     }  # fmt: skip
-
-
-def named(way) -> str:
-    """Return what a way is called."""
-    from ..core.integrators.methods import METHODS
-
-    on = f"a stand-in of {way.vertices}" if way.vertices else "the mesh itself"
-    return on if way.method == "semi_implicit" else f"{METHODS[way.method].label} on {on}"
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_compare_methods, DIMPLE_OT_apply_method])

@@ -83,7 +83,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         Every event tells which keys are down. Timers and the loss of the focus reach every modal operator, whatever the
         one before it keeps to itself; without either the lease runs out.
         """
-        from ..core.devices.safety import LEASE
+        from ..core.haptics.safety import LEASE
 
         connection = haptic.get()
         if connection is None or connection.watch is not self._watch or not self._is_armed(connection):

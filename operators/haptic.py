@@ -18,10 +18,10 @@ import bpy
 from . import sessions
 
 if TYPE_CHECKING:
-    from ..core.devices.contact_model import Contact
-    from ..core.devices.device import Device
-    from ..core.devices.felt import Felt, Workspace
-    from ..core.devices.letters import Report
+    from ..core.haptics.contact_model import Contact
+    from ..core.haptics.contact_rendering import Felt, Workspace
+    from ..core.haptics.device import Device
+    from ..core.haptics.messages import Report
     from ..core.session import Finger
     from .sessions import Body
 
@@ -59,8 +59,8 @@ def connect(scene: bpy.types.Scene) -> Connection:
         DimpleError: it cannot be started, with the reason and what to do.
     """
     from ..core.base import DimpleError
-    from ..core.devices.device import Emulated, HapticMaster
-    from ..core.devices.hand import poking_hand
+    from ..core.haptics.device import Emulated, HapticMaster
+    from ..core.haptics.hand import poking_hand
 
     disconnect()
     port = scene.dimple.device_port.strip()
@@ -94,8 +94,8 @@ def hold(seconds: float) -> None:
 
 def read() -> list[str]:
     """Take the newest of the device; return sentences for the artist."""
-    from ..core.devices.letters import Link
-    from ..core.devices.safety import Arming
+    from ..core.haptics.messages import Link
+    from ..core.haptics.safety import Arming
 
     connection = get()
     if connection is None:
@@ -111,7 +111,7 @@ def read() -> list[str]:
 
 def place(scene: bpy.types.Scene, scale: float) -> Workspace:
     """Return where the device is in a session of a physical scale [m per scene unit]."""
-    from ..core.devices.felt import Workspace
+    from ..core.haptics.contact_rendering import Workspace
 
     settings = scene.dimple
     grown = settings.device_scale
@@ -124,8 +124,8 @@ def place(scene: bpy.types.Scene, scale: float) -> Workspace:
 
 def fingertips(scene: bpy.types.Scene, body: Body) -> list[Finger | None]:
     """Return the device's fingertips in a session's space; none where no device is ready."""
-    from ..core.devices.felt import fingers
-    from ..core.devices.letters import Link
+    from ..core.haptics.contact_rendering import fingers
+    from ..core.haptics.messages import Link
 
     connection = get()
     if connection is None or connection.report.link is not Link.READY:
@@ -139,9 +139,9 @@ def write(scene: bpy.types.Scene) -> None:
     What is put under a fingertip at once, by a new session, another place of the device, another radius or the end of a
     poke, must not push, as when it is armed: else it is disarmed.
     """
-    from ..core.devices.felt import Felt
-    from ..core.devices.letters import Link
-    from ..core.devices.safety import QUIET_FORCE
+    from ..core.haptics.contact_rendering import Felt
+    from ..core.haptics.messages import Link
+    from ..core.haptics.safety import QUIET_FORCE
 
     connection = get()
     if connection is None or connection.report.link is not Link.READY:
@@ -208,7 +208,7 @@ def _look() -> float | None:
 
 def ports() -> list[tuple[str, str]]:
     """Return what there is to connect: paths with what they call themselves."""
-    from ..core.devices.serial_link import ports
+    from ..core.haptics.serial_link import ports
 
     return [*ports(), (EMULATED, "")]
 

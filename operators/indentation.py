@@ -14,7 +14,7 @@ from . import bridge, calibration
 
 if TYPE_CHECKING:
     from ..core.material import Material
-    from ..core.mesh import Mesh
+    from ..core.mesh.surface import Mesh
     from .bridge import Floats, Link
 
 DOWN = np.array([0.0, 0.0, -1.0])

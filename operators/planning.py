@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..core.base import DimpleError
-from ..core.planner import Plan, mesh_itself, plan, stand_in
-from ..core.proxy import build_proxy
+from ..core.reduction.planner import Plan, mesh_itself, plan, stand_in
+from ..core.reduction.proxy import build_proxy
 
 if TYPE_CHECKING:
-    from ..core.model import Model
-    from ..core.proxy import Proxy
+    from ..core.body.model import Model
+    from ..core.reduction.proxy import Proxy
 
 
 def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tuple[Proxy | None, str]:
@@ -62,7 +62,7 @@ def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
 
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
     """Return what a choice hangs on: the body with its materials, the tolerances, the fingertip, the budget."""
-    law, number = model.memory, 0
+    law, number = model.matching, 0
     for array in (
         law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, law.d0, law.damping,
         model.springs.stiffness, model.springs.damping, model.friction,

@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 from bpy_extras import view3d_utils
 
+from ..core.mesh.ray import ray_hit
 from ..core.poke import Hit, Kind, PokeEvent, Vector
-from ..core.ray import ray_hit
 from .names import DEAD_MAN
 from .sessions import Body
 

@@ -117,7 +117,7 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list
     """
     if body := get(obj):
         return body, []
-    from ..core.mesh import input_vertices
+    from ..core.mesh.surface import input_vertices
     from ..core.session import Session
     from . import bridge, bridge_write, planning
 

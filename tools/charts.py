@@ -1,6 +1,6 @@
 """Draw the charts of the studies: `python -m tools.charts --out DIR [--quick]`, each as PNG, SVG and CSV.
 
-The numbers come from core.study; drawing and the independent solver are development only.
+The numbers come from studies; drawing and the independent solver are development only.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from core.integrators.methods import FRONTS, METHODS
+from studies.methods.registry import FRONTS, METHODS
 
 from .charts_model import draw_cost, draw_energy, draw_literal, draw_space, draw_stiff_nylon
 from .charts_stability import draw_stability
@@ -19,7 +19,7 @@ from .charts_stand_ins import draw_stand_ins
 from .charts_work import draw_work_precision
 from .environment import ROOT
 
-KEPT = ROOT / "tests" / "study" / "charts"  # what the README shows
+KEPT = ROOT / "tests" / "studies" / "charts"  # what the README shows
 
 
 def main(words: Sequence[str] | None = None) -> int:

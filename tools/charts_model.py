@@ -9,10 +9,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from core.integrators.methods import METHODS
-from core.planner import BUDGET, FORCE_TOLERANCE, TOLERANCE
-from core.study import conservation, cost, literal_against_consistent, space, stiff_nylon
-from core.study.stiff_nylon import Press
+from core.reduction.planner import BUDGET, FORCE_TOLERANCE, TOLERANCE
+from studies import conservation, cost, literal_against_consistent, space, stiff_nylon
+from studies.methods.registry import METHODS
+from studies.stiff_nylon import Press
 
 from .drawing import LABELS, MARKERS, STYLES, save, table, write_csv
 

@@ -13,9 +13,9 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from core.integrators.methods import METHODS
-from core.study import stability
-from core.study.stability import Bound, Cell
+from studies import stability
+from studies.methods.registry import METHODS
+from studies.stability import Bound, Cell
 
 from .drawing import edges, save, table, write_csv
 

@@ -10,16 +10,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from core import planner
-from core.integrators.methods import METHODS, offered
-from core.study import bodies, stand_ins
-from core.study.stand_ins import COARSEST, FINEST, LINE, NEVER, SLACK, Choice, Judge, Row
-from core.trial import Way
+from core.reduction import planner
+from studies import bodies, proxies
+from studies.proxies import COARSEST, FINEST, LINE, NEVER, SLACK, Choice, Judge, Row
 
 from .drawing import save, table, write_csv
 
 BUDGETS = (0.05, 0.2, 0.6, 2.0)  # [s] of a second
-ON = 300  # vertices the other methods are tried on
 COLOURS = {"presses": "tab:blue", "heavy": "tab:orange"}
 FITS = (  # what a row has, what it is, the planner's line
     ("error", "skin: error over fingertip radius", planner.ERROR, planner.ERROR_POWER),
@@ -29,10 +26,10 @@ FITS = (  # what a row has, what it is, the planner's line
 
 def draw_stand_ins(out: Path, quick: bool) -> None:
     """Draw the fit, ladders of stand-ins and what the planner's choices come to; print the table."""
-    known = [] if quick else [row for body in bodies.FITTED for row in stand_ins.rows(Judge(body, bodies.build(body)))]
+    known = [] if quick else [row for body in bodies.FITTED for row in proxies.rows(Judge(body, bodies.build(body)))]
     judges = [judge_of(body, quick) for body in (bodies.UNSEEN[2:3] if quick else bodies.UNSEEN + bodies.FRESH)]
     choices = [choice for judge in judges for choice in choices_of(judge, quick)]
-    unseen = [row for judge in judges for row in stand_ins.rows(judge)]
+    unseen = [row for judge in judges for row in proxies.rows(judge)]
     write_rows(out, known, unseen, choices)
     figure, ((skin, force), (ladder, verdict)) = plt.subplots(2, 2, figsize=(13, 10))
     for axes, (what, label, factor, power) in zip((skin, force), FITS, strict=True):
@@ -41,23 +38,22 @@ def draw_stand_ins(out: Path, quick: bool) -> None:
     draw_ladders(ladder, judges, choices)
     draw_verdict(verdict, choices)
     figure.suptitle("Stand-ins: what the planner expects of them, and what its choices come to on bodies it never saw")
-    save(figure, out / "stand_ins")
+    save(figure, out / "proxies")
     print(told(choices), flush=True)
     print(told_budgets(judges), flush=True)
     if known:
-        again = stand_ins.fit(known)
+        again = proxies.fit(known)
         print("The fit made again:", ", ".join(f"{value:.3g}" for value in again), end="; the planner's: ")
         print(planner.ERROR, planner.ERROR_POWER, planner.FORCE_ERROR, planner.FORCE_POWER, sep=", ", flush=True)
-        print(told_others(bodies.UNSEEN[2]), flush=True)
 
 
 def judge_of(body: bodies.Body, quick: bool) -> Judge:
-    return Judge(body, bodies.build(body, 12 if quick else bodies.FINE), half=2 if quick else stand_ins.HALF)
+    return Judge(body, bodies.build(body, 12 if quick else bodies.FINE), half=2 if quick else proxies.HALF)
 
 
 def choices_of(judge: Judge, quick: bool) -> list[Choice]:
-    near = stand_ins.tolerances(judge.body)
-    return list(stand_ins.choices(judge, budget=NEVER, near=near[-1:] if quick else near))
+    near = proxies.tolerances(judge.body)
+    return list(proxies.choices(judge, budget=NEVER, near=near[-1:] if quick else near))
 
 
 def write_rows(out: Path, known: Sequence[Row], unseen: Sequence[Row], choices: Sequence[Choice]) -> None:
@@ -68,7 +64,7 @@ def write_rows(out: Path, known: Sequence[Row], unseen: Sequence[Row], choices: 
          for r in (*known, *unseen)),
     )  # fmt: skip
     write_csv(
-        out / "stand_ins.csv",
+        out / "proxies.csv",
         ("body", "tolerance_mm", "force_tolerance", "by", "vertices", "steps", "error_mm", "force_error",
          "cost_s_per_s", "best_vertices", "best_steps", "best_cost_s_per_s", "excess", "work_ratio", "cost_ratio"),
         ((c.body.name, f"{1e3 * c.tolerance:.3g}", c.force_tolerance, c.by, c.ours.vertices, c.ours.steps,
@@ -92,7 +88,7 @@ def draw_ladders(axes: Axes, judges: Sequence[Judge], choices: Sequence[Choice])
     """Draw error against cost for every unseen body, the planner's choices on it."""
     for judge, colour in zip(judges, plt.get_cmap("tab20").colors, strict=False):  # type: ignore[attr-defined]
         radius = judge.body.radius
-        rungs = [tried for tried in judge.ladder() if tried.way.vertices]
+        rungs = [tried for tried in judge.ladder() if tried.asked]
         label = f"{judge.body.name}: the mesh {judge.mesh.cost:.2g}"
         axes.loglog([r.cost for r in rungs], [r.error / radius for r in rungs], color=colour, lw=1, label=label)
         taken = [c.ours for c in choices if c.body is judge.body and c.by == "presses" and c.plan.asked]
@@ -141,7 +137,7 @@ def told(choices: Sequence[Choice]) -> str:
 def told_budgets(judges: Sequence[Judge]) -> str:
     """Tell what moves as the budget grows, and how often a choice that misses it could have kept it."""
     lines = [("budget", "mesh live", "stand-in live", "slower", "of these the best choice would be live")]
-    found = [choice for judge in judges for choice in stand_ins.over_budgets(judge, BUDGETS)]
+    found = [choice for judge in judges for choice in proxies.over_budgets(judge, BUDGETS)]
     for budget in BUDGETS:
         some = [c for c in found if c.budget == budget]
         live = [c for c in some if c.plan.cost <= budget]
@@ -151,17 +147,3 @@ def told_budgets(judges: Sequence[Judge]) -> str:
             f"{len(slow)}", f"{sum(c.best.cost <= budget for c in slow)}",
         ))  # fmt: skip
     return table(lines)
-
-
-def told_others(body: bodies.Body) -> str:
-    """Tell what the other methods that are offered cost on the same stand-in as the planner's, and how far off."""
-    judge = Judge(body, bodies.build(body), half=1)
-    lines = [("method", "error", "force", "cost")]
-    for name in offered():
-        tried = judge.tried(Way(method=name, vertices=ON))
-        backend = "" if name == Way().method else " (numpy)"
-        lines.append((
-            METHODS[name].label + backend, f"{1e3 * tried.error:.2f} mm", f"{tried.force_error:.0%}",
-            f"{tried.cost:.3g} s/s",
-        ))  # fmt: skip
-    return f"{body.name}, stand-in of {ON}\n{table(lines)}"

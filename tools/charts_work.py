@@ -15,11 +15,11 @@ from matplotlib.lines import Line2D
 from scipy.integrate import solve_ivp
 
 from core.base import Floats
-from core.integrators.methods import METHODS
-from core.model import Model, State
-from core.study import work_precision
-from core.study.motion import right_hand_side
-from core.study.work_precision import DECADES, NATIVE, Case, Point
+from core.body.model import Model, State
+from studies import work_precision
+from studies.methods.registry import METHODS
+from studies.motion import right_hand_side
+from studies.work_precision import DECADES, NATIVE, Case, Point
 
 from .drawing import LABELS, MARKERS, STYLES, save, table, write_csv
 

@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from core.base import Floats
-from core.integrators.methods import METHODS
+from studies.methods.registry import METHODS
 
 NATIVE_LABEL = "semi-implicit Euler, native core"
 LABELS = {name: method.label for name, method in METHODS.items()} | {"native": NATIVE_LABEL}

@@ -123,7 +123,7 @@ VIRTUAL = {
     "Shape Memory κ2 (N/cm³)": "形状記憶 κ2 (N/cm³)",
     "Identified: force per area and depth, beyond the knee": "同定された、折れ点を越えた後の面積と深さあたりの力",
     "Knee d0 (mm)": "折れ点 d0 (mm)",
-    "Identified: displacement at which the shape memory becomes harder": "同定された、形状記憶が硬くなり始める変位",
+    "Identified: displacement at which the shape matching becomes harder": "同定された、形状記憶が硬くなり始める変位",
     "Share of k": "k の割合",
     "Identified: how much of its k the skin has": "同定された、表面が持つ k の割合",
     "Stale": "失効",

@@ -40,8 +40,8 @@ WORDS = {
     "What every way to simulate this object came to": "この物体の計算方法それぞれの結果",
     "Show Comparison": "比較を表示",
     "Draw the comparison of the active object over the viewport": "アクティブな物体の比較をビューポートに描きます",
-    "Press the active object virtually, simulated in several ways, and chart what each costs and how far it is off": (
-        "アクティブな物体をいくつかの方法で仮想的に押し、それぞれの費用と誤差を図にします"
+    "Press the active object virtually on proxies of several sizes, and chart their cost against their error": (
+        "アクティブな物体をいくつかの大きさの代理メッシュで仮想的に押し、費用と誤差を図にします"
     ),
     "Presses": "押す回数",
     "How many places are pressed: more take longer and tell more": "押す場所の数。多いほど時間がかかり、よく分かります",

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base import DimpleError
 from ..material import Material, ModelConstants
-from ..mesh import Mesh
+from ..mesh.surface import Mesh
 from .identify import Identification
 from .indent import Indenter, Site
 

@@ -1,6 +1,6 @@
 """Model constants such that a simulated press with the measuring tip answers K(x) of the material on its mesh.
 
-What the skin carries and what the shape memory carries can hardly be told apart from one curve, so the skin's scale is
+What the skin carries and what shape matching carries can hardly be told apart from one curve, so the skin's scale is
 not fitted: it is the largest that still lets the press follow the curve well. For each scale tried kappa1, kappa2 and
 d0 are fitted by least squares over their logarithms (Levenberg and Marquardt). One sweep of equilibria gives the
 forces and, by the energy's slopes, their derivatives: see `indent`. Under a flat tip all of it is numpy, for the
@@ -18,7 +18,7 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..material import Material, ModelConstants
-from ..mesh import Mesh
+from ..mesh.surface import Mesh
 from .indent import CLEAR, Indenter, Site
 from .sweep import CHECKED, STATIONS, SWEEPS, Sweep, Task, constants_of, fitted, swept
 
@@ -145,7 +145,7 @@ def scale_in_words(constants: ModelConstants) -> str:
         return "The skin keeps its own k."
     return (
         f"The skin's k is taken at {100 * scale:.2g} % of its value, about the most with which the press follows what "
-        "was measured: a skin stretched over a small tip answers not in proportion, and far more. The shape memory "
+        "was measured: a skin stretched over a small tip answers not in proportion, and far more. The shape matching "
         "carries the rest."
     )
 

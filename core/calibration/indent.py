@@ -16,13 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Bools, DimpleError, Floats
-from ..integrators.equilibrium import equilibrium
-from ..laws import pressure
+from ..body import pressure
+from ..body.model import Model, State, build_model, forces, initial_state
 from ..material import Material
-from ..mesh import Mesh, base_vertices
-from ..model import Model, State, build_model, forces, initial_state
-from ..ray import ray_hit
+from ..mesh.ray import ray_hit
+from ..mesh.surface import Mesh, base_vertices
 from ..session import Finger, Session
+from ..solver.equilibrium import equilibrium
 
 SHAPES = ("point", "punch", "sphere")
 POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point; springs in a flat skin cannot spread it wider
@@ -69,7 +69,7 @@ class Station:
     """Hold a body at rest under a tip.
 
     depth: [m].  force: [N].  volume_change: share.  positions: (3, n) [m].  found: whether there is rest at this depth.
-    pull: (4,) dE/d log of kappa1, kappa2, d0 and membrane_scale [J], but for the shape memory under a flat punch, of
+    pull: (4,) dE/d log of kappa1, kappa2, d0 and membrane_scale [J], but for the shape matching under a flat punch, of
     which slope (4,) [N] is the derivative in depth.
     """
 
@@ -183,10 +183,10 @@ def press_curve(
 
 def _by_punch(model: Model, site: Site, depths: Sequence[float]) -> Iterator[Station]:
     """Move the vertices under the punch; the rest finds its equilibrium."""
-    x = model.memory.rest
+    x = model.matching.rest
     for depth in depths:
         moved = x.copy()
-        moved[:, site.under] = model.memory.rest[:, site.under] + depth * site.inward[:, None]
+        moved[:, site.under] = model.matching.rest[:, site.under] + depth * site.inward[:, None]
         found = equilibrium(model, [], start=moved)
         x = found.positions
         force = -float(site.inward @ forces(model, _at(model, x))[:, site.under].sum(axis=1))
@@ -231,7 +231,7 @@ def _at(model: Model, positions: Floats) -> State:
 
 def _pull(model: Model, under: Bools, x: Floats, depth: float) -> tuple[Floats, Floats]:
     """Return the energy's slopes in the logarithms of the constants (4,) [J], and those (4,) [N] under a punch."""
-    law, skin = model.memory, model.springs
+    law, skin = model.matching, model.springs
     d = np.sqrt(((x - law.rest) ** 2).sum(axis=0))
     over = np.maximum(d - law.d0, 0)
     i, j = skin.pairs.T

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base import Floats
 from ..material import Material, ModelConstants
-from ..mesh import Mesh
+from ..mesh.surface import Mesh
 from .indent import Indenter, Site, press
 
 STATIONS = 12  # depths of a sweep that is fitted

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..base import Floats
-from ..estimate import FINGERTIP
-from ..mesh import Mesh
+from ..body.estimate import FINGERTIP
+from ..mesh.surface import Mesh
 from .calibrate import Calibration
 from .identify import NOTICEABLE_FORCE, NOTICEABLE_STIFFNESS, Identification
 from .indent import Indenter, Site, press_curve, reach

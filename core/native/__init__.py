@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from ..base import Floats
-from ..integrators import semi_implicit
-from ..integrators.path import FingerPath
-from ..model import Model, State
+from ..body.model import Model, State
+from ..solver import semi_implicit
+from ..solver.path import FingerPath
 
 ABI = 2
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
@@ -140,7 +140,7 @@ class Body:
         self.library = library
         self.handle = ctypes.c_uint64()
         self.n = len(model.mesh.rest_positions)
-        rings, springs, memory, mesh = model.springs.rings, model.springs, model.memory, model.mesh
+        rings, springs, matching, mesh = model.springs.rings, model.springs, model.matching, model.mesh
         width = len(rings.neighbours)
         handle = ctypes.byref(self.handle)
         rest = np.ascontiguousarray(mesh.rest_positions.T)
@@ -160,8 +160,8 @@ class Body:
         fill, corners = model.pressure, rings.corners
         holes = len(fill.cap_edges), fill.cap_edges, fill.cap_loop
         self.set("fill", FILLS[fill.fill], fill.rest_volume, len(corners), corners, *holes)
-        self.set("matter", self.n, memory.mass, model.inverse_mass, model.friction)
-        self.set("memory", self.n, memory.k1, memory.k2, memory.d0, memory.damping)
+        self.set("matter", self.n, matching.mass, model.inverse_mass, model.friction)
+        self.set("memory", self.n, matching.k1, matching.k2, matching.d0, matching.damping)
         ground = -np.inf if model.ground is None else model.ground
         area = float(mesh.triangle_areas.sum())
         self.set("world", LAW_SETS[model.law_set], area, model.gravity, ground)
@@ -235,9 +235,9 @@ def body_of(model: Model, bits: int) -> Body:
 
 def small_press() -> tuple[Model, State, FingerPath]:
     """Return a soft octahedron on the ground, its fingertip and a few ticks of its way down."""
+    from ..body.model import build_model, initial_state
     from ..material import Material
-    from ..mesh import mesh_from_triangles
-    from ..model import build_model, initial_state
+    from ..mesh.surface import mesh_from_triangles
 
     corners = np.concatenate([np.eye(3), -np.eye(3)]) * 0.05
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define BLOCK 32 /* triangles that share a bounding box */
-#define FACE_SWEEPS 8 /* as in core/laws/contact.py */
+#define FACE_SWEEPS 8 /* as in core/body/contact.py */
 #define FACE_SLACK 1e-3
 #define HELD_GIVE 0.1
 #define ROUNDING 1e-6

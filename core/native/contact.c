@@ -1,4 +1,4 @@
-/* Fingertips against vertices and faces, vertices against the ground. Source: core/laws/contact.py. */
+/* Fingertips against vertices and faces, vertices against the ground. Source: core/body/contact.py. */
 #include "body.h"
 
 static void mark_moved(body *b, uint32_t i, uint32_t *count) {

@@ -1,4 +1,4 @@
-/* Dimple's native core: one soft body behind one handle, stepped as core/integrators/semi_implicit.py does.
+/* Dimple's native core: one soft body behind one handle, stepped as core/solver/semi_implicit.py does.
  *
  * SI units. Arrays belong to the caller and are read or written during the call only; positions and velocities are
  * component-major, (3, n) doubles. Every function but the first three returns a code; nothing is done unless it is
@@ -49,7 +49,7 @@ DM_API const char *dm_message(int32_t code);
 /* Best rotation r (3x3, by rows) for h = sum of w x q^T: the r that maximises trace(r^T h). */
 DM_API int32_t dm_fit_rotation(const double *h, double *r);
 
-/* bits: 32 or 64, of the state.  rest: (3, n).  ring, ring_spring: (width, n) as in core/rings.py, -1 is no spring. */
+/* bits: 32 or 64, of the state.  rest: (3, n).  ring, ring_spring: (width, n) as in core/mesh/rings.py, -1 is no spring. */
 DM_API int32_t dm_create(dm_body *body, int32_t bits, int32_t set, int64_t n, const double *rest, int64_t width,
                          const int64_t *ring, const int64_t *ring_spring);
 DM_API int32_t dm_free(dm_body body);

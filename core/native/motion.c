@@ -8,7 +8,7 @@ static inline void advance(body *b, double pressure, int fitted) {
     for (int64_t g = 0; g < b->groups; g++) {
         three x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
-        if (fitted) { /* whatever net force and torque shape memory left is taken out */
+        if (fitted) { /* whatever net force and torque shape matching left is taken out */
             three spin = cross(angular, x);
             lanes by = select((mask)(b->matter[g].inverse_mass > all(0)), dt, all(0));
             v.x -= by * (linear.x + spin.x), v.y -= by * (linear.y + spin.y), v.z -= by * (linear.z + spin.z);

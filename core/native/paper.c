@@ -1,4 +1,4 @@
-/* The equations of the paper, literally. Source: core/laws/paper.py. */
+/* The equations of the paper, literally. Source: core/body/paper.py. */
 #include "body.h"
 
 static void face_normal(const body *b, const uint32_t *corner, double *n) {

@@ -1,4 +1,4 @@
-/* The one pass over ordered one-rings: springs, dashpots, shape memory, normals and volume from a single gather. */
+/* The one pass over ordered one-rings: springs, dashpots, shape matching, normals and volume from a single gather. */
 #include "body.h"
 
 /* the vectors to the neighbours in a slot, and how fast they grow */
@@ -44,7 +44,7 @@ static inline three hold(const group_matter *m, three u, three w) {
 }
 
 /* Set what comes next of every group but for the pressure, and the volume as far as rings span it; where the shape at
- * rest follows the body, `drift` becomes the rigid acceleration that shape memory must not leave. */
+ * rest follows the body, `drift` becomes the rigid acceleration that shape matching must not leave. */
 static inline void pull_groups(body *b, int fitted) {
     wide volume = {0}, sum[6] = {{0}};
     lanes part[6] = {{0}}, dt = all((real)b->dt), sixth = all((real)1 / 6);

@@ -1,4 +1,4 @@
-/* Semi-implicit Euler, then contact. Source: core/integrators/semi_implicit.py, core/model.py forces. */
+/* Semi-implicit Euler, then contact. Source: core/solver/semi_implicit.py, core/body/model.py forces. */
 #include "body.h"
 #include "spent.h"
 

@@ -24,13 +24,13 @@ from typing import Any
 import numpy as np
 
 from core import native
-from core.integrators import semi_implicit
-from core.integrators.path import FingerPath
+from core.body.model import Model, State, build_model, initial_state
 from core.material import PRESETS, Material
-from core.mesh import Mesh, base_vertices
-from core.model import Model, State, build_model, initial_state
+from core.mesh.surface import Mesh, base_vertices
 from core.session import TICKS_AT_ONCE
-from core.study.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
+from core.solver import semi_implicit
+from core.solver.path import FingerPath
+from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 from tests.bench.chart import draw
 
 Stepper = Callable[[Model, State, FingerPath, float, int], object]

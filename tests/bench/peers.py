@@ -6,10 +6,10 @@ import time
 
 import numpy as np
 
-from core.laws.contact import nearest_on_triangles
-from core.mesh import input_vertices
+from core.body.contact import nearest_on_triangles
+from core.mesh.surface import input_vertices
 from core.session import Session
-from core.study import scenes
+from studies import scenes
 
 HOLD = (0.3, 0.5)  # [s] the fingertip has been still for a while
 DEPTH = 0.020  # [m]

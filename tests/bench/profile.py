@@ -9,7 +9,7 @@ import time
 import numpy as np
 
 from core import native
-from core.model import initial_state
+from core.body.model import initial_state
 from tests.bench import bench
 from tools.native import compile_library, this_platform
 

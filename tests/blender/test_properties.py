@@ -84,7 +84,7 @@ def test_every_fill_and_law_set_is_one_the_core_knows(empty_file: ModuleType, ma
     assert tuple(fills) == core("material").FILLS
     body = empty_file.data.objects.new("Body", None)
     laws = [item.identifier.lower() for item in body.dimple.bl_rna.properties["law_set"].enum_items]
-    assert tuple(laws) == core("model").LAW_SETS
+    assert tuple(laws) == core("body.model").LAW_SETS
 
 
 @pytest.mark.parametrize("name", ["K1", "K2", "k", "x0", "density"])

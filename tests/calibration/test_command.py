@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from core.__main__ import main
+from core.body.paper import surface_stretch, surface_tension
 from core.calibration.calibrate import calibrate, fitted_material, provenance, source_of_k
 from core.calibration.export import text_cell, write_press
 from core.calibration.question import Answers
-from core.calibration.reconstruct import DEEPEST, write_samples
 from core.calibration.report import to_json
 from core.calibration.surface import surface_constants
-from core.laws.paper import surface_stretch, surface_tension
 from core.material import PRESETS
+from studies.__main__ import main
+from studies.reconstruct import DEEPEST, write_samples
 from tools.environment import ROOT
 
 SAMPLES = ROOT / "blend_samples" / "calibration"
@@ -27,7 +27,7 @@ KEYS = {"K1", "K2", "x0", "K1_se", "K2_se", "x0_se", "model", "warnings"}
 
 def run(*words: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "core", *map(str, words)], cwd=ROOT, capture_output=True, text=True, timeout=60
+        [sys.executable, "-m", "studies", *map(str, words)], cwd=ROOT, capture_output=True, text=True, timeout=60
     )
 
 
@@ -128,7 +128,7 @@ def test_a_picture_is_drawn_where_matplotlib_is(tmp_path):
 
 
 def test_without_matplotlib_the_picture_is_refused_in_words(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("core.calibration.plot.util.find_spec", lambda name: None)
+    monkeypatch.setattr("studies.calibration_plot.util.find_spec", lambda name: None)
     assert main(["calibrate", str(SAMPLES / "object_1_nylon_air.csv"), "--plot", str(tmp_path / "out.png")]) == 2
     assert "matplotlib" in capsys.readouterr().err
 

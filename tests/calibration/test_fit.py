@@ -12,9 +12,9 @@ from core.calibration.calibrate import calibrate
 from core.calibration.distributions import beta_share, f_above, t_quantile
 from core.calibration.export import write_press
 from core.calibration.fit import fit_law
-from core.calibration.reconstruct import reconstruct
 from core.calibration.segments import two_pieces
 from core.material import PRESETS
+from studies.reconstruct import reconstruct
 
 
 def law(x, K1, K2, x0):

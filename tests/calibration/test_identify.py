@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
+from core.body import pressure, shape_matching, springs
+from core.body.estimate import estimate
+from core.body.model import build_model, initial_state
 from core.calibration import cache
 from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
 from core.calibration.identify import NOTICEABLE_FORCE, identify
 from core.calibration.indent import Indenter, find_site, press, press_curve
-from core.calibration.reconstruct import DEEPEST
 from core.calibration.sweep import Task, fitted, swept
 from core.calibration.verdict import judge, verdict_json, verdict_lines
-from core.estimate import estimate
-from core.laws import memory, pressure, springs
 from core.material import PRESETS, ModelConstants
-from core.mesh import base_vertices
-from core.model import build_model, initial_state
-from core.study.scenes import ball, cube
+from core.mesh.surface import base_vertices
+from studies.reconstruct import DEEPEST
+from studies.scenes import ball, cube
 
 POINT = Indenter()
 CONSTANTS = {"kappa1": 1.4e6, "kappa2": 2.1e7, "d0": 0.0137, "membrane_scale": 0.05}
@@ -128,7 +128,7 @@ def test_the_work_of_the_tip_is_the_energy_stored(fill):
     stored = [
         springs.energy(model.springs, s.positions)
         + pressure.energy(model.pressure, s.positions)
-        + memory.energy(model.memory, s.positions, pose)
+        + shape_matching.energy(model.matching, s.positions, pose)
         for s in stations
     ]
     forces = np.array([s.force for s in stations])

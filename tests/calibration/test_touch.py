@@ -8,10 +8,10 @@ import pytest
 from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
 from core.calibration.question import Answers, Undecided
-from core.calibration.reconstruct import DEEPEST
 from core.calibration.report import to_json
 from core.calibration.surface import surface_constants
 from core.material import PRESETS
+from studies.reconstruct import DEEPEST
 
 
 def pressed(path, preset, *, approach=0.0, noise=0.01, offset=0.0, start=0.0, drift=0.0, seed=0, rows=200):

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from core.base import Floats
-from core.integrators.path import FingerPath
+from core.body.model import Model, State, build_model, initial_state
 from core.material import PRESETS, Material
-from core.mesh import Mesh, base_vertices, mesh_from_triangles
-from core.model import Model, State, build_model, initial_state
+from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
+from core.solver.path import FingerPath
 from tests.bodies import REAL, ball, hemisphere, joined, real, sheet, soup
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from core import native
-from core.integrators.path import FingerPath
 from core.native import NativeError
 from core.session import Session
+from core.solver.path import FingerPath
 from tests.native_core import missing
 from tests.parity.cases import CASES, TICK, build
 

@@ -21,9 +21,9 @@ import pytest
 
 from core import native
 from core.base import Floats
-from core.integrators import semi_implicit
-from core.integrators.methods import Run
-from core.model import Model
+from core.body.model import Model
+from core.solver import semi_implicit
+from studies.methods.registry import Run
 from tests.parity.cases import CASES, TICK, build
 
 GOLDEN = {

@@ -5,9 +5,9 @@ import pytest
 
 from core import native
 from core.base import Floats
-from core.integrators import semi_implicit
-from core.integrators.methods import Run
-from core.model import State
+from core.body.model import State
+from core.solver import semi_implicit
+from studies.methods.registry import Run
 from tests.parity.cases import CASES, SIZE, TICK, Case, build
 
 DOUBLE, SINGLE = 1e-9, 1e-4  # of the size

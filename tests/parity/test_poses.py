@@ -5,7 +5,7 @@ import pytest
 
 from core import native
 from core.base import Floats
-from core.laws.memory import fit_pose
+from core.body.shape_matching import fit_pose
 
 
 def rotation_of(h: Floats) -> Floats:

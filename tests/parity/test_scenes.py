@@ -5,12 +5,12 @@ import pytest
 
 from core import native
 from core.base import DimpleError
-from core.integrators import semi_implicit
-from core.integrators.methods import Run
-from core.integrators.path import FingerPath
-from core.model import initial_state
+from core.body.model import initial_state
 from core.session import Session
-from core.study import scenes
+from core.solver import semi_implicit
+from core.solver.path import FingerPath
+from studies import scenes
+from studies.methods.registry import Run
 
 
 def pressed(backend: str, subdivisions: int, seconds: float) -> list[np.ndarray]:

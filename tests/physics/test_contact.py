@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.laws.contact import Touch, candidates, nearest_on_triangles, resolve, rest_on_ground
+from core.body.contact import Touch, candidates, nearest_on_triangles, resolve, rest_on_ground
+from core.body.model import build_model
 from core.material import PRESETS, Material, Preset
-from core.mesh import Mesh, base_vertices, input_vertices, mesh_from_triangles
-from core.model import build_model
+from core.mesh.surface import Mesh, base_vertices, input_vertices, mesh_from_triangles
 from core.session import Finger, Session
-from core.study.scenes import cube
+from studies.scenes import cube
 from tests.bodies import backends, ball
 
 SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.2, fill="liquid")

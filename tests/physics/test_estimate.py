@@ -6,12 +6,12 @@ Object 1 0.46 0.79 0.99 1.05 1.06; Object 2 0.33 0.59 1.00 1.39 2.09; Object 3 0
 
 import pytest
 
-from core.estimate import FINGERTIP
+from core.body.estimate import FINGERTIP
+from core.body.model import build_model
 from core.material import PRESETS, Preset
-from core.mesh import base_vertices
-from core.model import build_model
+from core.mesh.surface import base_vertices
 from core.session import Finger, Session
-from core.study.scenes import cube
+from studies.scenes import cube
 from tests.bodies import backends
 
 CELLS = (10, 14) if "native" in backends("native") else (8,)  # 602 and 1178 vertices; 386 where numpy stands in

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.calibration.specimen import cube_triangles
-from core.laws import memory, paper, pressure, springs
-from core.laws.memory import fit_pose
-from core.mesh import Mesh, mesh_from_triangles
+from core.body import paper, pressure, shape_matching, springs
+from core.body.shape_matching import fit_pose
+from core.mesh.surface import Mesh, mesh_from_triangles
+from studies.specimen import cube_triangles
 from tests.bodies import ball, hemisphere, joined, sheet, walled_box
 
 SHAPES = {
@@ -63,32 +63,32 @@ def fill(kind: str) -> Callable[[Mesh, np.random.Generator], Law]:
     return law_of
 
 
-def shape_memory(mesh: Mesh, rng: np.random.Generator, knee: float) -> memory.Memory:
+def shape_matching_law(mesh: Mesh, rng: np.random.Generator, knee: float) -> shape_matching.ShapeMatching:
     n = len(mesh.rest_positions)
     k1 = rng.uniform(1, 5, n)
-    return memory.Memory(
+    return shape_matching.ShapeMatching(
         rest=mesh.rest_positions.T, k1=k1, k2=k1 * rng.uniform(0.5, 8, n), d0=np.full(n, knee),
         damping=rng.uniform(0, 1, n), mass=rng.uniform(0.1, 1, n),
     )  # fmt: skip
 
 
-def pinned_memory(mesh: Mesh, rng: np.random.Generator) -> Law:
-    law = shape_memory(mesh, rng, 0.1)
+def pinned_matching(mesh: Mesh, rng: np.random.Generator) -> Law:
+    law = shape_matching_law(mesh, rng, 0.1)
     pose = fit_pose(law.rest, law.rest + rng.normal(0, 0.3, law.rest.shape), law.k1)
     return Law(
-        lambda x: memory.energy(law, x, pose), lambda x: memory.force(law, x, None, pose),
-        lambda x, u: memory.stiffness_product(law, x, u, pose),
+        lambda x: shape_matching.energy(law, x, pose), lambda x: shape_matching.force(law, x, None, pose),
+        lambda x, u: shape_matching.stiffness_product(law, x, u, pose),
     )  # fmt: skip
 
 
-def free_memory(mesh: Mesh, rng: np.random.Generator) -> Law:
-    law = shape_memory(mesh, rng, 1e9)
-    return Law(lambda x: memory.energy(law, x), lambda x: memory.force(law, x), None)
+def free_matching(mesh: Mesh, rng: np.random.Generator) -> Law:
+    law = shape_matching_law(mesh, rng, 1e9)
+    return Law(lambda x: shape_matching.energy(law, x), lambda x: shape_matching.force(law, x), None)
 
 
 LAWS = {
     "springs": membrane, "Eq. (4)": equation_4, "air": fill("air"), "liquid": fill("liquid"),
-    "pinned memory": pinned_memory, "free memory": free_memory,
+    "pinned matching": pinned_matching, "free matching": free_matching,
 }  # fmt: skip
 
 
@@ -102,8 +102,8 @@ def disturbed(mesh: Mesh, rng: np.random.Generator, amount: float = 0.05) -> Flo
 
 Case = tuple[Law, Floats, np.random.Generator]
 EVERY = [(law, shape) for law in LAWS for shape in SHAPES]
-IMPLICIT = [(law, shape) for law, shape in EVERY if law not in ("Eq. (4)", "free memory")]
-FREE = [(law, shape) for law, shape in EVERY if law != "pinned memory"]
+IMPLICIT = [(law, shape) for law, shape in EVERY if law not in ("Eq. (4)", "free matching")]
+FREE = [(law, shape) for law, shape in EVERY if law != "pinned matching"]
 
 
 @pytest.fixture
@@ -172,10 +172,10 @@ def test_dashpots_and_drag_exert_no_net_force_and_torque_and_take_energy(shape: 
     mesh = mesh_from_triangles(*SHAPES[shape])
     x = disturbed(mesh, rng)
     v = rng.normal(size=x.shape)
-    membrane_law, shape_law = springs_of(mesh, rng), shape_memory(mesh, rng, 0.02)  # beyond the knee
+    membrane_law, shape_law = springs_of(mesh, rng), shape_matching_law(mesh, rng, 0.02)  # beyond the knee
     for force, still in (
         (springs.force(membrane_law, x, v), springs.force(membrane_law, x)),
-        (memory.force(shape_law, x, v), memory.force(shape_law, x)),
+        (shape_matching.force(shape_law, x, v), shape_matching.force(shape_law, x)),
     ):
         assert_no_net(force, x)
         assert_no_net(still, x)
@@ -188,10 +188,11 @@ def test_nothing_damps_a_rigid_motion(shape: str) -> None:
     mesh = mesh_from_triangles(*SHAPES[shape])
     x = disturbed(mesh, rng)
     v = np.cross(rng.normal(size=3), x.T).T + rng.normal(size=(3, 1))
-    law, shape_law = springs_of(mesh, rng), shape_memory(mesh, rng, 0.02)
+    law, shape_law = springs_of(mesh, rng), shape_matching_law(mesh, rng, 0.02)
     scale = 1e-12 * np.abs(v).max()
     np.testing.assert_allclose(springs.force(law, x, v) - springs.force(law, x), 0, atol=10 * scale)
-    np.testing.assert_allclose(memory.force(shape_law, x, v) - memory.force(shape_law, x), 0, atol=10 * scale)
+    damped = shape_matching.force(shape_law, x, v) - shape_matching.force(shape_law, x)
+    np.testing.assert_allclose(damped, 0, atol=10 * scale)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -201,7 +202,7 @@ def test_forces_turn_with_the_body(shape: str) -> None:
     x = disturbed(mesh, rng, 0.1)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     turn *= np.linalg.det(turn)
-    for make in (membrane, equation_4, fill("air"), fill("liquid"), free_memory):
+    for make in (membrane, equation_4, fill("air"), fill("liquid"), free_matching):
         law = make(mesh, np.random.default_rng(6))
         force = law.force(x)
         np.testing.assert_allclose(law.force(turn @ x + 1.0), turn @ force, atol=1e-9 * np.abs(force).max())
@@ -211,7 +212,8 @@ def test_forces_turn_with_the_body(shape: str) -> None:
 def test_a_body_at_rest_feels_no_force(shape: str) -> None:
     mesh = mesh_from_triangles(*SHAPES[shape])
     x = mesh.rest_positions.T
-    for make, scale in ((membrane, 50), (equation_4, 50), (fill("air"), 1e5), (fill("liquid"), 2e6), (free_memory, 5)):
+    laws = (membrane, 50), (equation_4, 50), (fill("air"), 1e5), (fill("liquid"), 2e6), (free_matching, 5)
+    for make, scale in laws:
         np.testing.assert_allclose(make(mesh, np.random.default_rng(8)).force(x), 0, atol=1e-13 * scale)
 
 

@@ -1,4 +1,4 @@
-"""Bodies in motion: the clock, gravity, momentum, energy, the stability bound, shape memory."""
+"""Bodies in motion: the clock, gravity, momentum, energy, the stability bound, shape matching."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -8,14 +8,14 @@ import pytest
 
 from core import native
 from core.base import Floats
-from core.integrators import semi_implicit
-from core.integrators.path import FingerPath
-from core.laws import memory, pressure, springs
+from core.body import pressure, shape_matching, springs
+from core.body.model import Model, State, build_model, forces, initial_state
 from core.material import PRESETS, Material, Preset
-from core.mesh import Mesh, base_vertices, mesh_from_triangles
-from core.model import Model, State, build_model, forces, initial_state
+from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session
-from core.study import scenes
+from core.solver import semi_implicit
+from core.solver.path import FingerPath
+from studies import scenes
 from tests.bodies import TETRAHEDRON, backends, ball, hemisphere, sheet
 
 RATES = (24.0, 30.0, 60.0, 120.0)
@@ -123,7 +123,8 @@ def test_momentum_is_kept_over_ten_thousand_steps(backend: str) -> None:
 
 def energy(model: Model, state: State) -> float:
     x = state.positions
-    stored = springs.energy(model.springs, x) + pressure.energy(model.pressure, x) + memory.energy(model.memory, x)
+    stored = springs.energy(model.springs, x) + pressure.energy(model.pressure, x)
+    stored += shape_matching.energy(model.matching, x)
     return stored + float((model.mass * state.velocities**2).sum()) / 2
 
 
@@ -141,7 +142,7 @@ def test_damping_takes_energy_and_puts_a_free_body_to_rest_in_its_own_shape() ->
     run(model, state, 0.5)
     assert energy(model, state) < 1e-4 * start
     distance = np.linalg.norm(state.positions[:, :, None] - state.positions[:, None], axis=0)
-    rest = model.memory.rest
+    rest = model.matching.rest
     np.testing.assert_allclose(distance, np.linalg.norm(rest[:, :, None] - rest[:, None], axis=0), atol=1e-5)
 
 
@@ -154,7 +155,7 @@ def test_a_spun_body_keeps_spinning_and_its_rest_shape_follows() -> None:
     run(model, state, 0.3)
     assert momentum(model, state)[1] == pytest.approx(before, rel=1e-9)
     assert energy(model, state) == pytest.approx(energy_before, rel=0.02)
-    turn, _ = memory.fit_pose(model.memory.rest, state.positions, model.memory.k1)
+    turn, _ = shape_matching.fit_pose(model.matching.rest, state.positions, model.matching.k1)
     angle = np.arccos((np.trace(turn) - 1) / 2)
     assert angle == pytest.approx(np.linalg.norm(spin) * 0.3, rel=0.02)
 
@@ -184,7 +185,7 @@ BODIES: dict[str, Mesh] = {
 def highest_frequency(model: Model) -> float:
     """Return the highest angular frequency [1/s] at rest, by power iteration on differences of the forces."""
     state, h = initial_state(replace(model, gravity=np.zeros(3))), 1e-7 * model.mesh.size
-    rest, root = model.memory.rest, np.sqrt(model.inverse_mass)
+    rest, root = model.matching.rest, np.sqrt(model.inverse_mass)
     u = np.random.default_rng(0).normal(size=rest.shape)
     for _ in range(100):
         ahead, behind = (
@@ -227,5 +228,5 @@ def test_a_step_under_the_bound_stays_and_one_well_over_it_blows_up(damping: flo
     state.velocities[:] = 1e-6 * np.random.default_rng(1).normal(size=state.velocities.shape)
     nobody = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
     semi_implicit.run(model, state, nobody, tick=600 * step, substeps=600)
-    bent = np.abs(state.positions - state.positions.mean(axis=1, keepdims=True) - model.memory.rest).max()
+    bent = np.abs(state.positions - state.positions.mean(axis=1, keepdims=True) - model.matching.rest).max()
     assert (bent < 1e-5) == stays

@@ -10,15 +10,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.calibration.specimen import cube_triangles
-from core.integrators import semi_implicit
-from core.integrators.path import FingerPath
-from core.laws import paper
-from core.laws.springs import build_springs
+from core.body import paper
+from core.body.model import build_model, forces, initial_state
+from core.body.springs import build_springs
 from core.material import PRESETS, Material
-from core.mesh import mesh_from_triangles
-from core.model import build_model, forces, initial_state
+from core.mesh.surface import mesh_from_triangles
 from core.session import Finger, Session
+from core.solver import semi_implicit
+from core.solver.path import FingerPath
+from studies.specimen import cube_triangles
 from tests.bodies import TETRAHEDRON, ball
 
 Vector = Sequence[float]

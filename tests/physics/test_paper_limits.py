@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.integrators import semi_implicit
-from core.integrators.path import FingerPath
-from core.laws import paper, pressure, springs
+from core.body import paper, pressure, springs
+from core.body.model import Model, State, build_model, forces, initial_state
 from core.material import PRESETS
-from core.mesh import base_vertices, mesh_from_triangles
-from core.model import Model, State, build_model, forces, initial_state
-from core.study.scenes import cube
+from core.mesh.surface import base_vertices, mesh_from_triangles
+from core.solver import semi_implicit
+from core.solver.path import FingerPath
+from studies.scenes import cube
 from tests.bodies import ball
 
 TICK, CALM = 1e-3, 10  # [s], and every so many ticks half the speed is taken away: what is left is the equilibrium
@@ -152,10 +152,10 @@ def skin_only(size: float, k: float, cells: int = 4) -> Model:
     stiffness = np.full(len(mesh.springs), k)
     skin = springs.build_springs(mesh, stiffness, np.sqrt(stiffness * model.mass.min() / 2))
     row_k, row_c = springs.row_bounds(skin, len(model.mass))
-    memory = model.memory
+    matching = model.matching
     return replace(
         model, springs=skin,
-        memory=replace(memory, k1=1e-9 * memory.k1, k2=1e-9 * memory.k2, damping=1e-9 * memory.damping),
+        matching=replace(matching, k1=1e-9 * matching.k1, k2=1e-9 * matching.k2, damping=1e-9 * matching.damping),
         omega_squared=float((row_k * model.inverse_mass).max())
         + pressure.omega_squared(model.pressure, mesh.rest_positions.T, model.inverse_mass),
         decay=float((row_c * model.inverse_mass).max()),

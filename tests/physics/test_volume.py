@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from core.base import AIR_PRESSURE
+from core.body.model import build_model
 from core.material import PRESETS
-from core.mesh import base_vertices
-from core.model import build_model
+from core.mesh.surface import base_vertices
 from core.session import Finger, Session
-from core.study import scenes
+from studies import scenes
 from tests.bodies import backends
 
 SCENES = {

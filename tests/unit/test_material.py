@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from core.base import DimpleError
-from core.estimate import FINGERTIP, MEMBRANE_SHARE, estimate
+from core.body.estimate import FINGERTIP, MEMBRANE_SHARE, estimate
 from core.material import PRESETS, Material
 
 SOFT = Material(K1=600.0, K2=2000.0, x0=0.01, k=5000.0, mass=0.1)

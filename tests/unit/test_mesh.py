@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.calibration.specimen import cube_triangles
-from core.mesh import Mesh, base_vertices, mesh_from_triangles, triangulate
+from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles, triangulate
+from studies.specimen import cube_triangles
 from tests.bodies import TETRAHEDRON, Shape, ball, hemisphere, joined, sheet, signed_volume, soup, walled_box
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from core.body.model import build_model, initial_state
 from core.material import PRESETS, Material
-from core.mesh import mesh_from_triangles
-from core.model import build_model, initial_state
-from core.study import scenes
+from core.mesh.surface import mesh_from_triangles
+from studies import scenes
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2)
 
@@ -67,4 +67,4 @@ def test_a_body_that_moves_leaves_its_rest_shape_alone() -> None:
     state = initial_state(model)
     state.positions += 1.0
     np.testing.assert_array_equal(model.mesh.rest_positions, points)
-    np.testing.assert_array_equal(model.memory.rest, points.T)
+    np.testing.assert_array_equal(model.matching.rest, points.T)

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from core.mesh.ray import ray_hit
 from core.poke import Effect, Hit, Kind, PokeEvent, PokeState, Result, on_event, targets
-from core.ray import ray_hit
 
 TOP = Hit(point=(0.0, 0.0, 0.1), normal=(0.0, 0.0, 1.0), body=7)
 SIDE = Hit(point=(0.1, 0.0, 0.0), normal=(1.0, 0.0, 0.0), body=7)

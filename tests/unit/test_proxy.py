@@ -7,15 +7,15 @@ import pytest
 import trimesh
 
 from core.base import DimpleError, Floats
-from core.cells import grow_cells, spread_seeds, vertex_normals
-from core.laws.memory import fit_pose
+from core.body.model import Model, build_model
+from core.body.shape_matching import fit_pose
 from core.material import PRESETS
-from core.mesh import Mesh, base_vertices, mesh_from_triangles
-from core.model import Model, build_model
-from core.proxy import NORMAL_SHARE, Proxy, build_proxy, carry, contact_radius, mean_spacing
+from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
+from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
+from core.reduction.proxy import NORMAL_SHARE, Proxy, build_proxy, carry, contact_radius, mean_spacing
 from core.session import Finger, Session
-from core.study import bodies
-from core.study.scenes import BALL, ball, cube
+from studies import bodies
+from studies.scenes import BALL, ball, cube
 from tests.bodies import REAL, hemisphere, joined, real, soup
 from tests.bodies import ball as ball_shape
 
@@ -54,7 +54,7 @@ def test_at_rest_the_skin_is_the_mesh_bit_for_bit(model: Model, proxy: Proxy) ->
 def test_a_rigid_motion_of_the_stand_in_is_one_of_the_skin(proxy: Proxy) -> None:
     turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
     turn *= np.sign(np.linalg.det(turn))
-    skin = carry(proxy, turn @ proxy.model.memory.rest + 0.3)
+    skin = carry(proxy, turn @ proxy.model.matching.rest + 0.3)
     np.testing.assert_allclose(skin, proxy.rest @ turn.T + 0.3, atol=1e-6)  # motions are mixed in single precision
 
 
@@ -65,7 +65,7 @@ def test_a_bent_stand_in_bends_its_skin_without_facets(model: Model, proxy: Prox
     def bent(x: Floats) -> Floats:
         return np.stack([x[0], x[1], x[2] + curvature * x[0] ** 2 / 2])
 
-    off = carry(proxy, bent(proxy.model.memory.rest)) - bent(model.memory.rest).T
+    off = carry(proxy, bent(proxy.model.matching.rest)) - bent(model.matching.rest).T
     facets = proxy.spacing**2 * curvature / 8
     assert np.sqrt((off**2).mean()) < 0.2 * facets
 
@@ -73,7 +73,7 @@ def test_a_bent_stand_in_bends_its_skin_without_facets(model: Model, proxy: Prox
 def test_mass_shape_memory_and_pins_are_kept(model: Model, proxy: Proxy) -> None:
     coarse = proxy.model
     assert coarse.mass.sum() == pytest.approx(model.mass.sum(), rel=1e-12)
-    assert coarse.memory.k1.sum() == pytest.approx(model.memory.k1.sum(), rel=1e-12)
+    assert coarse.matching.k1.sum() == pytest.approx(model.matching.k1.sum(), rel=1e-12)
     # the area that is held, within a row of cells along its rim
     rim = 2 * np.pi * 0.08 * proxy.spacing
     areas = [float(m.mesh.vertex_areas[m.held].sum()) for m in (model, coarse)]
@@ -130,7 +130,7 @@ def test_a_free_stand_in_keeps_its_momentum() -> None:
     frame = session.step(0.1)
     velocity = proxy.model.mass @ session._state.velocities.T / proxy.model.mass.sum()
     np.testing.assert_allclose(velocity, (0.1, 0.0, 0.05), atol=1e-9)
-    rotation, shift = fit_pose(model.memory.rest, frame.positions.T.astype(float), np.ones(len(frame.positions)))
+    rotation, shift = fit_pose(model.matching.rest, frame.positions.T.astype(float), np.ones(len(frame.positions)))
     np.testing.assert_allclose(shift, np.array([0.1, 0.0, 0.05]) * 0.1, atol=1e-5)
 
 
@@ -165,7 +165,7 @@ def test_separate_parts_and_holes_have_stand_ins() -> None:
         model = build_model(mesh_from_triangles(points, faces), [VINYL])
         proxy = build_proxy(model, 300)
         assert not proxy.model.mesh.loose.any() and proxy.model.mesh.pressurable
-        assert np.array_equal(carry(proxy, proxy.model.memory.rest), model.mesh.rest_positions)
+        assert np.array_equal(carry(proxy, proxy.model.matching.rest), model.mesh.rest_positions)
 
 
 @pytest.mark.parametrize("name", REAL)
@@ -179,7 +179,7 @@ def test_scans_have_a_stand_in_or_a_reason(name: str) -> None:
         except DimpleError as error:
             assert str(error)
             continue
-        assert np.array_equal(carry(proxy, proxy.model.memory.rest), mesh.rest_positions)
+        assert np.array_equal(carry(proxy, proxy.model.matching.rest), mesh.rest_positions)
         session = Session(model, proxy=proxy)
         assert session.step(0.02).finite
     if name == "bunny.ply":

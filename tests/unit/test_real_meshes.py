@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from core.body.model import build_model
 from core.material import PRESETS
-from core.mesh import Mesh, base_vertices, mesh_from_triangles
-from core.model import build_model
+from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session
 from tests.bodies import REAL, real, signed_volume
 

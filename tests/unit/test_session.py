@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
+from core.body.model import build_model
 from core.material import Material
-from core.mesh import base_vertices, mesh_from_triangles
-from core.model import build_model
+from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
 from tests.bodies import Shape, ball, joined, sheet, soup
 

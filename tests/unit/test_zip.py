@@ -12,7 +12,7 @@ from tools import extension, native
 from tools.environment import BLENDERS, DEV_PINS, ROOT, WHEEL_PINS, Stop
 
 # what is read at run time beside Python
-DATA = {"LICENSE", "blender_manifest.toml", "core/devices/haptic_master.toml", "core/integrators/fronts.csv"}
+DATA = {"LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml"}
 EXACT = re.compile(r"[a-z][a-z0-9_.-]*==\d[\w.]*")
 
 

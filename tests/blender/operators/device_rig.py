@@ -25,7 +25,7 @@ APART = 0.02  # [m]
 @pytest.fixture
 def port(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> Iterator[Any]:
     """An emulator whose hand presses 10 mm deep once there is force; it ends with the test."""
-    from bl_ext.user_default.dimple.core.devices.process import end, start
+    from bl_ext.user_default.dimple.core.haptics.process import end, start
     from bl_ext.user_default.dimple.operators import haptic, sessions
 
     tips = [[[t, x + shift, y, z] for t, x, y, z in WAY] for shift in (-APART, 0.0, APART)]

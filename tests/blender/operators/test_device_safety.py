@@ -90,7 +90,7 @@ def test_the_key_is_let_go_when_nobody_looks_at_it_any_more(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
     """The operator is gone, or Blender stands still; that frames go on holds nothing."""
-    from bl_ext.user_default.dimple.core.devices.safety import LEASE
+    from bl_ext.user_default.dimple.core.haptics.safety import LEASE
     from bl_ext.user_default.dimple.operators import live
 
     connect(bpy, port.path)

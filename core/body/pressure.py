@@ -1,0 +1,132 @@
+"""The pressure of what fills the body.
+
+    f = p dV/dx,   V = sum over faces of x_0 . (x_1 x x_2) / 6
+
+dV/dx_i is a sixth of the sum of x_j x x_k round vertex i, so it sums to no net force and no net torque on any
+closed surface. air: p = (p_a + p_0) (V_0/V)^gamma - p_a.   liquid: p = p_0 + kappa (V_0 - V) / V_0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import AIR_EXPONENT, AIR_PRESSURE, LIQUID_BULK_MODULUS, Floats, Ints, sums_at
+from ..mesh.rings import Rings
+from ..mesh.surface import Mesh, cap_centres
+from .springs import around
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pressure:
+    """Hold the fill ("air", "liquid", "none", or "paper": set from outside), the volume [m3] and surface at rest."""
+
+    fill: str
+    rest_volume: float
+    rings: Rings
+    cap_edges: Ints
+    cap_loop: Ints
+
+
+def build_pressure(mesh: Mesh, fill: str) -> Pressure:
+    """Prepare the fill of a mesh; a sheet without an inside has none."""
+    return Pressure(
+        fill=fill if mesh.pressurable else "none", rest_volume=mesh.volume, rings=mesh.rings,
+        cap_edges=mesh.cap_edges, cap_loop=mesh.cap_loop,
+    )  # fmt: skip
+
+
+def volume_and_gradient(law: Pressure, x: Floats, arms: Floats | None = None) -> tuple[float, Floats]:
+    """Return the volume [m3] and its gradient (3, n) [m2] at positions (3, n)."""
+    d = around(law.rings, x) if arms is None else arms
+    n = np.empty_like(x)
+    if len(d[0]):
+        for c in range(3):
+            a, b = d[(c + 1) % 3], d[(c + 2) % 3]
+            n[c] = np.einsum("sn,sn->n", a[:-1], b[1:]) - np.einsum("sn,sn->n", b[:-1], a[1:])
+            n[c] += a[-1] * b[0] - b[-1] * a[0]
+    else:
+        n[:] = 0
+    centre = x.mean(axis=1)
+    _add_corners(law, n, x - centre[:, None])
+    volume = float(np.einsum("cn,cn->", x - centre[:, None], n)) / 18
+    return volume, n / 6
+
+
+def pressure_at(law: Pressure, volume: float) -> float:
+    """Return the pressure [Pa] above that outside, at a volume [m3]."""
+    if law.fill == "air":
+        # a body turned inside out has no volume left: hold it at a hundredth
+        squeeze = law.rest_volume / max(volume, 0.01 * law.rest_volume)
+        return float(AIR_PRESSURE * (squeeze**AIR_EXPONENT - 1))
+    if law.fill == "liquid":
+        return LIQUID_BULK_MODULUS * (law.rest_volume - volume) / law.rest_volume
+    return 0.0
+
+
+def pressure_slope(law: Pressure, volume: float) -> float:
+    """Return -dp/dV [Pa/m3] at a volume."""
+    if law.fill == "air":
+        squeeze = law.rest_volume / max(volume, 0.01 * law.rest_volume)
+        return float(AIR_EXPONENT * AIR_PRESSURE * squeeze ** (AIR_EXPONENT + 1) / law.rest_volume)
+    return LIQUID_BULK_MODULUS / law.rest_volume if law.fill == "liquid" else 0.0
+
+
+def energy(law: Pressure, x: Floats) -> float:
+    """Return the work [J] stored in the fill."""
+    volume, _ = volume_and_gradient(law, x)
+    if law.fill == "air":
+        g, v0 = AIR_EXPONENT, law.rest_volume
+        return AIR_PRESSURE * (v0 * ((v0 / volume) ** (g - 1) - 1) / (g - 1) - (v0 - volume))
+    if law.fill == "liquid":
+        return LIQUID_BULK_MODULUS * (law.rest_volume - volume) ** 2 / (2 * law.rest_volume)
+    return 0.0
+
+
+def force(law: Pressure, x: Floats, arms: Floats | None = None) -> Floats:
+    """Return the forces (3, n) [N]."""
+    volume, gradient = volume_and_gradient(law, x, arms)
+    return pressure_at(law, volume) * gradient
+
+
+def stiffness_product(law: Pressure, x: Floats, u: Floats) -> Floats:
+    """Return K u (3, n) [N]: the rank-one part -dp/dV g g^T, and -p d(dV/dx).
+
+    dV/dx is quadratic in x, so its derivative along u is half the difference of its values at x + u and x - u.
+    """
+    volume, gradient = volume_and_gradient(law, x)
+    _, ahead = volume_and_gradient(law, x + u)
+    _, behind = volume_and_gradient(law, x - u)
+    rank_one = pressure_slope(law, volume) * float((gradient * u).sum()) * gradient
+    return rank_one - pressure_at(law, volume) * (ahead - behind) / 2
+
+
+def omega_squared(law: Pressure, x: Floats, inverse_mass: Floats) -> float:
+    """Return the square of the angular frequency [1/s2] of the fill: -dp/dV g . M^-1 g."""
+    if law.fill in ("none", "paper"):
+        return 0.0
+    volume, gradient = volume_and_gradient(law, x)
+    return pressure_slope(law, volume) * float((gradient**2).sum(axis=0) @ inverse_mass)
+
+
+def _add_corners(law: Pressure, n: Floats, x: Floats) -> None:
+    """Add what the rings leave out: faces at vertices without a ring, and the cones that close the holes."""
+    size = x.shape[1]
+    first, second, third = law.rings.corners.T
+    at, to = [first], [np.cross(x[:, second], x[:, third], axis=0)]
+    if len(law.cap_edges):
+        a, b = law.cap_edges.T
+        centre, count = cap_centres(x.T, law.cap_edges, law.cap_loop)
+        c = centre[law.cap_loop].T
+        at += [a, b]
+        to += [np.cross(x[:, b], c, axis=0), np.cross(c, x[:, a], axis=0)]
+        # the centre moves with the mean of its border
+        tip = np.cross(x[:, a], x[:, b], axis=0)
+        share = np.stack([sums_at(law.cap_loop, tip[k], len(count)) / count for k in range(3)])
+        at.append(a)
+        to.append(share[:, law.cap_loop])
+    where, what = np.concatenate(at), np.concatenate(to, axis=1)
+    if len(where):
+        for k in range(3):
+            n[k] += sums_at(where, what[k], size)

@@ -1,0 +1,122 @@
+"""Shape matching: Eq. (1) spread over the surface.
+
+Each vertex is held to its place in the shape at rest by a two-piece law in its displacement d:
+
+    f = k1 d up to d0, then k1 d0 + k2 (d - d0),   E = k1 d^2 / 2 + (k2 - k1) max(d - d0, 0)^2 / 2
+
+The shape at rest follows the best-fit rigid motion of the body (polar decomposition, weighted by k1), or the pins.
+For the linear part the best fit is the minimum of the energy, so net force and torque vanish by themselves; what
+the second piece and the damping add is removed exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import Floats
+
+_TINY = 1e-30
+Pose = tuple[Floats, Floats]  # rotation (3, 3), translation (3,)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeMatching:
+    """Hold rest (3, n) [m], k1 and k2 [N/m], d0 [m], damping [N s/m], mass [kg], (n,) each."""
+
+    rest: Floats
+    k1: Floats
+    k2: Floats
+    d0: Floats
+    damping: Floats
+    mass: Floats
+
+
+def fit_pose(rest: Floats, x: Floats, weight: Floats) -> Pose:
+    """Return the rigid motion that brings rest (3, n) nearest to x (3, n) in weighted least squares (Kabsch)."""
+    total = weight.sum()
+    c0, c1 = rest @ weight / total, x @ weight / total
+    spread = ((x - c1[:, None]) * weight) @ (rest - c0[:, None]).T
+    if not np.isfinite(spread).all():  # blown up: the session looks after that
+        return np.full((3, 3), np.nan), np.full(3, np.nan)
+    u, _, vt = np.linalg.svd(spread)
+    rotation = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
+    return rotation, c1 - rotation @ c0
+
+
+def pose_of(law: ShapeMatching, x: Floats, pose: Pose | None) -> Pose:
+    """Return the pose of the shape at rest: the given one, or the best fit to x."""
+    return fit_pose(law.rest, x, law.k1) if pose is None else pose
+
+
+def carried_pose(rest: Floats, here: Floats, there: Floats, *, tick: float, substeps: int) -> tuple[Pose, Pose]:
+    """Return the pose of a shape whose pins go from here to there (3, p) in a tick [s], and how fast it changes.
+
+    Over the tick it stands where the substeps begin on average: so the body neither leads nor lags.
+    """
+    weight = np.ones(rest.shape[1])
+    (turned, moved), (turns, moves) = fit_pose(rest, here, weight), fit_pose(rest, there, weight)
+    turn, move, share = turns - turned, moves - moved, (1 - 1 / substeps) / 2
+    return (turned + share * turn, moved + share * move), (turn / tick, move / tick)
+
+
+def energy(law: ShapeMatching, x: Floats, pose: Pose | None = None) -> float:
+    """Return the energy [J] at positions (3, n)."""
+    rotation, translation = pose_of(law, x, pose)
+    d = np.linalg.norm(x - rotation @ law.rest - translation[:, None], axis=0)
+    return float((law.k1 * d**2 + (law.k2 - law.k1) * np.maximum(d - law.d0, 0) ** 2).sum()) / 2
+
+
+def force(
+    law: ShapeMatching, x: Floats, v: Floats | None = None, pose: Pose | None = None, pace: Pose | None = None
+) -> Floats:
+    """Return the forces (3, n) [N]; without a given pose the body is free and they have no net force or torque.
+
+    Args:
+        pace: how fast the given pose changes [1/s], [m/s]; damping is against the shape at rest as it moves.
+    """
+    rotation, translation = pose_of(law, x, pose)
+    u = x - rotation @ law.rest - translation[:, None]
+    f = -_secant(law, u) * u
+    if v is not None:
+        f -= law.damping * (v - (shape_velocity(law, pace) if pose is not None else rigid_velocity(law.mass, x, v)))
+    if pose is None:
+        f -= law.mass * rigid_velocity(law.mass, x, f / law.mass)
+    return f
+
+
+def stiffness_product(law: ShapeMatching, x: Floats, s: Floats, pose: Pose | None = None) -> Floats:
+    """Return K s (3, n) [N] for a displacement s, the pose held."""
+    level, turn, u = stiffness_parts(law, x, pose_of(law, x, pose))
+    return level * s + turn * (u * s).sum(axis=0) * u
+
+
+def stiffness_parts(law: ShapeMatching, x: Floats, pose: Pose) -> tuple[Floats, Floats, Floats]:
+    """Return a (n,) [N/m], b (n,) [N/m3] and u (3, n) [m] of K = a + b u u^T, vertex by vertex."""
+    rotation, translation = pose
+    u = x - rotation @ law.rest - translation[:, None]
+    d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
+    return _secant(law, u), np.where(d > law.d0, (law.k2 - law.k1) * law.d0 / d**3, 0.0), u
+
+
+def shape_velocity(law: ShapeMatching, pace: Pose | None) -> Floats | float:
+    """Return the velocities (3, n) [m/s] of the places in the shape at rest, 0 where pins do not move it."""
+    return 0.0 if pace is None else pace[0] @ law.rest + pace[1][:, None]
+
+
+def rigid_velocity(mass: Floats, x: Floats, v: Floats) -> Floats:
+    """Return the rigid part (3, n) of a velocity field: the one with the same linear and angular momentum."""
+    total = mass.sum()
+    r = x - (x @ mass / total)[:, None]
+    mean = v @ mass / total
+    momentum = np.cross(r, v - mean[:, None], axis=0) @ mass
+    inertia = np.eye(3) * (mass * r * r).sum() - (mass * r) @ r.T
+    # a straight line of vertices has no inertia about itself
+    spin = np.linalg.pinv(inertia, hermitian=True) @ momentum
+    return mean[:, None] + np.cross(spin[:, None], r, axis=0)
+
+
+def _secant(law: ShapeMatching, u: Floats) -> Floats:
+    d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
+    return law.k1 + (law.k2 - law.k1) * np.maximum(1 - law.d0 / d, 0)

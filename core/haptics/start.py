@@ -1,0 +1,12 @@
+"""Start with the standard library and pyserial alone: `python -I -S start.py FOLDER_OF_PYSERIAL servo PORT ...`.
+
+Isolated from environment and site-packages, so that nothing a person installed can come in between.
+"""
+
+import sys
+from importlib import import_module
+from pathlib import Path
+
+if __name__ == "__main__":
+    sys.path += [str(Path(__file__).resolve().parents[2]), sys.argv[1]]
+    sys.exit(import_module("core.haptics.command").main(sys.argv[2:]))

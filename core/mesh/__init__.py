@@ -1,0 +1,1 @@
+"""The surface of a body at rest: built, repaired, ordered in rings, hit by rays."""

@@ -1,0 +1,84 @@
+"""How deep a fingertip is below the surface at rest: the x of Eq. (1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import Floats, Ints
+from ..body.contact import nearest_on_triangles
+from ..body.shape_matching import Pose
+from .surface import Mesh
+
+SAME_SIDE = 0.5  # cosine: a deep fingertip may be nearer to another side than to the one it came in by
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RestSurface:
+    """Hold triangles (t, 3), their corners (3, t, 3) [m], unit normals (3, t), middles (3, t) and extents (t,) [m]."""
+
+    corners: Floats
+    normals: Floats
+    middles: Floats
+    extents: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Touching:
+    """Hold how a fingertip meets the surface at rest, carried along by the body.
+
+    depth: [m], negative where it is clear.  outward: (3,) unit vector.  triangle: the nearest.  centre: (3,) of the
+    fingertip [m]; local: the same in the space of the shape at rest, of which pose tells where it is.
+    """
+
+    depth: float
+    outward: Floats
+    triangle: int
+    centre: Floats
+    local: Floats
+    pose: Pose
+
+
+def rest_surface(mesh: Mesh) -> RestSurface:
+    """Prepare a mesh for `touching`."""
+    corners = mesh.rest_positions[mesh.triangles].transpose(2, 0, 1)
+    a, b, c = corners[:, :, 0], corners[:, :, 1], corners[:, :, 2]
+    normals = np.cross(b - a, c - a, axis=0)
+    middles = corners.mean(axis=2)
+    return RestSurface(
+        corners=np.ascontiguousarray(corners),
+        normals=normals / np.maximum(np.linalg.norm(normals, axis=0), 1e-30),
+        middles=middles,
+        extents=np.sqrt(((corners - middles[:, :, None]) ** 2).sum(axis=0).max(axis=1)),
+    )
+
+
+def touching(surface: RestSurface, pose: Pose, centre: Floats, radius: float, side: Floats | None = None) -> Touching:
+    """Return how a fingertip at a centre (3,) [m] meets the surface at rest in its pose.
+
+    Args:
+        side: (3,) outward normal, in the space of the shape at rest, where the fingertip came in; only faces turned
+            that way count.
+    """
+    rotation, translation = pose
+    local = rotation.T @ (centre - translation)
+    facing = np.ones(len(surface.extents), bool) if side is None else side @ surface.normals > SAME_SIDE
+    if not facing.any():
+        facing[:] = True
+    away = np.sqrt(((surface.middles - local[:, None]) ** 2).sum(axis=0))
+    limit = (away + surface.extents)[facing].min()
+    near: Ints = np.flatnonzero(facing & (away - surface.extents <= limit))
+    weights = nearest_on_triangles(surface.corners[:, near], local)
+    offset = local[:, None] - (surface.corners[:, near] * weights).sum(axis=2)
+    distance = np.sqrt((offset**2).sum(axis=0))
+    heights = (offset * surface.normals[:, near]).sum(axis=0)
+    # on an edge several faces are as near: the one that sees the point most squarely knows its side
+    tied = np.flatnonzero(distance <= distance.min() * (1 + 1e-9) + 1e-12)
+    best = tied[np.abs(heights[tied]).argmax()]
+    height, triangle = float(distance[best] if heights[best] >= 0 else -distance[best]), int(near[best])
+    # the way the depth falls fastest; on the very surface only the face knows it
+    outward = offset[:, best] / height if abs(height) > 1e-6 * radius else surface.normals[:, triangle]
+    return Touching(
+        depth=radius - height, outward=rotation @ outward, triangle=triangle, centre=centre, local=local, pose=pose
+    )

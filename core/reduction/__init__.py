@@ -1,0 +1,1 @@
+"""How much of a body is simulated: proxies, and the planner that chooses one."""

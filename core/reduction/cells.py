@@ -1,0 +1,119 @@
+"""Cells on a surface: seeds spread over it, the part of it that is nearest to each, and the triangles between them.
+
+Everything goes by distance in the space of place and normal, so that the two sides of a thin part are far apart.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base import Floats, Ints, sums_at
+from ..mesh.surface import Mesh
+
+CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the stand-in must have too
+CREASED = 0.3  # of the vertices: where more lie on creases they are the roughness of a scan
+BESIDE = 0.75  # of the spacing: how near seeds may stand on a crease
+MANY = 20_000  # candidates for a seed; a finer mesh offers every second, third... vertex
+
+
+def vertex_normals(triangles: Ints, x: Floats) -> Floats:
+    """Return unit normals (n, 3), 0 where there is none."""
+    a, b, c = (x[triangles[:, k]] for k in range(3))
+    faces = np.cross(b - a, c - a)
+    total = np.stack([sums_at(triangles.ravel(), np.repeat(faces[:, k], 3), len(x)) for k in range(3)], axis=1)
+    return total / np.maximum(np.sqrt((total**2).sum(axis=1)), 1e-30)[:, None]
+
+
+def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float) -> Ints:
+    """Choose seeds farthest first: on creases and borders to their spacing, then all over."""
+    creased = np.intersect1d(_creased(mesh), used)
+    if len(creased) > CREASED * len(used):
+        creased = creased[:0]
+    away = np.full(len(place), np.inf)
+    seeds: list[int] = []
+    every = -(-len(used) // MANY)
+    for pool, least in ((creased, BESIDE * spacing), (used[::every], 0.0)):
+        near = away[pool]
+        points = place[pool]
+        for seed in seeds:
+            near = np.minimum(near, ((points - place[seed]) ** 2).sum(axis=1))
+        while len(pool) and len(seeds) < count:
+            # the first seed is the point farthest from the middle
+            at = int(near.argmax()) if seeds else int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())
+            if seeds and near[at] <= least**2:
+                break
+            seeds.append(int(pool[at]))
+            difference = points - points[at]
+            np.minimum(near, np.einsum("nc,nc->n", difference, difference), out=near)
+    return np.array(seeds, np.int64)
+
+
+def _creased(mesh: Mesh) -> Ints:
+    """Return the vertices on creases and borders."""
+    a, b, c = (mesh.rest_positions[mesh.triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-30)[:, None]
+    first, last = mesh.spring_triangles.T
+    sharp = (normals[first] * normals[last]).sum(axis=1) < CREASE
+    return np.unique(np.concatenate([mesh.springs[sharp].ravel(), mesh.cap_edges.ravel()]))
+
+
+def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
+    """Return the seed (n,) each vertex belongs to: the nearest one of those that its neighbours belong to.
+
+    A cell is in one piece: islands that another cell cut off go to what is round them.
+    """
+    i, j = np.concatenate([mesh.springs, mesh.springs[:, ::-1]]).T
+    order = np.argsort(j, kind="stable")
+    i, j = i[order], j[order]
+    cells = np.full(len(place), -1)
+    cells[seeds] = np.arange(len(seeds))
+    away = np.full(len(place), np.inf)
+    away[seeds] = 0.0
+    changed = cells >= 0
+    while changed.any():
+        new = changed[i]
+        source, end = i[new], j[new]
+        offered = cells[source]
+        distance = ((place[end] - place[seeds[offered]]) ** 2).sum(axis=1)
+        starts = np.flatnonzero(np.diff(end, prepend=-1))
+        nearest = np.minimum.reduceat(distance, starts)
+        better = nearest < away[end[starts]]
+        sizes = np.diff(starts, append=len(end))
+        taken = np.repeat(better, sizes) & (distance == np.repeat(nearest, sizes))
+        changed = np.zeros(len(place), bool)
+        changed[end[taken]] = True
+        cells[end[taken]] = offered[taken]
+        away[end[starts]] = np.minimum(nearest, away[end[starts]])
+    _join_islands(i, j, place, seeds, cells)
+    lost = np.flatnonzero(cells < 0)  # parts without a seed, and loose vertices
+    for part in np.array_split(lost, len(lost) * len(seeds) // 2_000_000 + 1):
+        distance = ((place[part, None, :3] - place[None, seeds, :3]) ** 2).sum(axis=2)
+        cells[part] = distance.argmin(axis=1)
+    return cells
+
+
+def _join_islands(i: Ints, j: Ints, place: Floats, seeds: Ints, cells: Ints) -> None:
+    """Give what another cell cut off from its seed to the nearest cell beside it, in place; i, j: directed edges."""
+    joined = np.zeros(len(place), bool)
+    more = seeds
+    while len(more):
+        joined[more] = True
+        more = np.unique(j[joined[i] & ~joined[j] & (cells[i] == cells[j])])
+    while len(beside := np.flatnonzero(joined[i] & ~joined[j])):
+        end, offered = j[beside], cells[i[beside]]
+        distance = ((place[end] - place[seeds[offered]]) ** 2).sum(axis=1)
+        order = np.lexsort((distance, end))
+        end, first = np.unique(end[order], return_index=True)
+        cells[end] = offered[order][first]
+        joined[end] = True
+
+
+def dual(corners: Ints) -> Ints:
+    """Return the triangles (t, 3) of cells that meet in a fine triangle; two that look opposite ways are none."""
+    meet = corners[(corners != np.roll(corners, 1, axis=1)).all(axis=1)]
+    low = meet.argmin(axis=1)
+    turned = np.take_along_axis(meet, (low[:, None] + np.arange(3)) % 3, axis=1)
+    ways, count = np.unique(turned, axis=0, return_counts=True)
+    mirrored = {tuple(row) for row in ways[:, [0, 2, 1]].tolist()}
+    return np.array([row for row in ways.tolist() if tuple(row) not in mirrored], np.int64).reshape(-1, 3)

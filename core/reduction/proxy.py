@@ -1,0 +1,244 @@
+"""A stand-in: a coarser body that moves in place of a fine mesh, and the binding that carries the fine skin along.
+
+Seeds are spread over the surface; each fine vertex belongs to a seed's cell, and where three cells meet stands a
+triangle of the stand-in. Mass and shape matching of a cell go to its seed, so their sums are kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import Bools, DimpleError, Floats, Ints, sums_at
+from ..body.model import Model, assemble
+from ..body.springs import membrane_stiffness
+from ..mesh.surface import Mesh, mesh_from_triangles
+from .cells import dual, grow_cells, spread_seeds, vertex_normals
+
+SMALLEST = 60  # vertices: fewer are no body any more
+LARGEST = 8000  # more take too long to choose
+NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
+NEIGHBOURS = 8  # seeds a fine vertex follows, the last one the distance at which a seed counts no more
+MOST_DIP = 0.5  # of the radius; a stand-in so coarse is not chosen
+VOLUME_SLACK = 0.15  # of the volume: a stand-in that loses more is another body
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proxy:
+    """Hold a stand-in for a model.
+
+    model: what moves.  seeds: (m,) vertex of the fine mesh where each of its vertices is.  rest: (n, 3) of the fine
+    mesh [m].  still: (n,) held or loose in the fine mesh.  spacing, fine_spacing: mean distance
+    between seeds, and between vertices of the mesh [m].
+    followed: (k, n) seeds and weights: (k, n) of their motions.
+    lever: (n, 3) what the mixed gradients turn [m].  arms: (e, 2) directed edges, spread: (e, 3) and
+    upright: (m, 3) what turns a motion of the ring and of the normal into a gradient.  normals: (m, 3) at rest.
+    """
+
+    model: Model
+    seeds: Ints
+    rest: Floats
+    still: Bools
+    spacing: float
+    fine_spacing: float
+    followed: Ints
+    weights: npt.NDArray[np.float32]
+    lever: Floats
+    arms: Ints
+    spread: Floats
+    upright: Floats
+    normals: Floats
+
+
+def build_proxy(model: Model, vertices: int) -> Proxy:
+    """Make a stand-in of about so many vertices.
+
+    Raises:
+        DimpleError: none can be made, and why.
+    """
+    mesh = model.mesh
+    check(model)
+    used = np.flatnonzero(~mesh.loose)
+    most = most_of(model)
+    if not SMALLEST <= vertices <= most:
+        raise DimpleError(f"a stand-in of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
+    spacing = mean_spacing(mesh, vertices)
+    normals = vertex_normals(mesh.triangles, mesh.rest_positions)
+    place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
+    seeds = spread_seeds(mesh, place, used, vertices, spacing)
+    for _ in range(3):
+        cells = grow_cells(mesh, place, seeds)
+        triangles = dual(cells[mesh.triangles])
+        stands = np.zeros(len(seeds), bool)
+        stands[triangles] = True
+        if stands.all():
+            break
+        seeds = seeds[stands]  # a part too small for a triangle follows what is beside it
+        if not len(seeds):
+            raise DimpleError("its pieces are too small for a stand-in")
+    else:
+        raise DimpleError("its pieces are too small for a stand-in")
+    coarse = _coarse(model, seeds, cells, triangles)
+    followed, weights = _followed(coarse.mesh, place, seeds, cells)
+    middle = np.einsum("kn,knc->nc", weights, mesh.rest_positions[seeds][followed])
+    arms, spread, upright = _gradient(coarse.mesh)
+    return Proxy(
+        model=coarse, seeds=seeds, rest=mesh.rest_positions, still=model.held | mesh.loose, spacing=spacing,
+        fine_spacing=mean_spacing(mesh, len(used)), followed=followed, weights=weights.astype(np.float32),
+        lever=2 * mesh.rest_positions - mesh.rest_positions.mean(axis=0) - middle,
+        arms=arms, spread=spread, upright=upright,
+        normals=vertex_normals(coarse.mesh.triangles, coarse.mesh.rest_positions),
+    )  # fmt: skip
+
+
+def mean_spacing(mesh: Mesh, vertices: int) -> float:
+    """Return the distance [m] between so many vertices spread evenly over a surface."""
+    return float(np.sqrt(2 / np.sqrt(3) * mesh.triangle_areas.sum() / vertices))
+
+
+def carry(proxy: Proxy, positions: Floats) -> Floats:
+    """Return the fine mesh (n, 3) [m] where the stand-in is at positions (3, m) [m]; at rest bit for bit.
+
+    F_j is the gradient that fits the ring of seed j best and turns its normal along. Seen from j the skin is at
+    x_j + (F_j + F) (X - X_j) / 2, F the gradient at the place itself: exact for every rigid motion, and for a dent
+    that is a parabola. A vertex takes the weighted mean over its seeds, F too; the weights come and go smoothly, so
+    no facet shows.
+    """
+    rest, centre = proxy.model.mesh.rest_positions, proxy.rest.mean(axis=0)
+    u = positions.T - rest
+    turned = vertex_normals(proxy.model.mesh.triangles, positions.T) - proxy.normals
+    i, j = proxy.arms.T
+    stretched = (u[j] - u[i])[:, :, None] * proxy.spread[:, None, :]
+    gradient = turned[:, :, None] * proxy.upright[:, None, :]
+    for c in range(9):
+        gradient.reshape(-1, 9)[:, c] += sums_at(i, stretched.reshape(-1, 9)[:, c], len(rest))
+    shift = 2 * u - np.einsum("mcd,md->mc", gradient, rest - centre)
+    motions = (np.concatenate([shift, gradient.reshape(-1, 9)], axis=1) / 2).astype(np.float32)
+    mixed = np.zeros((len(proxy.rest), 12), np.float32)
+    taken = np.empty_like(mixed)
+    for follow, weight in zip(proxy.followed, proxy.weights, strict=True):
+        np.take(motions, follow, axis=0, out=taken, mode="clip")
+        taken *= weight[:, None]
+        mixed += taken
+    return proxy.rest + mixed[:, :3] + np.einsum("ncd,nd->nc", mixed[:, 3:].reshape(-1, 3, 3), proxy.lever)
+
+
+def most_of(model: Model) -> int:
+    """Return how many vertices a stand-in may have."""
+    return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
+
+
+def contact_radius(proxy: Proxy, radius: float) -> float:
+    """Return the radius [m] of the sphere that touches a stand-in where a fingertip's would touch the skin.
+
+    A facet of side h with its corners on a sphere of radius R dips h^2 / (6 R) into it at its middle, and contact
+    keeps the middle out. A sphere smaller by this lets the corners lie where the skin does.
+    """
+    dip = max(proxy.spacing**2 - proxy.fine_spacing**2, 0.0) / (6 * radius)
+    return radius - min(dip, MOST_DIP * radius)
+
+
+def check(model: Model) -> None:
+    """Raise a DimpleError when a model can have no stand-in whatever its size, and say why."""
+    if model.needs_contact or model.law_set == "paper":
+        raise DimpleError("the paper's equations depend on the mesh, so they run on the mesh itself")
+    if len(model.springs.pairs) > len(model.mesh.springs):
+        raise DimpleError("bend springs are not carried over to a stand-in")
+
+
+def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:
+    """Return the stand-in's model."""
+    fine, m = model.mesh, len(seeds)
+    mesh = mesh_from_triangles(fine.rest_positions[seeds], triangles)
+    if len(mesh.rest_positions) != m or mesh.loose.any():
+        raise DimpleError("its skin is too crumpled for a stand-in of this size")
+    if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):
+        raise DimpleError("a stand-in of this size would have holes")
+    if fine.pressurable and not abs(mesh.volume / fine.volume - 1) < VOLUME_SLACK:
+        raise DimpleError("a stand-in of this size would lose too much of the volume")
+    whole = ~fine.loose
+
+    def total(values: Floats) -> Floats:
+        return sums_at(cells[whole], values[whole], m)
+
+    area = np.maximum(total(fine.vertex_areas), 1e-30)
+
+    def mean(values: Floats) -> Floats:
+        return total(values * fine.vertex_areas) / area
+
+    matching = model.matching
+    held = mean(model.held.astype(float)) >= 0.5
+    damping = matching.damping / np.maximum(2 * np.sqrt(matching.k1 * model.mass), 1e-30)
+    unit = membrane_stiffness(fine, np.ones(len(fine.springs)))
+    weight = np.where(unit > 0, fine.spring_areas, 0.0)
+    ends = cells[fine.springs].ravel()
+    # the material's own k [N/m], as its edges have it
+    k = sums_at(ends, np.repeat(model.springs.stiffness / np.maximum(unit, 1e-30) * weight, 2), m)
+    k /= np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30)
+    coarse = assemble(
+        mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), held=held,
+        friction=mean(model.friction), damping=mean(damping),
+        stiffness=membrane_stiffness(mesh, k[mesh.springs].mean(axis=1)), bend_pairs=mesh.springs[:0],
+        k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0), fill=model.pressure.fill,
+        gravity=model.gravity, ground=model.ground,
+    )  # fmt: skip
+    if coarse.free != model.free or held.all():
+        raise DimpleError("its pins are too few for a stand-in of this size")
+    return coarse
+
+
+def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[Ints, Floats]:
+    """Return the seeds (k, n) each fine vertex follows and their weights (k, n), sums 1.
+
+    The nearest ones of two rings round its own, weighted by (1 - (d / D)^2)^2, D the distance of the first that
+    is left out: a seed's weight is 0, and so is its slope, where it comes and goes.
+    """
+    m = len(seeds)
+    itself = np.arange(m)[:, None].repeat(2, axis=1)
+    links = np.unique(np.concatenate([mesh.springs, mesh.springs[:, ::-1], itself]), axis=0)
+    first = np.split(links[:, 1], np.searchsorted(links[:, 0], np.arange(1, m)))
+    rings = [np.unique(np.concatenate([first[k] for k in ring])) for ring in first]
+    width = max(len(ring) for ring in rings)
+    around = np.full((m, width), -1)
+    for row, ring in zip(around, rings, strict=True):
+        row[: len(ring)] = ring
+    take = min(NEIGHBOURS + 1, width)
+    n = len(place)
+    followed, weights = np.empty((take - 1, n), np.int64), np.empty((take - 1, n))
+    for part in np.array_split(np.arange(n), n * width // 1_000_000 + 1):
+        ring = around[cells[part]]
+        distance = ((place[part, None] - place[seeds[ring]]) ** 2).sum(axis=2)
+        distance[ring < 0] = np.inf
+        order = np.argsort(distance, axis=1)[:, :take]
+        near = np.take_along_axis(distance, order, axis=1)
+        bound = np.where(np.isfinite(near), near, -np.inf).max(axis=1, keepdims=True) * (1 + 1e-9)
+        weight = np.where(np.isfinite(near), np.maximum(1 - near / np.maximum(bound, 1e-30), 0) ** 2, 0.0)[:, :-1]
+        weight[:, 0] += 1e-30
+        followed[:, part] = np.maximum(np.take_along_axis(ring, order, axis=1)[:, :-1], 0).T
+        weights[:, part] = (weight / weight.sum(axis=1, keepdims=True)).T
+    return followed, weights
+
+
+def _gradient(mesh: Mesh) -> tuple[Ints, Floats, Floats]:
+    """Return directed edges (e, 2), and rows (e, 3) and (m, 3) so that F - 1 is
+
+        sum over edges of (u_j - u_i) row_ij^T + (change of the normal) row_i^T.
+
+    F minimises sum |F e - e'|^2 / |e|^2 + s |F n - n'|^2: rows are e / |e|^2 and s n times the inverse of
+    sum e e^T / |e|^2 + s n n^T. s is half the number of edges, as much as they say of each direction in the skin.
+    """
+    x, m = mesh.rest_positions, len(mesh.rest_positions)
+    arms = np.concatenate([mesh.springs, mesh.springs[:, ::-1]])
+    i, j = arms.T
+    edge = x[j] - x[i]
+    row = edge / (edge**2).sum(axis=1)[:, None]
+    normals = vertex_normals(mesh.triangles, x)
+    s = np.bincount(i, minlength=m) / 2
+    moment = s[:, None, None] * normals[:, :, None] * normals[:, None, :]
+    outer = (edge[:, :, None] * row[:, None, :]).reshape(-1, 9)
+    for c in range(9):
+        moment.reshape(-1, 9)[:, c] += sums_at(i, outer[:, c], m)
+    inverse = np.linalg.pinv(moment, rcond=1e-3, hermitian=True)
+    return arms, np.einsum("ec,ecd->ed", row, inverse[i]), s[:, None] * np.einsum("mc,mcd->md", normals, inverse)

@@ -1,0 +1,134 @@
+"""The linear system of an implicit step: A = M + h C + h^2 K, symmetric, made positive where the laws are not.
+
+K = -df/dx, C = -df/dv. A spring under compression pushes sideways, 1 - l0/|l| < 0: that part is left out, so that
+Newton's direction goes downhill. Pressure is its rank-one part g g^T (-dp/dV), never a dense matrix, and its
+geometric part -p d2V/dx2. The shape at rest follows a free body, so rigid motion meets no shape matching.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import Floats, sums_at
+from ..body import penalty, pressure, shape_matching
+from ..body.model import Model, State
+from ..body.penalty import Meeting
+
+_TINY = 1e-30
+Product = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tangent:
+    """Hold A s and an approximate solve of A s = r, both (3, n) -> (3, n), 0 where held."""
+
+    product: Product
+    precondition: Product
+
+
+def tangent(model: Model, state: State, h: float, met: Sequence[Meeting] = ()) -> Tangent:
+    """Return the system of an implicit step of h [s] at a state, in contact with what was met."""
+    free = model.inverse_mass > 0
+    mass = np.where(free, model.mass, 1.0)
+    springs_product, springs_blocks = _springs(model, state, h)
+    memory_product, memory_blocks = _memory(model, state, h)
+    fill_product, along, weight = _fill(model, state, h)
+
+    def product(s: Floats) -> Floats:
+        total = mass * s + springs_product(s) + memory_product(s) + fill_product(s)
+        for m in met:
+            total += h * h * penalty.stiffness_product(m, s)
+        return free * total
+
+    blocks = springs_blocks + memory_blocks
+    blocks[:, range(3), range(3)] += mass[:, None]
+    for m in met:
+        blocks += h * h * penalty.stiffness_blocks(m, len(free))
+    inverse = np.linalg.inv(blocks) * free[:, None, None]
+
+    def by_blocks(r: Floats) -> Floats:
+        return np.einsum("nij,jn->in", inverse, r)
+
+    # one rank more costs one product: Sherman and Morrison
+    eased = by_blocks(along)
+    pull = weight / (1 + weight * float((along * eased).sum()))
+
+    def by_rank_one(r: Floats) -> Floats:
+        z = by_blocks(r)
+        return z - pull * float((along * z).sum()) * eased
+
+    def rigid(s: Floats) -> Floats:
+        return shape_matching.rigid_velocity(mass, state.positions, s)
+
+    def precondition(r: Floats) -> Floats:
+        if state.pose is not None:
+            return by_rank_one(r)
+        # rigid motion meets mass alone: solved at once, or stiff modes would drown it
+        moved = rigid(r / mass)
+        z = by_rank_one(r - mass * moved)
+        return moved + z - rigid(z)
+
+    return Tangent(product=product, precondition=precondition)
+
+
+def _springs(model: Model, state: State, h: float) -> tuple[Product, Floats]:
+    law, x = model.springs, state.positions
+    i, j = law.pairs.T
+    n = x.shape[1]
+    d = x[:, j] - x[:, i]
+    length = np.maximum(np.sqrt((d * d).sum(axis=0)), _TINY)
+    e = d / length
+    across = h * h * law.stiffness * np.maximum(1 - law.rest_lengths / length, 0)
+    along = h * h * law.stiffness + h * law.damping - across
+
+    def product(s: Floats) -> Floats:
+        r = s[:, j] - s[:, i]
+        pull = across * r + along * (e * r).sum(axis=0) * e
+        return np.stack([sums_at(j, pull[c], n) - sums_at(i, pull[c], n) for c in range(3)])
+
+    blocks = np.empty((n, 3, 3))
+    for a in range(3):
+        for b in range(a, 3):
+            part = along * e[a] * e[b] + (across if a == b else 0.0)
+            blocks[:, a, b] = blocks[:, b, a] = sums_at(i, part, n) + sums_at(j, part, n)
+    return product, blocks
+
+
+def _memory(model: Model, state: State, h: float) -> tuple[Product, Floats]:
+    law, x = model.matching, state.positions
+    pose = shape_matching.pose_of(law, x, state.pose)
+    bed, turn, u = shape_matching.stiffness_parts(law, x, pose)
+    level, steep = h * h * bed + h * law.damping, h * h * turn
+
+    def product(s: Floats) -> Floats:
+        if state.pose is not None:
+            return level * s + steep * (u * s).sum(axis=0) * u
+        s = s - shape_matching.rigid_velocity(law.mass, x, s)
+        f = level * s + steep * (u * s).sum(axis=0) * u
+        return f - law.mass * shape_matching.rigid_velocity(law.mass, x, f / law.mass)
+
+    blocks = np.einsum("n,an,bn->nab", steep, u, u)
+    blocks[:, range(3), range(3)] += level[:, None]
+    return product, blocks
+
+
+def _fill(model: Model, state: State, h: float) -> tuple[Product, Floats, float]:
+    """Return the product of the fill, its gradient g (3, n) and the weight of g g^T."""
+    law, x = model.pressure, state.positions
+    if law.fill in ("none", "paper"):
+        return np.zeros_like, np.zeros_like(x), 0.0
+    volume, g = pressure.volume_and_gradient(law, x)
+    p, weight = pressure.pressure_at(law, volume), h * h * pressure.pressure_slope(law, volume)
+    g = g * (model.inverse_mass > 0)
+
+    def product(s: Floats) -> Floats:
+        # dV/dx is quadratic: half the difference at x + s and x - s is exact, and best where s is as large as x
+        scale = model.mesh.size / max(float(np.abs(s).max()), _TINY)
+        _, ahead = pressure.volume_and_gradient(law, x + scale * s)
+        _, behind = pressure.volume_and_gradient(law, x - scale * s)
+        return weight * float((g * s).sum()) * g - h * h * p / (2 * scale) * (ahead - behind)
+
+    return product, g, weight

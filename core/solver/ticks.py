@@ -1,0 +1,102 @@
+"""The loop every method shares: ticks of a path, equal substeps in a tick, contact after each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from ..base import SKIN_TRAVEL, Floats, Ints
+from ..body import contact
+from ..body.contact import Touch
+from ..body.model import Model, State, forces
+from .path import FingerPath
+
+# advance(model, state, dt, acceleration): move a state in place by dt [s], contact apart. The acceleration (3, n)
+# [m/s2] at the start is given where the step before left it, and returned where the next one may have it.
+Advance = Callable[[Model, State, float, "Floats | None"], "Floats | None"]
+
+
+def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
+    """Advance a state in place by the ticks [s] of a path, each in equal substeps.
+
+    Returns:
+        the impulses (k, 3) [N s] on the fingertips.
+    """
+    total = np.zeros((len(path.radii), 3))
+    acceleration = None
+    for touches in each_tick(model, state, path, tick):
+        near = [h for h in touches if len(h.vertices) or len(h.triangles)]
+        alone, limit = model.ground is None and not near, min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
+        for _ in range(substeps):
+            before = state.positions.copy() if near else state.positions
+            try:
+                acceleration = advance(model, state, tick / substeps, acceleration if alone else None)
+            except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
+                state.positions[:] = np.nan
+                return total
+            if near:
+                slow_down(before, state.positions, limit)
+            total += meet(model, state, touches)
+    return total
+
+
+def slow_down(before: Floats, x: Floats, limit: float) -> None:
+    """Let no vertex of x (3, n) move farther than a limit [m] from where it was before, in place.
+
+    A deep press holds the skin with forces that would carry it past a fingertip within one substep. Velocities are
+    left alone, so that the fingertip gets the whole impulse.
+    """
+    way = x - before
+    length = np.sqrt((way * way).sum(axis=0))
+    far = length > limit
+    if far.any():
+        x[:, far] = before[:, far] + way[:, far] * (limit / length[far])
+
+
+def each_tick(model: Model, state: State, path: FingerPath, tick: float) -> Iterator[list[Touch]]:
+    """Yield, for each tick [s] of a path, what the fingertips may touch in it."""
+    for t in range(path.centres.shape[1] - 1):
+        speed = float(np.sqrt((state.velocities**2).sum(axis=0).max(initial=0)))
+        yield [
+            reach(model, state, start, end, radius, speed, tick)
+            for start, end, radius in zip(path.centres[:, t], path.centres[:, t + 1], path.radii, strict=True)
+        ]
+
+
+def acceleration_of(model: Model, state: State) -> Floats:
+    """Return (3, n) [m/s2]; 0 where held: held vertices keep the velocity the session gave them."""
+    return forces(model, state) * model.inverse_mass
+
+
+def reach(model: Model, state: State, start: Floats, end: Floats, radius: float, speed: float, tick: float) -> Touch:
+    """Find what a fingertip going from start to end (3,) may touch in a tick [s], vertices moving at speed [m/s]."""
+    margin = 2 * float(np.linalg.norm(end - start)) + 2 * speed * tick
+    vertices, triangles = contact.candidates(
+        state.positions, model.mesh.triangles, model.inverse_mass, end, radius + margin
+    )
+    return Touch(centre=end, velocity=(end - start) / tick, radius=radius, vertices=vertices, triangles=triangles)
+
+
+def meet(model: Model, state: State, touches: Sequence[Touch]) -> Floats:
+    """Resolve the contacts in place and return the impulses (k, 3) [N s] on the fingertips."""
+    x, v = state.positions, state.velocities
+    if model.needs_contact:
+        state.contact = touched(x, touches)
+    impulses = [
+        contact.resolve(x, v, touch, model.inverse_mass, model.friction, faces=model.law_set != "paper")
+        for touch in touches
+    ]
+    if model.ground is not None:
+        contact.rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction)
+    return np.array(impulses).reshape(-1, 3)
+
+
+def touched(x: Floats, touches: Sequence[Touch]) -> Ints:
+    """Return the vertices inside any fingertip or on its surface: the paper's contact."""
+    reach = 1 + contact.ROUNDING
+    hits = [
+        touch.vertices[((x[:, touch.vertices] - touch.centre[:, None]) ** 2).sum(axis=0) < (reach * touch.radius) ** 2]
+        for touch in touches
+    ]
+    return np.unique(np.concatenate(hits)) if hits else np.zeros(0, np.int64)

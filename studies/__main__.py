@@ -1,0 +1,46 @@
+"""`python -m studies COMMAND`: what can be done without Blender."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from importlib import import_module
+
+from core.base import DimpleError
+
+UNUSABLE, STOPPED = 2, 130  # exit codes; a command's own ones are 0 and from 3 on
+
+# name: what it does, the module it lives in, and there the function that takes its parser and sets `run`;
+# only the command asked for is imported
+COMMANDS = {
+    "calibrate": ("fit a material to a force-depth file", ".calibrate", "add_command"),
+    "paper": ("make the paper's tables and figures again, beside the printed numbers", ".paper", "add_command"),
+    "emulator": ("run a haptic device that is not there", "core.haptics.command", "add_emulator"),
+    "grasp": ("lift a cube with three emulated fingertips and put it down", ".grasp", "add_grasp"),
+    "haptics": ("press with an emulated device and tell what was felt", ".haptics", "add_haptics"),
+    "servo": ("talk to a haptic device for Blender, 1000 times a second", "core.haptics.command", "add_servo"),
+}
+
+
+def main(words: list[str] | None = None) -> int:
+    """Run a command and return its exit code."""
+    words = sys.argv[1:] if words is None else words
+    parser = argparse.ArgumentParser(prog="dev.py core", description=__doc__)
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for name, (text, module, add) in COMMANDS.items():
+        command = commands.add_parser(name, help=text, allow_abbrev=False)
+        if words[:1] == [name]:
+            getattr(import_module(module, __package__), add)(command)
+    options = parser.parse_args(words)
+    try:
+        return int(options.run(options))
+    except DimpleError as error:
+        print(error, file=sys.stderr)
+        return UNUSABLE
+    except KeyboardInterrupt:
+        print("Stopped.", file=sys.stderr)
+        return STOPPED
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,68 @@
+"""What a step costs as the mesh grows: every method in numpy, and the native core, in one run."""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from core import native
+from core.base import TICK
+from core.solver.path import FingerPath
+
+from .methods.registry import METHODS, Run
+from .scenes import twisted_ball
+
+NATIVE = "native"
+LEAST = 2  # steps that are timed, a step at a time; the median counts
+SECONDS = 0.05  # or as many steps as this lasts
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cost:
+    """Hold what one step of a method costs [s] of processor time on a ball of so many vertices, and its dt [s]."""
+
+    method: str
+    vertices: int
+    dt: float
+    seconds: float
+
+
+def costs(methods: Sequence[str], subdivisions: Sequence[int]) -> Iterator[Cost]:
+    """Step a twisted ball in the air: explicit methods at the product's own step, the others a tick at a time.
+
+    Args:
+        methods: names in METHODS, or NATIVE; it is left out where there is no native core.
+        subdivisions: of the ball, each of four times the vertices.
+    """
+    for name in methods:
+        if name == NATIVE and native.why_not():
+            continue
+        for count in subdivisions:
+            yield _cost(name, count)
+
+
+def slope(found: Sequence[Cost], method: str) -> float:
+    """Return the power of the number of vertices that the cost of a method's step grows with, by least squares."""
+    mine = [c for c in found if c.method == method]
+    return float(np.polyfit(np.log([c.vertices for c in mine]), np.log([c.seconds for c in mine]), 1)[0])
+
+
+def _cost(name: str, subdivisions: int) -> Cost:
+    run: Run = native.run if name == NATIVE else METHODS[name].run
+    model, start = twisted_ball(subdivisions, amount=0.3)
+    explicit = name == NATIVE or METHODS[name].kind == "explicit"
+    dt = TICK / model.substeps(TICK) if explicit else TICK
+    many = 10 if name == NATIVE else 1  # a step in C is shorter than the clock is fine
+    nobody = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
+    run(model, copy.deepcopy(start), nobody, tick=dt, substeps=1)  # what is made once is not a step's cost
+    times: list[float] = []
+    while len(times) < LEAST or sum(times) < SECONDS:
+        state = copy.deepcopy(start)
+        started = time.process_time()
+        run(model, state, nobody, tick=many * dt, substeps=many)
+        times.append(time.process_time() - started)
+    return Cost(method=name, vertices=len(model.mass), dt=dt, seconds=float(np.median(times)) / many)

@@ -1,0 +1,135 @@
+"""`python -m core grasp`: three fingertips of an emulated device lift a cube by friction alone and put it down.
+
+All in one process, on one clock that is handed on, so that it runs the same everywhere.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from core.base import STANDARD_GRAVITY, DimpleError
+from core.body.model import build_model
+from core.haptics.contact_rendering import Felt, Workspace, fingers
+from core.haptics.emulator import Emulator
+from core.haptics.hand import Hand, Keyframe
+from core.haptics.messages import Link, Report
+from core.haptics.safety import LEASE, Arming
+from core.haptics.servo import Servo
+from core.haptics.spec import Spec, load_spec
+from core.haptics.vectors import Vector
+from core.material import PRESETS
+from core.session import Frame, Session
+
+from .scenes import cube
+
+PRESET = PRESETS[0]  # nylon and air: a light cube of 50 mm
+RADIUS = 0.010  # [m] of the fingertips
+LIFT = 0.060  # [m]
+CLEAR = 0.010  # [m] beside the cube
+SQUEEZE = 0.012  # [m] where the hand wants its fingertips inside; they yield to the force
+BESIDE = 0.2  # of the edge: of index and middle finger from the middle
+# [s] from the device's ramp: begin, touched, squeezed, lifted, lowered from, on the ground, let go
+TOUCH, SQUEEZED, RAISE, RAISED, LOWER, DOWN, OPEN, END = 1.3, 1.6, 1.8, 2.4, 3.0, 3.6, 3.9, 4.2
+MOMENTS = {"open": TOUCH, "squeezed": RAISE, "lifted": RAISED + 0.1, "held": LOWER, "put down": DOWN, "let go": END}
+STEP = 2e-4  # [s] of the clock: a host that answers within it
+FRAME = 1 / 60  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """Hold a frame: its time since the hand began [s], what the session shows, what the servo says, the height of the
+    cube [m] and the true forces of the motors [N]."""
+
+    time: float
+    frame: Frame
+    report: Report
+    height: float
+    forces: list[Vector]
+
+
+def grasp(cells: int = 3, *, friction: float = PRESET.material.friction) -> Session:
+    """Return the cube, free on the ground, centred on the origin."""
+    material = replace(PRESET.material, friction=friction)
+    mesh, down = cube(cells, PRESET.size), (0, 0, -STANDARD_GRAVITY)
+    return Session(build_model(mesh, [material], gravity=down, ground=-PRESET.size / 2))
+
+
+def hand() -> Hand:
+    """Return the hand: thumb on one side, index and middle finger on the other, where their blocks are."""
+    edge = PRESET.size
+    beside = ((-1.0, 0.0), (1.0, -BESIDE * edge), (1.0, BESIDE * edge))
+    return Hand(tips=tuple(_way(side, y) for side, y in beside))
+
+
+def _way(side: float, y: float) -> tuple[Keyframe, ...]:
+    touch = PRESET.size / 2 + RADIUS
+    out, grip = side * (touch + CLEAR), side * (touch - SQUEEZE)
+    way = ((TOUCH, out, 0.0), (SQUEEZED, grip, 0.0), (RAISE, grip, 0.0), (RAISED, grip, LIFT), (LOWER, grip, LIFT),
+           (DOWN, grip, 0.0), (OPEN, out, 0.0))  # fmt: skip
+    return tuple((time, x, y, z) for time, x, z in way)
+
+
+def run(session: Session, *, spec: Spec | None = None, seconds: float = END) -> Iterator[Moment]:
+    """Let the hand grasp; yield each frame once there is force."""
+    spec = spec or load_spec()
+    emulator, servo = Emulator(spec, hand=hand()), Servo(spec)
+    felt, place = Felt(), Workspace()
+    now, next_frame, began, to_device = 0.0, 0.0, None, b""
+    while began is None or now - began < seconds:
+        now += STEP
+        to_device = servo.step(now, emulator.step(now, to_device))
+        if now < next_frame or servo.link is not Link.READY:
+            continue
+        next_frame = now + FRAME
+        report = servo.report()
+        session.set_fingers(fingers(report, place, RADIUS))
+        frame = session.step(FRAME)
+        servo.order = replace(
+            servo.order, arm=1, held_until=now + LEASE, contacts=felt.contacts(session, place, report.cap, now)
+        )
+        if began is None and report.arming is Arming.RAMP:
+            began = now
+        if began is not None:
+            yield Moment(now - began, frame, report, _height(frame), list(emulator.forces))
+
+
+def _height(frame: Frame) -> float:
+    return float(frame.positions[:, 2].mean())
+
+
+def add_grasp(command: argparse.ArgumentParser) -> None:
+    """Give the command its options."""
+    command.set_defaults(run=run_grasp)
+    command.add_argument("--friction", type=float, default=PRESET.material.friction, help="coefficient, 0: none")
+    command.add_argument("--json", type=Path, metavar="OUT", help="write height and forces of each frame")
+
+
+def run_grasp(options: argparse.Namespace) -> int:
+    """Grasp, then tell how high the cube was and what the fingers felt."""
+    session = grasp(friction=options.friction)
+    moments, weight = list(run(session)), STANDARD_GRAVITY * float(session.model.mass.sum())
+    print("when        time   cube up   thumb          index          middle: force inward, force down")
+    for name, time in MOMENTS.items():
+        moment = min(moments, key=lambda moment: abs(moment.time - time))
+        forces = "   ".join(f"{abs(force[0]):5.2f} {-force[2]:5.2f} N" for force in moment.forces)
+        print(f"{name:<9} {moment.time:5.2f} s  {1e3 * moment.height:5.1f} mm  {forces}")
+    held = [moment for moment in moments if MOMENTS["lifted"] <= moment.time <= LOWER]
+    borne = -float(np.mean([sum(force[2] for force in moment.forces) for moment in held]))
+    report = moments[-1].report
+    print(
+        f"The cube weighs {weight:.2f} N. Lifted, the fingertips feel {borne:.2f} N down: their springs sideways, up to"
+    )
+    print(f"friction, not its weight alone. Device {report.arming.name.lower()}, frames lost {report.lost}.")
+    if options.json:
+        rows = [{"time_s": m.time, "height_m": m.height, "forces_n": m.forces} for m in moments]
+        try:
+            options.json.write_text(json.dumps(rows) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise DimpleError(f"{options.json} cannot be written: {error.strerror}.") from None
+    return 0

@@ -1,0 +1,19 @@
+"""Explicit Euler: the old velocity moves the positions. It feeds energy in; kept to show where it fails."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from core.base import Floats
+from core.body.model import Model, State
+from core.solver.ticks import acceleration_of, run_ticks
+
+
+def advance(model: Model, state: State, dt: float, _acceleration: Floats | None = None) -> None:
+    """Advance a state in place by dt [s]."""
+    a = acceleration_of(model, state)
+    state.positions += dt * state.velocities
+    state.velocities += dt * a
+
+
+run = partial(run_ticks, advance)

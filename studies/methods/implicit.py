@@ -1,0 +1,62 @@
+"""The loop that every implicit method shares: ticks of a path, fingertips met inside the equation of each step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from core.base import DimpleError, Floats
+from core.body.contact import Touch, rest_on_ground
+from core.body.model import Model, State
+from core.solver.path import FingerPath
+from core.solver.ticks import each_tick
+
+# advance(model, state, touches, dt): move a state in place by dt [s], fingertips to where they are at its end, and
+# return the impulses (k, 3) [N s]
+Advance = Callable[[Model, State, Sequence[Touch], float], Floats]
+
+
+def run_implicit(
+    advance: Advance, model: Model, state: State, path: FingerPath, *, tick: float, substeps: int
+) -> Floats:
+    """Advance a state in place by the ticks [s] of a path, fingertips met inside the equation of each step.
+
+    Returns:
+        the impulses (k, 3) [N s] on the fingertips.
+
+    Raises:
+        DimpleError: the laws have no energy, so no implicit method may be used.
+    """
+    needs_an_energy(model)
+    total = np.zeros((len(path.radii), 3))
+    for touches in each_tick(model, state, path, tick):
+        for i in range(substeps):
+            now = moved_back(touches, (substeps - 1 - i) * tick / substeps)
+            try:
+                total += advance(model, state, now, tick / substeps)
+            except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
+                state.positions[:] = np.nan
+                return total
+            if model.ground is not None:
+                rest_on_ground(state.positions, state.velocities, model.ground, model.inverse_mass, model.friction)
+    return total
+
+
+def moved_back(touches: Sequence[Touch], seconds: float) -> list[Touch]:
+    """Return where the fingertips were some seconds before."""
+    return [replace(touch, centre=touch.centre - seconds * touch.velocity) for touch in touches]
+
+
+def needs_an_energy(model: Model) -> None:
+    """Refuse laws without an energy.
+
+    Raises:
+        DimpleError: the pressure is Eq. (2).
+    """
+    if model.needs_contact:
+        raise DimpleError(
+            "This method needs laws with an energy, and Eq. (2) has none. "
+            "Choose the consistent law set and another fill, or an explicit method."
+        )

@@ -1,0 +1,121 @@
+"""Extended position based dynamics with small substeps: each law in turn moves the vertices it joins.
+
+A law with energy k C^2 / 2 and dashpot c that moves vertices of inverse mass w along its gradient n does so by
+
+    l = -h (h k C + c n . (x - x_before)) / (1 + h (h k + c) sum w),   x += w l n
+
+which is backward Euler for that law alone; what moved before it in the substep is seen, what moves after it is not.
+One law so answers with k / (1 + h^2 k w) of its stiffness where another holds against it: right as the substeps get
+small, soft where h^2 k w is large. The multiplier of the volume is the pressure itself, so air needs no other form.
+Source: Macklin et al. 2016 (compliance, damping); Macklin et al. 2019 (substeps instead of iterations).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.base import Floats, Ints
+from core.body import pressure, shape_matching
+from core.body.model import Model, State
+from core.solver.cached import kept
+from core.solver.path import FingerPath
+from core.solver.ticks import run_ticks
+
+from .colours import colours
+from .implicit import needs_an_energy
+
+_TINY = 1e-30
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edges:
+    """Hold the springs of one colour: ends i, j (e,), rest [m], stiffness [N/m], damping [N s/m], inverse masses."""
+
+    i: Ints
+    j: Ints
+    rest: Floats
+    stiffness: Floats
+    damping: Floats
+    w_i: Floats
+    w_j: Floats
+
+
+def advance(model: Model, state: State, dt: float, _acceleration: Floats | None = None) -> None:
+    """Advance a state in place by dt [s]."""
+    x, v, w = state.positions, state.velocities, model.inverse_mass
+    before = x.copy()
+    v += dt * np.where(w > 0, model.gravity[:, None], 0.0)
+    x += dt * v
+    for edges in kept(model, spring_colours):
+        move_springs(edges, x, before, dt)
+    move_to_shape(model, state, before, dt)
+    move_by_pressure(model, state, dt)
+    v[:] = (x - before) / dt
+
+
+def run(model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
+    """Advance a state in place by the ticks [s] of a path and return the impulses (k, 3) [N s] on the fingertips.
+
+    Raises:
+        DimpleError: the laws have no energy.
+    """
+    needs_an_energy(model)
+    return run_ticks(advance, model, state, path, tick=tick, substeps=substeps)
+
+
+def spring_colours(model: Model) -> list[Edges]:
+    """Return the springs colour by colour: no vertex is in two springs of one colour."""
+    law, w = model.springs, model.inverse_mass
+    ends = law.pairs.ravel()
+    return [
+        Edges(
+            i=law.pairs[at, 0], j=law.pairs[at, 1], rest=law.rest_lengths[at], stiffness=law.stiffness[at],
+            damping=law.damping[at], w_i=w[law.pairs[at, 0]], w_j=w[law.pairs[at, 1]],
+        )
+        for at in colours(np.repeat(np.arange(len(law.pairs)), 2), ends)
+    ]  # fmt: skip
+
+
+def move_springs(edges: Edges, x: Floats, before: Floats, h: float) -> None:
+    """Let the springs of one colour move their ends, in place."""
+    i, j = edges.i, edges.j
+    x_i, x_j = x[:, i], x[:, j]
+    d = x_j - x_i
+    length = np.maximum(np.sqrt(np.einsum("ce,ce->e", d, d)), _TINY)
+    n = d / length
+    growth = np.einsum("ce,ce->e", n, d - before[:, j] + before[:, i])
+    stiff = h * edges.stiffness
+    push = -h * (stiff * (length - edges.rest) + edges.damping * growth)
+    push /= 1 + h * (stiff + edges.damping) * (edges.w_i + edges.w_j)
+    x[:, i] = x_i - edges.w_i * push * n
+    x[:, j] = x_j + edges.w_j * push * n
+
+
+def move_to_shape(model: Model, state: State, before: Floats, h: float) -> None:
+    """Let shape matching move the vertices, in place; a free body as a whole stays where it is."""
+    law, x, w = model.matching, state.positions, model.inverse_mass
+    stiffness, _, u = shape_matching.stiffness_parts(law, x, shape_matching.pose_of(law, x, state.pose))
+    moved = x - before
+    if state.pose is None:
+        moved -= shape_matching.rigid_velocity(law.mass, x, moved)
+    else:
+        moved -= h * shape_matching.shape_velocity(law, state.pace)
+    stiff = h * stiffness
+    way = -h * w * (stiff * u + law.damping * moved) / (1 + h * w * (stiff + law.damping))
+    if state.pose is None:
+        way -= shape_matching.rigid_velocity(law.mass, x, way)
+    x += np.where(w > 0, way, 0.0)
+
+
+def move_by_pressure(model: Model, state: State, h: float) -> None:
+    """Let the fill move the vertices, in place: p at the end of the substep, to first order in the volume."""
+    law = model.pressure
+    if law.fill == "none":
+        return
+    volume, g = pressure.volume_and_gradient(law, state.positions)
+    per_pressure = h * h * model.inverse_mass * g
+    give = pressure.pressure_slope(law, volume) * float((g * per_pressure).sum())
+    state.pressure = pressure.pressure_at(law, volume) / (1 + give)
+    state.positions += state.pressure * per_pressure

@@ -1,0 +1,40 @@
+"""Motion without contact, by any method or any solver of differential equations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from core.base import Floats
+from core.body.model import Model, State, initial_state
+from core.solver.path import FingerPath
+from core.solver.ticks import acceleration_of
+
+from .methods.registry import METHODS
+
+
+def move(model: Model, state: State, method: str, *, seconds: float, steps: int) -> State:
+    """Advance a state in place by equal steps without fingertips, and return it; what blows up ends as NaN."""
+    nobody = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
+    with np.errstate(all="ignore"):
+        METHODS[method].run(model, state, nobody, tick=seconds, substeps=steps)
+    return state
+
+
+def right_hand_side(model: Model) -> Callable[[float, Floats], Floats]:
+    """Return y' = f(t, y) for y = (positions, velocities), flat (6 n,): what a solver outside the project needs."""
+    state = initial_state(model)
+    half = state.positions.size
+
+    def slope(_time: float, y: Floats) -> Floats:
+        state.positions[:] = y[:half].reshape(3, -1)
+        state.velocities[:] = y[half:].reshape(3, -1)
+        return np.concatenate([y[half:], acceleration_of(model, state).ravel()])
+
+    return slope
+
+
+def relative_error(found: Floats, wanted: Floats, start: Floats) -> float:
+    """Return the distance of two sets of positions over the distance wanted from the start (all alike, [m])."""
+    return float(np.linalg.norm(found - wanted) / np.linalg.norm(wanted - start))

@@ -1,0 +1,125 @@
+"""Scenes, each a function of resolution."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from core.base import Floats
+from core.body.estimate import estimate
+from core.body.model import Model, State, build_model, initial_state
+from core.material import PRESETS, Material, Preset
+from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
+from core.session import Finger, Frame, Session
+
+from .specimen import cube as cube
+
+BALL_RADIUS = 0.08  # [m]
+BALL = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")
+OSCILLATOR_RADIUS = 0.05  # [m] small enough that its stretch stays short of the knee of Eq. (1)
+FINGERTIP = 0.020  # [m] radius of the scenes' fingertip
+POKE = ((0.25, 1.0), (0.5, 1.0), (0.75, 0.0), (1.0, 0.0))  # (time [s], share of the depth): down, hold, up, free
+
+
+def ball(subdivisions: int, radius: float = BALL_RADIUS) -> Mesh:
+    """Return an icosphere of 10 * 4**subdivisions + 2 vertices."""
+    import trimesh
+
+    sphere = trimesh.creation.icosphere(subdivisions, radius)
+    return mesh_from_triangles(sphere.vertices, sphere.faces)
+
+
+def oscillator(*, damping_ratio: float = 0.0, stretch: float = 0.1) -> tuple[Model, State]:
+    """Return three masses on an equilateral triangle of springs that breathe: every law at work, yet a closed form.
+
+    Along the radius r each vertex is pulled by its two springs with 3 k (r - r0), since |l| = sqrt(3) r, and by shape
+    matching with k1 (r - r0): linear at any stretch short of the knee.
+    """
+    around = np.arange(3) * 2 * np.pi / 3
+    corners = OSCILLATOR_RADIUS * np.stack([np.cos(around), np.sin(around), np.zeros(3)], axis=1)
+    material = replace(BALL, damping_ratio=damping_ratio, fill="none")
+    model = build_model(mesh_from_triangles(corners, np.array([[0, 1, 2]])), [material])
+    return model, _placed(model, model.matching.rest * (1 + stretch))
+
+
+def oscillator_radius(model: Model, time: float, *, stretch: float = 0.1) -> float:
+    """Return the distance [m] of `oscillator`'s vertices from their centre at a time [s], in closed form."""
+    m, law = float(model.mass[0]), model.springs
+    k = 3 * float(law.stiffness[0]) + float(model.matching.k1[0])
+    rate = (3 * float(law.damping[0]) + float(model.matching.damping[0])) / (2 * m)
+    omega = np.sqrt(k / m - rate**2)
+    swing = np.exp(-rate * time) * (np.cos(omega * time) + rate / omega * np.sin(omega * time))
+    return float(OSCILLATOR_RADIUS * (1 + stretch * swing))
+
+
+def free_ball(subdivisions: int) -> Session:
+    """Return a ball in the air, twisted about z and stretched: nothing holds it."""
+    model, state = twisted_ball(subdivisions)
+    session = Session(model)
+    session.place(state.positions)
+    return session
+
+
+def twisted_ball(
+    subdivisions: int, *, amount: float = 1.0, damping_ratio: float = BALL.damping_ratio
+) -> tuple[Model, State]:
+    """Return what `free_ball` is before it is let go.
+
+    Args:
+        amount: of the twist; up to 0.4 nothing reaches the knee of Eq. (1) and the motion is smooth.
+    """
+    model = build_model(ball(subdivisions), [replace(BALL, damping_ratio=damping_ratio)])
+    x = model.mesh.rest_positions
+    angle = 2.0 * x[:, 2] / BALL_RADIUS * 0.3 * amount
+    twisted = np.stack(
+        [x[:, 0] * np.cos(angle) - x[:, 1] * np.sin(angle), x[:, 0] * np.sin(angle) + x[:, 1] * np.cos(angle), x[:, 2]]
+    )
+    return model, _placed(model, twisted * (1 + amount * np.array([[0.1], [0.0], [-0.05]])))
+
+
+def poke_ball(subdivisions: int) -> Session:
+    """Return a liquid ball of 8 cm and 0.2 kg on its base, a 20 mm fingertip above it."""
+    return _under_a_fingertip(ball(subdivisions), BALL)
+
+
+def poke_cube(cells: int, *, law_set: str = "consistent") -> Session:
+    """Return Object 3, the cube of vinyl and water, on its base, a 20 mm fingertip above it."""
+    preset = PRESETS[2]
+    return _under_a_fingertip(cube(cells, preset.size), preset.material, law_set=law_set)
+
+
+def whole_skin(preset: Preset) -> Material:
+    """Return a preset's material with the whole of k in its skin, which the press that was measured contradicts."""
+    constants = estimate(preset.material, preset.size)
+    return replace(preset.material, constants=replace(constants, membrane_scale=1.0))
+
+
+def poke(session: Session, *, depth: float = 0.020, frame_rate: float = 60.0, seconds: float = 1.0) -> Iterator[Frame]:
+    """Press a body's top straight down, hold, lift and let be; yield each frame.
+
+    Args:
+        depth: how far the fingertip goes [m].
+        frame_rate: frames a second.
+        seconds: of the second the press takes, how many to run.
+    """
+    x = session.model.mesh.rest_positions
+    top = x[:, 2].max() + FINGERTIP
+    times, shares = zip((0.0, 0.0), *POKE, strict=True)
+    session.set_fingers([Finger((0.0, 0.0, top), FINGERTIP)])
+    for i in range(1, round(seconds * frame_rate) + 1):
+        down = float(np.interp(i / frame_rate, times, shares)) * depth
+        session.set_fingers([Finger((0.0, 0.0, top - down), FINGERTIP)])
+        yield session.step(1 / frame_rate)
+
+
+def _placed(model: Model, positions: Floats) -> State:
+    state = initial_state(model)
+    state.positions[:] = positions
+    return state
+
+
+def _under_a_fingertip(mesh: Mesh, material: Material, *, law_set: str = "consistent") -> Session:
+    model: Model = build_model(mesh, [material], law_set=law_set, held=base_vertices(mesh))
+    return Session(model)

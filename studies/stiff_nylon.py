@@ -1,0 +1,156 @@
+"""The stiff cube of nylon on a fine mesh: which method, or which stand-in, runs it live and within the tolerances.
+
+The fingertip goes 10 mm down in 0.12 s and stays 0.04 s, without friction, which only some of the methods have. What
+is compared is the skin at LOOKS moments, the worst one counted, and the mean force between them. The exact press is
+the product's own method in double precision at FINE times its steps. The tolerances and the budget are the planner's,
+and so is one of the ways that are tried.
+"""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from core import native
+from core.base import TICK, Floats
+from core.body.model import Model, initial_state
+from core.body.model import build_model as build
+from core.material import PRESETS
+from core.mesh.surface import Mesh, base_vertices
+from core.reduction.benchmark import dent_error
+from core.reduction.planner import BUDGET, FORCE_TOLERANCE, TOLERANCE, plan
+from core.reduction.proxy import Proxy, build_proxy, carry, contact_radius
+from core.solver.backend import choose_backend
+from core.solver.path import FingerPath
+
+from .methods.registry import METHODS, Run
+from .scenes import FINGERTIP, cube, whole_skin
+
+DEPTH = 0.010  # [m]
+DOWN, TICKS = 120, 160
+LOOKS = 8
+FINE = 4  # steps of the reference over the product's
+STAND_INS = (300, 600, 1200, 2500, 4000)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Press:
+    """Hold how a method did: errors as `judge` returns them, cost [s] of processor time per simulated second, steps
+    without a solution.
+
+    way: "mesh", "stand-in", "planner" (what it takes), or "reference".
+    """
+
+    way: str
+    method: str
+    backend: str
+    vertices: int
+    dt: float
+    surface: float
+    farthest: float
+    force: float
+    cost: float
+    unsolved: int
+
+    @property
+    def within(self) -> bool:
+        """Tell whether both tolerances are met."""
+        return self.surface <= TOLERANCE and self.force <= FORCE_TOLERANCE
+
+    @property
+    def live(self) -> bool:
+        """Tell whether it keeps to the budget of the viewport."""
+        return self.cost <= BUDGET
+
+
+Seen = tuple[list[Floats], Floats, float, int]  # skins (n, 3) [m], forces (LOOKS,) [N], cost [s], unsolved
+
+
+def nylon(cells: int, *, whole: bool) -> Model:
+    """Return Object 1 on its base; whole: with all of k in its skin, which makes it far stiffer than it measured."""
+    mesh = cube(cells, PRESETS[0].size)
+    material = whole_skin(PRESETS[0]) if whole else PRESETS[0].material
+    return build(mesh, [replace(material, friction=0.0)], held=base_vertices(mesh))
+
+
+def presses(cells: int, *, whole: bool, dear: bool) -> Iterator[Press]:
+    """Press the cube by every way that may do.
+
+    Args:
+        dear: XPBD at smaller substeps too, half a minute on a fine mesh.
+    """
+    model = nylon(cells, whole=whole)
+    backend, why, fast = choose_backend()
+    exact, substeps, n = fast if why else native.run64, model.substeps(TICK), len(model.mass)
+    wanted = pressed(model, exact, FINE * substeps)
+
+    def judged(way: str, method: str, backend: str, vertices: int, dt: float, seen: Seen) -> Press:
+        surface, farthest, force = judge(model.mesh, seen[0], seen[1], wanted[0], wanted[1])
+        return Press(
+            way=way, method=method, backend=backend, vertices=vertices, dt=dt, surface=surface, farthest=farthest,
+            force=force, cost=seen[2] / (TICKS * TICK), unsolved=seen[3],
+        )  # fmt: skip
+
+    # how well the reference itself is known: a skin that wrinkles is known no better
+    half = pressed(model, exact, FINE // 2 * substeps)
+    yield judged("reference", "semi_implicit", backend, n, TICK / substeps / (FINE // 2), half)
+    taken = plan(model, radius=FINGERTIP).proxy
+    yield judged(
+        "mesh" if taken else "planner", "semi_implicit", backend, n, TICK / substeps, pressed(model, fast, substeps)
+    )
+    stand_ins = [("stand-in", build_proxy(model, size)) for size in STAND_INS if size <= n / 2]
+    for way, proxy in [("planner", taken), *stand_ins] if taken else stand_ins:
+        few = proxy.model.substeps(TICK)
+        yield judged(way, "semi_implicit", backend, len(proxy.seeds), TICK / few, _stand_in_pressed(proxy, fast, few))
+    for method, steps in (("vertex_block_descent", 1), ("xpbd", 8), ("xpbd", 32))[: 3 if dear else 2]:
+        yield judged("mesh", method, "numpy", n, TICK / steps, pressed(model, METHODS[method].run, steps))
+
+
+def _stand_in_pressed(proxy: Proxy, run: Run, substeps: int) -> Seen:
+    radius = contact_radius(proxy, FINGERTIP)
+    return pressed(proxy.model, run, substeps, radius=radius, show=partial(carry, proxy))
+
+
+def judge(
+    mesh: Mesh, skins: Sequence[Floats], forces: Floats, wanted: Sequence[Floats], wanted_forces: Floats
+) -> tuple[float, float, float]:
+    """Return the error between the surfaces over the dent, the farthest vertex [m], and the error of the force.
+
+    Between surfaces at the worst look. All are inf where a skin ever strays by more than the size of the body.
+    """
+    apart = [a - b for a, b in zip(skins, wanted, strict=True)]
+    farthest = max(float(np.sqrt((d**2).sum(axis=1)).max()) for d in apart)
+    if not all(np.isfinite(d).all() for d in apart) or farthest > mesh.size:
+        return np.inf, np.inf, np.inf
+    surface = max(dent_error(mesh, skin, goal) for skin, goal in zip(skins, wanted, strict=True))
+    return surface, farthest, float(np.abs(forces - wanted_forces).max() / np.abs(wanted_forces).max())
+
+
+def pressed(
+    model: Model,
+    run: Run,
+    substeps: int,
+    *,
+    radius: float = FINGERTIP,
+    show: Callable[[Floats], Floats] = np.transpose,
+) -> Seen:
+    """Press a body and look at it LOOKS times."""
+    state = copy.deepcopy(initial_state(model))
+    z = float(state.positions[2].max()) + FINGERTIP - DEPTH * np.minimum(np.arange(TICKS + 1) / DOWN, 1)
+    centres = np.stack([0 * z, 0 * z, z - FINGERTIP + radius], axis=1)[None]
+    piece, skins, forces = TICKS // LOOKS, [], []
+    cost = 0.0
+    for i in range(LOOKS):
+        path = FingerPath(centres=centres[:, i * piece : (i + 1) * piece + 1], radii=np.array([radius]))
+        started = time.process_time()
+        with np.errstate(all="ignore"):
+            impulse = run(model, state, path, tick=TICK, substeps=substeps)
+            skins.append(np.array(show(state.positions)))
+        cost += time.process_time() - started
+        forces.append(float(impulse[0, 2]) / (piece * TICK))
+    return skins, np.array(forces), cost, state.unsolved

@@ -1,0 +1,183 @@
+"""Work against precision: what each method costs for an error, scene by scene, and which is on the front."""
+
+from __future__ import annotations
+
+import copy
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from core import native
+from core.base import TICK, Floats
+from core.body.model import Model, State, build_model, initial_state
+from core.material import PRESETS, Material
+from core.mesh.surface import Mesh, base_vertices
+from core.solver.path import FingerPath
+
+from .methods.registry import METHODS
+from .motion import relative_error
+from .scenes import BALL, FINGERTIP, ball, cube, oscillator, twisted_ball, whole_skin
+
+Reference = Callable[[Model, State, float], Floats]  # positions (3, n) [m] after a time [s]
+
+NATIVE = "native"  # semi-implicit Euler in C, double precision: what the language alone is worth
+RUINED = 1.0  # an error as large as the motion itself says nothing any more
+DECADES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # bounds of the ranges of the table
+# steps over those that the stability limit of semi-implicit Euler asks for
+EXPLICIT_STEPS = (1.02, 1.2, 1.5, 2.0, 4.0, 8.0, 16.0)
+IMPLICIT_STEPS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+SWEEPING_STEPS = (0.1, 0.25, 0.5, 1.0, 2.0)
+STEPS = {"explicit": EXPLICIT_STEPS, "implicit": IMPLICIT_STEPS, "sweeping": SWEEPING_STEPS}
+ALIKE = 1.15  # costs nearer than this are the same
+SHORT = 1.0  # [s] a run shorter than this is timed again
+FINE, FINE_NATIVE = 32, 512  # steps of our own reference over the limit; doubling those in C changes it by under 1e-4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """Hold a scene cut to what a study needs: where it starts, how long it runs, how a fingertip goes down.
+
+    depth: [m] reached at half time, 0 without a fingertip.
+    """
+
+    name: str
+    label: str
+    model: Model
+    start: State
+    seconds: float
+    depth: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """Hold one run: steps taken, error of the positions, force [N] on the fingertip, cost [s] of processor time."""
+
+    case: str
+    method: str
+    steps: int
+    error: float
+    force: float
+    cost: float
+    unsolved: int
+
+
+def cases(*, quick: bool) -> list[Case]:
+    """Return the scenes; the quick ones are smaller and shorter."""
+    swing, swing_start = oscillator(damping_ratio=0.1)
+    free, free_start = twisted_ball(1 if quick else 2, amount=0.3)
+    nylon = PRESETS[0]
+    # an odd number of cells: a vertex right under a frictionless fingertip may slip to either side
+    round_mesh, stiff_mesh = ball(1 if quick else 2), cube(5, nylon.size)
+    found = [
+        Case(name="oscillator", label="breathing triangle", model=swing, start=swing_start, seconds=0.04),
+        Case(name="free_ball", label="twisted ball, free", model=free, start=free_start, seconds=0.01),
+        _poke("poke_ball", "poked liquid ball", round_mesh, BALL, 0.02 if quick else 0.05),
+        _poke("stiff_nylon", "poked nylon cube", stiff_mesh, nylon.material, 0.015 if quick else 0.06),
+    ]
+    if quick:
+        return found
+    water = PRESETS[2]
+    return [
+        *found,
+        _poke("whole_skin", "the same, all of k in the skin", stiff_mesh, whole_skin(nylon), 0.005),
+        _poke("poke_cube", "poked cube of vinyl and water", cube(5, water.size), water.material, 0.06),
+    ]
+
+
+def measure(case: Case, *, reference: Reference | None = None, quick: bool = False) -> Iterator[Point]:
+    """Run every method in numpy over its range of steps, and the native core where there is one.
+
+    Args:
+        reference: an independent solver for motion without contact; else our own, at very small steps.
+    """
+    wanted = exact(case, reference)
+    methods = [*METHODS, *([] if native.why_not() else [NATIVE])]
+    for name in methods:
+        _advance(case, name, 2)  # what is made once for a body is no step's cost
+        shares = STEPS["explicit" if name == NATIVE else METHODS[name].kind]
+        if quick:
+            shares = shares[1:-1:2] if case.depth else shares[:-1:2]
+        elif case.depth:
+            # contact leaves first order only: the finest runs say nothing new, and of implicit ones take minutes
+            shares = shares[:-2] if name in METHODS and METHODS[name].kind == "implicit" else shares[:-1]
+        wished = {max(2, math.ceil(share * _limit_steps(case))) for share in shares}
+        for steps in sorted({math.prod(_ticks(case, steps)) for steps in wished}):
+            yield run(case, name, steps, wanted, repeats=1 if quick else 3)
+
+
+def exact(case: Case, reference: Reference | None) -> Floats:
+    """Return the positions (3, n) at the end: by the reference, or in contact by very small steps of our own."""
+    if reference and not case.depth:
+        return reference(case.model, copy.deepcopy(case.start), case.seconds)
+    method, share = ("velocity_verlet", FINE) if native.why_not() else (NATIVE, FINE_NATIVE)
+    return _advance(case, method, math.ceil(share * _limit_steps(case)))[0].positions
+
+
+def run(case: Case, method: str, steps: int, wanted: Floats, *, repeats: int = 1) -> Point:
+    """Run a case by about so many steps, a short one several times: the least time counts."""
+    costs: list[float] = []
+    while not costs or len(costs) < repeats and sum(costs) < SHORT:
+        started = time.process_time()
+        with np.errstate(all="ignore"):
+            state, force = _advance(case, method, steps)
+        costs.append(time.process_time() - started)
+    cost = min(costs)
+    error = relative_error(state.positions, wanted, case.start.positions)
+    taken = math.prod(_ticks(case, steps))
+    return Point(
+        case=case.name, method=method, steps=taken, error=error if error < RUINED else math.inf, force=force,
+        cost=cost, unsolved=state.unsolved,
+    )  # fmt: skip
+
+
+def front(points: Sequence[Point]) -> dict[float, Point | None]:
+    """Return, for each error bound, the cheapest run in numpy that meets it: methods are compared in one language.
+
+    Of runs that cost nearly the same the most accurate one counts.
+    """
+    found: dict[float, Point | None] = {}
+    for bound in DECADES:
+        good = [p for p in points if p.error <= bound and not p.unsolved and p.method != NATIVE]
+        least = min((p.cost for p in good), default=0.0)
+        found[bound] = min((p for p in good if p.cost <= ALIKE * least), key=lambda p: p.error, default=None)
+    return found
+
+
+def _poke(name: str, label: str, mesh: Mesh, material: Material, seconds: float) -> Case:
+    """Return a press without friction, which only some of the methods have."""
+    model = build_model(mesh, [replace(material, friction=0.0)], held=base_vertices(mesh))
+    return Case(name=name, label=label, model=model, start=initial_state(model), seconds=seconds, depth=mesh.size / 16)
+
+
+def _limit_steps(case: Case) -> float:
+    return case.seconds * case.model.substeps(0.02) / 0.02
+
+
+def _ticks(case: Case, steps: int) -> tuple[int, int]:
+    """Return ticks, over which a fingertip moves straight, and substeps of each."""
+    ticks = min(steps, max(8, round(case.seconds / TICK))) if case.depth else 1
+    return ticks, round(steps / ticks)
+
+
+def _advance(case: Case, method: str, steps: int) -> tuple[State, float]:
+    """Return the state at the end and the mean force [N] on the fingertip over the last quarter."""
+    state, run_method = copy.deepcopy(case.start), native.run64 if method == NATIVE else METHODS[method].run
+    ticks, substeps = _ticks(case, steps)
+    tick = case.seconds / ticks
+    if not case.depth:
+        nobody = FingerPath(centres=np.zeros((0, ticks + 1, 3)), radii=np.zeros(0))
+        run_method(case.model, state, nobody, tick=tick, substeps=substeps)
+        return state, 0.0
+    down = np.minimum(np.arange(ticks + 1) / ticks * 2, 1) * case.depth
+    centres = np.zeros((1, ticks + 1, 3))
+    centres[0, :, 2] = case.model.mesh.rest_positions[:, 2].max() + FINGERTIP - down
+    late = ticks - max(1, ticks // 4)
+    radii = np.array([FINGERTIP])
+    run_method(case.model, state, FingerPath(centres=centres[:, : late + 1], radii=radii), tick=tick, substeps=substeps)
+    impulse = run_method(
+        case.model, state, FingerPath(centres=centres[:, late:], radii=radii), tick=tick, substeps=substeps
+    )
+    return state, float(impulse[0, 2]) / ((ticks - late) * tick)

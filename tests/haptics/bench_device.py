@@ -1,0 +1,154 @@
+"""A device reduced to what the servo sees of it: STATEs at given places, and the forces that come back."""
+
+from dataclasses import dataclass, field, replace
+
+from core.haptics import kinematics, wire
+from core.haptics.contact_model import Contact
+from core.haptics.messages import pack_order, unpack_order
+from core.haptics.safety import LEASE
+from core.haptics.servo import Servo
+from core.haptics.spec import Spec, info, load_spec
+from core.haptics.vectors import ZERO, Vector, length
+
+SESSION = 7
+TICK = 1e-3
+
+
+def wall(now: float = 0.0, *, k: float = 600.0, force: float = 0.0, gap: float = 0.0) -> Contact:
+    """Return a contact whose surface is z = 0, body below it."""
+    return Contact(
+        force=(0.0, 0.0, force), at=ZERO, normal=(0.0, 0.0, 1.0), k_n=k, k_t=0.0, gap=gap, friction=0.5, stamp=now
+    )
+
+
+@dataclass
+class BenchDevice:
+    """Stream STATEs into a servo, one a millisecond.
+
+    at: the three fingertips [m].  mode, status, buttons: of the next STATE.  obedient: ARM makes it ARMED at once.
+    """
+
+    spec: Spec = field(default_factory=load_spec)
+    at: list[Vector] = field(default_factory=lambda: [(0.0, 0.0, 0.01)] * 3)
+    now: float = 100.0
+    seq: int = 0
+    mode: int = wire.IDLE
+    masked: int = 0
+    buttons: int = 0
+    obedient: bool = True
+    adc: tuple[int, ...] | None = None  # instead of what the places give
+    fresh: bool = True  # the simulation posts its contacts anew, 60 times a second
+    held: bool = True  # and the dead-man key with them
+    looks: int = 0  # Blender renews the key between them too, once in so many ticks
+    forces: list[Vector] = field(default_factory=lambda: [ZERO] * 3)
+    heard: list[wire.Frame] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.servo = Servo(self.spec, nonce=5)
+        self.blocks = kinematics.blocks(self.spec)
+        self._decoder = wire.Decoder()
+        self.say(b"")
+        self.say(wire.encode(info(self.spec, 5, SESSION)))
+
+    def say(self, data: bytes) -> None:
+        """Let bytes reach the servo and hear what it answers."""
+        for frame in self._decoder.feed(self.servo.step(self.now, data)):
+            self.heard.append(frame)
+            if isinstance(frame, wire.Command):
+                if frame.flags & wire.CLEAR and self.mode == wire.FAULT:
+                    self.mode = wire.IDLE
+                self.forces = [self._force(i, frame) for i in range(3)]
+            elif isinstance(frame, wire.Arm) and self.obedient:
+                self.mode = wire.ARMED
+            elif isinstance(frame, wire.Disarm):
+                self.mode = wire.IDLE
+                self.forces = [ZERO] * 3
+
+    def state(self) -> wire.State:
+        """Return the STATE of now."""
+        self.seq = (self.seq + 1) & 0xFFFF
+        adc = self.adc or sum(
+            (
+                kinematics.adc_words(self.spec, kinematics.inverse(b, p))
+                for b, p in zip(self.blocks, self.at, strict=True)
+            ),
+            (),
+        )
+        status = self.mode | self.masked
+        return wire.State(SESSION, self.seq, 0, round(self.now * 1e6) & 0xFFFFFFFF, adc, self.buttons, status)
+
+    def tick(self, times: int = 1) -> None:
+        """Let milliseconds pass with a STATE each."""
+        for _ in range(times):
+            self.now += TICK
+            if self.looks and self.seq % self.looks == 0:
+                self.hold()
+            if self.fresh and self.seq % 16 == 0:
+                self.hold()
+                self.feel(*(c and replace(c, stamp=self.now) for c in self.servo.order.contacts))
+            self.say(wire.encode(self.state()))
+
+    def pause(self, seconds: float) -> None:
+        """Let time pass without a STATE; the servo looks at the clock every millisecond."""
+        for _ in range(round(seconds / TICK)):
+            self.now += TICK
+            self.say(b"")
+
+    def feel(self, *contacts: Contact | None) -> None:
+        """Give the servo contacts."""
+        self.servo.order = replace(self.servo.order, contacts=tuple(contacts))
+
+    def arm(self) -> None:
+        """Ask the servo to arm."""
+        self.servo.order = replace(self.servo.order, arm=self.servo.order.arm + 1)
+
+    def hold(self) -> None:
+        """Say whether the dead-man key is held, by a letter: its contacts equal those before, and are not the same."""
+        order = replace(self.servo.order, held_until=self.now + LEASE if self.held else 0.0)
+        self.servo.order = unpack_order(pack_order(order))
+
+    def armed(self) -> "BenchDevice":
+        """Arm, and let the ramp pass."""
+        self.hold()
+        self.arm()
+        self.tick(700)
+        return self
+
+    def pressing(self, depth: float = 0.005, k: float = 600.0) -> "BenchDevice":
+        """Press the first fingertip into a wall, armed."""
+        self.feel(wall(self.now, k=k))
+        self.armed()
+        for i in range(101):
+            self.at[0] = (0.0, 0.0, 0.01 - i / 100 * (0.01 + depth))
+            self.tick()
+        self.tick(100)
+        return self
+
+    @property
+    def strongest(self) -> float:
+        """Return the largest force of a fingertip [N]."""
+        return max(map(length, self.forces))
+
+    def _force(self, i: int, command: wire.Command) -> Vector:
+        if not command.flags & wire.ENABLE or not command.flags & wire.DEADMAN:
+            return ZERO
+        torque = kinematics.word_torques(self.spec, command.torque[3 * i : 3 * i + 3])
+        words = self.state_words(i)
+        return kinematics.force(self.blocks[i], kinematics.adc_angles(self.spec, words), torque)
+
+    def state_words(self, i: int) -> tuple[int, int, int]:
+        """Return what the converters say of a finger."""
+        return kinematics.adc_words(self.spec, kinematics.inverse(self.blocks[i], self.at[i]))
+
+
+def message(device: BenchDevice) -> str:
+    """Return what the servo says."""
+    return device.servo.report().message
+
+
+def disarmed(device: BenchDevice) -> bool:
+    """Tell whether nothing acts, and nothing will without a new request."""
+    return device.servo.report().arming.name == "OFF" and device.strongest == 0.0
+
+
+__all__ = ["SESSION", "TICK", "BenchDevice", "disarmed", "message", "wall"]

@@ -1,0 +1,110 @@
+"""Devices as Blender opens them: what is refused is said, and nothing is left behind."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+import pytest
+
+from core.base import DimpleError
+from core.haptics import device as devices
+from core.haptics import process as processes
+from core.haptics import server
+from core.haptics.device import Emulated, HapticMaster, Pointer
+from core.haptics.mailbox import Mailbox
+from core.haptics.messages import Link
+from core.haptics.process import python
+from tests.haptics.pressing import drive, gone, ready
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
+
+
+@pytest.mark.parametrize(("device", "which"), [(HapticMaster("/dev/null"), 0), (Emulated(), 0), (Emulated(), 1)])
+def test_a_device_that_cannot_be_opened_leaves_nothing_behind(
+    device: HapticMaster, which: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first process that is started cannot be, or the second: out of memory, say."""
+    started, folders, boxes = [], [], []
+    monkeypatch.setattr(devices, "Mailbox", lambda: boxes.append(Mailbox()) or boxes[-1])
+    monkeypatch.setattr(devices.tempfile, "mkdtemp", lambda **how: folders.append(mkdtemp(**how)) or folders[-1])
+
+    def fails(words: list[str], errors: Any) -> Any:
+        if len(started) == which:
+            raise OSError(12, "Cannot allocate memory")
+        started.append(processes.start(words, errors))
+        return started[-1]
+
+    monkeypatch.setattr(devices, "start", fails)
+    with pytest.raises(DimpleError, match="cannot be opened: .*Cannot allocate"):
+        device.open()
+    assert len(started) == which and all(gone(process.pid) for process in started)
+    assert not any(map(os.path.exists, [*folders, *(box.path for box in boxes)]))
+
+
+def test_a_baud_rate_or_a_device_file_that_does_not_fit_is_said(tmp_path: Path) -> None:
+    (tmp_path / "device.toml").write_text("name = 3")
+    slow, other = HapticMaster("/dev/null", baud=9600), HapticMaster("/dev/null", spec_path=tmp_path / "device.toml")
+    for device, said in (
+        (slow, "9600 baud cannot carry"),
+        (other, "name must be text"),
+        (HapticMaster("/"), "/ is not"),
+    ):
+        device.open()
+        report = drive(device, ready)
+        assert report.link is Link.REFUSED and said in report.message
+        device.close()
+
+
+def test_a_log_that_cannot_be_written_is_said(tmp_path: Path) -> None:
+    with pytest.raises(DimpleError, match="log .* cannot be written"):
+        server.write_log(tmp_path, [(0.0,)])
+
+
+def test_a_port_that_is_not_there_is_said(tmp_path: Path) -> None:
+    device = HapticMaster(str(tmp_path / "nothing"))
+    device.open()
+    report = drive(device, ready)
+    assert report.link is Link.REFUSED and "nothing" in report.message
+    device.close()
+
+
+def test_an_emulated_device_opens_moves_and_leaves_nothing_behind() -> None:
+    device = Emulated()
+    device.open()
+    assert device.process and device.emulator
+    pids = device.process.pid, device.emulator.pid
+    drive(device, ready)
+    folder = Path(device.port).parent
+    device.close()
+    device.close()
+    assert all(map(gone, pids)) and not folder.exists()
+
+
+def test_a_python_is_found_where_sys_executable_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So it is in some builds of Blender; and where it is Blender itself."""
+    for executable in (None, "/opt/blender/blender"):
+        python.cache_clear()
+        monkeypatch.setattr(sys, "executable", executable)
+        monkeypatch.setattr(sys, "_base_executable", executable)
+        said = subprocess.run([python(), "-c", "print(6 * 7)"], capture_output=True, check=True).stdout
+        assert said.strip() == b"42"
+    python.cache_clear()
+
+
+def test_without_any_python_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    python.cache_clear()
+    monkeypatch.setattr(processes, "_candidates", lambda: iter(["/nowhere/python3"]))
+    with pytest.raises(DimpleError, match="Python was not found"):
+        python()
+    python.cache_clear()
+
+
+def test_a_pen_presses_as_deep_as_it_is_pressed() -> None:
+    pen = Pointer(radius=0.01, depth=0.02)
+    assert pen.read().tips[0].masked
+    pen.point((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.5)
+    assert pen.read().tips[0].position == pytest.approx((0.0, 0.0, 1.0 + 0.01 - 0.01))
+    assert pen.read().peak == 0.0  # it has no force

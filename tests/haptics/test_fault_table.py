@@ -1,0 +1,216 @@
+"""The table of faults of the design, row by row: the real servo and the emulated device on one clock, during a press.
+
+Each end alone is tested in test_faults.py and test_firmware.py (device) and in test_servo.py (host).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from core.haptics import wire
+from core.haptics.contact_model import Contact, stiffness_cap
+from core.haptics.emulator import Emulator, Row
+from core.haptics.faults import parse_fault
+from core.haptics.hand import Hand
+from core.haptics.messages import Link
+from core.haptics.safety import LEASE
+from core.haptics.servo import Servo
+from core.haptics.spec import Spec
+from core.haptics.vectors import length
+from tests.haptics.bench_device import wall
+from tests.haptics.host import SPEC
+from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS
+
+STEP = 2.5e-4  # [s] of the clock
+FRAME = 0.016  # [s] of the simulation
+WAY = ((0.0, 0.0, 0.0, 0.01), (0.7, 0.0, 0.0, 0.01), (0.8, 0.0, 0.0, -0.01))  # from the device's ramp
+AT = 1.8  # [s] when things go wrong: the fingertips rest in the wall since 1.4 s
+NEAR = 0.002  # [m] a place farther from the truth is a wrong one: converters err by 0.3 mm
+
+
+class Press:
+    """Let a hand press three fingertips into a wall of 300 N/m; 1.7 N act on each, at 5.7 mm.
+
+    contact: what the simulation posts at a time, None where it posts nothing.  places: the largest error of a place
+    that the servo believed [m].
+    """
+
+    def __init__(
+        self,
+        *faults: str,
+        contact: Callable[[float], Contact | None] = lambda now: wall(now, k=300.0),
+        spec: Spec = SPEC,
+    ) -> None:
+        self.trace: list[Row] = []
+        hand, spoiled = Hand(tips=(WAY,) * 3), [parse_fault(text) for text in faults]
+        self.device = Emulator(spec, hand=hand, faults=spoiled, seed=3, trace=self.trace)
+        self.servo, self.contact = Servo(spec), contact
+        self.now = self.next_frame = self.places = 0.0
+        self.host_runs, self.to_device = True, b""
+
+    def run(self, until: float) -> Press:
+        """Let time pass until a time [s]."""
+        while self.now < until:
+            self.now += STEP
+            to_host = self.device.step(self.now, self.to_device)
+            self.to_device = self.servo.step(self.now, to_host) if self.host_runs else b""
+            if self.servo.link is Link.READY and self.now >= self.next_frame:
+                self.next_frame = self.now + FRAME
+                contact = self.contact(self.now)
+                contacts = (replace(contact, friction=0.0),) * 3 if contact else self.servo.order.contacts
+                order, held = self.servo.order, self.now + LEASE
+                self.servo.order = replace(order, arm=max(order.arm, 1), held_until=held, contacts=contacts)
+            for tip, (at, _) in zip(self.device.tips, self.servo.tips, strict=True):
+                if self.servo.device_time_us > 0 and not self.device.unplugged:
+                    self.places = max(self.places, math.dist(tip.position, at))
+        return self
+
+    def forces(self, begin: float, end: float = math.inf) -> list[float]:
+        """Return the strongest true force of the three tips [N], of the ticks of a time."""
+        rows = [row for row in self.trace if begin <= row[0] < end]
+        return [max(math.hypot(*row[i : i + 3]) for i in (11, 14, 17)) for row in rows]
+
+    @property
+    def arming(self) -> str:
+        return self.servo.report().arming.name
+
+    @property
+    def message(self) -> str:
+        return self.servo.report().message
+
+    def let_go(self) -> bool:
+        """Tell whether host and device are disarmed, and no force acts but a brake at rest."""
+        acts = max(self.forces(self.now - 0.05, self.now)) > BRAKE_NOISE
+        return self.arming == "OFF" and self.device.mode not in (wire.RAMP, wire.ARMED) and not acts
+
+    def presses(self) -> bool:
+        """Tell whether all is as it was: armed, and the wall felt, as stiff as the delay lets it be."""
+        return self.arming == "ON" and self.forces(self.now - 0.02)[-1] == pytest.approx(leant(self.servo.cap), abs=0.2)
+
+
+def leant(cap: float) -> float:
+    """Return the force [N] of a wall of 300 N/m, or of a cap [N/m]; the hand wants 10 mm, on a spring of 400 N/m."""
+    k = min(300.0, cap)
+    return 0.01 * k * 400 / (k + 400)
+
+
+def test_without_a_fault_it_presses() -> None:
+    press = Press().run(AT)
+    assert press.presses() and press.places < NEAR / 2
+
+
+@pytest.mark.parametrize("hz", [250, 500, 2000])
+def test_slower_and_faster_devices_press_too(hz: int) -> None:
+    """No wall is stiffer than the tick lets it be: at 250 Hz 267 N/m, so a little less than the 1.7 N."""
+    spec = replace(SPEC, tick_hz=hz)
+    press = Press(spec=spec).run(AT)
+    force = leant(stiffness_cap(spec.viscous, spec.tick, spec.tick))  # answers come within the tick
+    assert press.arming == "ON" and press.forces(AT - 0.02)[-1] == pytest.approx(force, abs=0.1)
+
+
+@pytest.mark.parametrize("rate", ["1e-6", "1e-5", "1e-4", "1e-3"])
+def test_flipped_bits(rate: str) -> None:
+    """No place and no torque of a wrong frame; 25 % lost at 1e-3 is said, and not enough to disarm."""
+    press = Press(f"flip={rate}@{AT}").run(AT + 1.5)
+    assert press.presses()
+    assert press.places < NEAR  # what is lost is not known for some ticks
+    assert max(press.forces(AT)) < 1.9 + CONVERTERS
+    assert ("lost on the line" in press.message) == (rate == "1e-3")
+
+
+def test_more_flipped_bits_than_a_line_can_bear() -> None:
+    press = Press(f"flip=2e-3@{AT}").run(AT + 1.5)
+    assert press.let_go() and "Check the cable" in press.message
+
+
+@pytest.mark.parametrize("fault", ["garbage=0.05", "truncate=0.05", "drop=0.05"])
+def test_garbage(fault: str) -> None:
+    """At most two frames are lost by each of the 50 times of a second, give or take three deviations."""
+    press = Press(f"{fault}@{AT}").run(AT + 1.0)
+    assert press.presses() and 0 < press.servo.report().lost <= 2 * (50 + 3 * math.sqrt(50))
+    assert max(press.forces(AT)) < 1.9 + CONVERTERS
+
+
+def test_wrong_baud_rate() -> None:
+    press = Press("wrong-baud").run(1.1)
+    assert press.servo.link is Link.REFUSED and "baud" in press.message
+    assert max(press.forces(0.0)) == 0.0
+
+
+@pytest.mark.parametrize("fault", ["duplicate=0.3", "reorder=0.1", "stale=1"])
+def test_duplicated_reordered_and_stale_frames(fault: str) -> None:
+    length_of = "+0.02" if fault == "stale=1" else ""  # longer than 100 ms is an unplugged line
+    press = Press(f"{fault}@{AT}{length_of}").run(AT + 1.0)
+    watch = press.device.firmware.watch
+    assert press.presses() and watch and watch.stale > 0  # answers that came twice, late, or to States long gone
+    assert press.servo.report().stale > 0 or fault == "stale=1"  # which come in order, if late
+    assert max(press.forces(AT)) < 1.9 + CONVERTERS
+
+
+def test_unplugged() -> None:
+    """No force is asked for after 5 ms; lost within 100 ms."""
+    press = Press(f"unplug@{AT}").run(AT + 0.007)
+    assert press.servo.link is Link.READY and not any(length(force) for _, force in press.servo.tips)
+    press.run(AT + 0.102)
+    assert press.servo.link is Link.LOST and press.arming == "OFF" and "lost" in press.message
+
+
+@pytest.mark.parametrize("stall", [0.15, 5.0])
+def test_the_host_is_killed_or_stalls(stall: float) -> None:
+    """Zero by 25 ms, brake, latched after 100 ms; what comes later needs a CLEAR and a new ARM."""
+    press = Press().run(AT)
+    press.host_runs = False
+    press.run(AT + stall)
+    still = press.forces(AT + 0.026, AT + 0.1)
+    speed = 0.25  # [m/s] at most: the hand goes on by 4 mm, on a spring of 400 N/m with 0.12 kg
+    assert max(still) < SPEC.brake * speed and max(press.forces(AT + 0.13)) < BRAKE_NOISE
+    assert press.device.mode == wire.FAULT
+    press.host_runs = True
+    press.run(AT + stall + 0.5)
+    assert press.let_go() and press.message
+    press.device.hand = Hand(tips=(WAY[:1],) * 3)  # the hand lifts off
+    press.run(press.now + 0.3)
+    press.servo.order = replace(press.servo.order, arm=2)
+    assert press.run(press.now + 1.3).arming == "ON"
+
+
+@pytest.mark.parametrize("fault", ["adc-range", "adc-frozen", "adc-jump"])
+def test_a_sensor_that_lies(fault: str) -> None:
+    """Masked at once (a frozen one after 50 readings alike), disarmed after 5 more."""
+    press = Press(f"{fault}=1@{AT}").run(AT + 0.2)
+    assert press.let_go() and "sensor" in press.message
+    known = 50 if fault == "adc-frozen" else 0
+    finger = [math.hypot(*row[14:17]) for row in press.trace if row[0] >= AT]
+    assert max(finger[known + 1 :]) == 0.0
+
+
+@pytest.mark.parametrize("bad", [{"force": (0.0, math.nan, 0.0)}, {"k_n": math.inf}, {"force": (0.0, 0.0, 1e9)}])
+def test_models_that_are_no_numbers(bad: dict[str, object]) -> None:
+    press = Press(contact=lambda now: replace(wall(now, k=300.0), **(bad if now >= AT else {}))).run(AT + 0.3)
+    assert press.let_go() and "not numbers" in press.message
+    assert max(press.forces(AT)) < 1.9 + CONVERTERS
+
+
+def test_a_huge_model() -> None:
+    """Its 500 N are cut to 10 N, 1 N a millisecond; what the device cannot bear for long it folds back."""
+    press = Press(contact=lambda now: wall(now, k=300.0, force=500.0 if now >= AT else 0.0)).run(AT + 0.3)
+    forces = press.forces(AT - 0.01)
+    assert 5.0 < max(forces) <= SPEC.peak_force + CONVERTERS
+    assert max(b - a for a, b in zip(forces, forces[1:], strict=False)) <= 1.0 + 2 * CONVERTERS
+
+
+def test_a_frozen_simulation() -> None:
+    press = Press(contact=lambda now: wall(now, k=300.0) if now < AT else None).run(AT + 0.09)
+    assert press.presses()
+    assert 0.3 < press.run(AT + 0.15).forces(AT + 0.14)[-1] < 1.5
+    assert max(press.run(AT + 0.26).forces(AT + 0.25)) == 0.0 and press.arming == "ON"
+    assert max(press.run(AT + 1.5).forces(AT + 0.25)) == 0.0 and press.arming == "WAITING"
+
+
+def test_another_protocol() -> None:
+    press = Press("version=2").run(0.3)
+    assert press.servo.link is Link.REFUSED and "2.0" in press.message and "1.0" in press.message

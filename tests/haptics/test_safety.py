@@ -1,0 +1,168 @@
+"""What stands between a computed force and a hand."""
+
+import math
+
+import pytest
+
+from core.haptics.safety import Arming, BadNumbers, Guard, Limits, Switch
+from core.haptics.vectors import ZERO, length
+
+LIMITS = Limits(peak=10.0, continuous=4.0)
+MS = 1e-3
+
+
+def run(switch: Switch, start: int, ticks: int, wanted: float = 0.0, held: bool = True, on: bool = True) -> list[float]:
+    return [switch.gain(wanted, (start + i) * MS, held=held, device_on=on) for i in range(ticks)]
+
+
+def test_nothing_acts_before_it_is_armed() -> None:
+    assert set(run(Switch(), 0, 1000)) == {0.0}
+
+
+def test_arming_waits_until_there_is_no_force_for_50_ms_and_then_ramps_for_half_a_second() -> None:
+    switch = Switch()
+    switch.arm()
+    assert set(run(switch, 0, 300, wanted=0.25)) == {0.0}
+    gains = run(switch, 300, 700)
+    assert set(gains[:50]) == {0.0}
+    assert gains[50 + 250] == pytest.approx(0.5, abs=0.01)
+    assert gains[50 + 505] == 1.0
+    assert gains == sorted(gains)
+
+
+def test_a_force_that_comes_back_while_waiting_starts_the_wait_again() -> None:
+    switch = Switch()
+    switch.arm()
+    run(switch, 0, 40)
+    run(switch, 40, 1, wanted=1.0)
+    assert set(run(switch, 41, 50)) == {0.0} and switch.arming is Arming.WAITING
+
+
+def test_a_device_that_does_not_arm_is_given_up() -> None:
+    switch = Switch()
+    switch.arm()
+    assert set(run(switch, 0, 2000, on=False)) == {0.0}
+    assert switch.arming is Arming.OFF and "refused" in switch.reason
+
+
+def test_releasing_the_dead_man_switch_takes_the_force_away_and_gripping_it_begins_anew() -> None:
+    switch = Switch()
+    switch.arm()
+    run(switch, 0, 700)
+    assert run(switch, 700, 1, held=False) == [0.0]
+    gains = run(switch, 701, 700)
+    assert set(gains[:50]) == {0.0} and 0 < gains[100] < 0.2 and gains[-1] == 1.0
+
+
+def test_after_a_disarm_only_a_new_request_arms() -> None:
+    switch = Switch()
+    switch.arm()
+    run(switch, 0, 700)
+    switch.disarm("why")
+    assert set(run(switch, 700, 700)) == {0.0} and switch.reason == "why"
+    switch.arm()
+    assert run(switch, 1400, 700)[-1] == 1.0
+
+
+def test_three_bad_numbers_in_100_ms_are_too_many_and_three_in_a_second_are_not() -> None:
+    quick, slow = BadNumbers(), BadNumbers()
+    many = []
+    for i in range(3):
+        quick.count(0.04 * i)
+        many.append(quick.too_many())
+    assert many == [False, False, True] and not quick.too_many()
+    for i in range(9):
+        slow.count(0.4 * i)
+        assert not slow.too_many()
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_no_number_no_force(bad: float) -> None:
+    guard = Guard(LIMITS)
+    guard.output((0.0, 0.0, 2.0), 1.0, 0.01)
+    assert guard.output((0.0, bad, 0.0), 1.0, MS) == ZERO
+
+
+@pytest.mark.parametrize("wanted", [12.0, 1e3, 1e9])
+def test_no_force_passes_the_peak_and_none_rises_faster_than_a_newton_a_millisecond(wanted: float) -> None:
+    guard = Guard(LIMITS)
+    pushes = [length(guard.output((wanted, 0.0, 0.0), 1.0, MS)) for _ in range(50)]
+    assert pushes[:10] == pytest.approx([i + 1.0 for i in range(10)])
+    assert max(pushes) <= 10.0 and guard.full
+
+
+def test_no_device_may_say_that_it_is_allowed_more_than_the_ceiling() -> None:
+    guard = Guard(Limits(peak=100.0, continuous=100.0))
+    for _ in range(200):
+        guard.output((0.0, 99.0, 0.0), 1.0, MS)
+    assert length(guard.sent) == pytest.approx(20.0)
+
+
+def test_the_root_mean_square_over_10_s_stays_at_the_continuous_force() -> None:
+    guard, square, seconds = Guard(LIMITS), 0.0, 60
+    for i in range(seconds * 1000):
+        guard.move((0.0, 0.0, 0.0), i * MS)
+        force = length(guard.output((0.0, 0.0, 9.0), 1.0, MS))
+        square += (force**2 - square) * MS / 10.0
+        assert square <= 4.0**2 * 1.001
+    assert length(guard.sent) == pytest.approx(4.0)
+
+
+def test_a_zero_is_at_once() -> None:
+    guard = Guard(LIMITS)
+    for _ in range(20):
+        guard.output((0.0, 0.0, 8.0), 1.0, MS)
+    assert guard.output((0.0, 0.0, 8.0), 0.0, MS) == ZERO
+
+
+def test_the_ramp_damps() -> None:
+    guard = Guard(LIMITS)
+    for i in range(100):
+        guard.move((0.0, 0.0, i * 1e-3 * 0.2), i * MS)  # 0.2 m/s
+    assert guard.output((0.0, 0.0, 0.0), 0.5, MS)[2] == pytest.approx(-0.5 * 3.0 * 0.2, rel=0.01)
+
+
+def test_a_fingertip_faster_than_a_hand_runs_away() -> None:
+    slow, fast = Guard(LIMITS), Guard(LIMITS)
+    for i in range(100):
+        slow.move((i * MS * 1.3, 0.0, 0.0), i * MS)
+        fast.move((i * MS * 1.7, 0.0, 0.0), i * MS)
+    assert fast.runs_away and not slow.runs_away
+
+
+def press_and_leave(push: float, pull: float, *, control: bool) -> float:
+    """Go 10 mm into a wall that pushes back with one stiffness on the way in and another, larger one on the way out.
+
+    Returns:
+        the energy [J] that the wall has taken less what it gave.
+    """
+    guard, taken, before = Guard(LIMITS), 0.0, 0.0
+    for i in range(401):
+        x = 0.01 * min(i, 400 - i) / 200
+        taken += guard.sent[0] * (before - x) * -1.0
+        guard.move((-x, 0.0, 0.0), i * MS)
+        if not control:
+            guard.passivity.stored = 0.0
+        guard.output(((push if i <= 200 else pull) * x, 0.0, 0.0), 1.0, MS)
+        before = x
+    return taken
+
+
+def test_the_passivity_controller_takes_back_what_an_active_wall_gives() -> None:
+    """A wall that pushes out harder than it was pushed in gives 0.5 (560 - 500) 0.01^2 = 3 mJ.
+
+    What was taken is given back 3.3 mm before the end; from there the wall still pushes 0.9 N on average, of which the
+    controller's 12 N s/m take 0.6 N at 0.05 m/s: at least half of the 3 mJ.
+    """
+    assert press_and_leave(500.0, 560.0, control=False) == pytest.approx(-0.003, rel=0.15)
+    assert press_and_leave(500.0, 560.0, control=True) > -0.0015
+
+
+def test_the_passivity_controller_takes_back_what_a_sampled_wall_leaks() -> None:
+    """Each tick holds the force of the one before: K T v x = 0.3 mJ for 600 N/m, 1 ms, 0.05 m/s, 10 mm."""
+    assert press_and_leave(600.0, 600.0, control=False) == pytest.approx(-0.0003, rel=0.1)
+    assert press_and_leave(600.0, 600.0, control=True) > -0.00003
+
+
+def test_the_passivity_controller_leaves_a_passive_wall_alone() -> None:
+    assert press_and_leave(700.0, 600.0, control=True) == press_and_leave(700.0, 600.0, control=False)

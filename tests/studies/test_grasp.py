@@ -1,0 +1,62 @@
+"""`grasp`: three fingertips of an emulated device lift the cube of nylon and put it down."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studies import grasp
+from studies.__main__ import main
+from studies.grasp import LIFT, LOWER, RAISED, Moment
+
+
+@pytest.fixture(scope="module")
+def moments() -> list[Moment]:
+    return list(grasp.run(grasp.grasp()))
+
+
+def during(moments: list[Moment], begin: float, end: float) -> list[Moment]:
+    return [moment for moment in moments if begin <= moment.time < end]
+
+
+def test_the_cube_is_lifted_and_not_dropped(moments: list[Moment]) -> None:
+    """The hand goes up 60 mm; it yields to the weight, and the fingertips slip a little: two thirds at least."""
+    heights = [moment.height for moment in during(moments, RAISED + 0.1, LOWER)]
+    assert max(heights) > LIFT * 2 / 3
+    assert min(heights) > LIFT / 2
+
+
+def test_the_cube_is_put_down_again_whole_and_let_go(moments: list[Moment]) -> None:
+    last = moments[-1]
+    assert last.height == pytest.approx(0.0, abs=0.001)
+    assert np.ptp(last.frame.positions, axis=0) == pytest.approx(grasp.PRESET.size, rel=0.05)
+    assert last.frame.note == "" and not any(last.forces[i][c] for i in range(3) for c in range(3))
+
+
+def test_the_hand_feels_the_squeeze_and_the_weight(moments: list[Moment]) -> None:
+    held = during(moments, RAISED + 0.1, LOWER)
+    thumb, index, middle = np.mean([moment.forces for moment in held], axis=0)
+    assert thumb[0] < -1 and index[0] > 1 and middle[0] > 1  # pushed apart
+    assert thumb[2] + index[2] + middle[2] < -0.5  # and down
+    assert max(np.linalg.norm(force) for moment in moments for force in moment.forces) < 10.0
+
+
+def test_the_device_stays_armed_and_loses_nothing(moments: list[Moment]) -> None:
+    report = moments[-1].report
+    assert (report.arming.name, report.lost, report.wrong, report.stale) == ("ON", 0, 0, 0)
+
+
+def test_without_friction_it_is_not_lifted() -> None:
+    """What comes up then is the skin in the fingertips' dents: less than half of what friction lifts."""
+    moments = list(grasp.run(grasp.grasp(friction=0.0), seconds=LOWER))
+    assert max(moment.height for moment in during(moments, RAISED, LOWER)) < LIFT / 3
+
+
+def test_the_command_tells_how_high_the_cube_was(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    out = tmp_path / "grasp.json"
+    assert main(["grasp", "--json", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "lifted" in said and "weighs 0.98 N" in said
+    assert max(row["height_m"] for row in json.loads(out.read_text())) > LIFT * 2 / 3
+    assert main(["grasp", "--json", str(tmp_path)]) == 2

@@ -1,0 +1,92 @@
+"""Implicit steps: their linear system is that of the laws, and a step without a solution is said to be one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.base import DimpleError, Floats
+from core.body.model import build_model, initial_state
+from core.mesh.surface import base_vertices
+from core.solver import newton
+from core.solver.path import FingerPath
+from core.solver.tangent import tangent
+from core.solver.ticks import acceleration_of
+from studies.methods.registry import METHODS
+from studies.motion import move
+from studies.scenes import BALL, FINGERTIP, ball, twisted_ball
+from studies.work_precision import cases, exact, run
+
+IMPLICIT = [name for name, method in METHODS.items() if method.kind == "implicit"]
+
+
+def test_the_linear_system_of_a_step_is_the_derivative_of_the_forces() -> None:
+    model, state = twisted_ball(1, amount=0.3)
+    state.positions *= 1.2  # stretched: no spring is under compression, so nothing is left out
+    state.pose = (np.eye(3), np.zeros(3))  # pinned: the shape at rest does not follow
+    rng = np.random.default_rng(1)
+    h, s, x = 1e-3, rng.standard_normal(state.positions.shape), state.positions.copy()
+
+    def momentum_change(share: float) -> Floats:
+        state.positions[:], state.velocities[:] = x + share * h * s, share * s
+        return share * s * model.mass - h * acceleration_of(model, state) * model.mass
+
+    eps = 1e-5
+    slope = (momentum_change(eps) - momentum_change(-eps)) / (2 * eps)
+    state.positions[:], state.velocities[:] = x, 0
+    assert tangent(model, state, h).product(s) == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("method", IMPLICIT)
+def test_an_implicit_step_ten_times_beyond_the_explicit_limit_is_solved(method: str) -> None:
+    model, state = twisted_ball(1)
+    move(model, state, method, seconds=0.05, steps=int(0.05 * model.omega_squared**0.5 / 20))
+    assert state.unsolved == 0
+    assert np.abs(state.positions).max() < 0.1
+
+
+@pytest.mark.parametrize("method", IMPLICIT)
+def test_implicit_steps_leave_the_momentum_of_a_free_body_alone(method: str) -> None:
+    model, state = twisted_ball(1)
+    state.velocities += np.array([[0.5], [0], [0]])
+    before = state.velocities @ model.mass
+    move(model, state, method, seconds=0.02, steps=20)
+    assert state.velocities @ model.mass == pytest.approx(before, abs=1e-6)
+
+
+def test_backward_euler_at_one_step_a_millisecond_meets_the_force_of_ten_small_steps() -> None:
+    frictionless = build_model(ball(1), [replace(BALL, friction=0.0)], held=base_vertices(ball(1)))
+    forces = {}
+    for method, substeps in (("semi_implicit", 10), ("backward_euler", 1)):
+        state = initial_state(frictionless)
+        top = float(state.positions[2].max()) + FINGERTIP
+        z = top - 0.010 * np.minimum(np.arange(101) / 50, 1)
+        path = FingerPath(centres=np.stack([0 * z, 0 * z, z], axis=1)[None], radii=np.array([FINGERTIP]))
+        METHODS[method].run(frictionless, state, path, tick=1e-3, substeps=substeps)
+        still = FingerPath(centres=np.repeat(path.centres[:, -1:], 11, axis=1), radii=path.radii)
+        impulse = METHODS[method].run(frictionless, state, still, tick=1e-3, substeps=substeps)
+        forces[method] = float(impulse[0, 2]) / 0.010
+    assert forces["backward_euler"] == pytest.approx(forces["semi_implicit"], rel=0.05)
+
+
+def test_pressed_by_a_fingertip_implicit_midpoint_rattles_where_backward_euler_is_still() -> None:
+    case = next(case for case in cases(quick=False) if case.name == "poke_cube")
+    wanted = exact(case, None)
+    rattling, still = (run(case, method, 17, wanted) for method in ("implicit_midpoint", "backward_euler"))
+    assert still.error < 0.05
+    assert rattling.error > 5 * still.error
+
+
+def test_a_step_that_finds_no_solution_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(newton, "NEWTON_STEPS", 1)
+    model, state = twisted_ball(1)
+    move(model, state, "backward_euler", seconds=0.01, steps=3)
+    assert state.unsolved == 3
+
+
+def test_the_literal_law_set_refuses_implicit_methods() -> None:
+    model = build_model(ball(1), [BALL], law_set="paper")
+    with pytest.raises(DimpleError, match="energy"):
+        move(model, initial_state(model), "backward_euler", seconds=0.01, steps=1)

@@ -1,0 +1,86 @@
+"""Where methods blow up is where theory says, and what energy they keep is what theory says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from studies.conservation import artificial_damping, backward_euler_damping, energy_trace
+from studies.methods.registry import METHODS
+from studies.motion import move
+from studies.stability import bound, cell, linearised, measured_boundary, shaken, small_body
+
+EXPLICIT = [name for name, method in METHODS.items() if method.kind == "explicit"]
+UNBOUNDED = [name for name, method in METHODS.items() if method.kind != "explicit"]
+
+
+@pytest.mark.parametrize("k", [6.0, 60_000.0])
+@pytest.mark.parametrize("method", EXPLICIT)
+def test_an_explicit_method_blows_up_within_a_tenth_of_its_bound(method: str, k: float) -> None:
+    model = small_body(k)
+    theory = bound(method, linearised(model))
+    assert measured_boundary(method, model, theory) == pytest.approx(theory, rel=0.1)
+
+
+@pytest.mark.parametrize("z", [0.05, 0.3])
+def test_the_limits_of_one_damped_mode_are_those_in_the_words(z: float) -> None:
+    mode = np.array([[0.0, 1.0], [-1.0, -2 * z]])
+    assert bound("explicit_euler", mode) == pytest.approx(2 * z, rel=0.01)
+    assert bound("semi_implicit", mode) == pytest.approx(2 * (math.sqrt(1 + z * z) - z), rel=0.01)
+
+
+def test_verlet_has_the_limit_of_semi_implicit_euler_but_a_quarter_less_where_damping_is_strong() -> None:
+    for z, share in ((0.0, 1.0), (0.3, 0.75)):
+        mode = np.array([[0.0, 1.0], [-1.0, -2 * z]])
+        assert bound("velocity_verlet", mode) / bound("semi_implicit", mode) == pytest.approx(share, rel=0.03)
+
+
+def test_four_evaluations_reach_only_1_4_times_as_far_without_damping_and_twice_with_it() -> None:
+    for z, share in ((0.0, math.sqrt(2)), (0.3, 1.9)):
+        mode = np.array([[0.0, 1.0], [-1.0, -2 * z]])
+        assert bound("rk4", mode) / bound("semi_implicit", mode) == pytest.approx(share, rel=0.02)
+
+
+def test_tr_bdf2_turns_a_free_body_that_backward_euler_leaves_alone() -> None:
+    model, turned = small_body(60_000.0), {}
+    for method in ("tr_bdf2", "backward_euler"):
+        state = shaken(model)
+        move(model, state, method, seconds=0.1, steps=1)
+        turned[method] = np.linalg.norm(np.cross(state.positions, model.mass * state.velocities, axis=0).sum(axis=1))
+    assert turned["tr_bdf2"] > 1e3 * turned["backward_euler"]
+
+
+@pytest.mark.parametrize("k", [6.0, 60_000.0])
+@pytest.mark.parametrize("method", UNBOUNDED)
+def test_an_implicit_or_sweeping_method_stays_finite_at_any_step(method: str, k: float) -> None:
+    model = small_body(k)
+    jacobian = linearised(model)
+    for dt in (1e-4, 1e-2, 1e-1):
+        assert cell(method, model, jacobian, k, dt, steps=16).label != "blown up"
+
+
+@pytest.mark.parametrize("k", [6.0, 60_000.0])
+def test_the_products_own_steps_are_stable(k: float) -> None:
+    model = small_body(k)
+    assert 1e-3 / model.substeps(1e-3) < bound("semi_implicit", linearised(model))
+
+
+def test_the_energy_of_verlet_stays_bounded_over_a_hundred_thousand_steps() -> None:
+    ratios = np.array(energy_trace("velocity_verlet", omega_dt=0.2, steps=100_000, looks=500).ratios)
+    assert np.abs(ratios - 1).max() < 0.2**2 / 2  # it swings by (omega dt)^2 / 4 and drifts nowhere
+    assert abs(ratios[-100:].mean() - ratios[:100].mean()) < 1e-3
+
+
+@pytest.mark.parametrize("omega_dt", [0.05, 0.2, 1.0])
+def test_backward_euler_damps_as_theory_says(omega_dt: float) -> None:
+    trace = energy_trace("backward_euler", omega_dt=omega_dt, steps=64, looks=64)
+    assert artificial_damping(trace) == pytest.approx(backward_euler_damping(omega_dt), rel=0.05)
+
+
+def test_implicit_midpoint_keeps_the_energy_and_explicit_euler_feeds_it() -> None:
+    kept = energy_trace("implicit_midpoint", omega_dt=0.3, steps=100)
+    assert max(abs(ratio - 1) for ratio in kept.ratios) < 1e-5
+    fed = energy_trace("explicit_euler", omega_dt=0.1, steps=200, looks=50)
+    assert artificial_damping(fed) == pytest.approx(-math.log1p(0.01) / 0.2, rel=0.02)
