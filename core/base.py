@@ -31,6 +31,7 @@ TICK = 1e-3  # [s] control step: haptics' 1 kHz, and what makes motion independe
 STEP_SAFETY = 0.9  # of the stability bound; springs stiffen a little when they turn
 MAX_SUBSTEPS = 2000  # a tick finer than this would never be live
 SKIN_TRAVEL = 0.5  # of a fingertip's radius: what the skin may move in one substep without passing the fingertip
+LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
 FINGER_TRAVEL = 0.25  # of its radius: what a fingertip may move in one tick without skipping over a skin
 
 

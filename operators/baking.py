@@ -158,7 +158,7 @@ def _matrix(body: Baked) -> np.ndarray:
 def _write(plan: Plan, bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
         shown = body.session.frame
-        local = bridge.to_local(body.link, _matrix(body), shown.positions)
+        local = bridge.to_local(body.link, _matrix(body), body.session.positions())
         if body.cache:
             body.cache.append(local)
         elif (frame - plan.first) % plan.step == 0 or frame == plan.last:

@@ -118,7 +118,7 @@ def step(
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
         body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
-    local = bridge.to_local(body.link, body.matrix, frame.positions)
+    local = bridge.to_local(body.link, body.matrix, body.session.positions())
     bridge_write.show(obj, body.link, local)
     if body.recorder:
         body.recorder.append(frame.time, local, frame)

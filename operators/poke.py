@@ -152,7 +152,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         self._run.paused = self._state.paused
         if self._state.pressing and not was_pressing:
             # a drag feels for the surface as it was: the dent would lead the fingertip deeper and deeper
-            self._shapes = {uid: body.frame.positions for uid, body in sessions.sessions.items()}
+            self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}
         if event.kind is Kind.RADIUS:
             context.scene.dimple.finger_radius_mm = self._state.radius * 1e3
         elif event.kind is Kind.FINGER:

@@ -61,7 +61,7 @@ def aimed(bodies: dict[int, Body], place: Vector | None, direction: Vector) -> P
     found = []
     for uid, body in bodies.items():
         size = body.session.model.mesh.size / body.link.scale
-        away = 2 * size + math.dist(place, body.to_world(tuple(map(float, body.frame.positions.mean(axis=0)))))
+        away = 2 * size + math.dist(place, body.to_world(tuple(map(float, body.session.positions().mean(axis=0)))))
         # from outside the body, and from close by: a place inside a hollow means the wall beside it
         starts = [(way, share * away) for way in ways for share in (1.0, 1e-3, 1e-5)]
         found += [pointer.nearest(_before(place, way, by), way, {uid: body}, {}) for way, by in starts]
@@ -74,7 +74,7 @@ def aimed(bodies: dict[int, Body], place: Vector | None, direction: Vector) -> P
 
 
 def _top(body: Body) -> Vector:
-    used = body.frame.positions[np.unique(body.triangles)]
+    used = body.session.positions()[np.unique(body.triangles)]
     x, y, z = map(float, used[used[:, 2].argmax()])
     return body.to_world((x, y, z))
 

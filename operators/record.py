@@ -20,7 +20,7 @@ def begin(context: bpy.types.Context) -> None:
         if obj is None or body.recorder:
             continue
         path = output.cache_path(context, obj, "take")
-        local = bridge.to_local(body.link, body.matrix, body.frame.positions)
+        local = bridge.to_local(body.link, body.matrix, body.session.positions())
         with output.plain_os_errors("Recording"):
             body.recorder = output.Recorder(
                 path, context.scene.frame_current, render.fps / render.fps_base, body.frame.time, local, body.frame

@@ -256,4 +256,4 @@ def show_all() -> None:
         obj = bridge.find(uid, body.name)
         if obj and bridge_write.is_showable(obj, body.link):
             bridge_write.resume(obj, body.borrowed)
-            bridge_write.show(obj, body.link, bridge.to_local(body.link, body.matrix, body.frame.positions))
+            bridge_write.show(obj, body.link, bridge.to_local(body.link, body.matrix, body.session.positions()))

@@ -6,6 +6,7 @@ import copy
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from core import native
 from core.base import TICK
 from core.solver.path import FingerPath
 
+from .methods import native as native_method
 from .methods.registry import METHODS, Run
 from .scenes import twisted_ball
 
@@ -52,7 +54,7 @@ def slope(found: Sequence[Cost], method: str) -> float:
 
 
 def _cost(name: str, subdivisions: int) -> Cost:
-    run: Run = native.run if name == NATIVE else METHODS[name].run
+    run: Run = partial(native_method.run, bits=32) if name == NATIVE else METHODS[name].run
     model, start = twisted_ball(subdivisions, amount=0.3)
     explicit = name == NATIVE or METHODS[name].kind == "explicit"
     dt = TICK / model.substeps(TICK) if explicit else TICK

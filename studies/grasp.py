@@ -43,13 +43,21 @@ FRAME = 1 / 60  # [s]
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """Hold a frame: its time since the hand began [s], what the session shows, what the servo says, the height of the
-    cube [m] and the true forces of the motors [N]."""
+    """One frame of the grasp.
+
+    time: since the hand began [s].
+    frame: what the session shows.
+    report: what the servo says.
+    height: of the cube's middle [m].
+    size: of its longest side [m].
+    forces: of the motors, as they are [N].
+    """
 
     time: float
     frame: Frame
     report: Report
     height: float
+    size: float
     forces: list[Vector]
 
 
@@ -96,11 +104,9 @@ def run(session: Session, *, spec: Spec | None = None, seconds: float = END) -> 
         if began is None and report.arming is Arming.RAMP:
             began = now
         if began is not None:
-            yield Moment(now - began, frame, report, _height(frame), list(emulator.forces))
-
-
-def _height(frame: Frame) -> float:
-    return float(frame.positions[:, 2].mean())
+            x = session.positions()
+            size = float(np.ptp(x, axis=0).max())
+            yield Moment(now - began, frame, report, float(x[:, 2].mean()), size, list(emulator.forces))
 
 
 def add_grasp(command: argparse.ArgumentParser) -> None:

@@ -58,7 +58,7 @@ def free_ball(subdivisions: int) -> Session:
     """Return a ball in the air, twisted about z and stretched: nothing holds it."""
     model, state = twisted_ball(subdivisions)
     session = Session(model)
-    session.place(state.positions)
+    session.body.set_state(state.positions)
     return session
 
 

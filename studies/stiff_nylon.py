@@ -16,7 +16,6 @@ from functools import partial
 
 import numpy as np
 
-from core import native
 from core.base import TICK, Floats
 from core.body.model import Model, initial_state
 from core.body.model import build_model as build
@@ -28,6 +27,7 @@ from core.reduction.proxy import Proxy, build_proxy, carry, contact_radius
 from core.solver.backend import choose_backend
 from core.solver.path import FingerPath
 
+from .methods import native as native_method
 from .methods.registry import METHODS, Run
 from .scenes import FINGERTIP, cube, whole_skin
 
@@ -85,8 +85,10 @@ def presses(cells: int, *, whole: bool, dear: bool) -> Iterator[Press]:
         dear: XPBD at smaller substeps too, half a minute on a fine mesh.
     """
     model = nylon(cells, whole=whole)
-    backend, why, fast = choose_backend()
-    exact, substeps, n = fast if why else native.run64, model.substeps(TICK), len(model.mass)
+    backend, why = choose_backend()
+    fast: Run = METHODS["semi_implicit"].run if why else partial(native_method.run, bits=32)
+    exact: Run = fast if why else native_method.run
+    substeps, n = model.substeps(TICK), len(model.mass)
     wanted = pressed(model, exact, FINE * substeps)
 
     def judged(way: str, method: str, backend: str, vertices: int, dt: float, seen: Seen) -> Press:

@@ -17,6 +17,7 @@ from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
 from core.solver.path import FingerPath
 
+from .methods import native as native_method
 from .methods.registry import METHODS
 from .motion import relative_error
 from .scenes import BALL, FINGERTIP, ball, cube, oscillator, twisted_ball, whole_skin
@@ -164,7 +165,7 @@ def _ticks(case: Case, steps: int) -> tuple[int, int]:
 
 def _advance(case: Case, method: str, steps: int) -> tuple[State, float]:
     """Return the state at the end and the mean force [N] on the fingertip over the last quarter."""
-    state, run_method = copy.deepcopy(case.start), native.run64 if method == NATIVE else METHODS[method].run
+    state, run_method = copy.deepcopy(case.start), native_method.run if method == NATIVE else METHODS[method].run
     ticks, substeps = _ticks(case, steps)
     tick = case.seconds / ticks
     if not case.depth:

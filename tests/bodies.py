@@ -3,10 +3,14 @@
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from core import native
 from core.base import Floats, Ints
+from core.body.model import State
+from core.session import Session
+from core.solver.backend import Body
 
 Shape = tuple[Floats, Ints]
 REAL = ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")  # scans and exports as they come
@@ -96,3 +100,14 @@ def signed_volume(points: Floats, faces: Ints) -> float:
 def backends(*wanted: str) -> list[str]:
     """Return those of the backends that run here; numpy always does."""
     return [b for b in wanted if b == "numpy" or not native.why_not()]
+
+
+def after(session: Session, seconds: float) -> npt.NDArray[np.float32]:
+    """Step a session and return where it is then."""
+    session.step(seconds)
+    return session.positions()
+
+
+def state_of(body: Body) -> State:
+    """Return a copy of what a body owns."""
+    return State(positions=body.positions(), velocities=body.velocities(), pose=None)

@@ -75,20 +75,26 @@ class Model:
 
 @dataclass(slots=True, kw_only=True)
 class State:
-    """Hold what moves.
+    """What moves of a body.
 
-    positions, velocities: (3, n) [m], [m/s].  pose: of the shape at rest where pins hold it, None where it is free.
-    pace: how fast that pose changes [1/s], [m/s], None where the pins rest.
-    inner_force: sum of K(x_i) over the fingertips [N], Eq. (1), and contact: vertices touched, both for Eq. (2).
-    pressure: [Pa] at the last evaluation.  unsolved: implicit steps so far that found no solution.
+    positions: (3, n) [m].
+    velocities: (3, n) [m/s].
+    pose: of the shape at rest where pins hold it, None where it is free.
+    pose_rate: how fast that pose changes [1/s], [m/s], None where the pins rest.
+    inner_force: sum of K(x_i) over the fingertips [N], Eq. (1), for Eq. (2).
+    contact: vertices touched, for Eq. (2).
+    volume: [m3] at the last evaluation of the forces.
+    pressure: [Pa] at the last evaluation.
+    unsolved: implicit steps so far that found no solution.
     """
 
     positions: Floats
     velocities: Floats
     pose: Pose | None
-    pace: Pose | None = None
+    pose_rate: Pose | None = None
     inner_force: float = 0.0
     contact: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    volume: float = 0.0
     pressure: float = 0.0
     unsolved: int = 0
 
@@ -102,7 +108,6 @@ def build_model(
     softness: Floats | None = None,
     gravity: Sequence[float] = (0.0, 0.0, 0.0),
     ground: float | None = None,
-    bend: float = 0.0,
 ) -> Model:
     """Give a mesh its materials.
 
@@ -113,7 +118,6 @@ def build_model(
         softness: (N,) per input vertex, 0.5 as measured, 1 four times softer, 0 four times stiffer.
         gravity: (3,) [m/s2].
         ground: height [m] of a plane that nothing sinks below.
-        bend: stiffness of the springs across each edge, as a share of that edge's; 0 leaves them out.
 
     Raises:
         DimpleError: no material, an unknown law set, or maps of the wrong length.
@@ -122,8 +126,6 @@ def build_model(
         raise DimpleError(f"The law set must be one of {', '.join(LAW_SETS)} (it is {law_set}).")
     if not np.isfinite(gravity).all() or np.shape(gravity) != (3,) or not math.isfinite(ground or 0.0):
         raise DimpleError("Gravity must be three numbers and the ground's height one.")
-    if not 0 <= bend < math.inf:
-        raise DimpleError(f"The bend stiffness must be 0 or more (it is {bend}).")
     if not materials or mesh.triangle_material.max() >= len(materials) or mesh.triangle_material.min() < 0:
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
     n, which = len(mesh.rest_positions), mesh.triangle_material
@@ -141,10 +143,9 @@ def build_model(
     else:
         stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * factor[mesh.springs].mean(axis=1)
         ratio = 1.0
-    pairs, over = springs.bend_pairs(mesh) if bend > 0 else (mesh.springs[:0], np.zeros(0, np.int64))
     return assemble(
         mesh, materials, law_set=law_set, mass=mass, held=held_here, friction=friction_at, damping=ratio * damping_at,
-        stiffness=np.concatenate([stiffness, bend * stiffness[over]]), bend_pairs=pairs, k1=k1, k2=k2, d0=d0_at,
+        stiffness=stiffness, k1=k1, k2=k2, d0=d0_at,
         fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground,
     )  # fmt: skip
 
@@ -159,7 +160,6 @@ def assemble(
     friction: Floats,
     damping: Floats,
     stiffness: Floats,
-    bend_pairs: Ints,
     k1: Floats,
     k2: Floats,
     d0: Floats,
@@ -171,9 +171,9 @@ def assemble(
 
     Args:
         mass [kg], friction, damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
-        stiffness: (m,) of the mesh's springs, then of those across bend_pairs [N/m].
+        stiffness: (m,) of the mesh's springs [N/m].
     """
-    n, ends = len(mass), np.concatenate([mesh.springs, bend_pairs])
+    n, ends = len(mass), mesh.springs
     mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + np.maximum(k1, k2), ~mesh.loose)
     i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
@@ -181,7 +181,7 @@ def assemble(
     inverse_mass = np.where(held, 0.0, 1 / mass)
     x = np.array(mesh.rest_positions.T, order="C")
 
-    membrane = springs.build_springs(mesh, stiffness, dashpots, bend_pairs)
+    membrane = springs.build_springs(mesh, stiffness, dashpots)
     shape = ShapeMatching(
         rest=x, k1=k1, k2=k2, d0=d0, damping=2 * damping * np.sqrt(k1 * mass),
         mass=np.where(mesh.loose, LOOSE_MASS * mass, mass),
@@ -222,6 +222,7 @@ def forces(model: Model, state: State) -> Floats:
         f = springs.force(model.springs, x, v, arms)
         if model.pressure.fill != "none":
             volume, gradient = pressure.volume_and_gradient(model.pressure, x, arms)
+            state.volume = volume
             if model.pressure.fill == "paper":
                 state.pressure = paper.inner_pressure(
                     state.inner_force, paper.contact_area(state.contact, model.mesh.triangles, x)
@@ -229,7 +230,7 @@ def forces(model: Model, state: State) -> Floats:
             else:
                 state.pressure = pressure.pressure_at(model.pressure, volume)
             f += state.pressure * gradient
-        f += shape_matching.force(model.matching, x, v, state.pose, state.pace)
+        f += shape_matching.force(model.matching, x, v, state.pose, state.pose_rate)
     return f + model.mass * model.gravity[:, None]
 
 

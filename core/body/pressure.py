@@ -54,6 +54,11 @@ def volume_and_gradient(law: Pressure, x: Floats, arms: Floats | None = None) ->
     return volume, n / 6
 
 
+def volume(law: Pressure, x: Floats) -> float:
+    """Return the volume [m3] at positions (3, n)."""
+    return volume_and_gradient(law, x)[0]
+
+
 def pressure_at(law: Pressure, volume: float) -> float:
     """Return the pressure [Pa] above that outside, at a volume [m3]."""
     if law.fill == "air":

@@ -69,18 +69,19 @@ def energy(law: ShapeMatching, x: Floats, pose: Pose | None = None) -> float:
 
 
 def force(
-    law: ShapeMatching, x: Floats, v: Floats | None = None, pose: Pose | None = None, pace: Pose | None = None
+    law: ShapeMatching, x: Floats, v: Floats | None = None, pose: Pose | None = None, pose_rate: Pose | None = None
 ) -> Floats:
     """Return the forces (3, n) [N]; without a given pose the body is free and they have no net force or torque.
 
     Args:
-        pace: how fast the given pose changes [1/s], [m/s]; damping is against the shape at rest as it moves.
+        pose_rate: how fast the given pose changes [1/s], [m/s]; damping is against the shape at rest as it moves.
     """
     rotation, translation = pose_of(law, x, pose)
     u = x - rotation @ law.rest - translation[:, None]
     f = -_secant(law, u) * u
     if v is not None:
-        f -= law.damping * (v - (shape_velocity(law, pace) if pose is not None else rigid_velocity(law.mass, x, v)))
+        moving = shape_velocity(law, pose_rate) if pose is not None else rigid_velocity(law.mass, x, v)
+        f -= law.damping * (v - moving)
     if pose is None:
         f -= law.mass * rigid_velocity(law.mass, x, f / law.mass)
     return f
@@ -100,9 +101,9 @@ def stiffness_parts(law: ShapeMatching, x: Floats, pose: Pose) -> tuple[Floats, 
     return _secant(law, u), np.where(d > law.d0, (law.k2 - law.k1) * law.d0 / d**3, 0.0), u
 
 
-def shape_velocity(law: ShapeMatching, pace: Pose | None) -> Floats | float:
+def shape_velocity(law: ShapeMatching, pose_rate: Pose | None) -> Floats | float:
     """Return the velocities (3, n) [m/s] of the places in the shape at rest, 0 where pins do not move it."""
-    return 0.0 if pace is None else pace[0] @ law.rest + pace[1][:, None]
+    return 0.0 if pose_rate is None else pose_rate[0] @ law.rest + pose_rate[1][:, None]
 
 
 def rigid_velocity(mass: Floats, x: Floats, v: Floats) -> Floats:

@@ -7,7 +7,7 @@ and a dashpot c along the edge, as a ratio of the critical damping of the two ve
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,10 +20,14 @@ _TINY = 1e-30
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Springs:
-    """Hold springs.
+    """The springs of a mesh.
 
-    pairs: (m, 2), the mesh's, then bend springs.  rest_lengths [m], stiffness [N/m], damping [N s/m]: (m,).
-    ring_*: the same, slot by slot (w, n).  rings: the mesh's, bend springs among the loose ones.
+    pairs: (m, 2) vertices at their ends.
+    rest_lengths: (m,) [m].
+    stiffness: (m,) [N/m].
+    damping: (m,) of the dashpots beside them [N s/m].
+    rings: the mesh's one-rings.
+    ring_rest, ring_stiffness, ring_damping: the same slot by slot (w, n), 0 in padded slots.
     """
 
     pairs: Ints
@@ -36,41 +40,17 @@ class Springs:
     ring_damping: Floats
 
 
-def build_springs(mesh: Mesh, stiffness: Floats, damping: Floats, bend: Ints | None = None) -> Springs:
-    """Lay per-spring constants (m,) out along the one-rings.
+def build_springs(mesh: Mesh, stiffness: Floats, damping: Floats) -> Springs:
+    """Lay the constants (m,) of a mesh's springs out along its one-rings."""
+    used = mesh.rings.springs >= 0
 
-    Args:
-        stiffness, damping: of the mesh's springs, then of the bend springs.
-        bend: (b, 2) pairs of vertices joined beside the mesh's springs.
-    """
-    rings, pairs, lengths = mesh.rings, mesh.springs, mesh.rest_lengths
-    if bend is not None and len(bend):
-        extra = np.arange(len(pairs), len(pairs) + len(bend))
-        rings = replace(
-            rings,
-            loose_springs=np.concatenate([rings.loose_springs, extra]),
-            loose_ends=np.concatenate([rings.loose_ends, np.ones((len(bend), 2), bool)]),
-        )
-        ends = mesh.rest_positions[bend]
-        pairs = np.concatenate([pairs, bend])
-        lengths = np.concatenate([lengths, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)])
-    slots = rings.springs
-    used = slots >= 0
+    def in_slots(values: Floats) -> Floats:
+        return np.where(used, values[mesh.rings.springs], 0.0)
+
     return Springs(
-        pairs=pairs, rest_lengths=lengths, stiffness=stiffness, damping=damping, rings=rings,
-        ring_rest=np.where(used, lengths[slots], 0.0),
-        ring_stiffness=np.where(used, stiffness[slots], 0.0),
-        ring_damping=np.where(used, damping[slots], 0.0),
+        pairs=mesh.springs, rest_lengths=mesh.rest_lengths, stiffness=stiffness, damping=damping, rings=mesh.rings,
+        ring_rest=in_slots(mesh.rest_lengths), ring_stiffness=in_slots(stiffness), ring_damping=in_slots(damping),
     )  # fmt: skip
-
-
-def bend_pairs(mesh: Mesh) -> tuple[Ints, Ints]:
-    """Return the corners (b, 2) opposite each edge that two triangles share, and that edge (b,). Source: Provot."""
-    shared = np.flatnonzero(mesh.spring_triangles[:, 0] != mesh.spring_triangles[:, 1])
-    # a triangle's corners less the two ends of the edge
-    across = mesh.triangles[mesh.spring_triangles[shared]].sum(axis=2) - mesh.springs[shared].sum(axis=1)[:, None]
-    apart = across[:, 0] != across[:, 1]
-    return across[apart], shared[apart]
 
 
 def membrane_stiffness(mesh: Mesh, k: Floats) -> Floats:

@@ -203,7 +203,7 @@ def _by_sphere(model: Model, radius: float, site: Site, depths: Sequence[float])
         frame = session.step(LISTENING)
         force = -float(frame.finger_forces[0] @ site.inward) if len(frame.finger_forces) else math.nan
         x = np.zeros_like(model.mesh.rest_positions)
-        x[model.mesh.source] = frame.positions
+        x[model.mesh.source] = session.positions()
         whole = frame.finite and math.isfinite(force)
         yield _station(model, np.zeros_like(site.under), depth, force, np.ascontiguousarray(x.T), whole)
         at = depth

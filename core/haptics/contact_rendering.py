@@ -75,7 +75,7 @@ class Felt:
             cap: largest stiffness the device renders [N/m].  now: [s] of the clock that the servo reads too.
             others: fingertips of the session that are not the device's.
         """
-        touches = [None if i in others else touch for i, touch in enumerate(session.frame.touches)]
+        touches = [None if i in others else touch for i, touch in enumerate(session.touches())]
         self.stuck = {i: place for i, place in self.stuck.items() if i < len(touches) and touches[i]}
         return tuple(
             self._contact(session.model, i, touch, place, cap, now) if touch else None

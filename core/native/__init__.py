@@ -1,7 +1,7 @@
-"""The native core: the steps of `integrators.semi_implicit` in C, or the reason why they are not at hand.
+"""The native core: bodies that own their state in C, or the reason why there are none here.
 
 The library lies beside this file (a developer's machine) or in the wheel `dimple_native` (an installed extension).
-It is used only if its ABI number is this file's and a small body moves with it as it does with numpy.
+It is used only if its ABI number is this file's and a small body moves in it as its numpy twin does.
 """
 
 from __future__ import annotations
@@ -11,22 +11,22 @@ import functools
 import importlib.util
 import sys
 import weakref
+from ctypes import POINTER, Structure, byref, c_double, c_int32, c_int64, c_void_p
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..base import Floats
-from ..body.model import Model, State
-from ..solver import semi_implicit
-from ..solver.path import FingerPath
+from ..body.model import Model
+from ..solver.motion import Frame, Motion, Touch
+from ..solver.twin import Twin
 
-ABI = 2
+ABI = 3
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 FILLS = {"none": 0, "air": 1, "liquid": 2, "paper": 3}
 LAW_SETS = {"consistent": 0, "paper": 1}
 BEST, BASE, AVX2 = 0, 1, 2  # instruction sets
-NOT_A_NUMBER = 5  # DM_NUMBER
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
 
@@ -36,6 +36,74 @@ class NativeError(RuntimeError):
     def __init__(self, reason: str, code: int = 0) -> None:
         super().__init__(reason)
         self.code = code
+
+
+# the structures of dimple.h, field by field (tests/parity/test_door.py compares them)
+_TYPES: dict[str, Any] = {"p": c_void_p, "n": c_int64, "i": c_int32, "d": c_double}
+
+
+def _fields(**kinds: str) -> list[tuple[str, Any]]:
+    """Return the fields of a structure: p array, n int64, i int32, d double, d3 three of them..."""
+    return [(name, _TYPES[kind[0]] * int(kind[1:]) if kind[1:] else _TYPES[kind]) for name, kind in kinds.items()]
+
+
+class Constants(Structure):
+    """The numbers of a body that may change while it lives: dm_constants."""
+
+    _fields_ = _fields(
+        stiffness="p", damping="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p", drag="p",
+        laws="p", materials="n", gravity="d3", ground="d", law_set="i", fill="i", free="i",
+    )  # fmt: skip
+
+
+class BodyDef(Structure):
+    """What a body is: dm_body_def."""
+
+    _fields_ = _fields(
+        vertices="n", rest="p", loose="p", width="n", ring="p", ring_spring="p", springs="n", ends="p",
+        rest_length="p", irregular="n", irregular_spring="p", irregular_end="p", triangles="n", corners="p",
+        fans="n", fan="p", cap_edges="n", cap_edge="p", cap_hole="p", rest_volume="d", rest_area="d", size="d",
+        surface_vertices="n", surface_rest="p", surface_triangles="n", surface_corners="p", surface_material="p",
+    ) + [("constants", Constants)]  # fmt: skip
+
+
+class Fingertip(Structure):
+    """Where one fingertip goes during a call: dm_fingertip."""
+
+    _fields_ = _fields(first="d3", last="d3", radius="d", contact_radius="d", down="n", fresh="n")
+    _fields_.insert(0, ("from_", c_double * 3))
+
+
+class CMotion(Structure):
+    """What happens to a body during a call: dm_motion."""
+
+    _fields_ = [
+        *_fields(ticks="n", substeps="n", tick="d"),
+        ("fingertips", Fingertip * 3),
+        *_fields(pins_from="p", pins_to="p", pins_first="d", pins_last="d"),
+    ]
+
+
+class CTouch(Structure):
+    """How a fingertip meets a body: dm_touch."""
+
+    _fields_ = _fields(impulse="d3", centre="d3", depth="d", outward="d3", law_force="d", triangle="n")
+
+
+class CFrame(Structure):
+    """What a call came to: dm_frame."""
+
+    _fields_ = [("touches", CTouch * 3), *_fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n")]
+
+
+_SIGNATURES: dict[str, tuple[Any, ...]] = {
+    "dm_create": (POINTER(c_void_p), POINTER(BodyDef), c_int32, c_int32),
+    "dm_set_constants": (c_void_p, POINTER(Constants)),
+    "dm_set_state": (c_void_p, c_void_p, c_void_p),
+    "dm_get_state": (c_void_p, c_void_p, c_void_p),
+    "dm_step": (c_void_p, POINTER(CMotion), POINTER(CFrame)),
+    "dm_fit_rotation": (c_void_p, c_void_p),
+}
 
 
 def places() -> list[Path]:
@@ -79,16 +147,6 @@ def instructions(instruction_set: int = BEST) -> str:
     return name.decode()
 
 
-def run(model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
-    """Advance a state in place in single precision, as `semi_implicit.run` does."""
-    return run_body(body_of(model, 32), model, state, path, tick=tick, substeps=substeps)
-
-
-def run64(model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
-    """Advance a state in place in double precision."""
-    return run_body(body_of(model, 64), model, state, path, tick=tick, substeps=substeps)
-
-
 def load(path: Path) -> ctypes.CDLL:
     """Load a library and check its ABI number.
 
@@ -96,148 +154,239 @@ def load(path: Path) -> ctypes.CDLL:
         OSError: it is broken or of another machine.  NativeError: it is of another version.
     """
     library = ctypes.CDLL(str(path))
-    library.dm_abi.restype = ctypes.c_int32
+    library.dm_abi.restype = c_int32
     if library.dm_abi() != ABI:
         raise NativeError(f"it has version {library.dm_abi()}, not {ABI}")
     library.dm_message.restype = library.dm_instructions.restype = ctypes.c_char_p
-    for name, arguments in ARGUMENTS.items():
-        getattr(library, name).argtypes = [_TYPES[letter] for letter in arguments]
-        getattr(library, name).restype = ctypes.c_int32
+    library.dm_destroy.argtypes, library.dm_destroy.restype = [c_void_p], None
+    library.dm_default_body_def.argtypes, library.dm_default_body_def.restype = [POINTER(BodyDef)], None
+    for name, arguments in _SIGNATURES.items():
+        getattr(library, name).argtypes = arguments
+        getattr(library, name).restype = c_int32
     return library
 
 
 def use(own: ctypes.CDLL) -> None:
     """Run on this library from now on: a test's own build."""
-    _bodies.clear()
     _loaded.append(own)
 
 
 def self_test(library: ctypes.CDLL) -> None:
-    """Press a small cube with the library and with numpy, in both precisions.
+    """Press a small cube in the library and in numpy, in both precisions.
 
     Raises:
         NativeError: they differ.
     """
-    model, state, path = small_press()
-    semi_implicit.run(model, state, path, tick=1e-3, substeps=model.substeps(1e-3))
+    model, motion = small_press()
+    twin = Twin(model)
+    twin.step(motion)
     for bits in (32, 64):
-        model, other, path = small_press()
-        run_body(Body(library, model, bits), model, other, path, tick=1e-3, substeps=model.substeps(1e-3))
-        difference = float(np.abs(other.positions - state.positions).max())
+        body = Body(model, bits=bits, using=library)
+        body.step(motion)
+        difference = float(np.abs(body.positions() - twin.positions()).max())
         if not difference < AGREEMENT * model.mesh.size:
             raise NativeError(f"it differs from numpy by {1000 * difference:.3g} mm")
 
 
 class Body:
-    """Hold a model in the library; freed with this object.
+    """A body in the library, which owns its state; freed with this object. Its twin is `solver.twin.Twin`.
 
     Args:
-        bits: 32 or 64.
+        model: what moves.
+        surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
+        bits: 32 or 64, of the state.
         instruction_set: BEST, or another where a test compares them.
+        using: the library, where it is not the one in use.
+
+    Raises:
+        NativeError: the library refused it.
     """
 
-    def __init__(self, library: ctypes.CDLL, model: Model, bits: int, instruction_set: int = BEST) -> None:
-        self.library = library
-        self.handle = ctypes.c_uint64()
-        self.n = len(model.mesh.rest_positions)
-        rings, springs, matching, mesh = model.springs.rings, model.springs, model.matching, model.mesh
-        width = len(rings.neighbours)
-        handle = ctypes.byref(self.handle)
-        rest = np.ascontiguousarray(mesh.rest_positions.T)
-        self.call("dm_create", handle, bits, instruction_set, self.n, rest, width, rings.neighbours, rings.springs)
-        weakref.finalize(self, library.dm_free, ctypes.c_uint64(self.handle.value))
+    def __init__(
+        self,
+        model: Model,
+        *,
+        surface: Model | None = None,
+        bits: int = 32,
+        instruction_set: int = BEST,
+        using: ctypes.CDLL | None = None,
+    ) -> None:
+        self.library = using or library()
+        self.model, self._surface = model, surface or model
+        self._shape = model.matching.rest.shape
+        self._placed: Floats | None = model.matching.rest  # what has not been stepped since keeps its digits
+        self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
+        with _Arrays() as arrays:
+            definition = _definition(self.library, model, self._surface, arrays)
+            self._call("dm_create", byref(self._handle), byref(definition), bits, instruction_set)
+        weakref.finalize(self, self.library.dm_destroy, self._handle.value)
+        # what every step hands over: made once
+        self._step = self.library.dm_step
+        self._step_arguments = self._handle, byref(self._motion), byref(self._frame)
 
-        loose, ends = rings.loose_springs, rings.loose_ends
-        if model.law_set == "paper":  # Eq. (4) goes spring by spring
-            loose, ends = np.arange(len(springs.pairs)), np.ones((len(springs.pairs), 2), bool)
+    def set_constants(self, model: Model) -> None:
+        """Give the living body the numbers of another model of the same mesh.
+
+        Raises:
+            NativeError: a number that is none, or another mesh.
+        """
+        if model.mesh is not self.model.mesh:
+            raise NativeError("the model is of another mesh")
+        with _Arrays() as arrays:
+            self._call("dm_set_constants", self._handle, byref(_constants(model, self._surface, arrays)))
+        self.model = model
+
+    def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
+        """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
+        with _Arrays() as arrays:
+            at, speed = (arrays.double(a) for a in (positions, velocities))
+            if np.shape(positions) != self._shape or (velocities is not None and np.shape(velocities) != self._shape):
+                raise NativeError(f"the state must have the shape {self._shape}")
+            self._call("dm_set_state", self._handle, at, speed)
+        self._placed = np.array(positions, np.float64)
+
+    def positions(self) -> Floats:
+        """Return where the vertices are, (3, n) [m]."""
+        if self._placed is not None:
+            return self._placed.copy()
+        x = np.empty(self._shape)
+        self._call("dm_get_state", self._handle, x.ctypes.data, None)
+        return x
+
+    def velocities(self) -> Floats:
+        """Return how fast the vertices move, (3, n) [m/s]."""
+        v = np.empty(self._shape)
+        self._call("dm_get_state", self._handle, None, v.ctypes.data)
+        return v
+
+    def step(self, motion: Motion) -> Frame:
+        """Run the ticks of a motion.
+
+        Raises:
+            NativeError: the motion has a number that is none.
+        """
+        told, frame = self._motion, self._frame
+        if motion.ticks:
+            self._placed = None
+        told.ticks, told.substeps, told.tick = motion.ticks, motion.substeps, motion.tick
+        for i, tip in enumerate(motion.fingertips):
+            to = told.fingertips[i]
+            to.down = tip is not None
+            if tip is not None:
+                to.from_[:], to.first[:], to.last[:] = tip.start, tip.first, tip.last
+                to.radius, to.contact_radius, to.fresh = tip.radius, tip.contact_radius, tip.fresh
+        for i in range(len(motion.fingertips), 3):
+            told.fingertips[i].down = 0
+        arrays = None
+        if motion.pins is not None:
+            pins, shape = motion.pins, (3, int(self.model.held.sum()))
+            arrays = [np.ascontiguousarray(a, np.float64) for a in (pins.start, pins.end)]
+            if arrays[0].shape != shape or arrays[1].shape != shape:
+                raise NativeError(f"the places of the pins must have the shape {shape}")
+            told.pins_from, told.pins_to = (a.ctypes.data for a in arrays)
+            told.pins_first, told.pins_last = pins.first, pins.last
         else:
-            own = loose < len(mesh.springs)
-            loose, ends = loose[own], ends[own]
-        constants = springs.pairs, springs.rest_lengths, springs.stiffness, springs.damping
-        self.set("springs", len(springs.pairs), *constants, len(loose), loose, ends)
-        self.set("bend", len(springs.pairs) - len(mesh.springs), *(a[len(mesh.springs) :] for a in constants))
-        self.set("faces", len(mesh.triangles), mesh.triangles)
-        fill, corners = model.pressure, rings.corners
-        holes = len(fill.cap_edges), fill.cap_edges, fill.cap_loop
-        self.set("fill", FILLS[fill.fill], fill.rest_volume, len(corners), corners, *holes)
-        self.set("matter", self.n, matching.mass, model.inverse_mass, model.friction)
-        self.set("memory", self.n, matching.k1, matching.k2, matching.d0, matching.damping)
-        ground = -np.inf if model.ground is None else model.ground
-        area = float(mesh.triangle_areas.sum())
-        self.set("world", LAW_SETS[model.law_set], area, model.gravity, ground)
+            told.pins_from = told.pins_to = None
+        code = self._step(*self._step_arguments)
+        if code:
+            raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
+        return Frame(
+            touches=tuple([_touch(frame.touches[i]) if tip else None for i, tip in enumerate(motion.fingertips)]),
+            pose=tuple(frame.pose), volume=frame.volume, pressure=frame.pressure, ticks=frame.ticks,
+            finite=bool(frame.finite),
+        )  # fmt: skip
 
-    def set(self, what: str, *values: Any) -> None:
-        self.call(f"dm_set_{what}", self.handle, *values)
-
-    def call(self, name: str, *values: Any) -> None:
-        call(name, *values, using=self.library)
+    def _call(self, name: str, *values: Any) -> None:
+        code = getattr(self.library, name)(*values)
+        if code:
+            raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
 
 
-def call(name: str, *values: Any, using: ctypes.CDLL | None = None) -> None:
-    """Call the library; numpy arrays go as the pointers its header asks for.
-
-    Raises:
-        NativeError: it refused.
-    """
-    arrays = []
-    for letter, value in zip(ARGUMENTS[name], values, strict=True):
-        if isinstance(value, np.ndarray):
-            value = np.ascontiguousarray(value, _DTYPES[letter])
-        arrays.append(value)
-    using = using or library()
-    # a third of the time .ctypes.data takes
-    code = getattr(using, name)(*[a.__array_interface__["data"][0] if isinstance(a, np.ndarray) else a for a in arrays])
-    if code:
-        raise NativeError(f"{name}: {using.dm_message(code).decode()}", code)
+def _touch(touch: Any) -> Touch:
+    return Touch(
+        tuple(touch.impulse), tuple(touch.centre), touch.depth, tuple(touch.outward), touch.law_force, touch.triangle
+    )
 
 
-def run_body(body: Body, model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats:
-    """Advance a state of this body's model in place.
+class _Arrays:
+    """Keep arrays alive, contiguous and of the right type, while the library reads them."""
 
-    Raises:
-        NativeError: the arrays of the state are not contiguous doubles, or the library refused.
-    """
-    for a in (state.positions, state.velocities):
-        if not (a.flags.c_contiguous and a.dtype == np.float64):
-            raise NativeError("positions and velocities must be contiguous doubles, (3, n)")
-    pose, pace = (p and np.concatenate([p[0].ravel(), p[1]]) for p in (state.pose, state.pace))
-    try:
-        body.set("state", body.n, state.positions, state.velocities, pose, pace)
-    except NativeError as error:
-        if error.code != NOT_A_NUMBER:
-            raise
-        state.positions[:] = np.nan  # it has blown up already, and stays so
-        return np.zeros((len(path.radii), 3))
-    if model.needs_contact:
-        body.set("contact", state.inner_force, len(state.contact), state.contact)
-    fingers, pressure = len(path.radii), ctypes.c_double()
-    impulses = np.zeros((fingers, 3))
-    ticks = path.centres.shape[1] - 1
-    body.call("dm_step", body.handle, ticks, substeps, tick, fingers, path.centres, path.radii, impulses)
-    body.call("dm_read", body.handle, body.n, state.positions, state.velocities, ctypes.byref(pressure))
-    if model.law_set == "paper" or model.pressure.fill != "none":
-        state.pressure = pressure.value
-    if model.needs_contact:
-        touched, count = np.empty(body.n, np.int64), ctypes.c_int64()
-        body.call("dm_read_contact", body.handle, body.n, touched, ctypes.byref(count))
-        state.contact = touched[: count.value].copy()
-    return impulses
+    def __init__(self) -> None:
+        self._kept: list[Any] = []
+
+    def __enter__(self) -> _Arrays:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._kept.clear()
+
+    def of(self, array: Any, dtype: Any) -> int:
+        """Return the address of an array."""
+        array = np.ascontiguousarray(array, dtype)
+        self._kept.append(array)
+        return int(array.ctypes.data)
+
+    def double(self, array: Any) -> int | None:
+        """Return the address of an array of doubles, None for None."""
+        return None if array is None else self.of(array, np.float64)
+
+    def index(self, array: Any) -> int:
+        """Return the address of an array of indices."""
+        return self.of(array, np.int64)
 
 
-def body_of(model: Model, bits: int) -> Body:
-    """Return the body of a model, made at its first use and freed with the model."""
-    key = id(model), bits
-    if key not in _bodies:
-        _bodies[key] = Body(library(), model, bits)
-        weakref.finalize(model, _bodies.pop, key, None)
-    return _bodies[key]
+def _definition(library: ctypes.CDLL, model: Model, surface: Model, arrays: _Arrays) -> BodyDef:
+    """Return what the library asks for of a model."""
+    definition, mesh, springs = BodyDef(), model.mesh, model.springs
+    library.dm_default_body_def(byref(definition))
+    rings = springs.rings
+    irregular, ends = rings.loose_springs, rings.loose_ends
+    if model.law_set == "paper":  # Eq. (4) goes spring by spring
+        irregular, ends = np.arange(len(springs.pairs)), np.ones((len(springs.pairs), 2), bool)
+    values = {
+        "vertices": len(mesh.rest_positions), "rest": arrays.double(mesh.rest_positions.T),
+        "loose": arrays.of(mesh.loose, np.uint8),
+        "width": len(rings.neighbours), "ring": arrays.index(rings.neighbours),
+        "ring_spring": arrays.index(rings.springs),
+        "springs": len(springs.pairs), "ends": arrays.index(springs.pairs),
+        "rest_length": arrays.double(springs.rest_lengths),
+        "irregular": len(irregular), "irregular_spring": arrays.index(irregular),
+        "irregular_end": arrays.of(ends, np.uint8),
+        "triangles": len(mesh.triangles), "corners": arrays.index(mesh.triangles),
+        "fans": len(rings.corners), "fan": arrays.index(rings.corners),
+        "cap_edges": len(mesh.cap_edges), "cap_edge": arrays.index(mesh.cap_edges),
+        "cap_hole": arrays.index(mesh.cap_loop),
+        "rest_volume": model.pressure.rest_volume, "rest_area": float(mesh.triangle_areas.sum()), "size": mesh.size,
+        "surface_vertices": len(surface.mesh.rest_positions),
+        "surface_rest": arrays.double(surface.mesh.rest_positions.T),
+        "surface_triangles": len(surface.mesh.triangles), "surface_corners": arrays.index(surface.mesh.triangles),
+        "surface_material": arrays.index(surface.mesh.triangle_material),
+        "constants": _constants(model, surface, arrays),
+    }  # fmt: skip
+    for name, value in values.items():
+        setattr(definition, name, value)
+    return definition
 
 
-def small_press() -> tuple[Model, State, FingerPath]:
-    """Return a soft octahedron on the ground, its fingertip and a few ticks of its way down."""
-    from ..body.model import build_model, initial_state
+def _constants(model: Model, surface: Model, arrays: _Arrays) -> Constants:
+    matching = model.matching
+    return Constants(
+        stiffness=arrays.double(model.springs.stiffness), damping=arrays.double(model.springs.damping),
+        mass=arrays.double(matching.mass), inverse_mass=arrays.double(model.inverse_mass),
+        friction=arrays.double(model.friction), k1=arrays.double(matching.k1), k2=arrays.double(matching.k2),
+        d0=arrays.double(matching.d0), drag=arrays.double(matching.damping),
+        laws=arrays.double([(m.K1, m.K2, m.x0) for m in surface.materials]), materials=len(surface.materials),
+        gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
+        law_set=LAW_SETS[model.law_set], fill=FILLS[model.pressure.fill], free=model.free,
+    )  # fmt: skip
+
+
+def small_press() -> tuple[Model, Motion]:
+    """Return a soft octahedron on the ground and a few ticks of a fingertip's way into it."""
+    from ..body.model import build_model
     from ..material import Material
     from ..mesh.surface import mesh_from_triangles
+    from ..solver.motion import FingertipMotion
 
     corners = np.concatenate([np.eye(3), -np.eye(3)]) * 0.05
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
@@ -245,25 +394,8 @@ def small_press() -> tuple[Model, State, FingerPath]:
     model = build_model(
         mesh, [Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.1)], gravity=(0, 0, -9.81), ground=-0.05
     )
-    centres = np.zeros((1, 11, 3))
-    centres[0, :, :2] = (0.003, 0.001)
-    centres[0, :, 2] = np.linspace(0.0605, 0.0585, 11)
-    return model, initial_state(model), FingerPath(centres=centres, radii=np.array([0.01]))
+    tip = FingertipMotion.straight((0.003, 0.001, 0.0605), (0.003, 0.001, 0.0585), ticks=10, radius=0.01)
+    return model, Motion(ticks=10, substeps=model.substeps(1e-3), tick=1e-3, fingertips=(tip,))
 
 
 _loaded: list[ctypes.CDLL] = []
-_bodies: dict[tuple[int, int], Body] = {}
-
-# dimple.h, a letter an argument: b body, o its address, i int32, n int64, d double, D I U arrays, p address of a number
-_TYPES: dict[str, Any] = {
-    "b": ctypes.c_uint64, "o": ctypes.c_void_p, "i": ctypes.c_int32, "n": ctypes.c_int64, "d": ctypes.c_double,
-    "D": ctypes.c_void_p, "I": ctypes.c_void_p, "U": ctypes.c_void_p, "p": ctypes.c_void_p,
-}  # fmt: skip
-_DTYPES: dict[str, type] = {"D": np.float64, "I": np.int64, "U": np.uint8}
-ARGUMENTS = {
-    "dm_create": "oiinDnII", "dm_free": "b", "dm_fit_rotation": "DD",
-    "dm_set_springs": "bnIDDDnIU", "dm_set_bend": "bnIDDD", "dm_set_faces": "bnI", "dm_set_fill": "bidnInII",
-    "dm_set_matter": "bnDDD", "dm_set_memory": "bnDDDD", "dm_set_world": "bidDd",
-    "dm_set_state": "bnDDDD", "dm_set_contact": "bdnI", "dm_step": "bnndnDDD", "dm_read": "bnDDp",
-    "dm_read_contact": "bnIp",
-}  # fmt: skip

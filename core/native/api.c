@@ -1,62 +1,31 @@
-/* The door: every handle is looked up, every argument checked, and the best instruction set chosen. */
-#include "dimple.h"
+/* The door: every argument is checked, and the best instruction set chosen. */
 #include "methods.h"
 #include <math.h>
-#include <stdatomic.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 #if defined(__x86_64__) || defined(_M_X64)
 #define DM_X86 1
 #include <cpuid.h>
 #include <xmmintrin.h>
-extern const methods dm_base_32, dm_base_64, dm_avx2_32, dm_avx2_64;
+extern const dm_methods dm_base_32, dm_base_64, dm_avx2_32, dm_avx2_64;
 #else
-extern const methods dm_base_32, dm_base_64;
+#define DM_X86 0
+extern const dm_methods dm_base_32, dm_base_64;
 #endif
 
-enum { MAX_BODIES = 4096, MAX_COUNT = 1 << 28 };
+enum { DM_MAX_COUNT = 1 << 28 };
 
-typedef struct {
-    dm_body handle; /* 0 is an empty place */
-    body_ref body;
-    const methods *does;
-    int64_t n;
-    int busy;
-} entry;
-
-static entry entries[MAX_BODIES];
-static uint64_t last_handle;
-static atomic_flag door = ATOMIC_FLAG_INIT;
-
-static void lock(void) {
-    while (atomic_flag_test_and_set_explicit(&door, memory_order_acquire)) {
-    }
-}
-
-static void unlock(void) { atomic_flag_clear_explicit(&door, memory_order_release); }
-
-/* Find a body and keep others out of it. */
-static int32_t enter(dm_body handle, entry **found) {
-    entry *e = entries + handle % MAX_BODIES;
-    int32_t code = DM_OK;
-    lock();
-    if (!handle || e->handle != handle) code = DM_HANDLE;
-    else if (e->busy) code = DM_BUSY;
-    else e->busy = 1, *found = e;
-    unlock();
-    return code;
-}
-
-static int32_t leave(entry *e, int32_t code) {
-    lock();
-    e->busy = 0;
-    unlock();
-    return code;
-}
+struct dm_body {
+    dm_state *state;
+    const dm_methods *does;
+    int64_t vertices, springs, materials; /* materials: that its surface asks for */
+    double rest_volume;
+};
 
 #if DM_X86
-static int has_avx2(void) {
+static int dm_has_avx2(void) {
     unsigned a, b, c, d, low, high;
     if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_FMA) || !(c & bit_OSXSAVE)) return 0;
     __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0)); /* does the system save the wide registers? */
@@ -64,16 +33,16 @@ static int has_avx2(void) {
 }
 #endif
 
-static const methods *choose(int32_t bits, int32_t set) {
+static const dm_methods *dm_choose(int32_t bits, int32_t set) {
     if ((bits != 32 && bits != 64) || set < DM_SET_BEST || set > DM_SET_AVX2) return NULL;
 #if DM_X86
-    if (set != DM_SET_BASE && has_avx2()) return bits == 32 ? &dm_avx2_32 : &dm_avx2_64;
+    if (set != DM_SET_BASE && dm_has_avx2()) return bits == 32 ? &dm_avx2_32 : &dm_avx2_64;
 #endif
     return set == DM_SET_AVX2 ? NULL : bits == 32 ? &dm_base_32 : &dm_base_64;
 }
 
 /* Numbers too small to matter cost a hundred times as much: a body coming to rest would grow slow. */
-static uint64_t flush_small(void) {
+static uint64_t dm_flush_denormals(void) {
 #if DM_X86
     uint64_t before = _mm_getcsr();
     _mm_setcsr((unsigned)before | 0x8040);
@@ -87,7 +56,7 @@ static uint64_t flush_small(void) {
     return before;
 }
 
-static void keep_small(uint64_t before) {
+static void dm_keep_denormals(uint64_t before) {
 #if DM_X86
     _mm_setcsr((unsigned)before);
 #elif defined(__aarch64__)
@@ -97,43 +66,38 @@ static void keep_small(uint64_t before) {
 #endif
 }
 
-static int32_t numbers(int64_t count, const double *a, uint64_t signless) {
+/* positive: 0 or more is asked for */
+static int32_t dm_check_numbers(int64_t count, const double *a, int positive) {
     uint64_t bad = 0;
     for (int64_t k = 0; k < count; k++) {
         uint64_t word;
         memcpy(&word, a + k, sizeof word);
-        bad |= (word << 1) >= UINT64_C(0xffe0000000000000); /* all of the exponent: infinite or not a number */
-        bad |= signless & (word > UINT64_C(0x8000000000000000));
+        bad |= (word << 1) >= UINT64_C(0xffe0000000000000); /* all of the exponent: infinite or NaN */
+        bad |= (uint64_t)positive & (word > UINT64_C(0x8000000000000000));
     }
     return bad ? DM_NUMBER : DM_OK;
 }
 
-static int32_t indices(int64_t count, const int64_t *a, int64_t from, int64_t limit) {
+static int32_t dm_check_indices(int64_t count, const int64_t *a, int64_t from, int64_t limit) {
     for (int64_t k = 0; k < count; k++)
         if (a[k] < from || a[k] >= limit) return DM_INDEX;
     return DM_OK;
 }
 
-#define CHECK(test)                                  \
-    do {                                             \
-        int32_t code_ = (test);                      \
-        if (code_ != DM_OK) return leave(e, code_);  \
+#define DM_CHECK(test)                     \
+    do {                                   \
+        int32_t code_ = (test);            \
+        if (code_ != DM_OK) return code_;  \
     } while (0)
-#define ENTER(body)                                  \
-    entry *e = NULL;                                 \
-    int32_t entered = enter(body, &e);               \
-    if (entered != DM_OK) return entered
-#define ENTER_SIZED(body, n)                         \
-    ENTER(body);                                     \
-    CHECK((n) == e->n ? DM_OK : DM_SIZE)
-#define COUNT(n, array) ((n) < 0 || (n) > MAX_COUNT || ((n) > 0 && !(array)) ? DM_SIZE : DM_OK)
+#define DM_COUNT(n) ((n) < 0 || (n) > DM_MAX_COUNT ? DM_SIZE : DM_OK)
+#define DM_ARRAY(n, array) ((n) > 0 && !(array) ? DM_SIZE : DM_OK)
 
 int32_t dm_abi(void) { return DM_ABI; }
 
 const char *dm_instructions(int32_t set) {
-    if (!choose(32, set)) return "";
+    if (!dm_choose(32, set)) return "";
 #if DM_X86
-    return set != DM_SET_BASE && has_avx2() ? "AVX2" : "SSE2";
+    return set != DM_SET_BASE && dm_has_avx2() ? "AVX2" : "SSE2";
 #else
     return "NEON";
 #endif
@@ -141,153 +105,139 @@ const char *dm_instructions(int32_t set) {
 
 const char *dm_message(int32_t code) {
     static const char *const words[] = {
-        "done", "there is no such body", "another thread is inside this body", "an array has the wrong size",
-        "an index is out of range", "a number is not finite, or negative where it must not be",
-        "the machine has no memory left", "the body is not complete yet", "an unknown option",
+        "done", "an array has the wrong size", "an index is out of range",
+        "a number is not finite, or negative where it must not be", "the machine has no memory left",
+        "an unknown option",
     };
     return code >= 0 && code <= DM_OPTION ? words[code] : "an unknown code";
 }
 
 int32_t dm_fit_rotation(const double *h, double *r) {
     if (!h || !r) return DM_SIZE;
-    if (numbers(9, h, 0)) return DM_NUMBER;
+    DM_CHECK(dm_check_numbers(9, h, 0));
     dm_base_64.fit_rotation(h, r);
     return DM_OK;
 }
 
-int32_t dm_create(dm_body *body, int32_t bits, int32_t set, int64_t n, const double *rest, int64_t width,
-                  const int64_t *ring, const int64_t *ring_spring) {
-    if (!body || !rest || n < 1 || n > DM_MAX_VERTICES || width < 0 || width > DM_MAX_NEIGHBOURS) return DM_SIZE;
-    *body = 0;
-    if (width && (!ring || !ring_spring)) return DM_SIZE;
-    const methods *does = choose(bits, set);
-    if (!does) return DM_OPTION;
-    if (numbers(3 * n, rest, 0)) return DM_NUMBER;
-    if (indices(width * n, ring, 0, n) || indices(width * n, ring_spring, -1, INT32_MAX)) return DM_INDEX;
-    body_ref made = NULL;
-    int32_t code = does->create(&made, n, rest, width, ring, ring_spring);
-    if (code != DM_OK) return code;
-    lock();
-    for (int tries = 0; tries < MAX_BODIES && !*body; tries++) {
-        entry *e = entries + ++last_handle % MAX_BODIES;
-        if (e->handle || last_handle == 0) continue;
-        *e = (entry){last_handle, made, does, n, 0};
-        *body = last_handle;
-    }
-    unlock();
-    if (!*body) does->destroy(made);
-    return *body ? DM_OK : DM_MEMORY;
+void dm_default_body_def(dm_body_def *def) {
+    if (!def) return;
+    memset(def, 0, sizeof *def);
+    def->size = 1;
+    def->constants.ground = -INFINITY;
+    def->constants.free = 1;
 }
 
-int32_t dm_free(dm_body body) {
-    ENTER(body);
-    e->does->destroy(e->body);
-    lock();
-    *e = (entry){0}; /* from here on another body may have the place */
-    unlock();
+static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64_t springs, int64_t materials,
+                                  double rest_volume) {
+    const double *of_vertices[] = {c->mass, c->inverse_mass, c->friction, c->k1, c->k2, c->d0, c->drag};
+    for (size_t k = 0; k < sizeof of_vertices / sizeof *of_vertices; k++) {
+        DM_CHECK(DM_ARRAY(vertices, of_vertices[k]));
+        DM_CHECK(dm_check_numbers(vertices, of_vertices[k], 1));
+    }
+    DM_CHECK(DM_ARRAY(springs, c->stiffness) | DM_ARRAY(springs, c->damping));
+    DM_CHECK(dm_check_numbers(springs, c->stiffness, 1) | dm_check_numbers(springs, c->damping, 1));
+    DM_CHECK(DM_COUNT(c->materials) | DM_ARRAY(c->materials, c->laws));
+    if (c->materials < materials) return DM_INDEX;
+    DM_CHECK(dm_check_numbers(3 * c->materials, c->laws, 1) | dm_check_numbers(3, c->gravity, 0));
+    if (isnan(c->ground) || c->ground == INFINITY) return DM_NUMBER;
+    double total = 0;
+    for (int64_t k = 0; k < vertices; k++) total += c->mass[k];
+    if (!(total > 0)) return DM_NUMBER;
+    if (c->law_set < DM_LAWS_CONSISTENT || c->law_set > DM_LAWS_PAPER) return DM_OPTION;
+    if (c->fill < DM_FILL_NONE || c->fill > DM_FILL_PAPER) return DM_OPTION;
+    return c->fill != DM_FILL_NONE && !(rest_volume > 0) ? DM_NUMBER : DM_OK;
+}
+
+static int32_t dm_check_def(const dm_body_def *d) {
+    int64_t n = d->vertices, w = d->width;
+    if (n < 1 || n > DM_MAX_VERTICES || w < 0 || w > DM_MAX_NEIGHBOURS) return DM_SIZE;
+    int64_t counts[] = {d->springs, d->irregular, d->triangles, d->fans, d->cap_edges, d->surface_vertices,
+                        d->surface_triangles};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) DM_CHECK(DM_COUNT(counts[k]));
+    DM_CHECK(DM_ARRAY(n, d->rest) | DM_ARRAY(w, d->ring) | DM_ARRAY(w, d->ring_spring));
+    DM_CHECK(DM_ARRAY(d->springs, d->ends) | DM_ARRAY(d->springs, d->rest_length));
+    DM_CHECK(DM_ARRAY(d->irregular, d->irregular_spring) | DM_ARRAY(d->irregular, d->irregular_end));
+    DM_CHECK(DM_ARRAY(d->triangles, d->corners) | DM_ARRAY(d->fans, d->fan));
+    DM_CHECK(DM_ARRAY(d->cap_edges, d->cap_edge) | DM_ARRAY(d->cap_edges, d->cap_hole));
+    DM_CHECK(DM_ARRAY(d->surface_vertices, d->surface_rest));
+    DM_CHECK(DM_ARRAY(d->surface_triangles, d->surface_corners) | DM_ARRAY(d->surface_triangles, d->surface_material));
+    DM_CHECK(dm_check_indices(w * n, d->ring, 0, n) | dm_check_indices(w * n, d->ring_spring, -1, d->springs));
+    DM_CHECK(dm_check_indices(2 * d->springs, d->ends, 0, n));
+    DM_CHECK(dm_check_indices(d->irregular, d->irregular_spring, 0, d->springs));
+    DM_CHECK(dm_check_indices(3 * d->triangles, d->corners, 0, n) | dm_check_indices(3 * d->fans, d->fan, 0, n));
+    DM_CHECK(dm_check_indices(2 * d->cap_edges, d->cap_edge, 0, n));
+    DM_CHECK(dm_check_indices(d->cap_edges, d->cap_hole, 0, d->cap_edges));
+    DM_CHECK(dm_check_indices(3 * d->surface_triangles, d->surface_corners, 0, d->surface_vertices));
+    DM_CHECK(dm_check_indices(d->surface_triangles, d->surface_material, 0, DM_MAX_COUNT));
+    DM_CHECK(dm_check_numbers(3 * n, d->rest, 0) | dm_check_numbers(3 * d->surface_vertices, d->surface_rest, 0));
+    DM_CHECK(dm_check_numbers(d->springs, d->rest_length, 1) | dm_check_numbers(1, &d->rest_area, 1));
+    return dm_check_numbers(1, &d->rest_volume, 0) | dm_check_numbers(1, &d->size, 1);
+}
+
+int32_t dm_create(dm_body **body, const dm_body_def *def, int32_t bits, int32_t set) {
+    if (!body || !def) return DM_SIZE;
+    *body = NULL;
+    const dm_methods *does = dm_choose(bits, set);
+    if (!does) return DM_OPTION;
+    DM_CHECK(dm_check_def(def));
+    int64_t materials = 0;
+    for (int64_t k = 0; k < def->surface_triangles; k++)
+        materials = def->surface_material[k] >= materials ? def->surface_material[k] + 1 : materials;
+    DM_CHECK(dm_check_constants(&def->constants, def->vertices, def->springs, materials, def->rest_volume));
+    dm_body *made = malloc(sizeof *made);
+    if (!made) return DM_MEMORY;
+    *made = (dm_body){NULL, does, def->vertices, def->springs, materials, def->rest_volume};
+    int32_t code = does->create(&made->state, def);
+    if (code != DM_OK) return free(made), code;
+    *body = made;
     return DM_OK;
 }
 
-int32_t dm_set_springs(dm_body body, int64_t m, const int64_t *pairs, const double *rest, const double *stiffness,
-                       const double *damping, int64_t l, const int64_t *loose, const uint8_t *ends) {
-    ENTER(body);
-    CHECK(COUNT(m, pairs) | COUNT(m, rest) | COUNT(m, stiffness) | COUNT(m, damping));
-    CHECK(COUNT(l, loose) | COUNT(l, ends));
-    CHECK(indices(2 * m, pairs, 0, e->n) | indices(l, loose, 0, m));
-    CHECK(numbers(m, rest, 1) | numbers(m, stiffness, 1) | numbers(m, damping, 1));
-    return leave(e, e->does->set_springs(e->body, m, pairs, rest, stiffness, damping, l, loose, ends));
+void dm_destroy(dm_body *body) {
+    if (!body) return;
+    body->does->destroy(body->state);
+    free(body);
 }
 
-int32_t dm_set_bend(dm_body body, int64_t m, const int64_t *pairs, const double *rest, const double *stiffness,
-                    const double *damping) {
-    ENTER(body);
-    CHECK(COUNT(m, pairs) | COUNT(m, rest) | COUNT(m, stiffness) | COUNT(m, damping));
-    CHECK(indices(2 * m, pairs, 0, e->n));
-    CHECK(numbers(m, rest, 1) | numbers(m, stiffness, 1) | numbers(m, damping, 1));
-    return leave(e, e->does->set_bend(e->body, m, pairs, rest, stiffness, damping));
+int32_t dm_set_constants(dm_body *body, const dm_constants *constants) {
+    if (!body || !constants) return DM_SIZE;
+    DM_CHECK(dm_check_constants(constants, body->vertices, body->springs, body->materials, body->rest_volume));
+    return body->does->set_constants(body->state, constants);
 }
 
-int32_t dm_set_faces(dm_body body, int64_t t, const int64_t *triangles) {
-    ENTER(body);
-    CHECK(COUNT(t, triangles));
-    CHECK(indices(3 * t, triangles, 0, e->n));
-    return leave(e, e->does->set_faces(e->body, t, triangles));
+int32_t dm_set_state(dm_body *body, const double *positions, const double *velocities) {
+    if (!body || !positions) return DM_SIZE;
+    DM_CHECK(dm_check_numbers(3 * body->vertices, positions, 0));
+    if (velocities) DM_CHECK(dm_check_numbers(3 * body->vertices, velocities, 0));
+    body->does->set_state(body->state, positions, velocities);
+    return DM_OK;
 }
 
-int32_t dm_set_fill(dm_body body, int32_t fill, double rest_volume, int64_t c, const int64_t *corners, int64_t e_count,
-                    const int64_t *cap_edges, const int64_t *cap_loop) {
-    ENTER(body);
-    CHECK(fill < DM_FILL_NONE || fill > DM_FILL_PAPER ? DM_OPTION : DM_OK);
-    CHECK(COUNT(c, corners) | COUNT(e_count, cap_edges) | COUNT(e_count, cap_loop));
-    CHECK(!isfinite(rest_volume) || (fill != DM_FILL_NONE && !(rest_volume > 0)) ? DM_NUMBER : DM_OK);
-    CHECK(indices(3 * c, corners, 0, e->n) | indices(2 * e_count, cap_edges, 0, e->n));
-    CHECK(indices(e_count, cap_loop, 0, e_count));
-    return leave(e, e->does->set_fill(e->body, fill, rest_volume, c, corners, e_count, cap_edges, cap_loop));
+int32_t dm_get_state(const dm_body *body, double *positions, double *velocities) {
+    if (!body) return DM_SIZE;
+    body->does->get_state(body->state, positions, velocities);
+    return DM_OK;
 }
 
-int32_t dm_set_matter(dm_body body, int64_t n, const double *mass, const double *inverse_mass, const double *friction) {
-    ENTER_SIZED(body, n);
-    CHECK(COUNT(n, mass) | COUNT(n, inverse_mass) | COUNT(n, friction));
-    CHECK(numbers(n, mass, 1) | numbers(n, inverse_mass, 1) | numbers(n, friction, 1));
-    double total = 0;
-    for (int64_t k = 0; k < n; k++) total += mass[k];
-    CHECK(total > 0 ? DM_OK : DM_NUMBER);
-    return leave(e, e->does->set_matter(e->body, mass, inverse_mass, friction));
-}
-
-int32_t dm_set_memory(dm_body body, int64_t n, const double *k1, const double *k2, const double *d0,
-                      const double *damping) {
-    ENTER_SIZED(body, n);
-    CHECK(COUNT(n, k1) | COUNT(n, k2) | COUNT(n, d0) | COUNT(n, damping));
-    CHECK(numbers(n, k1, 1) | numbers(n, k2, 1) | numbers(n, d0, 1) | numbers(n, damping, 1));
-    return leave(e, e->does->set_memory(e->body, k1, k2, d0, damping));
-}
-
-int32_t dm_set_world(dm_body body, int32_t laws, double rest_area, const double *gravity, double ground) {
-    ENTER(body);
-    CHECK(laws < DM_LAWS_CONSISTENT || laws > DM_LAWS_PAPER ? DM_OPTION : DM_OK);
-    CHECK(gravity ? numbers(3, gravity, 0) | numbers(1, &rest_area, 1) : DM_SIZE);
-    CHECK(isnan(ground) || ground == INFINITY ? DM_NUMBER : DM_OK);
-    return leave(e, e->does->set_world(e->body, laws, rest_area, gravity, ground));
-}
-
-int32_t dm_set_state(dm_body body, int64_t n, const double *positions, const double *velocities, const double *pose,
-                     const double *pace) {
-    ENTER_SIZED(body, n);
-    CHECK(COUNT(n, positions) | COUNT(n, velocities));
-    CHECK(numbers(3 * n, positions, 0) | numbers(3 * n, velocities, 0) | (pose ? numbers(12, pose, 0) : DM_OK));
-    CHECK(pace ? numbers(12, pace, 0) : DM_OK);
-    return leave(e, e->does->set_state(e->body, positions, velocities, pose, pace));
-}
-
-int32_t dm_set_contact(dm_body body, double inner_force, int64_t count, const int64_t *vertices) {
-    ENTER(body);
-    CHECK(COUNT(count, vertices));
-    CHECK(numbers(1, &inner_force, 0));
-    CHECK(indices(count, vertices, 0, e->n));
-    return leave(e, e->does->set_contact(e->body, inner_force, count, vertices));
-}
-
-int32_t dm_step(dm_body body, int64_t ticks, int64_t substeps, double tick, int64_t fingers, const double *centres,
-                const double *radii, double *impulses) {
-    ENTER(body);
-    CHECK(ticks < 0 || substeps < 1 || ticks > DM_MAX_STEPS || substeps > DM_MAX_STEPS / (ticks + 1) ? DM_SIZE : DM_OK);
-    CHECK(fingers < 0 || fingers > DM_MAX_FINGERS || (fingers && !(centres && radii && impulses)) ? DM_SIZE : DM_OK);
-    CHECK(isfinite(tick) && tick > 0 ? DM_OK : DM_NUMBER);
-    CHECK(numbers(fingers * (ticks + 1) * 3, centres, 0) | numbers(fingers, radii, 1));
-    uint64_t before = flush_small();
-    int32_t code = e->does->step(e->body, ticks, substeps, tick, fingers, centres, radii, impulses);
-    keep_small(before);
-    return leave(e, code);
-}
-
-int32_t dm_read(dm_body body, int64_t n, double *positions, double *velocities, double *pressure) {
-    ENTER_SIZED(body, n);
-    return leave(e, e->does->read(e->body, positions, velocities, pressure));
-}
-
-int32_t dm_read_contact(dm_body body, int64_t n, int64_t *vertices, int64_t *count) {
-    ENTER_SIZED(body, n);
-    CHECK(vertices && count ? DM_OK : DM_SIZE);
-    return leave(e, e->does->read_contact(e->body, vertices, count));
+int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
+    if (!body || !m || !frame) return DM_SIZE;
+    if (m->ticks < 0 || m->ticks > DM_MAX_STEPS) return DM_SIZE;
+    if (m->substeps < 1 || m->substeps > DM_MAX_STEPS / (m->ticks + 1)) return DM_SIZE;
+    if (!isfinite(m->tick) || !(m->tick > 0)) return DM_NUMBER;
+    for (const dm_fingertip *f = m->fingertips; f < m->fingertips + DM_MAX_FINGERTIPS; f++) {
+        if (!f->down) continue;
+        DM_CHECK(dm_check_numbers(3, f->from, 0) | dm_check_numbers(3, f->first, 0) | dm_check_numbers(3, f->last, 0));
+        if (!(f->radius > 0 && f->radius < INFINITY)) return DM_NUMBER;
+        if (!(f->contact_radius > 0 && f->contact_radius < INFINITY)) return DM_NUMBER;
+    }
+    if (m->pins_from || m->pins_to) {
+        int64_t count = 3 * body->does->pinned(body->state);
+        if (!m->pins_from || !m->pins_to) return DM_SIZE;
+        DM_CHECK(dm_check_numbers(count, m->pins_from, 0) | dm_check_numbers(count, m->pins_to, 0));
+        DM_CHECK(dm_check_numbers(1, &m->pins_first, 1) | dm_check_numbers(1, &m->pins_last, 1));
+    }
+    uint64_t before = dm_flush_denormals();
+    body->does->step(body->state, m, frame);
+    dm_keep_denormals(before);
+    return DM_OK;
 }

@@ -1,86 +1,60 @@
-/* A body's life: made, given its laws, filled with a state, read. */
+/* A body's life: made, given its constants and its state, read. */
 #include "body.h"
 
 static void destroy(body *b) {
-    void *all[] = {b->place, b->rank, b->rest, b->mass, b->records, b->state, b->matter, b->next, b->ring.start, b->ring.slots,
-                   b->bend.start, b->bend.slots, b->ring_spring, b->loose, b->corners, b->caps, b->cap_hole, b->holes,
-                   b->triangles, b->box_start, b->box_vertex, b->boxes, b->inverse_mass, b->friction, b->hits,
-                   b->shares, b->moved, b->is_moved, b->touching};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) give_back(all[k]);
-    for (int k = 0; k < DM_MAX_FINGERS; k++) give_back(b->touches[k].vertices), give_back(b->touches[k].faces);
+    void *const parts[] = {
+        b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
+        b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->rest_length, b->fans, b->caps, b->cap_hole,
+        b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes, b->inverse_mass, b->friction, b->hits,
+        b->pin_room, b->shares, b->moved, b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
+    };
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) give_back(parts[k]);
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) give_back(b->touches[k].vertices), give_back(b->touches[k].faces);
     give_back(b);
 }
 
-static int32_t create(body **made, int64_t n, const double *rest, int64_t width, const int64_t *ring,
-                      const int64_t *ring_spring) {
-    body *b = *made = room(1, sizeof(body));
-    if (!b) return DM_MEMORY;
-    b->n = n, b->groups = (n + LANES - 1) / LANES;
-    int64_t size = b->groups * LANES;
-    int whole = (b->place = room(n, sizeof *b->place)) && (b->rest = room(3 * n, sizeof(double)));
-    whole = whole && (b->rank = room(n, sizeof *b->rank)) && (b->mass = room(n, sizeof(double)));
-    whole = whole && (b->records = room(size, sizeof(record))) && (b->state = room(b->groups, sizeof(group_state)));
+/* Make room for everything whose size the definition knows. */
+static int32_t make_room(body *b, const dm_body_def *d) {
+    int64_t n = d->vertices, size = b->groups * LANES, t = d->triangles;
+    int whole = (b->place = room(n, sizeof *b->place)) && (b->rank = room(n, sizeof *b->rank));
+    whole = whole && (b->pinned = room(n, sizeof *b->pinned)) && (b->loose = room(n, 1));
+    whole = whole && (b->rest = room(3 * n, sizeof(double))) && (b->mass = room(n, sizeof(double)));
+    whole = whole && (b->pins = room(3 * n, sizeof(double))) && (b->pin_room = room(9 * n, sizeof(double)));
+    whole = whole && (b->records = room(size, sizeof(record)));
+    whole = whole && (b->state = room(b->groups, sizeof(group_state)));
     whole = whole && (b->matter = room(b->groups, sizeof(group_matter)));
     whole = whole && (b->next = room(b->groups, sizeof(group_next)));
     whole = whole && (b->inverse_mass = room(size, sizeof(real))) && (b->friction = room(size, sizeof(real)));
     whole = whole && (b->shares = room(size, sizeof(uint32_t))) && (b->moved = room(size, sizeof(uint32_t)));
     whole = whole && (b->is_moved = room(size, 1)) && (b->touching = room(size, 1));
-    for (int k = 0; k < DM_MAX_FINGERS; k++) whole = whole && (b->touches[k].vertices = room(size, sizeof(uint32_t)));
-    int32_t code = DM_MEMORY;
-    if (whole) {
-        memcpy(b->rest, rest, (size_t)(3 * n) * sizeof(double));
-        code = lay_out(b, width, ring, ring_spring);
-        if (code == DM_OK) code = lay_rings(b, width, ring, ring_spring);
+    whole = whole && (b->irregular = room(d->irregular, sizeof *b->irregular));
+    whole = whole && (b->rest_length = room(d->springs, sizeof(double)));
+    whole = whole && (b->fans = room(d->fans, sizeof *b->fans)) && (b->caps = room(d->cap_edges, sizeof *b->caps));
+    whole = whole && (b->cap_hole = room(d->cap_edges, sizeof(uint32_t)));
+    whole = whole && (b->holes = room(d->cap_edges, sizeof *b->holes));
+    whole = whole && (b->triangles = room(t, sizeof *b->triangles)) && (b->hits = room(t, sizeof(hit)));
+    b->box_count = (t + BLOCK - 1) / BLOCK;
+    whole = whole && (b->box_start = room(b->box_count + 1, sizeof(uint32_t)));
+    whole = whole && (b->box_vertex = room(3 * t, sizeof(uint32_t)));
+    whole = whole && (b->boxes = room(b->box_count, sizeof *b->boxes));
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
+        whole = whole && (b->touches[k].vertices = room(size, sizeof(uint32_t)));
+        whole = whole && (b->touches[k].faces = room(t + LANES, sizeof *b->touches[k].faces));
     }
-    if (code != DM_OK) destroy(b), *made = NULL;
-    return code;
-}
-
-static int32_t set_springs(body *b, int64_t m, const int64_t *pairs, const double *rest, const double *stiffness,
-                           const double *damping, int64_t l, const int64_t *loose, const uint8_t *ends) {
-    int64_t slots = b->ring.start[b->groups];
-    for (int64_t k = 0; k < slots * LANES; k++)
-        if (b->ring_spring[k] >= m) return DM_INDEX;
-    loose_spring *list = room(l, sizeof(loose_spring));
-    if (!list) return DM_MEMORY;
-    for (int64_t k = 0; k < slots * LANES; k++) {
-        int32_t e = b->ring_spring[k];
-        slot *s = b->ring.slots + k / LANES;
-        s->stiffness[k % LANES] = e < 0 ? 0 : (real)stiffness[e];
-        s->pull[k % LANES] = e < 0 ? 0 : (real)(stiffness[e] * rest[e]);
-        s->damping[k % LANES] = e < 0 ? 0 : (real)damping[e];
-    }
-    for (int64_t k = 0; k < l; k++) {
-        int64_t e = loose[k];
-        list[k] = (loose_spring){(int32_t)b->place[pairs[2 * e]], (int32_t)b->place[pairs[2 * e + 1]],
-                                 ends[2 * k], ends[2 * k + 1], rest[e], stiffness[e], damping[e]};
-    }
-    give_back(b->loose);
-    b->loose = list, b->loose_count = l, b->ready |= HAS_SPRINGS;
-    return DM_OK;
+    return whole ? DM_OK : DM_MEMORY;
 }
 
 /* Order the triangles along the curve in space, and box them in runs. */
-static int32_t set_faces(body *b, int64_t t, const int64_t *triangles) {
-    void *old[] = {b->triangles, b->box_start, b->box_vertex, b->boxes, b->hits};
-    for (size_t k = 0; k < sizeof old / sizeof *old; k++) give_back(old[k]);
-    for (int k = 0; k < DM_MAX_FINGERS; k++) give_back(b->touches[k].faces), b->touches[k].faces = NULL;
-    b->ready &= ~(uint32_t)HAS_FACES, b->triangle_count = 0, b->box_count = (t + BLOCK - 1) / BLOCK;
-    b->triangles = room(t, sizeof *b->triangles), b->hits = room(t, sizeof(hit));
-    b->box_start = room(b->box_count + 1, sizeof(uint32_t)), b->box_vertex = room(3 * t, sizeof(uint32_t));
-    b->boxes = room(b->box_count, sizeof *b->boxes);
-    int whole = b->triangles && b->hits && b->box_start && b->box_vertex && b->boxes;
-    for (int k = 0; k < DM_MAX_FINGERS; k++)
-        whole = whole && (b->touches[k].faces = room(t + LANES, sizeof *b->touches[k].faces));
+static int32_t lay_faces(body *b, int64_t t, const int64_t *corners) {
     int64_t size = b->groups * LANES;
     uint32_t *seen = room(size, sizeof(uint32_t)), *next = room(size + 1, sizeof(uint32_t));
-    if (!whole || !seen || !next) return give_back(seen), give_back(next), DM_MEMORY;
+    if (!seen || !next) return give_back(seen), give_back(next), DM_MEMORY;
     for (int pass = 0; pass < 2; pass++) { /* count, then place */
         for (int64_t k = 0; k < t; k++) {
             uint32_t at[3], first = UINT32_MAX;
             for (int c = 0; c < 3; c++) {
-                uint32_t rank = b->rank[triangles[3 * k + c]];
-                at[c] = b->place[triangles[3 * k + c]], first = rank < first ? rank : first;
+                uint32_t rank = b->rank[corners[3 * k + c]];
+                at[c] = b->place[corners[3 * k + c]], first = rank < first ? rank : first;
             }
             if (pass) memcpy(b->triangles[next[first]++], at, sizeof at);
             else next[first + 1]++;
@@ -94,24 +68,57 @@ static int32_t set_faces(body *b, int64_t t, const int64_t *triangles) {
         b->box_start[box] = count;
     }
     give_back(seen), give_back(next);
-    b->triangle_count = t, b->ready |= HAS_FACES;
+    b->triangle_count = t;
     return DM_OK;
 }
 
-static int32_t set_fill(body *b, int32_t fill, double rest_volume, int64_t c, const int64_t *corners, int64_t e,
-                        const int64_t *cap_edges, const int64_t *cap_loop) {
-    give_back(b->corners), give_back(b->caps), give_back(b->cap_hole), give_back(b->holes);
-    b->ready &= ~(uint32_t)HAS_FILL, b->corner_count = b->cap_count = b->hole_count = 0;
-    b->corners = room(c, sizeof *b->corners), b->caps = room(e, sizeof *b->caps);
-    b->cap_hole = room(e, sizeof(uint32_t)), b->holes = room(e, sizeof *b->holes);
-    if (!b->corners || !b->caps || !b->cap_hole || !b->holes) return DM_MEMORY;
-    for (int64_t k = 0; k < 3 * c; k++) b->corners[k / 3][k % 3] = b->place[corners[k]];
-    for (int64_t k = 0; k < e; k++) {
-        b->caps[k][0] = b->place[cap_edges[2 * k]], b->caps[k][1] = b->place[cap_edges[2 * k + 1]];
-        b->cap_hole[k] = (uint32_t)cap_loop[k], b->holes[cap_loop[k]][6] += 1;
-        b->hole_count = cap_loop[k] >= b->hole_count ? cap_loop[k] + 1 : b->hole_count;
+static void lay_fill(body *b, const dm_body_def *d) {
+    for (int64_t k = 0; k < 3 * d->fans; k++) b->fans[k / 3][k % 3] = b->place[d->fan[k]];
+    for (int64_t k = 0; k < d->cap_edges; k++) {
+        int64_t hole = d->cap_hole[k];
+        b->caps[k][0] = b->place[d->cap_edge[2 * k]], b->caps[k][1] = b->place[d->cap_edge[2 * k + 1]];
+        b->cap_hole[k] = (uint32_t)hole, b->holes[hole][6] += 1;
+        b->hole_count = hole >= b->hole_count ? hole + 1 : b->hole_count;
     }
-    b->fill = fill, b->rest_volume = rest_volume, b->corner_count = c, b->cap_count = e, b->ready |= HAS_FILL;
+    b->fan_count = d->fans, b->cap_count = d->cap_edges, b->rest_volume = d->rest_volume;
+}
+
+static void lay_irregular(body *b, const dm_body_def *d) {
+    memcpy(b->rest_length, d->rest_length, (size_t)d->springs * sizeof(double) * (d->springs > 0));
+    for (int64_t k = 0; k < d->irregular; k++) {
+        int64_t e = d->irregular_spring[k];
+        irregular_spring s = {.i = b->place[d->ends[2 * e]], .j = b->place[d->ends[2 * e + 1]], .spring = e,
+                              .on_i = d->irregular_end[2 * k], .on_j = d->irregular_end[2 * k + 1]};
+        s.rest = d->rest_length[e], b->irregular[k] = s;
+    }
+    b->irregular_count = d->irregular, b->spring_count = d->springs;
+}
+
+static int32_t set_constants(body *b, const dm_constants *c);
+static void set_state(body *b, const double *positions, const double *velocities);
+
+static int32_t create(body **made, const dm_body_def *d) {
+    body *b = *made = room(1, sizeof(body));
+    if (!b) return DM_MEMORY;
+    int64_t n = b->n = d->vertices;
+    b->groups = (n + LANES - 1) / LANES;
+    b->rest_area = d->rest_area, b->size = d->size, b->law_count = -1;
+    int32_t code = make_room(b, d);
+    if (code == DM_OK) {
+        memcpy(b->rest, d->rest, (size_t)(3 * n) * sizeof(double));
+        for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0, b->any_loose |= b->loose[k];
+        code = lay_out(b, d->width, d->ring, d->ring_spring);
+    }
+    if (code == DM_OK) code = lay_rings(b, d->width, d->ring, d->ring_spring);
+    if (code == DM_OK) code = lay_faces(b, d->triangles, d->corners);
+    if (code == DM_OK) code = lay_surface(b, d);
+    if (code == DM_OK) {
+        lay_fill(b, d), lay_irregular(b, d);
+        b->free = d->constants.free != 0;
+        code = set_constants(b, &d->constants);
+    }
+    if (code != DM_OK) return destroy(b), *made = NULL, code;
+    set_state(b, d->rest, NULL);
     return DM_OK;
 }
 
@@ -121,116 +128,138 @@ static double weighted_mean(const body *b, const double *a) {
     return sum / b->mass_total;
 }
 
-static int32_t set_matter(body *b, const double *mass, const double *inverse_mass, const double *friction) {
+static void set_springs(body *b, const dm_constants *c) {
+    int64_t slots = b->ring.start[b->groups];
+    for (int64_t k = 0; k < slots * LANES; k++) {
+        int32_t e = b->ring_spring[k];
+        slot *s = b->ring.slots + k / LANES;
+        s->stiffness[k % LANES] = e < 0 ? 0 : (real)c->stiffness[e];
+        s->pull[k % LANES] = e < 0 ? 0 : (real)(c->stiffness[e] * b->rest_length[e]);
+        s->damping[k % LANES] = e < 0 ? 0 : (real)c->damping[e];
+    }
+    for (irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++)
+        s->stiffness = c->stiffness[s->spring], s->damping = c->damping[s->spring];
+}
+
+static void set_matter(body *b, const dm_constants *c) {
+    double sum[4] = {0}, spread = 0;
     b->mass_total = 0;
     for (int64_t k = 0; k < b->n; k++) {
-        uint32_t i = b->place[k];
-        b->mass[k] = mass[k], b->mass_total += mass[k];
-        *lane(&b->matter[i / LANES].mass, i) = (real)mass[k];
-        *lane(&b->matter[i / LANES].inverse_mass, i) = b->inverse_mass[i] = (real)inverse_mass[k];
-        b->friction[i] = (real)friction[k];
+        b->mass[k] = c->mass[k], b->mass_total += c->mass[k];
+        for (int d = 0; d < 3; d++) sum[d] += c->k1[k] * b->rest[d * b->n + k];
+        sum[3] += c->k1[k];
     }
-    double spread = 0;
-    for (int c = 0; c < 3; c++) {
-        const double *x = b->rest + c * b->n;
-        b->middle[c] = weighted_mean(b, x);
-        for (int64_t k = 0; k < b->n; k++) spread += mass[k] * (x[k] - b->middle[c]) * (x[k] - b->middle[c]);
+    b->any_k1 = sum[3] > 0, b->k1_total = sum[3] > 0 ? sum[3] : 1;
+    for (int d = 0; d < 3; d++) {
+        const double *x = b->rest + d * b->n;
+        b->rest_centre[d] = sum[d] / b->k1_total, b->middle[d] = weighted_mean(b, x);
+        for (int64_t k = 0; k < b->n; k++) spread += b->mass[k] * (x[k] - b->middle[d]) * (x[k] - b->middle[d]);
     }
     b->cell = spread > 0 ? exp2(ceil(log2(4 * sqrt(spread / b->mass_total)))) : 1;
-    b->ready |= HAS_MATTER;
-    return DM_OK;
-}
-
-static int32_t set_memory(body *b, const double *k1, const double *k2, const double *d0, const double *damping) {
-    double sum[4] = {0};
     for (int64_t k = 0; k < b->n; k++) {
-        for (int c = 0; c < 3; c++) sum[c] += k1[k] * b->rest[c * b->n + k];
-        sum[3] += k1[k];
-    }
-    b->k1_total = sum[3] > 0 ? sum[3] : 1;
-    for (int c = 0; c < 3; c++) b->rest_centre[c] = sum[c] / b->k1_total;
-    for (int64_t k = 0; k < b->n; k++) {
-        uint32_t i = b->place[k];
+        uint32_t i = b->place[k], l = i % LANES;
         group_matter *m = b->matter + i / LANES;
-        *lane(&m->k1, i) = (real)k1[k], *lane(&m->k_more, i) = (real)(k2[k] - k1[k]);
-        *lane(&m->d0, i) = (real)d0[k], *lane(&m->damping, i) = (real)damping[k];
-        *lane(&m->rest.x, i) = (real)(b->rest[k] - b->rest_centre[0]);
-        *lane(&m->rest.y, i) = (real)(b->rest[b->n + k] - b->rest_centre[1]);
-        *lane(&m->rest.z, i) = (real)(b->rest[2 * b->n + k] - b->rest_centre[2]);
+        m->mass[l] = (real)c->mass[k], m->inverse_mass[l] = b->inverse_mass[i] = (real)c->inverse_mass[k];
+        m->k1[l] = (real)c->k1[k], m->k_more[l] = (real)(c->k2[k] - c->k1[k]);
+        m->d0[l] = (real)c->d0[k], m->damping[l] = (real)c->drag[k], b->friction[i] = (real)c->friction[k];
+        double rest[3];
+        for (int d = 0; d < 3; d++) rest[d] = b->rest[d * b->n + k] - b->rest_centre[d];
+        set_lane3(&m->rest, i, quad_of(rest));
     }
-    b->ready |= HAS_MEMORY;
-    return DM_OK;
 }
 
-static int32_t set_world(body *b, int32_t laws, double rest_area, const double *gravity, double ground) {
-    b->laws = laws, b->rest_area = rest_area, b->ground = ground;
-    memcpy(b->gravity, gravity, sizeof b->gravity);
-    b->ready |= HAS_WORLD;
-    return DM_OK;
-}
-
-/* Positions are kept from an origin near the body, so that single precision does not depend on where it is. It
- * follows in steps of at least the body's size, a power of two, so that it hardly ever changes. */
-static void choose_origin(body *b, const double *positions) {
+/* The pose as the steps want it: about the centre of the shape at rest, from the origin. */
+static void place_pose(body *b) {
+    memcpy(b->rotation, b->pose, sizeof b->rotation);
     for (int c = 0; c < 3; c++) {
-        double way = weighted_mean(b, positions + c * b->n) - b->middle[c];
+        const double *row = b->pose + 3 * c, *rate = b->pose_rate + 3 * c, *q = b->rest_centre;
+        b->translation[c] = b->pose[9 + c] + row[0] * q[0] + row[1] * q[1] + row[2] * q[2] - b->origin[c];
+        b->turning[9 + c] = b->pose_rate[9 + c] + rate[0] * q[0] + rate[1] * q[1] + rate[2] * q[2];
+    }
+    memcpy(b->turning, b->pose_rate, 9 * sizeof(double));
+}
+
+static void write_vertex(body *b, uint32_t i, quad x, quad v) {
+    b->records[i] = (record){x, v};
+    set_lane3(&b->state[i / LANES].x, i, x), set_lane3(&b->state[i / LANES].v, i, v);
+}
+
+/* Pin what has no inverse mass where it is; what is pinned already keeps its digits. */
+static void pin(body *b, const double *inverse_mass) {
+    int64_t n = b->n, old = 0, count = 0;
+    double *before = b->pin_room;
+    memcpy(before, b->pins, (size_t)(3 * n) * sizeof(double));
+    uint32_t *was = b->moved; /* both lists go up; a vertex is in either at most once */
+    memcpy(was, b->pinned, (size_t)b->pinned_count * sizeof *was);
+    for (int64_t k = 0; k < n; k++) {
+        int held = old < b->pinned_count && was[old] == k;
+        if (!(inverse_mass[k] > 0)) {
+            const record *r = b->records + b->place[k];
+            for (int d = 0; d < 3; d++)
+                b->pins[d * n + count] = held ? before[d * n + old] : b->origin[d] + (double)r->x[d];
+            b->pinned[count++] = (uint32_t)k;
+            write_vertex(b, b->place[k], r->x, (quad){0, 0, 0, 0});
+        }
+        old += held;
+    }
+    b->pinned_count = count;
+}
+
+static int32_t set_constants(body *b, const dm_constants *c) {
+    double (*laws)[3] = room(c->materials, sizeof *laws);
+    if (!laws) return DM_MEMORY;
+    memcpy(laws, c->laws, (size_t)c->materials * sizeof *laws * (c->materials > 0));
+    int alive = b->law_count >= 0;
+    if (alive && b->free && !c->free) fit_whole(b, b->pose);
+    give_back(b->laws);
+    b->laws = laws, b->law_count = c->materials;
+    set_springs(b, c), set_matter(b, c);
+    pin(b, c->inverse_mass);
+    b->law_set = c->law_set, b->fill = c->fill, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
+    memcpy(b->gravity, c->gravity, sizeof b->gravity);
+    memset(b->pose_rate, 0, sizeof b->pose_rate);
+    place_pose(b);
+    return DM_OK;
+}
+
+static void set_state(body *b, const double *positions, const double *velocities) {
+    int64_t n = b->n;
+    for (int c = 0; c < 3; c++) {
+        double way = weighted_mean(b, positions + c * n) - b->middle[c];
         b->origin[c] = b->middle[c] + b->cell * nearbyint(way / b->cell);
     }
-}
-
-static int32_t set_state(body *b, const double *positions, const double *velocities, const double *pose,
-                         const double *pace) {
-    static const double upright[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    if ((b->ready | HAS_STATE) != HAS_ALL) return DM_ORDER;
-    choose_origin(b, positions);
-    for (int64_t k = 0; k < b->n; k++) {
-        uint32_t i = b->place[k];
-        record *r = b->records + i;
+    /* the empty lanes too: a body that has blown up leaves NaN in them */
+    memset(b->records, 0, (size_t)(b->groups * LANES) * sizeof(record));
+    memset(b->state, 0, (size_t)b->groups * sizeof(group_state));
+    for (int64_t k = 0; k < n; k++) {
+        double x[3], v[3] = {0};
         for (int c = 0; c < 3; c++) {
-            r->x[c] = (real)(positions[c * b->n + k] - b->origin[c]), r->v[c] = (real)velocities[c * b->n + k];
-            *lane(&b->state[i / LANES].x.x + c, i) = r->x[c], *lane(&b->state[i / LANES].v.x + c, i) = r->v[c];
+            x[c] = positions[c * n + k] - b->origin[c];
+            if (velocities) v[c] = velocities[c * n + k];
         }
+        write_vertex(b, b->place[k], quad_of(x), quad_of(v));
     }
-    memcpy(b->turned, upright, sizeof upright);
-    memcpy(b->rotation, pose ? pose : upright, sizeof upright);
-    for (int c = 0; pose && c < 3; c++) {
-        const double *row = pose + 3 * c, *q = b->rest_centre;
-        b->translation[c] = pose[9 + c] + row[0] * q[0] + row[1] * q[1] + row[2] * q[2] - b->origin[c];
-    }
-    b->fitted = !pose, b->carried = pose && pace, b->ready |= HAS_STATE;
-    if (b->carried) memcpy(b->pace, pace, sizeof b->pace);
-    for (int c = 0; b->carried && c < 3; c++) {
-        const double *row = pace + 3 * c, *q = b->rest_centre;
-        b->pace[9 + c] += row[0] * q[0] + row[1] * q[1] + row[2] * q[2];
-    }
-    return DM_OK;
-}
-
-static int32_t set_contact(body *b, double inner_force, int64_t count, const int64_t *vertices) {
+    for (int64_t k = 0; k < b->pinned_count; k++)
+        for (int c = 0; c < 3; c++) b->pins[c * n + k] = positions[c * n + b->pinned[k]];
+    for (int k = 0; k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;
+    memcpy(b->turned, b->pose, sizeof b->turned);
+    memset(b->pose_rate, 0, sizeof b->pose_rate);
     memset(b->touching, 0, (size_t)(b->groups * LANES));
-    for (int64_t k = 0; k < count; k++) b->touching[b->place[vertices[k]]] = 1;
-    b->inner_force = inner_force;
-    return DM_OK;
+    b->led = b->carried = 0;
+    place_pose(b);
 }
 
-/* What is held without a velocity has not moved: the caller's own digits stay. */
-static int32_t read_state(body *b, double *positions, double *velocities, double *pressure) {
-    if (b->ready != HAS_ALL) return DM_ORDER;
-    for (int64_t k = 0; k < b->n; k++) {
+static void get_state(const body *b, double *positions, double *velocities) {
+    int64_t n = b->n;
+    for (int64_t k = 0; k < n; k++) {
         const record *r = b->records + b->place[k];
-        if (!(b->inverse_mass[b->place[k]] > 0) && dot3(r->v, r->v) == 0) continue;
         for (int c = 0; c < 3; c++) {
-            if (positions) positions[c * b->n + k] = b->origin[c] + (double)r->x[c];
-            if (velocities) velocities[c * b->n + k] = (double)r->v[c];
+            if (positions) positions[c * n + k] = b->origin[c] + (double)r->x[c];
+            if (velocities) velocities[c * n + k] = (double)r->v[c];
         }
     }
-    if (pressure) *pressure = b->pressure;
-    return DM_OK;
+    for (int64_t k = 0; k < b->pinned_count && positions; k++)
+        for (int c = 0; c < 3; c++) positions[c * n + b->pinned[k]] = b->pins[c * n + k];
 }
 
-static int32_t read_contact(body *b, int64_t *vertices, int64_t *count) {
-    *count = 0;
-    for (int64_t k = 0; k < b->n; k++)
-        if (b->touching[b->place[k]]) vertices[(*count)++] = k;
-    return DM_OK;
-}
+static int64_t pinned(const body *b) { return b->pinned_count; }

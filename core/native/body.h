@@ -1,8 +1,9 @@
 /* What a body is made of, in one precision and for one instruction set. */
 #ifndef DM_BODY_H
 #define DM_BODY_H
-#include "dimple.h"
 #include "lanes.h"
+#include "methods.h"
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,7 +14,10 @@
 #define ROUNDING 1e-6
 #define TOO_NEAR 1e-5
 #define WEIGHT_FLOOR 1e-6
-#define SKIN_TRAVEL 0.5 /* as in core/base.py */
+#define SKIN_TRAVEL 0.5 /* as in core/base.py, with the three below */
+#define FINGER_TRAVEL 0.25
+#define BLOWN_UP 100.0
+#define SAME_SIDE 0.5 /* as in core/mesh/depth.py */
 
 /* Vertices lie in the order in which a wave over the surface meets them, so that neighbours are near in memory; runs of
  * eight with about as many neighbours each make a group. */
@@ -49,10 +53,11 @@ typedef struct { /* slots of group g: from start[g] up to start[g + 1] */
 } rows;
 
 typedef struct { /* a spring summed by itself, on the ends that say so */
-    int32_t i, j;
+    uint32_t i, j;
+    int64_t spring;
     uint8_t on_i, on_j;
     double rest, stiffness, damping;
-} loose_spring;
+} irregular_spring;
 
 typedef struct { /* a point on a face, or a vertex, inside a fingertip */
     uint32_t corner[3];
@@ -61,35 +66,47 @@ typedef struct { /* a point on a face, or a vertex, inside a fingertip */
 } hit;
 
 typedef struct { /* what a fingertip may meet within a tick */
+    int finger;
     quad centre, velocity;
     real radius;
     int64_t vertex_count, face_count;
     uint32_t *vertices, (*faces)[3]; /* by their corners, the last one repeated to fill eight lanes */
 } touch;
 
-struct body {
+typedef struct { /* a triangle of the surface at rest, below which fingertips are measured */
+    double corner[3][3], normal[3];
+    int64_t index, material;
+} facet;
+
+struct dm_state {
     int64_t n, groups;
-    uint32_t ready; /* what was set, one bit each */
     uint32_t *place, *rank; /* of each of the caller's vertices: in memory, along a curve in space */
-    double *rest;    /* (3, n) as the caller gave it */
-    double *mass;    /* (n,) in the caller's order */
+    uint32_t *pinned;       /* (pinned_count,) the caller's vertices without an inverse mass */
+    uint8_t *loose, any_loose, any_k1;
+    int64_t pinned_count;
+    double *rest;     /* (3, n) as the caller gave it */
+    double *mass;     /* (n,) in the caller's order */
+    double *pins;     /* (3, pinned_count) where they are, in the caller's own digits */
     double origin[3], middle[3], cell; /* of the state; of the mass at rest; what the origin moves by */
     record *records;
     group_state *state;
     group_matter *matter;
     group_next *next;
 
-    rows ring, bend;
+    rows ring;
     int32_t *ring_spring; /* (slots * LANES), -1 is none */
-    int64_t loose_count, corner_count, cap_count, hole_count, triangle_count, spring_count;
-    loose_spring *loose;
-    uint32_t (*corners)[3], (*caps)[2], *cap_hole;
+    int64_t irregular_count, fan_count, cap_count, hole_count, triangle_count, spring_count;
+    irregular_spring *irregular;
+    double *rest_length; /* (spring_count,) */
+    uint32_t (*fans)[3], (*caps)[2], *cap_hole;
     double (*holes)[7]; /* centre, pull of the rim, number of edges: room for one step */
 
-    int32_t fill, laws;
-    double rest_volume, rest_area, gravity[3], ground, volume, pressure;
-    int fitted, carried; /* the shape at rest follows the body; or pins that move */
-    double pace[12]; /* how fast they turn and shift it, about its own centre */
+    int32_t fill, law_set;
+    double rest_volume, rest_area, size, gravity[3], ground, volume, pressure;
+    int free, led, carried; /* the shape at rest follows the body; pins were led; and carry the shape at rest */
+    double *pin_room;       /* (9 n) for one tick */
+    double pose[12], pose_rate[12]; /* of the shape at rest with its pins, and how fast it changes */
+    double turning[12];  /* the rate about the centre of the shape at rest */
     double rest_centre[3], rotation[9], translation[3], k1_total, mass_total;
     double turned[9]; /* of the last fit */
     rigid drift;      /* rigid part of the velocities, or the acceleration to take out */
@@ -100,18 +117,32 @@ struct body {
     quad (*boxes)[2];
     int64_t box_count;
     real *inverse_mass, *friction;
-    touch touches[DM_MAX_FINGERS];
+    int finger_count;
+    touch touches[DM_MAX_FINGERTIPS];
     hit *hits;
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */
     uint8_t *is_moved, *touching;
     double inner_force;
+
+    facet *facets;
+    double (*facet_boxes)[6]; /* low and high corners of runs of them */
+    int64_t facet_count, facet_box_count, law_count;
+    double (*laws)[3];        /* K1, K2, x0 of each material */
+    struct {
+        double centre[3], side[3]; /* where a fingertip is, and the outward normal where it came in */
+        int has_side;
+    } fingers[DM_MAX_FINGERTIPS];
 };
-typedef struct body body;
+typedef struct dm_state body;
 
-enum { HAS_SPRINGS = 1, HAS_FACES = 2, HAS_FILL = 4, HAS_MATTER = 8, HAS_MEMORY = 16, HAS_WORLD = 32, HAS_STATE = 64 };
-enum { HAS_ALL = 127 };
+/* one vertex of the vectors of its group */
+static inline void set_lane3(three *a, uint32_t i, quad b) {
+    a->x[i % LANES] = b[0], a->y[i % LANES] = b[1], a->z[i % LANES] = b[2];
+}
 
-static inline real *lane(lanes *a, uint32_t i) { return (real *)a + i % LANES; }
+static inline void add_lane3(three *a, uint32_t i, const double *b, double by) {
+    a->x[i % LANES] += (real)(by * b[0]), a->y[i % LANES] += (real)(by * b[1]), a->z[i % LANES] += (real)(by * b[2]);
+}
 
 static inline void position(const body *b, uint32_t i, double *x) {
     for (int c = 0; c < 3; c++) x[c] = b->records[i].x[c];
@@ -119,6 +150,12 @@ static inline void position(const body *b, uint32_t i, double *x) {
 
 static inline void velocity(const body *b, uint32_t i, double *v) {
     for (int c = 0; c < 3; c++) v[c] = b->records[i].v[c];
+}
+
+static inline double inner3(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static inline void cross3(const double *a, const double *b, double *r) {
+    r[0] = a[1] * b[2] - a[2] * b[1], r[1] = a[2] * b[0] - a[0] * b[2], r[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* zeroed and aligned memory for count things, never null for count 0 */

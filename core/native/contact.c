@@ -153,10 +153,7 @@ static real meet_faces(body *b, const touch *t, double *impulse, uint32_t *moved
 static void take_back(body *b, uint32_t moved) {
     for (uint32_t k = 0; k < moved; k++) {
         uint32_t i = b->moved[k];
-        group_state *s = b->state + i / LANES;
-        *lane(&s->x.x, i) = b->records[i].x[0], *lane(&s->v.x, i) = b->records[i].v[0];
-        *lane(&s->x.y, i) = b->records[i].x[1], *lane(&s->v.y, i) = b->records[i].v[1];
-        *lane(&s->x.z, i) = b->records[i].x[2], *lane(&s->v.z, i) = b->records[i].v[2];
+        set_lane3(&b->state[i / LANES].x, i, b->records[i].x), set_lane3(&b->state[i / LANES].v, i, b->records[i].v);
         b->is_moved[i] = 0;
     }
 }
@@ -179,9 +176,9 @@ static void rest_on_ground(body *b) {
     take_back(b, moved);
 }
 
-static void note_touching(body *b, int64_t fingers) {
+static void note_touching(body *b) {
     memset(b->touching, 0, (size_t)(b->groups * LANES));
-    for (const touch *t = b->touches; t < b->touches + fingers; t++) {
+    for (const touch *t = b->touches; t < b->touches + b->finger_count; t++) {
         real reach = t->radius * (real)(1 + ROUNDING);
         for (int64_t k = 0; k < t->vertex_count; k++) {
             quad offset = b->records[t->vertices[k]].x - t->centre;
@@ -190,14 +187,15 @@ static void note_touching(body *b, int64_t fingers) {
     }
 }
 
-static void meet(body *b, int64_t fingers, double *impulses) {
-    if (b->laws == DM_LAWS_PAPER || b->fill == DM_FILL_PAPER) note_touching(b, fingers);
-    for (int64_t k = 0; k < fingers; k++) {
+static void meet(body *b, dm_frame *frame) {
+    if (b->law_set == DM_LAWS_PAPER || b->fill == DM_FILL_PAPER) note_touching(b);
+    for (int k = 0; k < b->finger_count; k++) {
         const touch *t = b->touches + k;
+        double *impulse = frame->touches[t->finger].impulse;
         uint32_t moved = 0;
-        meet_vertices(b, t, impulses + 3 * k, &moved);
-        int sweeps = b->laws != DM_LAWS_PAPER && t->face_count ? FACE_SWEEPS : 0;
-        while (sweeps-- && meet_faces(b, t, impulses + 3 * k, &moved) >= (real)FACE_SLACK * t->radius) {
+        meet_vertices(b, t, impulse, &moved);
+        int sweeps = b->law_set != DM_LAWS_PAPER && t->face_count ? FACE_SWEEPS : 0;
+        while (sweeps-- && meet_faces(b, t, impulse, &moved) >= (real)FACE_SLACK * t->radius) {
         }
         take_back(b, moved);
     }

@@ -1,9 +1,10 @@
-/* Dimple's native core: one soft body behind one handle, stepped as core/solver/semi_implicit.py does.
+/* Dimple's native core: soft bodies, each defined once, which then own their state and are stepped.
+ * The readable twin of all of it is core/solver/twin.py.
  *
- * SI units. Arrays belong to the caller and are read or written during the call only; positions and velocities are
- * component-major, (3, n) doubles. Every function but the first three returns a code; nothing is done unless it is
- * DM_OK, and no input makes them crash: handles are looked up, sizes and indices checked, numbers must be finite.
- * Order: dm_create, every dm_set_* once (again at will), then dm_set_state, dm_step, dm_read as often as wanted.
+ * SI units. Arrays belong to the caller and are read or written during the call only; vectors of many vertices are
+ * component-major, (3, n) doubles. Functions that may fail return a code, and nothing is done unless it is DM_OK.
+ * Sizes and indices are checked and numbers must be finite; a body must be one that dm_create made and dm_destroy has
+ * not freed, used by one thread at a time.
  * The same calls give the same bits: sums run in eight lanes, in a fixed order. In double precision they are the same
  * on every machine (but for air, whose power comes from its library); in single precision they depend on its
  * instruction set, for some fuse multiplication and addition.
@@ -18,29 +19,116 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 2 /* changes with anything below */
-#define DM_MAX_FINGERS 3
+#define DM_ABI 3 /* changes with anything below */
+#define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
 #define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
 
-typedef uint64_t dm_body; /* never 0; not reused after dm_free */
+typedef struct dm_body dm_body;
 
 enum {
     DM_OK,
-    DM_HANDLE, /* no such body */
-    DM_BUSY,   /* another thread is inside this body */
-    DM_SIZE,   /* a count that does not fit the body, or a null array */
-    DM_INDEX,  /* a vertex or spring that does not exist */
+    DM_SIZE,   /* a count out of range, or a null array */
+    DM_INDEX,  /* a vertex, spring, hole or material that does not exist */
     DM_NUMBER, /* NaN, infinite, or negative where that makes no sense */
     DM_MEMORY, /* the machine has none left */
-    DM_ORDER,  /* stepped before everything was set */
-    DM_OPTION  /* an unknown law, fill or precision, or an instruction set this machine lacks */
+    DM_OPTION  /* an unknown law set, fill or precision, or an instruction set this machine lacks */
 };
 
 enum { DM_FILL_NONE, DM_FILL_AIR, DM_FILL_LIQUID, DM_FILL_PAPER };
 enum { DM_LAWS_CONSISTENT, DM_LAWS_PAPER };
 enum { DM_SET_BEST, DM_SET_BASE, DM_SET_AVX2 }; /* base: SSE2 on x86-64, NEON on arm64 */
+
+/* The numbers of a body that may change while it lives. */
+typedef struct {
+    const double *stiffness;    /* (springs,) [N/m] */
+    const double *damping;      /* (springs,) of their dashpots [N s/m] */
+    const double *mass;         /* (vertices,) [kg] for rigid motion: that of loose vertices does not count */
+    const double *inverse_mass; /* (vertices,) [1/kg], 0 where pinned */
+    const double *friction;     /* (vertices,) coefficient */
+    const double *k1;           /* (vertices,) shape matching up to the knee [N/m] */
+    const double *k2;           /* (vertices,) beyond the knee [N/m] */
+    const double *d0;           /* (vertices,) displacement at the knee [m] */
+    const double *drag;         /* (vertices,) damping of shape matching [N s/m] */
+    const double *laws;         /* (materials, 3) K1, K2 [N/m] and x0 [m] of Eq. (1) */
+    int64_t materials;
+    double gravity[3]; /* [m/s2] */
+    double ground;     /* height of a plane [m], -INFINITY where there is none */
+    int32_t law_set;
+    int32_t fill;
+    int32_t free; /* the shape at rest follows the body; 0: it stays with the pins */
+} dm_constants;
+
+/* What a body is. Start from dm_default_body_def. */
+typedef struct {
+    int64_t vertices;
+    const double *rest;            /* (3, vertices) [m] */
+    const uint8_t *loose;          /* (vertices,) in no triangle; null: none is */
+    int64_t width;                 /* of the rings, as core/mesh/rings.py orders them */
+    const int64_t *ring;           /* (width, vertices) neighbours */
+    const int64_t *ring_spring;    /* (width, vertices), -1 is no spring */
+    int64_t springs;
+    const int64_t *ends;           /* (springs, 2) */
+    const double *rest_length;     /* (springs,) [m] */
+    int64_t irregular;
+    const int64_t *irregular_spring; /* (irregular,) springs that rings leave out */
+    const uint8_t *irregular_end;    /* (irregular, 2) at which of their ends */
+    int64_t triangles;
+    const int64_t *corners;        /* (triangles, 3) */
+    int64_t fans;
+    const int64_t *fan;            /* (fans, 3) triangles whose first corner has no ring */
+    int64_t cap_edges;
+    const int64_t *cap_edge;       /* (cap_edges, 2) borders of holes */
+    const int64_t *cap_hole;       /* (cap_edges,) the hole of each */
+    double rest_volume;            /* [m3] */
+    double rest_area;              /* [m2] of the whole surface, Eq. (3) */
+    double size;                   /* longest side [m]: a body a hundred times as large has blown up */
+    int64_t surface_vertices;      /* of the surface below which fingertips are measured: of this body or, where this */
+    const double *surface_rest;    /* is a proxy, of its mesh: (3, surface_vertices) [m] */
+    int64_t surface_triangles;
+    const int64_t *surface_corners;  /* (surface_triangles, 3) */
+    const int64_t *surface_material; /* (surface_triangles,) */
+    dm_constants constants;
+} dm_body_def;
+
+/* Where one fingertip goes during a call: straight from `from` to `first` in the first tick, then evenly to `last`. */
+typedef struct {
+    double from[3], first[3], last[3]; /* centres [m] */
+    double radius;                     /* [m] */
+    double contact_radius;             /* [m] of the sphere that meets the body; smaller on a proxy */
+    int64_t down;                      /* 0: this one is lifted and the rest does not count */
+    int64_t fresh;                     /* it was not down before, or elsewhere */
+} dm_fingertip;
+
+typedef struct {
+    int64_t ticks;
+    int64_t substeps;        /* equal ones in each tick */
+    double tick;             /* [s] */
+    dm_fingertip fingertips[DM_MAX_FINGERTIPS];
+    const double *pins_from; /* (3, pinned) where pinned vertices, in the caller's order, are led from, */
+    const double *pins_to;   /* and to [m]; null: they rest */
+    double pins_first;       /* share of that way at the end of the first tick, */
+    double pins_last;        /* and of the last */
+} dm_motion;
+
+typedef struct {
+    double impulse[3]; /* that the body gave it [N s] */
+    double centre[3];  /* where it is [m] */
+    double depth;      /* below the surface at rest [m], negative where it is clear */
+    double outward[3]; /* unit, the way the depth falls fastest */
+    double law_force;  /* K(depth) of Eq. (1) [N] */
+    int64_t triangle;  /* of the surface, the nearest; -1: not down */
+} dm_touch;
+
+typedef struct {
+    dm_touch touches[DM_MAX_FINGERTIPS];
+    double pose[12];  /* where the shape at rest is, if a fingertip is down: rotation by rows, translation [m] */
+    double volume;    /* [m3] and */
+    double pressure;  /* [Pa] when the forces were last evaluated */
+    int64_t ticks;    /* done */
+    int64_t finite;   /* 0: it has blown up in the last of them */
+} dm_frame;
 
 DM_API int32_t dm_abi(void);
 DM_API const char *dm_instructions(int32_t set); /* its name, "" where this machine lacks it */
@@ -49,44 +137,19 @@ DM_API const char *dm_message(int32_t code);
 /* Best rotation r (3x3, by rows) for h = sum of w x q^T: the r that maximises trace(r^T h). */
 DM_API int32_t dm_fit_rotation(const double *h, double *r);
 
-/* bits: 32 or 64, of the state.  rest: (3, n).  ring, ring_spring: (width, n) as in core/mesh/rings.py, -1 is no spring. */
-DM_API int32_t dm_create(dm_body *body, int32_t bits, int32_t set, int64_t n, const double *rest, int64_t width,
-                         const int64_t *ring, const int64_t *ring_spring);
-DM_API int32_t dm_free(dm_body body);
+DM_API void dm_default_body_def(dm_body_def *def);
 
-/* pairs: (m, 2).  rest, stiffness, damping: (m,).  loose: (l,) springs that rings leave out, at ends (l, 2). */
-DM_API int32_t dm_set_springs(dm_body body, int64_t m, const int64_t *pairs, const double *rest,
-                              const double *stiffness, const double *damping, int64_t l, const int64_t *loose,
-                              const uint8_t *ends);
-/* Springs between any vertices, beside those of the rings. */
-DM_API int32_t dm_set_bend(dm_body body, int64_t m, const int64_t *pairs, const double *rest, const double *stiffness,
-                           const double *damping);
-/* triangles: (t, 3). */
-DM_API int32_t dm_set_faces(dm_body body, int64_t t, const int64_t *triangles);
-/* corners: (c, 3) triangles whose first corner has no ring.  cap_edges: (e, 2), cap_loop: (e,) the hole of each. */
-DM_API int32_t dm_set_fill(dm_body body, int32_t fill, double rest_volume, int64_t c, const int64_t *corners,
-                           int64_t e, const int64_t *cap_edges, const int64_t *cap_loop);
-/* (n,) each; inverse_mass is 0 where held. */
-DM_API int32_t dm_set_matter(dm_body body, int64_t n, const double *mass, const double *inverse_mass,
-                             const double *friction);
-DM_API int32_t dm_set_memory(dm_body body, int64_t n, const double *k1, const double *k2, const double *d0,
-                             const double *damping);
-/* gravity: (3,).  ground: height of a plane, -INFINITY where there is none.  rest_area: of the surface, Eq. (3). */
-DM_API int32_t dm_set_world(dm_body body, int32_t laws, double rest_area, const double *gravity, double ground);
+/* bits: 32 or 64, of the state. The body is at rest. */
+DM_API int32_t dm_create(dm_body **body, const dm_body_def *def, int32_t bits, int32_t set);
+DM_API void dm_destroy(dm_body *body); /* null is taken */
 
-/* pose: rotation by rows, then translation (12,), or null where the shape at rest follows the body.
- * pace: how fast the pose changes, as many numbers a second, or null where it rests. */
-DM_API int32_t dm_set_state(dm_body body, int64_t n, const double *positions, const double *velocities,
-                            const double *pose, const double *pace);
-/* What Eq. (2) needs: the sum of K(x) and the vertices in contact. */
-DM_API int32_t dm_set_contact(dm_body body, double inner_force, int64_t count, const int64_t *vertices);
+/* Give a living body other numbers; where it is does not change. */
+DM_API int32_t dm_set_constants(dm_body *body, const dm_constants *constants);
+/* positions, velocities: (3, vertices); null velocities are 0. */
+DM_API int32_t dm_set_state(dm_body *body, const double *positions, const double *velocities);
+/* Either may be null. Pinned vertices at rest get their very bits back. */
+DM_API int32_t dm_get_state(const dm_body *body, double *positions, double *velocities);
 
-/* Run ticks of `tick` seconds in equal substeps.  centres: (fingers, ticks + 1, 3) at the ends of the ticks;
- * radii: (fingers,);  impulses: (fingers, 3), what the fingertips received. */
-DM_API int32_t dm_step(dm_body body, int64_t ticks, int64_t substeps, double tick, int64_t fingers,
-                       const double *centres, const double *radii, double *impulses);
-/* pressure: of the last step.  Null arrays are left out, and vertices held without a velocity: they have not moved. */
-DM_API int32_t dm_read(dm_body body, int64_t n, double *positions, double *velocities, double *pressure);
-/* vertices: (n,) room for, count: how many there were. */
-DM_API int32_t dm_read_contact(dm_body body, int64_t n, int64_t *vertices, int64_t *count);
+/* Run the ticks of a motion. */
+DM_API int32_t dm_step(dm_body *body, const dm_motion *motion, dm_frame *frame);
 #endif

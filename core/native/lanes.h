@@ -5,6 +5,10 @@
 #include <stdint.h>
 #include <string.h>
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi" /* vectors go by value between static functions only */
+#endif
+
 #define LANES 8
 #define TINY ((real)1e-30)
 

@@ -22,14 +22,13 @@ static uint64_t spread(uint64_t a) {
     return (a | a << 2) & 0x1249249249249249;
 }
 
-/* Order the vertices along a Morton curve: runs of them are near in space. */
-static void follow_curve(const body *b, keyed *keys) {
-    int64_t n = b->n;
+/* Order points (3, n) along a Morton curve: runs of them are near in space. */
+static void follow_curve(const double *points, int64_t n, keyed *keys) {
     double low[3], span = 0;
     for (int c = 0; c < 3; c++) {
-        double high = low[c] = b->rest[c * n];
+        double high = low[c] = points[c * n];
         for (int64_t i = 0; i < n; i++) {
-            double x = b->rest[c * n + i];
+            double x = points[c * n + i];
             low[c] = x < low[c] ? x : low[c], high = x > high ? x : high;
         }
         span = high - low[c] > span ? high - low[c] : span;
@@ -38,7 +37,7 @@ static void follow_curve(const body *b, keyed *keys) {
     for (int64_t i = 0; i < n; i++) {
         uint64_t key = 0;
         for (int c = 0; c < 3; c++) {
-            double cell = (b->rest[c * n + i] - low[c]) * scale;
+            double cell = (points[c * n + i] - low[c]) * scale;
             key |= spread((uint64_t)(cell < 0x1fffff ? cell : 0x1fffff)) << c;
         }
         keys[i] = (keyed){key, (uint32_t)i};
@@ -73,7 +72,7 @@ static int32_t lay_out(body *b, int64_t width, const int64_t *ring, const int64_
     keyed *keys = room(n, sizeof(keyed));
     uint8_t *seen = room(n, 1);
     if (!keys || !seen) return give_back(keys), give_back(seen), DM_MEMORY;
-    follow_curve(b, keys);
+    follow_curve(b->rest, n, keys);
     for (int64_t k = 0; k < n; k++) b->rank[keys[k].vertex] = (uint32_t)k;
     follow_wave(b, keys, seen, width, ring, ring_spring);
     for (int64_t from = 0; from < n; from += WINDOW) {
@@ -122,35 +121,5 @@ static int32_t lay_rings(body *b, int64_t width, const int64_t *ring, const int6
                 b->ring.slots[s].at[l] = (uint32_t)((uint64_t)other * sizeof(record));
             }
     give_back(vertex);
-    return DM_OK;
-}
-
-/* Lay springs between any vertices out the same way, in the order they come. */
-static int32_t set_bend(body *b, int64_t m, const int64_t *pairs, const double *rest, const double *stiffness,
-                    const double *damping) {
-    int64_t size = b->groups * LANES;
-    int64_t *count = room(size, sizeof(int64_t)), *start = room(b->groups + 1, sizeof(int64_t));
-    if (!count || !start) return give_back(count), give_back(start), DM_MEMORY;
-    for (int64_t e = 0; e < 2 * m; e++) count[b->place[pairs[e]]]++;
-    for (int64_t g = 0; g < b->groups; g++) {
-        int64_t most = 0;
-        for (int l = 0; l < LANES; l++) most = count[g * LANES + l] > most ? count[g * LANES + l] : most;
-        start[g + 1] = start[g] + most;
-    }
-    slot *slots = room(start[b->groups], sizeof(slot));
-    if (!slots) return give_back(count), give_back(start), DM_MEMORY;
-    for (int64_t g = 0; g < b->groups; g++)
-        for (int64_t s = start[g]; s < start[g + 1]; s++)
-            for (int l = 0; l < LANES; l++) slots[s].at[l] = (uint32_t)((uint64_t)(g * LANES + l) * sizeof(record));
-    memset(count, 0, (size_t)size * sizeof(int64_t));
-    for (int64_t e = 0; e < 2 * m; e++) {
-        int64_t i = b->place[pairs[e]], j = b->place[pairs[e ^ 1]], l = i % LANES;
-        slot *s = slots + start[i / LANES] + count[i]++;
-        s->at[l] = (uint32_t)((uint64_t)j * sizeof(record));
-        s->stiffness[l] = (real)stiffness[e / 2], s->damping[l] = (real)damping[e / 2];
-        s->pull[l] = (real)(stiffness[e / 2] * rest[e / 2]);
-    }
-    give_back(count), give_back(b->bend.start), give_back(b->bend.slots);
-    b->bend = (rows){start, slots};
     return DM_OK;
 }

@@ -39,11 +39,7 @@ static void spread_pressure(body *b) {
         face_normal(b, corner, n);
         double size = length3(n);
         for (int c = 0; c < 3; c++) n[c] /= size > 1e-30 ? size : 1e-30;
-        for (int k = 0; k < 3; k++) {
-            three *sum = &b->next[corner[k] / LANES].per_pascal;
-            *lane(&sum->x, corner[k]) += (real)n[0], *lane(&sum->y, corner[k]) += (real)n[1];
-            *lane(&sum->z, corner[k]) += (real)n[2];
-        }
+        for (int k = 0; k < 3; k++) add_lane3(&b->next[corner[k] / LANES].per_pascal, corner[k], n, 1);
     }
     for (int64_t g = 0; g < b->groups; g++) {
         three *sum = &b->next[g].per_pascal;

@@ -133,3 +133,47 @@ static void fit_motion(body *b, const double *sums) {
     invert(tensor, b->moments.inverse);
     b->drift = rigid_part(b, &b->moments, sums + M_V, sums + M_XV);
 }
+
+/* Fit points at rest (count, 3) to points (count, 3), all of one weight: pose is rotation by rows, then translation. */
+static void fit_points(int64_t count, const double *rest, const double *points, double *pose) {
+    double from[3] = {0}, to[3] = {0}, h[9] = {0};
+    for (int64_t k = 0; k < count; k++)
+        for (int c = 0; c < 3; c++) from[c] += rest[3 * k + c] / (double)count, to[c] += points[3 * k + c] / (double)count;
+    for (int64_t k = 0; k < count; k++)
+        for (int c = 0; c < 9; c++) h[c] += (points[3 * k + c / 3] - to[c / 3]) * (rest[3 * k + c % 3] - from[c % 3]);
+    fit_rotation(h, pose);
+    for (int c = 0; c < 3; c++) pose[9 + c] = to[c] - inner3(pose + 3 * c, from);
+}
+
+/* Where the shape at rest is: with the pins, or the best fit to the body, weighted by k1, where there is none by mass. */
+static void fit_whole(const body *b, double *pose) {
+    if (!b->free) {
+        memcpy(pose, b->pose, sizeof b->pose);
+        return;
+    }
+    double total_weight = 0, from[3] = {0}, to[3] = {0}, h[9] = {0};
+    int by_mass = b->any_k1 == 0;
+    wide sum[16] = {{0}};
+    lanes part[16] = {{0}};
+    for (int64_t g = 0; g < b->groups; g++) {
+        const group_matter *m = b->matter + g;
+        three x = b->state[g].x, q = m->rest;
+        lanes w = by_mass ? m->mass : m->k1, wx[3] = {w * x.x, w * x.y, w * x.z};
+        part[15] += w, part[12] += w * q.x, part[13] += w * q.y, part[14] += w * q.z;
+        for (int c = 0; c < 3; c++) {
+            part[9 + c] += wx[c], part[3 * c] += wx[c] * q.x;
+            part[3 * c + 1] += wx[c] * q.y, part[3 * c + 2] += wx[c] * q.z;
+        }
+        if (g % RUN == RUN - 1) fold(part, sum, 16);
+    }
+    fold(part, sum, 16);
+    total_weight = total(sum[15]);
+    for (int c = 0; c < 3; c++) to[c] = total(sum[9 + c]) / total_weight, from[c] = total(sum[12 + c]) / total_weight;
+    for (int k = 0; k < 9; k++) h[k] = total(sum[k]) - total_weight * to[k / 3] * from[k % 3];
+    fit_rotation(h, pose);
+    for (int c = 0; c < 3; c++) {
+        double back = 0;
+        for (int d = 0; d < 3; d++) back += pose[3 * c + d] * (b->rest_centre[d] + from[d]);
+        pose[9 + c] = b->origin[c] + to[c] - back;
+    }
+}

@@ -63,26 +63,33 @@ static void reach_faces(const body *b, touch *t, real reach) {
     for (int64_t k = t->face_count; k % LANES; k++) memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);
 }
 
-/* fingertips go from start to end, (3,) each `stride` doubles apart, in a tick */
-static void reach_out(body *b, int64_t fingers, const double *start, int64_t stride, const double *radii, double tick) {
-    b->skin_travel = 0;
-    if (!fingers) return;
-    real speed = greatest_speed(b);
-    bound_boxes(b);
-    for (int64_t k = 0; k < fingers; k++) {
-        touch *t = b->touches + k;
-        const double *from = start + k * stride, *to = from + 3;
-        double way[3], here[3], far = 0;
+/* Move the fingertips by a tick, no faster than they may without skipping a skin, and find what they may meet in it.
+ * t: of the tick in the motion. */
+static void reach_out(body *b, const dm_motion *m, int64_t t) {
+    b->skin_travel = 0, b->finger_count = 0;
+    double share = m->ticks > 1 ? (double)t / (double)(m->ticks - 1) : 0;
+    real speed = 0;
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
+        const dm_fingertip *f = m->fingertips + k;
+        if (!f->down) continue;
+        if (!b->finger_count) speed = greatest_speed(b), bound_boxes(b);
+        touch *to = b->touches + b->finger_count++;
+        double *here = b->fingers[k].centre, way[3], at[3], far = 0;
         for (int c = 0; c < 3; c++) {
-            way[c] = to[c] - from[c], here[c] = to[c] - b->origin[c], far += way[c] * way[c];
-            way[c] /= tick;
+            way[c] = f->first[c] + share * (f->last[c] - f->first[c]) - here[c];
+            far += way[c] * way[c];
         }
-        t->centre = quad_of(here), t->velocity = quad_of(way), t->radius = (real)radii[k];
-        real reach = (real)(radii[k] + 2 * sqrt(far) + 2 * (double)speed * tick);
-        reach_vertices(b, t, reach);
-        reach_faces(b, t, reach);
-        double travel = SKIN_TRAVEL * radii[k];
-        if (t->vertex_count + t->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
+        double most = FINGER_TRAVEL * f->radius, slow = sqrt(far) > most ? most / sqrt(far) : 1;
+        for (int c = 0; c < 3; c++) {
+            way[c] *= slow, here[c] += way[c];
+            at[c] = here[c] - b->origin[c], way[c] /= m->tick;
+        }
+        to->finger = k, to->centre = quad_of(at), to->velocity = quad_of(way), to->radius = (real)f->contact_radius;
+        real reach = (real)(f->contact_radius + 2 * slow * sqrt(far) + 2 * (double)speed * m->tick);
+        reach_vertices(b, to, reach);
+        reach_faces(b, to, reach);
+        double travel = SKIN_TRAVEL * f->contact_radius;
+        if (to->vertex_count + to->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
             b->skin_travel = travel;
     }
 }

@@ -52,7 +52,7 @@ static inline void pull_groups(body *b, int fitted) {
     three gravity = splat3(b->gravity), arm[DM_MAX_NEIGHBOURS + 2];
     strain strains[DM_MAX_NEIGHBOURS];
     three rows[3] = {splat3(b->rotation), splat3(b->rotation + 3), splat3(b->rotation + 6)};
-    three turning[3] = {splat3(b->pace), splat3(b->pace + 3), splat3(b->pace + 6)}, shifting = splat3(b->pace + 9);
+    three turning[3] = {splat3(b->turning), splat3(b->turning + 3), splat3(b->turning + 6)}, shifting = splat3(b->turning + 9);
     for (int64_t g = 0; g < b->groups; g++) {
         const group_matter *m = b->matter + g;
         three x = b->state[g].x, v = b->state[g].v, w = v, normal = {all(0), all(0), all(0)};
@@ -104,16 +104,3 @@ static inline void pull_groups(body *b, int fitted) {
 static void pull_posed(body *b) { pull_groups(b, 0); }
 
 static void pull_fitted(body *b) { pull_groups(b, 1); }
-
-static void pull_bend(body *b) {
-    if (!b->bend.start || !b->bend.start[b->groups]) return;
-    for (int64_t g = 0; g < b->groups; g++) {
-        three d, w, force = {all(0), all(0), all(0)}, v = b->next[g].v;
-        for (int64_t s = b->bend.start[g]; s < b->bend.start[g + 1]; s++) {
-            gather(b, b->bend.slots + s, b->state[g].x, b->state[g].v, &d, &w);
-            pull(b->bend.slots + s, d, strain_of(d, w), &force);
-        }
-        lanes by = all((real)b->dt) * b->matter[g].inverse_mass;
-        b->next[g].v = (three){v.x + by * force.x, v.y + by * force.y, v.z + by * force.z};
-    }
-}

@@ -3,21 +3,21 @@
 #include "methods.h"
 
 #include "layout.c"
-#include "loose.c"
+#include "irregular.c"
 #include "pose.c"
 #include "rings.c"
 #include "motion.c"
 #include "paper.c"
 #include "contact.c"
 #include "reach.c"
+#include "surface.c"
 #include "body.c"
 #include "step.c"
 
-#define GLUE(set, bits) dm_##set##_##bits
-#define NAME(set, bits) GLUE(set, bits)
+#define DM_GLUE(set, bits) dm_##set##_##bits
+#define DM_NAME(set, bits) DM_GLUE(set, bits)
 
-extern const methods NAME(DM_SET, DM_BITS);
-const methods NAME(DM_SET, DM_BITS) = {
-    create, destroy, set_springs, set_bend, set_faces, set_fill, set_matter, set_memory,
-    set_world, set_state, set_contact, step, read_state, read_contact, fit_rotation,
+extern const dm_methods DM_NAME(DM_SET, DM_BITS);
+const dm_methods DM_NAME(DM_SET, DM_BITS) = {
+    create, destroy, set_constants, set_state, get_state, pinned, step, fit_rotation,
 };

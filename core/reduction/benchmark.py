@@ -14,10 +14,10 @@ from typing import TypeVar
 import numpy as np
 
 from ..base import TICK, DimpleError, Floats, Ints
-from ..body.model import Model, State, initial_state
+from ..body.model import Model
 from ..mesh.surface import Mesh
-from ..solver.backend import Run, choose_backend
-from ..solver.path import FingerPath
+from ..solver.backend import Body, create
+from ..solver.motion import FingertipMotion, Motion
 from .cells import vertex_normals
 from .proxy import Proxy, build_proxy, carry, contact_radius
 
@@ -28,7 +28,6 @@ BESIDE_PINS = 2.0  # fingertip radii: nearer to what is held a press meets the p
 DRAWN = 10  # places for one that is taken: those beside what is held are passed over
 GRID = 10  # bits a coordinate: the curve that places are spread along passes 2^30 boxes
 _Result = TypeVar("_Result")
-FAR = 10.0  # times the size: a body that large has blown up
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,31 +114,32 @@ def _distance(points: Floats, place: Floats) -> float:
 
 
 def press_body(
-    model: Model, press: Press, *, radius: float, run: Run, substeps: int, chunk: int = 10
+    body: Body, press: Press, *, radius: float, substeps: int, chunk: int = 10
 ) -> Iterator[tuple[float, Pressed]]:
     """Press a body; yield the share that is done and the state so far after every few ticks.
 
     Args:
         radius: of the sphere that meets it [m].
     """
-    state: State = initial_state(model)
     ticks, last = round((DOWN + HOLD) / TICK), round(MEAN / TICK)
-    down = np.minimum(np.arange(ticks + 1) * TICK / DOWN, 1) * press.depth
-    centres = press.at + press.outward * (press.radius - down)[:, None]
-    done, impulse, radii = Pressed(positions=state.positions), 0.0, np.array([radius])
-    for first in range(0, ticks, chunk):
-        path = FingerPath(centres=centres[None, first : first + chunk + 1], radii=radii)
+    down = np.minimum(np.arange(0, ticks + 1, chunk) * TICK / DOWN, 1) * press.depth
+    centres = [(press.at + press.outward * (press.radius - depth)).tolist() for depth in down]
+    done, impulse = Pressed(positions=body.positions()), 0.0
+    for part, (start, end) in enumerate(zip(centres, centres[1:], strict=False), 1):
+        tip = FingertipMotion.straight(start, end, ticks=chunk, radius=radius, fresh=part == 1)
         started = time.process_time()
-        with np.errstate(all="ignore"):
-            got = run(model, state, path, tick=TICK, substeps=substeps)
+        frame = body.step(Motion(chunk, substeps, TICK, (tip,)))
         done.cost += time.process_time() - started
-        if first >= ticks - last:
-            impulse += float(got[0] @ press.outward)
-        done.force = impulse / MEAN
-        yield (first + chunk) / ticks, done
-        if not np.abs(state.positions).max() < FAR * (model.mesh.size + np.abs(model.mesh.rest_positions).max()):
-            done.positions = np.full_like(state.positions, np.nan)
+        if not frame.finite or not frame.touches[0]:
+            done.positions = np.full_like(done.positions, np.nan)
+            yield part * chunk / ticks, done
             return
+        if part * chunk > ticks - last:
+            impulse += float(np.array(frame.touches[0].impulse) @ press.outward)
+        done.force = impulse / MEAN
+        if part == len(centres) - 1:
+            done.positions = body.positions()
+        yield part * chunk / ticks, done
 
 
 def compare(model: Model, presses: Sequence[Press], sizes: Sequence[int]) -> Iterator[tuple[float, Outcome | None]]:
@@ -191,13 +191,13 @@ def press_variant(
         DimpleError: no proxy of this size can be made.
     """
     proxy = build_proxy(model, vertices) if vertices else None
-    body = proxy.model if proxy else model
-    steps, ends = body.substeps(TICK), []
-    run = choose_backend()[2]
+    moves = proxy.model if proxy else model
+    steps, ends, body = moves.substeps(TICK), [], create(moves)
     for k, press in enumerate(presses):
         ends.append(Pressed())
         radius = contact_radius(proxy, press.radius) if proxy else press.radius
-        for part, ends[k] in press_body(body, press, radius=radius, run=run, substeps=steps):
+        body.set_state(moves.matching.rest)
+        for part, ends[k] in press_body(body, press, radius=radius, substeps=steps):
             yield (k + part) / len(presses)
     return proxy, steps, ends
 

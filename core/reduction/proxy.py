@@ -144,8 +144,6 @@ def check(model: Model) -> None:
     """Raise a DimpleError when a model can have no stand-in whatever its size, and say why."""
     if model.needs_contact or model.law_set == "paper":
         raise DimpleError("the paper's equations depend on the mesh, so they run on the mesh itself")
-    if len(model.springs.pairs) > len(model.mesh.springs):
-        raise DimpleError("bend springs are not carried over to a stand-in")
 
 
 def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:
@@ -180,7 +178,7 @@ def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:
     coarse = assemble(
         mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), held=held,
         friction=mean(model.friction), damping=mean(damping),
-        stiffness=membrane_stiffness(mesh, k[mesh.springs].mean(axis=1)), bend_pairs=mesh.springs[:0],
+        stiffness=membrane_stiffness(mesh, k[mesh.springs].mean(axis=1)),
         k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0), fill=model.pressure.fill,
         gravity=model.gravity, ground=model.ground,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Which code steps a body: the native core where there is one, else numpy, its twin."""
+"""Which code owns and steps a body: the native core where there is one, else its numpy twin."""
 
 from __future__ import annotations
 
@@ -6,19 +6,25 @@ from typing import Protocol
 
 from .. import native
 from ..base import DimpleError, Floats
-from ..body.model import Model, State
-from . import semi_implicit
-from .path import FingerPath
+from ..body.model import Model
+from .motion import Frame, Motion
+from .twin import Twin
 
 
-class Run(Protocol):
-    """Advance a state in place along a path and return the impulses (k, 3) [N s] on the fingertips."""
+class Body(Protocol):
+    """What either backend offers; `native.Body` says more."""
 
-    def __call__(self, model: Model, state: State, path: FingerPath, *, tick: float, substeps: int) -> Floats: ...
+    model: Model
+
+    def set_constants(self, model: Model) -> None: ...
+    def set_state(self, positions: Floats, velocities: Floats | None = None) -> None: ...
+    def positions(self) -> Floats: ...
+    def velocities(self) -> Floats: ...
+    def step(self, motion: Motion) -> Frame: ...
 
 
-def choose_backend(wanted: str = "auto") -> tuple[str, str, Run]:
-    """Return the name of what steps, why it is not the native core, and its stepper.
+def choose_backend(wanted: str = "auto") -> tuple[str, str]:
+    """Return the name of what steps, and why it is not the native core.
 
     Args:
         wanted: "auto", "native" (single precision), "native64" or "numpy".
@@ -31,6 +37,20 @@ def choose_backend(wanted: str = "auto") -> tuple[str, str, Run]:
     note = "" if wanted == "numpy" else native.why_not()
     if note and wanted != "auto":
         raise DimpleError(note)
-    if wanted == "numpy" or note:
-        return "numpy", note, semi_implicit.run
-    return ("native64", "", native.run64) if wanted == "native64" else ("native", "", native.run)
+    return ("numpy" if note or wanted == "numpy" else wanted.replace("auto", "native")), note
+
+
+def create(model: Model, *, surface: Model | None = None, backend: str = "auto") -> Body:
+    """Return a body at rest that owns its state.
+
+    Args:
+        surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
+        backend: as in `choose_backend`.
+
+    Raises:
+        DimpleError: as in `choose_backend`.
+    """
+    name, _ = choose_backend(backend)
+    if name == "numpy":
+        return Twin(model, surface=surface)
+    return native.Body(model, surface=surface, bits=64 if name == "native64" else 32)

@@ -71,7 +71,7 @@ def advance(model: Model, state: State, touches: Sequence[Touch], dt: float, *, 
     _, g = pressure.volume_and_gradient(model.pressure, x)
     for _ in range(sweeps):
         met = meet_faces(model, state, touches, CONTACT)
-        carried = dt * shape_matching.shape_velocity(model.matching, state.pace)
+        carried = dt * shape_matching.shape_velocity(model.matching, state.pose_rate)
         drift = before + (carried if state.pose else shape_matching.rigid_velocity(model.matching.mass, x, x - before))
         around = Around(
             goal=goal, before=before, drift=drift, pose=shape_matching.pose_of(model.matching, x, state.pose),

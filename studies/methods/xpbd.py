@@ -101,7 +101,7 @@ def move_to_shape(model: Model, state: State, before: Floats, h: float) -> None:
     if state.pose is None:
         moved -= shape_matching.rigid_velocity(law.mass, x, moved)
     else:
-        moved -= h * shape_matching.shape_velocity(law, state.pace)
+        moved -= h * shape_matching.shape_velocity(law, state.pose_rate)
     stiff = h * stiffness
     way = -h * w * (stiff * u + law.damping * moved) / (1 + h * w * (stiff + law.damping))
     if state.pose is None:

@@ -24,7 +24,7 @@ def scene_line(name: str, session: Session) -> str:
         cost += time.process_time() - started
         if HOLD[0] <= frame.time <= HOLD[1]:
             volume = max(volume, abs(frame.volume / frame.rest_volume - 1))
-            x = frame.positions.astype(float)[input_vertices(mesh)].T
+            x = session.positions().astype(float)[input_vertices(mesh)].T
             corners = x[:, mesh.triangles]
             nearest = (corners * nearest_on_triangles(corners, centre)).sum(axis=2).T
             sunk = max(sunk, scenes.FINGERTIP - float(np.linalg.norm(nearest - centre, axis=1).min()))

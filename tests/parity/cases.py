@@ -83,7 +83,6 @@ WHOLE = {
     "paper fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="paper")),
     "paper laws": Case(shape=lambda: ball(2), options={"law_set": "paper"}),
     "paper laws, two fingers": Case(shape=crumpled, fingers=2, options={"law_set": "paper"}),
-    "bend springs": Case(shape=lambda: ball(2), options={"bend": 0.3}),
     "free": Case(shape=lambda: ball(2), hold="free", thrown=True),
     "free on the ground": Case(shape=lambda: ball(2), hold="free", options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
     "lifted by three": Case(shape=lambda: ball(2), hold="free", fingers=3, options={"gravity": (1, 0, -9.81)}),
@@ -100,7 +99,6 @@ DEGENERATE = {
     "a free sheet": Case(shape=sheet, hold="free", thrown=True),
     "a flat body": Case(shape=needles, hold="free", thrown=True),
     "a wide fan": Case(shape=fan),
-    "a wide fan that bends": Case(shape=fan, options={"bend": 1.0}),
     "three walls at an edge": Case(shape=three_walls, hold="free", thrown=True),
     "soup": Case(shape=lambda: soup(ball(1))),
     "crumpled": Case(shape=crumpled, thrown=True),
@@ -109,7 +107,7 @@ DEGENERATE = {
     "one triangle": Case(shape=lambda: (np.eye(3), np.array([[0, 1, 2]])), hold="free", thrown=True),
     "tangle 1": Case(shape=lambda: tangle(1), thrown=True, ticks=2),
     "tangle 2": Case(shape=lambda: tangle(2), hold="free", thrown=True, fingers=3, ticks=2),
-    "tangle 3": Case(shape=lambda: tangle(3), options={"bend": 0.5, "gravity": (0, 0, -9.81)}, ticks=2),
+    "tangle 3": Case(shape=lambda: tangle(3), options={"gravity": (0, 0, -9.81)}, ticks=2),
     "everything held": Case(shape=lambda: ball(1), options={"held": "all"}),
 }
 SCANS = {name: Case(shape=partial(real, name), material=PRESETS[1].material, ticks=4) for name in REAL}

@@ -72,15 +72,16 @@ def test_eq_1_the_force_inside_is_the_two_piece_law_of_the_depth(preset: object,
 def test_eq_1_the_forces_of_all_contacts_add_up() -> None:
     material = replace(PRESETS[2].material, K1=700.0, x0=0.004)
     mesh = mesh_from_triangles(*cube_triangles(4, 0.165))
-    session = Session(build_model(mesh, [material], law_set="paper", held=mesh.rest_positions[mesh.source, 2] < -0.08))
+    model = build_model(mesh, [material], law_set="paper", held=mesh.rest_positions[mesh.source, 2] < -0.08)
+    session = Session(model, backend="numpy")
     half, depths = 0.0825, (0.003, 0.006, 0.001)
     centres = [(0.0, 0.0, half + 0.02 - depths[0]), (half + 0.02 - depths[1], 0, 0), (0, -half - 0.02 + depths[2], 0)]
     session.set_fingers([Finger(c, 0.02) for c in centres])
     frame = session.step(0.001)
     assert frame.depths == pytest.approx(depths)
     # the contact of Eq. (2) is that of the step before: at the second tick the pressure is that of all three
-    session.step(0.001)
-    assert session._state.inner_force == pytest.approx(700 * 0.003 + (700 * 0.004 + 9130 * 0.002) + 700 * 0.001)
+    assert session.step(0.001).law_forces.sum() == pytest.approx(session.body._state.inner_force)
+    assert session.body._state.inner_force == pytest.approx(700 * 0.003 + (700 * 0.004 + 9130 * 0.002) + 700 * 0.001)
 
 
 def test_eq_2_pressure_is_force_over_contact_area(pressed: Pressed) -> None:

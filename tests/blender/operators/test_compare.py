@@ -52,7 +52,7 @@ def test_a_heavy_mesh_gets_a_stand_in_with_a_reason_and_keeps_it(bpy: ModuleType
     body, said = start(bpy, fine)
     assert body.session.proxy is not None and body.session.model is not body.session.proxy.model
     assert "stand-in of" in said[0] and "stand-in of" in fine.dimple.plan_reason
-    assert len(body.frame.positions) == len(body.link.rest)
+    assert len(body.session.positions()) == len(body.link.rest)
     seeds = body.session.proxy.seeds
     stop()
     again, said = start(bpy, fine)

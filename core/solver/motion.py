@@ -1,0 +1,99 @@
+"""What happens to a body during one call, and what comes of it: the same for the native core and its numpy twin."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..base import Floats
+
+Vector = tuple[float, float, float]
+
+
+class FingertipMotion(NamedTuple):
+    """Where one fingertip goes: straight from start to first in the first tick, then evenly to last.
+
+    start, first, last: centres (3,) [m].
+    radius: of the fingertip [m].
+    contact_radius: of the sphere that meets the body [m], smaller on a proxy.
+    fresh: it was not down before, or elsewhere.
+    """
+
+    start: Vector
+    first: Vector
+    last: Vector
+    radius: float
+    contact_radius: float
+    fresh: bool = False
+
+    @staticmethod
+    def straight(start: Vector, end: Vector, *, ticks: int, radius: float, fresh: bool = False) -> FingertipMotion:
+        """Return an even motion from start to end."""
+        x, y, z = ((a + (b - a) / ticks) if ticks else b for a, b in zip(start, end, strict=True))
+        return FingertipMotion(start, (x, y, z), end, radius, radius, fresh)
+
+
+class PinMotion(NamedTuple):
+    """Where pinned vertices are led: an even way from start to end, (3, pinned) [m] in the order of the vertices.
+
+    first, last: the share of that way at the end of the first tick and of the last.
+    """
+
+    start: Floats
+    end: Floats
+    first: float
+    last: float
+
+
+class Motion(NamedTuple):
+    """What happens to a body in some ticks.
+
+    ticks: how many.
+    substeps: equal ones in each tick.
+    tick: [s].
+    fingertips: up to three, None where one is lifted.
+    pins: where pinned vertices are led, None where they rest.
+    """
+
+    ticks: int
+    substeps: int
+    tick: float
+    fingertips: tuple[FingertipMotion | None, ...] = ()
+    pins: PinMotion | None = None
+
+
+class Touch(NamedTuple):
+    """How a fingertip meets a body at the end of a call.
+
+    impulse: that the body gave it in the call (3,) [N s].
+    centre: where it is (3,) [m].
+    depth: below the surface at rest [m], negative where it is clear.
+    outward: unit vector (3,), the way the depth falls fastest.
+    law_force: K(depth) of Eq. (1) [N].
+    triangle: of the surface, the nearest.
+    """
+
+    impulse: Vector
+    centre: Vector
+    depth: float
+    outward: Vector
+    law_force: float
+    triangle: int
+
+
+class Frame(NamedTuple):
+    """What a call came to.
+
+    touches: one for each fingertip, None where it is lifted.
+    pose: where the shape at rest is, if a fingertip is down: rotation by rows, translation [m], (12,).
+    volume: [m3] and
+    pressure: [Pa] when the forces were last evaluated.
+    ticks: done.
+    finite: False where the body has blown up in the last of them.
+    """
+
+    touches: tuple[Touch | None, ...]
+    pose: tuple[float, ...]
+    volume: float
+    pressure: float
+    ticks: int
+    finite: bool

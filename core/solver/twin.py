@@ -1,0 +1,168 @@
+"""The numpy twin of the native core: the same body, the same calls, to be read, tested against and fallen back on."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..base import FINGER_TRAVEL, LARGEST_GROWTH, Floats, Ints
+from ..body import pressure
+from ..body.model import Model, initial_state
+from ..body.shape_matching import Pose, carried_pose, fit_pose
+from ..mesh.depth import RestSurface, Touching, rest_surface, touching
+from . import semi_implicit
+from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch
+from .path import FingerPath
+
+
+class Twin:
+    """A body that numpy steps; what it owns and does is said in `native.Body`."""
+
+    def __init__(self, model: Model, *, surface: Model | None = None) -> None:
+        self.model, self._fine = model, surface or model
+        self._surface: RestSurface = rest_surface(self._fine.mesh)
+        self._sides: list[Floats | None] = [None] * 3
+        self.set_state(model.matching.rest)
+
+    def set_constants(self, model: Model) -> None:
+        """Give the living body the numbers of another model of the same mesh."""
+        if self.model.free and not model.free:
+            self._state.pose = self._pose()
+        elif model.free:
+            self._state.pose = None
+        self._rest_pins(model.held)
+        self.model = model
+
+    def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
+        """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
+        state = self._state = initial_state(self.model)
+        state.positions[:] = positions
+        state.velocities[:] = 0.0 if velocities is None else velocities
+        self._led = False
+
+    def positions(self) -> Floats:
+        """Return where the vertices are, (3, n) [m]."""
+        return self._state.positions.copy()
+
+    def velocities(self) -> Floats:
+        """Return how fast the vertices move, (3, n) [m/s]."""
+        return self._state.velocities.copy()
+
+    def step(self, motion: Motion) -> Frame:
+        """Run the ticks of a motion."""
+        state, model, tips = self._state, self.model, motion.fingertips
+        down = [i for i, tip in enumerate(tips) if tip is not None]
+        for i, tip in enumerate((*tips, None, None, None)[:3]):
+            if tip is None or tip.fresh:
+                self._sides[i] = None
+        if motion.pins is None and self._led and motion.ticks:
+            self._rest_pins(model.held)
+        here = {i: np.array(tips[i].start) for i in down}  # type: ignore[union-attr]
+        impulses, ticks, finite = np.zeros((len(tips), 3)), 0, True
+        radii = np.array([tips[i].contact_radius for i in down])  # type: ignore[union-attr]
+        while ticks < motion.ticks and finite:
+            share = ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
+            if motion.pins:
+                self._lead_pins(motion, motion.pins, share)
+            if model.needs_contact:
+                touches = [self._touching(tips, i, here[i]) for i in down]
+                state.inner_force = sum(self._law(touch) for touch in touches)
+            path = np.empty((len(down), 2, 3))
+            for row, i in enumerate(down):
+                path[row, 0] = here[i]
+                path[row, 1] = here[i] = _moved(here[i], tips[i], share)
+            with np.errstate(all="ignore"):  # the frame says when it has blown up
+                impulses[down] += semi_implicit.run(
+                    model, state, FingerPath(centres=path, radii=radii), tick=motion.tick, substeps=motion.substeps
+                )
+            ticks, finite = ticks + 1, self._is_whole()
+        if motion.pins and motion.ticks:
+            self._arrive(motion.pins)
+        found: list[Touch | None] = [None] * len(tips)
+        for i in down if finite else ():
+            touch = self._touching(tips, i, here[i])
+            found[i] = Touch(
+                _three(impulses[i]), _three(here[i]), touch.depth, _three(touch.outward), self._law(touch),
+                touch.triangle,
+            )  # fmt: skip
+        pose = self._pose() if finite and down else (np.zeros((3, 3)), np.zeros(3))
+        return Frame(
+            touches=tuple(found), pose=(*pose[0].ravel().tolist(), *pose[1].tolist()),
+            volume=self._volume(ticks) if finite else 0.0, pressure=state.pressure, ticks=ticks, finite=finite,
+        )  # fmt: skip
+
+    def _volume(self, ticks: int) -> float:
+        known = self.model.law_set == "consistent" and self.model.pressure.fill != "none" and ticks
+        return self._state.volume if known else pressure.volume(self.model.pressure, self._state.positions)
+
+    def _pose(self) -> Pose:
+        """Return where the shape at rest is now."""
+        matching = self.model.matching
+        weight = matching.k1 if matching.k1.any() else matching.mass
+        return self._state.pose or fit_pose(matching.rest, self._state.positions, weight)
+
+    def _touching(self, tips: tuple[FingertipMotion | None, ...], i: int, centre: Floats) -> Touching:
+        """Return how a fingertip meets the surface at rest, and remember by which side it came in."""
+        radius = tips[i].radius  # type: ignore[union-attr]
+        touch = touching(self._surface, self._pose(), centre, radius, self._sides[i])
+        if touch.depth < radius:  # its centre is still outside
+            self._sides[i] = self._surface.normals[:, touch.triangle] if touch.depth > 0 else None
+        return touch
+
+    def _law(self, touch: Touching) -> float:
+        material = int(self._fine.mesh.triangle_material[touch.triangle])
+        return self._fine.materials[material].law(touch.depth)
+
+    def _lead_pins(self, motion: Motion, pins: PinMotion, share: float) -> None:
+        """Give the pins of a tick the velocity that brings them to their place, and the shape at rest with them."""
+        state, model = self._state, self.model
+        held = model.held
+        at = pins.first + share * (pins.last - pins.first)
+        way = pins.start + at * (pins.end - pins.start) - state.positions[:, held]
+        state.velocities[:, held] = way / motion.tick
+        if state.pose is not None:
+            used = ~model.mesh.loose[held]
+            here = state.positions[:, held][:, used]
+            state.pose, state.pose_rate = carried_pose(
+                model.matching.rest[:, held][:, used], here, here + way[:, used],
+                tick=motion.tick, substeps=motion.substeps,
+            )  # fmt: skip
+
+    def _arrive(self, pins: PinMotion) -> None:
+        """Put pins that have arrived where they were sent, to the last digit."""
+        self._led = True
+        if pins.last < 1:
+            return
+        held = self.model.held
+        self._state.positions[:, held] = pins.end
+        if self._state.pose is not None:
+            used: Ints = np.flatnonzero(~self.model.mesh.loose[held])
+            rest = self.model.matching.rest[:, held][:, used]
+            self._state.pose = fit_pose(rest, pins.end[:, used], np.ones(len(used)))
+
+    def _rest_pins(self, held: Floats | np.ndarray) -> None:
+        self._state.velocities[:, held] = 0.0
+        self._state.pose_rate, self._led = None, False
+
+    def _is_whole(self) -> bool:
+        """Tell whether every number is finite and the body not far larger than at rest."""
+        state, mesh = self._state, self.model.mesh
+        if not (np.isfinite(state.positions).all() and np.isfinite(state.velocities).all()):
+            return False
+        used = state.positions[:, ~mesh.loose]
+        return bool(np.ptp(used, axis=1).max() < LARGEST_GROWTH * mesh.size)
+
+
+def _moved(here: Floats, tip: FingertipMotion | None, share: float) -> Floats:
+    """Return where a fingertip is a tick later, no farther than it may go without skipping a skin."""
+    assert tip is not None
+    first = np.array(tip.first)
+    way = first + share * (np.array(tip.last) - first) - here
+    most = FINGER_TRAVEL * tip.radius
+    return here + way * min(1.0, most / max(math.hypot(*way), 1e-30))
+
+
+def _three(a: Floats) -> tuple[float, float, float]:
+    x, y, z = a.tolist()
+    return x, y, z
