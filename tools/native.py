@@ -26,7 +26,7 @@ PACKAGE = "dimple_native"
 
 FLAGS = (
     "-std=c11", "-O3", "-fPIC", "-fvisibility=hidden", "-fno-math-errno", "-fno-trapping-math",
-    "-Wall", "-Wextra", "-Werror", "-Wno-psabi",
+    "-Wall", "-Wextra", "-Werror",
 )  # fmt: skip
 # fused multiply-add is a tenth of the time; without it double precision has the same bits on every machine
 FUSE = {32: "-ffp-contract=on", 64: "-ffp-contract=off"}

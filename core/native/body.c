@@ -1,30 +1,30 @@
 /* A body's life: made, given its constants and its state, read. */
 #include "body.h"
 
-static void destroy(body *b) {
+static void dm_state_destroy(dm_state *b) {
     void *const parts[] = {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
         b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->rest_length, b->fans, b->caps, b->cap_hole,
         b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes, b->inverse_mass, b->friction, b->hits,
         b->pin_room, b->shares, b->moved, b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
     };
-    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) give_back(parts[k]);
-    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) give_back(b->touches[k].vertices), give_back(b->touches[k].faces);
-    give_back(b);
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_free(b->touches[k].vertices), dm_free(b->touches[k].faces);
+    dm_free(b);
 }
 
 /* Make room for everything whose size the definition knows. */
-static int32_t make_room(body *b, const dm_body_def *d) {
-    int64_t n = d->vertices, size = b->groups * LANES, t = d->triangles;
+static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
+    int64_t n = d->vertices, size = b->groups * DM_LANES, t = d->triangles;
     int whole = (b->place = room(n, sizeof *b->place)) && (b->rank = room(n, sizeof *b->rank));
     whole = whole && (b->pinned = room(n, sizeof *b->pinned)) && (b->loose = room(n, 1));
     whole = whole && (b->rest = room(3 * n, sizeof(double))) && (b->mass = room(n, sizeof(double)));
     whole = whole && (b->pins = room(3 * n, sizeof(double))) && (b->pin_room = room(9 * n, sizeof(double)));
-    whole = whole && (b->records = room(size, sizeof(record)));
-    whole = whole && (b->state = room(b->groups, sizeof(group_state)));
-    whole = whole && (b->matter = room(b->groups, sizeof(group_matter)));
-    whole = whole && (b->next = room(b->groups, sizeof(group_next)));
-    whole = whole && (b->inverse_mass = room(size, sizeof(real))) && (b->friction = room(size, sizeof(real)));
+    whole = whole && (b->records = room(size, sizeof(dm_record)));
+    whole = whole && (b->state = room(b->groups, sizeof(dm_group_state)));
+    whole = whole && (b->matter = room(b->groups, sizeof(dm_group_matter)));
+    whole = whole && (b->next = room(b->groups, sizeof(dm_group_next)));
+    whole = whole && (b->inverse_mass = room(size, sizeof(dm_real))) && (b->friction = room(size, sizeof(dm_real)));
     whole = whole && (b->shares = room(size, sizeof(uint32_t))) && (b->moved = room(size, sizeof(uint32_t)));
     whole = whole && (b->is_moved = room(size, 1)) && (b->touching = room(size, 1));
     whole = whole && (b->irregular = room(d->irregular, sizeof *b->irregular));
@@ -32,23 +32,23 @@ static int32_t make_room(body *b, const dm_body_def *d) {
     whole = whole && (b->fans = room(d->fans, sizeof *b->fans)) && (b->caps = room(d->cap_edges, sizeof *b->caps));
     whole = whole && (b->cap_hole = room(d->cap_edges, sizeof(uint32_t)));
     whole = whole && (b->holes = room(d->cap_edges, sizeof *b->holes));
-    whole = whole && (b->triangles = room(t, sizeof *b->triangles)) && (b->hits = room(t, sizeof(hit)));
-    b->box_count = (t + BLOCK - 1) / BLOCK;
+    whole = whole && (b->triangles = room(t, sizeof *b->triangles)) && (b->hits = room(t, sizeof(dm_contact)));
+    b->box_count = (t + DM_BLOCK - 1) / DM_BLOCK;
     whole = whole && (b->box_start = room(b->box_count + 1, sizeof(uint32_t)));
     whole = whole && (b->box_vertex = room(3 * t, sizeof(uint32_t)));
     whole = whole && (b->boxes = room(b->box_count, sizeof *b->boxes));
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         whole = whole && (b->touches[k].vertices = room(size, sizeof(uint32_t)));
-        whole = whole && (b->touches[k].faces = room(t + LANES, sizeof *b->touches[k].faces));
+        whole = whole && (b->touches[k].faces = room(t + DM_LANES, sizeof *b->touches[k].faces));
     }
     return whole ? DM_OK : DM_MEMORY;
 }
 
 /* Order the triangles along the curve in space, and box them in runs. */
-static int32_t lay_faces(body *b, int64_t t, const int64_t *corners) {
-    int64_t size = b->groups * LANES;
+static int32_t dm_lay_faces(dm_state *b, int64_t t, const int64_t *corners) {
+    int64_t size = b->groups * DM_LANES;
     uint32_t *seen = room(size, sizeof(uint32_t)), *next = room(size + 1, sizeof(uint32_t));
-    if (!seen || !next) return give_back(seen), give_back(next), DM_MEMORY;
+    if (!seen || !next) return dm_free(seen), dm_free(next), DM_MEMORY;
     for (int pass = 0; pass < 2; pass++) { /* count, then place */
         for (int64_t k = 0; k < t; k++) {
             uint32_t at[3], first = UINT32_MAX;
@@ -63,16 +63,16 @@ static int32_t lay_faces(body *b, int64_t t, const int64_t *corners) {
     }
     uint32_t count = 0;
     for (int64_t k = 0; k < 3 * t; k++) {
-        uint32_t i = b->triangles[k / 3][k % 3], box = (uint32_t)(k / 3 / BLOCK) + 1;
+        uint32_t i = b->triangles[k / 3][k % 3], box = (uint32_t)(k / 3 / DM_BLOCK) + 1;
         if (seen[i] != box) seen[i] = box, b->box_vertex[count++] = i;
         b->box_start[box] = count;
     }
-    give_back(seen), give_back(next);
+    dm_free(seen), dm_free(next);
     b->triangle_count = t;
     return DM_OK;
 }
 
-static void lay_fill(body *b, const dm_body_def *d) {
+static void dm_lay_fill(dm_state *b, const dm_body_def *d) {
     for (int64_t k = 0; k < 3 * d->fans; k++) b->fans[k / 3][k % 3] = b->place[d->fan[k]];
     for (int64_t k = 0; k < d->cap_edges; k++) {
         int64_t hole = d->cap_hole[k];
@@ -83,65 +83,65 @@ static void lay_fill(body *b, const dm_body_def *d) {
     b->fan_count = d->fans, b->cap_count = d->cap_edges, b->rest_volume = d->rest_volume;
 }
 
-static void lay_irregular(body *b, const dm_body_def *d) {
+static void dm_lay_irregular(dm_state *b, const dm_body_def *d) {
     memcpy(b->rest_length, d->rest_length, (size_t)d->springs * sizeof(double) * (d->springs > 0));
     for (int64_t k = 0; k < d->irregular; k++) {
         int64_t e = d->irregular_spring[k];
-        irregular_spring s = {.i = b->place[d->ends[2 * e]], .j = b->place[d->ends[2 * e + 1]], .spring = e,
+        dm_irregular_spring s = {.i = b->place[d->ends[2 * e]], .j = b->place[d->ends[2 * e + 1]], .spring = e,
                               .on_i = d->irregular_end[2 * k], .on_j = d->irregular_end[2 * k + 1]};
         s.rest = d->rest_length[e], b->irregular[k] = s;
     }
     b->irregular_count = d->irregular, b->spring_count = d->springs;
 }
 
-static int32_t set_constants(body *b, const dm_constants *c);
-static void set_state(body *b, const double *positions, const double *velocities);
+static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c);
+static void dm_state_place(dm_state *b, const double *positions, const double *velocities);
 
-static int32_t create(body **made, const dm_body_def *d) {
-    body *b = *made = room(1, sizeof(body));
+static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
+    dm_state *b = *made = room(1, sizeof(dm_state));
     if (!b) return DM_MEMORY;
     int64_t n = b->n = d->vertices;
-    b->groups = (n + LANES - 1) / LANES;
+    b->groups = (n + DM_LANES - 1) / DM_LANES;
     b->rest_area = d->rest_area, b->size = d->size, b->law_count = -1;
-    int32_t code = make_room(b, d);
+    int32_t code = dm_allocate(b, d);
     if (code == DM_OK) {
         memcpy(b->rest, d->rest, (size_t)(3 * n) * sizeof(double));
         for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0, b->any_loose |= b->loose[k];
-        code = lay_out(b, d->width, d->ring, d->ring_spring);
+        code = dm_lay_out(b, d->width, d->ring, d->ring_spring);
     }
-    if (code == DM_OK) code = lay_rings(b, d->width, d->ring, d->ring_spring);
-    if (code == DM_OK) code = lay_faces(b, d->triangles, d->corners);
-    if (code == DM_OK) code = lay_surface(b, d);
+    if (code == DM_OK) code = dm_lay_rings(b, d->width, d->ring, d->ring_spring);
+    if (code == DM_OK) code = dm_lay_faces(b, d->triangles, d->corners);
+    if (code == DM_OK) code = dm_lay_surface(b, d);
     if (code == DM_OK) {
-        lay_fill(b, d), lay_irregular(b, d);
+        dm_lay_fill(b, d), dm_lay_irregular(b, d);
         b->free = d->constants.free != 0;
-        code = set_constants(b, &d->constants);
+        code = dm_state_set_constants(b, &d->constants);
     }
-    if (code != DM_OK) return destroy(b), *made = NULL, code;
-    set_state(b, d->rest, NULL);
+    if (code != DM_OK) return dm_state_destroy(b), *made = NULL, code;
+    dm_state_place(b, d->rest, NULL);
     return DM_OK;
 }
 
-static double weighted_mean(const body *b, const double *a) {
+static double dm_weighted_mean(const dm_state *b, const double *a) {
     double sum = 0;
     for (int64_t k = 0; k < b->n; k++) sum += b->mass[k] * a[k];
     return sum / b->mass_total;
 }
 
-static void set_springs(body *b, const dm_constants *c) {
+static void dm_set_springs(dm_state *b, const dm_constants *c) {
     int64_t slots = b->ring.start[b->groups];
-    for (int64_t k = 0; k < slots * LANES; k++) {
+    for (int64_t k = 0; k < slots * DM_LANES; k++) {
         int32_t e = b->ring_spring[k];
-        slot *s = b->ring.slots + k / LANES;
-        s->stiffness[k % LANES] = e < 0 ? 0 : (real)c->stiffness[e];
-        s->pull[k % LANES] = e < 0 ? 0 : (real)(c->stiffness[e] * b->rest_length[e]);
-        s->damping[k % LANES] = e < 0 ? 0 : (real)c->damping[e];
+        dm_slot *s = b->ring.slots + k / DM_LANES;
+        s->stiffness[k % DM_LANES] = e < 0 ? 0 : (dm_real)c->stiffness[e];
+        s->pull[k % DM_LANES] = e < 0 ? 0 : (dm_real)(c->stiffness[e] * b->rest_length[e]);
+        s->damping[k % DM_LANES] = e < 0 ? 0 : (dm_real)c->damping[e];
     }
-    for (irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++)
+    for (dm_irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++)
         s->stiffness = c->stiffness[s->spring], s->damping = c->damping[s->spring];
 }
 
-static void set_matter(body *b, const dm_constants *c) {
+static void dm_set_matter(dm_state *b, const dm_constants *c) {
     double sum[4] = {0}, spread = 0;
     b->mass_total = 0;
     for (int64_t k = 0; k < b->n; k++) {
@@ -152,24 +152,24 @@ static void set_matter(body *b, const dm_constants *c) {
     b->any_k1 = sum[3] > 0, b->k1_total = sum[3] > 0 ? sum[3] : 1;
     for (int d = 0; d < 3; d++) {
         const double *x = b->rest + d * b->n;
-        b->rest_centre[d] = sum[d] / b->k1_total, b->middle[d] = weighted_mean(b, x);
+        b->rest_centre[d] = sum[d] / b->k1_total, b->middle[d] = dm_weighted_mean(b, x);
         for (int64_t k = 0; k < b->n; k++) spread += b->mass[k] * (x[k] - b->middle[d]) * (x[k] - b->middle[d]);
     }
     b->cell = spread > 0 ? exp2(ceil(log2(4 * sqrt(spread / b->mass_total)))) : 1;
     for (int64_t k = 0; k < b->n; k++) {
-        uint32_t i = b->place[k], l = i % LANES;
-        group_matter *m = b->matter + i / LANES;
-        m->mass[l] = (real)c->mass[k], m->inverse_mass[l] = b->inverse_mass[i] = (real)c->inverse_mass[k];
-        m->k1[l] = (real)c->k1[k], m->k_more[l] = (real)(c->k2[k] - c->k1[k]);
-        m->d0[l] = (real)c->d0[k], m->damping[l] = (real)c->drag[k], b->friction[i] = (real)c->friction[k];
+        uint32_t i = b->place[k], l = i % DM_LANES;
+        dm_group_matter *m = b->matter + i / DM_LANES;
+        m->mass[l] = (dm_real)c->mass[k], m->inverse_mass[l] = b->inverse_mass[i] = (dm_real)c->inverse_mass[k];
+        m->k1[l] = (dm_real)c->k1[k], m->k_more[l] = (dm_real)(c->k2[k] - c->k1[k]);
+        m->d0[l] = (dm_real)c->d0[k], m->damping[l] = (dm_real)c->drag[k], b->friction[i] = (dm_real)c->friction[k];
         double rest[3];
         for (int d = 0; d < 3; d++) rest[d] = b->rest[d * b->n + k] - b->rest_centre[d];
-        set_lane3(&m->rest, i, quad_of(rest));
+        dm_set_lane3(&m->rest, i, dm_quad_of(rest));
     }
 }
 
 /* The pose as the steps want it: about the centre of the shape at rest, from the origin. */
-static void place_pose(body *b) {
+static void dm_place_pose(dm_state *b) {
     memcpy(b->rotation, b->pose, sizeof b->rotation);
     for (int c = 0; c < 3; c++) {
         const double *row = b->pose + 3 * c, *rate = b->pose_rate + 3 * c, *q = b->rest_centre;
@@ -179,13 +179,13 @@ static void place_pose(body *b) {
     memcpy(b->turning, b->pose_rate, 9 * sizeof(double));
 }
 
-static void write_vertex(body *b, uint32_t i, quad x, quad v) {
-    b->records[i] = (record){x, v};
-    set_lane3(&b->state[i / LANES].x, i, x), set_lane3(&b->state[i / LANES].v, i, v);
+DM_INLINE void dm_set_vertex(dm_state *b, uint32_t i, dm_quad x, dm_quad v) {
+    b->records[i] = (dm_record){x, v};
+    dm_set_lane3(&b->state[i / DM_LANES].x, i, x), dm_set_lane3(&b->state[i / DM_LANES].v, i, v);
 }
 
 /* Pin what has no inverse mass where it is; what is pinned already keeps its digits. */
-static void pin(body *b, const double *inverse_mass) {
+static void dm_pin(dm_state *b, const double *inverse_mass) {
     int64_t n = b->n, old = 0, count = 0;
     double *before = b->pin_room;
     memcpy(before, b->pins, (size_t)(3 * n) * sizeof(double));
@@ -194,65 +194,65 @@ static void pin(body *b, const double *inverse_mass) {
     for (int64_t k = 0; k < n; k++) {
         int held = old < b->pinned_count && was[old] == k;
         if (!(inverse_mass[k] > 0)) {
-            const record *r = b->records + b->place[k];
+            const dm_record *r = b->records + b->place[k];
             for (int d = 0; d < 3; d++)
                 b->pins[d * n + count] = held ? before[d * n + old] : b->origin[d] + (double)r->x[d];
             b->pinned[count++] = (uint32_t)k;
-            write_vertex(b, b->place[k], r->x, (quad){0, 0, 0, 0});
+            dm_set_vertex(b, b->place[k], r->x, (dm_quad){0, 0, 0, 0});
         }
         old += held;
     }
     b->pinned_count = count;
 }
 
-static int32_t set_constants(body *b, const dm_constants *c) {
+static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     double (*laws)[3] = room(c->materials, sizeof *laws);
     if (!laws) return DM_MEMORY;
     memcpy(laws, c->laws, (size_t)c->materials * sizeof *laws * (c->materials > 0));
     int alive = b->law_count >= 0;
-    if (alive && b->free && !c->free) fit_whole(b, b->pose);
-    give_back(b->laws);
+    if (alive && b->free && !c->free) dm_fit_whole(b, b->pose);
+    dm_free(b->laws);
     b->laws = laws, b->law_count = c->materials;
-    set_springs(b, c), set_matter(b, c);
-    pin(b, c->inverse_mass);
+    dm_set_springs(b, c), dm_set_matter(b, c);
+    dm_pin(b, c->inverse_mass);
     b->law_set = c->law_set, b->fill = c->fill, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
     memcpy(b->gravity, c->gravity, sizeof b->gravity);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
-    place_pose(b);
+    dm_place_pose(b);
     return DM_OK;
 }
 
-static void set_state(body *b, const double *positions, const double *velocities) {
+static void dm_state_place(dm_state *b, const double *positions, const double *velocities) {
     int64_t n = b->n;
     for (int c = 0; c < 3; c++) {
-        double way = weighted_mean(b, positions + c * n) - b->middle[c];
+        double way = dm_weighted_mean(b, positions + c * n) - b->middle[c];
         b->origin[c] = b->middle[c] + b->cell * nearbyint(way / b->cell);
     }
     /* the empty lanes too: a body that has blown up leaves NaN in them */
-    memset(b->records, 0, (size_t)(b->groups * LANES) * sizeof(record));
-    memset(b->state, 0, (size_t)b->groups * sizeof(group_state));
+    memset(b->records, 0, (size_t)(b->groups * DM_LANES) * sizeof(dm_record));
+    memset(b->state, 0, (size_t)b->groups * sizeof(dm_group_state));
     for (int64_t k = 0; k < n; k++) {
         double x[3], v[3] = {0};
         for (int c = 0; c < 3; c++) {
             x[c] = positions[c * n + k] - b->origin[c];
             if (velocities) v[c] = velocities[c * n + k];
         }
-        write_vertex(b, b->place[k], quad_of(x), quad_of(v));
+        dm_set_vertex(b, b->place[k], dm_quad_of(x), dm_quad_of(v));
     }
     for (int64_t k = 0; k < b->pinned_count; k++)
         for (int c = 0; c < 3; c++) b->pins[c * n + k] = positions[c * n + b->pinned[k]];
     for (int k = 0; k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;
     memcpy(b->turned, b->pose, sizeof b->turned);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
-    memset(b->touching, 0, (size_t)(b->groups * LANES));
+    memset(b->touching, 0, (size_t)(b->groups * DM_LANES));
     b->led = b->carried = 0;
-    place_pose(b);
+    dm_place_pose(b);
 }
 
-static void get_state(const body *b, double *positions, double *velocities) {
+static void dm_state_read(const dm_state *b, double *positions, double *velocities) {
     int64_t n = b->n;
     for (int64_t k = 0; k < n; k++) {
-        const record *r = b->records + b->place[k];
+        const dm_record *r = b->records + b->place[k];
         for (int c = 0; c < 3; c++) {
             if (positions) positions[c * n + k] = b->origin[c] + (double)r->x[c];
             if (velocities) velocities[c * n + k] = (double)r->v[c];
@@ -262,4 +262,4 @@ static void get_state(const body *b, double *positions, double *velocities) {
         for (int c = 0; c < 3; c++) positions[c * n + b->pinned[k]] = b->pins[c * n + k];
 }
 
-static int64_t pinned(const body *b) { return b->pinned_count; }
+static int64_t dm_state_pinned(const dm_state *b) { return b->pinned_count; }

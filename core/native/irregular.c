@@ -2,21 +2,21 @@
  * that close the holes for the volume. Source: core/body/springs.py _add_irregular, core/body/pressure.py _add_fans. */
 #include "body.h"
 
-static void add_force(body *b, uint32_t i, const double *f, double sign) {
-    add_lane3(&b->next[i / LANES].v, i, f, sign * b->dt * (double)b->inverse_mass[i]);
+static void dm_add_force(dm_state *b, uint32_t i, const double *f, double sign) {
+    dm_add_lane3(&b->next[i / DM_LANES].v, i, f, sign * b->dt * (double)b->inverse_mass[i]);
 }
 
 /* add f to the sum of normals round a vertex, 6 dV/dx; return what that adds to the volume */
-static double add_normal(body *b, uint32_t i, const double *x, const double *f) {
-    add_lane3(&b->next[i / LANES].per_pascal, i, f, b->dt * (double)b->inverse_mass[i] / 6);
+static double dm_add_normal(dm_state *b, uint32_t i, const double *x, const double *f) {
+    dm_add_lane3(&b->next[i / DM_LANES].per_pascal, i, f, b->dt * (double)b->inverse_mass[i] / 6);
     return (x[0] * f[0] + x[1] * f[1] + x[2] * f[2]) / 18;
 }
 
-static void pull_irregular(body *b) {
-    for (const irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++) {
+static void dm_add_irregular_forces(dm_state *b) {
+    for (const dm_irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++) {
         double xi[3], xj[3], vi[3], vj[3], square = 0, growth = 0;
-        position(b, s->i, xi), position(b, s->j, xj);
-        velocity(b, s->i, vi), velocity(b, s->j, vj);
+        dm_position(b, s->i, xi), dm_position(b, s->j, xj);
+        dm_velocity(b, s->i, vi), dm_velocity(b, s->j, vj);
         for (int c = 0; c < 3; c++) {
             xj[c] -= xi[c];
             square += xj[c] * xj[c], growth += xj[c] * (vj[c] - vi[c]);
@@ -28,65 +28,65 @@ static void pull_irregular(body *b) {
         else
             tension = s->stiffness * (1 - s->rest / length) + s->damping * growth / square;
         for (int c = 0; c < 3; c++) xj[c] *= tension;
-        if (s->on_i) add_force(b, s->i, xj, 1);
-        if (s->on_j) add_force(b, s->j, xj, -1);
+        if (s->on_i) dm_add_force(b, s->i, xj, 1);
+        if (s->on_j) dm_add_force(b, s->j, xj, -1);
     }
 }
 
-static double add_fans(body *b) {
+static double dm_add_fans(dm_state *b) {
     double volume = 0, x[3], y[3], z[3], f[3];
     for (int64_t k = 0; k < b->fan_count; k++) {
-        position(b, b->fans[k][0], x), position(b, b->fans[k][1], y), position(b, b->fans[k][2], z);
-        cross3(y, z, f);
-        volume += add_normal(b, b->fans[k][0], x, f);
+        dm_position(b, b->fans[k][0], x), dm_position(b, b->fans[k][1], y), dm_position(b, b->fans[k][2], z);
+        dm_cross3(y, z, f);
+        volume += dm_add_normal(b, b->fans[k][0], x, f);
     }
     return volume;
 }
 
-static void find_hole_centres(body *b) {
+static void dm_find_hole_centres(dm_state *b) {
     for (int64_t h = 0; h < b->hole_count; h++) memset(b->holes[h], 0, 6 * sizeof(double));
     for (int64_t e = 0; e < b->cap_count; e++) {
         double *hole = b->holes[b->cap_hole[e]], x[3];
-        position(b, b->caps[e][0], x);
+        dm_position(b, b->caps[e][0], x);
         for (int c = 0; c < 3; c++) hole[c] += x[c] / hole[6];
     }
 }
 
-static double add_caps(body *b) {
+static double dm_add_caps(dm_state *b) {
     double volume = 0, x[3], y[3], f[3];
-    find_hole_centres(b);
+    dm_find_hole_centres(b);
     for (int64_t e = 0; e < b->cap_count; e++) {
         double *hole = b->holes[b->cap_hole[e]];
-        position(b, b->caps[e][0], x), position(b, b->caps[e][1], y);
-        cross3(y, hole, f);
-        volume += add_normal(b, b->caps[e][0], x, f);
-        cross3(hole, x, f);
-        volume += add_normal(b, b->caps[e][1], y, f);
-        cross3(x, y, f);
+        dm_position(b, b->caps[e][0], x), dm_position(b, b->caps[e][1], y);
+        dm_cross3(y, hole, f);
+        volume += dm_add_normal(b, b->caps[e][0], x, f);
+        dm_cross3(hole, x, f);
+        volume += dm_add_normal(b, b->caps[e][1], y, f);
+        dm_cross3(x, y, f);
         for (int c = 0; c < 3; c++) hole[3 + c] += f[c] / hole[6];
     }
     /* the tip of a cone moves with the mean of its rim */
     for (int64_t e = 0; e < b->cap_count; e++) {
-        position(b, b->caps[e][0], x);
-        volume += add_normal(b, b->caps[e][0], x, b->holes[b->cap_hole[e]] + 3);
+        dm_position(b, b->caps[e][0], x);
+        volume += dm_add_normal(b, b->caps[e][0], x, b->holes[b->cap_hole[e]] + 3);
     }
     return volume;
 }
 
 /* The volume [m3] where the body is now, face by face: for laws that do not ask for it in each step. */
-static double whole_volume(body *b) {
+static double dm_volume_of_faces(dm_state *b) {
     double volume = 0, x[3], y[3], z[3], f[3];
     for (int64_t t = 0; t < b->triangle_count; t++) {
         const uint32_t *corner = b->triangles[t];
-        position(b, corner[0], x), position(b, corner[1], y), position(b, corner[2], z);
-        cross3(y, z, f);
-        volume += inner3(x, f) / 6;
+        dm_position(b, corner[0], x), dm_position(b, corner[1], y), dm_position(b, corner[2], z);
+        dm_cross3(y, z, f);
+        volume += dm_inner3(x, f) / 6;
     }
-    find_hole_centres(b);
+    dm_find_hole_centres(b);
     for (int64_t e = 0; e < b->cap_count; e++) {
-        position(b, b->caps[e][0], x), position(b, b->caps[e][1], y);
-        cross3(y, b->holes[b->cap_hole[e]], f);
-        volume += inner3(x, f) / 6;
+        dm_position(b, b->caps[e][0], x), dm_position(b, b->caps[e][1], y);
+        dm_cross3(y, b->holes[b->cap_hole[e]], f);
+        volume += dm_inner3(x, f) / 6;
     }
     return volume;
 }

@@ -4,16 +4,16 @@
 typedef struct {
     uint64_t key;
     uint32_t vertex;
-} keyed;
+} dm_keyed;
 
-static int by_key(const void *a, const void *b) {
-    const keyed *p = a, *q = b;
+static int dm_by_key(const void *a, const void *b) {
+    const dm_keyed *p = a, *q = b;
     if (p->key != q->key) return p->key < q->key ? -1 : 1;
     return p->vertex < q->vertex ? -1 : p->vertex > q->vertex;
 }
 
 /* put two zeros between the 21 low bits */
-static uint64_t spread(uint64_t a) {
+static uint64_t dm_spread_bits(uint64_t a) {
     a &= 0x1fffff;
     a = (a | a << 32) & 0x1f00000000ffff;
     a = (a | a << 16) & 0x1f0000ff0000ff;
@@ -23,7 +23,7 @@ static uint64_t spread(uint64_t a) {
 }
 
 /* Order points (3, n) along a Morton curve: runs of them are near in space. */
-static void follow_curve(const double *points, int64_t n, keyed *keys) {
+static void dm_order_along_curve(const double *points, int64_t n, dm_keyed *keys) {
     double low[3], span = 0;
     for (int c = 0; c < 3; c++) {
         double high = low[c] = points[c * n];
@@ -38,16 +38,16 @@ static void follow_curve(const double *points, int64_t n, keyed *keys) {
         uint64_t key = 0;
         for (int c = 0; c < 3; c++) {
             double cell = (points[c * n + i] - low[c]) * scale;
-            key |= spread((uint64_t)(cell < 0x1fffff ? cell : 0x1fffff)) << c;
+            key |= dm_spread_bits((uint64_t)(cell < 0x1fffff ? cell : 0x1fffff)) << c;
         }
-        keys[i] = (keyed){key, (uint32_t)i};
+        keys[i] = (dm_keyed){key, (uint32_t)i};
     }
-    qsort(keys, (size_t)n, sizeof(keyed), by_key);
+    qsort(keys, (size_t)n, sizeof(dm_keyed), dm_by_key);
 }
 
 /* Order the vertices as a wave from the first meets them: all neighbours are then within two of its fronts, so that a
  * step streams through memory once. Source: Cuthill and McKee 1969. */
-static void follow_wave(const body *b, keyed *keys, uint8_t *seen, int64_t width, const int64_t *ring,
+static void dm_order_by_wave(const dm_state *b, dm_keyed *keys, uint8_t *seen, int64_t width, const int64_t *ring,
                         const int64_t *ring_spring) {
     int64_t n = b->n, done = 0, found = 0;
     uint32_t *queue = b->place;
@@ -66,60 +66,60 @@ static void follow_wave(const body *b, keyed *keys, uint8_t *seen, int64_t width
 
 /* Number the vertices by wave, then by valence within windows, so that the eight of a group have about as many
  * neighbours and few slots stay empty. */
-static int32_t lay_out(body *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
-    enum { WINDOW = 256 };
+static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
+    enum { DM_WINDOW = 256 };
     int64_t n = b->n;
-    keyed *keys = room(n, sizeof(keyed));
+    dm_keyed *keys = room(n, sizeof(dm_keyed));
     uint8_t *seen = room(n, 1);
-    if (!keys || !seen) return give_back(keys), give_back(seen), DM_MEMORY;
-    follow_curve(b->rest, n, keys);
+    if (!keys || !seen) return dm_free(keys), dm_free(seen), DM_MEMORY;
+    dm_order_along_curve(b->rest, n, keys);
     for (int64_t k = 0; k < n; k++) b->rank[keys[k].vertex] = (uint32_t)k;
-    follow_wave(b, keys, seen, width, ring, ring_spring);
-    for (int64_t from = 0; from < n; from += WINDOW) {
-        int64_t count = n - from < WINDOW ? n - from : WINDOW;
+    dm_order_by_wave(b, keys, seen, width, ring, ring_spring);
+    for (int64_t from = 0; from < n; from += DM_WINDOW) {
+        int64_t count = n - from < DM_WINDOW ? n - from : DM_WINDOW;
         for (int64_t k = from; k < from + count; k++) {
             uint64_t valence = 0;
             for (int64_t s = 0; s < width; s++) valence += ring_spring[s * n + keys[k].vertex] >= 0;
             keys[k].key = valence << 32 | (uint64_t)k;
         }
-        qsort(keys + from, (size_t)count, sizeof(keyed), by_key);
+        qsort(keys + from, (size_t)count, sizeof(dm_keyed), dm_by_key);
     }
     for (int64_t k = 0; k < n; k++) b->place[keys[k].vertex] = (uint32_t)k;
-    give_back(keys), give_back(seen);
+    dm_free(keys), dm_free(seen);
     return DM_OK;
 }
 
 /* Lay the rings out, lane by lane; a vertex that has fewer neighbours than its group gathers its first again,
  * one that has none gathers itself. */
-static int32_t lay_rings(body *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
-    int64_t n = b->n, size = b->groups * LANES;
+static int32_t dm_lay_rings(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
+    int64_t n = b->n, size = b->groups * DM_LANES;
     int64_t *vertex = room(size, sizeof(int64_t));
     b->ring.start = room(b->groups + 1, sizeof(int64_t));
-    if (!vertex || !b->ring.start) return give_back(vertex), DM_MEMORY;
+    if (!vertex || !b->ring.start) return dm_free(vertex), DM_MEMORY;
     for (int64_t i = 0; i < size; i++) vertex[i] = -1;
     for (int64_t i = 0; i < n; i++) vertex[b->place[i]] = i;
     for (int64_t g = 0; g < b->groups; g++) {
         int64_t most = 0;
-        for (int l = 0; l < LANES; l++) {
-            int64_t i = vertex[g * LANES + l], valence = 0;
+        for (int l = 0; l < DM_LANES; l++) {
+            int64_t i = vertex[g * DM_LANES + l], valence = 0;
             while (i >= 0 && valence < width && ring_spring[valence * n + i] >= 0) valence++;
             most = valence > most ? valence : most;
         }
         b->ring.start[g + 1] = b->ring.start[g] + most;
     }
     int64_t slots = b->ring.start[b->groups];
-    b->ring.slots = room(slots, sizeof(slot));
-    b->ring_spring = room(slots * LANES, sizeof(int32_t));
-    if (!b->ring.slots || !b->ring_spring) return give_back(vertex), DM_MEMORY;
+    b->ring.slots = room(slots, sizeof(dm_slot));
+    b->ring_spring = room(slots * DM_LANES, sizeof(int32_t));
+    if (!b->ring.slots || !b->ring_spring) return dm_free(vertex), DM_MEMORY;
     for (int64_t g = 0; g < b->groups; g++)
         for (int64_t s = b->ring.start[g]; s < b->ring.start[g + 1]; s++)
-            for (int l = 0; l < LANES; l++) {
-                int64_t i = vertex[g * LANES + l], at = s - b->ring.start[g];
+            for (int l = 0; l < DM_LANES; l++) {
+                int64_t i = vertex[g * DM_LANES + l], at = s - b->ring.start[g];
                 int64_t spring = i >= 0 && ring_spring[i] >= 0 ? ring_spring[at * n + i] : -1;
-                int64_t other = i >= 0 && ring_spring[i] >= 0 ? b->place[ring[at * n + i]] : g * LANES + l;
-                b->ring_spring[s * LANES + l] = (int32_t)spring;
-                b->ring.slots[s].at[l] = (uint32_t)((uint64_t)other * sizeof(record));
+                int64_t other = i >= 0 && ring_spring[i] >= 0 ? b->place[ring[at * n + i]] : g * DM_LANES + l;
+                b->ring_spring[s * DM_LANES + l] = (int32_t)spring;
+                b->ring.slots[s].at[l] = (uint32_t)((uint64_t)other * sizeof(dm_record));
             }
-    give_back(vertex);
+    dm_free(vertex);
     return DM_OK;
 }

@@ -1,34 +1,33 @@
 /* Eqs. (6) to (8): from what comes next to new velocities and positions. */
 #include "body.h"
 
-static inline void advance(body *b, double pressure, int fitted) {
-    lanes p = all((real)pressure), dt = all((real)b->dt);
-    real limit = (real)b->skin_travel;
-    three linear = splat3(b->drift.linear), angular = splat3(b->drift.angular);
+DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
+    dm_lanes p = dm_splat((dm_real)pressure), dt = dm_splat((dm_real)b->dt);
+    dm_real limit = (dm_real)b->skin_travel;
+    dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
     for (int64_t g = 0; g < b->groups; g++) {
-        three x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
+        dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
         if (fitted) { /* whatever net force and torque shape matching left is taken out */
-            three spin = cross(angular, x);
-            lanes by = select((mask)(b->matter[g].inverse_mass > all(0)), dt, all(0));
+            dm_vec3 spin = dm_cross(angular, x);
+            dm_lanes by = dm_blend((dm_mask)(b->matter[g].inverse_mass > dm_splat(0)), dt, dm_splat(0));
             v.x -= by * (linear.x + spin.x), v.y -= by * (linear.y + spin.y), v.z -= by * (linear.z + spin.z);
         }
-        three way = {dt * v.x, dt * v.y, dt * v.z};
+        dm_vec3 way = {dt * v.x, dt * v.y, dt * v.z};
         if (limit > 0) { /* a deep press must not carry the skin past a fingertip */
-            lanes square = dot(way, way);
-            mask far = (mask)(square > all(limit * limit));
-            if (any(far)) {
-                lanes share = select(far, all(limit) / root(square), all(1));
+            dm_lanes square = dm_dot(way, way);
+            dm_mask far = (dm_mask)(square > dm_splat(limit * limit));
+            if (dm_any_of(far)) {
+                dm_lanes share = dm_blend(far, dm_splat(limit) / dm_vsqrt(square), dm_splat(1));
                 way.x *= share, way.y *= share, way.z *= share;
             }
         }
         x.x += way.x, x.y += way.y, x.z += way.z;
-        b->state[g] = (group_state){x, v};
-        quads_of(x, &b->records[g * LANES].x);
-        quads_of(v, &b->records[g * LANES].v);
+        b->state[g] = (dm_group_state){x, v};
+        dm_scatter8(x, v, b->records + g * DM_LANES);
     }
 }
 
-static void advance_posed(body *b, double pressure) { advance(b, pressure, 0); }
+static void dm_advance_pinned(dm_state *b, double pressure) { dm_advance(b, pressure, 0); }
 
-static void advance_fitted(body *b, double pressure) { advance(b, pressure, 1); }
+static void dm_advance_free(dm_state *b, double pressure) { dm_advance(b, pressure, 1); }

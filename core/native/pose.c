@@ -2,7 +2,7 @@
 #include "body.h"
 
 /* Turn a symmetric matrix diagonal by plane rotations (Jacobi): a = q diag(a) q^T, q by columns. */
-static void diagonalise(int n, double *a, double *q) {
+static void dm_diagonalise(int n, double *a, double *q) {
     for (int i = 0; i < n * n; i++) q[i] = i % (n + 1) == 0;
     for (int sweep = 0; sweep < 30; sweep++) {
         double off = 0, all = 0;
@@ -34,11 +34,11 @@ static void diagonalise(int n, double *a, double *q) {
 
 /* The rotation that maximises trace(r^T h): its quaternion is the eigenvector of the largest eigenvalue of a
  * 4 x 4 matrix. It exists for any h, and is unique wherever the polar decomposition is. Source: Horn 1987. */
-static void fit_rotation(const double *h, double *r) {
+static void dm_nearest_rotation(const double *h, double *r) {
     double xx = h[0], yy = h[4], zz = h[8], q[16];
     double a = h[7] - h[5], b = h[2] - h[6], c = h[3] - h[1], d = h[1] + h[3], e = h[2] + h[6], f = h[5] + h[7];
     double m[16] = {xx + yy + zz, a, b, c, a, xx - yy - zz, d, e, b, d, yy - xx - zz, f, c, e, f, zz - xx - yy};
-    diagonalise(4, m, q);
+    dm_diagonalise(4, m, q);
     int best = 0;
     for (int i = 1; i < 4; i++) best = m[5 * i] > m[5 * best] ? i : best;
     double w = q[best], x = q[4 + best], y = q[8 + best], z = q[12 + best];
@@ -51,15 +51,15 @@ static void fit_rotation(const double *h, double *r) {
     memcpy(r, turn, sizeof turn);
 }
 
-static void multiply(const double *a, const double *b, double *r) {
+static void dm_multiply3x3(const double *a, const double *b, double *r) {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) r[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
 }
 
 /* Invert a symmetric 3 x 3 matrix; a direction without inertia (a straight line of vertices) gets no spin. */
-static void invert(double *a, double *inverse) {
+static void dm_invert3x3(double *a, double *inverse) {
     double q[9], most = 0;
-    diagonalise(3, a, q);
+    dm_diagonalise(3, a, q);
     for (int i = 0; i < 3; i++) most = a[4 * i] > most ? a[4 * i] : most;
     memset(inverse, 0, 9 * sizeof(double));
     for (int i = 0; i < 3; i++)
@@ -67,8 +67,8 @@ static void invert(double *a, double *inverse) {
             inverse[k] += q[3 * (k / 3) + i] * q[3 * (k % 3) + i] / a[4 * i];
 }
 
-static rigid rigid_part(const body *b, const inertia *at, const double *momentum, const double *turning) {
-    rigid r;
+static dm_rigid dm_rigid_part(const dm_state *b, const dm_inertia *at, const double *momentum, const double *turning) {
+    dm_rigid r;
     double about[3];
     const double *o = at->centre;
     for (int c = 0; c < 3; c++) r.linear[c] = momentum[c] / b->mass_total;
@@ -86,91 +86,93 @@ static rigid rigid_part(const body *b, const inertia *at, const double *momentum
 }
 
 /* The moments that both fits ask for, in one pass. With q the place at rest from its centre, sum k1 q = 0. */
-enum { K_X = 0, K_XQ = 3, M_X = 12, M_XX = 15, M_V = 21, M_XV = 24, MOMENTS = 27 };
+enum { DM_K_X = 0, DM_K_XQ = 3, DM_M_X = 12, DM_M_XX = 15, DM_M_V = 21, DM_M_XV = 24, DM_MOMENTS = 27 };
 
-static void sum_moments(const body *b, double *sums) {
-    wide sum[MOMENTS] = {{0}};
-    lanes part[MOMENTS] = {{0}};
+static void dm_sum_moments(const dm_state *b, double *sums) {
+    dm_wide sum[DM_MOMENTS] = {{0}};
+    dm_lanes part[DM_MOMENTS] = {{0}};
     for (int64_t g = 0; g < b->groups; g++) {
-        three x = b->state[g].x, v = b->state[g].v, q = b->matter[g].rest;
-        lanes k = b->matter[g].k1, kx[3] = {k * x.x, k * x.y, k * x.z}, m = b->matter[g].mass;
-        three mx = {m * x.x, m * x.y, m * x.z}, turning = cross(mx, v);
+        dm_vec3 x = b->state[g].x, v = b->state[g].v, q = b->matter[g].rest;
+        dm_lanes k = b->matter[g].k1, kx[3] = {k * x.x, k * x.y, k * x.z}, m = b->matter[g].mass;
+        dm_vec3 mx = {m * x.x, m * x.y, m * x.z}, turning = dm_cross(mx, v);
         for (int c = 0; c < 3; c++) {
-            lanes *row = part + K_XQ + 3 * c;
-            part[K_X + c] += kx[c], row[0] += kx[c] * q.x, row[1] += kx[c] * q.y, row[2] += kx[c] * q.z;
+            dm_lanes *row = part + DM_K_XQ + 3 * c;
+            part[DM_K_X + c] += kx[c], row[0] += kx[c] * q.x, row[1] += kx[c] * q.y, row[2] += kx[c] * q.z;
         }
-        part[M_X] += mx.x, part[M_X + 1] += mx.y, part[M_X + 2] += mx.z;
-        part[M_XX] += mx.x * x.x, part[M_XX + 1] += mx.y * x.y, part[M_XX + 2] += mx.z * x.z;
-        part[M_XX + 3] += mx.x * x.y, part[M_XX + 4] += mx.y * x.z, part[M_XX + 5] += mx.z * x.x;
-        part[M_V] += m * v.x, part[M_V + 1] += m * v.y, part[M_V + 2] += m * v.z;
-        part[M_XV] += turning.x, part[M_XV + 1] += turning.y, part[M_XV + 2] += turning.z;
-        if (g % RUN == RUN - 1) fold(part, sum, MOMENTS);
+        part[DM_M_X] += mx.x, part[DM_M_X + 1] += mx.y, part[DM_M_X + 2] += mx.z;
+        part[DM_M_XX] += mx.x * x.x, part[DM_M_XX + 1] += mx.y * x.y, part[DM_M_XX + 2] += mx.z * x.z;
+        part[DM_M_XX + 3] += mx.x * x.y, part[DM_M_XX + 4] += mx.y * x.z, part[DM_M_XX + 5] += mx.z * x.x;
+        part[DM_M_V] += m * v.x, part[DM_M_V + 1] += m * v.y, part[DM_M_V + 2] += m * v.z;
+        part[DM_M_XV] += turning.x, part[DM_M_XV + 1] += turning.y, part[DM_M_XV + 2] += turning.z;
+        if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, DM_MOMENTS);
     }
-    fold(part, sum, MOMENTS);
-    for (int k = 0; k < MOMENTS; k++) sums[k] = total(sum[k]);
+    dm_fold(part, sum, DM_MOMENTS);
+    for (int k = 0; k < DM_MOMENTS; k++) sums[k] = dm_sum_of(sum[k]);
 }
 
 /* Fit the shape at rest to the body: least squares weighted by k1. */
-static void fit_pose(body *b, const double *sums) {
+static void dm_fit_pose(dm_state *b, const double *sums) {
     /* from the last rotation it is a small way, so few sweeps are needed: r = r0 fit(r0^T h) */
     const double *t = b->turned;
     double near[9], turn[9], back[9] = {t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]};
-    multiply(back, sums + K_XQ, near);
-    fit_rotation(near, turn);
-    multiply(b->turned, turn, b->rotation);
+    dm_multiply3x3(back, sums + DM_K_XQ, near);
+    dm_nearest_rotation(near, turn);
+    dm_multiply3x3(b->turned, turn, b->rotation);
     memcpy(b->turned, b->rotation, sizeof b->turned);
-    for (int c = 0; c < 3; c++) b->translation[c] = sums[K_X + c] / b->k1_total;
+    for (int c = 0; c < 3; c++) b->translation[c] = sums[DM_K_X + c] / b->k1_total;
 }
 
 /* Find the rigid part of the velocities, and the moments of the mass. */
-static void fit_motion(body *b, const double *sums) {
-    const double *s = sums + M_X, *xx = sums + M_XX;
+static void dm_fit_motion(dm_state *b, const double *sums) {
+    const double *s = sums + DM_M_X, *xx = sums + DM_M_XX;
     double *o = b->moments.centre;
     for (int c = 0; c < 3; c++) o[c] = s[c] / b->mass_total;
     double x2 = xx[0] - o[0] * s[0], y2 = xx[1] - o[1] * s[1], z2 = xx[2] - o[2] * s[2];
     double xy = xx[3] - o[0] * s[1], yz = xx[4] - o[1] * s[2], zx = xx[5] - o[2] * s[0];
     double tensor[9] = {y2 + z2, -xy, -zx, -xy, x2 + z2, -yz, -zx, -yz, x2 + y2};
-    invert(tensor, b->moments.inverse);
-    b->drift = rigid_part(b, &b->moments, sums + M_V, sums + M_XV);
+    dm_invert3x3(tensor, b->moments.inverse);
+    b->drift = dm_rigid_part(b, &b->moments, sums + DM_M_V, sums + DM_M_XV);
 }
 
 /* Fit points at rest (count, 3) to points (count, 3), all of one weight: pose is rotation by rows, then translation. */
-static void fit_points(int64_t count, const double *rest, const double *points, double *pose) {
+static void dm_fit_points(int64_t count, const double *rest, const double *points, double *pose) {
     double from[3] = {0}, to[3] = {0}, h[9] = {0};
     for (int64_t k = 0; k < count; k++)
-        for (int c = 0; c < 3; c++) from[c] += rest[3 * k + c] / (double)count, to[c] += points[3 * k + c] / (double)count;
+        for (int c = 0; c < 3; c++)
+            from[c] += rest[3 * k + c] / (double)count, to[c] += points[3 * k + c] / (double)count;
     for (int64_t k = 0; k < count; k++)
         for (int c = 0; c < 9; c++) h[c] += (points[3 * k + c / 3] - to[c / 3]) * (rest[3 * k + c % 3] - from[c % 3]);
-    fit_rotation(h, pose);
-    for (int c = 0; c < 3; c++) pose[9 + c] = to[c] - inner3(pose + 3 * c, from);
+    dm_nearest_rotation(h, pose);
+    for (int c = 0; c < 3; c++) pose[9 + c] = to[c] - dm_inner3(pose + 3 * c, from);
 }
 
-/* Where the shape at rest is: with the pins, or the best fit to the body, weighted by k1, where there is none by mass. */
-static void fit_whole(const body *b, double *pose) {
+/* Where the shape at rest is: with the pins, or the best fit to the body, by k1 or, where that is 0, by mass. */
+static void dm_fit_whole(const dm_state *b, double *pose) {
     if (!b->free) {
         memcpy(pose, b->pose, sizeof b->pose);
         return;
     }
     double total_weight = 0, from[3] = {0}, to[3] = {0}, h[9] = {0};
     int by_mass = b->any_k1 == 0;
-    wide sum[16] = {{0}};
-    lanes part[16] = {{0}};
+    dm_wide sum[16] = {{0}};
+    dm_lanes part[16] = {{0}};
     for (int64_t g = 0; g < b->groups; g++) {
-        const group_matter *m = b->matter + g;
-        three x = b->state[g].x, q = m->rest;
-        lanes w = by_mass ? m->mass : m->k1, wx[3] = {w * x.x, w * x.y, w * x.z};
+        const dm_group_matter *m = b->matter + g;
+        dm_vec3 x = b->state[g].x, q = m->rest;
+        dm_lanes w = by_mass ? m->mass : m->k1, wx[3] = {w * x.x, w * x.y, w * x.z};
         part[15] += w, part[12] += w * q.x, part[13] += w * q.y, part[14] += w * q.z;
         for (int c = 0; c < 3; c++) {
             part[9 + c] += wx[c], part[3 * c] += wx[c] * q.x;
             part[3 * c + 1] += wx[c] * q.y, part[3 * c + 2] += wx[c] * q.z;
         }
-        if (g % RUN == RUN - 1) fold(part, sum, 16);
+        if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 16);
     }
-    fold(part, sum, 16);
-    total_weight = total(sum[15]);
-    for (int c = 0; c < 3; c++) to[c] = total(sum[9 + c]) / total_weight, from[c] = total(sum[12 + c]) / total_weight;
-    for (int k = 0; k < 9; k++) h[k] = total(sum[k]) - total_weight * to[k / 3] * from[k % 3];
-    fit_rotation(h, pose);
+    dm_fold(part, sum, 16);
+    total_weight = dm_sum_of(sum[15]);
+    for (int c = 0; c < 3; c++)
+        to[c] = dm_sum_of(sum[9 + c]) / total_weight, from[c] = dm_sum_of(sum[12 + c]) / total_weight;
+    for (int k = 0; k < 9; k++) h[k] = dm_sum_of(sum[k]) - total_weight * to[k / 3] * from[k % 3];
+    dm_nearest_rotation(h, pose);
     for (int c = 0; c < 3; c++) {
         double back = 0;
         for (int d = 0; d < 3; d++) back += pose[3 * c + d] * (b->rest_centre[d] + from[d]);

@@ -1,19 +1,19 @@
 /* What each fingertip may meet within a tick: found once, by bounding boxes first. */
 #include "body.h"
 
-static real greatest_speed(const body *b) {
-    lanes most = all(0);
-    for (int64_t g = 0; g < b->groups; g++) most = larger(dot(b->state[g].v, b->state[g].v), most);
-    real speed = 0;
-    for (int l = 0; l < LANES; l++) speed = most[l] > speed ? most[l] : speed;
-    return SQRT(speed);
+static dm_real dm_greatest_speed(const dm_state *b) {
+    dm_lanes most = dm_splat(0);
+    for (int64_t g = 0; g < b->groups; g++) most = dm_vmax(dm_dot(b->state[g].v, b->state[g].v), most);
+    dm_real speed = 0;
+    for (int l = 0; l < DM_LANES; l++) speed = most[l] > speed ? most[l] : speed;
+    return DM_SQRT(speed);
 }
 
-static void bound_boxes(body *b) {
+static void dm_bound_boxes(dm_state *b) {
     for (int64_t k = 0; k < b->box_count; k++) {
-        quad low = b->records[b->box_vertex[b->box_start[k]]].x, high = low;
+        dm_quad low = b->records[b->box_vertex[b->box_start[k]]].x, high = low;
         for (uint32_t at = b->box_start[k] + 1; at < b->box_start[k + 1]; at++) {
-            quad x = b->records[b->box_vertex[at]].x;
+            dm_quad x = b->records[b->box_vertex[at]].x;
             for (int c = 0; c < 4; c++) {
                 low[c] = x[c] < low[c] ? x[c] : low[c];
                 high[c] = x[c] > high[c] ? x[c] : high[c];
@@ -23,72 +23,74 @@ static void bound_boxes(body *b) {
     }
 }
 
-static void reach_vertices(const body *b, touch *t, real reach) {
-    three centre = {all(t->centre[0]), all(t->centre[1]), all(t->centre[2])};
+static void dm_find_near_vertices(const dm_state *b, dm_near *t, dm_real reach) {
+    dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
     t->vertex_count = 0;
     for (int64_t g = 0; g < b->groups; g++) {
-        three offset = minus(b->state[g].x, centre);
-        mask near = (mask)(dot(offset, offset) < all(reach * reach)) & (mask)(b->matter[g].inverse_mass > all(0));
-        for (int l = 0; any(near) && l < LANES; l++)
-            if (near[l]) t->vertices[t->vertex_count++] = (uint32_t)(g * LANES + l);
+        dm_vec3 offset = dm_sub(b->state[g].x, centre);
+        dm_mask moves = (dm_mask)(b->matter[g].inverse_mass > dm_splat(0));
+        dm_mask near = (dm_mask)(dm_dot(offset, offset) < dm_splat(reach * reach)) & moves;
+        for (int l = 0; dm_any_of(near) && l < DM_LANES; l++)
+            if (near[l]) t->vertices[t->vertex_count++] = (uint32_t)(g * DM_LANES + l);
     }
 }
 
 /* A triangle is within reach when the sphere round its middle that holds its corners is. */
-static void reach_faces(const body *b, touch *t, real reach) {
+static void dm_find_near_faces(const dm_state *b, dm_near *t, dm_real reach) {
     t->face_count = 0;
     for (int64_t k = 0; k < b->box_count; k++) {
         /* the middle of a triangle lies in its box, and no corner farther off than two thirds of the diagonal */
-        const quad *box = b->boxes[k];
-        quad low = box[0] - t->centre, high = t->centre - box[1], across = box[1] - box[0];
-        real away = 0, span = (real)0.67 * SQRT(dot3(across, across));
+        const dm_quad *box = b->boxes[k];
+        dm_quad low = box[0] - t->centre, high = t->centre - box[1], across = box[1] - box[0];
+        dm_real away = 0, span = (dm_real)0.67 * DM_SQRT(dm_dot3(across, across));
         for (int c = 0; c < 3; c++) {
-            real gap = low[c] > high[c] ? low[c] : high[c];
+            dm_real gap = low[c] > high[c] ? low[c] : high[c];
             away += gap > 0 ? gap * gap : 0;
         }
-        if (SQRT(away) > reach + span) continue;
-        int64_t end = (k + 1) * BLOCK < b->triangle_count ? (k + 1) * BLOCK : b->triangle_count;
-        for (int64_t i = k * BLOCK; i < end; i++) {
+        if (DM_SQRT(away) > reach + span) continue;
+        int64_t end = (k + 1) * DM_BLOCK < b->triangle_count ? (k + 1) * DM_BLOCK : b->triangle_count;
+        for (int64_t i = k * DM_BLOCK; i < end; i++) {
             const uint32_t *at = b->triangles[i];
-            quad x = b->records[at[0]].x, y = b->records[at[1]].x, z = b->records[at[2]].x, middle = (x + y + z) / 3;
-            real most = dot3(x - middle, x - middle), second = dot3(y - middle, y - middle);
-            real third = dot3(z - middle, z - middle);
+            dm_quad x = b->records[at[0]].x, y = b->records[at[1]].x, z = b->records[at[2]].x, middle = (x + y + z) / 3;
+            dm_real most = dm_dot3(x - middle, x - middle), second = dm_dot3(y - middle, y - middle);
+            dm_real third = dm_dot3(z - middle, z - middle);
             most = second > most ? second : most, most = third > most ? third : most;
-            real limit = reach + SQRT(most);
-            if (dot3(middle - t->centre, middle - t->centre) < limit * limit &&
+            dm_real limit = reach + DM_SQRT(most);
+            if (dm_dot3(middle - t->centre, middle - t->centre) < limit * limit &&
                 (b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0))
                 memcpy(t->faces[t->face_count++], at, sizeof *t->faces);
         }
     }
-    for (int64_t k = t->face_count; k % LANES; k++) memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);
+    for (int64_t k = t->face_count; k % DM_LANES; k++) memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);
 }
 
 /* Move the fingertips by a tick, no faster than they may without skipping a skin, and find what they may meet in it.
  * t: of the tick in the motion. */
-static void reach_out(body *b, const dm_motion *m, int64_t t) {
+static void dm_move_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
     b->skin_travel = 0, b->finger_count = 0;
     double share = m->ticks > 1 ? (double)t / (double)(m->ticks - 1) : 0;
-    real speed = 0;
+    dm_real speed = 0;
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         const dm_fingertip *f = m->fingertips + k;
         if (!f->down) continue;
-        if (!b->finger_count) speed = greatest_speed(b), bound_boxes(b);
-        touch *to = b->touches + b->finger_count++;
+        if (!b->finger_count) speed = dm_greatest_speed(b), dm_bound_boxes(b);
+        dm_near *to = b->touches + b->finger_count++;
         double *here = b->fingers[k].centre, way[3], at[3], far = 0;
         for (int c = 0; c < 3; c++) {
             way[c] = f->first[c] + share * (f->last[c] - f->first[c]) - here[c];
             far += way[c] * way[c];
         }
-        double most = FINGER_TRAVEL * f->radius, slow = sqrt(far) > most ? most / sqrt(far) : 1;
+        double most = DM_FINGER_TRAVEL * f->radius, slow = sqrt(far) > most ? most / sqrt(far) : 1;
         for (int c = 0; c < 3; c++) {
             way[c] *= slow, here[c] += way[c];
             at[c] = here[c] - b->origin[c], way[c] /= m->tick;
         }
-        to->finger = k, to->centre = quad_of(at), to->velocity = quad_of(way), to->radius = (real)f->contact_radius;
-        real reach = (real)(f->contact_radius + 2 * slow * sqrt(far) + 2 * (double)speed * m->tick);
-        reach_vertices(b, to, reach);
-        reach_faces(b, to, reach);
-        double travel = SKIN_TRAVEL * f->contact_radius;
+        to->finger = k, to->radius = (dm_real)f->contact_radius;
+        to->centre = dm_quad_of(at), to->velocity = dm_quad_of(way);
+        dm_real reach = (dm_real)(f->contact_radius + 2 * slow * sqrt(far) + 2 * (double)speed * m->tick);
+        dm_find_near_vertices(b, to, reach);
+        dm_find_near_faces(b, to, reach);
+        double travel = DM_SKIN_TRAVEL * f->contact_radius;
         if (to->vertex_count + to->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
             b->skin_travel = travel;
     }

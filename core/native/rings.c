@@ -2,105 +2,108 @@
 #include "body.h"
 
 /* the vectors to the neighbours in a slot, and how fast they grow */
-static inline void gather(const body *b, const slot *s, three x, three v, three *arm, three *growth) {
-    lanes_of(b->records, s->at, arm, growth);
-    *arm = minus(*arm, x), *growth = minus(*growth, v);
+DM_INLINE void dm_gather_slot(const dm_state *b, const dm_slot *s, dm_vec3 x, dm_vec3 v, dm_vec3 *arm,
+                              dm_vec3 *growth) {
+    dm_gather8(b->records, s->at, arm, growth);
+    *arm = dm_sub(*arm, x), *growth = dm_sub(*growth, v);
 }
 
 /* of an arm d that grows by w: |d|, 1 / d^2 and d.w */
 typedef struct {
-    lanes root, inverse, closing;
-} strain;
+    dm_lanes root, inverse, closing;
+} dm_strain;
 
-static inline strain strain_of(three d, three w) {
-    lanes square = larger(dot(d, d), all(TINY));
-    return (strain){root(square), all(1) / square, dot(d, w)};
+DM_INLINE dm_strain dm_strain_of(dm_vec3 d, dm_vec3 w) {
+    dm_lanes square = dm_vmax(dm_dot(d, d), dm_splat(DM_TINY));
+    return (dm_strain){dm_vsqrt(square), dm_splat(1) / square, dm_dot(d, w)};
 }
 
 /* f = (k (1 - l0 / |d|) + c d.w / d^2) d, with one division: 1 / |d| = |d| / d^2 */
-static inline void pull(const slot *s, three d, strain e, three *force) {
-    lanes tension = s->stiffness + (s->damping * e.closing - s->pull * e.root) * e.inverse;
+DM_INLINE void dm_add_spring_force(const dm_slot *s, dm_vec3 d, dm_strain e, dm_vec3 *force) {
+    dm_lanes tension = s->stiffness + (s->damping * e.closing - s->pull * e.root) * e.inverse;
     force->x += tension * d.x, force->y += tension * d.y, force->z += tension * d.z;
 }
 
 /* a x b + b x c = (a - c) x b: two triangles of the fan round a vertex with one product */
-static inline void turn(const three *arm, three *normal) {
-    three m = minus(arm[0], arm[2]), b = arm[1];
+DM_INLINE void dm_add_fan_normal(const dm_vec3 *arm, dm_vec3 *normal) {
+    dm_vec3 m = dm_sub(arm[0], arm[2]), b = arm[1];
     normal->x = normal->x + m.y * b.z - m.z * b.y; /* in this order each is two fused operations */
     normal->y = normal->y + m.z * b.x - m.x * b.z;
     normal->z = normal->z + m.x * b.y - m.y * b.x;
 }
 
-static inline three rotated(const three *rows, three q, three offset) {
-    return (three){dot(rows[0], q) + offset.x, dot(rows[1], q) + offset.y, dot(rows[2], q) + offset.z};
+DM_INLINE dm_vec3 dm_rotated(const dm_vec3 *rows, dm_vec3 q, dm_vec3 offset) {
+    return (dm_vec3){dm_dot(rows[0], q) + offset.x, dm_dot(rows[1], q) + offset.y, dm_dot(rows[2], q) + offset.z};
 }
 
 /* -(k1 + (k2 - k1) max(1 - d0 / |u|, 0)) u - c w: a spring of two slopes to the place in the shape at rest */
-static inline three hold(const group_matter *m, three u, three w) {
-    lanes k = m->k1, square = dot(u, u);
-    if (any((mask)(square > m->d0 * m->d0))) /* few vertices are that far from home */
-        k += m->k_more * larger(all(1) - m->d0 / root(larger(square, all(TINY))), all(0));
-    return (three){-(k * u.x + m->damping * w.x), -(k * u.y + m->damping * w.y), -(k * u.z + m->damping * w.z)};
+DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, dm_vec3 u, dm_vec3 w) {
+    dm_lanes k = m->k1, square = dm_dot(u, u);
+    if (dm_any_of((dm_mask)(square > m->d0 * m->d0))) /* few vertices are that far from home */
+        k += m->k_more * dm_vmax(dm_splat(1) - m->d0 / dm_vsqrt(dm_vmax(square, dm_splat(DM_TINY))), dm_splat(0));
+    return (dm_vec3){-(k * u.x + m->damping * w.x), -(k * u.y + m->damping * w.y), -(k * u.z + m->damping * w.z)};
 }
 
 /* Set what comes next of every group but for the pressure, and the volume as far as rings span it; where the shape at
  * rest follows the body, `drift` becomes the rigid acceleration that shape matching must not leave. */
-static inline void pull_groups(body *b, int fitted) {
-    wide volume = {0}, sum[6] = {{0}};
-    lanes part[6] = {{0}}, dt = all((real)b->dt), sixth = all((real)1 / 6);
-    three offset = splat3(b->translation), linear = splat3(b->drift.linear), angular = splat3(b->drift.angular);
-    three gravity = splat3(b->gravity), arm[DM_MAX_NEIGHBOURS + 2];
-    strain strains[DM_MAX_NEIGHBOURS];
-    three rows[3] = {splat3(b->rotation), splat3(b->rotation + 3), splat3(b->rotation + 6)};
-    three turning[3] = {splat3(b->turning), splat3(b->turning + 3), splat3(b->turning + 6)}, shifting = splat3(b->turning + 9);
+DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
+    dm_wide volume = {0}, sum[6] = {{0}};
+    dm_lanes part[6] = {{0}}, dt = dm_splat((dm_real)b->dt), sixth = dm_splat((dm_real)1 / 6);
+    dm_vec3 offset = dm_splat3(b->translation);
+    dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
+    dm_vec3 gravity = dm_splat3(b->gravity), arm[DM_MAX_NEIGHBOURS + 2];
+    dm_strain strains[DM_MAX_NEIGHBOURS];
+    dm_vec3 rows[3] = {dm_splat3(b->rotation), dm_splat3(b->rotation + 3), dm_splat3(b->rotation + 6)};
+    dm_vec3 turning[3] = {dm_splat3(b->turning), dm_splat3(b->turning + 3), dm_splat3(b->turning + 6)};
+    dm_vec3 shifting = dm_splat3(b->turning + 9);
     for (int64_t g = 0; g < b->groups; g++) {
-        const group_matter *m = b->matter + g;
-        three x = b->state[g].x, v = b->state[g].v, w = v, normal = {all(0), all(0), all(0)};
+        const dm_group_matter *m = b->matter + g;
+        dm_vec3 x = b->state[g].x, v = b->state[g].v, w = v, normal = {dm_splat(0), dm_splat(0), dm_splat(0)};
         /* damping is against the shape at rest as it moves */
-        if (b->carried) w = minus(v, rotated(turning, m->rest, shifting));
+        if (b->carried) w = dm_sub(v, dm_rotated(turning, m->rest, shifting));
         if (fitted) {
-            three spin = cross(angular, x);
-            w = (three){v.x - linear.x - spin.x, v.y - linear.y - spin.y, v.z - linear.z - spin.z};
+            dm_vec3 spin = dm_cross(angular, x);
+            w = (dm_vec3){v.x - linear.x - spin.x, v.y - linear.y - spin.y, v.z - linear.z - spin.z};
         }
-        three force = hold(m, minus(x, rotated(rows, m->rest, offset)), w);
+        dm_vec3 force = dm_matching_force(m, dm_sub(x, dm_rotated(rows, m->rest, offset)), w);
         if (fitted) {
-            three torque = cross(x, force);
+            dm_vec3 torque = dm_cross(x, force);
             part[0] += force.x, part[1] += force.y, part[2] += force.z;
             part[3] += torque.x, part[4] += torque.y, part[5] += torque.z;
-            if (g % RUN == RUN - 1) fold(part, sum, 6);
+            if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 6);
         }
-        const slot *s = b->ring.slots + b->ring.start[g];
+        const dm_slot *s = b->ring.slots + b->ring.start[g];
         int64_t count = b->ring.start[g + 1] - b->ring.start[g];
         if (count) {
             /* two loops, for a spring's root and division take as long as the next one's gather */
             for (int64_t k = 0; k < count; k++) {
-                gather(b, s + k, x, v, arm + k, &w);
-                strains[k] = strain_of(arm[k], w);
+                dm_gather_slot(b, s + k, x, v, arm + k, &w);
+                strains[k] = dm_strain_of(arm[k], w);
             }
-            for (int64_t k = 0; k < count; k++) pull(s + k, arm[k], strains[k], &force);
+            for (int64_t k = 0; k < count; k++) dm_add_spring_force(s + k, arm[k], strains[k], &force);
             /* the fan closes; where its triangles are odd in number, the last is turned alone */
-            arm[count] = arm[0], arm[count + 1] = (three){all(0), all(0), all(0)};
-            for (int64_t k = 0; k < count; k += 2) turn(arm + k, &normal);
-            volume += widen(dot(x, normal));
+            arm[count] = arm[0], arm[count + 1] = (dm_vec3){dm_splat(0), dm_splat(0), dm_splat(0)};
+            for (int64_t k = 0; k < count; k += 2) dm_add_fan_normal(arm + k, &normal);
+            volume += dm_widen(dm_dot(x, normal));
         }
         /* held vertices have no inverse mass: they keep the velocity they were given */
-        lanes by = dt * m->inverse_mass, fall = select((mask)(by > all(0)), dt, all(0));
-        b->next[g].v = (three){
+        dm_lanes by = dt * m->inverse_mass, fall = dm_blend((dm_mask)(by > dm_splat(0)), dt, dm_splat(0));
+        b->next[g].v = (dm_vec3){
             v.x + by * force.x + fall * gravity.x,
             v.y + by * force.y + fall * gravity.y,
             v.z + by * force.z + fall * gravity.z,
         };
         by *= sixth;
-        b->next[g].per_pascal = (three){by * normal.x, by * normal.y, by * normal.z};
+        b->next[g].per_pascal = (dm_vec3){by * normal.x, by * normal.y, by * normal.z};
     }
-    b->volume = total(volume) / 18;
+    b->volume = dm_sum_of(volume) / 18;
     if (!fitted) return;
-    fold(part, sum, 6);
+    dm_fold(part, sum, 6);
     double net[6];
-    for (int k = 0; k < 6; k++) net[k] = total(sum[k]);
-    b->drift = rigid_part(b, &b->moments, net, net + 3);
+    for (int k = 0; k < 6; k++) net[k] = dm_sum_of(sum[k]);
+    b->drift = dm_rigid_part(b, &b->moments, net, net + 3);
 }
 
-static void pull_posed(body *b) { pull_groups(b, 0); }
+static void dm_ring_pass_pinned(dm_state *b) { dm_ring_pass(b, 0); }
 
-static void pull_fitted(body *b) { pull_groups(b, 1); }
+static void dm_ring_pass_free(dm_state *b) { dm_ring_pass(b, 1); }

@@ -1,15 +1,15 @@
 /* How deep a fingertip is below the surface at rest: the x of Eq. (1). Source: core/mesh/depth.py. */
 #include "body.h"
 
-enum { FACET_BLOCK = 16 }; /* facets that share a bounding box */
+enum { DM_FACET_BLOCK = 16 }; /* facets that share a bounding box */
 
 /* Lay the facets along a curve in space, and box them in runs. */
-static int32_t lay_surface(body *b, const dm_body_def *d) {
+static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     int64_t t = d->surface_triangles, n = d->surface_vertices;
     double *middles = room(3 * t, sizeof(double));
-    keyed *keys = room(t, sizeof(keyed));
-    b->facets = room(t, sizeof(facet));
-    b->facet_box_count = (t + FACET_BLOCK - 1) / FACET_BLOCK;
+    dm_keyed *keys = room(t, sizeof(dm_keyed));
+    b->facets = room(t, sizeof(dm_facet));
+    b->facet_box_count = (t + DM_FACET_BLOCK - 1) / DM_FACET_BLOCK;
     b->facet_boxes = room(b->facet_box_count, sizeof *b->facet_boxes);
     int whole = middles && keys && b->facets && b->facet_boxes;
     for (int64_t k = 0; whole && k < t; k++)
@@ -18,42 +18,42 @@ static int32_t lay_surface(body *b, const dm_body_def *d) {
             const double *x = d->surface_rest + c * n;
             middles[c * t + k] = (x[corner[0]] + x[corner[1]] + x[corner[2]]) / 3;
         }
-    if (whole && t) follow_curve(middles, t, keys);
+    if (whole && t) dm_order_along_curve(middles, t, keys);
     for (int64_t k = 0; whole && k < t; k++) {
         int64_t index = keys[k].vertex;
-        facet *f = b->facets + k;
+        dm_facet *f = b->facets + k;
         for (int p = 0; p < 3; p++)
             for (int c = 0; c < 3; c++) f->corner[p][c] = d->surface_rest[c * n + d->surface_corners[3 * index + p]];
         double along[3], across[3];
         for (int c = 0; c < 3; c++)
             along[c] = f->corner[1][c] - f->corner[0][c], across[c] = f->corner[2][c] - f->corner[0][c];
-        cross3(along, across, f->normal);
-        double size = sqrt(inner3(f->normal, f->normal));
+        dm_cross3(along, across, f->normal);
+        double size = sqrt(dm_inner3(f->normal, f->normal));
         for (int c = 0; c < 3; c++) f->normal[c] /= size > 1e-30 ? size : 1e-30;
         f->index = index, f->material = d->surface_material[index];
-        double *box = b->facet_boxes[k / FACET_BLOCK];
+        double *box = b->facet_boxes[k / DM_FACET_BLOCK];
         for (int p = 0; p < 3; p++)
             for (int c = 0; c < 3; c++) {
                 double x = f->corner[p][c];
-                int first = k % FACET_BLOCK == 0 && p == 0;
+                int first = k % DM_FACET_BLOCK == 0 && p == 0;
                 box[c] = first || x < box[c] ? x : box[c], box[3 + c] = first || x > box[3 + c] ? x : box[3 + c];
             }
     }
-    give_back(middles), give_back(keys);
+    dm_free(middles), dm_free(keys);
     b->facet_count = t;
     return whole ? DM_OK : DM_MEMORY;
 }
 
 /* The offset of a point from the nearest one of a triangle. Source: Ericson, Real-Time Collision Detection, 5.1.5. */
-static void offset_from(const facet *f, const double *point, double *offset) {
+static void dm_offset_from(const dm_facet *f, const double *point, double *offset) {
     const double *a = f->corner[0], *b = f->corner[1], *c = f->corner[2];
     double ab[3], ac[3], pa[3], pb[3], pc[3], v, w;
     for (int k = 0; k < 3; k++) {
         ab[k] = b[k] - a[k], ac[k] = c[k] - a[k];
         pa[k] = point[k] - a[k], pb[k] = point[k] - b[k], pc[k] = point[k] - c[k];
     }
-    double d1 = inner3(ab, pa), d2 = inner3(ac, pa), d3 = inner3(ab, pb), d4 = inner3(ac, pb);
-    double d5 = inner3(ab, pc), d6 = inner3(ac, pc);
+    double d1 = dm_inner3(ab, pa), d2 = dm_inner3(ac, pa), d3 = dm_inner3(ab, pb), d4 = dm_inner3(ac, pb);
+    double d5 = dm_inner3(ab, pc), d6 = dm_inner3(ac, pc);
     double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     double whole = va + vb + vc, beside = (d4 - d3) + (d5 - d6);
     if (d1 <= 0 && d2 <= 0) v = 0, w = 0;
@@ -66,7 +66,7 @@ static void offset_from(const facet *f, const double *point, double *offset) {
     for (int k = 0; k < 3; k++) offset[k] = pa[k] - v * ab[k] - w * ac[k];
 }
 
-static double gap_to_box(const double *box, const double *x) {
+static double dm_gap_to_box(const double *box, const double *x) {
     double away = 0;
     for (int c = 0; c < 3; c++) {
         double gap = box[c] - x[c] > x[c] - box[3 + c] ? box[c] - x[c] : x[c] - box[3 + c];
@@ -77,22 +77,22 @@ static double gap_to_box(const double *box, const double *x) {
 
 /* Find the distance to the nearest facet that faces the side, DBL_MAX where none does; with a limit on it, find of the
  * facets that are as near the one that sees the point most squarely: on an edge it knows the point's side. */
-static double nearest_facet(const body *b, const double *x, const double *side, double limit, const facet **best,
-                            double *offset) {
+static double dm_nearest_facet(const dm_state *b, const double *x, const double *side, double limit,
+                               const dm_facet **best, double *offset) {
     double near = limit, height = -1;
     for (int64_t k = 0; k < b->facet_box_count; k++) {
-        if (gap_to_box(b->facet_boxes[k], x) > near) continue;
-        int64_t end = (k + 1) * FACET_BLOCK < b->facet_count ? (k + 1) * FACET_BLOCK : b->facet_count;
-        for (const facet *f = b->facets + k * FACET_BLOCK; f < b->facets + end; f++) {
-            if (side && !(inner3(side, f->normal) > SAME_SIDE)) continue;
+        if (dm_gap_to_box(b->facet_boxes[k], x) > near) continue;
+        int64_t end = (k + 1) * DM_FACET_BLOCK < b->facet_count ? (k + 1) * DM_FACET_BLOCK : b->facet_count;
+        for (const dm_facet *f = b->facets + k * DM_FACET_BLOCK; f < b->facets + end; f++) {
+            if (side && !(dm_inner3(side, f->normal) > DM_SAME_SIDE)) continue;
             double from[3];
-            offset_from(f, x, from);
-            double away = sqrt(inner3(from, from));
+            dm_offset_from(f, x, from);
+            double away = sqrt(dm_inner3(from, from));
             if (!best) {
                 near = away < near ? away : near;
                 continue;
             }
-            double square = fabs(inner3(from, f->normal));
+            double square = fabs(dm_inner3(from, f->normal));
             if (away > limit || square < height || (square == height && (*best)->index < f->index)) continue;
             *best = f, height = square;
             memcpy(offset, from, sizeof from);
@@ -102,27 +102,32 @@ static double nearest_facet(const body *b, const double *x, const double *side, 
 }
 
 /* Measure a fingertip against the surface at rest in its pose, and remember by which side it came in. */
-static void measure_depth(body *b, int finger, double radius, const double *pose, dm_touch *touch) {
+static void dm_measure_depth(dm_state *b, int finger, double radius, const double *pose, dm_touch *touch) {
     const double *centre = b->fingers[finger].centre;
     double local[3], offset[3] = {0}, from[3];
     for (int c = 0; c < 3; c++) from[c] = centre[c] - pose[9 + c];
     for (int c = 0; c < 3; c++) local[c] = pose[c] * from[0] + pose[3 + c] * from[1] + pose[6 + c] * from[2];
     const double *side = b->fingers[finger].has_side ? b->fingers[finger].side : NULL;
-    double near = nearest_facet(b, local, side, DBL_MAX, NULL, NULL);
-    if (side && near == DBL_MAX) side = NULL, near = nearest_facet(b, local, NULL, DBL_MAX, NULL, NULL);
-    const facet *best = NULL;
-    nearest_facet(b, local, side, near * (1 + 1e-9) + 1e-12, &best, offset);
+    const dm_facet *best = NULL, *last = b->facets + b->fingers[finger].last;
+    double near = DBL_MAX;
+    if (b->facet_count && (!side || dm_inner3(side, last->normal) > DM_SAME_SIDE)) { /* it is near that one still */
+        dm_offset_from(last, local, offset);
+        near = sqrt(dm_inner3(offset, offset));
+    }
+    near = dm_nearest_facet(b, local, side, near, NULL, NULL);
+    if (side && near == DBL_MAX) side = NULL, near = dm_nearest_facet(b, local, NULL, DBL_MAX, NULL, NULL);
+    dm_nearest_facet(b, local, side, near * (1 + 1e-9) + 1e-12, &best, offset);
     touch->triangle = -1, touch->depth = touch->law_force = 0;
     memcpy(touch->centre, centre, sizeof touch->centre);
     memset(touch->outward, 0, sizeof touch->outward);
     if (!best) return; /* no surface, or a fingertip that is nowhere */
-    double height = sqrt(inner3(offset, offset)) * (inner3(offset, best->normal) >= 0 ? 1 : -1);
+    double height = sqrt(dm_inner3(offset, offset)) * (dm_inner3(offset, best->normal) >= 0 ? 1 : -1);
     int on_it = !(fabs(height) > 1e-6 * radius); /* the way the depth falls fastest; only the face knows it there */
     for (int c = 0; c < 3; c++) {
         const double *row = pose + 3 * c;
         for (int d = 0; d < 3; d++) touch->outward[c] += row[d] * (on_it ? best->normal[d] : offset[d] / height);
     }
-    touch->depth = radius - height, touch->triangle = best->index;
+    touch->depth = radius - height, touch->triangle = best->index, b->fingers[finger].last = best - b->facets;
     double x = touch->depth > 0 ? touch->depth : 0;
     const double *law = b->laws[best->material];
     touch->law_force = law[0] * (x < law[2] ? x : law[2]) + law[1] * (x > law[2] ? x - law[2] : 0);

@@ -19,5 +19,6 @@
 
 extern const dm_methods DM_NAME(DM_SET, DM_BITS);
 const dm_methods DM_NAME(DM_SET, DM_BITS) = {
-    create, destroy, set_constants, set_state, get_state, pinned, step, fit_rotation,
+    dm_state_create, dm_state_destroy, dm_state_set_constants, dm_state_place, dm_state_read, dm_state_pinned,
+    dm_state_step, dm_nearest_rotation,
 };

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from core.base import Floats
-from core.body.model import Model, State, build_model, initial_state
+from core.body.model import Model, build_model
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
-from core.solver.path import FingerPath
+from core.solver.backend import Body
+from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion
 from tests.bodies import REAL, ball, hemisphere, joined, real, sheet, soup
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")
@@ -114,8 +115,8 @@ SCANS = {name: Case(shape=partial(real, name), material=PRESETS[1].material, tic
 CASES = WHOLE | DEGENERATE | SCANS
 
 
-def build(case: Case) -> tuple[Model, State, FingerPath]:
-    """Return a model of SIZE [m], its first state and the way of its fingertips."""
+def build(case: Case) -> tuple[Model, Floats, Motion]:
+    """Return a model of SIZE [m], the velocities (3, n) [m/s] it starts with, and what happens to it."""
     rng = np.random.default_rng(7)
     points, faces = case.shape()
     mesh: Mesh = mesh_from_triangles(points * SIZE / np.ptp(points, axis=0).max(), faces)
@@ -128,26 +129,36 @@ def build(case: Case) -> tuple[Model, State, FingerPath]:
     if "ground" in options:
         options["ground"] *= SIZE
     model = build_model(mesh, [case.material], held=held, **options)
-    state = initial_state(model)
-    free = model.inverse_mass > 0
+    velocities, free = np.zeros_like(model.matching.rest), model.inverse_mass > 0
     if case.thrown:
-        state.velocities[:, free] = rng.normal(0, 0.1, (3, int(free.sum())))
-    if case.moved:
-        state.velocities[:, ~free & ~mesh.loose] = np.array([[0.1], [0.0], [0.05]])
-        state.pace = rng.normal(0, 1, (3, 3)), np.array([0.1, 0.0, 0.05])
-    if model.needs_contact:
-        state.inner_force = 1.5
-    return model, state, _press(mesh, case)
+        velocities[:, free] = rng.normal(0, 0.1, (3, int(free.sum())))
+    return model, velocities, Motion(
+        ticks=case.ticks, substeps=model.substeps(TICK), tick=TICK, fingertips=_fingertips(mesh, case),
+        pins=_pins(model, rng) if case.moved else None,
+    )  # fmt: skip
 
 
-def _press(mesh: Mesh, case: Case) -> FingerPath:
+def _fingertips(mesh: Mesh, case: Case) -> tuple[FingertipMotion, ...]:
     """Return fingertips that start at the skin and go 0.2 mm a tick inward, from above and from two sides."""
-    radius = 0.1 * SIZE
+    radius, tips = 0.1 * SIZE, []
     used = mesh.rest_positions[~mesh.loose]
-    centres = np.empty((case.fingers, case.ticks + 1, 3))
-    for k, outward in enumerate(np.array([[0.1, 0, 1.0], [0.9, 0.3, 0.3], [-0.9, 0.3, 0.3]])[: case.fingers]):
-        outward /= np.linalg.norm(outward)
-        tip = used[(used @ outward).argmax()]
-        way = radius - 2e-4 * np.arange(case.ticks + 1)
-        centres[k] = tip + way[:, None] * outward
-    return FingerPath(centres=centres, radii=np.full(case.fingers, radius))
+    for outward in np.array([[0.1, 0, 1.0], [0.9, 0.3, 0.3], [-0.9, 0.3, 0.3]])[: case.fingers]:
+        outward = outward / np.linalg.norm(outward)
+        at = used[(used @ outward).argmax()]
+        start, end = (at + (radius - depth) * outward for depth in (0.0, 2e-4 * case.ticks))
+        tips.append(FingertipMotion.straight(start.tolist(), end.tolist(), ticks=case.ticks, radius=radius, fresh=True))
+    return tuple(tips)
+
+
+def _pins(model: Model, rng: np.random.Generator) -> PinMotion:
+    """Return pins that are turned a little and shifted, and do not quite arrive."""
+    start = model.matching.rest[:, model.held]
+    turn, _ = np.linalg.qr(np.eye(3) + 0.05 * rng.normal(size=(3, 3)))
+    end = turn * np.sign(np.diag(turn)) @ start + np.array([[2e-3], [0.0], [1e-3]])
+    return PinMotion(start, end, 0.03, 0.9)
+
+
+def run(body: Body, velocities: Floats, motion: Motion, *, positions: Floats | None = None) -> Frame:
+    """Put a body at rest, or at positions (3, n) [m], throw it and run a motion."""
+    body.set_state(body.model.matching.rest if positions is None else positions, velocities)
+    return body.step(motion)

@@ -11,67 +11,117 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from core import native
+from core.native import BodyDef, CFrame, CMotion, Constants
 
 CALLS = 4000
-N = 6  # vertices of the bodies that are whole from the start
+BODIES = 12
 ROOM = 4096  # elements of every array
 WILD = np.array([0.0, -1.0, 1e-3, 1e30, -1e300, 1e-310, np.nan, np.inf, -np.inf])
 FAR = (-1, -(2**31), 2**31 - 1, 2**40, -(2**62), 2**62)
+INDICES = {"ring", "ring_spring", "ends", "irregular_spring", "corners", "fan", "cap_edge", "cap_hole",
+           "surface_corners", "surface_material"}  # fmt: skip
+BYTES = {"loose", "irregular_end"}
 
 
-def argument(letter: str, rng: np.random.Generator, handles: list[int]) -> Any:
-    """Return a value for a letter of native.ARGUMENTS: mostly one that goes deep, sometimes a wild one."""
-    odd = rng.random() < 0.04
-    match letter:
-        case "b":
-            return int(rng.integers(0, 2**63)) if odd else handles[rng.integers(len(handles))]
-        case "o" | "p":
-            return ctypes.byref(ctypes.c_int64())
-        case "i":
-            few = rng.choice([32, 64]) if rng.random() < 0.3 else rng.integers(4)
-            return int(rng.integers(-5, 99) if odd else few)
-        case "n":
-            return FAR[rng.integers(len(FAR))] if odd else N if rng.random() < 0.6 else int(rng.integers(0, 12))
-        case "d":
-            return float(rng.choice(WILD)) if odd else float(rng.uniform(0, 1))
-        case "U":
-            return rng.integers(0, 2, ROOM).astype(np.uint8)
-    if odd:
-        return None
-    if letter == "I":
-        return rng.integers(-2 if rng.random() < 0.1 else 0, N, ROOM)
-    values = rng.uniform(0, 1, ROOM) * 10.0 ** rng.integers(-6, 7)
-    if rng.random() < 0.1:
-        values[rng.integers(0, ROOM, 300)] = rng.choice(WILD)
-    return values
+class Fuzzer:
+    """Random definitions, constants and motions, mostly such that they go deep."""
+
+    def __init__(self, seed: int) -> None:
+        self.rng, self.kept = np.random.default_rng(seed), list[Any]()
+
+    def array(self, name: str, n: int) -> int | None:
+        """Return the address of a random array, sometimes null."""
+        rng = self.rng
+        if rng.random() < 0.02:
+            return None
+        if name in BYTES:
+            made: Any = rng.integers(0, 2, ROOM).astype(np.uint8)
+        elif name in INDICES:
+            wild = rng.random() < 0.03
+            made = rng.integers(-2 if wild else 0, n + (2 if wild else 0), ROOM)
+            made = np.where(rng.random(ROOM) < 0.2, -1, made) if name == "ring_spring" else made
+        else:
+            made = rng.uniform(0, 1, ROOM) * 10.0 ** rng.integers(-6, 7)
+            if rng.random() < 0.05:
+                made[rng.integers(0, ROOM, 300)] = rng.choice(WILD)
+        self.kept.append(made)
+        return int(made.ctypes.data)
+
+    def fill(self, structure: ctypes.Structure, n: int) -> ctypes.Structure:
+        """Give every field of a structure a random value."""
+        rng = self.rng
+        for name, kind, *_ in structure._fields_:
+            odd = rng.random() < 0.02
+            if kind is ctypes.c_void_p:
+                setattr(structure, name, self.array(name, n))
+            elif kind is ctypes.c_double:
+                setattr(structure, name, float(rng.choice(WILD)) if odd else float(rng.uniform(0, 1)))
+            elif kind in (ctypes.c_int64, ctypes.c_int32):
+                few = int(rng.integers(0, 3 if kind is ctypes.c_int32 else 8))
+                far = int(rng.choice(FAR[:3] if kind is ctypes.c_int32 else FAR))
+                setattr(structure, name, far if odd else few)
+            else:
+                parts = getattr(structure, name)
+                if isinstance(parts, ctypes.Structure):
+                    self.fill(parts, n)
+                else:
+                    for i, part in enumerate(parts):
+                        if isinstance(part, ctypes.Structure):
+                            self.fill(part, n)
+                        else:
+                            parts[i] = float(rng.choice(WILD)) if odd else float(rng.uniform(-1, 1))
+        return structure
+
+    def definition(self) -> BodyDef:
+        """Return a random body."""
+        definition, n = BodyDef(), int(self.rng.integers(1, 12))
+        self.fill(definition, n)
+        if self.rng.random() < 0.95:
+            definition.vertices = definition.surface_vertices = n
+            definition.springs, definition.constants.materials = max(definition.springs, n), n + 2
+        return definition
+
+    def motion(self) -> CMotion:
+        """Return a random motion, none that is allowed but takes long."""
+        motion = CMotion()
+        self.fill(motion, 4)
+        if 0 <= motion.ticks < 2**31 and 0 <= motion.substeps < 2**31:
+            motion.ticks, motion.substeps = motion.ticks % 8, motion.substeps % 8 + 1
+        if self.rng.random() < 0.5:
+            motion.pins_from = motion.pins_to = None
+        return motion
 
 
 def main(seed: int) -> None:
     named = os.environ.get("DIMPLE_LIBRARY")
     if named:
         native.use(native.load(Path(named)))
-    rng = np.random.default_rng(seed)
-    model, state, path = native.small_press()
-    bodies = [native.Body(native.library(), model, bits) for bits in (32, 64)]
-    for body in bodies:
-        native.run_body(body, model, state, path, tick=1e-3, substeps=2)
-    handles, codes, names = [body.handle.value for body in bodies], dict[int, int](), list(native.ARGUMENTS)
+    fuzzer, library, codes = Fuzzer(seed), native.library(), dict[str, dict[int, int]]()
+    rng, bodies = fuzzer.rng, list[ctypes.c_void_p]()
+    address = ctypes.byref
     for _ in range(CALLS):
-        name = names[rng.integers(len(names))]
-        values = [argument(letter, rng, handles) for letter in native.ARGUMENTS[name]]
-        if name == "dm_step" and 0 <= values[1] < 2**31 and 0 <= values[2] < 2**31:
-            values[1], values[2] = values[1] % 8, values[2] % 8  # what is allowed but takes long
-        made = ctypes.c_uint64()
-        if name == "dm_create":
-            values[0] = ctypes.byref(made)
-        arrays = [v.ctypes.data if isinstance(v, np.ndarray) else v for v in values]
-        code = getattr(native.library(), name)(*arrays)
-        codes[code] = codes.get(code, 0) + 1
-        if made.value:
-            handles.append(made.value)
-        if name == "dm_free" and code == 0:  # another whole one in its place
-            bodies.append(native.Body(native.library(), model, 32))
-            handles[handles.index(values[0])] = bodies[-1].handle.value
+        name = str(rng.choice(["create", "set_constants", "set_state", "get_state", "step"], p=[0.3, 0.1, 0.1, 0.1, 0.4]))
+        body = bodies[rng.integers(len(bodies))] if bodies and rng.random() < 0.98 else None
+        if name == "create":
+            handle = ctypes.c_void_p()
+            bits = int(rng.choice([32, 64, 16], p=[0.49, 0.49, 0.02]))
+            code = library.dm_create(address(handle), address(fuzzer.definition()), bits, int(rng.integers(0, 3)))
+            bodies += [handle] if code == 0 else []
+            while len(bodies) > BODIES:
+                library.dm_destroy(bodies.pop(0))
+        elif name == "set_constants":
+            constants = Constants()
+            fuzzer.fill(constants, 8)
+            constants.materials = 20
+            code = library.dm_set_constants(body, address(constants))
+        elif name == "step":
+            code = library.dm_step(body, address(fuzzer.motion()), address(CFrame()))
+        else:
+            x, v = (fuzzer.array(a, 8) for a in ("positions", "velocities"))
+            code = getattr(library, f"dm_{name}")(body, x, v)
+        fuzzer.kept.clear()
+        found = codes.setdefault(name, {})
+        found[code] = found.get(code, 0) + 1
     print(f"{CALLS} calls: {codes}")
 
 

@@ -1,136 +1,219 @@
 """What the door of the native core lets in: nothing that could crash Blender."""
 
 import ctypes
+import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from core import native
-from core.native import NativeError
+from core import base, native
+from core.body import contact, model
+from core.mesh import depth
 from core.session import Session
-from core.solver.path import FingerPath
+from core.solver.motion import FingertipMotion, Motion
 from tests.bodies import after
 from tests.native_core import missing
-from tests.parity.cases import CASES, TICK, build
+from tests.parity.cases import CASES, TICK, build, run
+from tools.native import SOURCES
 
 HERE = Path(__file__).parent
-HANDLE, SIZE, INDEX, NUMBER, ORDER, OPTION = 1, 3, 4, 5, 7, 8  # dimple.h
+SIZE, INDEX, NUMBER, OPTION = 1, 2, 3, 5  # dimple.h
+HEADER = (SOURCES / "dimple.h").read_text()
+STRUCTURES = {
+    "dm_constants": native.Constants, "dm_body_def": native.BodyDef, "dm_fingertip": native.Fingertip,
+    "dm_motion": native.CMotion, "dm_touch": native.CTouch, "dm_frame": native.CFrame,
+}  # fmt: skip
+C_TYPES = {"double": "c_double", "int64_t": "c_int64", "int32_t": "c_int32"}
 
 
-def refused(name: str, *values: Any) -> int:
+def declared(name: str) -> list[tuple[str, str]]:
+    """Return the fields of a structure in dimple.h: name, and type as ctypes writes it."""
+    code = re.sub(r"/\*.*?\*/", "", HEADER, flags=re.DOTALL)
+    found = re.search(r"typedef struct \{([^{}]*)\} " + name + ";", code)
+    assert found, name
+    fields = []
+    for kind, names in re.findall(r"\s*((?:const )?\w+)\s+([^;]+);", found[1]):
+        for each in names.split(","):
+            label, _, count = each.strip().lstrip("*").partition("[")
+            plain = "c_void_p" if "*" in each else C_TYPES.get(kind, kind)
+            size = count.rstrip("]").replace("DM_MAX_FINGERTIPS", "3")
+            fields.append((label, f"{plain}[{size}]" if size else plain))
+    return fields
+
+
+def in_python(structure: type[ctypes.Structure]) -> list[tuple[str, str]]:
+    """Return the fields of a structure in core/native: name, and type."""
+    names = {made: name for name, made in STRUCTURES.items()}
+
+    def word(kind: Any) -> str:
+        if hasattr(kind, "_length_"):
+            return f"{word(kind._type_)}[{kind._length_}]"
+        return names.get(kind) or next(n for n in ("c_void_p", "c_double", "c_int64", "c_int32") if getattr(ctypes, n) is kind)
+
+    return [(name.rstrip("_"), word(kind)) for name, kind, *_ in structure._fields_]
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
+    assert in_python(STRUCTURES[name]) == declared(name)
+
+
+def test_the_constants_of_c_are_those_of_python() -> None:
+    code = "\n".join((SOURCES / name).read_text() for name in ("body.h", "step.c", "dimple.h", "lanes.h"))
+    numbers = {k: float(v) for k, v in re.findall(r"(?:#define|enum \{|,|double)\s+DM_(\w+)\s*=?\s*([-\d.e]+)\b", code)}
+    shared = {
+        "FACE_SWEEPS": contact.FACE_SWEEPS, "FACE_SLACK": contact.FACE_SLACK, "PINNED_GIVE": contact.HELD_GIVE,
+        "ROUNDING": contact.ROUNDING, "TOO_NEAR": contact.TOO_NEAR, "WEIGHT_FLOOR": contact.WEIGHT_FLOOR,
+        "SKIN_TRAVEL": base.SKIN_TRAVEL, "FINGER_TRAVEL": base.FINGER_TRAVEL, "LARGEST_GROWTH": base.LARGEST_GROWTH,
+        "SAME_SIDE": depth.SAME_SIDE, "AIR_PRESSURE": base.AIR_PRESSURE, "AIR_EXPONENT": base.AIR_EXPONENT,
+        "LIQUID_BULK_MODULUS": base.LIQUID_BULK_MODULUS, "ABI": native.ABI,
+    }  # fmt: skip
+    assert {name: numbers.get(name) for name in shared} == shared
+
+
+def code_of(call: Callable[[], Any]) -> int:
     """Return the code of a call that must be refused."""
-    with pytest.raises(NativeError) as caught:
-        native.call(name, *values)
+    with pytest.raises(native.NativeError) as caught:
+        call()
     return caught.value.code
+
+
+def created(change: Callable[[native.BodyDef], None], bits: int = 32, instruction_set: int = native.BEST) -> int:
+    """Return the code of creating a sound body whose definition was changed."""
+    sound, _, _ = build(CASES["liquid"])
+    with native._Arrays() as arrays:
+        definition = native._definition(native.library(), sound, sound, arrays)
+        change(definition)
+        handle = ctypes.c_void_p()
+        code = native.library().dm_create(ctypes.byref(handle), ctypes.byref(definition), bits, instruction_set)
+        native.library().dm_destroy(handle)
+        assert bool(handle) == (code == 0)
+    return int(code)
 
 
 @pytest.fixture
 def body() -> native.Body:
-    model, _, _ = build(CASES["liquid"])
-    return native.Body(native.library(), model, 32)
+    sound, _, _ = build(CASES["liquid"])
+    return native.Body(sound)
 
 
-@pytest.mark.parametrize("handle", [0, 1, 4096, 2**63, 2**64 - 1])
-def test_a_handle_that_never_was_is_refused(handle: int) -> None:
-    n, one = 4, np.ones(12)
-    assert refused("dm_read", handle, n, one, one, None) == HANDLE
-    assert refused("dm_step", handle, 1, 1, 1e-3, 0, None, None, None) == HANDLE
-    assert refused("dm_free", handle) == HANDLE
+def test_a_sound_definition_is_taken() -> None:
+    assert created(lambda definition: None) == 0
 
 
-def test_a_freed_body_is_refused_even_when_its_place_is_taken_again() -> None:
-    model, state, _ = build(CASES["liquid"])
-    first = native.Body(native.library(), model, 64)
-    native.call("dm_free", first.handle)
-    others = [native.Body(native.library(), model, 64) for _ in range(20)]
-    assert refused("dm_step", first.handle, 1, 1, 1e-3, 0, None, None, None) == HANDLE
-    assert refused("dm_free", first.handle) == HANDLE
-    assert len({other.handle.value for other in others}) == 20
+@pytest.mark.parametrize("count", ["vertices", "springs", "irregular", "triangles", "fans", "cap_edges", "width"])
+@pytest.mark.parametrize("wrong", [-1, 2**40])
+def test_a_count_beyond_all_measure_is_refused(count: str, wrong: int) -> None:
+    assert created(lambda definition: setattr(definition, count, wrong)) == SIZE
 
 
-def test_a_body_of_another_size_is_refused(body: native.Body) -> None:
-    small = np.zeros((3, 5))
-    assert refused("dm_set_state", body.handle, 5, small, small, None, None) == SIZE
-    for size in (-1, 0, body.n + 1):
-        assert refused("dm_read", body.handle, size, small, small, None) == SIZE
-        assert refused("dm_read_contact", body.handle, size, np.zeros(5, int), ctypes.byref(ctypes.c_int64())) == SIZE
-    assert refused("dm_set_matter", body.handle, -1, small, small, small) == SIZE
-    assert refused("dm_set_faces", body.handle, -3, None) == SIZE
-    assert refused("dm_set_faces", body.handle, 3, None) == SIZE
+@pytest.mark.parametrize("array", ["rest", "ring", "ring_spring", "ends", "rest_length", "corners", "surface_rest"])
+def test_an_array_that_is_missing_is_refused(array: str) -> None:
+    assert created(lambda definition: setattr(definition, array, None)) == SIZE
 
 
-def test_vertices_that_do_not_exist_are_refused(body: native.Body) -> None:
-    for bad in (-1, body.n, 2**40):
-        assert refused("dm_set_faces", body.handle, 1, np.array([[0, 1, bad]])) == INDEX
-        assert refused("dm_set_contact", body.handle, 0.0, 1, np.array([bad])) == INDEX
-        ring = np.full((1, 4), bad)
-        created = ctypes.byref(ctypes.c_uint64())
-        assert refused("dm_create", created, 32, native.BEST, 4, np.zeros((3, 4)), 1, ring, 0 * ring) == INDEX
+@pytest.mark.parametrize("array", ["ring", "ends", "corners", "surface_corners", "surface_material"])
+@pytest.mark.parametrize("wrong", [-1, 10**6, 2**40])
+def test_vertices_springs_and_materials_that_do_not_exist_are_refused(array: str, wrong: int) -> None:
+    bad = np.full(20_000, wrong)
+    assert created(lambda definition: setattr(definition, array, bad.ctypes.data)) == INDEX
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, -1.0])
+def test_constants_that_are_none_are_refused(body: native.Body, wrong: float) -> None:
+    from dataclasses import replace
+
+    for name in ("mass", "inverse_mass", "friction"):
+        broken = np.array(getattr(body.model, name))
+        broken[7] = wrong
+        changed = replace(body.model, **{name: broken})
+        if name != "mass":
+            assert code_of(lambda: body.set_constants(changed)) == NUMBER  # noqa: B023
+            assert code_of(lambda: native.Body(changed)) == NUMBER  # noqa: B023
+    stiffness = np.array(body.model.springs.stiffness)
+    stiffness[3] = wrong
+    changed = replace(body.model, springs=replace(body.model.springs, stiffness=stiffness))
+    assert code_of(lambda: body.set_constants(changed)) == NUMBER
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_numbers_that_are_none_are_refused(body: native.Body, bad: float) -> None:
-    x = np.zeros((3, body.n))
+def test_a_state_and_a_motion_with_numbers_that_are_none_are_refused(body: native.Body, bad: float) -> None:
+    x = body.model.matching.rest.copy()
     broken = x.copy()
     broken[1, 7] = bad
-    assert refused("dm_set_state", body.handle, body.n, broken, x, None, None) == NUMBER
-    assert refused("dm_set_state", body.handle, body.n, x, broken, None, None) == NUMBER
-    assert refused("dm_set_state", body.handle, body.n, x, x, np.full(12, bad), None) == NUMBER
-    assert refused("dm_set_state", body.handle, body.n, x, x, np.zeros(12), np.full(12, bad)) == NUMBER
-    assert refused("dm_step", body.handle, 1, 1, bad, 0, None, None, None) == NUMBER
-    centres, radii = np.full((1, 2, 3), bad), np.ones(1)
-    assert refused("dm_step", body.handle, 1, 1, 1e-3, 1, centres, radii, np.zeros((1, 3))) == NUMBER
-    assert refused("dm_fit_rotation", np.full(9, bad), np.zeros(9)) == NUMBER
+    assert code_of(lambda: body.set_state(broken)) == NUMBER
+    assert code_of(lambda: body.set_state(x, broken)) == NUMBER
+    assert code_of(lambda: body.step(Motion(1, 1, bad))) == NUMBER
+    tip = FingertipMotion.straight((0.0, 0.0, 1.0), (0.0, 0.0, 0.9), ticks=1, radius=0.1)
+    for broken_tip in (tip._replace(start=(0.0, bad, 0.0)), tip._replace(last=(bad, 0.0, 0.0)), tip._replace(radius=bad)):
+        assert code_of(lambda: body.step(Motion(1, 1, TICK, (broken_tip,)))) == NUMBER  # noqa: B023
+    h = np.full(9, bad)
+    assert native.library().dm_fit_rotation(h.ctypes.data, np.zeros(9).ctypes.data) == NUMBER
+    assert body.step(Motion(1, 1, TICK)).finite, "what was refused has done nothing"
+
+
+def test_a_state_or_constants_of_another_body_are_refused(body: native.Body) -> None:
+    with pytest.raises(native.NativeError, match="shape"):
+        body.set_state(np.zeros((3, 5)))
+    with pytest.raises(native.NativeError, match="another mesh"):
+        body.set_constants(build(CASES["free"])[0])
+    moving = build(CASES["moving pins"])[2]
+    assert moving.pins
+    with pytest.raises(native.NativeError, match="pins"):
+        body.step(moving._replace(pins=moving.pins._replace(end=moving.pins.end[:, :3])))
 
 
 def test_steps_beyond_all_measure_are_refused(body: native.Body) -> None:
     for ticks, substeps in ((-1, 1), (1, 0), (2**40, 1), (1, 2**62), (2**31, 2**33)):
-        assert refused("dm_step", body.handle, ticks, substeps, 1e-3, 0, None, None, None) == SIZE
-    assert refused("dm_step", body.handle, 1, 1, 1e-3, 4, None, None, None) == SIZE
+        assert code_of(lambda: body.step(Motion(ticks, substeps, 1e-3))) == SIZE  # noqa: B023
 
 
-def test_a_body_is_not_stepped_before_it_is_whole() -> None:
-    handle = ctypes.c_uint64()
-    native.call("dm_create", ctypes.byref(handle), 32, native.BEST, 3, np.eye(3), 0, None, None)
-    assert refused("dm_step", handle, 1, 1, 1e-3, 0, None, None, None) == ORDER
-    assert refused("dm_set_state", handle, 3, np.eye(3), np.eye(3), None, None) == ORDER
-    assert refused("dm_read", handle, 3, np.eye(3), np.eye(3), None) == ORDER
-    native.call("dm_free", handle)
+def test_an_unknown_precision_fill_or_law_set_is_refused() -> None:
+    assert created(lambda definition: None, bits=16) == OPTION
+    assert created(lambda definition: None, instruction_set=9) == OPTION
+    assert created(lambda definition: setattr(definition.constants, "fill", 9)) == OPTION
+    assert created(lambda definition: setattr(definition.constants, "law_set", -1)) == OPTION
 
 
-def test_an_unknown_precision_fill_or_law_set_is_refused(body: native.Body) -> None:
-    made = ctypes.byref(ctypes.c_uint64())
-    assert refused("dm_create", made, 16, native.BEST, 3, np.eye(3), 0, None, None) == OPTION
-    assert refused("dm_create", made, 32, 9, 3, np.eye(3), 0, None, None) == OPTION
-    assert refused("dm_set_fill", body.handle, 9, 1.0, 0, None, 0, None, None) == OPTION
-    assert refused("dm_set_world", body.handle, 9, 1.0, np.zeros(3), 0.0) == OPTION
+def test_a_null_body_is_refused_by_every_call() -> None:
+    library, x = native.library(), np.zeros(3)
+    assert library.dm_step(None, ctypes.byref(native.CMotion()), ctypes.byref(native.CFrame())) == SIZE
+    assert library.dm_set_state(None, x.ctypes.data, None) == SIZE
+    assert library.dm_get_state(None, x.ctypes.data, None) == SIZE
+    assert library.dm_set_constants(None, ctypes.byref(native.Constants())) == SIZE
+    library.dm_destroy(None)
 
 
-def test_a_body_goes_with_its_model() -> None:
+def test_a_body_is_freed_with_its_object(monkeypatch: pytest.MonkeyPatch) -> None:
     import gc
 
-    model, state, path = build(CASES["liquid"])
-    native.run(model, state, path, tick=TICK, substeps=1)
-    handle = native.body_of(model, 32).handle.value
-    del model
+    freed: list[int] = []
+    library = native.library()
+    monkeypatch.setattr(native.weakref, "finalize", lambda owner, free, handle: freed.append(handle))
+    made = native.Body(build(CASES["liquid"])[0])
+    assert freed == [made._handle.value]
+    library.dm_destroy(freed[0])
+    monkeypatch.undo()
+    kept = native.Body(build(CASES["liquid"])[0])
+    alive = native.weakref.ref(kept)
+    del kept
     gc.collect()
-    assert refused("dm_free", handle) == HANDLE
+    assert alive() is None
 
 
 def test_the_extremes_of_a_run_are_taken(body: native.Body) -> None:
     """No ticks, no fingers, a fingertip larger than the body with the body inside."""
-    model, state, path = build(CASES["liquid"])
-    still = FingerPath(centres=np.zeros((0, 1, 3)), radii=np.zeros(0))
-    before = state.positions.copy()
-    assert native.run(model, state, still, tick=TICK, substeps=1).shape == (0, 3)
-    np.testing.assert_allclose(state.positions, before, atol=1e-8)
-    huge = FingerPath(centres=np.zeros((1, 3, 3)), radii=np.array([1.0]))
-    native.run(model, state, huge, tick=TICK, substeps=2)
+    sound, velocities, _ = build(CASES["liquid"])
+    before = body.positions()
+    assert body.step(Motion(0, 1, TICK)).touches == ()
+    np.testing.assert_array_equal(body.positions(), before)
+    huge = FingertipMotion.straight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), ticks=2, radius=1.0)
+    run(body, velocities, Motion(2, 2, TICK, (huge,)))
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -1,80 +1,184 @@
 """The native core does what numpy does: every law, on whole, degenerate and real meshes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from core import native
 from core.base import Floats
-from core.body.model import State
-from core.solver import semi_implicit
-from studies.methods.registry import Run
-from tests.parity.cases import CASES, SIZE, TICK, Case, build
+from core.body.model import build_model
+from core.mesh.surface import base_vertices, mesh_from_triangles
+from core.solver.backend import Body, create
+from core.solver.motion import FingertipMotion, Frame, Motion
+from tests.parity.cases import CASES, SIZE, SOFT, TICK, build, run
 
 DOUBLE, SINGLE = 1e-9, 1e-4  # of the size
+BACKENDS = pytest.mark.parametrize(("backend", "tolerance"), [("native64", DOUBLE), ("native", SINGLE)])
 
 
-def go(case: Case, run: Run) -> tuple[State, Floats]:
-    model, state, path = build(case)
-    return state, run(model, state, path, tick=TICK, substeps=model.substeps(TICK))
+def go(name: str, backend: str) -> tuple[Body, Frame]:
+    model, velocities, motion = build(CASES[name])
+    body = create(model, backend=backend)
+    return body, run(body, velocities, motion)
+
+
+def vectors(frame: Frame, field: str) -> Floats:
+    return np.array([getattr(touch, field) for touch in frame.touches if touch])
 
 
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize(("run", "tolerance"), [(native.run64, DOUBLE), (native.run, SINGLE)], ids=["f64", "f32"])
-def test_positions_forces_and_pressure_are_those_of_numpy(name: str, run: Run, tolerance: float) -> None:
-    case = CASES[name]
-    expected, pushed = go(case, semi_implicit.run)
-    found, felt = go(case, run)
-    speed = np.abs(expected.velocities).max() + 1e-3
-    assert np.isfinite(expected.positions).all()
-    np.testing.assert_allclose(found.positions, expected.positions, rtol=0, atol=tolerance * SIZE)
-    np.testing.assert_allclose(found.velocities, expected.velocities, rtol=0, atol=300 * tolerance * speed)
-    np.testing.assert_allclose(felt, pushed, rtol=0, atol=100 * tolerance * (np.abs(pushed).max() + 1e-6))
+@BACKENDS
+def test_positions_forces_and_pressure_are_those_of_numpy(name: str, backend: str, tolerance: float) -> None:
+    wanted, expected = go(name, "numpy")
+    body, found = go(name, backend)
+    speed = np.abs(wanted.velocities()).max() + 1e-3
+    assert expected.finite and found.finite and found.ticks == expected.ticks
+    np.testing.assert_allclose(body.positions(), wanted.positions(), rtol=0, atol=tolerance * SIZE)
+    np.testing.assert_allclose(body.velocities(), wanted.velocities(), rtol=0, atol=300 * tolerance * speed)
+    pushed = vectors(expected, "impulse")
+    most = np.abs(pushed).max(initial=0.0) + 1e-6
+    np.testing.assert_allclose(vectors(found, "impulse"), pushed, rtol=0, atol=100 * tolerance * most)
     assert found.pressure == pytest.approx(expected.pressure, rel=100 * tolerance, abs=1e5 * tolerance)
+    assert found.volume == pytest.approx(expected.volume, rel=100 * tolerance, abs=tolerance * SIZE**3)
 
 
-@pytest.mark.parametrize("name", ["paper laws", "paper fill"])
-def test_the_vertices_in_contact_are_those_of_numpy(name: str) -> None:
-    expected, _ = go(CASES[name], semi_implicit.run)
-    found, _ = go(CASES[name], native.run64)
-    assert len(expected.contact) or name == "paper fill"  # the pressure blows the skin off the fingertip
-    np.testing.assert_array_equal(found.contact, expected.contact)
+@pytest.mark.parametrize("name", CASES)
+@BACKENDS
+def test_depths_and_the_law_are_those_of_numpy(name: str, backend: str, tolerance: float) -> None:
+    _, expected = go(name, "numpy")
+    _, found = go(name, backend)
+    for touch, wanted in zip(found.touches, expected.touches, strict=True):
+        assert touch and wanted
+        assert touch.depth == pytest.approx(wanted.depth, abs=10 * tolerance * SIZE)
+        assert touch.law_force == pytest.approx(wanted.law_force, rel=0.01, abs=10 * tolerance * SIZE * SOFT.K2)
+        if touch.triangle == wanted.triangle:  # where two faces are as near, rounding chooses
+            np.testing.assert_allclose(touch.outward, wanted.outward, atol=max(1e4 * tolerance, 1e-6))
+    np.testing.assert_allclose(found.pose, expected.pose, atol=10 * tolerance)
 
 
-@pytest.mark.parametrize(("run", "tolerance"), [(native.run64, DOUBLE), (native.run, SINGLE)], ids=["f64", "f32"])
-def test_a_fingertip_whose_centre_lies_on_the_skin_pushes_as_with_numpy(run: Run, tolerance: float) -> None:
-    model, expected, path = build(CASES["no fill"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_fingertip_that_wanders_about_a_body_has_the_depth_numpy_finds(seed: int) -> None:
+    """In and out, round corners and past the middle: the face it came in by is remembered alike."""
+    rng = np.random.default_rng(seed)
+    points, faces = CASES["crumpled"].shape()
+    mesh = mesh_from_triangles(points * SIZE / np.ptp(points, axis=0).max(), faces)
+    model = build_model(mesh, [SOFT], held=base_vertices(mesh))
+    bodies = [create(model, backend=backend) for backend in ("numpy", "native64")]
+    here, met = np.array([0.0, 0.0, 0.8 * SIZE]), 0
+    for step in range(60):
+        there = rng.normal(0, 0.35 * SIZE, 3)
+        tip = FingertipMotion(tuple(here), tuple(there), tuple(there), 0.1 * SIZE, 0.1 * SIZE, step % 20 == 0)
+        expected, found = (body.step(Motion(0, 1, TICK, (tip._replace(start=tuple(there)),))) for body in bodies)
+        one, other = expected.touches[0], found.touches[0]
+        assert one and other
+        assert other.depth == pytest.approx(one.depth, abs=1e-9) and other.triangle == one.triangle
+        np.testing.assert_allclose(other.outward, one.outward, atol=1e-9)
+        here, met = there, met + (one.depth > 0)
+    assert met > 10
+
+
+@BACKENDS
+def test_a_fingertip_whose_centre_lies_on_the_skin_pushes_as_with_numpy(backend: str, tolerance: float) -> None:
+    model, velocities, motion = build(CASES["no fill"])
     corners = model.mesh.triangles[np.argmax(model.mesh.rest_positions[model.mesh.triangles].mean(axis=1)[:, 2])]
-    path.centres[:] = model.mesh.rest_positions[corners].mean(axis=0)
-    found = build(CASES["no fill"])[1]
-    few = type(path)(centres=path.centres[:, :2], radii=path.radii)
-    for state, stepper in ((expected, semi_implicit.run), (found, run)):
-        stepper(model, state, few, tick=TICK, substeps=model.substeps(TICK))
-    moved = expected.positions - model.mesh.rest_positions.T
-    assert moved[2, corners].max() < -0.1 * path.radii[0]
-    np.testing.assert_allclose(found.positions, expected.positions, rtol=0, atol=tolerance * SIZE)
+    centre = tuple(model.mesh.rest_positions[corners].mean(axis=0).tolist())
+    radius = motion.fingertips[0].radius  # type: ignore[union-attr]
+    tip = FingertipMotion.straight(centre, centre, ticks=1, radius=radius, fresh=True)
+    ends = []
+    for name in ("numpy", backend):
+        body = create(model, backend=name)
+        run(body, velocities, motion._replace(ticks=1, fingertips=(tip,)))
+        ends.append(body.positions())
+    assert (ends[0] - model.matching.rest)[2, corners].max() < -0.1 * radius
+    np.testing.assert_allclose(ends[1], ends[0], rtol=0, atol=tolerance * SIZE)
 
 
 def test_what_is_held_stays_to_the_last_digit() -> None:
-    model, state, path = build(CASES["liquid"])
-    before = state.positions.copy()
-    native.run(model, state, path, tick=TICK, substeps=4)
-    np.testing.assert_array_equal(state.positions[:, model.held], before[:, model.held])
+    body, _ = go("liquid", "native")
+    held = body.model.held
+    np.testing.assert_array_equal(body.positions()[:, held], body.model.matching.rest[:, held])
+
+
+def test_pins_that_arrive_are_where_they_were_sent_to_the_last_digit() -> None:
+    model, velocities, motion = build(CASES["moving pins"])
+    assert motion.pins
+    body = create(model, backend="native")
+    run(body, velocities, motion._replace(pins=motion.pins._replace(last=1.0)))
+    np.testing.assert_array_equal(body.positions()[:, model.held], motion.pins.end)
+    body.step(motion._replace(pins=None, fingertips=()))
+    np.testing.assert_array_equal(body.positions()[:, model.held], motion.pins.end)
 
 
 def test_a_free_body_far_from_the_origin_moves_as_one_near_it() -> None:
     """Single precision is spent on the body, not on where it is."""
-    model, near, path = build(CASES["free"])
-    _, far, _ = build(CASES["free"])
-    away = np.array([[100.0], [-50.0], [3.0]])
-    far.positions += away
-    for state in (near, far):
-        native.run(model, state, type(path)(centres=path.centres[:0], radii=path.radii[:0]), tick=TICK, substeps=4)
-        native.run(model, state, type(path)(centres=np.zeros((0, 21, 3)), radii=np.zeros(0)), tick=TICK, substeps=4)
-    np.testing.assert_allclose(far.positions - away, near.positions, rtol=0, atol=1e-6 * SIZE)
+    model, velocities, motion = build(CASES["free"])
+    away, ends = np.array([[100.0], [-50.0], [3.0]]), []
+    for shift in (0 * away, away):
+        body = create(model, backend="native")
+        run(body, velocities, motion._replace(fingertips=()), positions=model.matching.rest + shift)
+        ends.append(body.positions() - shift)
+    np.testing.assert_allclose(ends[1], ends[0], rtol=0, atol=1e-6 * SIZE)
 
 
-def test_a_body_that_has_blown_up_stays_so() -> None:
-    model, state, path = build(CASES["liquid"])
-    state.velocities[0, 5] = np.nan
-    assert (native.run(model, state, path, tick=TICK, substeps=4) == 0).all()
-    assert np.isnan(state.positions).any()
+def test_a_body_that_flies_a_hundred_times_its_size_keeps_its_shape() -> None:
+    """The origin from which positions are counted follows it, and nothing is lost on the way."""
+    model, _, motion = build(CASES["free"])
+    speed = 100 * SIZE / 0.2 * np.array([[1.0], [-0.5], [0.2]])
+    body = create(model, backend="native")
+    frame = run(body, np.zeros_like(model.matching.rest) + speed, motion._replace(ticks=200, fingertips=()))
+    assert frame.finite
+    flown = body.positions() - model.matching.rest
+    np.testing.assert_allclose(flown.mean(axis=1), 0.2 * speed[:, 0], rtol=1e-4)
+    assert np.ptp(flown, axis=1).max() < 1e-4 * SIZE
+
+
+@pytest.mark.parametrize(
+    ("name", "backend", "tolerance"),
+    [
+        *((name, "native64", DOUBLE) for name in ("liquid", "free", "moving pins", "paper laws")),
+        *((name, "native", SINGLE) for name in ("liquid", "free", "moving pins")),
+    ],
+)
+def test_other_constants_act_on_a_living_body_as_with_numpy(name: str, backend: str, tolerance: float) -> None:
+    """Half way its material becomes three times as stiff and half as heavy; it does not jump."""
+    case = CASES[name]
+    model, velocities, motion = build(case)
+    pins = model.held[model.mesh.source] if not model.free else None
+    stiffer = replace(case.material, K1=3 * case.material.K1, k=3 * case.material.k, mass=0.1)
+    other = build_model(model.mesh, [stiffer], held=pins, **case.options)
+    ends = []
+    for kind in ("numpy", backend):
+        body = create(model, backend=kind)
+        run(body, velocities, motion)
+        before = body.positions()
+        body.set_constants(other)
+        np.testing.assert_array_equal(body.positions(), before)
+        frame = body.step(motion._replace(substeps=other.substeps(TICK), pins=None, fingertips=()))
+        ends.append((body.positions(), frame.volume))
+    np.testing.assert_allclose(ends[1][0], ends[0][0], rtol=0, atol=3 * tolerance * SIZE)
+    assert ends[1][1] == pytest.approx(ends[0][1], rel=100 * tolerance)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "native"])
+def test_a_body_that_is_pinned_while_it_lives_stays_where_it_is(backend: str) -> None:
+    model, velocities, motion = build(CASES["free"])
+    body = create(model, backend=backend)
+    run(body, velocities, motion._replace(ticks=50, fingertips=()))
+    pinned = build_model(model.mesh, [SOFT], held=base_vertices(model.mesh))
+    before = body.positions()
+    body.set_constants(pinned)
+    body.step(motion._replace(ticks=300, fingertips=()))
+    np.testing.assert_allclose(body.positions()[:, pinned.held], before[:, pinned.held], atol=1e-8)
+    moved = np.abs(body.positions() - before).max()
+    assert moved < 0.05 * SIZE, "it swings out where it was pinned, and does not fly back to where it was at rest"
+
+
+@pytest.mark.parametrize("backend", ["numpy", "native"])
+def test_a_body_that_blows_up_says_so_and_can_be_put_back(backend: str) -> None:
+    model, velocities, motion = build(CASES["free"])
+    wild = velocities.copy()
+    wild[0, 5] = 1e30
+    body, alone = create(model, backend=backend), motion._replace(fingertips=())
+    frame = run(body, wild, alone)
+    assert not frame.finite and frame.ticks < motion.ticks
+    assert run(body, velocities, motion).finite and np.isfinite(body.positions()).all()

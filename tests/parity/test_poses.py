@@ -11,7 +11,8 @@ from core.body.shape_matching import fit_pose
 def rotation_of(h: Floats) -> Floats:
     """Return the best rotation for h = sum of w x q^T, as the native core finds it."""
     r = np.empty((3, 3))
-    native.call("dm_fit_rotation", np.ascontiguousarray(h), r)
+    h = np.ascontiguousarray(h)
+    assert native.library().dm_fit_rotation(h.ctypes.data, r.ctypes.data) == 0
     return r
 
 

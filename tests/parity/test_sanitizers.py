@@ -10,8 +10,9 @@ import pytest
 
 from tools.native import SOURCES, VARIANTS
 
+STRICT = ("-Wall", "-Wextra", "-Werror")  # in gcc too nothing is warned of
 SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
-FLAGS = ("-std=c11", "-O1", "-g", "-fPIC", "-fvisibility=hidden", "-fno-math-errno", "-ffp-contract=off", "-Wno-psabi")
+FLAGS = ("-std=c11", "-O1", "-g", "-fPIC", "-fvisibility=hidden", "-fno-math-errno", "-ffp-contract=off", *STRICT)
 
 
 def compiled(folder: Path) -> Path:
