@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 from tools import native as native_core
-from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, run, say
+from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, provide_peers, run, say
 from tools.extension import build_zip
 
 BUILD = ROOT / "build"
@@ -102,7 +102,10 @@ def bench(options: argparse.Namespace) -> int:
     """measure scenes, sizes and backends; --quick, --json FILE, --profile, --peers, --enabling"""
     python = environment(options.blender)
     native_core.provide_library(python)
-    return run([python, "-m", "tests.bench.bench", *options.rest], OPENBLAS_NUM_THREADS="1")
+    variables = {"OPENBLAS_NUM_THREADS": "1"}
+    if "--peers" in options.rest:
+        variables["PYTHONPATH"] = str(provide_peers(python))
+    return run([python, "-m", "tests.bench.bench", *options.rest], **variables)
 
 
 def charts(options: argparse.Namespace) -> int:

@@ -21,6 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENTS = ROOT / ".venv"
 DEV_PINS = ROOT / "requirements" / "dev.txt"
 WHEEL_PINS = ROOT / "requirements" / "wheels.txt"
+PEER_PINS = ROOT / "requirements" / "peers.txt"
 
 # version of bpy: the Python it needs; newest first
 BLENDERS = {"5.2.3": "3.13", "5.0.1": "3.11", "4.5.15": "3.11"}
@@ -167,6 +168,32 @@ def make_environment(version: str, interpreter: str) -> None:
     require([python, *PIP, "check", "-q"], "requirements/dev.txt is not complete.")
     require([python, "-c", "import bpy"], f"Blender {version} is installed but does not start.")
     (home / "pins.sha256").write_text(pins_hash())
+
+
+def provide_peers(python: Path) -> Path:
+    """Return the folder in an environment, and not on its path, that holds the solvers to compare with.
+
+    Raises:
+        Stop: they could not be installed.
+    """
+    with alone():
+        return provide_packages(python, python.parent.parent / "peers", PEER_PINS, "panda3d, 50 to 120 MB to download")
+
+
+def provide_packages(python: str | Path, folder: Path, pins: Path, what: str) -> Path:
+    """Return a folder with pinned packages, installed first where it does not hold them.
+
+    Raises:
+        Stop: they could not be installed.
+    """
+    stamp = folder / "pins.txt"
+    if not (stamp.exists() and stamp.read_text() == pins.read_text()):
+        say(f"installing {what}")
+        shutil.rmtree(folder, ignore_errors=True)
+        command = [python, *PIP, "install", "-q", "--no-deps", "--target", folder, "-r", pins]
+        require(command, f"requirements/{pins.name} could not be installed.")
+        stamp.write_text(pins.read_text())
+    return folder
 
 
 @contextlib.contextmanager

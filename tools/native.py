@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from .environment import ENVIRONMENTS, PIP, ROOT, Stop, require, say
+from .environment import ENVIRONMENTS, ROOT, Stop, provide_packages, require, say
 
 SOURCES = ROOT / "core" / "native"
 BUILD = ROOT / "build" / "native"
@@ -146,12 +146,10 @@ def compiler(python: str | Path) -> Path:
     Raises:
         Stop: it could not be installed.
     """
-    zig, stamp = ZIG / "ziglang" / ("zig.exe" if os.name == "nt" else "zig"), ZIG / "pins.txt"
-    if not (zig.exists() and stamp.exists() and stamp.read_text() == PINS.read_text()):
-        say("installing the C compiler (ziglang, 100 MB to download)")
+    zig = ZIG / "ziglang" / ("zig.exe" if os.name == "nt" else "zig")
+    if not zig.exists():
         shutil.rmtree(ZIG, ignore_errors=True)
-        require([python, *PIP, "install", "-q", "--no-deps", "--target", ZIG, "-r", PINS], "ziglang is not to be had.")
-        stamp.write_text(PINS.read_text())
+    provide_packages(python, ZIG, PINS, "the C compiler (ziglang, 100 MB to download)")
     return zig
 
 
