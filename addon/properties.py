@@ -136,7 +136,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     d0: _model_constant("Knee d0 (mm)", "Identified: displacement at which shape matching changes from κ1 to κ2")
     membrane_scale: _model_constant("Share of k", "Identified: share of k that the membrane has")
     identification: kept_text("Identification", "How the model constants were found")
-    stale: BoolProperty(name="Stale", description="The model constants became invalid and were cleared", **FIXED)
+    stale: BoolProperty(name="Stale", description="The model constants no longer held and were cleared", **FIXED)
 
     def held_by(self) -> dict[str, float | str]:
         """Return what the model constants hang on."""

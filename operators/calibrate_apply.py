@@ -52,7 +52,7 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
             settings.damping_ratio = told["damping_ratio_hint"]
         settings.tip, settings.tip_radius_mm = told["tip"].upper(), told["tip_radius"]
         settings.calibration, scene.calibration = scene.calibration, ""
-        settings.provenance = calibration.source(told, k)  # last: a constant that is set marks the material as edited
+        settings.provenance = calibration.source(told, k)  # last: a constant that is set marks it as edited
         body.dimple.enabled = True
         if told["length"]:
             body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", told["length"]

@@ -41,6 +41,7 @@ def record(calibration: Calibration) -> str:
         told[name] = [plain(text) for text in told[name]]
     told["provenance"] = f"{told['provenance']}, calibrated {told['date']}"
     told["points"] = thinned(1e3 * press.depth, press.force, POINTS)
+    told["way_back"] = thinned(1e3 * press.back_depth, press.back_force, POINTS // 2)
     told["band"] = band(calibration)
     told["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
     told["unusable"] = _unusable(told)
