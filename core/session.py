@@ -67,7 +67,7 @@ class Frame:
 
 
 class Session:
-    """Run one model, or a proxy of it that moves its surface.
+    """Run one model, or a stand-in for it that carries its skin along.
 
     backend: "native" (single precision), "native64" or "numpy".  backend_note: "" or why it is numpy, for the artist.
     """
@@ -97,7 +97,7 @@ class Session:
         self._sides: list[Floats | None] = []
         self._begin, self._end = 0.0, 0.0  # of the step under way, and where fingertips and pins were at its begin:
         self._origins: list[Floats | None] = []
-        self._held_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
+        self._held_origin: Floats = self.model.matching.rest  # of the mesh, not of a stand-in
         self._held_target: Floats | None = None
         self.frame = self._show(np.zeros((0, 3)), 0, 0.0, "")
 

@@ -154,7 +154,7 @@ def check(model: Model) -> None:
         DimpleError: the laws or springs of the model need its own mesh.
     """
     if model.needs_contact or model.law_set == "paper":
-        raise DimpleError("the paper's equations depend on the mesh, so they run on the mesh itself")
+        raise DimpleError("the paper's equations depend on the mesh, so they need the full mesh")
     if len(model.springs.pairs) > len(model.mesh.springs):
         raise DimpleError("bend springs are not carried over to a proxy")
 
