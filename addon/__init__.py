@@ -1,11 +1,13 @@
 """What Blender shows and stores."""
 
 from .. import operators
-from . import methods, overlay, panels, preferences, presets, properties, tool, translations
+from . import comparison_chart, overlay, panels, preferences, presets, properties, reduction, tool, translations
 
-# in order of need: operators read the properties, panels name the operators and the presets' popover,
+# in order of dependence: operators read the properties, panels name the operators and the presets' popover,
 # the preferences move the panels
-PARTS = (translations, properties, operators, presets, panels, preferences, overlay, methods, tool)
+PARTS = (
+    translations, properties, operators, presets, panels, reduction, preferences, overlay, comparison_chart, tool,
+)  # fmt: skip
 
 
 def register() -> None:

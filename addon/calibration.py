@@ -1,4 +1,4 @@
-"""The panels of calibration: from a file to a result, to a material, to a body that answers like the real one."""
+"""The panels of calibration: from a file to a result, from there to a material, and its identification on a body."""
 
 import bpy
 
@@ -9,43 +9,43 @@ from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows
 
 
 def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | None]:
-    """Return the calibration to show, and the settings of the material it belongs to, None while it has none."""
-    if told := calibration.load(context.scene.dimple.calibration):
-        return told, None
+    """Return the calibration to show, and the settings of its material, None while it has not been applied."""
+    if record := calibration.load(context.scene.dimple.calibration):
+        return record, None
     material = context.object.active_material if context.object else None
     settings = material.dimple if material else None
     return (calibration.load(settings.calibration), settings) if settings else ({}, None)
 
 
 def draw_result(
-    context: bpy.types.Context, layout: bpy.types.UILayout, told: dict, settings: bpy.types.PropertyGroup | None
+    context: bpy.types.Context, layout: bpy.types.UILayout, record: dict, settings: bpy.types.PropertyGroup | None
 ) -> None:
-    """Draw source, constants with their errors and warnings."""
-    source = f"{told['source']}, {told['date']}"
+    """Draw the source, the constants with their errors, and the warnings."""
+    source = f"{record['source']}, {record['date']}"
     layout.label(text=source, icon="FILE_TEXT", translate=False)
-    draw_rows(layout, calibrated.rows(told))
-    draw_notes(context, layout, told["warnings"], "ERROR")
-    if settings is not None and calibrated.edited(told, settings):
-        draw_notes(context, layout, ["The constants of the material were changed since."], "ERROR")
+    draw_rows(layout, calibrated.rows(record))
+    draw_notes(context, layout, record["warnings"], "ERROR")
+    if settings is not None and settings.edited:
+        draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
 
 
 class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
-    """Calibrate, and give the result to a material."""
+    """Calibrating from a file, and applying the result to a material."""
 
     bl_label = "Calibration"
     bl_parent_id = "DIMPLE_PT_session"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the way in, the result and the way on."""
+        """Draw the operators and the result."""
         layout = self.layout
         layout.operator(Op.CALIBRATE, text="Calibrate from File...", icon="IMPORT")
-        told, settings = shown(context)
-        if not told:
+        record, settings = shown(context)
+        if not record:
             draw_notes(context, layout, ["Drop a force-depth file (CSV, text) into the viewport."])
             return
-        draw_result(context, layout, told, settings)
+        draw_result(context, layout, record, settings)
         if settings is None:
-            draw_notes(context, layout, [told["unusable"]] if told["unusable"] else [], "ERROR")
+            draw_notes(context, layout, [record["unusable"]] if record["unusable"] else [], "ERROR")
             row = layout.row(align=True)
             row.operator(Op.APPLY_CALIBRATION, icon="CHECKMARK")
             row.operator(Op.DISCARD_CALIBRATION, text="", icon="X")
@@ -54,9 +54,9 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
-    """Say what the numbers mean and how the file was read."""
+    """What the numbers mean, and how the file was read."""
 
-    bl_label = "In Words"
+    bl_label = "Notes"
     bl_parent_id = "DIMPLE_PT_calibration"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -66,19 +66,19 @@ class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
         return bool(shown(context)[0])
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw sentences."""
+        """Draw the notes."""
         draw_notes(context, self.layout, calibrated.sentences(shown(context)[0]))
 
 
 class DIMPLE_PT_identification(SidebarPanel, bpy.types.Panel):
-    """Identify the model constants on the active object, and measure it."""
+    """Identifying the model constants on the active object, and measuring it."""
 
     bl_label = "Virtual Press"
     bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw tip and place, both verbs, and what was found."""
+        """Draw tip and place, both operators, and the results."""
         layout, body = self.layout, context.object
         material = body.active_material if body else None
         layout.use_property_split = True
@@ -95,13 +95,13 @@ class DIMPLE_PT_identification(SidebarPanel, bpy.types.Panel):
         settings = material.dimple
         if settings.stale:
             draw_notes(context, layout, ["The material was changed since it was identified: identify again."], "ERROR")
-        if told := calibration.load(settings.identification):
-            draw_rows(layout, calibrated.identified(told, settings))
-            draw_notes(context, layout, calibrated.identified_sentences(told))
+        if record := calibration.load(settings.identification):
+            draw_rows(layout, calibrated.identified(record, settings))
+            draw_notes(context, layout, calibrated.identified_sentences(record))
 
 
 class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
-    """Show the measurement behind the constants of a material."""
+    """The measurement behind the constants of a material."""
 
     bl_label = "Calibration"
     bl_parent_id = "DIMPLE_PT_material"
@@ -113,11 +113,11 @@ class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
         return context.material is not None and bool(calibration.load(context.material.dimple.calibration))
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the result and what it means."""
+        """Draw the result and its notes."""
         settings = context.material.dimple
-        told = calibration.load(settings.calibration)
-        draw_result(context, self.layout, told, settings)
-        draw_notes(context, self.layout, calibrated.sentences(told))
+        record = calibration.load(settings.calibration)
+        draw_result(context, self.layout, record, settings)
+        draw_notes(context, self.layout, calibrated.sentences(record))
 
 
 SIDEBAR = (DIMPLE_PT_calibration, DIMPLE_PT_calibration_notes, DIMPLE_PT_identification)

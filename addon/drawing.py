@@ -1,16 +1,16 @@
-"""What the panels share: where they stand, and sentences in boxes."""
+"""What the panels share: their places in the interface, notes in boxes, and tables."""
 
 import bpy
 
 from . import readout
 
 TAB = "Dimple"
-LETTER = 7.5  # [px] width of a letter of a note, at a resolution scale of 1
-FRAME = 80.0  # [px] icon and borders beside it
+CHARACTER = 7.5  # [px] mean width of a character of a note, at a resolution scale of 1
+FRAME = 80.0  # [px] width of the icon and borders beside it
 
 
 class MaterialPanel:
-    """Stand in the material's properties."""
+    """A panel in the properties of a material."""
 
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -18,7 +18,7 @@ class MaterialPanel:
 
 
 class SidebarPanel:
-    """Stand in the sidebar of the 3D viewport."""
+    """A panel in the sidebar of the 3D viewport."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -28,18 +28,18 @@ class SidebarPanel:
 def draw_notes(
     context: bpy.types.Context, layout: bpy.types.UILayout, sentences: list[str], icon: str = "INFO"
 ) -> None:
-    """Write sentences in a box, broken into lines that fit the region."""
+    """Draw sentences in a box, translated and broken into lines that fit the region."""
     if not sentences:
         return
     column = layout.box().column(align=True)
-    columns = max(12, int((context.region.width / context.preferences.system.ui_scale - FRAME) / LETTER))
+    columns = max(12, int((context.region.width / context.preferences.system.ui_scale - FRAME) / CHARACTER))
     for sentence in sentences:
         for i, line in enumerate(readout.wrapped(readout.iface_(sentence), columns)):
             column.label(text=line, icon="BLANK1" if i else icon, translate=False)
 
 
 def draw_rows(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
-    """Write labels on the left and values on the right."""
+    """Draw labels on the left and values on the right."""
     split = layout.split(factor=0.45)
     labels, values = split.column(align=True), split.column(align=True)
     for label, value in rows:

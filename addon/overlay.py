@@ -1,7 +1,7 @@
-"""What the viewport shows over a running session: fingertips, forces, numbers, and force against depth.
+"""What is drawn over the viewport: fingertips, forces, numbers, and a chart of force against depth.
 
-Reads the last Frame of each session and changes nothing. Without a session it shows the calibration. `gpu` is loaded
-only when there is something to draw, so that the extension also registers where nothing can be drawn.
+It shows the last Frame of each running session, or without one the calibration, and changes nothing. `gpu` is
+imported only when there is something to draw, so the extension also registers where nothing can be drawn.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,6 @@ import bpy
 from ..operators import calibration
 from ..operators.sessions import sessions
 from . import readout, shapes
-from .calibrated import edited
 from .readout import iface_
 from .shapes import Point, Segment
 
@@ -26,18 +25,37 @@ TEXT = (1.0, 1.0, 1.0, 1.0)
 FAINT = (1.0, 1.0, 1.0, 0.35)
 BACK = (0.0, 0.0, 0.0, 0.45)
 
-CROSS = 2.5  # [px] half the width of a measured point; a size like those below
-LINE_WIDTH = 2.0  # [px] all sizes below too, at a resolution scale of 1
+LINE_WIDTH = 2.0  # in units of Blender's own line width
+# all sizes below in pixels at a resolution scale of 1
+CROSS = 2.5  # half the width of a measured point
 TEXT_SIZE = 12.0
 LINE_HEIGHT = 17.0
 MARGIN = 16.0
 CHART = (230.0, 130.0)
 
 
-class Curves(NamedTuple):
-    """Hold what a chart shows, as (depth [m], force [N]); law: K1, K2 [N/m] and x0 [m] of Eq. (1).
+class Screen(NamedTuple):
+    """The region that is drawn in.
 
-    band: the ends of the law's 95 % interval.
+    width, height: [px].
+    scale: the resolution scale of the interface.
+    line: width of a line [px].
+    """
+
+    width: float
+    height: float
+    scale: float
+    line: float
+
+
+class Curves(NamedTuple):
+    """The curves of a chart, as points (depth [m], force [N]).
+
+    law: K1, K2 [N/m] and x0 [m] of Eq. (1).
+    band: the lower and upper end of the law's 95 % interval.
+    measured: of the instrument.
+    simulated: of the virtual press.
+    trail: of the running session.
     """
 
     law: Point
@@ -50,11 +68,22 @@ class Curves(NamedTuple):
 _handlers: list[tuple[object, str]] = []
 
 
+def screen_of(context: bpy.types.Context) -> Screen:
+    """Return the region that is being drawn; lines are as thick as the preferences say."""
+    system, region = context.preferences.system, context.region
+    return Screen(region.width, region.height, system.ui_scale, LINE_WIDTH * system.pixel_size)
+
+
+def overlays_shown(context: bpy.types.Context) -> bool:
+    """Return whether overlays are switched on in this viewport."""
+    return context.space_data.overlay.show_overlays
+
+
 def draw_bodies() -> None:
     """Draw fingertips and force arrows in the scene (POST_VIEW)."""
     context = bpy.context
     for _, entry in _shown(context):
-        draw_fingers(entry, context.region)
+        draw_fingers(entry, screen_of(context))
 
 
 def draw_numbers() -> None:
@@ -62,36 +91,37 @@ def draw_numbers() -> None:
     context = bpy.context
     shown = _shown(context)
     calibrated = None if shown else calibrated_curves(context)
-    if calibrated and not context.space_data.overlay.show_overlays:
+    if calibrated and not overlays_shown(context):
         return
     if not shown and not calibrated:
         return
-    scale = context.preferences.system.ui_scale
+    screen = screen_of(context)
+    scale = screen.scale
     left, bottom = free_corner(context.area, scale)
     if calibrated:
-        draw_curves(calibrated, (left, bottom), scale, context.region)
+        draw_curves(calibrated, (left, bottom), screen)
     for body, entry in shown:
         if context.scene.dimple.show_chart:
             curves = pressed_curves(body, entry)
-            bottom = draw_curves(curves, (left, bottom), scale, context.region) + MARGIN * scale
+            bottom = draw_curves(curves, (left, bottom), screen) + MARGIN * scale
         bottom = draw_rows(body, entry, (left, bottom), scale) + MARGIN * scale
-        if bottom > context.region.height:
+        if bottom > screen.height:
             break
 
 
-def draw_fingers(entry: Any, region: Any) -> None:
+def draw_fingers(entry: Any, screen: Screen) -> None:
     """Draw each fingertip that is down, and the force on it."""
     for finger, force in _fingers(entry):
         centre, radius = _in_scene(entry, finger)
-        draw_lines(shapes.sphere(centre, radius), FINGERTIP, region)
-        draw_lines(shapes.arrow(centre, force, radius), FORCE, region)
+        draw_lines(shapes.sphere(centre, radius), FINGERTIP, screen)
+        draw_lines(shapes.arrow(centre, force, radius), FORCE, screen)
 
 
 def draw_rows(body: bpy.types.Object, entry: Any, corner: Point, scale: float) -> float:
     """Write the numbers of a session upwards from a corner [px] and return where they end."""
     lines = [f"{label}: {value}" for label, value in readout.rows(entry.frame, entry.session.tick)]
-    said = readout.sentences(entry.session.model.notes, entry.frame)
-    lines = [body.name, *lines, *(line for sentence in said for line in readout.wrapped(sentence, 60))]
+    notes = readout.sentences(entry.session.model.notes, entry.frame)
+    lines = [body.name, *lines, *(line for sentence in notes for line in readout.wrapped(sentence, 60))]
     height = corner[1]
     for line in reversed(lines):
         write(line, (corner[0], height), scale)
@@ -100,7 +130,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, corner: Point, scale: float) -
 
 
 def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
-    """Return what the chart of a session shows: force against depth over the law of the material that is pressed."""
+    """Return the curves of a session's chart: force against depth, and the law of the material that is pressed."""
     which = pressed_material(body, entry)
     material, slot = entry.session.model.materials[which], entry.link.slots[which]
     theirs = body.material_slots[slot].material if slot < len(body.material_slots) else None
@@ -111,7 +141,7 @@ def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
 
 
 def pressed_material(body: bpy.types.Object, entry: Any) -> int:
-    """Return which of the model's materials the deepest fingertip is nearest to; without one, the active material."""
+    """Return the index, in the model, of the material nearest to the deepest fingertip, else of the active one."""
     frame, slots = entry.frame, entry.link.slots
     down = [(depth, which) for depth, which in zip(frame.depths, frame.materials, strict=True) if which >= 0]
     if down:
@@ -120,31 +150,31 @@ def pressed_material(body: bpy.types.Object, entry: Any) -> int:
 
 
 def calibrated_curves(context: bpy.types.Context) -> Curves | None:
-    """Return what a chart shows while nothing is pressed: the last calibration, else that of the active material."""
+    """Return the curves while nothing is pressed: of the last calibration, else of the active material's."""
     settings, body = context.scene.dimple, context.object
     if not settings.show_overlay or not settings.show_chart:
         return None
-    if told := calibration.load(settings.calibration):
-        law = (told["K1"] * 1e3, told["K2"] * 1e3, told["x0"] / 1e3)
-        return Curves(law, _band(told), _metres(told["points"]))
+    if record := calibration.load(settings.calibration):
+        law = (record["K1"] * 1e3, record["K2"] * 1e3, record["x0"] / 1e3)
+        return Curves(law, _band(record), _metres(record["points"]))
     material = body.active_material if body else None
     return _material_curves(material.dimple) if material else None
 
 
 def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
-    """Return the measured and the simulated press of a material, None where there is neither."""
-    told = calibration.load(settings.calibration)
-    measured = told.get("points", [])
+    """Return the curves of a material, None where it has neither a measured nor a simulated press."""
+    record = calibration.load(settings.calibration)
+    measured = record.get("points", [])
     simulated = calibration.load(settings.identification).get("points", [])
     if not measured and not simulated:
         return None
     law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3)
-    band = _band(told) if "band" in told and not edited(told, settings) else ([], [])
+    band = ([], []) if settings.edited else _band(record)
     return Curves(law, band, _metres(measured), _metres(simulated))
 
 
-def _band(told: dict[str, Any]) -> tuple[list[Point], list[Point]]:
-    rows = told.get("band", [])
+def _band(record: dict[str, Any]) -> tuple[list[Point], list[Point]]:
+    rows = record.get("band", [])
     return _metres([(depth, low) for depth, low, _ in rows]), _metres([(depth, high) for depth, _, high in rows])
 
 
@@ -153,7 +183,7 @@ def _metres(rows: Sequence[Sequence[float]]) -> list[Point]:
 
 
 def draw_key(curves: Curves, corner: Point, scale: float) -> float:
-    """Write what the colours of a chart mean, from a corner [px], and return where it ends."""
+    """Write the names of the curves in their colours, from a corner [px]; return where the line ends [px]."""
     law = iface_("Law") + (" ± 95 %" if curves.band[0] else "")
     words = [(law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured)]
     words += [(iface_("Simulated"), SIMULATED, curves.simulated), (iface_("Pressed"), FORCE, curves.trail)]
@@ -164,34 +194,35 @@ def draw_key(curves: Curves, corner: Point, scale: float) -> float:
     return corner[1] + LINE_HEIGHT * scale
 
 
-def draw_curves(curves: Curves, corner: Point, scale: float, region: Any) -> float:
-    """Draw a chart and its key from a corner [px] and return where they end."""
+def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
+    """Draw a chart and its key upwards from a corner [px] and return where they end [px]."""
+    scale = screen.scale
     size = (CHART[0] * scale, CHART[1] * scale)
     seen = [*curves.measured, *curves.simulated, *curves.trail]
-    # the knee always shows: it tells how far the press has come
+    # the knee is always in view, to show how far the press has come
     deepest = max([curves.law[2] * 1.1, *(depth for depth, _ in seen)])
     law = shapes.law_curve(*curves.law, deepest)
     ends = (shapes.round_up(deepest), shapes.round_up(max(force for _, force in [*law, *seen])))
     right, top = corner[0] + size[0], corner[1] + size[1]
     draw_filled(corner, (right, top), BACK)
-    draw_lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, region)
-    draw_lines(shapes.crosses(shapes.into_box(curves.measured, ends, corner, size), CROSS * scale), MEASURED, region)
+    draw_lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, screen)
+    draw_lines(shapes.crosses(shapes.into_box(curves.measured, ends, corner, size), CROSS * scale), MEASURED, screen)
     for end in curves.band:
-        draw_lines(shapes.chained(shapes.into_box(end, ends, corner, size)), BAND, region)
-    draw_lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, region)
-    draw_lines(shapes.chained(shapes.into_box(curves.simulated, ends, corner, size)), SIMULATED, region)
+        draw_lines(shapes.chained(shapes.into_box(end, ends, corner, size)), BAND, screen)
+    draw_lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, screen)
+    draw_lines(shapes.chained(shapes.into_box(curves.simulated, ends, corner, size)), SIMULATED, screen)
     trail = shapes.into_box(curves.trail, ends, corner, size)
-    draw_lines(shapes.chained(trail), FORCE, region)
+    draw_lines(shapes.chained(trail), FORCE, screen)
     if trail:
-        draw_lines(shapes.circle(trail[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, region)
+        draw_lines(shapes.circle(trail[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, screen)
     write(f"{ends[1]:g} N", (corner[0] + 4 * scale, top - LINE_HEIGHT * scale), scale)
     write(f"{ends[0] * 1e3:g} mm", (right - 48 * scale, corner[1] + 5 * scale), scale)
     return draw_key(curves, (corner[0], top), scale)
 
 
 def _shown(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any]]:
-    """Return the sessions that may be drawn in this viewport, each with its object."""
-    if not sessions or not context.scene.dimple.show_overlay or not context.space_data.overlay.show_overlays:
+    """Return the sessions to draw in this viewport, each with its object."""
+    if not sessions or not context.scene.dimple.show_overlay or not overlays_shown(context):
         return []
     here = {body.session_uid: body for body in context.scene.objects}
     return [(here[uid], entry) for uid, entry in sessions.items() if uid in here]
@@ -213,12 +244,12 @@ def _in_scene(entry: Any, finger: Any) -> tuple[Point, float]:
 
 
 def free_corner(area: bpy.types.Area, scale: float) -> Point:
-    """Return the lower left corner [px] that Blender's own toolbar leaves free."""
+    """Return the lower left corner [px] beside Blender's own toolbar."""
     tools = next((region for region in area.regions if region.type == "TOOLS"), None)
     return ((tools.width if tools else 0) + MARGIN * scale, 2 * MARGIN * scale)
 
 
-def draw_lines(segments: Sequence[Segment], colour: Point, region: Any) -> None:
+def draw_lines(segments: Sequence[Segment], colour: Point, screen: Screen) -> None:
     if not segments:
         return
     import gpu
@@ -226,8 +257,8 @@ def draw_lines(segments: Sequence[Segment], colour: Point, region: Any) -> None:
 
     points = [(*point, 0.0)[:3] for segment in segments for point in segment]
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-    shader.uniform_float("viewportSize", (region.width, region.height))
-    shader.uniform_float("lineWidth", LINE_WIDTH)
+    shader.uniform_float("viewportSize", (screen.width, screen.height))
+    shader.uniform_float("lineWidth", screen.line)
     shader.uniform_float("color", colour)
     gpu.state.blend_set("ALPHA")
     batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
@@ -270,7 +301,7 @@ def width(text: str, scale: float) -> float:
 
 
 def register() -> None:
-    """Let every 3D viewport call the two draw functions."""
+    """Add both draw functions to every 3D viewport."""
     for draw, moment in ((draw_bodies, "POST_VIEW"), (draw_numbers, "POST_PIXEL")):
         _handlers.append((bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment), "WINDOW"))
 

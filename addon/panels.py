@@ -1,6 +1,6 @@
-"""The panels: Material > Dimple, Physics > Dimple, and the session's tab in the sidebar.
+"""The panels: Material > Dimple, Physics > Dimple, and the tab of the session in the sidebar.
 
-What cannot be used now is greyed out, not hidden; the operators' polls say why on hovering.
+What cannot be used now is greyed out, not hidden; a tooltip from the operator's poll says why.
 """
 
 import bpy
@@ -13,7 +13,7 @@ from .presets import DIMPLE_PT_material_presets
 
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
-    """Return what makes a material's constants unusable, in the core's own words."""
+    """Return the message of the core on why the constants of a material cannot be used, if so."""
     from ..core.base import DimpleError  # not at import: it needs numpy, and enabling must be quick
     from ..core.material import Material
 
@@ -25,26 +25,28 @@ def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
 
 
 class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
-    """Show the constants of the active material."""
+    """The constants of the active material."""
 
     bl_label = "Dimple"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Stand wherever a mesh's material can."""
+        """Show on every material of a mesh."""
         return context.material is not None and not context.material.grease_pencil
 
     def draw_header_preset(self, _context: bpy.types.Context) -> None:
-        """Offer measured and own materials."""
+        """Draw the button of the presets."""
         DIMPLE_PT_material_presets.draw_panel_header(self.layout)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the measured curve, the skin, the mass and the rest, then what is wrong with them."""
+        """Draw the source, the constants, then what is wrong with them."""
         settings, layout = context.material.dimple, self.layout
         layout.use_property_split = True
         if settings.provenance:
             draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
+            if settings.edited:
+                draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
         for names in (("K1", "K2", "x0"), ("k",)):
             column = layout.column(align=True)
             for name in names:
@@ -59,7 +61,7 @@ class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_body(bpy.types.Panel):
-    """Show what makes the object a soft body."""
+    """The settings that make the object a soft body."""
 
     bl_label = "Dimple"
     bl_space_type = "PROPERTIES"
@@ -69,7 +71,7 @@ class DIMPLE_PT_body(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Stand on every object; only a mesh can be switched on."""
+        """Show on every object; only a mesh can be switched on."""
         return context.object is not None
 
     def draw_header(self, context: bpy.types.Context) -> None:
@@ -87,9 +89,9 @@ class DIMPLE_PT_body(bpy.types.Panel):
         layout = layout.column()
         layout.enabled = body.type == "MESH" and settings.enabled
         layout.prop(settings, "law_set")
-        layout.prop(settings, "hold")
+        layout.prop(settings, "pinned")
         row = layout.row()
-        row.active = settings.hold == "GROUP"
+        row.active = settings.pinned == "GROUP"
         row.prop_search(settings, "pin_group", body, "vertex_groups")
         layout.prop_search(settings, "softness_group", body, "vertex_groups")
         layout.prop(settings, "size_mode")
@@ -99,12 +101,12 @@ class DIMPLE_PT_body(bpy.types.Panel):
 
 
 class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
-    """Start, stop and keep a session."""
+    """The operators of a session."""
 
     bl_label = "Dimple"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the verbs and what they say."""
+        """Draw the operators and the state of the session."""
         layout, body = self.layout, context.object
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
@@ -126,13 +128,13 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
-    """Show what the session measures."""
+    """The numbers of the session."""
 
     bl_label = "Measured"
     bl_parent_id = "DIMPLE_PT_session"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw numbers with units, then notes."""
+        """Draw the numbers with units, then the notes."""
         layout, body = self.layout, context.object
         entry = sessions.get(body.session_uid) if body else None
         if entry is None:
@@ -149,7 +151,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
-    """Set up the fingertips."""
+    """The settings of the fingertips."""
 
     bl_label = "Fingertips"
     bl_parent_id = "DIMPLE_PT_session"
@@ -173,14 +175,14 @@ def _bake_button(layout: bpy.types.UILayout, scene: bpy.types.Scene, target: str
 
 
 class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
-    """Turn a press into animation."""
+    """Baking a press to animation."""
 
     bl_label = "Bake"
     bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw both kinds of bake over the frames of the scene, and the way back."""
+        """Draw both kinds of bake over the frames of the scene, and how to remove one."""
         scene, layout = context.scene, self.layout
         layout.use_property_split = True
         layout.prop(scene.dimple, "cache_dir")
@@ -192,14 +194,14 @@ class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
-    """Set what is round the body, and what is drawn over it."""
+    """The surroundings of the body, and the switches of the overlay."""
 
     bl_label = "Surroundings and Display"
     bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw gravity, ground and the overlay's switches."""
+        """Draw gravity, ground and the switches of the overlay."""
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
         column = layout.column(heading="World")
@@ -223,7 +225,7 @@ _register_properties, _unregister_properties = bpy.utils.register_classes_factor
 
 
 def move_to_tab(name: str) -> None:
-    """Move the sidebar's panels to a tab; Blender knows a panel's tab only from its registration."""
+    """Move the panels of the sidebar to a tab; Blender reads a panel's tab only when it is registered."""
     if name == DIMPLE_PT_session.bl_category:
         return
     _unregister_sidebar()

@@ -1,4 +1,4 @@
-"""Preferences of the extension: where its tab stands and where recordings go."""
+"""The preferences of the extension: the name of its tab and the folder for recordings."""
 
 import bpy
 from bpy.props import StringProperty
@@ -13,7 +13,7 @@ def _move_tab(preferences: bpy.types.AddonPreferences, _context: bpy.types.Conte
 
 
 class DIMPLE_AP_preferences(bpy.types.AddonPreferences):
-    """Hold what is the same in every file."""
+    """The settings that are the same in every file."""
 
     bl_idname = PACKAGE
 

@@ -1,4 +1,4 @@
-"""Materials to start from: the measured objects of the paper, and the user's own."""
+"""Material presets: the measured objects of the paper, and the user's own."""
 
 import bpy
 from bl_operators.presets import AddPresetBase
@@ -8,7 +8,7 @@ from ..operators.names import Op
 
 
 class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
-    """List measured objects with their source, then the user's own materials."""
+    """The measured objects of the paper, then the user's own materials."""
 
     bl_label = "Materials"
     preset_subdir = "dimple/material"
@@ -38,12 +38,12 @@ class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):
         "material = getattr(bpy.context, 'material', None) or bpy.context.object.active_material",
         "dimple = material.dimple",
     ]
-    # the source comes last: the constants before it would mark it as edited
+    # in this order: constants mark the material as edited, the source clears that, and `edited` is as it was saved
     preset_values = [
         f"dimple.{name}"
         for name in (
             "K1", "K2", "x0", "k", "mass_from", "density", "mass_kg", "damping_ratio", "friction", "fill",
-            "tip", "tip_radius_mm", "calibration", "provenance",
+            "tip", "tip_radius_mm", "calibration", "provenance", "edited",
         )
     ]  # fmt: skip
 

@@ -1,8 +1,8 @@
-"""What Blender stores: the settings of a material, a body, a scene, and the state of the running session.
+"""What Blender stores: the settings of a material, a body and a scene, and the state of the running session.
 
 Operators read these through RNA only (`obj.dimple.to_params()`), so names and units here are the contract.
-Panels show the paper's units (mm, N/mm); `to_params` returns SI. Nothing is animatable: a session reads its
-settings when it starts, and a keyframe that changes nothing would mislead.
+Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. Nothing is animatable: a session reads
+its settings when it starts, so a keyframe would have no effect.
 """
 
 import bpy
@@ -11,10 +11,9 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 from ..operators import calibration
 from ..operators.names import PLACES, TIPS
 from .device import DevicePlace
-from .moving import FIXED, Moving, exact
+from .reduction_settings import FIXED, ReductionSettings, exact, kept_text
 from .translations import CONTEXT
 
-_EDITED = "Edited by hand after: "
 _MODEL_CONSTANTS = ("kappa1", "kappa2", "d0", "membrane_scale")
 
 _MASS_FROM = (
@@ -22,34 +21,38 @@ _MASS_FROM = (
     ("MASS", "Mass", "The mass of the whole body is given"),
 )
 _FILLS = (
-    ("AIR", "Air", "The air inside is squeezed: it answers by pressure and gives way a little"),
-    ("LIQUID", "Liquid", "The liquid inside keeps its volume: what is pressed in comes out elsewhere"),
+    ("AIR", "Air", "The enclosed air is compressed: the pressure rises and the volume falls a little"),
+    ("LIQUID", "Liquid", "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere"),
     ("PAPER", "Paper (Eq. 2)", "Pressure as in the paper: force of the fingertips over their contact area"),
-    ("NONE", "None", "An empty skin: no pressure. Open meshes do best with this"),
+    ("NONE", "None", "Nothing is enclosed, so there is no pressure. Suits open meshes"),
 )
 _LAW_SETS = (
-    ("CONSISTENT", "Consistent", "All forces come from one energy: they add up to zero and keep the volume"),
-    ("PAPER", "Paper (literal)", "Equations 1 to 10 of the paper to the letter, with their known limits"),
+    ("CONSISTENT", "Consistent", "All forces derive from one energy: they sum to zero, and the volume is preserved"),
+    ("PAPER", "Paper (literal)", "Equations 1 to 10 of the paper taken literally, with their known limits"),
 )
-_HOLDS = (
-    ("BASE", "Base", "The lowest tenth of the body stands fast; a flat sheet is held by its rim"),
-    ("GROUP", "Vertex Group", "The vertices of the pin group stand fast, from weight 0.5 up"),
-    ("FREE", "Free", "Nothing is held: the body can be pushed away, fall and roll"),
+_PINNED = (
+    ("BASE", "Base", "The lowest tenth of the body is pinned; a flat sheet is pinned along its border"),
+    ("GROUP", "Vertex Group", "Vertices with a weight of 0.5 or more in the pin group are pinned"),
+    ("NONE", "None", "Nothing is pinned: the body can be pushed away, fall and roll"),
 )
 _SIZE_MODES = (
     ("REAL", "As Modelled", "The body is as large as it is in the scene"),
-    ("CUSTOM", "Stands For", "The body stands for a real object of the given size, whatever its size in the scene"),
+    ("CUSTOM", "Custom Size", "The body represents a real object of the given size, whatever its size in the scene"),
 )
 _POKE_ALONG = (
-    ("VIEW", "View", "The fingertip moves away from you, into the screen"),
-    ("NORMAL", "Surface", "The fingertip moves straight into the surface it touched"),
+    ("VIEW", "View", "The fingertip moves away from the viewer, into the screen"),
+    ("NORMAL", "Surface", "The fingertip moves straight into the surface it touches"),
 )
 
 
 def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    # constants changed by hand are no longer what the source measured; who applies a preset sets the source last
-    if settings.provenance and not settings.provenance.startswith(_EDITED):
-        settings.provenance = _EDITED + settings.provenance
+    # constants that are changed are no longer what the source measured
+    settings.edited = bool(settings.provenance)
+
+
+def _mark_measured(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    # a preset and a calibration set the source after the constants
+    settings.edited = False
 
 
 def _on_measured(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
@@ -82,20 +85,16 @@ def _model_constant(name: str, description: str) -> FloatProperty:
     return FloatProperty(name=name, description=description, default=0.0, min=0.0, precision=4, **FIXED)
 
 
-def _kept(name: str, description: str) -> StringProperty:
-    return StringProperty(name=name, description=description, **FIXED)
-
-
 class DIMPLE_PG_material(bpy.types.PropertyGroup):
-    """Hold the constants of one material, as measured on a real object."""
+    """The constants of one material, as measured on a real object."""
 
     K1: _stiffness("Slope K1 (N/mm)", 0.61, "Force per depth of a press, up to the knee")
     K2: _stiffness("Slope K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
     x0: FloatProperty(
-        name="Knee x0 (mm)", description="Depth at which the press becomes harder",
+        name="Knee x0 (mm)", description="Depth at which the slope changes from K1 to K2",
         default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_on_measured, **FIXED,
     )  # fmt: skip
-    k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the skin against stretching")
+    k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the surface against stretching")
     mass_from: EnumProperty(
         name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED
     )
@@ -104,18 +103,19 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         default=100.0, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **FIXED,
     )  # fmt: skip
     mass_kg: FloatProperty(
-        name="Mass (kg)", description="Mass of the whole body, were it all of this material",
+        name="Mass (kg)", description="Mass of the whole body if it were all of this material",
         default=0.2, min=0.0, soft_min=0.001, soft_max=100.0, step=1, precision=3, **FIXED,
     )  # fmt: skip
     damping_ratio: FloatProperty(
-        name="Damping Ratio", description="0 rings for long, 1 comes to rest without swinging past",
+        name="Damping Ratio", description="0 is undamped, 1 is critically damped",
         default=0.2, min=0.0, max=2.0, soft_max=1.0, precision=2, **FIXED,
     )  # fmt: skip
     friction: FloatProperty(
-        name="Friction", description="How well fingertips and the ground grip the skin; 0 is slippery",
+        name="Friction",
+        description="Coefficient of friction between the surface and fingertips or ground; 0 is frictionless",
         default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
     )  # fmt: skip
-    fill: EnumProperty(name="Fill", description="What is inside the skin", items=_FILLS, update=_forget, **FIXED)
+    fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, update=_forget, **FIXED)
     tip: EnumProperty(
         name="Tip", description="What pressed the object when it was measured", items=TIPS, update=_forget, **FIXED
     )
@@ -124,14 +124,18 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         default=2.0, min=0.01, soft_max=50.0, step=10, precision=2, update=_forget, **FIXED,
     )  # fmt: skip
     provenance: StringProperty(
-        name="Source", description="Where these constants were measured; empty when typed in", **FIXED
+        name="Source", description="Where these constants were measured; empty when typed in",
+        update=_mark_measured, **FIXED,
+    )  # fmt: skip
+    edited: BoolProperty(
+        name="Edited", description="The constants were changed by hand after they had been measured", **FIXED
     )
-    calibration: _kept("Calibration", "The measurement behind these constants")
-    kappa1: _model_constant("Shape Memory κ1 (N/cm³)", "Identified: force per area and depth, up to the knee")
-    kappa2: _model_constant("Shape Memory κ2 (N/cm³)", "Identified: force per area and depth, beyond the knee")
-    d0: _model_constant("Knee d0 (mm)", "Identified: displacement at which the shape matching becomes harder")
-    membrane_scale: _model_constant("Share of k", "Identified: how much of its k the skin has")
-    identification: _kept("Identification", "How the model constants were found")
+    calibration: kept_text("Calibration", "The measurement behind these constants")
+    kappa1: _model_constant("Shape Matching κ1 (N/cm³)", "Identified: force per area and depth, up to the knee")
+    kappa2: _model_constant("Shape Matching κ2 (N/cm³)", "Identified: force per area and depth, beyond the knee")
+    d0: _model_constant("Knee d0 (mm)", "Identified: displacement at which shape matching changes from κ1 to κ2")
+    membrane_scale: _model_constant("Share of k", "Identified: share of k that the membrane has")
+    identification: kept_text("Identification", "How the model constants were found")
     stale: BoolProperty(name="Stale", description="The model constants no longer held and were cleared", **FIXED)
 
     def held_by(self) -> dict[str, float | str]:
@@ -166,14 +170,14 @@ def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
     return {"constants": constants}
 
 
-class DIMPLE_PG_object(Moving, bpy.types.PropertyGroup):
-    """Hold what makes an object a soft body."""
+class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
+    """The settings that make an object a soft body."""
 
-    enabled: BoolProperty(name="Dimple", description="Let Dimple press this mesh", **FIXED)
+    enabled: BoolProperty(name="Dimple", description="Make this mesh a soft body that can be pressed", **FIXED)
     law_set: EnumProperty(name="Laws", description="Which equations move the body", items=_LAW_SETS, **FIXED)
-    hold: EnumProperty(name="Hold", description="Which part of the body stands fast", items=_HOLDS, **FIXED)
+    pinned: EnumProperty(name="Pinned", description="Which part of the body is pinned", items=_PINNED, **FIXED)
     pin_group: StringProperty(
-        name="Pin Group", description="Vertex group that stands fast, from weight 0.5 up", **FIXED
+        name="Pin Group", description="Vertex group that is pinned, where its weight is 0.5 or more", **FIXED
     )
     softness_group: StringProperty(
         name="Softness Group",
@@ -189,10 +193,10 @@ class DIMPLE_PG_object(Moving, bpy.types.PropertyGroup):
     )  # fmt: skip
 
     def to_params(self) -> dict[str, float | str | None]:
-        """Return law_set, hold, pin_group, softness_group and size: the largest dimension [m], None as modelled."""
+        """Return law_set, pinned, pin_group, softness_group and size: the largest dimension [m], None as modelled."""
         return {
             "law_set": self.law_set.lower(),
-            "hold": self.hold.lower(),
+            "pinned": self.pinned.lower(),
             "pin_group": self.pin_group,
             "softness_group": self.softness_group,
             "size": exact(self.size_mm, -1) if self.size_mode == "CUSTOM" else None,
@@ -207,7 +211,7 @@ def _finger(number: int) -> PointerProperty:
 
 
 class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
-    """Hold the fingertips and the surroundings of every session in a scene."""
+    """The fingertips and the surroundings of all sessions in a scene."""
 
     finger_radius_mm: FloatProperty(
         name="Fingertip Radius (mm)", description="Radius of the fingertips, at the physical size of the body",
@@ -220,19 +224,20 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     finger_2: _finger(2)
     finger_3: _finger(3)
     poke_along: EnumProperty(
-        name="Poke Along", description="Which way the fingertip goes in", items=_POKE_ALONG, **FIXED
+        name="Poke Along", description="Direction in which the fingertip presses", items=_POKE_ALONG, **FIXED
     )
     frame_budget_percent: FloatProperty(
         name="Simulation Share (%)",
-        description="How much of every second the simulation of all bodies may take; the rest is Blender's, to draw",
+        description="Share of the processor time that the simulation of all bodies may use; "
+        "Blender needs the rest to draw",
         default=60.0, min=5.0, max=95.0, step=500, precision=0, **FIXED,
     )  # fmt: skip
-    use_gravity: BoolProperty(name="Gravity", description="Let the body feel the gravity of the scene", **FIXED)
+    use_gravity: BoolProperty(name="Gravity", description="Apply the gravity of the scene to the body", **FIXED)
     use_ground: BoolProperty(
         name="Ground", description="A floor at height 0 of the scene that nothing falls through", **FIXED
     )
-    calibration: _kept("Calibration", "The last result, before it goes to a material")
-    tip_place: EnumProperty(name="Press At", description="Where the tip goes in", items=PLACES, **FIXED)
+    calibration: kept_text("Calibration", "The last result, until it is applied to a material")
+    tip_place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES, **FIXED)
     cache_dir: StringProperty(
         name="Cache Folder",
         description="Where recordings go. Empty: beside the .blend file, or Dimple's own folder if it is not saved",
@@ -247,13 +252,13 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         default=True, **FIXED,
     )  # fmt: skip
     show_chart: BoolProperty(
-        name="Chart", description="Draw force against depth, over the measured curve",
+        name="Chart", description="Draw force against depth, with the measured curve",
         default=True, **FIXED,
     )  # fmt: skip
 
 
 class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
-    """Hold what is true only now and is never saved."""
+    """The state of the interface, which is never saved."""
 
     show_comparison: BoolProperty(
         name="Show Comparison", description="Draw the comparison of the active object over the viewport",
@@ -274,14 +279,14 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory([gro
 
 
 def register() -> None:
-    """Register the groups and hang them on Blender's types as `.dimple`."""
+    """Register the groups and attach them to Blender's types as `.dimple`."""
     _register_classes()
     for owner, group in _POINTERS:
         owner.dimple = PointerProperty(type=group, name="Dimple", description="Settings of Dimple")
 
 
 def unregister() -> None:
-    """Take the groups off again."""
+    """Remove the groups."""
     for owner, _ in reversed(_POINTERS):
         del owner.dimple
     _unregister_classes()

@@ -1,4 +1,4 @@
-"""What a session says in numbers, with units: the same words in the sidebar and over the viewport."""
+"""The numbers of a session with their units, the same in the sidebar and over the viewport."""
 
 import math
 from collections.abc import Sequence
@@ -10,12 +10,12 @@ from .translations import CONTEXT
 
 
 def iface_(text: str) -> str:
-    """Return a word of ours in the language of the interface."""
+    """Translate a text of ours into the language of the interface."""
     return pgettext_iface(text, CONTEXT)
 
 
 def finger_numbers(frame: Any) -> list[tuple[int, float, float, float]]:
-    """Return (number, force [N], depth [mm], force of Eq. (1) [N]) of every fingertip that touches."""
+    """Return (number, force [N], depth [mm], force by Eq. (1) [N]) of every fingertip in contact."""
     forces = [math.hypot(*force) for force in frame.finger_forces]
     rows = zip(forces, frame.depths, frame.law_forces, strict=False)
     return [
@@ -26,23 +26,22 @@ def finger_numbers(frame: Any) -> list[tuple[int, float, float, float]]:
 
 
 def volume_change(frame: Any) -> float:
-    """Return the change of volume as a share of the volume at rest; 0 where there is none."""
+    """Return the change of volume as a share of the volume at rest; 0 for a body without volume."""
     return frame.volume / frame.rest_volume - 1 if frame.rest_volume > 0 else 0.0
 
 
 def rate_hz(frame: Any) -> float:
-    """Return how many ticks a second this computer manages [Hz]; 0 when none was timed."""
+    """Return the ticks per second that this computer manages [Hz]; 0 when none was timed."""
     return frame.steps / frame.cost if frame.cost > 0 else 0.0
 
 
 def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
-    """Return (label, number with unit) for everything a frame measures, in the language of the interface.
-
-    Each value stands by itself, so that a narrow sidebar does not cut its unit off; + 0.0 makes -0 a 0.
+    """Return (label, number with unit) of everything in a frame, in the language of the interface.
 
     Args:
         tick: control step of the session [s].
     """
+    # every value has a row of its own, so that a narrow sidebar does not cut off its unit; + 0.0 turns -0 into 0
     lines = []
     for number, force, depth, law in finger_numbers(frame):
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
@@ -66,11 +65,8 @@ def volume_text(volume: float) -> str:
 
 
 def sentences(notes: Sequence[str], frame: Any | None) -> list[str]:
-    """Return what the artist should know: notes on the mesh, then what happened last."""
-    said = list(notes)
-    if frame is not None and frame.note:
-        said.append(frame.note)
-    return said
+    """Return the messages for the artist: notes on the mesh, then that of the last frame."""
+    return [*notes, frame.note] if frame is not None and frame.note else list(notes)
 
 
 def wrapped(sentence: str, width: int) -> list[str]:
@@ -90,5 +86,5 @@ def _words(sentence: str) -> list[str]:
 
 
 def _columns(text: str) -> int:
-    # Japanese letters are two columns wide
-    return sum(2 if ord(letter) > 0x2E7F else 1 for letter in text)
+    # Japanese characters are two columns wide
+    return sum(2 if ord(character) > 0x2E7F else 1 for character in text)

@@ -1,4 +1,4 @@
-"""The overlay's lines as plain numbers: circles, arrows and the chart, without gpu, so that tests can see them."""
+"""The lines of the overlay as plain numbers, without gpu: circles, arrows and charts."""
 
 import math
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ Segment = tuple[Point, Point]
 
 CIRCLE_SIDES = 32
 ARROW_PER_NEWTON = 1.0  # [fingertip radii]: long enough to compare two fingers by eye
-ARROW_LONGEST = 6.0  # [fingertip radii]: the number beside it tells the rest
+ARROW_LONGEST = 6.0  # [fingertip radii]: the number beside it says more
 
 
 def circle(centre: Point, across: Point, up: Point) -> list[Segment]:
@@ -31,7 +31,7 @@ def arrow(start: Point, force: Point, radius: float) -> list[Segment]:
         return []
     along = _scaled(force, 1 / newtons)
     tip = _add(start, _scaled(along, radius * min(1 + ARROW_PER_NEWTON * newtons, ARROW_LONGEST)))
-    # any direction across will do for the two barbs
+    # the two barbs may lie in any direction across
     least = min(range(3), key=lambda axis: abs(along[axis]))
     across = _cross(along, tuple(float(axis == least) for axis in range(3)))
     across = _scaled(across, 1 / math.hypot(*across))
@@ -40,20 +40,20 @@ def arrow(start: Point, force: Point, radius: float) -> list[Segment]:
 
 
 def law_curve(K1: float, K2: float, x0: float, deepest: float) -> list[Point]:
-    """Return the corners (depth [m], force [N]) of K(x) up to a depth [m]. Source: Eq. (1)."""
+    """Return the corners (depth [m], force [N]) of the law up to a depth [m]. Source: Eq. (1)."""
     if deepest <= x0:
         return [(0.0, 0.0), (deepest, K1 * deepest)]
     return [(0.0, 0.0), (x0, K1 * x0), (deepest, K1 * x0 + K2 * (deepest - x0))]
 
 
 def round_up(value: float) -> float:
-    """Return the next of 1, 2, 3, 4, 5, 6, 8, 10, 20... not below a positive value: the end of an axis."""
+    """Return the end of an axis for a positive value: the next of 1, 2, 3, 4, 5, 6, 8, 10, 20... not below it."""
     decade = 10.0 ** math.floor(math.log10(value))
     return next(step * decade for step in (1, 2, 3, 4, 5, 6, 8, 10) if step * decade >= value * (1 - 1e-9))
 
 
 def into_box(points: Sequence[Point], ends: tuple[float, float], corner: Point, size: Point) -> list[Point]:
-    """Map (depth, force) from 0..ends into a box on the screen; what lies outside is drawn on its edge."""
+    """Map (depth, force) from 0..ends into a box on the screen; points outside are moved to its edge."""
     return [
         tuple(c + s * min(max(value / end, 0.0), 1.0) for value, end, c, s in zip(p, ends, corner, size, strict=True))
         for p in points

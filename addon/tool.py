@@ -1,4 +1,4 @@
-"""The poke as a tool in the viewport's toolbar: choose it, then press with the mouse."""
+"""The poke as a tool in the toolbar of the viewport."""
 
 import bpy
 
@@ -6,13 +6,13 @@ from ..operators.names import Op
 
 
 class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
-    """Start `dimple.poke` where the left button goes down."""
+    """The tool that starts `dimple.poke` when the left mouse button goes down."""
 
     bl_space_type = "VIEW_3D"
     bl_context_mode = "OBJECT"
     bl_idname = "dimple.poke_tool"
     bl_label = "Poke"
-    bl_description = "Press a soft body with a fingertip and see how it answers"
+    bl_description = "Press a soft body with a fingertip and see how it responds"
     bl_icon = "ops.transform.push_pull"
     bl_keymap = ((Op.POKE, {"type": "LEFTMOUSE", "value": "PRESS"}, None),)
 
@@ -26,10 +26,10 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
 
 
 def register() -> None:
-    """Put the tool below Blender's transform tools."""
+    """Add the tool below Blender's transform tools."""
     bpy.utils.register_tool(DIMPLE_WT_poke, after={"builtin.transform"}, separator=True)
 
 
 def unregister() -> None:
-    """Take the tool away."""
+    """Remove the tool."""
     bpy.utils.unregister_tool(DIMPLE_WT_poke)

@@ -100,7 +100,7 @@ def summary_row(body: bpy.types.Object, table: Sequence[dict[str, float]]) -> di
     """Return what the summary says of one body: forces at the deepest frame that is held, the worst volume."""
     finger, held = finger_of(table), table[HELD - 1]
     vertices = len(body.data.vertices)
-    moving = body.dimple.plan_vertices or vertices  # those of a stand-in, where one moves in place of the mesh
+    moving = body.dimple.plan_vertices or vertices  # those of the proxy, where one is simulated in place of the mesh
     steps, seconds = table[-1]["steps"], table[-1]["cost_s"]
     return {
         "name": body.name,

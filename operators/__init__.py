@@ -1,11 +1,37 @@
-"""What Blender can do with a body: thin verbs over the core's session.
+"""The operators: thin verbs over the session of the core.
 
 Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
 """
 
-from . import bake, calibrate, calibrate_apply, compare, device, handlers, identify, measure, play, poke, preset, record
+from . import (
+    bake,
+    calibrate,
+    calibrate_apply,
+    compare_proxies,
+    device,
+    handlers,
+    identify,
+    measure,
+    play,
+    poke,
+    preset,
+    record,
+)
 
-PARTS = (poke, play, record, bake, preset, calibrate, calibrate_apply, identify, measure, compare, device, handlers)
+PARTS = (
+    poke,
+    play,
+    record,
+    bake,
+    preset,
+    calibrate,
+    calibrate_apply,
+    identify,
+    measure,
+    compare_proxies,
+    device,
+    handlers,
+)
 
 
 def register() -> None:

@@ -1,4 +1,4 @@
-"""What an artist is told before a press that may surprise."""
+"""Advice on a body whose press may not be what the artist expects."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOVING = {"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOO
 
 
 def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene) -> tuple[str, ...]:
-    """Return sentences on what about a body may surprise the artist."""
+    """Return sentences of advice on a body: modifiers, its size, and the edges of its mesh."""
     notes, size = [], mesh.size
     moving = [modifier.name for modifier in body.modifiers if modifier.type in _MOVING and modifier.show_viewport]
     if moving:
@@ -22,12 +22,12 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene) -> tuple
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
     if radius < size / 100:
         notes.append(
-            f"The body is {size:.3g} m large and the fingertip tiny beside it. "
-            "Set the size it stands for in Physics > Dimple."
+            f"The body is {size:.3g} m large, over 100 times the radius of the fingertip. "
+            "Set Physical Size to Custom Size in Physics > Dimple."
         )
     elif edge > 2 * radius:
         notes.append(
             f"The edges of the mesh are {1e3 * edge:.3g} mm long, the fingertip {2e3 * radius:.3g} mm wide: "
-            "subdivide the mesh, or take a larger fingertip, to see a dent and to trust the force."
+            "subdivide the mesh or use a larger fingertip, for a visible dent and a reliable force."
         )
     return tuple(notes)

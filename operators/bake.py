@@ -8,7 +8,7 @@ from .names import Op
 from .working import Working
 
 TARGETS = (
-    ("MESH_CACHE", "Mesh Cache", "A file the object plays; taking the modifier off is enough to undo it"),
+    ("MESH_CACHE", "Mesh Cache", "A file that the object plays; to undo it, remove the modifier"),
     ("SHAPE_KEYS", "Shape Keys", "Keyframed shape keys, which every exporter understands"),
 )
 
@@ -20,8 +20,8 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
     bl_label = "Bake"
     bl_description = (
         "Simulate the selected bodies over a range of frames, pressed by the keyframed fingertip objects. "
-        "What moves is what moves when they are pressed live: a stand-in, where the mesh is too heavy for that. "
-        "Mesh Itself in Physics > Dimple bakes every vertex"
+        "As in a live press, a proxy is simulated where the mesh is too heavy. "
+        "Full Mesh in Physics > Dimple bakes every vertex"
     )
     bl_options = {"UNDO"}
     verb, stopped = "Baking", "The bake was cancelled; nothing has changed"
@@ -68,7 +68,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
 
 
 class DIMPLE_OT_unbake(bpy.types.Operator):
-    """Take bakes and recordings off the selected objects; their files stay on the disk"""
+    """Remove bakes and recordings from the selected objects; their files stay on the disk"""
 
     bl_idname = Op.UNBAKE
     bl_label = "Remove Bake"

@@ -72,8 +72,8 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
     try:
         mesh = mesh_from_triangles(to_physical(scale, matrix, rest), triangles, triangle_material=triangle_material)
         materials, said = zip(*(_material(body, int(slot), mesh) for slot in used), strict=True)
-        held = base_vertices(mesh) if params["hold"] == "base" else None
-        if params["hold"] == "group":
+        held = base_vertices(mesh) if params["pinned"] == "base" else None
+        if params["pinned"] == "group":
             held = _pins(body, params["pin_group"])
         softness = _weights(body, params["softness_group"], "softness") if params["softness_group"] else None
         surroundings = context.scene.dimple

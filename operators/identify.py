@@ -15,16 +15,16 @@ _NOTHING = "Nothing was written: use a finer mesh, or press elsewhere."
 
 
 class DIMPLE_OT_identify(Working, bpy.types.Operator):
-    """Find the model constants that let a virtual press of the active object answer as its material was measured"""
+    """Find model constants with which a virtual press of the active object reproduces its measurement"""
 
     bl_idname = Op.IDENTIFY
     bl_label = "Identify"
     bl_options = {"UNDO"}
     verb, stopped = "Identifying", "The identification was stopped; the material is as it was"
 
-    place: EnumProperty(name="Press At", description="Where the tip goes in", items=PLACES)
+    place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES)
     depth_mm: FloatProperty(
-        name="Depth (mm)", description="How deep the constants must hold; 0 is as deep as was measured",
+        name="Depth (mm)", description="Depth up to which the constants are fitted; 0 is the measured depth",
         default=0.0, min=0.0, soft_max=200.0,
     )  # fmt: skip
 

@@ -28,9 +28,9 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         name="Tip Radius (mm)", description="Radius of what presses, where it is not the tip that measured",
         default=10.0, min=0.01, soft_max=50.0,
     )  # fmt: skip
-    place: EnumProperty(name="Press At", description="Where the tip goes in", items=PLACES)
+    place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES)
     depth_mm: FloatProperty(
-        name="Depth (mm)", description="How deep to press; 0 is as deep as the material was measured",
+        name="Depth (mm)", description="How deep to press; 0 is the measured depth",
         default=0.0, min=0.0, soft_max=200.0,
     )  # fmt: skip
     rows: IntProperty(name="Rows", description="Rows of the file", default=60, min=12, soft_max=300)

@@ -1,15 +1,15 @@
-"""Names in one place: of the operators, and of what they leave in a file."""
+"""The names of all operators, and of everything they leave in a file."""
 
 from enum import StrEnum
 
-REST = ".dimple_rest"  # attribute that carries the rest shape; a leading dot is Blender's way to keep it out of sight
+REST = ".dimple_rest"  # attribute with the rest shape; Blender hides names with a leading dot
 LIVE_KEY = "Dimple"  # the shape key that shows a running session
-KEPT_KEY = "Pressed"  # what it is called when its shape is kept
-BAKED_KEY = "Dimple Frame "  # the keys of a bake are called so, with the number of the frame
-CACHE = "Dimple"  # modifiers that play a bake are called so
+KEPT_KEY = "Pressed"  # the name of that key once its shape is kept
+BAKED_KEY = "Dimple Frame "  # begins the names of a bake's shape keys, before the number of the frame
+CACHE = "Dimple"  # name of the modifier that plays a bake
 DEAD_MAN = "LEFT_SHIFT"  # the haptic device has force only while this key is held
 
-# what measured a material: identifiers are the core's, in capitals
+# the tip that measured a material: the identifiers of the core, in capitals
 TIPS = (
     ("POINT", "Point", "Something small that touches at a point, as in the paper"),
     ("PUNCH", "Flat Punch", "A flat, round face that goes in as one"),
@@ -22,7 +22,7 @@ PLACES = (
 
 
 class Op(StrEnum):
-    """List every `bpy.ops` name of the extension that does something to a body."""
+    """Every `bpy.ops` name of the extension that acts on a body."""
 
     POKE = "dimple.poke"
     PLAY = "dimple.play"
@@ -37,8 +37,8 @@ class Op(StrEnum):
     DISCARD_CALIBRATION = "dimple.discard_calibration"
     IDENTIFY = "dimple.identify"
     MEASURE = "dimple.measure"
-    COMPARE_METHODS = "dimple.compare_methods"
-    APPLY_METHOD = "dimple.apply_method"
+    COMPARE_PROXIES = "dimple.compare_proxies"
+    APPLY_PROXY = "dimple.apply_proxy"
     CONNECT_DEVICE = "dimple.connect_device"
     ARM_DEVICE = "dimple.arm_device"
     DISARM_DEVICE = "dimple.disarm_device"

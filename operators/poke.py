@@ -45,8 +45,9 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         name="Location", description="Where to press [scene units]; by default the top of the body", subtype="XYZ"
     )
     direction: FloatVectorProperty(
-        name="Direction", description="Which way the fingertip goes in; 0 is straight into the surface", subtype="XYZ"
-    )
+        name="Direction", description="Direction in which the fingertip presses; 0 is straight into the surface",
+        subtype="XYZ",
+    )  # fmt: skip
     depth_mm: FloatProperty(name="Depth (mm)", description="How deep to press", default=15.0, min=0.01, soft_max=200.0)
     press_s: FloatProperty(name="Press (s)", description="Time of the way in", default=0.25, min=0.0, soft_max=5.0)
     hold_s: FloatProperty(name="Hold (s)", description="Time at full depth", default=0.25, min=0.0, soft_max=5.0)

@@ -8,14 +8,14 @@ from .names import Op
 
 
 def material_of(obj: bpy.types.Object, name: str) -> bpy.types.Material:
-    """Return the active material of a mesh; make one where there is none."""
+    """Return the active material of a mesh; a new one where there is none."""
     if obj.active_material is None:
         obj.active_material = bpy.data.materials.new(name)
     return obj.active_material
 
 
 class DIMPLE_OT_apply_preset(bpy.types.Operator):
-    """Give the active material the constants of a measured object, and the body the size that was measured"""
+    """Give the active material the constants of a measured object, and the body its measured size"""
 
     bl_idname = Op.APPLY_PRESET
     bl_label = "Apply Preset"
@@ -47,7 +47,7 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
         settings.damping_ratio, settings.friction = constants.damping_ratio, constants.friction
         settings.fill = constants.fill.upper()
         settings.tip, settings.tip_radius_mm, settings.calibration = "POINT", 2.0, ""
-        settings.provenance = preset.provenance  # last: a constant that is set marks it as edited
+        settings.provenance = preset.provenance  # last: a constant that is set marks the material as edited
         body = context.object.dimple
         body.enabled, body.size_mode, body.size_mm = True, "CUSTOM", preset.size * 1e3
         return {"FINISHED"}

@@ -1,8 +1,8 @@
-"""Bodies the planner is judged on: shapes x materials x fingertips x pins, those the fit used and those it never saw.
+"""Bodies that test the planner: shapes x materials x fingertips x pins, FITTED ones and ones that are not.
 
-The rule of the split: the fit uses balls, cubes and tori of the paper's materials and of `scenes.BALL`. Every other
-shape is unseen, and half of those are of materials that are unseen too. FRESH came last: it was written down before
-anything of it was measured, when the causes of misses on UNSEEN had been looked for.
+FITTED are balls, cubes and tori of the paper's materials and of `scenes.BALL`. UNSEEN have other shapes, half of them
+other materials too. FRESH are a second unseen set: chosen after the causes of misses on UNSEEN had been looked for,
+and fixed before anything of it was measured.
 """
 
 from __future__ import annotations
@@ -25,13 +25,17 @@ GEL = Material(K1=200, K2=900, x0=0.010, k=300, density=1000, damping_ratio=0.4,
 DOUGH = Material(K1=600, K2=700, x0=0.012, k=600, density=700, damping_ratio=0.6, fill="air")
 FOAM = Material(K1=1500, K2=4000, x0=0.008, k=2000, mass=0.15, damping_ratio=0.3, fill="none")
 FINE = 26  # squares along a side of a cube: 4058 vertices, and about as many on the other shapes
-SHARE = 0.1  # of its length: what is held at an end
+SHARE = 0.1  # of the length: what is pinned at an end
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Body:
-    """Name a body: its shape (a function of fineness and size), size [m], material, fingertip radius [m], pins.
+class BodyCase:
+    """A body and the fingertip that presses it.
 
+    shape: function of fineness and size that makes the mesh.
+    size: largest dimension [m].
+    material: of the whole body.
+    radius: of the fingertip [m].
     pins: "base", "ends" (both ends along x), "side" (the low end along y) or "belt" (round the middle along x).
     """
 
@@ -43,11 +47,11 @@ class Body:
 
     @property
     def name(self) -> str:
-        """Return what a table calls it."""
+        """Return the name in tables: shape, material and pins."""
         return f"{self.shape.__name__} {_NAMES[self.material]} {self.pins}"
 
 
-def build(body: Body, fine: int = FINE) -> Model:
+def build(body: BodyCase, fine: int = FINE) -> Model:
     """Return the model of a body."""
     mesh = body.shape(fine, body.size)
     return build_model(mesh, [body.material], held=_PINS[body.pins](mesh))
@@ -219,7 +223,7 @@ _NAMES = {
 }  # fmt: skip
 
 FITTED = tuple(
-    Body(shape=shape, size=size, material=material, radius=radius, pins=pins)
+    BodyCase(shape=shape, size=size, material=material, radius=radius, pins=pins)
     for shape, size, material, radius, pins in (
         (ball, 0.16, BALL, 0.020, "base"), (ball, 0.16, VINYL, 0.030, "ends"), (ball, 0.16, WATER, 0.012, "base"),
         (ball, 0.06, NYLON, 0.008, "side"), (box, 0.05, NYLON, 0.010, "base"), (box, 0.05, NYLON, 0.006, "side"),
@@ -228,7 +232,7 @@ FITTED = tuple(
     )
 )  # fmt: skip
 UNSEEN = tuple(
-    Body(shape=shape, size=size, material=material, radius=radius, pins=pins)
+    BodyCase(shape=shape, size=size, material=material, radius=radius, pins=pins)
     for shape, size, material, radius, pins in (
         (capsule, 0.19, BALL, 0.015, "base"), (capsule, 0.12, FOAM, 0.008, "ends"), (blob, 0.15, GEL, 0.018, "base"),
         (blob, 0.15, VINYL, 0.025, "side"), (head, 0.20, GEL, 0.016, "base"), (head, 0.20, FOAM, 0.020, "side"),
@@ -237,7 +241,7 @@ UNSEEN = tuple(
     )
 )  # fmt: skip
 FRESH = tuple(
-    Body(shape=shape, size=size, material=material, radius=radius, pins=pins)
+    BodyCase(shape=shape, size=size, material=material, radius=radius, pins=pins)
     for shape, size, material, radius, pins in (
         (star, 0.18, DOUGH, 0.014, "base"), (cone, 0.15, GEL, 0.016, "base"), (dumbbell, 0.20, WATER, 0.013, "belt"),
         (wedge, 0.14, FOAM, 0.012, "side"), (cushion, 0.16, VINYL, 0.020, "belt"), (banana, 0.20, DOUGH, 0.012, "ends"),

@@ -1,4 +1,4 @@
-"""The stiff cube of nylon on a fine mesh: which method, or which stand-in, runs it live and within the tolerances.
+"""The stiff cube of nylon on a fine mesh: which method, or which proxy, runs it live and within the tolerances.
 
 The fingertip goes 10 mm down in 0.12 s and stays 0.04 s, without friction, which only some of the methods have. What
 is compared is the skin at LOOKS moments, the worst one counted, and the mean force between them. The exact press is
@@ -35,7 +35,7 @@ DEPTH = 0.010  # [m]
 DOWN, TICKS = 120, 160
 LOOKS = 8
 FINE = 4  # steps of the reference over the product's
-STAND_INS = (300, 600, 1200, 2500, 4000)
+PROXIES = (300, 600, 1200, 2500, 4000)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +43,7 @@ class Press:
     """Hold how a method did: errors as `judge` returns them, cost [s] of processor time per simulated second, steps
     without a solution.
 
-    way: "mesh", "stand-in", "planner" (what it takes), or "reference".
+    way: "mesh", "proxy", "planner" (what it takes), or "reference".
     """
 
     way: str
@@ -105,15 +105,15 @@ def presses(cells: int, *, whole: bool, dear: bool) -> Iterator[Press]:
     yield judged(
         "mesh" if taken else "planner", "semi_implicit", backend, n, TICK / substeps, pressed(model, fast, substeps)
     )
-    stand_ins = [("stand-in", build_proxy(model, size)) for size in STAND_INS if size <= n / 2]
-    for way, proxy in [("planner", taken), *stand_ins] if taken else stand_ins:
+    proxies = [("proxy", build_proxy(model, size)) for size in PROXIES if size <= n / 2]
+    for way, proxy in [("planner", taken), *proxies] if taken else proxies:
         few = proxy.model.substeps(TICK)
-        yield judged(way, "semi_implicit", backend, len(proxy.seeds), TICK / few, _stand_in_pressed(proxy, fast, few))
+        yield judged(way, "semi_implicit", backend, len(proxy.seeds), TICK / few, _proxy_pressed(proxy, fast, few))
     for method, steps in (("vertex_block_descent", 1), ("xpbd", 8), ("xpbd", 32))[: 3 if dear else 2]:
         yield judged("mesh", method, "numpy", n, TICK / steps, pressed(model, METHODS[method].run, steps))
 
 
-def _stand_in_pressed(proxy: Proxy, run: Run, substeps: int) -> Seen:
+def _proxy_pressed(proxy: Proxy, run: Run, substeps: int) -> Seen:
     radius = contact_radius(proxy, FINGERTIP)
     return pressed(proxy.model, run, substeps, radius=radius, show=partial(carry, proxy))
 

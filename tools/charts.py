@@ -14,8 +14,8 @@ from pathlib import Path
 from studies.methods.registry import FRONTS, METHODS
 
 from .charts_model import draw_cost, draw_energy, draw_literal, draw_space, draw_stiff_nylon
+from .charts_proxies import draw_proxies
 from .charts_stability import draw_stability
-from .charts_stand_ins import draw_stand_ins
 from .charts_work import draw_work_precision
 from .environment import ROOT
 
@@ -33,7 +33,7 @@ def main(words: Sequence[str] | None = None) -> int:
     options.out.mkdir(parents=True, exist_ok=True)
     for draw in (
         draw_work_precision, draw_stability, draw_energy, draw_literal, draw_cost, draw_space, draw_stiff_nylon,
-        draw_stand_ins,
+        draw_proxies,
     ):  # fmt: skip
         started = time.perf_counter()
         draw(options.out, options.quick)
@@ -45,12 +45,12 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def keep(out: Path) -> None:
-    """Keep the main charts, who is on the front and what the planner's fit goes by."""
+    """Keep the main charts, the fronts, and the rows of the planner's fit."""
     KEPT.mkdir(parents=True, exist_ok=True)
-    for name in ("work_precision", "stability", "stand_ins"):
+    for name in ("work_precision", "stability", "proxies"):
         for suffix in (".png", ".svg", ".csv"):
             shutil.copyfile(out / (name + suffix), KEPT / (name + suffix))
-    for name in ("stability_bounds.csv", "stand_ins_fit.csv"):
+    for name in ("stability_bounds.csv", "proxies_fit.csv"):
         shutil.copyfile(out / name, KEPT / name)
     shutil.copyfile(out / "fronts.csv", FRONTS)
 

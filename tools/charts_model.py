@@ -1,4 +1,4 @@
-"""Charts of the model and of speed: energy, laws, cost, space, the stiff cube with its stand-ins."""
+"""Charts of the model and of speed: energy, laws, cost, space, the stiff cube with its proxies."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def draw_space(out: Path, quick: bool) -> None:
 
 
 def draw_stiff_nylon(out: Path, quick: bool) -> None:
-    """Draw which way runs the stiff cube live: error against cost, stand-ins of several sizes as a ladder."""
+    """Draw which way runs the stiff cube live: error against cost, proxies of several sizes as a ladder."""
     skins = {"skin as the press was measured": False} | ({} if quick else {"all of k in the skin": True})
     found = {
         label: list(stiff_nylon.presses(12 if quick else 41, whole=whole, dear=not quick and not whole))
@@ -160,7 +160,7 @@ def draw_stiff_nylon(out: Path, quick: bool) -> None:
     for axes in rows[-1]:
         axes.set_xlabel("processor time per simulated second [s]")
     figure.suptitle(
-        "The stiff cube pressed 10 mm. Green: live and within the tolerance. Hollow: stand-ins, by their vertices. "
+        "The stiff cube pressed 10 mm. Green: live and within the tolerance. Hollow: proxies, by their vertices. "
         "Star: what the planner takes.\nDotted: what halving the steps of the reference changes; nobody can be "
         "judged nearer than that", fontsize=9,
     )  # fmt: skip
@@ -173,7 +173,7 @@ def draw_ways(axes: Axes, some: Sequence[Press], values: Sequence[float], tolera
             axes.axhline(value, color="0.5", lw=1, ls=":")
             continue
         key = "native" if p.backend == "native" else p.method
-        star, hollow = p.way == "planner", p.way == "stand-in"
+        star, hollow = p.way == "planner", p.way == "proxy"
         axes.loglog(
             p.cost, value, "*" if star else "o", ms=14 if star else 7, mec=STYLES[key],
             mfc="gold" if star else "none" if hollow else STYLES[key], zorder=3 if star else 2,

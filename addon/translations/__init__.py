@@ -1,13 +1,14 @@
-"""The interface in Japanese. A test walks every label and description of ours and misses none."""
+"""The interface in Japanese; a test compares the dictionary with every label and description."""
 
 import bpy
 
 from . import calibration, devices, general, planner, polls
 
-# Blender has words of its own for some of ours, and they win: its "Air" is the drag of air. In a context, ours win
+# Blender translates some of our words in another sense: its "Air" is air drag. A context of our own avoids that
 CONTEXT = "Dimple"
 
-# a file a subject: OPERATORS (labels of operators, looked up in a context of their own) and WORDS (the rest)
+# one file for each subject: OPERATORS (labels of operators, which Blender looks up in a context of their own) and
+# WORDS (the rest)
 SUBJECTS = (general, calibration, planner, devices, polls)
 OPERATORS = {english: text for subject in SUBJECTS for english, text in subject.OPERATORS.items()}
 EVERYTHING = OPERATORS | {english: text for subject in SUBJECTS for english, text in subject.WORDS.items()}

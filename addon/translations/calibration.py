@@ -12,7 +12,7 @@ OPERATORS = {
 }
 
 FILES = {
-    "Fit a material to a force-depth file of an instrument: CSV or text, as it was written": (
+    "Fit a material to a force-depth file of an instrument: CSV or text, unedited": (
         "測定器の力と深さのファイル (CSV またはテキスト、書き出されたまま) に合う材質の定数を求めます"
     ),
     "File": "ファイル",
@@ -54,13 +54,11 @@ FILES = {
     "Cycle": "回",
     "Which of several presses, counted from 1": "複数回の押し込みのうちどれか。1 から数えます",
     "Contact (mm)": "接触 (mm)",
-    "Reading of the depth at first touch; it is found out until you change this": (
-        "最初に触れたときの深さの読み。変えるまでは自動で求めます"
-    ),
-    "Asked": "質問",
-    "What the file leaves open": "ファイルだけでは決まらないこと",
+    "Depth reading at first touch; detected unless set": "最初に触れたときの深さの読み。設定しなければ自動で検出します",
+    "Question": "質問",
+    "What the file does not say": "ファイルだけでは決まらないこと",
     "Answer": "答え",
-    "Answer to what the file leaves open": "ファイルだけでは決まらないことへの答え",
+    "Answer to what the file does not say": "ファイルだけでは決まらないことへの答え",
     "Drop a force-depth file (CSV, text) into the viewport.": (
         "力と深さのファイル (CSV、テキスト) をビューポートにドロップしてください。"
     ),
@@ -69,32 +67,32 @@ FILES = {
 RESULT = {
     "Calibration": "キャリブレーション",
     "The measurement behind these constants": "この定数のもとになった測定",
-    "The last result, before it goes to a material": "マテリアルに適用する前の、最後の結果",
-    "In Words": "説明",
+    "The last result, until it is applied to a material": "マテリアルに適用する前の、最後の結果",
+    "Notes": "説明",
     "Slopes": "傾きの数",
     "One": "一つ",
     "Two": "二つ",
-    "Measured To": "測定範囲",
+    "Measured Range": "測定範囲",
     "k, Eqs. 9, 10": "k、式 9, 10",
     "k, Force Balance": "k、力の釣り合い",
-    "Tension": "張力",
-    "Work Lost": "失われた仕事",
+    "Pretension": "初期張力",
+    "Hysteresis Loss": "ヒステリシス損失",
     "Residual": "残差",
     "{} of full scale": "フルスケールの {}",
-    "A Hand Can Tell": "手で分かる差",
-    "A hand could not tell this from the measurement.": "手では、測定との違いは分かりません。",
-    "A trained hand might just tell this from the measurement.": (
-        "訓練された手なら、測定との違いにかろうじて気づくかもしれません。"
-    ),
-    "A hand can tell this from the measurement.": "手で、測定との違いが分かります。",
-    "The constants of the material were changed since.": "その後、マテリアルの定数が変更されています。",
-    "Give the active material the calibrated constants with their source, and the body the size that was measured": (
+    "Just-Noticeable Difference": "丁度可知差異",
+    "This error is too small to be felt.": "この誤差は小さく、手では感じ取れません。",
+    "A trained hand may just notice this error.": "訓練された手なら、この誤差にかろうじて気づくかもしれません。",
+    "This error can be felt.": "この誤差は手で感じ取れます。",
+    "The constants were edited after the measurement.": "定数は測定の後で編集されています。",
+    "Give the active material the calibrated constants and their source, and the body its measured size": (
         "アクティブマテリアルにキャリブレーションした定数とその出典を、物体に測定時の大きさを与えます"
     ),
     "Surface Spring": "表面のばね",
-    "Set k too, where the object's size told it": "物体の大きさから分かった場合は k も設定します",
-    "Set the damping ratio too, where the way back told it": "戻りから分かった場合は減衰比も設定します",
-    "Forget the result of the calibration; materials stay as they are": (
+    "Also set k, where it follows from the size of the object": "物体の大きさから分かった場合は k も設定します",
+    "Also set the damping ratio, where it follows from the unloading curve": (
+        "除荷曲線から分かる場合は減衰比も設定します"
+    ),
+    "Discard the result of the calibration; materials do not change": (
         "キャリブレーションの結果を捨てます。マテリアルはそのままです"
     ),
 }
@@ -104,38 +102,40 @@ VIRTUAL = {
     "What pressed the object when it was measured": "測定のとき物体を押したもの",
     "Radius of what pressed the object when it was measured": "測定のとき物体を押したものの半径",
     "Press At": "押す場所",
-    "Where the tip goes in": "先端が入る場所",
+    "Where the tip presses": "先端が入る場所",
     "Top Middle": "上面の中央",
     "Straight down on the middle of the body": "物体の中央を真上から押します",
     "3D Cursor": "3D カーソル",
     "Straight into the surface, where the 3D cursor is nearest to it": "3D カーソルに最も近い表面をまっすぐ押します",
-    "Find the model constants that let a virtual press of the active object answer as its material was measured": (
+    "Find model constants with which a virtual press of the active object reproduces its measurement": (
         "アクティブオブジェクトを仮想的に押したときの応答が測定どおりになる、モデルの定数を求めます"
     ),
-    "How deep the constants must hold; 0 is as deep as was measured": (
-        "定数が成り立つべき深さ。0 は測定した深さまでです"
+    "Depth up to which the constants are fitted; 0 is the measured depth": (
+        "定数を合わせる深さの上限。0 は測定した深さまでです"
     ),
     "Identifying: Esc cancels": "同定しています。Esc で中止します",
     "Identification": "同定",
     "How the model constants were found": "モデルの定数をどのように求めたか",
-    "Shape Memory κ1 (N/cm³)": "形状記憶 κ1 (N/cm³)",
+    "Shape Matching κ1 (N/cm³)": "形状マッチング κ1 (N/cm³)",
     "Identified: force per area and depth, up to the knee": "同定された、折れ点までの面積と深さあたりの力",
-    "Shape Memory κ2 (N/cm³)": "形状記憶 κ2 (N/cm³)",
+    "Shape Matching κ2 (N/cm³)": "形状マッチング κ2 (N/cm³)",
     "Identified: force per area and depth, beyond the knee": "同定された、折れ点を越えた後の面積と深さあたりの力",
     "Knee d0 (mm)": "折れ点 d0 (mm)",
-    "Identified: displacement at which the shape matching becomes harder": "同定された、形状記憶が硬くなり始める変位",
+    "Identified: displacement at which shape matching changes from κ1 to κ2": (
+        "同定された、形状マッチングが κ1 から κ2 に変わる変位"
+    ),
     "Share of k": "k の割合",
-    "Identified: how much of its k the skin has": "同定された、表面が持つ k の割合",
+    "Identified: share of k that the membrane has": "同定された、膜が持つ k の割合",
     "Stale": "失効",
     "The model constants no longer held and were cleared": "モデルの定数は成り立たなくなり、消去されました",
     "The material was changed since it was identified: identify again.": (
         "同定の後でマテリアルが変更されました。もう一度同定してください。"
     ),
-    "On": "対象",
+    "Object": "対象",
     "Vertices": "頂点数",
-    "Pressed To": "押した深さ",
-    "Off, of Full Scale": "差（フルスケール比）",
-    "Off at Worst, of the Force": "最大の差（力に対する比）",
+    "Indentation Depth": "押し込み深さ",
+    "RMS Error": "RMS 誤差",
+    "Largest Force Error": "力の最大誤差",
     "Law": "法則",
     "Pressed": "押した軌跡",
     "Simulated": "シミュレーション",
@@ -151,9 +151,7 @@ VIRTUAL = {
     "Where the CSV goes": "CSV の保存先",
     "Check Existing": "既存の確認",
     "Ask before a file is overwritten": "ファイルを上書きする前に確認します",
-    "How deep to press; 0 is as deep as the material was measured": (
-        "どこまで押し込むか。0 は材質を測定した深さまでです"
-    ),
+    "How deep to press; 0 is the measured depth": ("どこまで押し込むか。0 は材質を測定した深さまでです"),
     "Rows": "行数",
     "Rows of the file": "ファイルの行数",
     "Measuring: Esc cancels": "測定しています。Esc で中止します",

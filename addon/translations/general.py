@@ -1,4 +1,4 @@
-"""Japanese of everything that has no file of its own subject."""
+"""Japanese of every subject that has no file of its own."""
 
 # the label of an operator and of its button is looked up in a context of its own
 OPERATORS = {
@@ -26,9 +26,9 @@ MATERIAL = {
     "Slope K2 (N/mm)": "傾き K2 (N/mm)",
     "Force per depth of a press, beyond the knee": "折れ点を越えた後の、押し込み深さあたりの力",
     "Knee x0 (mm)": "折れ点 x0 (mm)",
-    "Depth at which the press becomes harder": "押し込みが硬くなり始める深さ",
+    "Depth at which the slope changes from K1 to K2": "傾きが K1 から K2 に変わる深さ",
     "Surface Spring k (N/mm)": "表面のばね定数 k (N/mm)",
-    "Stiffness of the skin against stretching": "表面の伸びに対する硬さ",
+    "Stiffness of the surface against stretching": "表面の伸びに対する硬さ",
     "Mass From": "質量の与え方",
     "How the mass of the body is given": "物体の質量をどのように与えるか",
     "Density": "密度",
@@ -38,19 +38,21 @@ MATERIAL = {
     "Density (kg/m³)": "密度 (kg/m³)",
     "Mass per volume of the body; water has 1000": "物体の体積あたりの質量。水は 1000 です",
     "Mass (kg)": "質量 (kg)",
-    "Mass of the whole body, were it all of this material": "全体がこの材質でできているとしたときの物体の質量",
+    "Mass of the whole body if it were all of this material": "全体がこの材質でできているとしたときの物体の質量",
     "Damping Ratio": "減衰比",
-    "0 rings for long, 1 comes to rest without swinging past": "0 は長く揺れ続け、1 は行き過ぎずに静止します",
+    "0 is undamped, 1 is critically damped": "0 は減衰なし、1 は臨界減衰です",
     "Friction": "摩擦係数",
-    "How well fingertips and the ground grip the skin; 0 is slippery": "指先や地面が表面をつかむ強さ。0 は滑ります",
+    "Coefficient of friction between the surface and fingertips or ground; 0 is frictionless": (
+        "表面と指先や地面との間の摩擦係数。0 は摩擦なしです"
+    ),
     "Fill": "中身",
-    "What is inside the skin": "表面の内側にあるもの",
+    "What the surface encloses": "表面の内側にあるもの",
     "Air": "空気",
-    "The air inside is squeezed: it answers by pressure and gives way a little": (
+    "The enclosed air is compressed: the pressure rises and the volume falls a little": (
         "中の空気が縮みます。圧力で押し返し、少し体積が減ります"
     ),
     "Liquid": "液体",
-    "The liquid inside keeps its volume: what is pressed in comes out elsewhere": (
+    "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere": (
         "中の液体は体積を保ちます。押し込んだ分だけ別の場所が膨らみます"
     ),
     "Paper (Eq. 2)": "論文 (式 2)",
@@ -58,10 +60,12 @@ MATERIAL = {
         "論文どおりの圧力。指先の力を接触面積で割ります"
     ),
     "None": "なし",
-    "An empty skin: no pressure. Open meshes do best with this": (
-        "中が空の表面で、圧力はありません。開いたメッシュに適しています"
+    "Nothing is enclosed, so there is no pressure. Suits open meshes": (
+        "何も入っていないので圧力はありません。開いたメッシュに適しています"
     ),
     "Source": "出典",
+    "Edited": "編集済み",
+    "The constants were changed by hand after they had been measured": "定数は、測定された後に手で変更されました",
     "Where these constants were measured; empty when typed in": (
         "この定数をどこで測定したか。手で入力した場合は空です"
     ),
@@ -70,31 +74,34 @@ MATERIAL = {
 BODY = {
     "Dimple": "Dimple",
     "Settings of Dimple": "Dimple の設定",
-    "Let Dimple press this mesh": "このメッシュを Dimple で押せるようにします",
+    "Make this mesh a soft body that can be pressed": "このメッシュを、押せる柔らかい物体にします",
     "Laws": "力学の法則",
     "Which equations move the body": "物体を動かす方程式",
     "Consistent": "整合的",
-    "All forces come from one energy: they add up to zero and keep the volume": (
+    "All forces derive from one energy: they sum to zero, and the volume is preserved": (
         "すべての力を一つのエネルギーから導きます。力の総和はゼロになり、体積が保たれます"
     ),
     "Paper (literal)": "論文 (そのまま)",
-    "Equations 1 to 10 of the paper to the letter, with their known limits": (
+    "Equations 1 to 10 of the paper taken literally, with their known limits": (
         "論文の式 1 から 10 をそのまま使います。既知の限界もそのままです"
     ),
-    "Hold": "固定",
-    "Which part of the body stands fast": "物体のどこを固定するか",
+    "Pinned": "固定",
+    "Which part of the body is pinned": "物体のどこを固定するか",
     "Base": "底",
-    "The lowest tenth of the body stands fast; a flat sheet is held by its rim": (
+    "The lowest tenth of the body is pinned; a flat sheet is pinned along its border": (
         "物体の下から一割を固定します。平らなシートは縁を固定します"
     ),
     "Vertex Group": "頂点グループ",
-    "The vertices of the pin group stand fast, from weight 0.5 up": "固定グループのウェイト 0.5 以上の頂点を固定します",
-    "Free": "自由",
-    "Nothing is held: the body can be pushed away, fall and roll": (
+    "Vertices with a weight of 0.5 or more in the pin group are pinned": (
+        "固定グループのウェイト 0.5 以上の頂点を固定します"
+    ),
+    "Nothing is pinned: the body can be pushed away, fall and roll": (
         "どこも固定しません。物体は押されて動き、落ち、転がります"
     ),
     "Pin Group": "固定グループ",
-    "Vertex group that stands fast, from weight 0.5 up": "固定する頂点グループ。ウェイト 0.5 以上を固定します",
+    "Vertex group that is pinned, where its weight is 0.5 or more": (
+        "固定する頂点グループ。ウェイト 0.5 以上を固定します"
+    ),
     "Softness Group": "柔らかさグループ",
     "Vertex group that paints softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer": (
         "柔らかさを塗る頂点グループ。0.5 は測定値のまま、1 は 4 倍柔らかく、0 は 4 倍硬くなります"
@@ -103,8 +110,8 @@ BODY = {
     "How large the real object is": "実物がどれだけ大きいか",
     "As Modelled": "モデルのまま",
     "The body is as large as it is in the scene": "シーンでの大きさをそのまま実物の大きさとします",
-    "Stands For": "指定する",
-    "The body stands for a real object of the given size, whatever its size in the scene": (
+    "Custom Size": "指定した大きさ",
+    "The body represents a real object of the given size, whatever its size in the scene": (
         "シーンでの大きさにかかわらず、指定した大きさの実物を表します"
     ),
     "Size (mm)": "大きさ (mm)",
@@ -124,13 +131,13 @@ SESSION = {
     "Finger": "指",
     "The fingertip the mouse moves": "マウスで動かす指先",
     "Poke Along": "押す向き",
-    "Which way the fingertip goes in": "指先を押し込む向き",
+    "Direction in which the fingertip presses": "指先を押し込む向き",
     "View": "視線",
-    "The fingertip moves away from you, into the screen": "指先は手前から奥へ、画面の中へ進みます",
+    "The fingertip moves away from the viewer, into the screen": "指先は手前から奥へ、画面の中へ進みます",
     "Surface": "面",
-    "The fingertip moves straight into the surface it touched": "指先は触れた面にまっすぐ入ります",
+    "The fingertip moves straight into the surface it touches": "指先は触れた面にまっすぐ入ります",
     "Gravity": "重力",
-    "Let the body feel the gravity of the scene": "シーンの重力を物体に加えます",
+    "Apply the gravity of the scene to the body": "シーンの重力を物体に加えます",
     "Ground": "地面",
     "A floor at height 0 of the scene that nothing falls through": "シーンの高さ 0 にある、何も通り抜けない床",
     "Cache Folder": "キャッシュフォルダー",
@@ -142,7 +149,7 @@ SESSION = {
     "Fingertips and Forces": "指先と力",
     "Draw fingertips, forces and numbers in the viewport": "指先、力、数値をビューポートに描きます",
     "Chart": "グラフ",
-    "Draw force against depth, over the measured curve": "深さに対する力を、測定曲線に重ねて描きます",
+    "Draw force against depth, with the measured curve": "深さに対する力を、測定曲線に重ねて描きます",
     "State": "状態",
     "What the session is doing": "セッションが今していること",
     "Sidebar Tab": "サイドバーのタブ",
@@ -167,7 +174,7 @@ PANELS = {
     "Show": "表示",
     "Select a mesh to press it.": "押したいメッシュを選択してください。",
     "Nothing is being pressed": "何も押していません",
-    "Press a soft body with a fingertip and see how it answers": "柔らかい物体を指先で押し、その応答を見ます",
+    "Press a soft body with a fingertip and see how it responds": "柔らかい物体を指先で押し、その応答を見ます",
     "Keep these constants as a material of your own, or remove one": (
         "これらの定数を自分のマテリアルとして保存、または削除します"
     ),
@@ -190,7 +197,9 @@ VERBS = {
     "Location": "位置",
     "Where to press [scene units]; by default the top of the body": "押す場所 [シーンの単位]。既定は物体の頂上です",
     "Direction": "向き",
-    "Which way the fingertip goes in; 0 is straight into the surface": "指先を押し込む向き。0 は面にまっすぐ入ります",
+    "Direction in which the fingertip presses; 0 is straight into the surface": (
+        "指先を押し込む向き。0 は面にまっすぐ入ります"
+    ),
     "Depth (mm)": "深さ (mm)",
     "How deep to press": "どこまで押し込むか",
     "Press (s)": "押す時間 (s)",
@@ -215,16 +224,16 @@ VERBS = {
         "押している動きの記録を始める、または止めます。セッションが終わるとオブジェクトが再生します"
     ),
     "Simulate the selected bodies over a range of frames, pressed by the keyframed fingertip objects. "
-    "What moves is what moves when they are pressed live: a stand-in, where the mesh is too heavy for that. "
-    "Mesh Itself in Physics > Dimple bakes every vertex": (
+    "As in a live press, a proxy is simulated where the mesh is too heavy. "
+    "Full Mesh in Physics > Dimple bakes every vertex": (
         "キーフレームの付いた指先オブジェクトで押しながら、選択した物体を指定のフレーム範囲で計算します。"
-        "動くのはライブで押すときと同じもので、メッシュがそれには重すぎる場合は代役です。"
-        "物理演算 > Dimple の「メッシュそのもの」を選ぶと、すべての頂点をベイクします"
+        "ライブで押すときと同じく、メッシュが重すぎる場合は代理メッシュを計算します。"
+        "物理演算 > Dimple の「元のメッシュ」を選ぶと、すべての頂点をベイクします"
     ),
     "Target": "ベイク先",
     "What the bake becomes": "ベイクの結果を何にするか",
     "Mesh Cache": "メッシュキャッシュ",
-    "A file the object plays; taking the modifier off is enough to undo it": (
+    "A file that the object plays; to undo it, remove the modifier": (
         "オブジェクトが再生するファイル。モディファイアーを外すだけで元に戻ります"
     ),
     "Shape Keys": "シェイプキー",
@@ -235,12 +244,12 @@ VERBS = {
     "By default the scene's first frame": "既定はシーンの最初のフレーム",
     "Last Frame": "最後のフレーム",
     "By default the scene's last frame": "既定はシーンの最後のフレーム",
-    "Take bakes and recordings off the selected objects; their files stay on the disk": (
+    "Remove bakes and recordings from the selected objects; their files stay on the disk": (
         "選択したオブジェクトからベイクと記録を外します。ファイルはディスクに残ります"
     ),
     "Preset": "プリセット",
     "Name of a measured object, such as object_2_vinyl_air": "測定した物体の名前。例: object_2_vinyl_air",
-    "Give the active material the constants of a measured object, and the body the size that was measured": (
+    "Give the active material the constants of a measured object, and the body its measured size": (
         "アクティブマテリアルに測定した物体の定数を、物体に測定時の大きさを与えます"
     ),
     "Add a fingertip above the active object: an object that presses, to be moved and keyframed": (

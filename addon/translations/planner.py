@@ -1,55 +1,59 @@
-"""Japanese of what moves in place of a mesh, and of the comparison of methods."""
+"""Japanese of the panel on speed and accuracy, and of the comparison of proxies."""
 
 OPERATORS = {
-    "Compare Methods": "手法を比較",
+    "Compare Proxies": "代理メッシュを比較",
     "Use This": "これを使う",
 }
 
 WORDS = {
     "Speed and Accuracy": "速さと精度",
-    "What Moves": "動かすもの",
-    "What is simulated in place of the mesh": "メッシュの代わりに計算するもの",
+    "Simulate": "計算するもの",
+    "What is simulated: the full mesh or a proxy": "計算するもの。元のメッシュ、または代理メッシュ",
     "Automatic": "自動",
-    "The mesh itself where that runs live, else the smallest stand-in within the tolerances": (
-        "実時間で動くならメッシュそのもの、動かないなら許容差に収まる最小の代役"
+    "The full mesh where that runs live, else the smallest proxy within the tolerances": (
+        "実時間で動くなら元のメッシュ、動かないなら許容差に収まる最小の代理メッシュ"
     ),
-    "Mesh Itself": "メッシュそのもの",
-    "Every vertex moves by itself, however slow that is": "どれほど遅くても、すべての頂点がそれぞれ動きます",
-    "Stand-In": "代役",
-    "A coarser body moves in place of the mesh and carries its skin along": (
-        "粗い物体がメッシュの代わりに動き、その表面を運びます"
+    "Full Mesh": "元のメッシュ",
+    "Every vertex is simulated, however slow that is": "どれほど遅くても、すべての頂点を計算します",
+    "Proxy": "代理メッシュ",
+    "A coarser body is simulated in place of the mesh and deforms it": (
+        "粗い物体をメッシュの代わりに計算し、それに合わせてメッシュを変形します"
     ),
-    "About how many vertices the stand-in has": "代役のおよその頂点数",
-    "Skin Within (mm)": "表面の許容差 (mm)",
-    "How far the skin of a dent may lie from where the mesh itself would have it (root of mean square)": (
-        "くぼみの表面が、メッシュそのものの場合からどれだけ離れてよいか (二乗平均平方根)"
+    "Approximate number of vertices of the proxy": "代理メッシュのおよその頂点数",
+    "Surface Tolerance (mm)": "表面の許容差 (mm)",
+    "Allowed root-mean-square distance of the dented surface from that of the full mesh": (
+        "くぼみの表面が、元のメッシュの場合からどれだけ離れてよいか (二乗平均平方根)"
     ),
-    "Force Within (%)": "力の許容差 (%)",
-    "How much the force may differ from that of the mesh itself": "力がメッシュそのものの場合とどれだけ違ってよいか",
+    "Force Tolerance (%)": "力の許容差 (%)",
+    "Allowed difference of the force from that of the full mesh": "力が元のメッシュの場合とどれだけ違ってよいか",
     "Simulation Share (%)": "計算の割合 (%)",
-    "How much of every second the simulation of all bodies may take; the rest is Blender's, to draw": (
-        "すべての物体の計算が 1 秒のうちどれだけ使ってよいか。残りは Blender の描画に使います"
+    "Share of the processor time that the simulation of all bodies may use; Blender needs the rest to draw": (
+        "すべての物体の計算が使ってよい処理時間の割合。残りは Blender の描画に必要です"
     ),
     "Plan Key": "計画の鍵",
-    "What the choice hangs on: when it changes, a new one is made": "選択の前提。変わると選び直します",
+    "Checksum of everything the plan depends on; a new plan is made when it differs": (
+        "計画の前提のチェックサム。変わると計画し直します"
+    ),
     "Planned Vertices": "計画の頂点数",
-    "Of the stand-in; 0 is the mesh itself": "代役の頂点数。0 はメッシュそのもの",
+    "Of the proxy; 0 is the full mesh": "代理メッシュの頂点数。0 は元のメッシュ",
     "Plan": "計画",
-    "What moves, and why": "何が動くか、そしてその理由",
+    "What is simulated, and why": "何を計算するか、そしてその理由",
     "Comparison": "比較",
-    "What every way to simulate this object came to": "この物体の計算方法それぞれの結果",
+    "Cost and errors of every variant of this object": "この物体の各方式の費用と誤差",
     "Show Comparison": "比較を表示",
     "Draw the comparison of the active object over the viewport": "アクティブな物体の比較をビューポートに描きます",
-    "Press the active object virtually on proxies of several sizes, and chart their cost against their error": (
+    "Press proxies of the active object virtually, of several sizes, and chart their cost against their error": (
         "アクティブな物体をいくつかの大きさの代理メッシュで仮想的に押し、費用と誤差を図にします"
     ),
     "Presses": "押す回数",
-    "How many places are pressed: more take longer and tell more": "押す場所の数。多いほど時間がかかり、よく分かります",
-    "Simulate the active object this way from now on": "これからアクティブな物体をこの方法で計算します",
+    "Number of places that are pressed; more take longer and are more reliable": (
+        "押す場所の数。多いほど時間がかかり、信頼できます"
+    ),
+    "Simulate the active object with this proxy from now on": "これからアクティブな物体をこの代理メッシュで計算します",
     "Comparing: Esc cancels": "比較中: Esc で中止",
-    "The body or the fingertip was changed since: compare again": (
+    "The body or the fingertip has changed: compare again": (
         "物体か指先がその後変更されました。もう一度比較してください"
     ),
     "Live": "実時間",
-    "Error (mm) against cost (s of computing a second)": "誤差 (mm) と費用 (1 秒あたりの計算秒)",
+    "Error (mm) against cost (s per second)": "誤差 (mm) と費用 (1 秒あたりの計算秒)",
 }

@@ -1,4 +1,4 @@
-"""Why something cannot be used now: what hovering over a greyed-out button says."""
+"""Japanese of why an operator cannot be used now: the tooltip of a greyed-out button."""
 
 OPERATORS: dict[str, str] = {}
 WORDS = {

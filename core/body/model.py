@@ -18,7 +18,7 @@ from .shape_matching import Pose, ShapeMatching
 from .springs import Springs
 
 LAW_SETS = ("consistent", "paper")
-_ALL_HELD = "Every vertex is held, so nothing can move. Set Hold to Free, hold fewer or subdivide the mesh."
+_ALL_HELD = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 

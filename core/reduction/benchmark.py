@@ -1,6 +1,6 @@
-"""Presses that compare proxies of one body: what each costs, and how far it is from the mesh itself.
+"""Presses that compare proxies of one body: what each costs, and how far it is from the full mesh.
 
-A press goes down in 0.15 s and holds for 0.1 s; judged is the end of the hold.
+The fingertip goes down in 0.15 s and stays there for 0.1 s; positions and forces are compared at the end of that.
 """
 
 from __future__ import annotations
@@ -23,16 +23,22 @@ from .proxy import Proxy, build_proxy, carry, contact_radius
 
 DOWN, HOLD, MEAN = 0.15, 0.1, 0.05  # [s]; the force is the mean over the last part of the hold
 DEPTH = 0.5  # of the fingertip's radius
-DENT = 0.1  # of the largest motion: what moves more belongs to the dent
-BESIDE_PINS = 2.0  # fingertip radii: nearer to what is held a press meets the pins rather than the body
-DRAWN = 10  # places for one that is taken: those beside what is held are passed over
-GRID = 10  # bits a coordinate: the curve that places are spread along passes 2^30 boxes
+DENT = 0.1  # of the largest displacement: vertices that move more belong to the dent
+BESIDE_PINS = 2.0  # fingertip radii: nearer to a pinned vertex, a press meets the pins rather than the body
+DRAWN = 10  # candidates for each place that is taken: those beside pinned vertices are rejected
+GRID = 10  # bits per coordinate: the curve that places are spread along passes 2^30 boxes
 _Result = TypeVar("_Result")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Press:
-    """Hold a press: where it meets the surface (3,) [m], which way is out (3,), radius and depth [m]."""
+class BenchmarkPress:
+    """One press of the benchmark.
+
+    at: (3,) the point of the surface where the fingertip touches [m].
+    outward: (3,) unit normal of the surface there.
+    radius: of the fingertip [m].
+    depth: how far the fingertip goes in [m].
+    """
 
     at: Floats
     outward: Floats
@@ -42,15 +48,15 @@ class Press:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """Compare one variant of a body, the mesh itself or a proxy, with the mesh itself over the presses.
+    """Cost and errors of one variant of a body, the full mesh or a proxy, over all presses.
 
-    asked: vertices the proxy was built for, 0 for the mesh itself.
-    vertices: that moved.
-    steps: a tick.
-    cost: processor time for a second [s].
-    error: between the surfaces over the dents, root of the mean square [m].
-    force_error: root of the mean square over that of the forces.
-    note: "" or why there is no result.
+    asked: vertices the proxy was requested with, 0 for the full mesh.
+    vertices: simulated vertices.
+    steps: per tick.
+    cost: processor time [s] per simulated second.
+    error: root-mean-square distance of the surface from that of the full mesh, over the dents [m].
+    force_error: root-mean-square error of the force over the root-mean-square force.
+    note: why there is no result, "" where there is one.
     """
 
     asked: int = 0
@@ -63,28 +69,39 @@ class Outcome:
 
 
 @dataclass(slots=True, kw_only=True)
-class Pressed:
-    """Hold the end of a press: positions (3, n) [m], force [N] and processor time [s]."""
+class PressResult:
+    """The end of a press.
+
+    positions: (3, n) [m].
+    force: mean force on the fingertip along the normal [N].
+    cost: processor time [s].
+    """
 
     positions: Floats = field(default_factory=lambda: np.zeros((3, 0)))
     force: float = 0.0
     cost: float = 0.0
 
 
-def choose_presses(model: Model, radius: float, count: int, *, seed: int = 0) -> list[Press]:
-    """Choose places for presses at random, evenly over the surface that is free, away from what is held.
+def choose_presses(model: Model, radius: float, count: int, *, seed: int = 0) -> list[BenchmarkPress]:
+    """Choose places for presses at random: evenly over the free surface, away from pinned vertices.
 
-    A curve passes through all places, near ones one after another; one press is drawn from each equal part of it.
-    Source: stratified sampling in Morton's order; scatters less from seed to seed than places drawn one by one.
+    A space-filling curve orders all vertices so that neighbours follow one another. It is cut into equal parts, and
+    one press is drawn from each.
+
+    Args:
+        radius: of the fingertip [m].
+        count: of presses; fewer come back where not so many vertices are free.
 
     Raises:
-        DimpleError: everything is held.
+        DimpleError: every vertex is pinned.
+
+    Source: stratified sampling in Morton order; scatters less from seed to seed than independent draws.
     """
     mesh, rng = model.mesh, np.random.default_rng(seed)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     share = np.where(~model.held & (np.abs(normals).sum(axis=1) > 0), mesh.vertex_areas, 0.0)
     if not share.sum() > 0:
-        raise DimpleError("Nothing of the surface is free to be pressed. Hold less of it.")
+        raise DimpleError("No part of the surface is free to be pressed. Pin fewer vertices.")
     order = np.argsort(_along_curve(mesh.rest_positions), kind="stable")
     drawn = order[_strata(share[order], DRAWN * count, rng)]
     held = mesh.rest_positions[model.held & ~mesh.loose]
@@ -92,17 +109,17 @@ def choose_presses(model: Model, radius: float, count: int, *, seed: int = 0) ->
     chosen = drawn[_strata((away if away.any() else ~away).astype(float), count, rng)]
     depth = min(DEPTH * radius, mesh.size / 8)
     places = dict.fromkeys(chosen.tolist())  # fewer where not so many are free
-    return [Press(at=mesh.rest_positions[v], outward=normals[v], radius=radius, depth=depth) for v in places]
+    return [BenchmarkPress(at=mesh.rest_positions[v], outward=normals[v], radius=radius, depth=depth) for v in places]
 
 
 def _strata(share: Floats, count: int, rng: np.random.Generator) -> Ints:
-    """Draw one index from each of so many parts of equal share."""
+    """Draw one index from each of `count` parts of equal share."""
     total = np.cumsum(share)
     return np.searchsorted(total, total[-1] * (np.arange(count) + rng.random(count)) / count, side="right")
 
 
 def _along_curve(places: Floats) -> Ints:
-    """Return where places (n, 3) lie along a curve through all boxes of a grid. Source: Morton."""
+    """Return the positions of points (n, 3) along a curve through all boxes of a grid. Source: Morton order."""
     boxes = (places - places.min(axis=0)) * ((2**GRID - 1) / max(float(np.ptp(places, axis=0).max()), 1e-30))
     bits = boxes.astype(np.int64)[:, :, None] >> np.arange(GRID) & 1
     along: Ints = (bits << 3 * np.arange(GRID) + np.arange(3)[:, None]).sum(axis=(1, 2))
@@ -114,17 +131,17 @@ def _distance(points: Floats, place: Floats) -> float:
 
 
 def press_body(
-    body: Body, press: Press, *, radius: float, substeps: int, chunk: int = 10
-) -> Iterator[tuple[float, Pressed]]:
-    """Press a body; yield the share that is done and the state so far after every few ticks.
+    body: Body, press: BenchmarkPress, *, radius: float, substeps: int, chunk: int = 10
+) -> Iterator[tuple[float, PressResult]]:
+    """Press a body; yield the share that is done and the result so far after every `chunk` ticks.
 
     Args:
-        radius: of the sphere that meets it [m].
+        radius: of the sphere in contact [m]: the fingertip's, or a smaller one on a proxy (`contact_radius`).
     """
     ticks, last = round((DOWN + HOLD) / TICK), round(MEAN / TICK)
     down = np.minimum(np.arange(0, ticks + 1, chunk) * TICK / DOWN, 1) * press.depth
     centres = [(press.at + press.outward * (press.radius - depth)).tolist() for depth in down]
-    done, impulse = Pressed(positions=body.positions()), 0.0
+    done, impulse = PressResult(positions=body.positions()), 0.0
     for part, (start, end) in enumerate(zip(centres, centres[1:], strict=False), 1):
         tip = FingertipMotion.straight(start, end, ticks=chunk, radius=radius, fresh=part == 1)
         started = time.process_time()
@@ -142,13 +159,15 @@ def press_body(
         yield part * chunk / ticks, done
 
 
-def compare(model: Model, presses: Sequence[Press], sizes: Sequence[int]) -> Iterator[tuple[float, Outcome | None]]:
-    """Compare proxies of so many vertices with the mesh itself.
+def compare_proxies(
+    model: Model, presses: Sequence[BenchmarkPress], sizes: Sequence[int]
+) -> Iterator[tuple[float, Outcome | None]]:
+    """Compare proxies of the given numbers of vertices with the full mesh.
 
     Yields:
-        the share that is done, and an outcome whenever one is known. The first is that of the mesh.
+        The share that is done, and an outcome whenever one is known; the first is that of the full mesh.
     """
-    # what is left is known by the work: vertices x steps
+    # the time left is estimated from the work: vertices x steps
     works = [_work_of(model, 0), *(_work_of(model, size) for size in sizes)]
     total, done = sum(works), works[0]
     goal, first = yield from _as_share(press_mesh(model, presses), 0.0, done / total)
@@ -159,33 +178,35 @@ def compare(model: Model, presses: Sequence[Press], sizes: Sequence[int]) -> Ite
         yield done / total, found
 
 
-def press_mesh(model: Model, presses: Sequence[Press]) -> Generator[float, None, tuple[list[Pressed], Outcome]]:
-    """Press the mesh itself, stepped by the paper's method; yield the share that is done, return ends and outcome."""
+def press_mesh(
+    model: Model, presses: Sequence[BenchmarkPress]
+) -> Generator[float, None, tuple[list[PressResult], Outcome]]:
+    """Press the full mesh; yield the share that is done, return the results and the outcome."""
     _, steps, goal = yield from press_variant(model, presses, 0)
-    return goal, judge(model, 0, None, steps, goal, goal)
+    return goal, outcome_of(model, 0, None, steps, goal, goal)
 
 
 def try_proxy(
-    model: Model, presses: Sequence[Press], goal: Sequence[Pressed], vertices: int
+    model: Model, presses: Sequence[BenchmarkPress], goal: Sequence[PressResult], vertices: int
 ) -> Generator[float, None, Outcome]:
-    """Compare one proxy with what the mesh itself came to; yield the share that is done, return its outcome."""
+    """Compare one proxy with the results of the full mesh; yield the share that is done, return its outcome."""
     try:
         proxy, steps, ends = yield from press_variant(model, presses, vertices)
-    except DimpleError as error:  # no proxy of this size
+    except DimpleError as error:  # there is no proxy of this size
         return Outcome(asked=vertices, note=str(error))
-    return judge(model, vertices, proxy, steps, ends, goal)
+    return outcome_of(model, vertices, proxy, steps, ends, goal)
 
 
 def press_variant(
-    model: Model, presses: Sequence[Press], vertices: int
-) -> Generator[float, None, tuple[Proxy | None, int, list[Pressed]]]:
-    """Press a proxy of so many vertices, or the mesh itself for 0.
+    model: Model, presses: Sequence[BenchmarkPress], vertices: int
+) -> Generator[float, None, tuple[Proxy | None, int, list[PressResult]]]:
+    """Press a proxy of the given number of vertices, or the full mesh for 0.
 
     Yields:
-        the share that is done.
+        The share that is done.
 
     Returns:
-        the proxy, its steps a tick, and the ends of the presses.
+        The proxy (None for the full mesh), its steps per tick, and the results of the presses.
 
     Raises:
         DimpleError: no proxy of this size can be made.
@@ -194,7 +215,7 @@ def press_variant(
     moves = proxy.model if proxy else model
     steps, ends, body = moves.substeps(TICK), [], create(moves)
     for k, press in enumerate(presses):
-        ends.append(Pressed())
+        ends.append(PressResult())
         radius = contact_radius(proxy, press.radius) if proxy else press.radius
         body.set_state(moves.matching.rest)
         for part, ends[k] in press_body(body, press, radius=radius, substeps=steps):
@@ -202,8 +223,8 @@ def press_variant(
     return proxy, steps, ends
 
 
-def end_of(steps: Generator[float, None, _Result]) -> _Result:
-    """Return what comes at the end of steps, taken in one go."""
+def result_of(steps: Generator[float, None, _Result]) -> _Result:
+    """Run a generator to its end and return its result."""
     while True:
         try:
             next(steps)
@@ -215,7 +236,7 @@ def end_of(steps: Generator[float, None, _Result]) -> _Result:
 def _as_share(
     steps: Generator[float, None, _Result], done: float, share: float
 ) -> Generator[tuple[float, None], None, _Result]:
-    """Pass a part of the work on as a share of the whole."""
+    """Run a part of the work, yielding its progress as a share of the whole."""
     while True:
         try:
             part = next(steps)
@@ -225,10 +246,10 @@ def _as_share(
         yield done + share * part, None
 
 
-def judge(
-    model: Model, asked: int, proxy: Proxy | None, steps: int, ends: Sequence[Pressed], goal: Sequence[Pressed]
+def outcome_of(
+    model: Model, asked: int, proxy: Proxy | None, steps: int, ends: Sequence[PressResult], goal: Sequence[PressResult]
 ) -> Outcome:
-    """Compare the ends of presses with what they should be."""
+    """Compare the results of the presses with those of the full mesh."""
     mesh, squares = model.mesh, []
     for end, wanted in zip(ends, goal, strict=True):
         x = carry(proxy, end.positions).T if proxy else end.positions
@@ -240,13 +261,14 @@ def judge(
         asked=asked, vertices=ends[0].positions.shape[1], steps=steps, cost=sum(p.cost for p in ends) / seconds,
         error=error, force_error=float(np.linalg.norm(forces - wanted_forces) / np.linalg.norm(wanted_forces)),
     )  # fmt: skip
-    return outcome if math.isfinite(error) else Outcome(asked=asked, steps=steps, note="it blew up")
+    return outcome if math.isfinite(error) else Outcome(asked=asked, steps=steps, note="the simulation became unstable")
 
 
 def dent_error(mesh: Mesh, skin: Floats, wanted: Floats) -> float:
-    """Return how far a skin (n, 3) [m] is off the wanted one: along the normal, over what moved by DENT of the most.
+    """Return the root-mean-square distance [m] between two surfaces (n, 3) [m], along the normal, over the dent.
 
-    Source: root of the mean square; what slides along the skin is not seen, and what stands still would flatter.
+    Sliding along the surface cannot be seen, so only the normal part counts. The dent is where vertices move by DENT
+    of the largest displacement or more: all others would lower the mean.
     """
     moved = np.sqrt(((wanted - mesh.rest_positions) ** 2).sum(axis=1))
     dent = moved > DENT * moved.max()
@@ -255,6 +277,6 @@ def dent_error(mesh: Mesh, skin: Floats, wanted: Floats) -> float:
 
 
 def _work_of(model: Model, vertices: int) -> float:
-    """Return about how much work a variant is: vertices x steps; the steps go with the root of the vertices."""
+    """Estimate the work of a variant: vertices x steps; the steps grow with the root of the vertices."""
     n = len(model.mass)
     return (vertices or n) * model.substeps(TICK) * math.sqrt((vertices or n) / n)

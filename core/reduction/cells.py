@@ -10,9 +10,9 @@ import numpy as np
 from ..base import Floats, Ints, sums_at
 from ..mesh.surface import Mesh
 
-CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the stand-in must have too
-CREASED = 0.3  # of the vertices: where more lie on creases they are the roughness of a scan
-BESIDE = 0.75  # of the spacing: how near seeds may stand on a crease
+CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the proxy must have too
+CREASED = 0.3  # of the vertices: where more lie on creases, these are the roughness of a scan
+BESIDE = 0.75  # of the spacing: how near to each other seeds may lie on a crease
 MANY = 20_000  # candidates for a seed; a finer mesh offers every second, third... vertex
 
 

@@ -1,7 +1,7 @@
-"""A stand-in: a coarser body that moves in place of a fine mesh, and the binding that carries the fine skin along.
+"""A proxy: a coarser body that is simulated in place of a fine mesh, and the binding that moves the fine surface.
 
-Seeds are spread over the surface; each fine vertex belongs to a seed's cell, and where three cells meet stands a
-triangle of the stand-in. Mass and shape matching of a cell go to its seed, so their sums are kept.
+Seeds are spread over the surface. Each fine vertex belongs to the cell of one seed, and where three cells meet the
+proxy has a triangle. Mass and shape-matching stiffness of a cell go to its seed, so their sums are conserved.
 """
 
 from __future__ import annotations
@@ -17,24 +17,31 @@ from ..body.springs import membrane_stiffness
 from ..mesh.surface import Mesh, mesh_from_triangles
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 
-SMALLEST = 60  # vertices: fewer are no body any more
+SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
 NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
 NEIGHBOURS = 8  # seeds a fine vertex follows, the last one the distance at which a seed counts no more
-MOST_DIP = 0.5  # of the radius; a stand-in so coarse is not chosen
-VOLUME_SLACK = 0.15  # of the volume: a stand-in that loses more is another body
+MOST_DIP = 0.5  # of the radius; a proxy so coarse is not chosen
+VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proxy:
-    """Hold a stand-in for a model.
+    """A coarse model and the binding of a fine mesh to it.
 
-    model: what moves.  seeds: (m,) vertex of the fine mesh where each of its vertices is.  rest: (n, 3) of the fine
-    mesh [m].  still: (n,) held or loose in the fine mesh.  spacing, fine_spacing: mean distance
-    between seeds, and between vertices of the mesh [m].
-    followed: (k, n) seeds and weights: (k, n) of their motions.
-    lever: (n, 3) what the mixed gradients turn [m].  arms: (e, 2) directed edges, spread: (e, 3) and
-    upright: (m, 3) what turns a motion of the ring and of the normal into a gradient.  normals: (m, 3) at rest.
+    model: the coarse body that is simulated, m vertices.
+    seeds: (m,) the vertex of the fine mesh at which each coarse vertex lies.
+    rest: (n, 3) rest positions of the fine mesh [m].
+    still: (n,) pinned or loose in the fine mesh.
+    spacing: mean distance between seeds [m].
+    fine_spacing: mean distance between vertices of the fine mesh [m].
+    followed: (k, n) the seeds that each fine vertex follows.
+    weights: (k, n) the weights of their motions.
+    lever: (n, 3) the vector that the blended gradient is applied to [m].
+    arms: (e, 2) directed edges.
+    spread: (e, 3) the rows that turn the motion along an edge into a gradient [1/m].
+    upright: (m, 3) the rows that turn the change of a normal into a gradient.
+    normals: (m, 3) unit normals at rest.
     """
 
     model: Model
@@ -53,17 +60,17 @@ class Proxy:
 
 
 def build_proxy(model: Model, vertices: int) -> Proxy:
-    """Make a stand-in of about so many vertices.
+    """Make a proxy of about the given number of vertices.
 
     Raises:
-        DimpleError: none can be made, and why.
+        DimpleError: no such proxy can be made; the message says why.
     """
     mesh = model.mesh
     check(model)
     used = np.flatnonzero(~mesh.loose)
     most = most_of(model)
     if not SMALLEST <= vertices <= most:
-        raise DimpleError(f"a stand-in of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
+        raise DimpleError(f"a proxy of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
     spacing = mean_spacing(mesh, vertices)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
@@ -77,9 +84,9 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
             break
         seeds = seeds[stands]  # a part too small for a triangle follows what is beside it
         if not len(seeds):
-            raise DimpleError("its pieces are too small for a stand-in")
+            raise DimpleError("its pieces are too small for a proxy")
     else:
-        raise DimpleError("its pieces are too small for a stand-in")
+        raise DimpleError("its pieces are too small for a proxy")
     coarse = _coarse(model, seeds, cells, triangles)
     followed, weights = _followed(coarse.mesh, place, seeds, cells)
     middle = np.einsum("kn,knc->nc", weights, mesh.rest_positions[seeds][followed])
@@ -94,14 +101,14 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
 
 
 def mean_spacing(mesh: Mesh, vertices: int) -> float:
-    """Return the distance [m] between so many vertices spread evenly over a surface."""
+    """Return the distance [m] between vertices when the given number is spread evenly over a surface."""
     return float(np.sqrt(2 / np.sqrt(3) * mesh.triangle_areas.sum() / vertices))
 
 
 def carry(proxy: Proxy, positions: Floats) -> Floats:
-    """Return the fine mesh (n, 3) [m] where the stand-in is at positions (3, m) [m]; at rest bit for bit.
+    """Return the fine positions (n, 3) [m] for coarse positions (3, m) [m]; at rest they are exact to the bit.
 
-    F_j is the gradient that fits the ring of seed j best and turns its normal along. Seen from j the skin is at
+    F_j is the gradient that fits the ring of seed j best and turns its normal along. Seen from j the surface is at
     x_j + (F_j + F) (X - X_j) / 2, F the gradient at the place itself: exact for every rigid motion, and for a dent
     that is a parabola. A vertex takes the weighted mean over its seeds, F too; the weights come and go smoothly, so
     no facet shows.
@@ -126,36 +133,40 @@ def carry(proxy: Proxy, positions: Floats) -> Floats:
 
 
 def most_of(model: Model) -> int:
-    """Return how many vertices a stand-in may have."""
+    """Return the largest number of vertices that a proxy may have."""
     return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
 
 
 def contact_radius(proxy: Proxy, radius: float) -> float:
-    """Return the radius [m] of the sphere that touches a stand-in where a fingertip's would touch the skin.
+    """Return the radius [m] of the sphere that touches a proxy where the fingertip would touch the fine surface.
 
     A facet of side h with its corners on a sphere of radius R dips h^2 / (6 R) into it at its middle, and contact
-    keeps the middle out. A sphere smaller by this lets the corners lie where the skin does.
+    keeps the middle out. With a sphere smaller by this the corners lie where the fine surface does.
     """
     dip = max(proxy.spacing**2 - proxy.fine_spacing**2, 0.0) / (6 * radius)
     return radius - min(dip, MOST_DIP * radius)
 
 
 def check(model: Model) -> None:
-    """Raise a DimpleError when a model can have no stand-in whatever its size, and say why."""
+    """Raise where no proxy of any size can be made.
+
+    Raises:
+        DimpleError: the laws or springs of the model need its own mesh.
+    """
     if model.needs_contact or model.law_set == "paper":
-        raise DimpleError("the paper's equations depend on the mesh, so they run on the mesh itself")
+        raise DimpleError("the paper's equations depend on the mesh, so they need the full mesh")
 
 
 def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:
-    """Return the stand-in's model."""
+    """Return the model of the proxy."""
     fine, m = model.mesh, len(seeds)
     mesh = mesh_from_triangles(fine.rest_positions[seeds], triangles)
     if len(mesh.rest_positions) != m or mesh.loose.any():
-        raise DimpleError("its skin is too crumpled for a stand-in of this size")
+        raise DimpleError("its surface is too crumpled for a proxy of this size")
     if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):
-        raise DimpleError("a stand-in of this size would have holes")
+        raise DimpleError("a proxy of this size would have holes")
     if fine.pressurable and not abs(mesh.volume / fine.volume - 1) < VOLUME_SLACK:
-        raise DimpleError("a stand-in of this size would lose too much of the volume")
+        raise DimpleError("a proxy of this size would lose too much of the volume")
     whole = ~fine.loose
 
     def total(values: Floats) -> Floats:
@@ -183,7 +194,7 @@ def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:
         gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
     if coarse.free != model.free or held.all():
-        raise DimpleError("its pins are too few for a stand-in of this size")
+        raise DimpleError("its pins are too few for a proxy of this size")
     return coarse
 
 

@@ -35,7 +35,9 @@ def test_the_library_is_loaded_at_the_first_press_and_not_before(bpy: ModuleType
 
     code = (
         "import sys, bpy; bpy.ops.preferences.addon_enable(module='bl_ext.user_default.dimple'); "
-        "print('native loaded:', any(name.endswith('dimple.core.native') for name in sys.modules))"
+        "loaded = lambda: any(name.endswith('dimple.core.native') for name in sys.modules); "
+        "print('before:', loaded()); bpy.ops.mesh.primitive_cube_add(); "
+        "bpy.ops.dimple.poke(depth_mm=1.0, press_s=0.01, hold_s=0.0, release_s=0.0); print('after:', loaded())"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
-    assert "native loaded: False" in done.stdout, done.stdout + done.stderr
+    assert "before: False" in done.stdout and "after: True" in done.stdout, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""What is drawn over the viewport says what the frame says, and nothing when nothing runs."""
+"""What is drawn over the viewport agrees with the frame, and nothing is drawn when nothing runs."""
 
 import json
 import math
@@ -11,6 +11,17 @@ from typing import Any
 import pytest
 
 SIZE = (640, 400)
+SCREEN = SimpleNamespace(width=SIZE[0], height=SIZE[1], scale=1.0, line=2.0)
+
+
+def viewport(bpy: ModuleType, **context: Any) -> Any:
+    """Return the context of a 3D viewport, which background Blender does not have."""
+    system = SimpleNamespace(ui_scale=1.5, pixel_size=2.0)
+    return SimpleNamespace(**{
+        "scene": bpy.context.scene, "object": None, "region": SimpleNamespace(width=SIZE[0], height=SIZE[1]),
+        "area": SimpleNamespace(regions=[]), "preferences": SimpleNamespace(system=system),
+        "space_data": SimpleNamespace(overlay=SimpleNamespace(show_overlays=True)), **context,
+    })  # fmt: skip
 
 
 @pytest.fixture
@@ -51,7 +62,7 @@ def test_without_a_session_nothing_is_drawn_and_gpu_is_not_asked(
     overlay: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("gpu", "blf"):
-        monkeypatch.setitem(sys.modules, name, None)  # whoever imports it fails
+        monkeypatch.setitem(sys.modules, name, None)  # an import of it fails
     overlay.draw_bodies()
     overlay.draw_numbers()
 
@@ -111,7 +122,7 @@ def test_the_chart_of_a_calibration_shows_the_measured_points_and_leaves_their_c
     low, high = curves.band
     for (depth, least), (_, most) in zip(low[1:], high[1:], strict=True):
         law = K1 * min(depth, x0) + K2 * max(depth - x0, 0)
-        assert 0.9 * law < least < law < most < 1.1 * law, "the sample tells the law to a few percent"
+        assert 0.9 * law < least < law < most < 1.1 * law, "the sample gives the law to a few percent"
     bpy.context.scene.dimple.show_chart = False
     assert overlay.calibrated_curves(bpy.context) is None
     if not hasattr(gpu, "init"):
@@ -119,8 +130,8 @@ def test_the_chart_of_a_calibration_shows_the_measured_points_and_leaves_their_c
     gpu.init()
     curves = curves._replace(simulated=[(depth, 0.5 * force) for depth, force in curves.measured])
 
-    def draw(region: Any) -> None:
-        overlay.draw_curves(curves, (20.0, 20.0), 1.0, region)
+    def draw(screen: Any) -> None:
+        overlay.draw_curves(curves, (20.0, 20.0), screen)
 
     picture = on_screen(draw)
     for colour in (overlay.LAW, overlay.MEASURED, overlay.SIMULATED):
@@ -128,9 +139,58 @@ def test_the_chart_of_a_calibration_shows_the_measured_points_and_leaves_their_c
         assert seen.sum() > 20, colour
 
 
+def test_a_calibration_is_drawn_only_where_overlays_are_switched_on(
+    overlay: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bpy, drawn = empty_file, []
+    bpy.context.scene.dimple.calibration = json.dumps({"K1": 0.6, "K2": 7.0, "x0": 16.0, "points": [[1.0, 0.6]]})
+    monkeypatch.setattr(overlay, "draw_curves", lambda *given: drawn.append(given))
+    context = viewport(bpy)
+    monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
+    context.space_data.overlay.show_overlays = False
+    overlay.draw_numbers()
+    assert drawn == []
+    context.space_data.overlay.show_overlays = True
+    overlay.draw_numbers()
+    ((curves, _corner, screen),) = drawn
+    assert curves.measured == [(0.001, 0.6)]
+    assert screen.scale == 1.5 and screen.line == 2 * overlay.LINE_WIDTH, "as thick as the preferences say"
+
+
+def test_a_session_is_drawn_only_where_overlays_are_switched_on(
+    bpy: ModuleType, overlay: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[str] = []
+    monkeypatch.setattr(overlay, "draw_fingers", lambda *_: drawn.append("fingers"))
+    monkeypatch.setattr(overlay, "draw_curves", lambda *_: drawn.append("curves") or 0.0)
+    monkeypatch.setattr(overlay, "draw_rows", lambda *_: drawn.append("rows") or 0.0)
+    context = viewport(bpy)
+    monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
+    for shown, expected in ((False, []), (True, ["fingers", "curves", "rows"])):
+        context.space_data.overlay.show_overlays = shown
+        overlay.draw_bodies()
+        overlay.draw_numbers()
+        assert drawn == expected
+
+
+def test_a_line_is_as_thick_as_the_screen_asks(overlay: ModuleType, bpy: ModuleType) -> None:
+    import gpu
+
+    if not hasattr(gpu, "init"):
+        pytest.skip("this Blender cannot draw without a window; 5.2 can")
+    gpu.init()
+    seen = []
+    for line in (2.0, 6.0):
+        screen = SimpleNamespace(**{**vars(SCREEN), "line": line})
+        level = [((100.0, 200.0), (500.0, 200.0))]
+        picture = on_screen(lambda here, level=level: overlay.draw_lines(level, overlay.TEXT, here), screen=screen)
+        seen.append((picture[:, 300, 0] > 150).sum())
+    assert 2 <= seen[0] <= 3 and 6 <= seen[1] <= 7, seen
+
+
 @pytest.fixture
 def halves(empty_file: ModuleType) -> Any:
-    """A cube that stands for one of 165 mm, soft but for its top, and a session on it."""
+    """A cube with a physical size of 165 mm, soft but for its top, and a session on it."""
     from bl_ext.user_default.dimple.operators import sessions
 
     bpy = empty_file
@@ -178,10 +238,10 @@ def test_the_key_over_a_chart_names_what_is_in_it_and_nothing_else(
         written[text] = colour
         return 0.0
 
-    for name, stand_in in (("write", write), ("draw_lines", lambda *_: None), ("draw_filled", lambda *_: None)):
-        monkeypatch.setattr(overlay, name, stand_in)
+    for name, fake in (("write", write), ("draw_lines", lambda *_: None), ("draw_filled", lambda *_: None)):
+        monkeypatch.setattr(overlay, name, fake)
     curves = overlay.pressed_curves(SimpleNamespace(material_slots=()), entry)
-    end = overlay.draw_curves(curves, (0.0, 0.0), 1.0, None)
+    end = overlay.draw_curves(curves, (0.0, 0.0), SCREEN)
     assert end > overlay.CHART[1] and written["Law"] == overlay.LAW and written["Pressed"] == overlay.FORCE
     assert not {"Measured", "Simulated"} & written.keys()
 
@@ -207,7 +267,7 @@ def test_an_arrow_points_along_the_force_and_a_stronger_one_is_longer(shapes: Mo
         start, tip = shapes.arrow((1.0, 2.0, 3.0), (0.0, -newtons, 0.0), 0.1)[0]
         assert start == (1.0, 2.0, 3.0) and tip[0] == 1.0 and tip[2] == 3.0
         lengths.append(start[1] - tip[1])
-    assert lengths == sorted(lengths) and lengths[-1] < 1
+    assert lengths[0] < lengths[1] < lengths[2] < lengths[3] == pytest.approx(0.1 * shapes.ARROW_LONGEST)
 
 
 def test_a_fingertip_is_drawn_as_large_as_it_is(shapes: ModuleType, overlay: ModuleType, entry: Any) -> None:
@@ -241,21 +301,22 @@ def test_the_chart_the_numbers_and_the_fingertip_leave_their_colours(
 def drawn(overlay: ModuleType, entry: Any) -> Any:
     """Draw a session into a picture (height, width, 4) of bytes."""
 
-    def draw(region: Any) -> None:
+    def draw(screen: Any) -> None:
         body = SimpleNamespace(name="Ball", material_slots=())
-        end = overlay.draw_curves(overlay.pressed_curves(body, entry), (20.0, 20.0), 1.0, region)
+        end = overlay.draw_curves(overlay.pressed_curves(body, entry), (20.0, 20.0), screen)
         overlay.draw_rows(body, entry, (20.0, end + 16), 1.0)
 
-    return on_screen(draw, lambda region: overlay.draw_fingers(entry, region))
+    return on_screen(draw, lambda screen: overlay.draw_fingers(entry, screen))
 
 
-def on_screen(draw: Callable[[Any], None], draw_in_scene: Callable[[Any], None] | None = None) -> Any:
+def on_screen(
+    draw: Callable[[Any], None], draw_in_scene: Callable[[Any], None] | None = None, *, screen: Any = SCREEN
+) -> Any:
     """Draw into a picture (height, width, 4) of bytes: in the scene, then on top of it in pixels."""
     import gpu
     import numpy as np
     from mathutils import Matrix
 
-    region = SimpleNamespace(width=SIZE[0], height=SIZE[1])
     target = gpu.types.GPUOffScreen(*SIZE)
     with target.bind(), gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
         buffer = gpu.state.active_framebuffer_get()
@@ -263,11 +324,11 @@ def on_screen(draw: Callable[[Any], None], draw_in_scene: Callable[[Any], None] 
         gpu.matrix.load_matrix(Matrix.Rotation(math.radians(-70), 4, "X"))
         gpu.matrix.load_projection_matrix(Matrix.Diagonal((1 / 1.6, 1, 0.1, 1)))
         if draw_in_scene:
-            draw_in_scene(region)
+            draw_in_scene(screen)
         gpu.matrix.load_matrix(Matrix.Identity(4))
         to_screen = Matrix.Translation((-1, -1, 0)) @ Matrix.Diagonal((2 / SIZE[0], 2 / SIZE[1], 0.1, 1))
         gpu.matrix.load_projection_matrix(to_screen)
-        draw(region)
+        draw(screen)
         pixels = buffer.read_color(0, 0, *SIZE, 4, 0, "UBYTE")
     target.free()
     pixels.dimensions = SIZE[0] * SIZE[1] * 4

@@ -1,4 +1,4 @@
-"""The panels draw with what this Blender has: every property, operator and icon they name exists."""
+"""Every property, operator and icon that the panels name exists in this Blender."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +11,7 @@ SAMPLE = Path(__file__).parents[2] / "blend_samples" / "calibration" / "object_2
 
 
 class Layout:
-    """Stand in for a panel's layout, which background Blender does not have; note what is drawn."""
+    """A replacement for a panel's layout, which background Blender does not have; it records what is drawn."""
 
     def __init__(self, bpy: ModuleType, drawn: list[str]) -> None:
         self.__dict__.update(bpy=bpy, drawn=drawn)
@@ -97,7 +97,7 @@ def test_every_panel_draws_on_a_mesh_on_nothing_and_on_a_curve(bpy: ModuleType, 
     assert drawn == {panel.__name__ for panel in found} - waiting
 
 
-def test_a_wrong_constant_is_told_under_the_constants(bpy: ModuleType, body: Any) -> None:
+def test_a_wrong_constant_is_reported_under_the_constants(bpy: ModuleType, body: Any) -> None:
     material = body.active_material
     before = draw(bpy, bpy.types.DIMPLE_PT_material, material=material)
     material.dimple.k = 0.0
@@ -140,15 +140,17 @@ def test_without_a_native_core_a_press_runs_on_numpy_and_the_panel_says_why(
     try:
         entry, _ = sessions.start(body, bpy.context)
         entry.session.step(0.002)
-        said = " ".join(draw(bpy, bpy.types.DIMPLE_PT_readout, object=body))
+        shown = " ".join(draw(bpy, bpy.types.DIMPLE_PT_readout, object=body))
     finally:
         sessions.stop_all()
         monkeypatch.undo()
         native.why_not.cache_clear()
-    assert entry.session.backend == "numpy" and "Runs on numpy, slower" in said and word in said
+    assert entry.session.backend == "numpy" and "Runs on numpy, slower" in shown and word in shown
 
 
-def test_a_calibration_shows_its_constants_with_errors_and_what_a_hand_can_tell(bpy: ModuleType, body: Any) -> None:
+def test_a_calibration_shows_its_constants_with_errors_and_the_just_noticeable_difference(
+    bpy: ModuleType, body: Any
+) -> None:
     panel = bpy.types.DIMPLE_PT_calibration
     assert "dimple.calibrate" in " ".join(draw(bpy, panel, object=body))
     bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=165)
@@ -172,33 +174,45 @@ def test_a_calibration_shows_its_constants_with_errors_and_what_a_hand_can_tell(
     assert any(
         "±" in text for text in draw(bpy, bpy.types.DIMPLE_PT_material_calibration, material=body.active_material)
     )
+    before = " ".join(draw(bpy, panel, object=body))
     body.active_material.dimple.K1 = 2.0
-    assert "were changed since" in " ".join(draw(bpy, panel, object=body))
+    edited = "The constants were edited after the measurement."
+    assert edited not in before and edited in " ".join(draw(bpy, panel, object=body))
+    assert edited in " ".join(draw(bpy, bpy.types.DIMPLE_PT_material, material=body.active_material))
 
 
-def test_what_moves_is_told_with_its_reason_and_a_comparison_as_a_table(bpy: ModuleType, body: Any) -> None:
+def test_the_plan_is_shown_with_its_reason_and_a_comparison_as_a_table(bpy: ModuleType, body: Any) -> None:
     import json
 
-    settings, panel = body.dimple, bpy.types.DIMPLE_PT_methods
+    settings, panel = body.dimple, bpy.types.DIMPLE_PT_reduction
     shown = draw(bpy, panel, object=body)
-    assert "DIMPLE_PG_object.moves" in shown and "dimple.apply_method" not in shown
-    settings.plan_reason = "8 vertices at 1 steps a millisecond run live."
+    assert "DIMPLE_PG_object.simulated" in shown and "dimple.apply_proxy" not in shown
+    settings.plan_reason = "The full mesh runs live: 8 vertices at 1 steps per millisecond."
     variants = ((0, 9602, 1.01, 0.0, 0.0), (400, 400, 0.025, 0.487, 0.25))
     names = ("asked", "vertices", "cost", "error", "force_error")
     settings.comparison = json.dumps({"variants": [dict(zip(names, each, strict=True)) for each in variants]})
     shown = draw(bpy, panel, object=body)
     for text in (
-        "8 vertices at 1 steps",
-        "Mesh Itself, 9602",
+        "8 vertices at 1 steps per millisecond.",
+        "Full Mesh, 9602",
         "0.025 s/s",
         "0.49 mm",
         "25%",
     ):
-        assert any(text in each for each in shown), text
-    assert shown.count("dimple.apply_method") == 2, "every variant has a button"
+        assert text in " ".join(shown), text
+    assert shown.count("dimple.apply_proxy") == 2, "every variant has a button"
+    outdated = "The body or the fingertip has changed: compare again"
+    assert outdated in " ".join(shown), "nothing says what this comparison depends on"
+    from bl_ext.user_default.dimple.operators import compare_proxies
+
+    kept = json.loads(settings.comparison) | {"depends_on": compare_proxies.depends_on(bpy.context.scene, body)}
+    settings.comparison = json.dumps(kept)
+    assert outdated not in " ".join(draw(bpy, panel, object=body))
+    bpy.context.scene.dimple.finger_radius_mm *= 2
+    assert outdated in " ".join(draw(bpy, panel, object=body))
 
 
-def test_what_was_identified_is_told_and_that_it_was_cleared(bpy: ModuleType, body: Any) -> None:
+def test_an_identification_is_shown_and_that_it_was_cleared(bpy: ModuleType, body: Any) -> None:
     import json
 
     panel, settings = bpy.types.DIMPLE_PT_identification, body.active_material.dimple
@@ -209,9 +223,17 @@ def test_what_was_identified_is_told_and_that_it_was_cleared(bpy: ModuleType, bo
         "notes": ["The skin's k is taken at 2 %."], "holds_for": settings.held_by(),
     })  # fmt: skip
     shown = draw(bpy, panel, object=body)
-    for text in ("Cube, 165 mm", "98", "1.2%", "45.0%", "2.00%", "6% – 8%", "The skin's k is taken at 2 %."):
+    for text in (
+        "Cube, 165 mm",
+        "98",
+        "1.2% of full scale",
+        "45.0%",
+        "2.00%",
+        "6% – 8%",
+        "The skin's k is taken at 2 %.",
+    ):
         assert text in shown, text
-    assert "A hand can tell" in " ".join(shown), "1.2 % of full scale, but 45 % of a force"
+    assert "This error can be felt." in shown, "1.2 % of full scale, but 45 % of a force"
     settings.x0 = 5.0
     assert "identify again" in " ".join(draw(bpy, panel, object=body))
 

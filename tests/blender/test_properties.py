@@ -1,4 +1,4 @@
-"""What Blender stores means what its label says: units, defaults, several materials, the file."""
+"""What Blender stores: units, defaults, several materials, and what is kept in the file."""
 
 from pathlib import Path
 from types import ModuleType
@@ -42,7 +42,7 @@ def test_a_new_object_is_switched_off_and_as_large_as_it_is_modelled(empty_file:
     body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
     assert not body.dimple.enabled
     assert body.dimple.to_params() == {
-        "law_set": "consistent", "hold": "base", "pin_group": "", "softness_group": "", "size": None
+        "law_set": "consistent", "pinned": "base", "pin_group": "", "softness_group": "", "size": None
     }  # fmt: skip
     body.dimple.size_mode = "CUSTOM"
     assert body.dimple.to_params()["size"] == 0.165
@@ -88,7 +88,9 @@ def test_every_fill_and_law_set_is_one_the_core_knows(empty_file: ModuleType, ma
 
 
 @pytest.mark.parametrize("name", ["K1", "K2", "k", "x0", "density"])
-def test_a_constant_of_zero_is_told_in_the_panel_and_a_negative_one_cannot_be_typed(material: Any, name: str) -> None:
+def test_a_constant_of_zero_is_reported_in_the_panel_and_a_negative_one_cannot_be_typed(
+    material: Any, name: str
+) -> None:
     from bl_ext.user_default.dimple.addon import panels
 
     assert panels.wrong_with(material) == []
@@ -99,12 +101,15 @@ def test_a_constant_of_zero_is_told_in_the_panel_and_a_negative_one_cannot_be_ty
 
 
 def test_constants_changed_by_hand_no_longer_pass_for_measured(material: Any) -> None:
+    material.K1 = 4.0
+    assert not material.edited, "typed in, not measured"
     material.provenance = "Table 2"
     material.friction = 0.9
-    assert material.provenance == "Table 2"
+    assert not material.edited, "friction was not measured"
     material.K1 = 5.0
-    material.K2 = 6.0
-    assert material.provenance == "Edited by hand after: Table 2"
+    assert material.edited and material.provenance == "Table 2"
+    material.provenance = "Table 3"
+    assert not material.edited, "a preset sets the source last"
 
 
 def test_a_soft_body_is_not_offered_as_a_fingertip(empty_file: ModuleType) -> None:
@@ -147,7 +152,7 @@ def test_the_sidebar_moves_to_the_tab_the_preferences_name(bpy: ModuleType) -> N
         tabs = {
             getattr(bpy.types, name).bl_category for name in sidebar if hasattr(getattr(bpy.types, name), "bl_category")
         }
-        assert tabs == {"Soft"}
+        assert tabs == {"Soft"} and len(sidebar) > 10
         chosen.tab_name = ""
         assert bpy.types.DIMPLE_PT_session.bl_category == "Dimple"
     finally:
@@ -166,6 +171,7 @@ def test_a_material_of_ones_own_is_kept_and_found_again(
     body.data.materials.append(bpy.data.materials.new("Mine"))
     body.active_material.dimple.K1 = 3.25
     body.active_material.dimple.provenance = "My kitchen scales"
+    body.active_material.dimple.K2 = 9.5  # by hand, so the preset is of an edited material
     assert bpy.ops.dimple.material_preset_add(name="Kitchen Sponge") == {"FINISHED"}
     body.active_material.dimple.K1 = 1.0
     body.active_material.dimple.provenance = ""
@@ -173,4 +179,5 @@ def test_a_material_of_ones_own_is_kept_and_found_again(
     assert bpy.ops.script.execute_preset(filepath=str(path), menu_idname="DIMPLE_PT_material_presets") == {"FINISHED"}
     assert body.active_material.dimple.K1 == 3.25
     assert body.active_material.dimple.provenance == "My kitchen scales"
+    assert body.active_material.dimple.edited
     path.unlink()

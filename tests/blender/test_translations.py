@@ -116,7 +116,7 @@ def test_every_word_that_the_panels_write_is_there_in_japanese(bpy: ModuleType, 
 def test_why_a_button_is_grey_is_looked_up_when_it_is_shown(
     bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Blender does not translate it, and has no Japanese in this environment: a stand-in looks it up."""
+    """Blender does not translate it, and has no Japanese in this environment: a replacement looks it up."""
     from bl_ext.user_default.dimple.operators import polls
 
     monkeypatch.setattr(polls, "pgettext_tip", lambda text: f"<{text}>")
@@ -143,3 +143,4 @@ def test_a_translation_keeps_numbers_units_and_places(japanese: dict) -> None:
         for part in ("{}", "(N/mm)", "(mm)", "(kg)", "(kg/m³)", "(s)"):
             assert (part in english) == (part in text), english
         assert text == text.strip() and text
+        assert english == "Dimple" or any(ord(character) > 0x2E7F for character in text), english

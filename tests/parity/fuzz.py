@@ -15,6 +15,7 @@ from core.native import BodyDef, CFrame, CMotion, Constants
 
 CALLS = 4000
 BODIES = 12
+NAMES = ("create", "set_constants", "set_state", "get_state", "step")
 ROOM = 4096  # elements of every array
 WILD = np.array([0.0, -1.0, 1e-3, 1e30, -1e300, 1e-310, np.nan, np.inf, -np.inf])
 FAR = (-1, -(2**31), 2**31 - 1, 2**40, -(2**62), 2**62)
@@ -100,7 +101,7 @@ def main(seed: int) -> None:
     rng, bodies = fuzzer.rng, list[ctypes.c_void_p]()
     address = ctypes.byref
     for _ in range(CALLS):
-        name = str(rng.choice(["create", "set_constants", "set_state", "get_state", "step"], p=[0.3, 0.1, 0.1, 0.1, 0.4]))
+        name = str(rng.choice(NAMES, p=[0.3, 0.1, 0.1, 0.1, 0.4]))
         body = bodies[rng.integers(len(bodies))] if bodies and rng.random() < 0.98 else None
         if name == "create":
             handle = ctypes.c_void_p()

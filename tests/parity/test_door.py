@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from core import base, native
-from core.body import contact, model
+from core.body import contact
 from core.mesh import depth
 from core.session import Session
 from core.solver.motion import FingertipMotion, Motion
@@ -53,7 +53,8 @@ def in_python(structure: type[ctypes.Structure]) -> list[tuple[str, str]]:
     def word(kind: Any) -> str:
         if hasattr(kind, "_length_"):
             return f"{word(kind._type_)}[{kind._length_}]"
-        return names.get(kind) or next(n for n in ("c_void_p", "c_double", "c_int64", "c_int32") if getattr(ctypes, n) is kind)
+        plain = ("c_void_p", "c_double", "c_int64", "c_int32")
+        return names.get(kind) or next(name for name in plain if getattr(ctypes, name) is kind)
 
     return [(name.rstrip("_"), word(kind)) for name, kind, *_ in structure._fields_]
 
@@ -150,7 +151,8 @@ def test_a_state_and_a_motion_with_numbers_that_are_none_are_refused(body: nativ
     assert code_of(lambda: body.set_state(x, broken)) == NUMBER
     assert code_of(lambda: body.step(Motion(1, 1, bad))) == NUMBER
     tip = FingertipMotion.straight((0.0, 0.0, 1.0), (0.0, 0.0, 0.9), ticks=1, radius=0.1)
-    for broken_tip in (tip._replace(start=(0.0, bad, 0.0)), tip._replace(last=(bad, 0.0, 0.0)), tip._replace(radius=bad)):
+    wrong = tip._replace(start=(0.0, bad, 0.0)), tip._replace(last=(bad, 0.0, 0.0)), tip._replace(radius=bad)
+    for broken_tip in wrong:
         assert code_of(lambda: body.step(Motion(1, 1, TICK, (broken_tip,)))) == NUMBER  # noqa: B023
     h = np.full(9, bad)
     assert native.library().dm_fit_rotation(h.ctypes.data, np.zeros(9).ctypes.data) == NUMBER

@@ -162,7 +162,7 @@ def play() -> robot.Waits:
     yield from press_and_keep(at, rest, resting)
     check("Ctrl-Z leaves nothing on the mesh", traces() == before, extra(before))
     yield from save_and_load(at, rest, before)
-    yield from comparing.compare_methods(at, BODY, OUT, check)
+    yield from comparing.compare_proxies(at, BODY, OUT, check)
     yield from calibrating.calibrate(at, BODY, OUT, check)
     yield from device.feel(BODY, (0.0, 0.0, 1.2), OUT, check)
     yield from show_panels()
@@ -232,7 +232,7 @@ def save_and_load(at: tuple[int, int], rest: np.ndarray, before: set[str]) -> ro
 
 def show_panels() -> robot.Waits:
     """Photograph the panels of the properties editor, opened, in the room of the viewport."""
-    for name in ("DIMPLE_PT_material", "DIMPLE_PT_body", "DIMPLE_PT_methods", "DIMPLE_PT_material_calibration"):
+    for name in ("DIMPLE_PT_material", "DIMPLE_PT_body", "DIMPLE_PT_reduction", "DIMPLE_PT_material_calibration"):
         panel = getattr(bpy.types, name)
         bpy.utils.unregister_class(panel)
         panel.bl_options = set()  # open, for the picture only
@@ -269,7 +269,7 @@ def in_japanese() -> robot.Waits:
 def play_on(rest: np.ndarray) -> robot.Waits:
     """Start the simulation by its button and leave it running: `finish` closes Blender in the middle."""
     bpy.context.scene.dimple.use_gravity = True  # so that something moves
-    bpy.data.objects[BODY].dimple.hold = "FREE"
+    bpy.data.objects[BODY].dimple.pinned = "NONE"
     yield from robot.click(*REPORT["buttons"]["bpy.ops.dimple.play()"])
     yield from robot.until(lambda: moved(rest) > 0.01, "the free ball falls", 60)
     check("a click on its button plays: the free ball falls", "DIMPLE_OT_play" in robot.modal_operators())

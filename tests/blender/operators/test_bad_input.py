@@ -124,8 +124,8 @@ def test_a_scale_of_zero_is_refused(add: Callable[..., Any], refused: Refused, s
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"hold": "GROUP", "pin_group": "Neck"}, 'no vertex group "Neck"'),
-        ({"hold": "GROUP"}, "none is chosen"),
+        ({"pinned": "GROUP", "pin_group": "Neck"}, 'no vertex group "Neck"'),
+        ({"pinned": "GROUP"}, "none is chosen"),
         ({"softness_group": "Soft"}, 'no vertex group "Soft"'),
     ],
 )
@@ -141,7 +141,7 @@ def test_a_vertex_group_that_does_not_exist_is_named(
 def test_pins_that_hold_nothing_are_refused(add: Callable[..., Any], refused: Refused) -> None:
     obj = add()
     obj.vertex_groups.new(name="Neck").add([0, 1], 0.4, "ADD")
-    obj.dimple.hold, obj.dimple.pin_group = "GROUP", "Neck"
+    obj.dimple.pinned, obj.dimple.pin_group = "GROUP", "Neck"
     refused(obj, "weight of 0.5")
 
 
@@ -161,7 +161,7 @@ def test_a_fingertip_that_alone_is_selected_is_said(bpy: ModuleType, add: Callab
     body.select_set(False)
     with pytest.raises(RuntimeError, match="Only a fingertip is selected"):
         bpy.ops.dimple.poke(**QUICK)
-    assert bpy.context.object == tip and not bpy.ops.dimple.compare_methods.poll()
+    assert bpy.context.object == tip and not bpy.ops.dimple.compare_proxies.poll()
 
 
 def test_nothing_selected_is_said(bpy: ModuleType, empty_file: ModuleType) -> None:

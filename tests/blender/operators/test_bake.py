@@ -152,7 +152,7 @@ def test_a_free_body_falls_by_physics_not_by_frames(
     bpy: ModuleType, scene: Any, add: Add, coordinates: Bits, fps: int
 ) -> None:
     obj = add()
-    obj.dimple.hold, obj.dimple.size_mode = "FREE", "REAL"
+    obj.dimple.pinned, obj.dimple.size_mode = "NONE", "REAL"
     scene.dimple.use_gravity, scene.render.fps = True, fps
     bpy.ops.dimple.bake(frame_start=1, frame_end=1 + fps)
     _, positions = cached(scene)

@@ -141,7 +141,7 @@ def test_escape_disarms(bpy: ModuleType, port: Any) -> None:
     wait(lambda report: report.arming.name == "OFF")
 
 
-ENDS = ("poke", "play", "compare_methods")
+ENDS = ("poke", "play", "compare_proxies")
 
 
 @pytest.mark.parametrize("name", ENDS)

@@ -1,4 +1,4 @@
-"""The planner against the best choice there was: the fit made again, and its plans for bodies it was not fitted on."""
+"""Charts of the planner: its fit repeated, and its choices against the best ones on bodies it was not fitted on."""
 
 from __future__ import annotations
 
@@ -12,53 +12,59 @@ from matplotlib.axes import Axes
 
 from core.reduction import planner
 from studies import bodies, proxies
-from studies.proxies import COARSEST, FINEST, LINE, NEVER, SLACK, Choice, Judge, Row
+from studies.proxies import COARSEST, FINEST, LINE, NEVER, SLACK, Choice, ProxyBenchmark, Row
 
 from .drawing import save, table, write_csv
 
-BUDGETS = (0.05, 0.2, 0.6, 2.0)  # [s] of a second
+BUDGETS = (0.05, 0.2, 0.6, 2.0)  # [s] per second
 COLOURS = {"presses": "tab:blue", "heavy": "tab:orange"}
-FITS = (  # what a row has, what it is, the planner's line
-    ("error", "skin: error over fingertip radius", planner.ERROR, planner.ERROR_POWER),
+FITS = (  # field of a row, label, factor and power of the planner's fit
+    ("error", "surface: error over fingertip radius", planner.ERROR, planner.ERROR_POWER),
     ("force_error", "force: error as a share", planner.FORCE_ERROR, planner.FORCE_POWER),
 )
 
 
-def draw_stand_ins(out: Path, quick: bool) -> None:
-    """Draw the fit, ladders of stand-ins and what the planner's choices come to; print the table."""
-    known = [] if quick else [row for body in bodies.FITTED for row in proxies.rows(Judge(body, bodies.build(body)))]
-    judges = [judge_of(body, quick) for body in (bodies.UNSEEN[2:3] if quick else bodies.UNSEEN + bodies.FRESH)]
-    choices = [choice for judge in judges for choice in choices_of(judge, quick)]
-    unseen = [row for judge in judges for row in proxies.rows(judge)]
+def draw_proxies(out: Path, quick: bool) -> None:
+    """Draw the fit, ladders of proxies and the outcomes of the planner's choices; print the tables."""
+    known = (
+        []
+        if quick
+        else [row for body in bodies.FITTED for row in proxies.rows(ProxyBenchmark(body, bodies.build(body)))]
+    )
+    benchmarks = [benchmark_of(body, quick) for body in (bodies.UNSEEN[2:3] if quick else bodies.UNSEEN + bodies.FRESH)]
+    choices = [choice for benchmark in benchmarks for choice in choices_of(benchmark, quick)]
+    unseen = [row for benchmark in benchmarks for row in proxies.rows(benchmark)]
     write_rows(out, known, unseen, choices)
-    figure, ((skin, force), (ladder, verdict)) = plt.subplots(2, 2, figsize=(13, 10))
-    for axes, (what, label, factor, power) in zip((skin, force), FITS, strict=True):
+    figure, ((surface, force), (ladder, verdict)) = plt.subplots(2, 2, figsize=(13, 10))
+    for axes, (what, label, factor, power) in zip((surface, force), FITS, strict=True):
         draw_fit(axes, known, unseen, what, factor, power)
         axes.set_ylabel(label)
-    draw_ladders(ladder, judges, choices)
+    draw_ladders(ladder, benchmarks, choices)
     draw_verdict(verdict, choices)
-    figure.suptitle("Stand-ins: what the planner expects of them, and what its choices come to on bodies it never saw")
+    figure.suptitle(
+        "Proxies: the errors the planner expects, and the outcomes of its choices on bodies it was not fitted on"
+    )
     save(figure, out / "proxies")
-    print(told(choices), flush=True)
-    print(told_budgets(judges), flush=True)
+    print(choices_table(choices), flush=True)
+    print(budgets_table(benchmarks), flush=True)
     if known:
         again = proxies.fit(known)
         print("The fit made again:", ", ".join(f"{value:.3g}" for value in again), end="; the planner's: ")
         print(planner.ERROR, planner.ERROR_POWER, planner.FORCE_ERROR, planner.FORCE_POWER, sep=", ", flush=True)
 
 
-def judge_of(body: bodies.Body, quick: bool) -> Judge:
-    return Judge(body, bodies.build(body, 12 if quick else bodies.FINE), half=2 if quick else proxies.HALF)
+def benchmark_of(body: bodies.BodyCase, quick: bool) -> ProxyBenchmark:
+    return ProxyBenchmark(body, bodies.build(body, 12 if quick else bodies.FINE), half=2 if quick else proxies.HALF)
 
 
-def choices_of(judge: Judge, quick: bool) -> list[Choice]:
-    near = proxies.tolerances(judge.body)
-    return list(proxies.choices(judge, budget=NEVER, near=near[-1:] if quick else near))
+def choices_of(benchmark: ProxyBenchmark, quick: bool) -> list[Choice]:
+    near = proxies.tolerances(benchmark.body)
+    return list(proxies.choices(benchmark, budget=NEVER, near=near[-1:] if quick else near))
 
 
 def write_rows(out: Path, known: Sequence[Row], unseen: Sequence[Row], choices: Sequence[Choice]) -> None:
     write_csv(
-        out / "stand_ins_fit.csv",
+        out / "proxies_fit.csv",
         ("body", "fitted", "vertices", "spacing_over_radius", "error_over_radius", "force_error"),
         ((r.body, int(r in known), r.vertices, f"{r.share:.4g}", f"{r.error:.4g}", f"{r.force_error:.4g}")
          for r in (*known, *unseen)),
@@ -75,43 +81,44 @@ def write_rows(out: Path, known: Sequence[Row], unseen: Sequence[Row], choices: 
 
 
 def draw_fit(axes: Axes, known: Sequence[Row], unseen: Sequence[Row], what: str, factor: float, power: float) -> None:
-    """Draw the error of rungs against their spacing, and the planner's line."""
+    """Draw the errors of proxies against their spacing, and the planner's fit."""
     for rows, marker, label in ((known, "o", "fitted bodies"), (unseen, "x", "unseen bodies")):
         axes.loglog([r.share for r in rows], [getattr(r, what) for r in rows], marker, ms=4, alpha=0.6, label=label)
     share = np.array([FINEST, COARSEST])
     axes.loglog(share, factor * share**power, "k-", label=f"planner: {factor:g} (h / R)^{power:g}")
-    axes.set_xlabel("spacing of the stand-in over fingertip radius, h / R")
+    axes.set_xlabel("spacing of the proxy over fingertip radius, h / R")
     axes.legend(frameon=False, fontsize=8)
 
 
-def draw_ladders(axes: Axes, judges: Sequence[Judge], choices: Sequence[Choice]) -> None:
-    """Draw error against cost for every unseen body, the planner's choices on it."""
-    for judge, colour in zip(judges, plt.get_cmap("tab20").colors, strict=False):  # type: ignore[attr-defined]
-        radius = judge.body.radius
-        rungs = [tried for tried in judge.ladder() if tried.asked]
-        label = f"{judge.body.name}: the mesh {judge.mesh.cost:.2g}"
+def draw_ladders(axes: Axes, benchmarks: Sequence[ProxyBenchmark], choices: Sequence[Choice]) -> None:
+    """Draw error against cost for every unseen body, with the planner's choices for it."""
+    for benchmark, colour in zip(benchmarks, plt.get_cmap("tab20").colors, strict=False):  # type: ignore[attr-defined]
+        radius = benchmark.body.radius
+        rungs = [rung for rung in benchmark.ladder() if rung.asked]
+        label = f"{benchmark.body.name}: the mesh {benchmark.mesh.cost:.2g}"
         axes.loglog([r.cost for r in rungs], [r.error / radius for r in rungs], color=colour, lw=1, label=label)
-        taken = [c.ours for c in choices if c.body is judge.body and c.by == "presses" and c.plan.asked]
+        taken = [c.ours for c in choices if c.body is benchmark.body and c.by == "presses" and c.plan.asked]
         axes.loglog([t.cost for t in taken], [t.error / radius for t in taken], "o", ms=5, color=colour)
-    axes.set(xlabel="processor time [s] of a second", ylabel="error of the skin over fingertip radius")
-    axes.set_title("ladders of stand-ins; points: the planner's choices", fontsize=9)
+    axes.set(xlabel="processor time [s] per second", ylabel="error of the surface over fingertip radius")
+    axes.set_title("ladders of proxies; points: the planner's choices", fontsize=9)
     axes.legend(frameon=False, fontsize=6)
 
 
 def draw_verdict(axes: Axes, choices: Sequence[Choice]) -> None:
-    """Draw cost over the best choice's against error over tolerance: inside the box the line is kept."""
+    """Draw work over that of the best choice against error over tolerance; good choices are lower left."""
     for by, colour in COLOURS.items():
         some = [c for c in choices if c.by == by]
         label = {"presses": "pressed first", "heavy": "as if the mesh were too heavy to press"}[by]
         axes.semilogy([c.excess for c in some], [c.ratio for c in some], "o", color=colour, alpha=0.6, label=label)
     axes.axvline(SLACK, color="0.5", lw=1)
     axes.axhline(LINE, color="0.5", lw=1)
-    axes.set(xlabel="larger error over its tolerance (0: the mesh itself)", ylabel="work over that of the best choice")
+    axes.set(xlabel="larger error over its tolerance (0: the full mesh)", ylabel="work over that of the best choice")
     axes.set_title(f"kept: below {LINE:g} and left of {SLACK:.2f}", fontsize=9)
     axes.legend(frameon=False, fontsize=8)
 
 
-def told(choices: Sequence[Choice]) -> str:
+def choices_table(choices: Sequence[Choice]) -> str:
+    """Return every choice beside the best one, then a summary for each set of bodies."""
     lines = [("body", "asked", "by", "chosen", "error", "force", "best", "work", "cost", "")]
     for c in choices:
         lines.append((
@@ -119,25 +126,25 @@ def told(choices: Sequence[Choice]) -> str:
             f"{1e3 * c.ours.error:.2f} mm", f"{c.ours.force_error:.0%}", f"{c.best.vertices}", f"{c.ratio:.2f}",
             f"{c.cost_ratio:.2f}", "" if c.keeps and c.ratio <= LINE else "not kept",
         ))  # fmt: skip
-    said = [table(lines)]
+    parts = [table(lines)]
     sets = [("unseen", bodies.UNSEEN), ("fresh", bodies.FRESH)]
     for by, (name, members) in itertools.product(COLOURS, sets):
         some = [c for c in choices if c.by == by and c.body in members]
         if not some:
             continue
         near = sum(c.keeps for c in some)
-        said.append(
+        parts.append(
             f"By {by}, {name}: at most {max(c.ratio for c in some):.2f} times the work of the best choice, "
             f"{sum(c.ratio <= LINE for c in some)} of {len(some)} within {LINE:g}; "
             f"tolerances kept up to a third over by {near} of {len(some)}, the worst {max(c.excess for c in some):.2f}"
         )
-    return "\n".join(said)
+    return "\n".join(parts)
 
 
-def told_budgets(judges: Sequence[Judge]) -> str:
-    """Tell what moves as the budget grows, and how often a choice that misses it could have kept it."""
-    lines = [("budget", "mesh live", "stand-in live", "slower", "of these the best choice would be live")]
-    found = [choice for judge in judges for choice in proxies.over_budgets(judge, BUDGETS)]
+def budgets_table(benchmarks: Sequence[ProxyBenchmark]) -> str:
+    """Return what is simulated as the budget grows, and how often the best choice would have kept a missed budget."""
+    lines = [("budget", "mesh live", "proxy live", "slower", "of these the best choice would be live")]
+    found = [choice for benchmark in benchmarks for choice in proxies.over_budgets(benchmark, BUDGETS)]
     for budget in BUDGETS:
         some = [c for c in found if c.budget == budget]
         live = [c for c in some if c.plan.cost <= budget]
