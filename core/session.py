@@ -193,6 +193,11 @@ class Session:
         self.frame = self._show(forces if not note else forces[:0], done, time.perf_counter() - started, note)
         return self.frame
 
+    @property
+    def fingers(self) -> tuple[Finger | None, ...]:
+        """Return where the fingertips are to be at the end of the next step."""
+        return tuple(self._targets)
+
     def positions(self) -> npt.NDArray[np.float32]:
         """Return where the input vertices (N, 3) [m] are now."""
         return self._skin()[self.model.mesh.source].astype(np.float32)

@@ -24,24 +24,26 @@ from typing import Any
 import numpy as np
 
 from core import native
-from core.body.model import Model, State, build_model, initial_state
+from core.base import Floats
+from core.body.model import Model, build_model
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
-from core.session import TICKS_AT_ONCE
-from core.solver import semi_implicit
-from core.solver.path import FingerPath
+from core.session import TICKS_AT_ONCE, Finger, Session
+from core.solver.backend import Body
+from core.solver.motion import FingertipMotion, Motion
+from core.solver.twin import Twin
 from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 from tests.bench.chart import draw
-
-Stepper = Callable[[Model, State, FingerPath, float, int], object]
 
 TICK = 1e-3  # [s]
 DEPTH = 0.010  # [m] of the press that is measured
 PRESS_TICKS = 8  # from the skin to there
 BALL_SIZES, CUBE_SIZES = (3, 4, 5, 6, 7), (10, 20, 41, 82, 165)  # 642 or 602 vertices to 164 thousand
 SUBSTEPS = 10  # in a tick, for "so many vertices in real time"
+CALLS_MS = (1.0, 1000 / 60)  # of a session: a servo's, or another solver's user's; and a viewport's
+SESSION_LIMIT = 12_000  # vertices of the largest body that is stepped through a session too
 
-WORLD = {"bend": 0.1, "gravity": (0.0, 0.0, -9.81), "ground": -BALL_RADIUS}
+WORLD = {"gravity": (0.0, 0.0, -9.81), "ground": -BALL_RADIUS}
 
 # scene: mesh of a size, material, held by its base, number of fingertips, sizes, and what build_model is told beside
 SCENES: dict[str, tuple[Callable[[int], Mesh], Material, bool, int, tuple[int, ...], dict[str, Any]]] = {
@@ -50,10 +52,15 @@ SCENES: dict[str, tuple[Callable[[int], Mesh], Material, bool, int, tuple[int, .
     "poke_cube": (lambda cells: cube(cells, PRESETS[2].size), PRESETS[2].material, True, 1, CUBE_SIZES, {}),
     "everything": (ball, BALL, False, 1, BALL_SIZES, WORLD),
 }
+KINDS: dict[str, dict[str, Any]] = {
+    "native": {"bits": 32},
+    "native, no AVX": {"bits": 32, "instruction_set": native.BASE},
+    "native64": {"bits": 64},
+}
 
 
 def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int) -> list[dict[str, Any]]:
-    """Return a case for each backend.
+    """Return a case for each backend, and for a session at either rate of calls.
 
     Args:
         seconds, repeats: the least to spend.
@@ -65,48 +72,92 @@ def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int
     model_s, n = time.perf_counter() - started, len(model.mass)
     model_mb, substeps = memory_mb() - before, model.substeps(TICK)
 
-    bodies: dict[str, tuple[Stepper, float, float]] = {}
-    kinds = {"native": (32, native.BEST)}
-    if n <= slowest:
-        kinds |= {"native, no AVX": (32, native.BASE), "native64": (64, native.BEST)}
-    for name, (bits, instruction_set) in kinds.items() if not native.why_not() else ():
-        before, started = memory_mb(), time.perf_counter()
-        body = native.Body(native.library(), model, bits, instruction_set)
-        bodies[name] = with_native(body), time.perf_counter() - started, memory_mb() - before
+    bodies: dict[str, tuple[Body, float, float]] = {}
+    for name, options in KINDS.items() if not native.why_not() else ():
+        if n <= slowest or name == "native":
+            before, started = memory_mb(), time.perf_counter()
+            body: Body = native.Body(model, **options)
+            bodies[name] = body, time.perf_counter() - started, memory_mb() - before
     if n <= slowest or not bodies:
-        bodies["numpy"] = with_numpy, 0.0, 0.0
-
-    states = {name: initial_state(model) for name in bodies}
-    first, state = next(iter(bodies)), states[next(iter(bodies))]
-    bodies[first][0](model, state, straight(top, top - DEPTH, PRESS_TICKS if fingers else 2, fingers), TICK, substeps)
-    for name in states:
-        states[name].positions, states[name].velocities = state.positions.copy(), state.velocities.copy()
-        states[name].pressure = state.pressure
+        bodies["numpy"] = Twin(model), 0.0, 0.0
+    first = next(iter(bodies))
+    ticks = PRESS_TICKS if fingers else 2
+    bodies[first][0].step(Motion(ticks, substeps, TICK, straight(top, top - DEPTH, ticks, fingers)))
+    pressed = bodies[first][0].positions(), bodies[first][0].velocities()
+    for body, _, _ in bodies.values():
+        body.set_state(*pressed)
+    sessions = {call_ms: pressed_session(model, pressed, fingers, top) for call_ms in CALLS_MS if n <= SESSION_LIMIT}
 
     # a turn is what a session runs at once, or for numpy as many substeps as take a fraction of the time there is
     few = max(1, min(substeps, int(seconds / 2 / (n * 1e-6))))
     turns = {name: (1, few) if name == "numpy" else (TICKS_AT_ONCE, substeps) for name in bodies}
     times = {name: list[float]() for name in bodies}
+    calls = {call_ms: list[float]() for call_ms in sessions}
+    still = {ticks: straight(top - DEPTH, top - DEPTH, ticks, fingers) for ticks in (1, TICKS_AT_ONCE)}
     end = time.perf_counter() + seconds
     gc.disable()
     while time.perf_counter() < end or len(times[first]) < repeats:
-        for name, (stepper, _, _) in bodies.items():
+        for name, (body, _, _) in bodies.items():
             ticks, steps = turns[name]
-            still = straight(top - DEPTH, top - DEPTH, ticks, fingers)
+            motion = Motion(ticks, steps, TICK * steps / substeps, still[ticks])
             started = time.process_time()
-            stepper(model, states[name], still, TICK * steps / substeps, steps)
+            body.step(motion)
             times[name].append((time.process_time() - started) / (ticks * steps * n) * 1e9)
+        for call_ms, session in sessions.items():
+            calls[call_ms].append(called(session, call_ms / 1e3))
     gc.enable()
+    alone = float(np.median(times[first]))
     return [
         {
-            "scene": scene, "vertices": n, "backend": name, "substeps": substeps,
+            "scene": scene, "vertices": n, "backend": name, "call_ms": "", "substeps": substeps,
             "ns_per_vertex_step": round(float(np.median(times[name])), 3),
             "ns_least": round(min(times[name]), 3), "repeats": len(times[name]),
             "realtime_factor_1khz": round(TICK / (substeps * n * float(np.median(times[name])) * 1e-9), 4),
+            "us_a_call_more": "", "times_the_steps": "",
             "set_up_s": round(model_s + extra_s, 4), "memory_mb": round(model_mb + extra_mb, 1),
         }
         for name, (_, extra_s, extra_mb) in bodies.items()
+    ] + [
+        session_case(scene, n, substeps, call_ms, calls[call_ms], alone) for call_ms in sessions
     ]  # fmt: skip
+
+
+def pressed_session(model: Model, pressed: tuple[Floats, Floats], fingers: int, top: float) -> Session:
+    """Return a session whose body is pressed already, its fingertip where it is to stay."""
+    session = Session(model)
+    session.set_fingers([Finger((0.0, 0.0, top - DEPTH), FINGERTIP)] * fingers)
+    session.body.set_state(*pressed)
+    return session
+
+
+def called(session: Session, call_s: float) -> float:
+    """Return the processor time [s] of a second of calls over the time simulated: some calls, as a user makes them.
+
+    In a viewport each call is looked at; a servo only wants the forces.
+    """
+    count = max(1, round(TICKS_AT_ONCE * TICK / call_s))
+    started, ticks = time.process_time(), 0
+    for _ in range(count):
+        session.set_fingers(session.fingers)
+        ticks += session.step(call_s).steps
+        if call_s > TICK:
+            session.positions()
+    return (time.process_time() - started) / max(ticks, 1)
+
+
+def session_case(
+    scene: str, n: int, substeps: int, call_ms: float, ticks: list[float], alone: float
+) -> dict[str, Any]:
+    """Return what stepping through a session costs beside the steps alone [ns a vertex and step]."""
+    tick, steps = float(np.median(ticks)), substeps * n * alone * 1e-9
+    return {
+        "scene": scene, "vertices": n, "backend": "session", "call_ms": round(call_ms, 1), "substeps": substeps,
+        "ns_per_vertex_step": round(tick / (substeps * n) * 1e9, 3),
+        "ns_least": round(min(ticks) / (substeps * n) * 1e9, 3), "repeats": len(ticks),
+        "realtime_factor_1khz": round(TICK / tick, 4),
+        "us_a_call_more": round((tick - steps) * call_ms * 1e6, 1), "times_the_steps": round(tick / steps, 3),
+        "set_up_s": "", "memory_mb": "",
+    }  # fmt: skip
 
 
 def scene_of(scene: str, size: int) -> tuple[Model, int, float]:
@@ -117,19 +168,10 @@ def scene_of(scene: str, size: int) -> tuple[Model, int, float]:
     return model, fingers, float(mesh.rest_positions[:, 2].max()) + FINGERTIP
 
 
-def with_native(body: native.Body) -> Stepper:
-    return lambda model, state, path, tick, steps: native.run_body(body, model, state, path, tick=tick, substeps=steps)
-
-
-def with_numpy(model: Model, state: State, path: FingerPath, tick: float, steps: int) -> object:
-    return semi_implicit.run(model, state, path, tick=tick, substeps=steps)
-
-
-def straight(start: float, end: float, ticks: int, fingers: int) -> FingerPath:
+def straight(start: float, end: float, ticks: int, fingers: int) -> tuple[FingertipMotion, ...]:
     """Return fingertips going from one height [m] to another over the pole."""
-    centres = np.zeros((fingers, ticks + 1, 3))
-    centres[:, :, 2] = np.linspace(start, end, ticks + 1)
-    return FingerPath(centres=centres, radii=np.full(fingers, FINGERTIP))
+    tip = FingertipMotion.straight((0.0, 0.0, start), (0.0, 0.0, end), ticks=ticks, radius=FINGERTIP)
+    return (tip,) * fingers
 
 
 def memory_mb() -> float:
@@ -157,7 +199,8 @@ def bandwidth() -> float:
 def summary(cases: list[dict[str, Any]]) -> dict[str, Any]:
     """Return, for each scene and backend, the log-log slope of cost, and how large a mesh keeps real time."""
     lines: dict[str, Any] = {}
-    for scene, backend in sorted({(case["scene"], case["backend"]) for case in cases}):
+    steps = [case for case in cases if case["backend"] != "session"]
+    for scene, backend in sorted({(case["scene"], case["backend"]) for case in steps}):
         mine = [case for case in cases if (case["scene"], case["backend"]) == (scene, backend)]
         n = np.array([case["vertices"] for case in mine], float)
         cost = n * np.array([case["ns_per_vertex_step"] for case in mine]) * 1e-9
@@ -170,6 +213,10 @@ def summary(cases: list[dict[str, Any]]) -> dict[str, Any]:
             line[f"largest_realtime_{SUBSTEPS}_substeps"] = int(np.exp(largest))
         lines[f"{scene}, {backend}"] = line
     for case in cases:
+        if case["backend"] == "session":
+            named = f"{case['scene']}, {case['vertices']}, a call of {case['call_ms']} ms"
+            more = {"us a call more": case["us_a_call_more"], "times the steps": case["times_the_steps"]}
+            lines.setdefault("session", {})[named] = more
         if case["backend"] == "numpy":
             twin = next(c for c in cases if (c["scene"], c["vertices"], c["backend"]) == (*_place(case), "native"))
             ratio = case["ns_per_vertex_step"] / twin["ns_per_vertex_step"]
@@ -241,11 +288,14 @@ def main(words: list[str]) -> int:
 
 
 def row(case: dict[str, Any]) -> str:
-    return (
-        f"{case['scene']:10} {case['vertices']:8} {case['backend']:15} {case['ns_per_vertex_step']:14.2f} "
-        f"{case['ns_least']:8.2f} {case['realtime_factor_1khz']:8.2f}x {case['set_up_s']:7.2f}s "
-        f"{case['memory_mb']:6.0f}"
+    name = f"{case['backend']} {case['call_ms']} ms" if case["call_ms"] else case["backend"]
+    line = (
+        f"{case['scene']:10} {case['vertices']:8} {name:15} {case['ns_per_vertex_step']:14.2f} "
+        f"{case['ns_least']:8.2f} {case['realtime_factor_1khz']:8.2f}x "
     )
+    if case["call_ms"]:
+        return line + f"{case['us_a_call_more']:+.1f} us a call, {case['times_the_steps']:.2f} times the steps"
+    return line + f"{case['set_up_s']:7.2f}s {case['memory_mb']:6.0f}"
 
 
 if __name__ == "__main__":
