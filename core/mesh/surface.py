@@ -131,28 +131,6 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     )  # fmt: skip
 
 
-def triangulate(positions: Floats, polygons: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
-    """Cut polygons (concave ones too) into triangles by their ears.
-
-    Args:
-        positions: (n, 3).
-        polygons: vertex indices of each face, three or more.
-
-    Returns:
-        triangles (t, 3) and the polygon each came from (t,).
-    """
-    positions = np.asarray(positions, np.float64)
-    triangles: list[tuple[int, int, int]] = []
-    origin: list[int] = []
-    for index, polygon in enumerate(polygons):
-        if len(polygon) < 3 or min(polygon) < 0 or max(polygon) >= len(positions):
-            raise DimpleError(f"Face {index} needs three or more vertices that exist. Run Mesh > Clean Up.")
-        ears = _ears(positions, list(polygon))
-        triangles += ears
-        origin += [index] * len(ears)
-    return np.array(triangles, np.int64).reshape(-1, 3), np.array(origin, np.int64)
-
-
 def base_vertices(mesh: Mesh, *, up: Sequence[float] = (0, 0, 1), share: float = 0.1) -> Bools:
     """Return which input vertices (N,) a body stands on: the lowest `share` of its height, or the rim of a sheet."""
     height = mesh.rest_positions @ np.asarray(up, np.float64)
@@ -241,31 +219,3 @@ def _springs(triangles: Ints, areas: Floats, n: int) -> tuple[Ints, Ints, Floats
     last[inverse] = np.arange(len(keys))
     beside = np.stack([first, last], axis=1) % len(triangles)
     return np.stack([unique // n, unique % n], axis=1), beside, sums_at(inverse, np.tile(areas, 3), len(unique)), count
-
-
-def _ears(positions: Floats, polygon: list[int]) -> list[tuple[int, int, int]]:
-    points = positions[polygon]
-    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
-    left, ears = list(range(len(polygon))), []
-    while len(left) > 3:
-        for at in range(len(left)):
-            a, b, c = (left[at - 1], left[at], left[(at + 1) % len(left)])
-            rest = [p for p in left if p not in (a, b, c)]
-            if _turns(points, a, b, c, normal) > 0 and not any(_within(points, p, (a, b, c), normal) for p in rest):
-                break
-        else:  # no ear: the polygon crosses itself; any corner will do
-            at = 1
-            a, b, c = left[0], left[1], left[2]
-        ears.append((a, b, c))
-        left.pop(at)
-    ears.append((left[0], left[1], left[2]))
-    return [(polygon[a], polygon[b], polygon[c]) for a, b, c in ears]
-
-
-def _turns(points: Floats, a: int, b: int, c: int, normal: Floats) -> float:
-    return float(np.cross(points[b] - points[a], points[c] - points[b]) @ normal)
-
-
-def _within(points: Floats, p: int, corners: tuple[int, int, int], normal: Floats) -> bool:
-    a, b, c = corners
-    return min(_turns(points, a, b, p, normal), _turns(points, b, c, p, normal), _turns(points, c, a, p, normal)) >= 0

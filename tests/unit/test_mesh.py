@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles, triangulate
+from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from studies.specimen import cube_triangles
 from tests.bodies import TETRAHEDRON, Shape, ball, hemisphere, joined, sheet, signed_volume, soup, walled_box
 
@@ -186,34 +186,3 @@ def test_a_mesh_that_cannot_be_pressed_is_refused_with_the_reason(
 def test_a_material_for_each_triangle_or_none() -> None:
     with pytest.raises(DimpleError, match="material index"):
         mesh_from_triangles(*TETRAHEDRON, triangle_material=np.zeros(3, int))
-
-
-@pytest.mark.parametrize(
-    "outline",
-    [
-        [(0, 0), (1, 0), (0, 1)],
-        [(0, 0), (1, 0), (1, 1), (0, 1)],
-        [(0, 0), (2, 0), (2, 2), (1, 0.5), (0, 2)],  # concave: an M
-        [(0, 0), (3, 0), (3, 1), (2, 1), (2, 2), (1, 2), (1, 1), (0, 1)],  # a T
-        [(0, 0), (1, 0), (2, 0), (2, 2), (0, 2), (0, 1)],  # corners in a line
-    ],
-)
-@pytest.mark.parametrize("start", range(3))
-def test_polygons_concave_too_are_cut_into_triangles_that_tile_them(
-    outline: list[tuple[float, float]], start: int
-) -> None:
-    flat = np.roll(np.array(outline, float), start, axis=0)
-    tilt = np.array([[1, 0, 0.3], [0, 1, -0.2]])
-    triangles, origin = triangulate(flat @ tilt, [list(range(len(flat)))])
-    x, y = flat.T
-    area = abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2  # shoelace
-    corners = flat[triangles]
-    turn = np.linalg.det(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1))
-    assert len(triangles) == len(flat) - 2 and (origin == 0).all()
-    assert (turn >= -1e-12).all() and turn.sum() / 2 == pytest.approx(area)
-
-
-@pytest.mark.parametrize("polygon", [[0, 1], [0, 1, 9], [0, 1, -1]])
-def test_a_polygon_of_vertices_that_do_not_exist_is_refused(polygon: list[int]) -> None:
-    with pytest.raises(DimpleError, match="Face 1 "):
-        triangulate(np.eye(3), [[0, 1, 2], polygon])
