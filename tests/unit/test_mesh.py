@@ -91,6 +91,16 @@ def test_a_hollow_ball_keeps_its_cavity(flipped: int) -> None:
     assert mesh.volume == pytest.approx((1 - 0.5**3) * signed_volume(points, faces))
 
 
+@pytest.mark.parametrize("flipped", [0, 1], ids=["whole", "one face flipped"])
+def test_an_open_part_facing_inward_is_turned_only_where_its_normals_disagree(flipped: int) -> None:
+    (points, faces), bowl = ball(1), hemisphere()
+    inward = bowl[1][:, ::-1].copy()
+    inward[:flipped] = inward[:flipped, ::-1]
+    mesh = mesh_from_triangles(*joined((points, faces), (bowl[0] + [5, 0, 0], inward)))
+    bowl_volume = mesh_from_triangles(*bowl).volume
+    assert mesh.volume == pytest.approx(signed_volume(points, faces) + (1 if flipped else -1) * bowl_volume)
+
+
 @pytest.mark.parametrize("segments", [3, 16, 40])
 def test_the_cap_of_a_hemisphere_makes_its_volume_that_of_the_closed_one(segments: int) -> None:
     points, faces = hemisphere(segments)
