@@ -25,16 +25,16 @@ class Rings:
     springs: (w, n) spring to that neighbour, -1 in padded slots.
     regular: (n,) has a ring.
     corners: (c, 3) triangles rotated so that their first corner is irregular.
-    loose_springs: (l,) springs with an irregular end.
-    loose_ends: (l, 2) which of its ends are irregular.
+    irregular_springs: (l,) springs with an irregular end.
+    irregular_ends: (l, 2) which of its ends are irregular.
     """
 
     neighbours: Ints
     springs: Ints
     regular: Bools
     corners: Ints
-    loose_springs: Ints
-    loose_ends: Bools
+    irregular_springs: Ints
+    irregular_ends: Bools
 
 
 def ordered_rings(triangles: Ints, springs: Ints, n: int) -> Rings:
@@ -77,5 +77,5 @@ def ordered_rings(triangles: Ints, springs: Ints, n: int) -> Rings:
     ends = ~regular[springs]
     return Rings(
         neighbours=ring, springs=ring_springs, regular=regular, corners=corners[~regular[corners[:, 0]]],
-        loose_springs=np.flatnonzero(ends.any(axis=1)), loose_ends=ends[ends.any(axis=1)],
+        irregular_springs=np.flatnonzero(ends.any(axis=1)), irregular_ends=ends[ends.any(axis=1)],
     )  # fmt: skip

@@ -147,7 +147,7 @@ class Body:
         self.call("dm_create", handle, bits, instruction_set, self.n, rest, width, rings.neighbours, rings.springs)
         weakref.finalize(self, library.dm_free, ctypes.c_uint64(self.handle.value))
 
-        loose, ends = rings.loose_springs, rings.loose_ends
+        loose, ends = rings.irregular_springs, rings.irregular_ends
         if model.law_set == "paper":  # Eq. (4) goes spring by spring
             loose, ends = np.arange(len(springs.pairs)), np.ones((len(springs.pairs), 2), bool)
         else:
