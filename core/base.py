@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from .errors import DimpleError as DimpleError  # it lives apart so that the servo process has it without numpy
+from .errors import DimpleError as DimpleError  # a module of its own, so that the servo process needs no numpy
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -16,23 +16,23 @@ Bools = npt.NDArray[np.bool_]
 
 STANDARD_GRAVITY = 9.81  # [m/s2]
 AIR_PRESSURE = 101_325.0  # [Pa] outside every body
-AIR_EXPONENT = 1.4  # a press is quick beside the warming of the air: adiabatic
-# [Pa] a thousandth of real water: a fingertip's few kPa change the volume by well under 0.5 %, and the
-# pressure wave does not ask for smaller steps than the skin does (tests/physics/test_volume.py)
+AIR_EXPONENT = 1.4  # adiabatic: a press is over before heat flows
+# [Pa] a thousandth of real water: a fingertip's few kPa still change the volume by well under 0.5 %, and the pressure
+# wave needs no shorter time steps than the membrane does (tests/physics/test_volume.py)
 LIQUID_BULK_MODULUS = 2e6
 
-FARTHEST = 1e9  # [m] a vertex farther away than the moon is a mistake
-WELD_SHARE = 1e-6  # of the bounding box: nearer vertices are one vertex
-CLOSED_BULK = 1e-6  # of size x area: a closed body with less volume has no inside
-OPEN_BULK = 1e-2  # the same of an open one: a crumpled or curved sheet is no body (a hemisphere has 0.17)
+FARTHEST = 1e9  # [m] beyond this a coordinate is taken for a mistake
+WELD_SHARE = 1e-6  # of the bounding box: vertices nearer than this are merged
+LEAST_VOLUME = 1e-6  # of size x area: a closed mesh with less encloses no volume
+LEAST_VOLUME_OPEN = 1e-2  # the same of an open mesh: a crumpled sheet encloses none, a hemisphere has 0.17
 MASS_FLOOR = 1e-2  # of the mean: no vertex is lighter
-STIFFEST = 4.0  # of the median stiffness over mass: a sliver's vertex is made heavier rather than set the time step
-TICK = 1e-3  # [s] control step: haptics' 1 kHz, and what makes motion independent of the frame rate
-STEP_SAFETY = 0.9  # of the stability bound; springs stiffen a little when they turn
-MAX_SUBSTEPS = 2000  # a tick finer than this would never be live
-SKIN_TRAVEL = 0.5  # of a fingertip's radius: what the skin may move in one substep without passing the fingertip
+STIFFEST = 4.0  # of the median stiffness over mass: the vertex of a sliver above it is made heavier
+TICK = 1e-3  # [s] control step: the 1 kHz of haptics; makes motion independent of the frame rate
+STEP_SAFETY = 0.9  # of the stability bound: springs stiffen a little as they turn
+MAX_SUBSTEPS = 2000  # of a tick: with more, a body could not run live
+SKIN_TRAVEL = 0.5  # of a fingertip's radius: the most the skin may move in a substep, or it would pass the fingertip
 LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
-FINGER_TRAVEL = 0.25  # of its radius: what a fingertip may move in one tick without skipping over a skin
+FINGER_TRAVEL = 0.25  # of its radius: the most a fingertip may move in a tick, or it would skip over the skin
 
 
 def sums_at(index: Ints, values: Floats, n: int) -> Floats:

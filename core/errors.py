@@ -1,5 +1,5 @@
-"""The one error a person sees; apart from `base`, so that the servo process has it without numpy."""
+"""The one error an artist sees; apart from `base`, so that the servo process needs no numpy."""
 
 
 class DimpleError(ValueError):
-    """Say what is wrong, where, and what to do, in words an artist can use."""
+    """Its message says what is wrong, where, and what to do, in an artist's words."""

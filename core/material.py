@@ -12,7 +12,11 @@ FILLS = ("air", "liquid", "paper", "none")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelConstants:
-    """Hold kappa1, kappa2: shape matching per area [N/m3], d0: its knee [m], membrane_scale: factor on k.
+    """Constants of the model that make it answer a press as the material does.
+
+    kappa1, kappa2: stiffness of shape matching per area, up to the knee and beyond it [N/m3].
+    d0: displacement at the knee [m].
+    membrane_scale: factor on the surface spring constant k.
 
     Raises:
         DimpleError: one of them is not greater than 0.
@@ -30,19 +34,20 @@ class ModelConstants:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
-    """Hold the constants of one material.
+    """Constants of one material.
 
     Args:
         K1: slope of force over depth up to the knee [N/m], Eq. (1).
         K2: slope beyond the knee [N/m].
         x0: depth of the knee [m].
         k: surface spring constant [N/m], Eq. (4).
-        mass: of the whole body were it all of this material [kg]; or
-        density: of the body [kg/m3] (of an open sheet: see `mesh.Mesh.bulk`). Give exactly one.
-        damping_ratio: of critical, for springs and shape matching.
-        friction: Coulomb coefficient of skin on fingertip and ground.
+        mass: of a body that is all of this material [kg]; or
+        density: [kg/m3], times the volume of the body; a sheet, which encloses none, is taken to be as thick as a
+            twentieth of its size. Give exactly one of the two.
+        damping_ratio: of springs and shape matching; 0 undamped, 1 critically damped.
+        friction: Coulomb coefficient of the skin against a fingertip and the ground.
         fill: "air", "liquid", "paper" (Eq. (2)) or "none".
-        constants: of the model, identified for one mesh by a simulated press; None: estimated from K1, K2 and x0.
+        constants: of the model, identified on one mesh by a simulated press; None: estimated from K1, K2 and x0.
 
     Raises:
         DimpleError: a constant is out of its range.
@@ -80,7 +85,14 @@ class Material:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Preset:
-    """Name a measured object: its material, its edge `size` [m] and where the numbers come from."""
+    """An object that was measured.
+
+    name: identifier.
+    label: what the interface shows.
+    material: its constants.
+    size: length of its edge [m].
+    provenance: where the numbers come from.
+    """
 
     name: str
     label: str

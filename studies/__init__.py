@@ -1,1 +1,1 @@
-"""Scenes and studies: the same scenes in tests, charts and samples."""
+"""The laboratory, not shipped: scenes, methods that do not ship, what charts and tables are made of."""

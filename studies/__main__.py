@@ -14,11 +14,11 @@ UNUSABLE, STOPPED = 2, 130  # exit codes; a command's own ones are 0 and from 3 
 # only the command asked for is imported
 COMMANDS = {
     "calibrate": ("fit a material to a force-depth file", ".calibrate", "add_command"),
-    "paper": ("make the paper's tables and figures again, beside the printed numbers", ".paper", "add_command"),
-    "emulator": ("run a haptic device that is not there", "core.haptics.command", "add_emulator"),
+    "paper": ("reproduce the paper's tables and figures, beside the printed numbers", ".paper", "add_command"),
+    "emulator": ("run an emulated haptic device", "core.haptics.command", "add_emulator"),
     "grasp": ("lift a cube with three emulated fingertips and put it down", ".grasp", "add_grasp"),
-    "haptics": ("press with an emulated device and tell what was felt", ".haptics", "add_haptics"),
-    "servo": ("talk to a haptic device for Blender, 1000 times a second", "core.haptics.command", "add_servo"),
+    "haptics": ("press with an emulated device and report what it rendered", ".haptics", "add_haptics"),
+    "servo": ("run a haptic device for Blender, 1000 times a second", "core.haptics.command", "add_servo"),
 }
 
 

@@ -1,4 +1,4 @@
-"""What a method does to energy: the breathing triangle without damping, over many steps."""
+"""How a method changes energy: the breathing triangle without damping, over many steps."""
 
 from __future__ import annotations
 
@@ -17,7 +17,13 @@ from .scenes import oscillator
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trace:
-    """Hold the energy over that at the start, ratios (m,), at phases (m,) omega t, of steps of omega dt."""
+    """The energy over time.
+
+    method: name in METHODS.
+    omega_dt: step size times the frequency.
+    phases: (m,) omega t.
+    ratios: (m,) energy over that at the start.
+    """
 
     method: str
     omega_dt: float
@@ -26,18 +32,18 @@ class Trace:
 
 
 def energy(model: Model, state: State) -> float:
-    """Return what is stored and what moves [J], gravity apart."""
+    """Return potential and kinetic energy [J], gravity left out."""
     x = state.positions
     stored = springs.energy(model.springs, x) + pressure.energy(model.pressure, x)
     stored += shape_matching.energy(model.matching, x, state.pose)
     return stored + float((state.velocities**2).sum(axis=0) @ model.mass) / 2
 
 
-def energy_trace(method: str, *, omega_dt: float, steps: int, looks: int = 100) -> Trace:
-    """Run a method without damping and look at the energy from time to time."""
+def energy_trace(method: str, *, omega_dt: float, steps: int, samples: int = 100) -> Trace:
+    """Run a method without damping and sample the energy."""
     model, state = oscillator(damping_ratio=0.0, stretch=0.05)
-    state.pose = (np.eye(3), np.zeros(3))  # it only breathes, so its shape at rest stays where it is
-    start, each = energy(model, state), max(1, steps // looks)
+    state.pose = (np.eye(3), np.zeros(3))  # it only breathes: the pose of its shape at rest is constant
+    start, each = energy(model, state), max(1, steps // samples)
     dt = omega_dt / breathing_frequency(model)
     phases, ratios = [0.0], [1.0]
     for i in range(1, steps // each + 1):

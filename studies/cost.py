@@ -1,4 +1,4 @@
-"""What a step costs as the mesh grows: every method in numpy, and the native core, in one run."""
+"""The cost of a step as the mesh grows: every method in numpy, and the native core, in one run."""
 
 from __future__ import annotations
 
@@ -19,13 +19,19 @@ from .methods.registry import METHODS, Run
 from .scenes import twisted_ball
 
 NATIVE = "native"
-LEAST = 2  # steps that are timed, a step at a time; the median counts
-SECONDS = 0.05  # or as many steps as this lasts
+LEAST = 2  # steps timed one by one, of which the median counts
+SECONDS = 0.05  # or as many as fit into this
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cost:
-    """Hold what one step of a method costs [s] of processor time on a ball of so many vertices, and its dt [s]."""
+    """The cost of one step.
+
+    method: name in METHODS, or NATIVE.
+    vertices: of the ball.
+    dt: size of the step [s].
+    seconds: processor time of the step [s].
+    """
 
     method: str
     vertices: int
@@ -58,13 +64,13 @@ def _cost(name: str, subdivisions: int) -> Cost:
     model, start = twisted_ball(subdivisions, amount=0.3)
     explicit = name == NATIVE or METHODS[name].kind == "explicit"
     dt = TICK / model.substeps(TICK) if explicit else TICK
-    many = 10 if name == NATIVE else 1  # a step in C is shorter than the clock is fine
-    nobody = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
-    run(model, copy.deepcopy(start), nobody, tick=dt, substeps=1)  # what is made once is not a step's cost
+    many = 10 if name == NATIVE else 1  # a step in C is too short for the clock
+    no_fingers = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
+    run(model, copy.deepcopy(start), no_fingers, tick=dt, substeps=1)  # prepares what is made once
     times: list[float] = []
     while len(times) < LEAST or sum(times) < SECONDS:
         state = copy.deepcopy(start)
         started = time.process_time()
-        run(model, state, nobody, tick=many * dt, substeps=many)
+        run(model, state, no_fingers, tick=many * dt, substeps=many)
         times.append(time.process_time() - started)
     return Cost(method=name, vertices=len(model.mass), dt=dt, seconds=float(np.median(times)) / many)

@@ -16,14 +16,14 @@ from .methods.registry import METHODS
 
 def move(model: Model, state: State, method: str, *, seconds: float, steps: int) -> State:
     """Advance a state in place by equal steps without fingertips, and return it; what blows up ends as NaN."""
-    nobody = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
+    no_fingers = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
     with np.errstate(all="ignore"):
-        METHODS[method].run(model, state, nobody, tick=seconds, substeps=steps)
+        METHODS[method].run(model, state, no_fingers, tick=seconds, substeps=steps)
     return state
 
 
 def right_hand_side(model: Model) -> Callable[[float, Floats], Floats]:
-    """Return y' = f(t, y) for y = (positions, velocities), flat (6 n,): what a solver outside the project needs."""
+    """Return y' = f(t, y) for y = (positions, velocities), flat (6 n,): the form that solvers from elsewhere take."""
     state = initial_state(model)
     half = state.positions.size
 

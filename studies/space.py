@@ -9,15 +9,22 @@ from core.session import Finger, Session
 
 from .scenes import FINGERTIP, poke_ball, poke_cube
 
-SECONDS = 1.0  # the way down: so slow that the body swings little
+SECONDS = 1.0  # of the press: so slow that the body oscillates little
 DEPTH = 0.020  # [m]
-LOOKS = 40
+SAMPLES = 40
 SCENES: dict[str, Callable[[int], Session]] = {"poke_ball": poke_ball, "poke_cube": poke_cube}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Force:
-    """Hold the force [N] on a fingertip at a depth [m], on a mesh of so many vertices; volume over that at rest."""
+    """The force on a fingertip at one depth.
+
+    scene: name in SCENES.
+    vertices: of the mesh.
+    depth: of the fingertip [m].
+    force: on the fingertip [N].
+    volume_ratio: volume over that at rest.
+    """
 
     scene: str
     vertices: int
@@ -33,10 +40,10 @@ def forces(scene: str, sizes: Sequence[int]) -> Iterator[Force]:
         x = session.model.mesh.rest_positions
         top = x[:, 2].max() + FINGERTIP
         session.set_fingers([Finger((0.0, 0.0, top), FINGERTIP)])
-        for i in range(1, LOOKS + 1):
-            depth = DEPTH * i / LOOKS
+        for i in range(1, SAMPLES + 1):
+            depth = DEPTH * i / SAMPLES
             session.set_fingers([Finger((0.0, 0.0, top - depth), FINGERTIP)])
-            frame = session.step(SECONDS / LOOKS)
+            frame = session.step(SECONDS / SAMPLES)
             yield Force(
                 scene=scene, vertices=len(x), depth=depth, force=float(frame.finger_forces[0, 2]),
                 volume_ratio=frame.volume / frame.rest_volume,

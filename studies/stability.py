@@ -1,10 +1,10 @@
-"""Where methods blow up: time step against stiffness, with the bound that theory draws.
+"""Where methods blow up: time step against stiffness, with the bound that theory gives.
 
 The body is linearised at rest, y' = J y. A method multiplies y by a matrix G(J dt) each step and is stable while no
 eigenvalue of G leaves the unit circle. A cell of the map is
 
     blown up      its deformation (rigid motion apart) is not finite, or grew beyond BLOWN times that of the start
-    inaccurate    it strays at some step from the exact motion of the linear body by over INACCURATE of the start
+    inaccurate    at some step it is off the exact motion of the linear body by over INACCURATE of the start
     stable        neither
 """
 
@@ -28,15 +28,22 @@ BLOWN = 3.0
 INACCURATE = 0.1
 SWINGS = 2.0  # periods of the slowest mode a cell runs for, within these numbers of steps
 STEPS = {"explicit": (64, 128), "implicit": (6, 8), "sweeping": (16, 32)}
-BOUNDARY_STEPS = 400  # in which a step that is too long must show; explicit Euler grows slowly
-BOUNDARY_LOOKS = 4
+BOUNDARY_STEPS = 400  # within which a step that is too long must blow up; explicit Euler grows slowly
+BOUNDARY_SAMPLES = 4
 HALVINGS = 6  # of the range from guess / 1.5 to 1.5 guess: the boundary is known to 0.6 %
 ON_CIRCLE = 1e-6  # rounding moves the eigenvalues of rigid motions off the circle by the root of machine precision
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cell:
-    """Hold one run of the map: stiffness k [N/m], dt [s], label, and the error over the start's displacement."""
+    """One run of the map.
+
+    method: name in METHODS.
+    k: surface spring constant [N/m].
+    dt: time step [s].
+    label: "stable", "inaccurate" or "blown up".
+    error: of the positions over the displacement at the start.
+    """
 
     method: str
     k: float
@@ -47,10 +54,13 @@ class Cell:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bound:
-    """Hold the largest stable dt [s] of an explicit method at a stiffness k [N/m].
+    """The largest stable time step of an explicit method at one stiffness.
 
-    theory: by the eigenvalues of a step.  measured: where the method itself blows up; nan where it was not sought.
-    product: the step that a session takes, which is for semi-implicit Euler.
+    method: name in METHODS.
+    k: surface spring constant [N/m].
+    theory: by the eigenvalues of a step [s].
+    measured: where the method itself blows up [s]; NaN where it was not sought.
+    product: the step that a session takes, by semi-implicit Euler [s].
     """
 
     method: str
@@ -71,7 +81,7 @@ def small_body(k: float) -> Model:
 
 
 def shaken(model: Model) -> State:
-    """Return the body a little squeezed, with a fifth of noise so that every mode moves."""
+    """Return the body slightly squeezed, with a fifth of noise so that every mode is excited."""
     state = initial_state(model)
     squeeze = state.positions * np.array([[1.0], [-0.5], [-0.5]])
     noise = np.random.default_rng(1).standard_normal(squeeze.shape)
@@ -126,7 +136,7 @@ def measured_boundary(method: str, model: Model, guess: float) -> float:
     jacobian = linearised(model)
 
     def beyond(dt: float) -> bool:
-        run = cell(method, model, jacobian, 0.0, dt, steps=BOUNDARY_STEPS, each=BOUNDARY_STEPS // BOUNDARY_LOOKS)
+        run = cell(method, model, jacobian, 0.0, dt, steps=BOUNDARY_STEPS, each=BOUNDARY_STEPS // BOUNDARY_SAMPLES)
         return run.label == "blown up"
 
     return _crossing(beyond, guess / 1.5, guess * 1.5, halvings=HALVINGS)
@@ -135,7 +145,7 @@ def measured_boundary(method: str, model: Model, guess: float) -> float:
 def cell(
     method: str, model: Model, jacobian: Floats, k: float, dt: float, *, steps: int | None = None, each: int = 1
 ) -> Cell:
-    """Run one cell of the map, and look at the body after each so many steps."""
+    """Run one cell of the map; look at the body after every `each` steps."""
     if steps is None:
         least, most = STEPS[METHODS[method].kind]
         omega = np.abs(np.linalg.eigvals(jacobian))

@@ -1,9 +1,9 @@
 """The stiff cube of nylon on a fine mesh: which method, or which proxy, runs it live and within the tolerances.
 
-The fingertip goes 10 mm down in 0.12 s and stays 0.04 s, without friction, which only some of the methods have. What
-is compared is the skin at LOOKS moments, the worst one counted, and the mean force between them. The exact press is
-the product's own method in double precision at FINE times its steps. The tolerances and the budget are the planner's,
-and so is one of the ways that are tried.
+The fingertip goes 10 mm down in 0.12 s and stays for 0.04 s, without friction, which only some of the methods have.
+Compared are the skin at SAMPLES moments, of which the worst counts, and the mean force between them. The reference is
+the product's own method in double precision with FINE times its steps. The tolerances and the budget are the planner's,
+and so is one of the variants.
 """
 
 from __future__ import annotations
@@ -33,20 +33,28 @@ from .scenes import FINGERTIP, cube, whole_skin
 
 DEPTH = 0.010  # [m]
 DOWN, TICKS = 120, 160
-LOOKS = 8
+SAMPLES = 8
 FINE = 4  # steps of the reference over the product's
 PROXIES = (300, 600, 1200, 2500, 4000)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Press:
-    """Hold how a method did: errors as `judge` returns them, cost [s] of processor time per simulated second, steps
-    without a solution.
+class Outcome:
+    """How a variant did.
 
-    way: "mesh", "proxy", "planner" (what it takes), or "reference".
+    variant: "mesh", "proxy", "planner" (what it chooses), or "reference".
+    method: name in METHODS.
+    backend: "numpy" or "native".
+    vertices: simulated.
+    dt: time step [s].
+    surface: error between the surfaces in the dent, at the worst moment [m].
+    farthest: largest error of a vertex [m].
+    force: largest error of the force over the largest force.
+    cost: processor time per simulated second.
+    unsolved: steps that found no solution.
     """
 
-    way: str
+    variant: str
     method: str
     backend: str
     vertices: int
@@ -59,16 +67,16 @@ class Press:
 
     @property
     def within(self) -> bool:
-        """Tell whether both tolerances are met."""
+        """Return whether both tolerances are met."""
         return self.surface <= TOLERANCE and self.force <= FORCE_TOLERANCE
 
     @property
     def live(self) -> bool:
-        """Tell whether it keeps to the budget of the viewport."""
+        """Return whether it stays within the budget of the viewport."""
         return self.cost <= BUDGET
 
 
-Seen = tuple[list[Floats], Floats, float, int]  # skins (n, 3) [m], forces (LOOKS,) [N], cost [s], unsolved
+Pressed = tuple[list[Floats], Floats, float, int]  # skins (n, 3) [m], forces (SAMPLES,) [N], cost [s], unsolved
 
 
 def nylon(cells: int, *, whole: bool) -> Model:
@@ -78,11 +86,13 @@ def nylon(cells: int, *, whole: bool) -> Model:
     return build(mesh, [replace(material, friction=0.0)], held=base_vertices(mesh))
 
 
-def presses(cells: int, *, whole: bool, dear: bool) -> Iterator[Press]:
-    """Press the cube by every way that may do.
+def outcomes(cells: int, *, whole: bool, slow: bool) -> Iterator[Outcome]:
+    """Press the cube with every variant.
 
     Args:
-        dear: XPBD at smaller substeps too, half a minute on a fine mesh.
+        cells: squares along an edge.
+        whole: with all of k in the skin.
+        slow: XPBD with smaller substeps too, half a minute on a fine mesh.
     """
     model = nylon(cells, whole=whole)
     backend, why = choose_backend()
@@ -91,39 +101,39 @@ def presses(cells: int, *, whole: bool, dear: bool) -> Iterator[Press]:
     substeps, n = model.substeps(TICK), len(model.mass)
     wanted = pressed(model, exact, FINE * substeps)
 
-    def judged(way: str, method: str, backend: str, vertices: int, dt: float, seen: Seen) -> Press:
-        surface, farthest, force = judge(model.mesh, seen[0], seen[1], wanted[0], wanted[1])
-        return Press(
-            way=way, method=method, backend=backend, vertices=vertices, dt=dt, surface=surface, farthest=farthest,
-            force=force, cost=seen[2] / (TICKS * TICK), unsolved=seen[3],
+    def outcome(variant: str, method: str, backend: str, vertices: int, dt: float, found: Pressed) -> Outcome:
+        surface, farthest, force = errors(model.mesh, found[0], found[1], wanted[0], wanted[1])
+        return Outcome(
+            variant=variant, method=method, backend=backend, vertices=vertices, dt=dt, surface=surface,
+            farthest=farthest, force=force, cost=found[2] / (TICKS * TICK), unsolved=found[3],
         )  # fmt: skip
 
-    # how well the reference itself is known: a skin that wrinkles is known no better
+    # how accurate the reference itself is: the fold of a wrinkling skin is uncertain
     half = pressed(model, exact, FINE // 2 * substeps)
-    yield judged("reference", "semi_implicit", backend, n, TICK / substeps / (FINE // 2), half)
+    yield outcome("reference", "semi_implicit", backend, n, TICK / substeps / (FINE // 2), half)
     taken = plan(model, radius=FINGERTIP).proxy
-    yield judged(
+    yield outcome(
         "mesh" if taken else "planner", "semi_implicit", backend, n, TICK / substeps, pressed(model, fast, substeps)
     )
     proxies = [("proxy", build_proxy(model, size)) for size in PROXIES if size <= n / 2]
-    for way, proxy in [("planner", taken), *proxies] if taken else proxies:
+    for variant, proxy in [("planner", taken), *proxies] if taken else proxies:
         few = proxy.model.substeps(TICK)
-        yield judged(way, "semi_implicit", backend, len(proxy.seeds), TICK / few, _proxy_pressed(proxy, fast, few))
-    for method, steps in (("vertex_block_descent", 1), ("xpbd", 8), ("xpbd", 32))[: 3 if dear else 2]:
-        yield judged("mesh", method, "numpy", n, TICK / steps, pressed(model, METHODS[method].run, steps))
+        yield outcome(variant, "semi_implicit", backend, len(proxy.seeds), TICK / few, _proxy_pressed(proxy, fast, few))
+    for method, steps in (("vertex_block_descent", 1), ("xpbd", 8), ("xpbd", 32))[: 3 if slow else 2]:
+        yield outcome("mesh", method, "numpy", n, TICK / steps, pressed(model, METHODS[method].run, steps))
 
 
-def _proxy_pressed(proxy: Proxy, run: Run, substeps: int) -> Seen:
+def _proxy_pressed(proxy: Proxy, run: Run, substeps: int) -> Pressed:
     radius = contact_radius(proxy, FINGERTIP)
     return pressed(proxy.model, run, substeps, radius=radius, show=partial(carry, proxy))
 
 
-def judge(
+def errors(
     mesh: Mesh, skins: Sequence[Floats], forces: Floats, wanted: Sequence[Floats], wanted_forces: Floats
 ) -> tuple[float, float, float]:
-    """Return the error between the surfaces over the dent, the farthest vertex [m], and the error of the force.
+    """Return the error between the surfaces in the dent [m], of the farthest vertex [m], and of the force.
 
-    Between surfaces at the worst look. All are inf where a skin ever strays by more than the size of the body.
+    The worst moment counts. All are inf where a vertex is ever off by more than the size of the body.
     """
     apart = [a - b for a, b in zip(skins, wanted, strict=True)]
     farthest = max(float(np.sqrt((d**2).sum(axis=1)).max()) for d in apart)
@@ -140,14 +150,14 @@ def pressed(
     *,
     radius: float = FINGERTIP,
     show: Callable[[Floats], Floats] = np.transpose,
-) -> Seen:
-    """Press a body and look at it LOOKS times."""
+) -> Pressed:
+    """Press a body and sample it SAMPLES times."""
     state = copy.deepcopy(initial_state(model))
     z = float(state.positions[2].max()) + FINGERTIP - DEPTH * np.minimum(np.arange(TICKS + 1) / DOWN, 1)
     centres = np.stack([0 * z, 0 * z, z - FINGERTIP + radius], axis=1)[None]
-    piece, skins, forces = TICKS // LOOKS, [], []
+    piece, skins, forces = TICKS // SAMPLES, [], []
     cost = 0.0
-    for i in range(LOOKS):
+    for i in range(SAMPLES):
         path = FingerPath(centres=centres[:, i * piece : (i + 1) * piece + 1], radii=np.array([radius]))
         started = time.process_time()
         with np.errstate(all="ignore"):

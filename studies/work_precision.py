@@ -1,4 +1,4 @@
-"""Work against precision: what each method costs for an error, scene by scene, and which is on the front."""
+"""Work against precision: what an error costs with each method, scene by scene, and the Pareto front of methods."""
 
 from __future__ import annotations
 
@@ -24,24 +24,29 @@ from .scenes import BALL, FINGERTIP, ball, cube, oscillator, twisted_ball, whole
 
 Reference = Callable[[Model, State, float], Floats]  # positions (3, n) [m] after a time [s]
 
-NATIVE = "native"  # semi-implicit Euler in C, double precision: what the language alone is worth
-RUINED = 1.0  # an error as large as the motion itself says nothing any more
-DECADES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # bounds of the ranges of the table
-# steps over those that the stability limit of semi-implicit Euler asks for
+NATIVE = "native"  # semi-implicit Euler in C, double precision: what the language alone gains
+RUINED = 1.0  # an error as large as the motion itself says nothing more
+DECADES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)  # bounds on the error, the columns of the table
+# number of steps over that at the stability limit of semi-implicit Euler
 EXPLICIT_STEPS = (1.02, 1.2, 1.5, 2.0, 4.0, 8.0, 16.0)
 IMPLICIT_STEPS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 SWEEPING_STEPS = (0.1, 0.25, 0.5, 1.0, 2.0)
 STEPS = {"explicit": EXPLICIT_STEPS, "implicit": IMPLICIT_STEPS, "sweeping": SWEEPING_STEPS}
-ALIKE = 1.15  # costs nearer than this are the same
+ALIKE = 1.15  # costs within this factor count as equal
 SHORT = 1.0  # [s] a run shorter than this is timed again
 FINE, FINE_NATIVE = 32, 512  # steps of our own reference over the limit; doubling those in C changes it by under 1e-4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """Hold a scene cut to what a study needs: where it starts, how long it runs, how a fingertip goes down.
+    """A scene to run.
 
-    depth: [m] reached at half time, 0 without a fingertip.
+    name: in tables.
+    label: in charts.
+    model: the body.
+    start: its state at the start.
+    seconds: how long it runs [s].
+    depth: that the fingertip reaches at half time [m], 0 without a fingertip.
     """
 
     name: str
@@ -54,7 +59,16 @@ class Case:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Point:
-    """Hold one run: steps taken, error of the positions, force [N] on the fingertip, cost [s] of processor time."""
+    """One run.
+
+    case: name of the scene.
+    method: name in METHODS, or NATIVE.
+    steps: taken.
+    error: of the positions, over the motion.
+    force: on the fingertip at the end [N].
+    cost: processor time [s].
+    unsolved: steps that found no solution.
+    """
 
     case: str
     method: str
@@ -97,15 +111,15 @@ def measure(case: Case, *, reference: Reference | None = None, quick: bool = Fal
     wanted = exact(case, reference)
     methods = [*METHODS, *([] if native.why_not() else [NATIVE])]
     for name in methods:
-        _advance(case, name, 2)  # what is made once for a body is no step's cost
+        _advance(case, name, 2)  # what is prepared once for a body is no part of a step's cost
         shares = STEPS["explicit" if name == NATIVE else METHODS[name].kind]
         if quick:
             shares = shares[1:-1:2] if case.depth else shares[:-1:2]
         elif case.depth:
-            # contact leaves first order only: the finest runs say nothing new, and of implicit ones take minutes
+            # contact leaves first order only: the finest runs say nothing new, and implicit ones take minutes
             shares = shares[:-2] if name in METHODS and METHODS[name].kind == "implicit" else shares[:-1]
-        wished = {max(2, math.ceil(share * _limit_steps(case))) for share in shares}
-        for steps in sorted({math.prod(_ticks(case, steps)) for steps in wished}):
+        wanted_steps = {max(2, math.ceil(share * _limit_steps(case))) for share in shares}
+        for steps in sorted({math.prod(_ticks(case, steps)) for steps in wanted_steps}):
             yield run(case, name, steps, wanted, repeats=1 if quick else 3)
 
 
@@ -169,8 +183,8 @@ def _advance(case: Case, method: str, steps: int) -> tuple[State, float]:
     ticks, substeps = _ticks(case, steps)
     tick = case.seconds / ticks
     if not case.depth:
-        nobody = FingerPath(centres=np.zeros((0, ticks + 1, 3)), radii=np.zeros(0))
-        run_method(case.model, state, nobody, tick=tick, substeps=substeps)
+        no_fingers = FingerPath(centres=np.zeros((0, ticks + 1, 3)), radii=np.zeros(0))
+        run_method(case.model, state, no_fingers, tick=tick, substeps=substeps)
         return state, 0.0
     down = np.minimum(np.arange(ticks + 1) / ticks * 2, 1) * case.depth
     centres = np.zeros((1, ticks + 1, 3))

@@ -11,7 +11,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from studies.methods.registry import FRONTS, METHODS
+from studies.methods.registry import METHODS
 
 from .charts_model import draw_cost, draw_energy, draw_literal, draw_space, draw_stiff_nylon
 from .charts_proxies import draw_proxies
@@ -45,14 +45,13 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def keep(out: Path) -> None:
-    """Keep the main charts, the fronts, and the rows of the planner's fit."""
+    """Keep the main charts, the fronts, and the data of the planner's fit."""
     KEPT.mkdir(parents=True, exist_ok=True)
     for name in ("work_precision", "stability", "proxies"):
         for suffix in (".png", ".svg", ".csv"):
             shutil.copyfile(out / (name + suffix), KEPT / (name + suffix))
-    for name in ("stability_bounds.csv", "proxies_fit.csv"):
+    for name in ("stability_bounds.csv", "proxies_fit.csv", "fronts.csv"):
         shutil.copyfile(out / name, KEPT / name)
-    shutil.copyfile(out / "fronts.csv", FRONTS)
 
 
 def where_methods_fail() -> str:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from core.reduction.planner import BUDGET, FORCE_TOLERANCE, TOLERANCE
 from studies import conservation, cost, literal_against_consistent, space, stiff_nylon
 from studies.methods.registry import METHODS
-from studies.stiff_nylon import Press
+from studies.stiff_nylon import Outcome
 
 from .drawing import LABELS, MARKERS, STYLES, save, table, write_csv
 
@@ -23,7 +23,7 @@ def draw_energy(out: Path, quick: bool) -> None:
     short = conservation.energy_traces(list(METHODS), omega_dt=omega_dt, steps=100)
     sizes = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
     measured = [
-        conservation.artificial_damping(conservation.energy_trace("backward_euler", omega_dt=s, steps=40, looks=40))
+        conservation.artificial_damping(conservation.energy_trace("backward_euler", omega_dt=s, steps=40, samples=40))
         for s in sizes
     ]
     write_csv(
@@ -81,7 +81,7 @@ def draw_literal(out: Path, quick: bool) -> None:
 
 
 def draw_cost(out: Path, quick: bool) -> None:
-    """Draw cost against vertices; methods in numpy stop where a step of the dearest takes seconds."""
+    """Draw cost against vertices; methods in numpy stop where a step of the slowest takes seconds."""
     slow, fast = ((2, 3), (2, 3, 4, 5)) if quick else ((2, 3, 4, 5), (2, 3, 4, 5, 6, 7))
     found = [*cost.costs(list(METHODS), slow), *cost.costs([cost.NATIVE], fast)]
     write_csv(
@@ -136,44 +136,44 @@ def draw_space(out: Path, quick: bool) -> None:
 
 
 def draw_stiff_nylon(out: Path, quick: bool) -> None:
-    """Draw which way runs the stiff cube live: error against cost, proxies of several sizes as a ladder."""
+    """Draw which variant runs the stiff cube live: error against cost, proxies of several sizes as a series."""
     skins = {"skin as the press was measured": False} | ({} if quick else {"all of k in the skin": True})
     found = {
-        label: list(stiff_nylon.presses(12 if quick else 41, whole=whole, dear=not quick and not whole))
+        label: list(stiff_nylon.outcomes(12 if quick else 41, whole=whole, slow=not quick and not whole))
         for label, whole in skins.items()
     }
     write_csv(
         out / "stiff_nylon.csv",
-        ("skin", "way", "method", "backend", "vertices", "dt_s", "surface_error_m", "farthest_m", "force_error",
+        ("skin", "variant", "method", "backend", "vertices", "dt_s", "surface_error_m", "farthest_m", "force_error",
          "cpu_s_per_s", "unsolved_steps", "within_tolerance", "live"),
-        ((label, p.way, p.method, p.backend, p.vertices, p.dt, p.surface, p.farthest, p.force, p.cost, p.unsolved,
+        ((label, p.variant, p.method, p.backend, p.vertices, p.dt, p.surface, p.farthest, p.force, p.cost, p.unsolved,
           p.within, p.live) for label, some in found.items() for p in some),
     )  # fmt: skip
-    tell_stiff_nylon(found)
+    print_stiff_nylon(found)
     figure, rows = plt.subplots(len(found), 2, figsize=(11, 4.4 * len(found)), squeeze=False, sharex=True)
     for (label, some), row in zip(found.items(), rows, strict=True):
         mesh = f"{label}; {max(p.vertices for p in some):,} vertices"
-        draw_ways(row[0], some, [1e3 * p.surface for p in some], 1e3 * TOLERANCE)
-        draw_ways(row[1], some, [100 * p.force for p in some], 100 * FORCE_TOLERANCE)
+        draw_variants(row[0], some, [1e3 * p.surface for p in some], 1e3 * TOLERANCE)
+        draw_variants(row[1], some, [100 * p.force for p in some], 100 * FORCE_TOLERANCE)
         row[0].set(ylabel="error between the surfaces [mm]", title=mesh)
         row[1].set(ylabel="error of the force [%]", title=mesh)
     for axes in rows[-1]:
         axes.set_xlabel("processor time per simulated second [s]")
     figure.suptitle(
         "The stiff cube pressed 10 mm. Green: live and within the tolerance. Hollow: proxies, by their vertices. "
-        "Star: what the planner takes.\nDotted: what halving the steps of the reference changes; nobody can be "
-        "judged nearer than that", fontsize=9,
+        "Star: what the planner chooses.\nDotted: what halving the steps of the reference changes; smaller errors "
+        "mean nothing", fontsize=9,
     )  # fmt: skip
     save(figure, out / "stiff_nylon")
 
 
-def draw_ways(axes: Axes, some: Sequence[Press], values: Sequence[float], tolerance: float) -> None:
+def draw_variants(axes: Axes, some: Sequence[Outcome], values: Sequence[float], tolerance: float) -> None:
     for p, value in zip(some, values, strict=True):
-        if p.way == "reference":
+        if p.variant == "reference":
             axes.axhline(value, color="0.5", lw=1, ls=":")
             continue
         key = "native" if p.backend == "native" else p.method
-        star, hollow = p.way == "planner", p.way == "proxy"
+        star, hollow = p.variant == "planner", p.variant == "proxy"
         axes.loglog(
             p.cost, value, "*" if star else "o", ms=14 if star else 7, mec=STYLES[key],
             mfc="gold" if star else "none" if hollow else STYLES[key], zorder=3 if star else 2,
@@ -190,11 +190,11 @@ def draw_ways(axes: Axes, some: Sequence[Press], values: Sequence[float], tolera
     axes.set(xlim=(low, None), ylim=(bottom, None))
 
 
-def tell_stiff_nylon(found: dict[str, list[Press]]) -> None:
-    lines = [("skin", "way", "method", "vertices", "step", "surface", "force", "CPU s/s", "live, within")]
+def print_stiff_nylon(found: dict[str, list[Outcome]]) -> None:
+    lines = [("skin", "variant", "method", "vertices", "step", "surface", "force", "CPU s/s", "live, within")]
     for label, some in found.items():
         lines += [
-            (label, p.way, f"{p.method}, {p.backend}", f"{p.vertices:,}", f"{1e3 * p.dt:.3g} ms",
+            (label, p.variant, f"{p.method}, {p.backend}", f"{p.vertices:,}", f"{1e3 * p.dt:.3g} ms",
              f"{1e3 * p.surface:.2g} mm", f"{p.force:.1%}", f"{p.cost:.2g}", f"{p.live}, {p.within}")
             for p in some
         ]  # fmt: skip

@@ -20,7 +20,7 @@ from studies.stability import Bound, Cell
 from .drawing import edges, save, table, write_csv
 
 CELLS = ("stable", "inaccurate", "blown up")
-COLOURS = ("#b7dcc3", "#f2b134", "#a4303f")  # told apart by their lightness too
+COLOURS = ("#b7dcc3", "#f2b134", "#a4303f")  # they differ in lightness too
 
 
 def draw_stability(out: Path, quick: bool) -> None:
@@ -39,7 +39,7 @@ def draw_stability(out: Path, quick: bool) -> None:
         out / "stability_bounds.csv", ("method", "k_n_per_m", "bound_dt_s", "measured_dt_s", "product_dt_s"),
         ((b.method, b.k, b.theory, b.measured, b.product) for b in bounds),
     )  # fmt: skip
-    tell_stability(list(cells.values()), bounds)
+    print_stability(list(cells.values()), bounds)
     figure, panels = plt.subplots(3, 3, figsize=(10, 8.8), sharex=True, sharey=True)
     for (name, method), axes in zip(METHODS.items(), panels.flat, strict=True):
         codes = [[CELLS.index(cells[name, k, dt].label) for k in stiffness] for dt in steps]
@@ -84,7 +84,7 @@ def draw_bounds(axes: Axes, bounds: Sequence[Bound]) -> None:
         axes.plot(k, [b.product for b in bounds], "k:", lw=1.6)
 
 
-def tell_stability(cells: list[Cell], bounds: list[Bound]) -> None:
+def print_stability(cells: list[Cell], bounds: list[Bound]) -> None:
     lines = [("method", *(f"{label} cells" for label in CELLS), "limit measured / theory")]
     for name in METHODS:
         counts = [str(sum(c.method == name and c.label == label for c in cells)) for label in CELLS]

@@ -51,7 +51,7 @@ def draw_work_precision(out: Path, quick: bool) -> None:
         ((scene, bound, p.method, p.steps, f"{p.error:.3g}", f"{1e3 * p.cost:.3g}")
          for scene, found in best.items() for bound, p in found.items()),
     )  # fmt: skip
-    tell_fronts(points, best)
+    print_fronts(points, best)
     chosen = {p.method for found in best.values() for p in found.values()}
     columns = math.ceil(len(cases) / 2)
     figure, panels = plt.subplots(2, columns, figsize=(3.7 * columns, 8.4))
@@ -91,18 +91,18 @@ def line(name: str, chosen: bool, x: Sequence[float] = (), y: Sequence[float] = 
     )  # fmt: skip
 
 
-def tell_fronts(points: dict[str, list[Point]], best: dict[str, dict[float, Point]]) -> None:
+def print_fronts(points: dict[str, list[Point]], best: dict[str, dict[float, Point]]) -> None:
     lines = [("scene", *(f"<= {bound:.0e}" for bound in DECADES), "in C")]
     for scene, found in best.items():
-        told = [
+        cheapest = [
             f"{found[b].method} {1e3 * found[b].cost:.0f} ms" if b in found else "-" for b in work_precision.DECADES
         ]
         both = [
             next((p.cost for p in points[scene] if p.method == name), math.nan) for name in ("semi_implicit", NATIVE)
         ]
-        lines.append((scene, *told, f"{both[0] / both[1]:.0f} times faster"))
+        lines.append((scene, *cheapest, f"{both[0] / both[1]:.0f} times faster"))
     print(
         "\nThe cheapest method in numpy for an error of at most; semi-implicit Euler in C\n" + table(lines), flush=True
     )
     chosen = {p.method for found in best.values() for p in found.values()}
-    print("Not offered, on no front: " + ", ".join(n for n in METHODS if n not in chosen) + "\n", flush=True)
+    print("On no front: " + ", ".join(n for n in METHODS if n not in chosen) + "\n", flush=True)

@@ -96,7 +96,7 @@ def force(law: Springs, x: Floats, v: Floats | None = None, arms: Floats | None 
         growth /= square
         tension += growth
     f = np.einsum("sn,csn->cn", tension, d)
-    _add_loose(law, f, x, v)
+    _add_irregular(law, f, x, v)
     return f
 
 
@@ -122,16 +122,16 @@ def row_bounds(law: Springs, n: int) -> tuple[Floats, Floats]:
     )
 
 
-def _add_loose(law: Springs, f: Floats, x: Floats, v: Floats | None) -> None:
-    loose = law.rings.loose_springs
-    if not len(loose):
+def _add_irregular(law: Springs, f: Floats, x: Floats, v: Floats | None) -> None:
+    irregular = law.rings.irregular_springs
+    if not len(irregular):
         return
-    i, j = law.pairs[loose].T
+    i, j = law.pairs[irregular].T
     d = x[:, j] - x[:, i]
     square = np.maximum((d * d).sum(axis=0), _TINY)
-    tension = law.stiffness[loose] * (1 - law.rest_lengths[loose] / np.sqrt(square))
+    tension = law.stiffness[irregular] * (1 - law.rest_lengths[irregular] / np.sqrt(square))
     if v is not None:
-        tension += law.damping[loose] * (d * (v[:, j] - v[:, i])).sum(axis=0) / square
-    pull, (at_i, at_j) = tension * d, law.rings.loose_ends.T
+        tension += law.damping[irregular] * (d * (v[:, j] - v[:, i])).sum(axis=0) / square
+    pull, (at_i, at_j) = tension * d, law.rings.irregular_ends.T
     for c in range(3):
         f[c] += sums_at(i[at_i], pull[c, at_i], x.shape[1]) - sums_at(j[at_j], pull[c, at_j], x.shape[1])

@@ -11,12 +11,18 @@ from ..body.contact import nearest_on_triangles
 from ..body.shape_matching import Pose
 from .surface import Mesh
 
-SAME_SIDE = 0.5  # cosine: a deep fingertip may be nearer to another side than to the one it came in by
+SAME_SIDE = 0.5  # cosine: a deep fingertip may be nearer to another side than to the one it entered through
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RestSurface:
-    """Hold triangles (t, 3), their corners (3, t, 3) [m], unit normals (3, t), middles (3, t) and extents (t,) [m]."""
+    """The triangles of a surface at rest.
+
+    corners: (3, t, 3) coordinate, triangle, corner [m].
+    normals: (3, t) unit vectors, outward.
+    middles: (3, t) mean of the corners [m].
+    extents: (t,) distance from the middle to the farthest corner [m].
+    """
 
     corners: Floats
     normals: Floats
@@ -26,10 +32,14 @@ class RestSurface:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touching:
-    """Hold how a fingertip meets the surface at rest, carried along by the body.
+    """How a fingertip meets the surface at rest, which the body carries along.
 
-    depth: [m], negative where it is clear.  outward: (3,) unit vector.  triangle: the nearest.  centre: (3,) of the
-    fingertip [m]; local: the same in the space of the shape at rest, of which pose tells where it is.
+    depth: of the fingertip's lowest point below the surface [m], negative where it is clear.
+    outward: (3,) unit vector, the way out of the body.
+    triangle: index of the nearest.
+    centre: (3,) of the fingertip [m].
+    local: (3,) the same in the space of the shape at rest [m].
+    pose: rotation and translation of the shape at rest.
     """
 
     depth: float
@@ -55,11 +65,15 @@ def rest_surface(mesh: Mesh) -> RestSurface:
 
 
 def touching(surface: RestSurface, pose: Pose, centre: Floats, radius: float, side: Floats | None = None) -> Touching:
-    """Return how a fingertip at a centre (3,) [m] meets the surface at rest in its pose.
+    """Return how a fingertip meets the surface at rest in its pose.
 
     Args:
-        side: (3,) outward normal, in the space of the shape at rest, where the fingertip came in; only faces turned
-            that way count.
+        surface: triangles at rest.
+        pose: where the shape at rest is now.
+        centre: (3,) of the fingertip [m].
+        radius: of the fingertip [m].
+        side: (3,) outward normal, in the space of the shape at rest, where the fingertip entered; only triangles
+            facing that way count.
     """
     rotation, translation = pose
     local = rotation.T @ (centre - translation)
@@ -73,11 +87,11 @@ def touching(surface: RestSurface, pose: Pose, centre: Floats, radius: float, si
     offset = local[:, None] - (surface.corners[:, near] * weights).sum(axis=2)
     distance = np.sqrt((offset**2).sum(axis=0))
     heights = (offset * surface.normals[:, near]).sum(axis=0)
-    # on an edge several faces are as near: the one that sees the point most squarely knows its side
+    # beside an edge several triangles are equally near: the one that faces the point most directly gives the sign
     tied = np.flatnonzero(distance <= distance.min() * (1 + 1e-9) + 1e-12)
     best = tied[np.abs(heights[tied]).argmax()]
     height, triangle = float(distance[best] if heights[best] >= 0 else -distance[best]), int(near[best])
-    # the way the depth falls fastest; on the very surface only the face knows it
+    # the direction in which depth falls fastest; on the surface itself that is the normal
     outward = offset[:, best] / height if abs(height) > 1e-6 * radius else surface.normals[:, triangle]
     return Touching(
         depth=radius - height, outward=rotation @ outward, triangle=triangle, centre=centre, local=local, pose=pose

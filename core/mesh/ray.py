@@ -1,6 +1,7 @@
 """A ray against a surface: what the pointer is on.
 
-A test of every triangle at once costs a millisecond or two for 40,000; a tree would be stale after each step.
+Testing every triangle costs a millisecond or two for 40,000. A tree of boxes would be out of date after each step, and
+trimesh's own rays need rtree, which Blender has not.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ def ray_hit(
     """Return the nearest crossing of a ray with a surface.
 
     Args:
-        origin, direction: of the ray, the direction a unit vector.
+        origin: of the ray [m].
+        direction: of the ray, a unit vector.
         positions: (n, 3) [m].
         triangles: (t, 3).
 
@@ -26,15 +28,15 @@ def ray_hit(
         Distance [m], point [m] and unit normal on the side the ray comes from; None when it misses.
     """
     o, d = np.asarray(origin, np.float64), np.asarray(direction, np.float64)
-    # seen along the ray it is a point, and a triangle holds it when it is on the same side of all three edges;
-    # an edge is judged alike from both its triangles, so that no ray slips between them
+    # projected along the ray, the ray is a point; a triangle contains it when it lies on the same side of all three
+    # edges. both triangles of an edge compute the same number for it, so that no ray slips between them
     across = np.eye(3)[np.abs(d).argmin()]
     across = np.cross(d, across) / np.linalg.norm(np.cross(d, across))
     flat = (positions - o) @ np.stack([across, np.cross(d, across)], axis=1)
     x, y = (np.ascontiguousarray(flat[:, i])[triangles.T] for i in range(2))
     side = x * np.roll(y, -1, axis=0) - np.roll(x, -1, axis=0) * y
-    held = np.flatnonzero((side >= 0).all(axis=0) | (side <= 0).all(axis=0))
-    a, b, c = np.asarray(positions, np.float64)[triangles[held]].transpose(1, 0, 2)
+    inside = np.flatnonzero((side >= 0).all(axis=0) | (side <= 0).all(axis=0))
+    a, b, c = np.asarray(positions, np.float64)[triangles[inside]].transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
     toward = normals @ d
     with np.errstate(divide="ignore", invalid="ignore"):

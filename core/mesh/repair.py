@@ -1,4 +1,8 @@
-"""Mending a broken surface: soup is welded, neighbours are made to face the same way, closed parts face outward."""
+"""The repair of a surface: near vertices are welded, winding is made consistent, closed parts face outward.
+
+trimesh does what it can with numpy alone. What joins pieces (`connected`, `consistent_winding`, parts) is ours: there
+trimesh needs scipy or networkx, and Blender has neither.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +10,13 @@ from collections import deque
 from itertools import product
 
 import numpy as np
+import trimesh
 
 from ..base import Bools, Floats, Ints, sums_at
 
 
 def connected(pairs: Ints, n: int) -> Ints:
-    """Return for each of n things the lowest (n,) it is joined to through pairs (m, 2)."""
+    """Return the lowest index (n,) that each of n nodes is connected to by edges `pairs` (m, 2)."""
     label = np.arange(n)
     while len(pairs):
         low = np.minimum(label[pairs[:, 0]], label[pairs[:, 1]])
@@ -26,13 +31,17 @@ def connected(pairs: Ints, n: int) -> Ints:
 
 
 def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
-    """Find the vertices that lie in one place: always nearer than half a cell [m], never farther than a few.
+    """Find the vertices to merge: all that are nearer than half a cell [m], none farther than a few cells.
+
+    trimesh's own `merge_vertices` rounds to one grid, and so leaves near vertices apart where a grid line runs between.
+
+    Args:
+        positions: (N, 3) [m].
+        cell: size of a grid cell [m].
 
     Returns:
-        one vertex of each place (n,), and the place of every vertex (N,).
+        one vertex of each merged group (n,), and the group of every vertex (N,).
     """
-    import trimesh
-
     pairs = []
     # near points may lie on two sides of a grid line, but not of both of two grids half a cell apart
     for shift in product((0.0, 0.5), repeat=3):
@@ -45,8 +54,13 @@ def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
     return kept, source
 
 
-def agreeing(faces: Ints, adjacency: Ints) -> Ints:
-    """Turn faces (t, 3) so that neighbours agree (walk from face to face); most of each part stay as they were."""
+def consistent_winding(faces: Ints, adjacency: Ints) -> Ints:
+    """Return the faces (t, 3) wound as their neighbours are; most faces of each part keep their winding.
+
+    Args:
+        faces: (t, 3).
+        adjacency: (a, 2) faces that share an edge.
+    """
     neighbours: list[list[int]] = [[] for _ in faces]
     for a, b in adjacency:
         neighbours[a].append(int(b))
@@ -72,11 +86,30 @@ def agreeing(faces: Ints, adjacency: Ints) -> Ints:
     return turned
 
 
-def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, mended: Bools) -> Bools:
-    """Tell which faces (t,) belong to parts turned inside out; a part facing inward inside another is a cavity.
+def border_edges(triangles: Ints) -> Ints:
+    """Return the edges (c, 2) that caps must add so that every edge is walked as often one way as the other.
+
+    The border of any set of oriented faces is made of cycles, so a cone over each part closes even a
+    non-manifold mesh: the pressure on it exerts no net force, and a wall inside counts as skin only.
+    """
+    n = int(triangles.max()) + 1
+    walked = trimesh.geometry.faces_to_edges(triangles)
+    keys, counts = np.unique(walked[:, 0] * n + walked[:, 1], return_counts=True)
+    mirrored = keys % n * n + keys // n
+    at = np.minimum(np.searchsorted(keys, mirrored), len(keys) - 1)
+    back = np.where(keys[at] == mirrored, counts[at], 0)
+    missing = np.repeat(mirrored, np.maximum(counts - back, 0))
+    return np.stack([missing // n, missing % n], axis=1)
+
+
+def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools) -> Bools:
+    """Return which faces (t,) belong to parts turned inside out; a part facing inward inside another is a cavity.
 
     Args:
-        mended: (t,) was turned by `agreeing`; of open parts only those that hold such faces are judged.
+        positions: (n, 3) [m].
+        faces: (t, 3) of consistent winding.
+        adjacency: (a, 2) faces that share an edge.
+        flipped: (t,) was turned over by `consistent_winding`; an open part without such a face is left as it is.
     """
     inward = np.zeros(len(faces), bool)
     names, label = np.unique(connected(adjacency, len(faces)), return_inverse=True)
@@ -85,19 +118,13 @@ def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, mended: Bools)
     volume = sums_at(label, np.linalg.det(corners - mean[label][:, None]), len(names))
     for part in np.flatnonzero(volume < 0):
         mine = label == part
-        if _balanced(faces[mine]) or mended[mine].any():
+        if flipped[mine].any() or not len(border_edges(faces[mine])):
             inward[mine] = not _inside(corners[~mine], corners[mine][0, 0])
     return inward
 
 
-def _balanced(faces: Ints) -> bool:
-    halves = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    n = int(faces.max()) + 1
-    return bool((np.sort(halves @ [n, 1]) == np.sort(halves @ [1, n])).all())
-
-
 def _inside(triangles: Floats, point: Floats) -> bool:
-    """Tell whether triangles (t, 3, 3) wind round a point (3,). Source: van Oosterom and Strackee, 1983."""
+    """Return whether triangles (t, 3, 3) wind round a point (3,). Source: van Oosterom and Strackee 1983."""
     r = triangles - point
     length = np.linalg.norm(r, axis=2)
     a, b, c = r[:, 0], r[:, 1], r[:, 2]

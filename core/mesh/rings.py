@@ -1,9 +1,9 @@
-"""Ordered one-rings: the layout every hot loop runs on, here and in the native core.
+"""Ordered one-rings: the memory layout of every hot loop, here and in the native core.
 
-The neighbours j_0 .. j_(v-1) of a vertex i, in order round it, give in one gather both its springs and its
-normal: the sum of (x_s - x_i) x (x_(s+1) - x_i) over the ring is twice the area-weighted normal of its faces.
-Vertices whose faces do not close one fan (borders, non-manifold edges, fans wider than MAX_RING) have no ring;
-their faces and springs are listed and summed one by one.
+The neighbours j_0 .. j_(v-1) of a vertex i, in order round it, give both its springs and its normal in one gather:
+the sum of (x_s - x_i) x (x_(s+1) - x_i) over the ring is twice the area-weighted normal of its faces.
+A vertex whose faces form one closed fan of at most MAX_RING is regular. The others (on borders, on non-manifold edges,
+in wider fans) are irregular: they have no ring, and their faces and springs are listed and summed one by one.
 """
 
 from __future__ import annotations
@@ -19,20 +19,22 @@ MAX_RING = 12  # one wide fan must not widen every row
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rings:
-    """Hold one-rings, slot by slot.
+    """One-rings, slot by slot.
 
     neighbours: (w, n) vertex in each slot; past the last one the first is repeated, so a padded slot spans no area.
-    springs: (w, n) spring to that neighbour, -1 in padded slots.  regular: (n,) has a ring.
-    corners: (c, 3) triangles turned so that their first corner has no ring.
-    loose_springs: (l,) springs with an end that has no ring, loose_ends: (l, 2) which of its ends have none.
+    springs: (w, n) spring to that neighbour, -1 in padded slots.
+    regular: (n,) has a ring.
+    corners: (c, 3) triangles rotated so that their first corner is irregular.
+    irregular_springs: (l,) springs with an irregular end.
+    irregular_ends: (l, 2) which of its ends are irregular.
     """
 
     neighbours: Ints
     springs: Ints
     regular: Bools
     corners: Ints
-    loose_springs: Ints
-    loose_ends: Bools
+    irregular_springs: Ints
+    irregular_ends: Bools
 
 
 def ordered_rings(triangles: Ints, springs: Ints, n: int) -> Rings:
@@ -63,7 +65,7 @@ def ordered_rings(triangles: Ints, springs: Ints, n: int) -> Rings:
         at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
         regular &= (keys[at] == wanted) | (slot >= valence)
         here = np.where(slot < valence, after[at], here)
-        # home too early: two fans meet in this vertex
+        # back at the start too early: two fans meet in this vertex
         regular &= ~((here == first) & (slot < valence - 1))
     regular &= here == first
     ring[:, ~regular] = np.flatnonzero(~regular)
@@ -75,5 +77,5 @@ def ordered_rings(triangles: Ints, springs: Ints, n: int) -> Rings:
     ends = ~regular[springs]
     return Rings(
         neighbours=ring, springs=ring_springs, regular=regular, corners=corners[~regular[corners[:, 0]]],
-        loose_springs=np.flatnonzero(ends.any(axis=1)), loose_ends=ends[ends.any(axis=1)],
+        irregular_springs=np.flatnonzero(ends.any(axis=1)), irregular_ends=ends[ends.any(axis=1)],
     )  # fmt: skip

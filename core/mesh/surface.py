@@ -1,7 +1,7 @@
 """The surface of a body at rest: what its shape alone decides, before any material.
 
-A broken mesh is mended where the artist would not notice (soup is welded, faces are turned to agree) and the
-mend is said in `Mesh.notes`; where it cannot be mended `DimpleError` says why and what to do.
+A broken mesh is repaired for the simulation alone (vertices are welded, normals recalculated), and `Mesh.notes` says
+what was repaired. Where that is not possible, `DimpleError` says why and what to do.
 """
 
 from __future__ import annotations
@@ -10,23 +10,36 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 
-from ..base import CLOSED_BULK, FARTHEST, OPEN_BULK, WELD_SHARE, Bools, DimpleError, Floats, Ints, sums_at
-from .repair import agreeing, connected, inward_parts, weld
+from ..base import FARTHEST, LEAST_VOLUME, LEAST_VOLUME_OPEN, WELD_SHARE, Bools, DimpleError, Floats, Ints, sums_at
+from .repair import border_edges, connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh:
-    """Hold a welded triangle surface at rest.
+    """A welded triangle surface at rest.
 
-    rest_positions: (n, 3) [m].  triangles: (t, 3), turned outward.  triangle_material: (t,) index.
-    springs: (m, 2), every edge once.  rest_lengths: (m,) [m].  spring_areas: (m,) area of the triangles beside [m2].
-    spring_triangles: (m, 2) two triangles beside (the same twice on a border).  vertex_areas: (n,) a third of the
-    triangles round a vertex [m2].  rings: ordered one-rings.  cap_edges: (c, 2) border edges and cap_loop: (c,) the
-    hole each closes.  volume: [m3], caps included.  size: longest side of the bounding box [m].
-    closed: watertight.  pressurable: has an inside.  loose: (n,) in no triangle.
-    source: (N,) vertex of each input vertex.  notes: what was mended, in sentences.
+    rest_positions: (n, 3) [m].
+    triangles: (t, 3), wound so that they face outward.
+    triangle_material: (t,) material index.
+    triangle_areas: (t,) [m2].
+    springs: (m, 2) vertices of every edge, sorted by (first, second), first < second.
+    rest_lengths: (m,) [m].
+    spring_areas: (m,) area of the triangles beside the edge [m2].
+    spring_triangles: (m, 2) two triangles beside the edge; the same one twice on a border.
+    vertex_areas: (n,) a third of the triangles round the vertex [m2].
+    rings: ordered one-rings.
+    cap_edges: (c, 2) border edges.
+    cap_loop: (c,) the hole each border edge belongs to.
+    volume: [m3], caps included.
+    size: longest side of the bounding box [m].
+    closed: watertight.
+    pressurable: encloses a volume.
+    loose: (n,) in no triangle.
+    source: (N,) vertex of each input vertex.
+    notes: sentences on what was repaired.
     """
 
     rest_positions: Floats
@@ -59,10 +72,8 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         triangle_material: (t,) material index, all 0 when left out.
 
     Raises:
-        DimpleError: no faces, coordinates that are not numbers, indices out of range, no area at all.
+        DimpleError: no faces, NaN or infinite coordinates, indices out of range, no area at all.
     """
-    import trimesh
-
     positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     triangles = np.asarray(triangles, dtype=np.int64).reshape(-1, 3)
     material = np.zeros(len(triangles), np.int64) if triangle_material is None else np.asarray(triangle_material)
@@ -71,10 +82,10 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
 
     size = float(np.ptp(positions[np.unique(triangles)], axis=0).max())
     if size <= 0:
-        raise DimpleError("All vertices lie in one point, so there is nothing to press. Give the mesh a size.")
+        raise DimpleError("All vertices lie at one point, so there is nothing to press. Give the mesh a size.")
     kept, source = weld(positions, WELD_SHARE * size)
     if len(kept) < len(positions):
-        notes.append(f"{len(positions) - len(kept)} vertices lie on others and move with them.")
+        notes.append(f"{len(positions) - len(kept)} vertices coincide with others and move with them.")
         positions, triangles = positions[kept], source[triangles]
 
     whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
@@ -91,31 +102,31 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     if flat:
         notes.append(f"{flat} faces have no area and add no stiffness.")
 
-    mended = np.zeros(len(triangles), bool)
+    flipped = np.zeros(len(triangles), bool)
     if not surface.is_winding_consistent:
-        turned = agreeing(triangles, surface.face_adjacency)
-        mended = (turned != triangles).any(axis=1)
-        notes.append(f"{int(mended.sum())} faces were turned to agree with their neighbours.")
-        triangles = turned
+        consistent = consistent_winding(triangles, surface.face_adjacency)
+        flipped = (consistent != triangles).any(axis=1)
+        notes.append(f"{int(flipped.sum())} faces were flipped to match the normals of their neighbours.")
+        triangles = consistent
     border, cap_loop, volume = _closed(positions, triangles)
-    bulk = (OPEN_BULK if len(border) else CLOSED_BULK) * size * float(areas.sum())
-    if volume < -bulk:
+    least = (LEAST_VOLUME_OPEN if len(border) else LEAST_VOLUME) * size * float(areas.sum())
+    if volume < -least:
         triangles, border, volume = triangles[:, ::-1].copy(), border[:, ::-1].copy(), -volume
-        notes.append("The faces looked inward and were turned outward for the simulation.")
-    inward = inward_parts(positions, triangles, surface.face_adjacency, mended)
+        notes.append("The normals pointed inward and were recalculated for the simulation.")
+    inward = inward_parts(positions, triangles, surface.face_adjacency, flipped)
     if inward.any():
         triangles[inward] = triangles[inward][:, ::-1]
         border, cap_loop, volume = _closed(positions, triangles)
-        notes.append(f"{int(inward.sum())} faces of separate parts looked inward and were turned outward.")
-    pressurable = volume > bulk
+        notes.append(f"{int(inward.sum())} faces of separate parts pointed inward and were flipped for the simulation.")
+    pressurable = volume > least
     if not pressurable:
-        notes.append("The mesh is a sheet without an inside: its fill is off.")
+        notes.append("The mesh is a sheet and encloses no volume: its fill is off.")
     elif len(border):
         notes.append(f"{int(cap_loop.max()) + 1} holes are closed for the pressure only.")
 
-    springs, spring_triangles, spring_areas, faces_beside = _springs(triangles, areas, len(positions))
+    springs, spring_triangles, spring_areas, faces_beside = _springs(surface, areas)
     if (faces_beside > 2).any():
-        notes.append(f"{int((faces_beside > 2).sum())} edges join three or more faces.")
+        notes.append(f"{int((faces_beside > 2).sum())} edges are non-manifold: they join three or more faces.")
     loose = np.ones(len(positions), bool)
     loose[triangles] = False
     if loose.any():
@@ -131,39 +142,17 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     )  # fmt: skip
 
 
-def triangulate(positions: Floats, polygons: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
-    """Cut polygons (concave ones too) into triangles by their ears.
-
-    Args:
-        positions: (n, 3).
-        polygons: vertex indices of each face, three or more.
-
-    Returns:
-        triangles (t, 3) and the polygon each came from (t,).
-    """
-    positions = np.asarray(positions, np.float64)
-    triangles: list[tuple[int, int, int]] = []
-    origin: list[int] = []
-    for index, polygon in enumerate(polygons):
-        if len(polygon) < 3 or min(polygon) < 0 or max(polygon) >= len(positions):
-            raise DimpleError(f"Face {index} needs three or more vertices that exist. Run Mesh > Clean Up.")
-        ears = _ears(positions, list(polygon))
-        triangles += ears
-        origin += [index] * len(ears)
-    return np.array(triangles, np.int64).reshape(-1, 3), np.array(origin, np.int64)
-
-
 def base_vertices(mesh: Mesh, *, up: Sequence[float] = (0, 0, 1), share: float = 0.1) -> Bools:
     """Return which input vertices (N,) a body stands on: the lowest `share` of its height, or the rim of a sheet."""
     height = mesh.rest_positions @ np.asarray(up, np.float64)
     used = ~mesh.loose
     low, span = height[used].min(), np.ptp(height[used])
     if mesh.pressurable and span > 1e-3 * mesh.size:
-        held = height <= low + share * span
+        base = height <= low + share * span
     else:
-        held = np.zeros(len(height), bool)
-        held[mesh.cap_edges] = True
-    return held[mesh.source]
+        base = np.zeros(len(height), bool)
+        base[mesh.cap_edges] = True
+    return base[mesh.source]
 
 
 def input_vertices(mesh: Mesh) -> Ints:
@@ -173,7 +162,7 @@ def input_vertices(mesh: Mesh) -> Ints:
 
 
 def spans_a_plane(points: Floats, size: float) -> bool:
-    """Tell whether points (n, 3) [m] are more than a line, beside the size [m] of their body."""
+    """Return whether points (n, 3) [m] span more than a line, compared with the size [m] of their body."""
     if len(points) < 3:
         return False
     return bool(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] > 1e-3 * size)
@@ -183,34 +172,19 @@ def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
     if not len(positions) or not len(triangles):
         raise DimpleError("The mesh has no faces, so there is no surface to press. Add faces first.")
     if triangles.min() < 0 or triangles.max() >= len(positions):
-        raise DimpleError("A face names a vertex that does not exist. Run Mesh > Clean Up, or rebuild the mesh.")
+        raise DimpleError("A face refers to a vertex that does not exist. Run Mesh > Clean Up, or rebuild the mesh.")
     if len(material) != len(triangles):
         raise DimpleError("There must be one material index for each triangle.")
     bad = np.flatnonzero(~(np.abs(positions) < FARTHEST).all(axis=1))
     if len(bad):
         raise DimpleError(
-            f"Vertex {bad[0]} has a coordinate that is not a number, or out of this world ({len(bad)} such vertices). "
-            "Delete or move them."
+            f"Vertex {bad[0]} has a NaN or infinite coordinate, or one beyond {FARTHEST:g} m "
+            f"({len(bad)} such vertices). Delete or move them."
         )
 
 
-def _border(triangles: Ints, n: int) -> Ints:
-    """Return the edges (c, 2) that caps must add so that every edge is walked as often one way as the other.
-
-    The border of any set of oriented faces is made of cycles, so a cone over each part closes even a
-    non-manifold mesh: the pressure on it exerts no net force, and a wall inside counts as skin only.
-    """
-    halves = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    keys, counts = np.unique(halves[:, 0] * n + halves[:, 1], return_counts=True)
-    mirrored = keys % n * n + keys // n
-    at = np.minimum(np.searchsorted(keys, mirrored), len(keys) - 1)
-    back = np.where(keys[at] == mirrored, counts[at], 0)
-    missing = np.repeat(mirrored, np.maximum(counts - back, 0))
-    return np.stack([missing // n, missing % n], axis=1)
-
-
 def _loops(border: Ints, n: int) -> Ints:
-    """Number the holes: border edges joined by a vertex are of one hole."""
+    """Return the hole (c,) of each border edge: edges joined by a vertex belong to one hole."""
     return np.unique(connected(border, n)[border[:, 0]], return_inverse=True)[1]
 
 
@@ -223,7 +197,7 @@ def cap_centres(positions: Floats, cap_edges: Ints, cap_loop: Ints) -> tuple[Flo
 
 def _closed(positions: Floats, triangles: Ints) -> tuple[Ints, Ints, float]:
     """Return the cap edges (c, 2), the hole each closes (c,) and the volume inside [m3]."""
-    border = _border(triangles, len(positions))
+    border = border_edges(triangles)
     cap_loop = _loops(border, len(positions))
     x = positions - positions[triangles].mean(axis=(0, 1))
     total = float(np.linalg.det(x[triangles]).sum())
@@ -233,39 +207,18 @@ def _closed(positions: Floats, triangles: Ints) -> tuple[Ints, Ints, float]:
     return border, cap_loop, total / 6
 
 
-def _springs(triangles: Ints, areas: Floats, n: int) -> tuple[Ints, Ints, Floats, Ints]:
-    halves = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    keys = halves[:, 0] * n + halves[:, 1]
-    unique, first, inverse, count = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
+def _springs(surface: trimesh.Trimesh, areas: Floats) -> tuple[Ints, Ints, Floats, Ints]:
+    """Return every edge once (m, 2), two faces beside it (m, 2), their area (m,) [m2] and how many they are (m,).
+
+    trimesh's own `edges_unique` promises no order; `ordered_rings` searches in these.
+    """
+    n = len(surface.vertices)
+    low, high = surface.edges_sorted.T
+    unique, first, inverse, count = np.unique(
+        low * n + high, return_index=True, return_inverse=True, return_counts=True
+    )
     last = np.zeros(len(unique), np.int64)
-    last[inverse] = np.arange(len(keys))
-    beside = np.stack([first, last], axis=1) % len(triangles)
-    return np.stack([unique // n, unique % n], axis=1), beside, sums_at(inverse, np.tile(areas, 3), len(unique)), count
-
-
-def _ears(positions: Floats, polygon: list[int]) -> list[tuple[int, int, int]]:
-    points = positions[polygon]
-    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
-    left, ears = list(range(len(polygon))), []
-    while len(left) > 3:
-        for at in range(len(left)):
-            a, b, c = (left[at - 1], left[at], left[(at + 1) % len(left)])
-            rest = [p for p in left if p not in (a, b, c)]
-            if _turns(points, a, b, c, normal) > 0 and not any(_within(points, p, (a, b, c), normal) for p in rest):
-                break
-        else:  # no ear: the polygon crosses itself; any corner will do
-            at = 1
-            a, b, c = left[0], left[1], left[2]
-        ears.append((a, b, c))
-        left.pop(at)
-    ears.append((left[0], left[1], left[2]))
-    return [(polygon[a], polygon[b], polygon[c]) for a, b, c in ears]
-
-
-def _turns(points: Floats, a: int, b: int, c: int, normal: Floats) -> float:
-    return float(np.cross(points[b] - points[a], points[c] - points[b]) @ normal)
-
-
-def _within(points: Floats, p: int, corners: tuple[int, int, int], normal: Floats) -> bool:
-    a, b, c = corners
-    return min(_turns(points, a, b, p, normal), _turns(points, b, c, p, normal), _turns(points, c, a, p, normal)) >= 0
+    last[inverse] = np.arange(len(inverse))
+    beside = surface.edges_face[np.stack([first, last], axis=1)]
+    areas_beside = sums_at(inverse, np.repeat(areas, 3), len(unique))
+    return np.stack([unique // n, unique % n], axis=1), beside, areas_beside, count

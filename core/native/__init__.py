@@ -265,28 +265,28 @@ class Body:
         Raises:
             NativeError: the motion has a number that is none.
         """
-        told, frame = self._motion, self._frame
+        given, frame = self._motion, self._frame
         if motion.ticks:
             self._placed = None
-        told.ticks, told.substeps, told.tick = motion.ticks, motion.substeps, motion.tick
+        given.ticks, given.substeps, given.tick = motion.ticks, motion.substeps, motion.tick
         for i, tip in enumerate(motion.fingertips):
-            to = told.fingertips[i]
+            to = given.fingertips[i]
             to.down = tip is not None
             if tip is not None:
                 to.from_[:], to.first[:], to.last[:] = tip.start, tip.first, tip.last
                 to.radius, to.contact_radius, to.fresh = tip.radius, tip.contact_radius, tip.fresh
         for i in range(len(motion.fingertips), 3):
-            told.fingertips[i].down = 0
+            given.fingertips[i].down = 0
         arrays = None
         if motion.pins is not None:
             pins, shape = motion.pins, (3, int(self.model.held.sum()))
             arrays = [np.ascontiguousarray(a, np.float64) for a in (pins.start, pins.end)]
             if arrays[0].shape != shape or arrays[1].shape != shape:
                 raise NativeError(f"the places of the pins must have the shape {shape}")
-            told.pins_from, told.pins_to = (a.ctypes.data for a in arrays)
-            told.pins_first, told.pins_last = pins.first, pins.last
+            given.pins_from, given.pins_to = (a.ctypes.data for a in arrays)
+            given.pins_first, given.pins_last = pins.first, pins.last
         else:
-            told.pins_from = told.pins_to = None
+            given.pins_from = given.pins_to = None
         code = self._step(*self._step_arguments)
         if code:
             raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
@@ -340,7 +340,7 @@ def _definition(library: ctypes.CDLL, model: Model, surface: Model, arrays: _Arr
     definition, mesh, springs = BodyDef(), model.mesh, model.springs
     library.dm_default_body_def(byref(definition))
     rings = springs.rings
-    irregular, ends = rings.loose_springs, rings.loose_ends
+    irregular, ends = rings.irregular_springs, rings.irregular_ends
     if model.law_set == "paper":  # Eq. (4) goes spring by spring
         irregular, ends = np.arange(len(springs.pairs)), np.ones((len(springs.pairs), 2), bool)
     values = {

@@ -1,1 +1,1 @@
-"""Time-stepping methods nobody presses with: what the charts compare the product with."""
+"""Time-stepping methods that do not ship: what the charts compare the product with."""

@@ -1,4 +1,4 @@
-"""Backward Euler: the forces at the end of the step. Stable at any step, and it damps what it cannot follow."""
+"""Backward Euler: the forces at the end of the step. Stable at any step; it damps modes too fast for it."""
 
 from __future__ import annotations
 

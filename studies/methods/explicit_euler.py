@@ -1,4 +1,4 @@
-"""Explicit Euler: the old velocity moves the positions. It feeds energy in; kept to show where it fails."""
+"""Explicit Euler: the old velocity moves the positions. Every step adds energy; it is here to show that failure."""
 
 from __future__ import annotations
 

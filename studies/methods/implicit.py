@@ -1,4 +1,4 @@
-"""The loop that every implicit method shares: ticks of a path, fingertips met inside the equation of each step."""
+"""The loop that all implicit methods share: contact with fingertips is part of the equation of each step."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Advance = Callable[[Model, State, Sequence[Touch], float], Floats]
 def run_implicit(
     advance: Advance, model: Model, state: State, path: FingerPath, *, tick: float, substeps: int
 ) -> Floats:
-    """Advance a state in place by the ticks [s] of a path, fingertips met inside the equation of each step.
+    """Advance a state in place by the ticks [s] of a path, contact solved together with the motion.
 
     Returns:
         the impulses (k, 3) [N s] on the fingertips.
@@ -29,7 +29,7 @@ def run_implicit(
     Raises:
         DimpleError: the laws have no energy, so no implicit method may be used.
     """
-    needs_an_energy(model)
+    require_energy(model)
     total = np.zeros((len(path.radii), 3))
     for touches in each_tick(model, state, path, tick):
         for i in range(substeps):
@@ -49,7 +49,7 @@ def moved_back(touches: Sequence[Touch], seconds: float) -> list[Touch]:
     return [replace(touch, centre=touch.centre - seconds * touch.velocity) for touch in touches]
 
 
-def needs_an_energy(model: Model) -> None:
+def require_energy(model: Model) -> None:
     """Refuse laws without an energy.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Implicit midpoint: half a step of backward Euler, then the same way again. It neither damps nor feeds a mode."""
+"""Implicit midpoint: half a step of backward Euler, then the same displacement again. It keeps the energy of a mode."""
 
 from __future__ import annotations
 

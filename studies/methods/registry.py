@@ -1,10 +1,8 @@
-"""The methods, as data: what each is for, and where it fails and why."""
+"""The methods, as data: what each is for, where it fails, and why."""
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Protocol
 
 from core.base import Floats
@@ -23,8 +21,6 @@ from . import (
     xpbd,
 )
 
-FRONTS = Path(__file__).with_name("fronts.csv")
-
 
 class Run(Protocol):
     """Advance a state in place along a path and return the impulses (k, 3) [N s] on the fingertips."""
@@ -34,11 +30,15 @@ class Run(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Method:
-    """Describe a method.
+    """A time-stepping method.
 
-    order: of convergence in the time step.  kind: "explicit", "implicit" (solved to a tolerance) or "sweeping" (law by
-    law or vertex by vertex, a fixed number of times).
-    purpose, fails: sentences.
+    label: what charts call it.
+    run: the method itself.
+    order: of convergence in the time step.
+    kind: "explicit", "implicit" (solved to a tolerance) or "sweeping" (law by law or vertex by vertex, a fixed number
+        of times).
+    purpose: what it is for.
+    fails: where it fails, and why.
     """
 
     label: str
@@ -65,57 +65,48 @@ METHODS = {
     "velocity_verlet": Method(
         label="velocity Verlet", run=velocity_verlet.run, order=2, kind="explicit",
         purpose="free motion and energy: second order for the price of one evaluation",
-        fails="The same limit as semi-implicit Euler, a quarter lower at a damping ratio of 0.3. In contact the saved "
-        "force is stale, so a step costs two evaluations, and the projection leaves first order only.",
+        fails="The same limit as semi-implicit Euler, a quarter lower at a damping ratio of 0.3. In contact the force "
+        "saved from the last step is no longer valid, so a step costs two evaluations, and the projection leaves "
+        "first order only.",
     ),
     "rk4": Method(
         label="Runge-Kutta 4", run=rk4.run, order=4, kind="explicit",
         purpose="references, and smooth motion to tight tolerances",
         fails="Four evaluations reach only 1.4 times as far (dt < 2.8 / omega; 1.9 times at a damping ratio of 0.3), "
-        "so where the stiffest spring sets the step it is the dearest; kinks (the knee of Eq. (1), contact) take the "
-        "fourth order away.",
+        "so where the stiffest spring sets the step it costs most; kinks (the knee of Eq. (1), contact) reduce "
+        "the order.",
     ),
     "backward_euler": Method(
         label="backward Euler", run=backward_euler.run, order=1, kind="implicit",
-        purpose="stiff bodies at one step a tick, where the way to rest does not matter",
-        fails="It never blows up, but swallows motion: a mode loses the factor 1 / (1 + (omega dt)^2) of its energy "
+        purpose="stiff bodies at one step a tick, where only the state at rest matters",
+        fails="It never blows up, but damps motion: a mode loses the factor 1 / (1 + (omega dt)^2) of its energy "
         "each step. Fingertips meet a stiff layer without friction, and sink in by force over stiffness.",
     ),
     "implicit_midpoint": Method(
         label="implicit midpoint", run=implicit_midpoint.run, order=2, kind="implicit",
-        purpose="stiff free bodies whose swinging must last",
-        fails="What it cannot follow flips sign each step and never dies: pressed by a fingertip it rattles, the force "
-        "on it may be twice too large, and some steps find no solution (they are counted).",
+        purpose="stiff free bodies that must keep oscillating",
+        fails="A mode too fast for the step flips sign each step and never decays: pressed by a fingertip the body "
+        "rattles, the force may be twice too large, and some steps find no solution (they are counted).",
     ),
     "tr_bdf2": Method(
         label="TR-BDF2", run=tr_bdf2.run, order=2, kind="implicit",
-        purpose="stiff bodies to a tolerance: second order, yet stiff modes die",
+        purpose="stiff bodies to a tolerance: second order, yet stiff modes decay",
         fails="Two solves a step: where the stiffest mode must be followed, explicit methods are many times cheaper. "
         "Its stages do not quite keep angular momentum: where omega dt exceeds some hundreds a free body turns. "
         "Fingertips as with backward Euler.",
     ),
     "xpbd": Method(
         label="XPBD, small substeps", run=xpbd.run, order=1, kind="sweeping",
-        purpose="never to blow up at a bounded price a step",
+        purpose="never to blow up, at a bounded cost per step",
         fails="Laws that hold against each other answer with k / (1 + h^2 k w): where h^2 k w exceeds a few hundredths "
-        "the body is soft and the fingertip feels too little. It damps by itself as backward Euler does, and a step "
-        "costs several explicit ones, so it pays only where explicit steps blow up.",
+        "the body is too soft and the force on the fingertip too small. It damps as backward Euler does, and a "
+        "step costs several explicit ones, so it pays only where explicit steps blow up.",
     ),
     "vertex_block_descent": Method(
         label="vertex block descent", run=vertex_block_descent.run, order=1, kind="sweeping",
-        purpose="stiff bodies of few vertices at one step a tick, never to blow up at a bounded price a step",
-        fails="A sweep carries a push only a few edges far: on fine meshes, where h^2 k / m is large, "
-        "four sweeps leave the skin round a fingertip behind and the force on it is many times too large "
-        "until it is still. It damps as backward Euler does. Fingertips meet a stiff layer, without friction.",
+        purpose="stiff bodies of few vertices at one step a tick, at a bounded cost per step",
+        fails="A sweep spreads a force over only a few edges: on fine meshes, where h^2 k / m is large, "
+        "four sweeps leave the skin round a fingertip behind, and the force on it is many times too large "
+        "until the body is at rest. It damps as backward Euler does. Fingertips meet a stiff layer, without friction.",
     ),
 }  # fmt: skip
-
-
-def offered() -> tuple[str, ...]:
-    """Return the methods that are the cheapest for some error on some scene: those worth an artist's choice.
-
-    Read from fronts.csv, which `python3 dev.py charts --keep` measures.
-    """
-    with FRONTS.open(newline="") as file:
-        best = {row["method"] for row in csv.DictReader(file)}
-    return tuple(name for name in METHODS if name in best)

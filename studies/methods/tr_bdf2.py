@@ -1,6 +1,6 @@
 """TR-BDF2: trapezoid to g dt, then the two-step backward formula to dt. Second order, and it damps stiff modes.
 
-With g = 2 - sqrt(2) both stages are backward Euler solves of the same h = g dt / 2 from bases made of what is known:
+With g = 2 - sqrt(2) both stages are backward Euler steps of the same size h = g dt / 2 from known states:
 
     trapezoid  v_g = v0 + h a0 + h a_g,   x_g = x0 + h v0 + h v_g
     backward   y_1 = (1 + w) y_g - w y_0 + h y_1',   w = (1 - g)^2 / (g (2 - g)) = (sqrt(2) - 1) / 2
@@ -22,7 +22,7 @@ from core.solver.newton import pressed, solve
 from .implicit import moved_back, run_implicit
 
 STAGE = 1 - math.sqrt(0.5)  # h / dt
-MEMORY = (math.sqrt(2) - 1) / 2
+WEIGHT = (math.sqrt(2) - 1) / 2  # w
 
 
 def advance(model: Model, state: State, touches: Sequence[Touch], dt: float) -> Floats:
@@ -31,9 +31,9 @@ def advance(model: Model, state: State, touches: Sequence[Touch], dt: float) -> 
     x0, v0 = state.positions.copy(), state.velocities.copy()
     a0, force_0 = pressed(model, state, moved_back(touches, dt))
     force_g = solve(model, state, moved_back(touches, dt - 2 * h), x0 + h * v0, v0 + h * a0, h)
-    x_base = (1 + MEMORY) * state.positions - MEMORY * x0
-    force_1 = solve(model, state, touches, x_base, (1 + MEMORY) * state.velocities - MEMORY * v0, h)
-    return h * ((1 + MEMORY) * (force_0 + force_g) + force_1)
+    x_base = (1 + WEIGHT) * state.positions - WEIGHT * x0
+    force_1 = solve(model, state, touches, x_base, (1 + WEIGHT) * state.velocities - WEIGHT * v0, h)
+    return h * ((1 + WEIGHT) * (force_0 + force_g) + force_1)
 
 
 run = partial(run_implicit, advance)

@@ -1,9 +1,9 @@
 """Vertex block descent: backward Euler, solved by sweeps that move each vertex to where its own forces balance.
 
-The step minimises m |x - y|^2 / (2 h^2) + E(x), y = x_0 + h v_0 + h^2 g. A vertex, its neighbours held, goes a
-Newton step of three unknowns; vertices of one colour share no spring and go at once. The fill joins all vertices: its
-pressure is held during a sweep, then mended for the volume that the sweep left, as if only the blocks on the diagonal
-resisted. The number of sweeps is fixed: what they leave unsolved is felt as more inertia.
+The step minimises m |x - y|^2 / (2 h^2) + E(x), y = x_0 + h v_0 + h^2 g. A vertex takes a Newton step of three unknowns
+with its neighbours fixed; vertices of one colour share no spring and move at once. The fill couples all vertices: its
+pressure is fixed during a sweep, then corrected for the volume that the sweep left, as if only the blocks on the
+diagonal resisted. The number of sweeps is fixed: what they leave unsolved acts as added inertia.
 Source: Chen et al. 2024.
 """
 
@@ -28,15 +28,21 @@ from .colours import colours
 from .implicit import run_implicit
 
 SWEEPS = 4
-CONTACT = 3.0  # stiffness of a face met over what holds a vertex: stiffer, and sweeps leave forces that are far off
+CONTACT = 3.0  # stiffness of a contact over that of a vertex: if stiffer, sweeps leave forces that are far off
 _TINY = 1e-30
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Block:
-    """Hold the vertices (b,) of one colour, their mass [kg] and shape matching, and slot by slot (w, b) their springs.
+    """The vertices of one colour and, slot by slot, their springs; an empty slot joins a vertex to itself.
 
-    An empty slot joins a vertex to itself with no stiffness.
+    vertices: (b,) indices.
+    mass: (b,) [kg].
+    matching: their shape matching.
+    others: (w, b) vertex at the other end of each spring.
+    rest: (w, b) length at rest [m].
+    stiffness: (w, b) [N/m], 0 in an empty slot.
+    damping: (w, b) [N s/m].
     """
 
     vertices: Ints
@@ -49,10 +55,16 @@ class Block:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Around:
-    """Hold what a sweep keeps fixed: y (3, n) [m], where the step began, moved as a rigid body where nothing holds it
-    (3, n), the pose, the force of the fill (3, n) [N], the faces met, where they were met (3, c, 3) and how
-    stiffly they hold each vertex (n, 3, 3) [N/m]."""
+class Fixed:
+    """What a sweep keeps fixed.
+
+    goal: (3, n) y, where inertia alone would take the vertices [m].
+    before: (3, n) positions at the start of the step [m].
+    drift: (3, n) the same, carried along with the pose or with the rigid motion of a free body [m].
+    pose: of the shape at rest.
+    fill: (3, n) force of the fill [N].
+    met: contacts; of each its corners (3, c, 3) [m] and the stiffness it adds to each vertex (n, 3, 3) [N/m].
+    """
 
     goal: Floats
     before: Floats
@@ -73,14 +85,14 @@ def advance(model: Model, state: State, touches: Sequence[Touch], dt: float, *, 
         met = meet_faces(model, state, touches, CONTACT)
         carried = dt * shape_matching.shape_velocity(model.matching, state.pose_rate)
         drift = before + (carried if state.pose else shape_matching.rigid_velocity(model.matching.mass, x, x - before))
-        around = Around(
+        fixed = Fixed(
             goal=goal, before=before, drift=drift, pose=shape_matching.pose_of(model.matching, x, state.pose),
             fill=state.pressure * g, met=[(m, x[:, m.corners], penalty.stiffness_blocks(m, x.shape[1])) for m in met],
         )  # fmt: skip
         inverse = np.zeros((6, len(w)))
         for block in kept(model, blocks):
-            inverse[:, block.vertices] = move(block, x, around, dt)
-        g = mend_pressure(model, state, inverse)
+            inverse[:, block.vertices] = move(block, x, fixed, dt)
+        g = correct_pressure(model, state, inverse)
     met = meet_faces(model, state, touches, CONTACT)
     v[:] = (x - before) / dt
     if state.pose is None and not model.held.any():
@@ -123,27 +135,27 @@ def blocks(model: Model) -> list[Block]:
     return found
 
 
-def move(block: Block, x: Floats, around: Around, h: float) -> Floats:
+def move(block: Block, x: Floats, fixed: Fixed, h: float) -> Floats:
     """Move the vertices of one colour, in place; return the inverse of their blocks (6, b) [m/N]."""
     at = block.vertices
     here, inertia = x[:, at], block.mass / (h * h)
     d = x[:, block.others] - here[:, None]
     length = np.maximum(np.sqrt(np.einsum("cwb,cwb->wb", d, d)), _TINY)
     n = d / length
-    growth = np.einsum("cwb,cwb->wb", n, d - around.before[:, block.others] + around.before[:, at][:, None])
+    growth = np.einsum("cwb,cwb->wb", n, d - fixed.before[:, block.others] + fixed.before[:, at][:, None])
     pull = block.stiffness * (length - block.rest) + block.damping / h * growth
-    force = np.einsum("wb,cwb->cb", pull, n) - inertia * (here - around.goal[:, at]) + around.fill[:, at]
+    force = np.einsum("wb,cwb->cb", pull, n) - inertia * (here - fixed.goal[:, at]) + fixed.fill[:, at]
     # a spring under compression pushes sideways; left out, so that every block is positive
     across = block.stiffness * np.maximum(1 - block.rest / length, 0)
     along = block.stiffness + block.damping / h - across
     along[block.stiffness == 0] = 0
 
-    level, turn, u = shape_matching.stiffness_parts(block.matching, here, around.pose)
-    force -= level * u + block.matching.damping / h * (here - around.drift[:, at])
+    level, turn, u = shape_matching.stiffness_parts(block.matching, here, fixed.pose)
+    force -= level * u + block.matching.damping / h * (here - fixed.drift[:, at])
     flat = inertia + level + block.matching.damping / h + across.sum(axis=0)
     matrix = np.stack([np.einsum("wb,wb,wb->b", along, n[a], n[b]) + turn * u[a] * u[b] for a, b in PAIRS])
     matrix[:3] += flat
-    for met, then, stiffest in around.met:
+    for met, then, stiffest in fixed.met:
         if len(met.depths):
             now = met.depths - (met.normals * ((x[:, met.corners] - then) * met.weights).sum(axis=2)).sum(axis=0)
             here_met = replace(met, depths=np.maximum(now, 0))
@@ -155,8 +167,8 @@ def move(block: Block, x: Floats, around: Around, h: float) -> Floats:
     return inverse
 
 
-def mend_pressure(model: Model, state: State, inverse: Floats) -> Floats:
-    """Bring the pressure to the volume and the volume to the pressure, in place; return dV/dx (3, n) [m2]."""
+def correct_pressure(model: Model, state: State, inverse: Floats) -> Floats:
+    """Make pressure and volume consistent with each other, in place; return dV/dx (3, n) [m2]."""
     law = model.pressure
     volume, g = pressure.volume_and_gradient(law, state.positions)
     if law.fill != "none":
@@ -170,7 +182,7 @@ def mend_pressure(model: Model, state: State, inverse: Floats) -> Floats:
 
 
 def keep_momentum(model: Model, state: State, goal: Floats, before: Floats, met: Sequence[Meeting], dt: float) -> None:
-    """Take out, in place, the rigid motion that sweeps leave by stopping early: only gravity and fingertips push."""
+    """Remove, in place, the rigid motion that unfinished sweeps leave: only gravity and fingertips change momentum."""
     pushed = (goal - before) / dt
     for m in met:
         pushed = pushed + dt * penalty.force(m, pushed.shape[1]) / model.mass

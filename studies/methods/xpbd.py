@@ -4,9 +4,9 @@ A law with energy k C^2 / 2 and dashpot c that moves vertices of inverse mass w 
 
     l = -h (h k C + c n . (x - x_before)) / (1 + h (h k + c) sum w),   x += w l n
 
-which is backward Euler for that law alone; what moved before it in the substep is seen, what moves after it is not.
-One law so answers with k / (1 + h^2 k w) of its stiffness where another holds against it: right as the substeps get
-small, soft where h^2 k w is large. The multiplier of the volume is the pressure itself, so air needs no other form.
+which is backward Euler for that law alone: it takes into account the laws before it in the substep, not those after it.
+Against another law, one of stiffness k so acts with k / (1 + h^2 k w): right as the substeps get small, too soft where
+h^2 k w is large. The multiplier of the volume is the pressure itself, so air needs no other form.
 Source: Macklin et al. 2016 (compliance, damping); Macklin et al. 2019 (substeps instead of iterations).
 """
 
@@ -24,14 +24,21 @@ from core.solver.path import FingerPath
 from core.solver.ticks import run_ticks
 
 from .colours import colours
-from .implicit import needs_an_energy
+from .implicit import require_energy
 
 _TINY = 1e-30
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Edges:
-    """Hold the springs of one colour: ends i, j (e,), rest [m], stiffness [N/m], damping [N s/m], inverse masses."""
+    """The springs of one colour.
+
+    i, j: (e,) vertices at their ends.
+    rest: (e,) lengths at rest [m].
+    stiffness: (e,) [N/m].
+    damping: (e,) [N s/m].
+    w_i, w_j: (e,) inverse mass of their ends [1/kg].
+    """
 
     i: Ints
     j: Ints
@@ -61,7 +68,7 @@ def run(model: Model, state: State, path: FingerPath, *, tick: float, substeps: 
     Raises:
         DimpleError: the laws have no energy.
     """
-    needs_an_energy(model)
+    require_energy(model)
     return run_ticks(advance, model, state, path, tick=tick, substeps=substeps)
 
 
@@ -79,7 +86,7 @@ def spring_colours(model: Model) -> list[Edges]:
 
 
 def move_springs(edges: Edges, x: Floats, before: Floats, h: float) -> None:
-    """Let the springs of one colour move their ends, in place."""
+    """Move the ends of the springs of one colour, in place."""
     i, j = edges.i, edges.j
     x_i, x_j = x[:, i], x[:, j]
     d = x_j - x_i
@@ -94,7 +101,7 @@ def move_springs(edges: Edges, x: Floats, before: Floats, h: float) -> None:
 
 
 def move_to_shape(model: Model, state: State, before: Floats, h: float) -> None:
-    """Let shape matching move the vertices, in place; a free body as a whole stays where it is."""
+    """Move the vertices toward the shape at rest, in place; a free body as a whole stays where it is."""
     law, x, w = model.matching, state.positions, model.inverse_mass
     stiffness, _, u = shape_matching.stiffness_parts(law, x, shape_matching.pose_of(law, x, state.pose))
     moved = x - before
@@ -103,14 +110,14 @@ def move_to_shape(model: Model, state: State, before: Floats, h: float) -> None:
     else:
         moved -= h * shape_matching.shape_velocity(law, state.pose_rate)
     stiff = h * stiffness
-    way = -h * w * (stiff * u + law.damping * moved) / (1 + h * w * (stiff + law.damping))
+    shift = -h * w * (stiff * u + law.damping * moved) / (1 + h * w * (stiff + law.damping))
     if state.pose is None:
-        way -= shape_matching.rigid_velocity(law.mass, x, way)
-    x += np.where(w > 0, way, 0.0)
+        shift -= shape_matching.rigid_velocity(law.mass, x, shift)
+    x += np.where(w > 0, shift, 0.0)
 
 
 def move_by_pressure(model: Model, state: State, h: float) -> None:
-    """Let the fill move the vertices, in place: p at the end of the substep, to first order in the volume."""
+    """Move the vertices by the pressure of the fill, in place: p at the end of the substep, to first order."""
     law = model.pressure
     if law.fill == "none":
         return

@@ -64,14 +64,14 @@ def test_every_spring_is_met_at_both_its_ends(mesh: Mesh) -> None:
     rings = mesh.rings
     met = {(int(s), v) for slot in rings.springs for v, s in enumerate(slot) if s >= 0}
     slots = int((rings.springs >= 0).sum())
-    loose = {
+    irregular = {
         (int(s), int(mesh.springs[s, end]))
-        for s, ends in zip(rings.loose_springs, rings.loose_ends, strict=True)
+        for s, ends in zip(rings.irregular_springs, rings.irregular_ends, strict=True)
         for end in (0, 1)
         if ends[end]
     }
-    assert len(met) == slots and not met & loose
-    assert met | loose == {(s, int(v)) for s, pair in enumerate(mesh.springs) for v in pair}
+    assert len(met) == slots and not met & irregular
+    assert met | irregular == {(s, int(v)) for s, pair in enumerate(mesh.springs) for v in pair}
 
 
 def test_every_corner_of_every_triangle_is_in_a_ring_or_listed(mesh: Mesh) -> None:
