@@ -9,6 +9,7 @@ from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
 from core.haptics.spec import Spec, info, load_spec
 from core.haptics.vectors import ZERO, Vector, length
+from tests.haptics.converters import adc_words
 
 SESSION = 7
 TICK = 1e-3
@@ -64,18 +65,15 @@ class BenchDevice:
                 self.mode = wire.IDLE
                 self.forces = [ZERO] * 3
 
-    def state(self) -> wire.State:
+    def state(self) -> wire.DeviceState:
         """Return the STATE of now."""
         self.seq = (self.seq + 1) & 0xFFFF
         adc = self.adc or sum(
-            (
-                kinematics.adc_words(self.spec, kinematics.inverse(b, p))
-                for b, p in zip(self.blocks, self.at, strict=True)
-            ),
+            (adc_words(self.spec, kinematics.inverse(b, p)) for b, p in zip(self.blocks, self.at, strict=True)),
             (),
         )
         status = self.mode | self.masked
-        return wire.State(SESSION, self.seq, 0, round(self.now * 1e6) & 0xFFFFFFFF, adc, self.buttons, status)
+        return wire.DeviceState(SESSION, self.seq, 0, round(self.now * 1e6) & 0xFFFFFFFF, adc, self.buttons, status)
 
     def tick(self, times: int = 1) -> None:
         """Let milliseconds pass with a STATE each."""
@@ -85,7 +83,7 @@ class BenchDevice:
                 self.hold()
             if self.fresh and self.seq % 16 == 0:
                 self.hold()
-                self.feel(*(c and replace(c, stamp=self.now) for c in self.servo.order.contacts))
+                self.set_contacts(*(c and replace(c, stamp=self.now) for c in self.servo.order.contacts))
             self.say(wire.encode(self.state()))
 
     def pause(self, seconds: float) -> None:
@@ -94,7 +92,7 @@ class BenchDevice:
             self.now += TICK
             self.say(b"")
 
-    def feel(self, *contacts: Contact | None) -> None:
+    def set_contacts(self, *contacts: Contact | None) -> None:
         """Give the servo contacts."""
         self.servo.order = replace(self.servo.order, contacts=tuple(contacts))
 
@@ -116,7 +114,7 @@ class BenchDevice:
 
     def pressing(self, depth: float = 0.005, k: float = 600.0) -> "BenchDevice":
         """Press the first fingertip into a wall, armed."""
-        self.feel(wall(self.now, k=k))
+        self.set_contacts(wall(self.now, k=k))
         self.armed()
         for i in range(101):
             self.at[0] = (0.0, 0.0, 0.01 - i / 100 * (0.01 + depth))
@@ -138,12 +136,12 @@ class BenchDevice:
 
     def state_words(self, i: int) -> tuple[int, int, int]:
         """Return what the converters say of a finger."""
-        return kinematics.adc_words(self.spec, kinematics.inverse(self.blocks[i], self.at[i]))
+        return adc_words(self.spec, kinematics.inverse(self.blocks[i], self.at[i]))
 
 
-def message(device: BenchDevice) -> str:
-    """Return what the servo says."""
-    return device.servo.report().message
+def note(device: BenchDevice) -> str:
+    """Return the note of the servo's report."""
+    return device.servo.report().note
 
 
 def disarmed(device: BenchDevice) -> bool:
@@ -151,4 +149,4 @@ def disarmed(device: BenchDevice) -> bool:
     return device.servo.report().arming.name == "OFF" and device.strongest == 0.0
 
 
-__all__ = ["SESSION", "TICK", "BenchDevice", "disarmed", "message", "wall"]
+__all__ = ["SESSION", "TICK", "BenchDevice", "disarmed", "note", "wall"]

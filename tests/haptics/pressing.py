@@ -19,10 +19,11 @@ import pytest
 
 from core.haptics import wire
 from core.haptics.device import HapticMaster
-from core.haptics.messages import Link, Report
-from core.haptics.process import end, start
+from core.haptics.messages import LinkState, ServoReport
+from core.haptics.process import end
 from core.haptics.safety import Arming
 from core.haptics.vectors import length
+from studies.processes import start_emulator
 from tests.haptics.bench_device import wall
 from tests.haptics.host import SPEC
 
@@ -79,14 +80,16 @@ def rig(folder: Path, *words: str) -> Rig:
     hand = folder / "hand.json"
     hand.write_text(json.dumps({"tips": [WAY] * 3}))
     files = ["--pty", str(folder / "port"), "--hand", str(hand), "--trace", str(folder / "trace.csv")]
-    made = Rig(folder, start(["emulator", *files, "--lifeline", *words], None))
+    made = Rig(folder, start_emulator([*files, *words]))
     until = time.perf_counter() + PATIENCE
     while not os.path.exists(made.port) and time.perf_counter() < until:
         time.sleep(0.01)
     return made
 
 
-def drive(device: HapticMaster, until: Callable[[Report], bool], *, k: float = 300.0, arms: bool = False) -> Report:
+def drive(
+    device: HapticMaster, until: Callable[[ServoReport], bool], *, k: float = 300.0, arms: bool = False
+) -> ServoReport:
     """Play the simulation, 60 times a second, until something has happened; the wall is there once there is force.
 
     arms: hold the dead-man key and ask for force, again where a busy machine was disarmed for its gaps.
@@ -118,15 +121,15 @@ def gone(pid: int) -> bool:
     return False
 
 
-def ready(report: Report) -> bool:
-    return report.link is not Link.OPENING and bool(report.states or report.link is not Link.READY)
+def ready(report: ServoReport) -> bool:
+    return report.link is not LinkState.OPENING and bool(report.states or report.link is not LinkState.READY)
 
 
-def pressed() -> Callable[[Report], bool]:
+def pressed() -> Callable[[ServoReport], bool]:
     """Return what tells whether the hand has pressed for as long as a device takes to ramp its force up, and more."""
     since = math.inf
 
-    def there(report: Report) -> bool:
+    def there(report: ServoReport) -> bool:
         nonlocal since
         now = time.perf_counter()
         all_press = len(report.tips) == 3 and min(length(tip.force) for tip in report.tips) > PRESSED
@@ -136,11 +139,11 @@ def pressed() -> Callable[[Report], bool]:
     return there
 
 
-def press(device: HapticMaster) -> Report:
+def press(device: HapticMaster) -> ServoReport:
     """Connect, arm and wait until the hand has pressed."""
     for _ in range(3):  # again where the machine stood still for the second in which a device must answer
         device.open()
-        if drive(device, ready).link is Link.READY:
+        if drive(device, ready).link is LinkState.READY:
             break
         device.close()
     return drive(device, pressed(), arms=True)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from core.haptics.contact_model import Contact, Feel, fade, force_at, is_sane, stiffness_cap
+from core.haptics.contact_model import Contact, ContactBlend, fade, force_at, is_sane, stiffness_cap
 from core.haptics.vectors import ZERO, length
 from tests.haptics.bench_device import wall
 
@@ -80,7 +80,7 @@ def test_a_contact_that_is_not_of_this_world_is_refused(change: dict[str, object
 
 
 def test_a_new_contact_changes_the_force_without_a_jump_and_wholly_within_a_period() -> None:
-    feel, x, period = Feel(), (0.0, 0.0, -0.002), 0.016
+    feel, x, period = ContactBlend(), (0.0, 0.0, -0.002), 0.016
     forces = []
     for i in range(160):
         now = i * 1e-3
@@ -93,7 +93,7 @@ def test_a_new_contact_changes_the_force_without_a_jump_and_wholly_within_a_peri
 
 
 def test_a_contact_that_is_taken_away_lets_go_within_a_period_and_does_not_pull() -> None:
-    feel, x = Feel(), (0.0, 0.0, -0.002)
+    feel, x = ContactBlend(), (0.0, 0.0, -0.002)
     feel.take(wall(0.0), x, 0.0, CAP)
     feel.take(wall(0.084), x, 0.084, CAP)
     feel.take(None, x, 0.1, CAP)

@@ -7,7 +7,7 @@ import pytest
 
 from core.body.model import build_model
 from core.haptics.contact_model import Contact, force_at
-from core.haptics.contact_rendering import Felt, Workspace, rendered
+from core.haptics.contact_rendering import ContactRendering, Workspace, rendered
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.session import Finger, Session
@@ -27,7 +27,7 @@ def session() -> Session:
 
 
 def contacts(session: Session, place: Workspace, cap: float, now: float) -> tuple[Contact | None, ...]:
-    return Felt().contacts(session, place, cap, now)
+    return ContactRendering().contacts(session, place, cap, now)
 
 
 def press(session: Session, depth: float) -> None:
@@ -81,7 +81,7 @@ def test_clear_of_the_body_the_gap_is_known(session: Session) -> None:
     assert force_at(contact, touched, CAP)[2] == pytest.approx(MATERIAL.K1 * 0.002, rel=0.01)
 
 
-def drag(session: Session, felt: Felt, ways: list[float]) -> list[Contact]:
+def drag(session: Session, felt: ContactRendering, ways: list[float]) -> list[Contact]:
     """Press 10 mm deep, then go to places along x [m]."""
     press(session, 0.010)
     out = []
@@ -98,7 +98,7 @@ def test_sideways_a_fingertip_sticks_then_slips() -> None:
     """A spring of 2/3 K1 up to half the push (friction 0.5), then no more; turned round it lets go and pulls back."""
     mesh = scenes.cube(6, PRESETS[1].size)
     session = Session(build_model(mesh, [MATERIAL], held=base_vertices(mesh)))
-    _, stick, slip, back = (c.force for c in drag(session, Felt(), [0.004, 0.020, 0.016]))
+    _, stick, slip, back = (c.force for c in drag(session, ContactRendering(), [0.004, 0.020, 0.016]))
     push, k = MATERIAL.K1 * 0.010, 2 / 3 * MATERIAL.K1
     assert stick[0] == pytest.approx(-k * 0.004, rel=0.03)
     assert slip[0] == pytest.approx(-0.5 * push, rel=0.03)
@@ -107,12 +107,12 @@ def test_sideways_a_fingertip_sticks_then_slips() -> None:
 
 def test_sideways_too_two_frames_tell_the_same_line(session: Session) -> None:
     """So that the rate of the simulation is not felt, and nothing shakes."""
-    _, first, second = drag(session, Felt(), [0.002, 0.005])
+    _, first, second = drag(session, ContactRendering(), [0.002, 0.005])
     assert force_at(first, second.at, CAP)[0] == pytest.approx(second.force[0], rel=0.03)
 
 
 def test_a_place_that_is_carried_off_pulls_the_fingertip_along(session: Session) -> None:
-    felt = Felt()
+    felt = ContactRendering()
     (before,) = drag(session, felt, [])
     (touch,) = session.frame.touches
     assert touch
@@ -125,7 +125,7 @@ def test_a_place_that_is_carried_off_pulls_the_fingertip_along(session: Session)
 
 @pytest.mark.parametrize("fingers", [[None], []], ids=["its sensor is believed no more", "the device is gone"])
 def test_a_fingertip_that_was_lifted_off_sticks_anew_where_it_comes_down(session: Session, fingers: list[None]) -> None:
-    felt = Felt()
+    felt = ContactRendering()
     assert np.hypot(*drag(session, felt, [0.004])[-1].force[:2]) > 0.5
     session.set_fingers(fingers)
     session.step(0.0)
@@ -145,7 +145,7 @@ def test_a_larger_workspace_feels_as_stiff(session: Session) -> None:
 
 
 def test_a_turned_workspace_turns_the_force(session: Session) -> None:
-    felt = Felt()
+    felt = ContactRendering()
     straight = drag(session, felt, [0.004])[-1]
     (turned,) = felt.contacts(session, Workspace(turn=TURN), CAP, 0.0)
     assert turned and straight.force[0] < -0.5

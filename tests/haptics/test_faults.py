@@ -8,8 +8,8 @@ import pytest
 
 from core.errors import DimpleError
 from core.haptics import wire
-from core.haptics.command import measured
-from core.haptics.faults import FAULTS, FOREVER, Fault, parse_fault
+from studies.emulator import measured
+from studies.faults import FAULTS, FOREVER, InjectedFault, parse_fault
 from tests.haptics.bit_errors import lost_share
 from tests.haptics.host import Table
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS, sizes, up
@@ -192,10 +192,10 @@ def test_words_of_full_scale_are_limited_like_any_others() -> None:
 
 
 def test_faults_are_written_as_they_are_told() -> None:
-    assert parse_fault("flip=1e-3") == Fault("flip", 1e-3)
-    assert parse_fault("flip-in") == Fault("flip", FAULTS["flip"][0], way="in")
-    assert parse_fault("adc-range=2@0.5+0.25") == Fault("adc-range", 2.0, 0.5, 0.75)
-    assert parse_fault("slow-host=0.01@1") == Fault("delay", 0.01, 1.0, FOREVER, "in")
+    assert parse_fault("flip=1e-3") == InjectedFault("flip", 1e-3)
+    assert parse_fault("flip-in") == InjectedFault("flip", FAULTS["flip"][0], way="in")
+    assert parse_fault("adc-range=2@0.5+0.25") == InjectedFault("adc-range", 2.0, 0.5, 0.75)
+    assert parse_fault("slow-host=0.01@1") == InjectedFault("delay", 0.01, 1.0, FOREVER, "in")
     assert all(parse_fault(name).name == name for name in FAULTS)
     for text in ("flup", "flip=x", "flip@x", "flip@-1", "flip=-1", "flip@1+0", "flip=nan", "unplug-in", ""):
         with pytest.raises(DimpleError, match="fault"):

@@ -8,7 +8,7 @@ import random
 import pytest
 
 from core.haptics import wire
-from core.haptics.hand import Hand
+from core.haptics.emulated_hand import EmulatedHand
 from core.haptics.vectors import ZERO
 from core.haptics.watch import Watch
 from tests.haptics.host import HELD, SPEC, Host, Table
@@ -174,7 +174,7 @@ def test_disarm_ends_force_at_once() -> None:
 def test_no_command_whatever_exceeds_peak_slew_or_heat() -> None:
     """Random words of full scale, held for random times, 12 s: 10 N, 1 N/ms and 4 N over any 10 s hold."""
     dice = random.Random(3)
-    table = Table(hand=Hand(stiffness=3000.0, damping=40.0)).armed()
+    table = Table(hand=EmulatedHand(stiffness=3000.0, damping=40.0)).armed()
     since = len(table.trace)
     for _ in range(60):
         table.host.torque = tuple(dice.choice((-32768, 32767, dice.randint(-9000, 9000))) for _ in range(9))  # type: ignore
@@ -192,7 +192,7 @@ def test_no_command_whatever_exceeds_peak_slew_or_heat() -> None:
 def test_a_tip_that_runs_away_is_braked_at_once_and_latched_after_5_ticks() -> None:
     """A hand that lets go of a push of 10 N: 0.12 kg reach 1.5 m/s in some 20 ms."""
     keys = ((0.0, 0.0, 0.0, -0.2), (1.0, 0.0, 0.0, -0.2))
-    table = Table(up(10.0, 0.62), hand=Hand(tips=(keys,) * 3, stiffness=0.0, damping=0.0)).armed()
+    table = Table(up(10.0, 0.62), hand=EmulatedHand(tips=(keys,) * 3, stiffness=0.0, damping=0.0)).armed()
     table.run(0.2)
     assert [fault.code for fault in table.host.faults][:1] == [wire.FAULT_SPEED]
     heights = [row[4] for row in table.trace]

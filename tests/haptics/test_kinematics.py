@@ -12,6 +12,7 @@ from core.haptics import kinematics, wire
 from core.haptics.kinematics import Block, Singular, Unreachable
 from core.haptics.spec import HAPTIC_MASTER, check_info, geometry_crc, info, load_spec
 from core.haptics.vectors import Vector
+from tests.haptics.converters import adc_words
 
 SPEC = load_spec()
 BLOCKS = kinematics.blocks(SPEC)
@@ -95,7 +96,7 @@ def test_the_converters_resolve_eight_hundredths_of_a_millimetre() -> None:
     errors = []
     for block in BLOCKS:
         for p in places(4000)[::2]:  # inside, evenly
-            q = kinematics.adc_angles(SPEC, kinematics.adc_words(SPEC, kinematics.inverse(block, p)))
+            q = kinematics.adc_angles(SPEC, adc_words(SPEC, kinematics.inverse(block, p)))
             errors.append(math.dist(kinematics.forward(block, q), p))
     rms = 1e3 * math.sqrt(sum(e * e for e in errors) / len(errors))
     assert rms == pytest.approx(0.08, abs=0.005)
@@ -106,11 +107,11 @@ def test_a_converter_is_right_within_half_a_step_and_holds_at_its_ends() -> None
     dice = random.Random(4)
     for _ in range(1000):
         q = tuple(centre + dice.uniform(-0.5, 0.5) * SPEC.adc_span for centre in SPEC.adc_centres)
-        words = kinematics.adc_words(SPEC, q)
+        words = adc_words(SPEC, q)
         assert all(word % 16 == 0 for word in words)
         for read, true in zip(kinematics.adc_angles(SPEC, words), q, strict=True):
             assert abs(read - true) <= step / 2 + 1e-12
-    assert kinematics.adc_words(SPEC, (-9.0, 9.0, -9.0)) == (0, 0xFFF0, 0)
+    assert adc_words(SPEC, (-9.0, 9.0, -9.0)) == (0, 0xFFF0, 0)
 
 
 def test_torque_words_hold_at_full_scale_and_know_only_numbers() -> None:

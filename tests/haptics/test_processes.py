@@ -18,7 +18,7 @@ import pytest
 from core.base import DimpleError
 from core.haptics import wire
 from core.haptics.device import HapticMaster
-from core.haptics.messages import Link, Report
+from core.haptics.messages import LinkState, ServoReport
 from core.haptics.safety import Arming
 from core.haptics.servo import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
 from core.haptics.vectors import length
@@ -83,8 +83,8 @@ def test_the_servo_is_killed(emulator: Rig) -> None:
     press(device)
     assert device.process
     device.process.send_signal(signal.SIGKILL)
-    report = drive(device, lambda report: report.link is Link.LOST)
-    assert "arm again" in report.message
+    report = drive(device, lambda report: report.link is LinkState.LOST)
+    assert "arm again" in report.note
     device.close()
     time.sleep(0.5)  # until the device has latched
     assert needs_a_new_arm(emulator.port)
@@ -99,8 +99,8 @@ def test_the_servo_hangs(emulator: Rig) -> None:
     assert device.process
     pid = device.process.pid
     device.process.send_signal(signal.SIGSTOP)
-    report = drive(device, lambda report: report.link is Link.LOST)
-    assert report.arming is Arming.OFF and "does not answer" in report.message
+    report = drive(device, lambda report: report.link is LinkState.LOST)
+    assert report.arming is Arming.OFF and "does not answer" in report.note
     device.close()
     assert gone(pid)
     assert needs_a_new_arm(emulator.port)
@@ -114,7 +114,7 @@ def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
     device.open()
     drive(device, ready)
     assert device._box and not device._box.path.exists()
-    assert drive(device, pressed(), arms=True).link is Link.READY
+    assert drive(device, pressed(), arms=True).link is LinkState.READY
     device.close()
 
 
@@ -130,8 +130,8 @@ def test_the_device_goes_away(tmp_path: Path, how: str) -> None:
         made.process.kill()
     else:
         made.stop()  # to the host it looks the same
-    report = drive(device, lambda report: report.link is Link.LOST)
-    assert report.message and report.arming is Arming.OFF
+    report = drive(device, lambda report: report.link is LinkState.LOST)
+    assert report.note and report.arming is Arming.OFF
     assert gone(pid)
     assert os.path.islink(made.port) == (how == "killed")
     device.close()
@@ -147,8 +147,8 @@ def test_a_second_opener_is_refused(emulator: Rig) -> None:
     drive(first, ready)
     second.open()
     report = drive(second, ready)
-    assert report.link is Link.REFUSED and "in use" in report.message
-    assert first.read().link is Link.READY
+    assert report.link is LinkState.REFUSED and "in use" in report.note
+    assert first.read().link is LinkState.READY
     for device in (second, first):
         device.close()
 
@@ -158,7 +158,7 @@ def test_another_protocol_is_refused_naming_both(tmp_path: Path) -> None:
     device = HapticMaster(made.port)
     device.open()
     report = drive(device, ready)
-    assert report.link is Link.REFUSED and "2.0" in report.message and "1.0" in report.message
+    assert report.link is LinkState.REFUSED and "2.0" in report.note and "1.0" in report.note
     device.close()
     made.stop()
 
@@ -167,7 +167,7 @@ def test_a_wrong_baud_rate_is_said(tmp_path: Path) -> None:
     made = rig(tmp_path, "--fault", "wrong-baud")
     device = HapticMaster(made.port)
     device.open()
-    assert "baud" in drive(device, ready).message
+    assert "baud" in drive(device, ready).note
     device.close()
     made.stop()
 
@@ -182,13 +182,13 @@ def test_a_port_with_something_else_behind_it_is_said_within_a_second(says: byte
     assert device.process
     pid = device.process.pid
 
-    def answered(report: Report) -> bool:
+    def answered(report: ServoReport) -> bool:
         with contextlib.suppress(BlockingIOError):
             os.write(master, says)
-        return report.link is not Link.OPENING
+        return report.link is not LinkState.OPENING
 
     report = drive(device, answered)
-    assert report.link is Link.REFUSED and "Nothing answers within 1 s" in report.message
+    assert report.link is LinkState.REFUSED and "Nothing answers within 1 s" in report.note
     assert gone(pid)
     device.close()
     os.close(master)
@@ -200,7 +200,7 @@ def test_five_seconds_behind_a_real_pseudo_terminal() -> None:
     for _ in range(3):
         try:
             trial = haptics.press(5.0)
-            why = None if trial.report.arming is Arming.ON else trial.report.message
+            why = None if trial.report.arming is Arming.ON else trial.report.note
         except DimpleError as error:
             why = str(error)
         if why is None:
@@ -214,4 +214,4 @@ def test_five_seconds_behind_a_real_pseudo_terminal() -> None:
     assert figures["wrong_frames"] == 0
     assert figures["tip_rms_error_mm"] < 0.2
     assert 1.0 < figures["force_largest_n"] < 10.0
-    assert figures["stiffness_felt_n_m"] < 1.25 * haptics.PRESET.material.K1
+    assert figures["stiffness_rendered_n_m"] < 1.25 * haptics.PRESET.material.K1

@@ -3,10 +3,10 @@
 import pytest
 
 from core.haptics import wire
-from core.haptics.messages import Link
+from core.haptics.messages import LinkState
 from core.haptics.servo import Servo
 from core.haptics.spec import info, load_spec
-from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, message
+from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, note
 
 
 def test_every_state_is_answered_with_its_own_number() -> None:
@@ -61,9 +61,9 @@ def test_without_a_state_the_force_is_gone_after_5_ms_and_the_device_lost_after_
     device.pause(0.004)
     assert device.strongest > 1
     device.pause(0.003)
-    assert device.strongest == 0.0 and device.servo.link is Link.READY
+    assert device.strongest == 0.0 and device.servo.link is LinkState.READY
     device.pause(0.1)
-    assert device.servo.link is Link.LOST and disarmed(device) and "lost" in message(device)
+    assert device.servo.link is LinkState.LOST and disarmed(device) and "lost" in note(device)
 
 
 def test_a_lost_device_that_comes_back_needs_a_new_arm() -> None:
@@ -73,7 +73,7 @@ def test_a_lost_device_that_comes_back_needs_a_new_arm() -> None:
     device.mode = wire.IDLE
     device.at[0] = (0.0, 0.0, 0.01)
     device.tick(1000)
-    assert device.servo.link is Link.READY and disarmed(device)
+    assert device.servo.link is LinkState.READY and disarmed(device)
     assert device.armed().servo.report().arming.name == "ON"
 
 
@@ -89,18 +89,18 @@ def test_a_loss_of_more_than_5_percent_warns_and_of_more_than_30_disarms() -> No
     for i in range(1000):
         device.seq += i % 10 == 0
         device.tick()
-    assert "lost" in message(device) and device.servo.report().arming.name == "ON"
+    assert "lost" in note(device) and device.servo.report().arming.name == "ON"
     for _ in range(1000):
         device.seq += 1
         device.tick()
-    assert disarmed(device) and "frames" in message(device)
+    assert disarmed(device) and "frames" in note(device)
 
 
 def test_nobody_on_the_line_is_said_within_a_second_and_no_torque_was_ever_sent() -> None:
     servo, out = Servo(load_spec()), b""
     for i in range(1100):
         out += servo.step(50 + i * 1e-3, bytes([i % 251] * 7))  # a wrong baud rate is noise
-    assert servo.link is Link.REFUSED and "baud" in servo.report().message
+    assert servo.link is LinkState.REFUSED and "baud" in servo.report().note
     assert {type(frame) for frame in wire.Decoder().feed(out)} == {wire.Hello}
 
 
@@ -108,15 +108,15 @@ def test_another_protocol_is_refused_naming_both() -> None:
     servo = Servo(load_spec(), nonce=5)
     servo.step(0.0, b"")
     assert servo.step(0.01, wire.encode(info(load_spec(), 5, SESSION, (2, 3)))) == b""
-    assert servo.link is Link.REFUSED
-    assert "2.3" in servo.report().message and "1.0" in servo.report().message
+    assert servo.link is LinkState.REFUSED
+    assert "2.3" in servo.report().note and "1.0" in servo.report().note
 
 
 def test_an_answer_to_somebody_elses_hello_is_not_ours() -> None:
     servo = Servo(load_spec(), nonce=5)
     servo.step(0.0, b"")
     servo.step(0.01, wire.encode(info(load_spec(), 6, SESSION)))
-    assert servo.link is Link.OPENING
+    assert servo.link is LinkState.OPENING
 
 
 def test_garbage_never_raises_and_never_moves_a_motor() -> None:
@@ -138,7 +138,7 @@ def test_after_a_gap_of_5_s_there_is_no_force_and_a_new_arm_is_needed() -> None:
         late = device.state()
         device.say(wire.encode(late._replace(t_us=late.t_us + round(1e6 * (there - here)) & 0xFFFFFFFF)))
         assert disarmed(device), (here, there)
-        assert "stood still" in message(device)
+        assert "stood still" in note(device)
         device.tick(200)
         assert disarmed(device)
 
@@ -151,7 +151,7 @@ def test_a_device_whose_clock_does_not_go_on_is_disarmed(shift: int) -> None:
     assert last
     device.now += 1e-3
     device.say(wire.encode(device.state()._replace(t_us=last.t_us + shift & 0xFFFFFFFF)))
-    assert disarmed(device) and "clock" in message(device)
+    assert disarmed(device) and "clock" in note(device)
 
 
 @pytest.mark.parametrize("jump", [-10.0, -0.05, -0.002, 0.002, 0.05, 10.0])
@@ -175,9 +175,9 @@ def test_a_host_clock_that_jumps_never_breaks_a_limit(jump: float, back: bool) -
 def test_a_device_that_answers_but_streams_nothing_is_refused() -> None:
     device = BenchDevice()
     device.pause(0.9)
-    assert device.servo.link is Link.READY
+    assert device.servo.link is LinkState.READY
     device.pause(0.2)
-    assert device.servo.link is Link.REFUSED and "streams no positions" in message(device)
+    assert device.servo.link is LinkState.REFUSED and "streams no positions" in note(device)
     assert device.strongest == 0.0
 
 

@@ -57,7 +57,7 @@ def test_a_device_that_would_let_go_between_two_ticks_is_refused(tmp_path: Path)
 
 def test_a_table_that_is_none_and_a_file_that_is_no_toml_are_said(tmp_path: Path) -> None:
     path = tmp_path / "device.toml"
-    for text, said in (("tip = 3", "no 'name'"), ("[", "not right"), ("\x00", "not right"), ("", "has no")):
+    for text, said in (("tip = 3", "no 'name'"), ("[", "not valid"), ("\x00", "not valid"), ("", "has no")):
         path.write_text(text, encoding="utf-8")
         with pytest.raises(DimpleError, match=said):
             load_spec(path)
@@ -65,7 +65,7 @@ def test_a_table_that_is_none_and_a_file_that_is_no_toml_are_said(tmp_path: Path
     with pytest.raises(DimpleError, match=r"\[tip\] must be a table"):
         load_spec(path)
     path.write_bytes(b"\xff\xfe")
-    with pytest.raises(DimpleError, match="not right"):
+    with pytest.raises(DimpleError, match="not valid"):
         load_spec(path)
     with pytest.raises(DimpleError, match="cannot be read"):
         load_spec(tmp_path)

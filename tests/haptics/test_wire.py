@@ -9,7 +9,7 @@ import zlib
 import pytest
 
 from core.haptics import wire
-from core.haptics.wire import Arm, Command, Decoder, Disarm, Fault, Frame, Hello, Info, Ping, Report, State
+from core.haptics.wire import Arm, Command, Decoder, DeviceState, Disarm, Fault, Frame, Hello, Info, LinkReport, Ping
 from tests.haptics.bit_errors import lost_share, survey
 from tools.environment import ROOT
 
@@ -31,7 +31,7 @@ def some_frames(seed: int) -> list[Frame]:
         return dice.choice((0, 0xFFFFFFFF, dice.randrange(1 << 32)))
 
     return [
-        State(b(), w(), w(), long(), nine(0, 65535, dice), b(), b()),
+        DeviceState(b(), w(), w(), long(), nine(0, 65535, dice), b(), b()),
         Command(b(), w(), w(), nine(-32768, 32767, dice), b(), b()),
         Hello(w(), b(), b()),
         Info(
@@ -41,7 +41,7 @@ def some_frames(seed: int) -> list[Frame]:
         Disarm(b(), b()),
         Ping(b(), w()),
         Fault(b(), b(), b(), w()),
-        Report(b(), w(), long(), long(), long(), w(), w(), w(), w(), w(), w(), w()),
+        LinkReport(b(), w(), long(), long(), long(), w(), w(), w(), w(), w(), w(), w()),
     ]  # fmt: skip
 
 
@@ -63,7 +63,7 @@ def test_a_frame_has_no_zero_but_its_last_and_a_payload_of_33_bytes_at_most() ->
 
 def test_a_state_is_288_bits_and_a_command_256() -> None:
     """What the baud rate and the expected losses are computed from."""
-    assert (8 * wire.size(State), 8 * wire.size(Command)) == (288, 256)
+    assert (8 * wire.size(DeviceState), 8 * wire.size(Command)) == (288, 256)
 
 
 def test_the_bytes_are_those_of_the_design() -> None:
@@ -72,7 +72,7 @@ def test_the_bytes_are_those_of_the_design() -> None:
     block = wire.unstuff(code[:-1])
     assert block is not None
     assert block[:-4].hex() == "1202" + "0403" + "0605" + "0100ffff" + "0000" * 6 + "0807" + "0314"
-    state = wire.unstuff(wire.encode(State(9, 1, 2, 0x01020304, (0xFFF0,) * 9, 5, 6))[:-1])
+    state = wire.unstuff(wire.encode(DeviceState(9, 1, 2, 0x01020304, (0xFFF0,) * 9, 5, 6))[:-1])
     assert state is not None
     assert state[:-4].hex() == "1109" + "0100" + "0200" + "04030201" + "f0ff" * 9 + "0506"
 
@@ -112,7 +112,7 @@ def test_a_stream_without_an_end_takes_no_memory() -> None:
 
 def test_a_frame_of_another_time_is_skipped_and_counted() -> None:
     decoder = Decoder()
-    for payload in (b"\x7f\x01\x02", b"\x11\x01\x02"):  # unknown; a State with another length
+    for payload in (b"\x7f\x01\x02", b"\x11\x01\x02"):  # unknown; a DeviceState with another length
         decoder.feed(wire.stuff(payload + struct.pack("<I", zlib.crc32(payload))))
     assert (decoder.counts.unknown, decoder.counts.malformed, decoder.counts.frames) == (1, 1, 0)
     assert decoder.feed(wire.encode(FRAMES[0])) == [FRAMES[0]]
@@ -142,7 +142,7 @@ def test_no_code_hangs_the_reader() -> None:
         assert block is None or not code or 0 in code or wire.stuff(block)[:-1] == code
 
 
-@pytest.mark.parametrize("kind", [State, Command])
+@pytest.mark.parametrize("kind", [DeviceState, Command])
 @pytest.mark.parametrize("rate", [1e-5, 1e-4, 1e-3])
 def test_bit_errors_lose_frames_and_never_alter_one(rate: float, kind: type) -> None:
     """The share lost is that of the frames hit; a hit on a 0x00 costs the next frame too: 3 % more, within the 10."""

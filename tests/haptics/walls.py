@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from core.haptics.emulator import Emulator, Row
-from core.haptics.hand import Hand, Keyframe
-from core.haptics.messages import Link
+from core.haptics.emulated_hand import EmulatedHand, Keyframe
+from core.haptics.messages import LinkState
 from core.haptics.safety import LEASE, Passivity
 from core.haptics.servo import Servo
 from core.haptics.spec import Spec, load_spec
 from core.haptics.vectors import Vector
 from core.haptics.wire import RAMP
+from studies.faulty_emulator import FaultyEmulator, TraceRow
 from tests.haptics.bench_device import wall
 
 STEP = 2e-4  # [s] of the clock
@@ -55,7 +55,7 @@ class Run:
 
 
 def feel(
-    hand: Hand,
+    hand: EmulatedHand,
     k: Callable[[Servo], float],
     seconds: float,
     *,
@@ -68,8 +68,8 @@ def feel(
     stuck: share of the ticks at which the servo's process is kept from running, for 2 to 3 ms.
     """
     spec = spec or load_spec()
-    trace: list[Row] = []
-    emulator, servo = Emulator(spec, hand=hand, trace=trace, baud=0), servo or Servo(spec)
+    trace: list[TraceRow] = []
+    emulator, servo = FaultyEmulator(spec, hand=hand, trace=trace, baud=0), servo or Servo(spec)
     now, frame, to_device, to_servo = 0.0, 0.0, b"", b""
     until, dice, runs = math.inf, np.random.default_rng(2), 0.0
     while now < until:
@@ -80,13 +80,13 @@ def feel(
         if dice.random() < stuck * STEP / spec.tick:
             runs = now + dice.uniform(2e-3, 3e-3)
         to_device, to_servo = servo.step(now, to_servo), b""
-        if servo.link is Link.READY and now >= frame:
+        if servo.link is LinkState.READY and now >= frame:
             frame = now + FRAME
             contact = replace(wall(now, k=k(servo)), friction=0.0)
             servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=(contact,) * 3)
         if until == math.inf and emulator.mode == RAMP:
             until = now + BEGIN + seconds
-    assert servo.report().arming.name == "ON", servo.report().message
+    assert servo.report().arming.name == "ON", servo.report().note
     rows = np.array(trace)
     rows = rows[np.flatnonzero(rows[:, 1] == RAMP)[0] :]
     return Run(rows, min(tip.least_energy for tip in servo.report().tips), servo.cap)
@@ -102,7 +102,9 @@ def grows(k: float) -> bool:
     for finger in servo._fingers:
         finger.guard.passivity = Unwatched()
     lean: Sequence[Keyframe] = ((0.0, 0.0, 0.0, 0.002), (BEGIN, 0.0, 0.0, 0.002), (BEGIN + 0.5, 0.0, 0.0, -0.1))
-    run = feel(Hand(tips=(tuple(lean),) * 3, stiffness=20.0, damping=0.0), lambda _: k, 2.0, spec=spec, servo=servo)
+    run = feel(
+        EmulatedHand(tips=(tuple(lean),) * 3, stiffness=20.0, damping=0.0), lambda _: k, 2.0, spec=spec, servo=servo
+    )
     time, x, _ = run.tip()
     speeds = np.abs(np.diff(x[:, 2])) / spec.tick
     early, late = (speeds[(time[1:] > BEGIN + t) & (time[1:] < BEGIN + t + 0.2)].max() for t in (1.0, 1.7))
@@ -138,7 +140,7 @@ def static_error(k: float | None, levels: Sequence[float] = (0.004, 0.007, 0.010
     Args:
         k: [N/m], None: the largest there is.
     """
-    run = feel(Hand(tips=(stairs(levels),) * 3), lambda servo: servo.cap if k is None else k, 0.6 * len(levels))
+    run = feel(EmulatedHand(tips=(stairs(levels),) * 3), lambda servo: servo.cap if k is None else k, 0.6 * len(levels))
     k = run.cap if k is None else k
     slopes, errors = [], []
     for finger in range(3):
@@ -167,7 +169,7 @@ def poke(seconds: float, stuck: float = 0.0) -> Run:
             keys += [(at + down, 0.0, 0.0, deep), (at + down + 0.15, 0.0, 0.0, deep),
                      (at + down + up + 0.15, 0.0, 0.0, 0.005)]  # fmt: skip
         tips.append(tuple(keys))
-    return feel(Hand(tips=tuple(tips)), lambda servo: servo.cap, seconds, stuck=stuck)
+    return feel(EmulatedHand(tips=tuple(tips)), lambda servo: servo.cap, seconds, stuck=stuck)
 
 
 if __name__ == "__main__":

@@ -64,7 +64,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     yield from robot.until(lambda: report().link.name == "LOST", "the loss of the device is seen", 60)
     playing = bool(robot.modal_operators())
     check(
-        "a killed servo is said, and the ball plays on", playing and "arm again" in report().message, report().message
+        "a killed servo is said, and the ball plays on", playing and "arm again" in report().note, report().note
     )
     yield from photograph(out / "13-device-lost.png")
     bpy.ops.dimple.connect_device()  # lets go of it

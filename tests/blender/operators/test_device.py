@@ -72,8 +72,8 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
     report = connect(bpy, port.path)
     assert any("K2 is not renderable" in note for note in device.notes(report, settings))
     rows = dict(device.rows(report, settings))
-    assert rows["K1 Asked, Felt"] == "0.20, 0.20 N/mm"
-    asked, _, rendered = rows["K2 Asked, Felt"].partition(", ")
+    assert rows["K1 Material / Rendered"] == "0.20 / 0.20 N/mm"
+    asked, _, rendered = rows["K2 Material / Rendered"].partition(" / ")
     assert (
         asked == "9.00"
         and float(rendered.split()[0]) == pytest.approx(report.cap / 1e3, abs=0.006)
@@ -82,7 +82,7 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
     assert rows["State"] == "Ready, no force" and {"Rate", "Lost Frames", "Round Trip", "Force 1"} <= rows.keys()
     settings.K1 = 9.0
     assert any("K1 and K2" in note for note in device.notes(report, settings))
-    assert any("more force than the device has" in note for note in device.notes(report, settings))
+    assert any("more force than the device can exert" in note for note in device.notes(report, settings))
 
 
 def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> None:
@@ -95,7 +95,7 @@ def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> N
     assert bpy.ops.dimple.centre_device() == {"FINISHED"}
     tips = [tip.position for tip in connection().report.tips]
     middle = tuple(sum(tip[c] for tip in tips) / 3 for c in range(3))
-    at = haptic.place(scene, 0.1).to_session(middle)
+    at = haptic.workspace(scene, 0.1).to_session(middle)
     assert at == pytest.approx((0.1, 0.2, 0.3), abs=1e-5)
 
 
@@ -182,7 +182,7 @@ def test_a_port_that_is_not_there_is_refused_with_the_reason(bpy: ModuleType, em
         bpy.ops.dimple.connect_device()
     settings.device_port = "/dev/nothing"
     bpy.ops.dimple.connect_device()
-    assert "no port /dev/nothing" in wait(lambda report: report.link.name == "REFUSED").message
+    assert "no port /dev/nothing" in wait(lambda report: report.link.name == "REFUSED").note
     haptic.disconnect()
 
 
@@ -202,7 +202,7 @@ def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: Mo
     (tmp_path / "device.toml").write_text('name = "Mine"')
     settings.device_port = "/dev/null"
     bpy.ops.dimple.connect_device()
-    assert "device.toml has no 'blocks'" in wait(lambda report: report.link.name == "REFUSED").message
+    assert "device.toml has no 'blocks'" in wait(lambda report: report.link.name == "REFUSED").note
     haptic.disconnect()
     settings.device_port = "emulated"
     with pytest.raises(RuntimeError, match="did not start .*device.toml has no 'blocks'"):

@@ -249,15 +249,15 @@ def test_a_new_session_remembers_nothing_of_what_was_felt_in_the_last(
 ) -> None:
     from bl_ext.user_default.dimple.operators import live, sessions
 
-    body, felt = add(), []
+    body, renderings = add(), []
     connect(bpy, port.path)
     for _ in range(2):
         entry = run(bpy, body)
         live.advance(bpy.context, 1 / 60)
-        felt.append(connection().felt[entry])
-        assert list(connection().felt) == [entry]
+        renderings.append(connection().renderings[entry])
+        assert list(connection().renderings) == [entry]
         sessions.stop_all()
-    assert felt[0] is not felt[1]
+    assert renderings[0] is not renderings[1]
 
 
 def test_what_the_mouse_presses_is_not_felt_by_the_device(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
