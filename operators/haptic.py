@@ -180,7 +180,10 @@ def write(scene: bpy.types.Scene) -> None:
 
 def nearer(some: Sequence[Contact | None], others: Sequence[Contact | None]) -> list[Contact | None]:
     """Return, of two contacts of each fingertip, the one that presses more, or else has the smaller gap."""
-    pairs = [(a, b) for a, b in zip([*some, *[None] * 3][:3], [*others, *[None] * 3][:3], strict=True)]
+    from ..core.haptics.messages import TIPS
+
+    first, second = ([*each, *[None] * TIPS][:TIPS] for each in (some, others))
+    pairs = zip(first, second, strict=True)
     return [min((c for c in pair if c), key=_order, default=None) for pair in pairs]
 
 

@@ -10,6 +10,7 @@ from typing import Final
 
 from . import kinematics, wire
 from .motors import Motors
+from .safety import SPEED_TIME
 from .sensors import Sensors
 from .spec import Spec, info
 from .vectors import ZERO, Vector, length, scaled
@@ -17,11 +18,10 @@ from .watch import Watch
 
 SILENCE: Final = 1.0  # [s] without a host, after which the device falls silent too
 ARM_PATIENCE: Final = 1.0  # [s] in which the host must become quiet
-SPEED_TIME: Final = 0.005  # [s] time constant of the speed
 FAST_TICKS: Final = 5  # so many in a row over the speed limit are a fault
 FAULT_EVERY: Final = 0.1  # [s]
 HELD: Final = wire.ENABLE | wire.DEADMAN
-FINGERS: Final = range(wire.FINGERS)
+ALL_FINGERS: Final = range(wire.FINGERS)
 
 
 class Firmware:
@@ -44,7 +44,7 @@ class Firmware:
         self.streaming, self.protocol = False, wire.PROTOCOL
         self._baud, self._last_session = baud, session
         self._blocks, self._sensors = kinematics.blocks(spec), Sensors(spec)
-        self._motors = [Motors(spec) for _ in FINGERS]
+        self._motors = [Motors(spec) for _ in ALL_FINGERS]
         self._words = [0] * wire.CHANNELS
         self._angles: list[Vector] = [ZERO] * wire.FINGERS
         self._tips: list[Vector | None] = [None] * wire.FINGERS
@@ -133,7 +133,7 @@ class Firmware:
         """Follow the tips and their speed."""
         spec = self.spec
         share = spec.tick / (SPEED_TIME + spec.tick)
-        for i in FINGERS:
+        for i in ALL_FINGERS:
             if self._sensors.bad[i]:
                 self._tips[i], self._velocities[i] = None, ZERO
                 continue
@@ -165,7 +165,7 @@ class Firmware:
                 return self._latch(wire.FAULT_WATCHDOG, now)
             if lossy:
                 return self._latch(wire.FAULT_LINK, now)
-            for i in FINGERS:
+            for i in ALL_FINGERS:
                 self._fast[i] = self._fast[i] + 1 if self._is_fast(i) else 0
                 if self._fast[i] >= FAST_TICKS:
                     return self._latch(wire.FAULT_SPEED, now, i)
@@ -199,7 +199,7 @@ class Firmware:
         return self._command is not None and self._command.flags & HELD == HELD
 
     def _is_quiet(self) -> bool:
-        return all(length(self._commanded(i)) < self.spec.arm_force for i in FINGERS)
+        return all(length(self._commanded(i)) < self.spec.arm_force for i in ALL_FINGERS)
 
     def _is_fast(self, i: int) -> bool:
         return length(self._velocities[i]) > self.spec.tip_speed
@@ -219,7 +219,7 @@ class Firmware:
     def drive(self, now: float) -> None:
         """Set the torques, at the time of the tick [s]."""
         age = self._age(now)
-        for i in FINGERS:
+        for i in ALL_FINGERS:
             motors = self._motors[i]
             wanted = None if self._sensors.bad[i] else self._wanted(i, age, now)
             force = motors.zero() if wanted is None else motors.limit(wanted)
@@ -267,7 +267,7 @@ class Firmware:
         if mode in (wire.RAMP, wire.ARMED) and self._age(now) >= self.spec.zero:
             mode = wire.BRAKE
         status = mode | (wire.LIMITED if any(motors.limited for motors in self._motors) else 0)
-        for finger in FINGERS:
+        for finger in ALL_FINGERS:
             status |= wire.MASKED << finger if self._sensors.bad[finger] else 0
         session, ack = (self.watch.session, self.watch.ack) if self.watch else (0, 0)
         time = int(1e6 * now) & 0xFFFFFFFF

@@ -9,11 +9,12 @@ from enum import Enum
 from .contact_model import MOST_AHEAD, Contact
 from .safety import LEASE, Arming
 from .vectors import ZERO, Vector
+from .wire import FINGERS
 
-TIPS = 3
+TIPS = FINGERS
 _ORDER = struct.Struct("<IId")  # arm, disarm, held until
 _CONTACT = struct.Struct("<B14d")
-_REPORT = struct.Struct("<dBBB6I6dBB")
+_REPORT = struct.Struct("<BBB5I5d")
 _TIP = struct.Struct("<BB7d")
 _NOTE = 400  # bytes of the note
 ORDER_SIZE = _ORDER.size + TIPS * _CONTACT.size
@@ -74,7 +75,6 @@ class TipState:
 class ServoReport:
     """The state of device and link, as the servo reports it.
 
-    time: of the newest STATE [s].
     link: state of the connection.
     arming: how far the arming is.
     tips: the fingertips.
@@ -83,17 +83,13 @@ class ServoReport:
     unsent: answers that the line did not take.
     wrong: frames refused by their CRC or form.
     stale: older than the newest.
-    late: answered after the next had begun.
     rate: STATEs a second [1/s].
     delay_p50, delay_p99: from a STATE to the arrival of its answer [s].
-    wire: how much of that the bytes take on the line [s].
     cap: largest stiffness to render [N/m].
     peak: largest force of a fingertip [N].
-    buttons, status: bits of the device.
     note: "" or a sentence for the artist.
     """
 
-    time: float = 0.0
     link: LinkState = LinkState.OPENING
     arming: Arming = Arming.OFF
     tips: tuple[TipState, ...] = ()
@@ -102,15 +98,11 @@ class ServoReport:
     unsent: int = 0
     wrong: int = 0
     stale: int = 0
-    late: int = 0
     rate: float = 0.0
     delay_p50: float = 0.0
     delay_p99: float = 0.0
-    wire: float = 0.0
     cap: float = 0.0
     peak: float = 0.0
-    buttons: int = 0
-    status: int = 0
     note: str = ""
 
 
@@ -144,8 +136,8 @@ def pack_report(report: ServoReport) -> bytes:
     r = report
     parts = [
         _REPORT.pack(
-            r.time, r.link.value, r.arming.value, len(r.tips), r.states, r.lost, r.unsent, r.wrong, r.stale,
-            r.late, r.rate, r.delay_p50, r.delay_p99, r.wire, r.cap, r.peak, r.buttons, r.status,
+            r.link.value, r.arming.value, len(r.tips), r.states, r.lost, r.unsent, r.wrong, r.stale,
+            r.rate, r.delay_p50, r.delay_p99, r.cap, r.peak,
         )
     ]  # fmt: skip
     for i in range(TIPS):
@@ -157,8 +149,7 @@ def pack_report(report: ServoReport) -> bytes:
 
 def unpack_report(message: bytes) -> ServoReport:
     """Return the report in a message."""
-    (time, link, arming, count, states, lost, unsent, wrong, stale, late, rate, p50, p99, wire, cap, peak, buttons,
-     status) = _REPORT.unpack_from(message)  # fmt: skip
+    link, arming, count, states, lost, unsent, wrong, stale, rate, p50, p99, cap, peak = _REPORT.unpack_from(message)
     tips = []
     for i in range(count):
         masked, full, *v = _TIP.unpack_from(message, _REPORT.size + i * _TIP.size)
@@ -169,7 +160,7 @@ def unpack_report(message: bytes) -> ServoReport:
             )
         )  # fmt: skip
     return ServoReport(
-        time=time, link=LinkState(link), arming=Arming(arming), tips=tuple(tips), states=states, lost=lost,
-        unsent=unsent, wrong=wrong, stale=stale, late=late, rate=rate, delay_p50=p50, delay_p99=p99, wire=wire, cap=cap,
-        peak=peak, buttons=buttons, status=status, note=message[-_NOTE:].rstrip(b"\0").decode(errors="ignore"),
+        link=LinkState(link), arming=Arming(arming), tips=tuple(tips), states=states, lost=lost, unsent=unsent,
+        wrong=wrong, stale=stale, rate=rate, delay_p50=p50, delay_p99=p99, cap=cap, peak=peak,
+        note=message[-_NOTE:].rstrip(b"\0").decode(errors="ignore"),
     )  # fmt: skip

@@ -24,7 +24,6 @@ PING_EVERY = 0.25  # [s]
 FIRST_DELAY = 2e-3  # [s] the delay assumed until it is measured: two ticks
 MOST_DT = 0.005  # [s] the longest time step for slew and damping, however long the silence was
 UNCONNECTED = (LinkState.OPENING, LinkState.LOST)
-BUTTON = 1  # DeviceState.buttons: the device's dead-man switch
 
 FAULTS = {
     wire.FAULT_WATCHDOG: "The device heard nothing for 100 ms and stopped its motors. Arm it again.",
@@ -107,17 +106,15 @@ class Servo:
 
     def report(self) -> ServoReport:
         """Return the state of device and link."""
-        counts, measured, state, losses = self._decoder.counts, self._measured, self._state, self._losses
+        counts, measured, losses = self._decoder.counts, self._measured, self._losses
         warning = LOSSY.format(share=losses.share) if losses.share > LOSS_WARNS else ""
         return ServoReport(
-            time=self._heard, link=self.link, arming=self._switch.arming, states=losses.taken, lost=losses.missing,
-            unsent=self.unsent, wrong=counts.refused, stale=losses.stale, late=measured.late if measured else 0,
+            link=self.link, arming=self._switch.arming, states=losses.taken, lost=losses.missing, unsent=self.unsent,
+            wrong=counts.refused, stale=losses.stale,
             rate=losses.rate, delay_p50=measured.rtt_p50_us * 1e-6 if measured else 0.0,
             delay_p99=measured.rtt_p99_us * 1e-6 if measured else 0.0,
-            wire=measured.wire_us * 1e-6 if measured else 0.0,
             cap=self.cap, peak=self._fingers[0].guard.limits.peak,
             note=self.note or self._switch.reason or warning,
-            buttons=state.buttons if state else 0, status=state.status if state else 0,
             tips=tuple(
                 TipState(
                     position=f.at, force=f.guard.sent, least_energy=f.guard.passivity.least,
@@ -191,7 +188,8 @@ class Servo:
         self._take_contacts(now)
         # a frozen simulation counts as a released key; the quiet is judged by contacts that have not begun to fade
         oldest = FADE_BEGINS if self._switch.arming is Arming.WAITING else LEASE
-        held = (self.order.is_held(now) or bool(state.buttons & BUTTON)) and self.order.is_fresh(now, oldest)
+        held = self.order.is_held(now) or bool(state.buttons & wire.DEADMAN_BUTTON)
+        held = held and self.order.is_fresh(now, oldest)
         out = self._check(steady) + self._update_forces(state, now, min(dt, MOST_DT), held)
         a, b, c = (finger.drive(self.spec, finger.guard.sent) for finger in self._fingers)
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held

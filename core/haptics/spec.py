@@ -12,11 +12,23 @@ from typing import Any, Final
 
 from ..errors import DimpleError
 from . import wire
+from .safety import (
+    HARD_CEILING,
+    QUIET_FORCE,
+    QUIET_TIME,
+    RAMP_TIME,
+    RMS_TIME,
+    SLEW,
+    STATE_GAP,
+    STATE_LOST,
+    TOP_SPEED,
+)
 from .vectors import Vector
 
 HAPTIC_MASTER: Final = Path(__file__).with_name("haptic_master.toml")
 BITS_A_BYTE: Final = 10  # on a serial line: start, eight, stop
 HAS_FORCE: Final = 1  # Info.capabilities
+ZERO_TIME: Final = 0.025  # [s] by which a force is zero without commands, at the latest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,13 +191,15 @@ def _three(file: dict[str, Any], table: str, name: str, factor: float = 1.0) -> 
 def _check(spec: Spec, ceiling: float) -> None:
     for what, holds in (
         ("continuous_force_n, peak_force_n and force_ceiling_n must not fall in this order and be above 0",
-         0 < spec.continuous_force <= spec.peak_force <= ceiling <= 20),
-        ("hold_s, zero_s and latch_s must rise, to 0.005, 0.025 and 0.1 at most",
-         0 < spec.hold < spec.zero < spec.latch and spec.hold <= 5e-3 and spec.zero <= 25e-3 and spec.latch <= 0.1),
-        ("slew_n_s must be above 0, 1000 at most", 0 < spec.slew <= 1000),
-        ("tip_speed_m_s must be above 0, 1.5 at most", 0 < spec.tip_speed <= 1.5),
-        ("arm_force_n must be above 0, 0.2 at most", 0 < spec.arm_force <= 0.2),
-        ("arm_s must be 0.05 at least and ramp_s 0.5 at least", spec.arm_time >= 0.05 and spec.ramp_time >= 0.5),
+         0 < spec.continuous_force <= spec.peak_force <= ceiling <= HARD_CEILING),
+        (f"hold_s, zero_s and latch_s must rise, to {STATE_GAP}, {ZERO_TIME} and {STATE_LOST} at most",
+         0 < spec.hold < spec.zero < spec.latch
+         and spec.hold <= STATE_GAP and spec.zero <= ZERO_TIME and spec.latch <= STATE_LOST),
+        (f"slew_n_s must be above 0, {SLEW:g} at most", 0 < spec.slew <= SLEW),
+        (f"tip_speed_m_s must be above 0, {TOP_SPEED} at most", 0 < spec.tip_speed <= TOP_SPEED),
+        (f"arm_force_n must be above 0, {QUIET_FORCE} at most", 0 < spec.arm_force <= QUIET_FORCE),
+        (f"arm_s must be {QUIET_TIME} at least and ramp_s {RAMP_TIME} at least",
+         spec.arm_time >= QUIET_TIME and spec.ramp_time >= RAMP_TIME),
         ("l1_m and l2_m must be above 0, 2 at most", 0 < min(spec.l1, spec.l2) <= max(spec.l1, spec.l2) <= 2),
         ("mass_kg must be above 0, 10 at most", 0 < spec.tip_mass <= 10),
         # the stiffest wall follows from the friction, and a brake stronger than tip mass over ten ticks shakes
@@ -206,7 +220,7 @@ def _check(spec: Spec, ceiling: float) -> None:
         # a force is held for 5 ms at most, on both ends: a slower device would drop it between two ticks
         ("tick_hz must be from 250 to 2000, and its period shorter than hold_s",
          250 <= spec.tick_hz <= 2000 and spec.tick < spec.hold),
-        ("rms_window_s must be above 0, 10 at most", 0 < spec.rms_window <= 10),
+        (f"rms_window_s must be above 0, {RMS_TIME:g} at most", 0 < spec.rms_window <= RMS_TIME),
     ):  # fmt: skip
         if not holds:
             raise ValueError(what)

@@ -7,11 +7,12 @@ from collections.abc import Iterable
 from typing import Final
 
 from . import wire
+from .losses import LOSS_DISARMS
 from .spec import BITS_A_BYTE, Spec
 
 RECENT: Final = 1000  # STATEs in the percentiles: ten that wait too long move the 99th, one does not
 OLDEST_ECHO: Final = 5  # [ticks] an answer to an older STATE is refused
-LOSS_TICKS, LOSS_SHARE = 1000, 0.30  # ticks that are counted together; a larger share lost disarms,
+LOSS_TICKS: Final = 1000  # ticks that are counted together; a share lost of more than LOSS_DISARMS disarms,
 LOSS_FEW: Final = 50  # unless there were so few
 
 
@@ -73,7 +74,7 @@ class Watch:
         if self.ticks % LOSS_TICKS:
             return False
         (lost, taken), self._loss = self._loss, [0, 0]
-        return lost + taken >= LOSS_FEW and lost > LOSS_SHARE * (lost + taken)
+        return lost + taken >= LOSS_FEW and lost > LOSS_DISARMS * (lost + taken)
 
     def report(self, nonce: int, bad: int, baud: int) -> wire.LinkReport:
         """Return the answer to a PING; bad: frames refused by their CRC or form."""

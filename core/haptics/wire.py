@@ -27,6 +27,7 @@ MASKED: Final = 16  # DeviceState.status: this << finger, its sensor is not trus
 # Fault.code and Disarm.reason
 FAULT_NONE, FAULT_WATCHDOG, FAULT_SENSOR, FAULT_SPEED = range(4)
 FAULT_ARM_REFUSED, FAULT_VERSION, FAULT_LINK, FAULT_HOST = range(4, 8)
+DEADMAN_BUTTON: Final = 1  # DeviceState.buttons
 EVERY_FINGER: Final = 255  # Fault.finger
 
 Nine = tuple[int, int, int, int, int, int, int, int, int]
@@ -41,7 +42,7 @@ class DeviceState(NamedTuple):
     ack: seq of the last CMD that was taken.
     t_us: on the device's clock [us].
     adc: readings, left-justified in 16 bits, three joints of each finger.
-    buttons: bits, 1 is the dead-man switch.
+    buttons: bits, DEADMAN_BUTTON.
     status: mode, LIMITED, MASKED.
     """
 
