@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from core.haptics import wire
 from core.haptics.device import HapticMaster
@@ -26,6 +25,7 @@ from core.haptics.vectors import length
 from studies.processes import start_emulator
 from tests.haptics.bench_device import wall
 from tests.haptics.host import SPEC
+from tests.haptics.machine import UNABLE, unable
 
 BEGIN = 1.2  # [s] after the device's ramp begins, when the servo's is over too
 WAY = [[0.0, 0.0, 0.0, 0.01], [BEGIN, 0.0, 0.0, 0.01], [BEGIN + 0.15, 0.0, 0.0, -0.01]]
@@ -65,7 +65,7 @@ class Rig:
         armed = np.isin(rows[:, 1], (wire.RAMP, wire.ARMED))
         pressed = np.flatnonzero(armed & (forces.min(axis=1) > 0.8 * PRESSED))
         if not len(pressed):
-            pytest.skip("this machine cannot run a loop of 1 kHz: the device let go before it was told to")
+            unable("this machine cannot run a loop of 1 kHz: the device let go before it was told to")
         ended = pressed[-1] + np.flatnonzero(~armed[pressed[-1] :])[0]
         if rows[ended, 1] == wire.IDLE:
             return float(forces[ended : ended + 100].max())
@@ -107,7 +107,7 @@ def drive(
         device.write([contact if report.arming in (Arming.RAMP, Arming.ON) else None] * 3)
         time.sleep(1 / 60)
     if report.lost > BUSY * report.states:
-        pytest.skip(f"this machine cannot run a loop of 1 kHz: {report.lost} of {report.states} positions were lost")
+        unable(f"this machine cannot run a loop of 1 kHz: {report.lost} of {report.states} positions were lost")
     raise AssertionError(report)
 
 
@@ -153,7 +153,7 @@ if __name__ == "__main__":  # what Blender is in the tests that kill it
     device = HapticMaster(sys.argv[1])
     try:
         press(device)
-    except pytest.skip.Exception as busy:
+    except UNABLE as busy:
         sys.exit(f"{busy}")
     print(device.process.pid if device.process else 0, flush=True)
     drive(device, lambda _: False)

@@ -18,9 +18,10 @@ from core.haptics.messages import LinkState
 from core.haptics.process import python
 from core.haptics.spec import HAPTIC_MASTER
 from studies import logged_servo
+from tests.haptics.machine import NEEDS_PTY
 from tests.haptics.pressing import drive, gone, ready
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
+pytestmark = NEEDS_PTY
 
 
 @pytest.mark.parametrize(("device", "which"), [(HapticMaster("/dev/null"), 0), (Emulated(), 0), (Emulated(), 1)])

@@ -23,11 +23,12 @@ from core.haptics.safety import Arming
 from core.haptics.servo import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
 from core.haptics.vectors import length
 from studies import haptics
+from tests.haptics.machine import NEEDS_PTY, unable
 from tests.haptics.pressing import Rig, drive, gone, press, pressed, ready, rig
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS
 from tools.environment import ROOT
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
+pytestmark = NEEDS_PTY
 # what is said where processes get no processor: for 1 s at first, for 100 ms, for 5 of every 50 ms while it arms
 STALLS = (
     SILENT, WAS_SILENT, STOOD_STILL, FAULTS[wire.FAULT_WATCHDOG], FAULTS[wire.FAULT_ARM_REFUSED],
@@ -65,10 +66,10 @@ def test_blender_is_killed(emulator: Rig) -> None:
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT,
     )  # fmt: skip
     assert blender.stdout and blender.stderr
-    said = blender.stdout.readline()
-    if not said and (why := blender.stderr.read().decode()).startswith("this machine"):
-        pytest.skip(why)
-    servo = int(said)
+    line = blender.stdout.readline()
+    if not line and (why := blender.stderr.read().decode()).startswith("this machine"):
+        unable(why)
+    servo = int(line)
     blender.kill()
     blender.wait()
     assert gone(servo)
@@ -207,7 +208,7 @@ def test_five_seconds_behind_a_real_pseudo_terminal() -> None:
             break
         assert any(stall in why for stall in STALLS), why
     else:
-        pytest.skip(f"this machine stands still for too long again and again: {why}")
+        unable(f"this machine stands still for too long again and again: {why}")
     figures = haptics.judge(trial)
     print(figures)
     assert figures["rate_hz"] > 200

@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from tests.haptics.machine import unable
+
 PATIENCE = 30.0  # [s] on a busy machine; counted in frames, for one may stand still for longer
 AGAIN = 0.5  # [s] between two requests to arm
 BEGIN = 1.2  # [s] from the device's ramp until the servo's is over
@@ -68,7 +70,7 @@ def wait(holds: Callable[[Any], bool], bpy: ModuleType | None = None, *, arms: b
             haptic._look()
         time.sleep(1 / 60)
     if arms and "silent" in connection().report.note:
-        pytest.skip("this machine stood still for the 100 ms after which a device is lost")
+        unable("this machine stood still for the 100 ms after which a device is lost")
     raise AssertionError(connection().report)
 
 

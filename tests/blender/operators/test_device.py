@@ -1,7 +1,6 @@
 """The haptic device in Blender."""
 
 import signal
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -11,8 +10,9 @@ from typing import Any
 import pytest
 
 from tests.blender.operators.device_rig import PATIENCE, connect, connection, gone, run, softened, strongest, wait
+from tests.haptics.machine import NEEDS_PTY
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
+pytestmark = NEEDS_PTY
 
 
 def test_three_fingertips_press_the_session_and_feel_it(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:

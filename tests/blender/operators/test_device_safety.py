@@ -1,6 +1,5 @@
 """What lets the haptic device have force in Blender, and what takes it away: the dead-man key, and a body at once."""
 
-import sys
 import time
 from collections.abc import Callable
 from types import ModuleType, SimpleNamespace
@@ -9,8 +8,9 @@ from typing import Any
 import pytest
 
 from tests.blender.operators.device_rig import connect, connection, run, softened, strongest, wait
+from tests.haptics.machine import NEEDS_PTY
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
+pytestmark = NEEDS_PTY
 
 
 def test_without_the_dead_man_switch_there_is_no_force(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
