@@ -135,9 +135,9 @@ def judge(record: PressRecord) -> dict[str, float]:
     holds = [_holding(record.cycles, time - begin, places[:, i], forces[:, i]) for i in range(3)]
     slopes = np.array([slope for slope, _ in holds])
     errors = np.concatenate([error for _, error in holds])
-    believed = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
+    measured = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
     row = np.searchsorted(time, record.log[:, 0] * 1e-6 - 1e-6)
-    off = np.linalg.norm(believed - places[np.minimum(row, len(time) - 1)], axis=2)
+    off = np.linalg.norm(measured - places[np.minimum(row, len(time) - 1)], axis=2)
     given = -np.cumsum((forces[:-1] * np.diff(places, axis=0)).sum(axis=2), axis=0)
     K1 = PRESET.material.K1
     return {

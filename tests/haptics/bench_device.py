@@ -48,11 +48,11 @@ class BenchDevice:
         self.servo = Servo(self.spec, nonce=5)
         self.blocks = kinematics.blocks(self.spec)
         self._decoder = wire.Decoder()
-        self.say(b"")
-        self.say(wire.encode(info(self.spec, 5, SESSION)))
+        self.exchange(b"")
+        self.exchange(wire.encode(info(self.spec, 5, SESSION)))
 
-    def say(self, data: bytes) -> None:
-        """Let bytes reach the servo and hear what it answers."""
+    def exchange(self, data: bytes) -> None:
+        """Send bytes to the servo and take its answer."""
         for frame in self._decoder.feed(self.servo.step(self.now, data)):
             self.heard.append(frame)
             if isinstance(frame, wire.Command):
@@ -84,13 +84,13 @@ class BenchDevice:
             if self.fresh and self.seq % 16 == 0:
                 self.hold()
                 self.set_contacts(*(c and replace(c, stamp=self.now) for c in self.servo.order.contacts))
-            self.say(wire.encode(self.state()))
+            self.exchange(wire.encode(self.state()))
 
     def pause(self, seconds: float) -> None:
         """Let time pass without a STATE; the servo looks at the clock every millisecond."""
         for _ in range(round(seconds / TICK)):
             self.now += TICK
-            self.say(b"")
+            self.exchange(b"")
 
     def set_contacts(self, *contacts: Contact | None) -> None:
         """Give the servo contacts."""
@@ -101,7 +101,7 @@ class BenchDevice:
         self.servo.order = replace(self.servo.order, arm=self.servo.order.arm + 1)
 
     def hold(self) -> None:
-        """Say whether the dead-man key is held, by a letter: its contacts equal those before, and are not the same."""
+        """Send an order with the dead-man key, as a message: its contacts equal those before, and are other objects."""
         order = replace(self.servo.order, held_until=self.now + LEASE if self.held else 0.0)
         self.servo.order = unpack_order(pack_order(order))
 
@@ -135,7 +135,7 @@ class BenchDevice:
         return kinematics.force(self.blocks[i], kinematics.adc_angles(self.spec, words), torque)
 
     def state_words(self, i: int) -> tuple[int, int, int]:
-        """Return what the converters say of a finger."""
+        """Return the readings of a finger."""
         return adc_words(self.spec, kinematics.inverse(self.blocks[i], self.at[i]))
 
 

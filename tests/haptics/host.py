@@ -1,4 +1,4 @@
-"""A plain host: what the shortest driver would be. It answers each STATE with the forces it was told to make."""
+"""A plain host: what the shortest driver would be. It answers each STATE with given forces."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ LETS_GO = 75  # [ticks] before the watchdog latches there must be no force: by 2
 
 @dataclass
 class Rig:
-    """Hold an emulator behind a port."""
+    """An emulator behind a port."""
 
     folder: Path
     process: subprocess.Popen[bytes]
@@ -65,7 +65,7 @@ class Rig:
         armed = np.isin(rows[:, 1], (wire.RAMP, wire.ARMED))
         pressed = np.flatnonzero(armed & (forces.min(axis=1) > 0.8 * PRESSED))
         if not len(pressed):
-            unable("this machine cannot run a loop of 1 kHz: the device let go before it was told to")
+            unable("this machine cannot run a loop of 1 kHz: the device let go too early")
         ended = pressed[-1] + np.flatnonzero(~armed[pressed[-1] :])[0]
         if rows[ended, 1] == wire.IDLE:
             return float(forces[ended : ended + 100].max())

@@ -48,7 +48,7 @@ def test_it_is_a_key_or_the_button_of_the_device() -> None:
 
 
 @pytest.mark.parametrize("frames", [True, False], ids=["frames go on", "Blender stands still"])
-def test_a_key_that_nobody_looks_at_any_more_is_let_go(frames: bool) -> None:
+def test_a_key_that_is_not_renewed_counts_as_released(frames: bool) -> None:
     """Within the lease, though the simulation goes on and its contacts are as fresh as ever."""
     device = BenchDevice().pressing()
     device.hold()
@@ -95,7 +95,7 @@ def test_a_stall_of_200_ms_each_second_lets_the_key_not_go() -> None:
 
 
 @pytest.mark.parametrize("button", [0, 1], ids=["the key", "the button of the device"])
-def test_after_a_pause_a_finger_that_sank_in_feels_nothing_until_it_lets_go(button: int) -> None:
+def test_after_a_pause_a_finger_that_sank_in_has_no_force_until_it_lets_go(button: int) -> None:
     """Blender renews the key, or stands still while the button is held; the wall fades, and must not come back."""
     device = BenchDevice(buttons=button, held=not button).pressing(0.001)
     device.fresh = False
@@ -156,8 +156,8 @@ def test_a_time_that_is_none_of_this_clock_holds_nothing(until: float) -> None:
     assert Order(held_until=100.0 + LEASE).is_held(100.0) and not Order(held_until=100.0).is_held(100.0)
 
 
-def test_no_word_of_blender_holds_the_key_for_longer_than_it_was_said_to_be_held() -> None:
-    """Frames are written at their own pace; they renew the lease, but only until the time that was said."""
+def test_no_order_holds_the_key_for_longer_than_it_was_set() -> None:
+    """Frames are written at their own pace; they renew the lease, but only until the time that was given."""
     device, box = HapticMaster("nowhere"), Mailbox()
     device._box = box
 
@@ -167,7 +167,7 @@ def test_no_word_of_blender_holds_the_key_for_longer_than_it_was_said_to_be_held
 
     device.arm()
     device.write([wall()])
-    assert held_for() < 0.0, "it is not held before somebody says so"
+    assert held_for() < 0.0, "it is not held before it is set"
     device.hold(time.perf_counter() + 0.1)
     device.write([wall()])
     device.renew()

@@ -36,7 +36,7 @@ class Press:
     """Let a hand press three fingertips into a wall of 300 N/m; 1.7 N act on each, at 5.7 mm.
 
     contact: what the simulation posts at a time, None where it posts nothing.  places: the largest error of a place
-    that the servo believed [m].
+    that the servo trusted [m].
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class Press:
         return self.arming == "OFF" and self.device.mode not in (wire.RAMP, wire.ARMED) and not acts
 
     def presses(self) -> bool:
-        """Tell whether all is as it was: armed, and the wall felt, as stiff as the delay lets it be."""
+        """Tell whether all is as it was: armed, and the wall rendered, as stiff as the delay lets it be."""
         return self.arming == "ON" and self.forces(self.now - 0.02)[-1] == pytest.approx(leant(self.servo.cap), abs=0.2)
 
 
@@ -114,7 +114,7 @@ def test_slower_and_faster_devices_press_too(hz: int) -> None:
 
 @pytest.mark.parametrize("rate", ["1e-6", "1e-5", "1e-4", "1e-3"])
 def test_flipped_bits(rate: str) -> None:
-    """No place and no torque of a wrong frame; 25 % lost at 1e-3 is said, and not enough to disarm."""
+    """No place and no torque of a wrong frame; 25 % lost at 1e-3 is reported, and not enough to disarm."""
     press = Press(f"flip={rate}@{AT}").run(AT + 1.5)
     assert press.presses()
     assert press.places < NEAR  # what is lost is not known for some ticks

@@ -51,7 +51,7 @@ def test_arming_waits_for_50_ms_without_force_then_ramps_for_half_a_second() -> 
 
 
 def test_a_host_that_pushes_is_not_armed() -> None:
-    """0.21 N asked of one finger: refused after a second, and said so."""
+    """0.21 N asked of one finger: refused after a second, with a FAULT."""
     table = Table(lambda finger, time: (0.21 if finger == 2 else 0.0, 0.0, 0.0)).run(1.2)
     assert table.device.mode == wire.IDLE
     assert [fault.code for fault in table.host.faults] == [wire.FAULT_ARM_REFUSED]
@@ -250,7 +250,7 @@ def test_hello_asked_twice_is_one_session() -> None:
 
 
 def test_a_device_without_a_host_is_silent() -> None:
-    """Before a HELLO, and a second after the last word: no port fills with States that nobody reads."""
+    """Before a HELLO, and a second after the last frame: no port fills with unread STATEs."""
     table = Table(arms=False)
     table._to_device = b""
     table.run(0.2)
@@ -273,7 +273,7 @@ def test_the_round_trip_is_measured_on_the_device_s_clock() -> None:
 
 
 def test_a_state_that_was_passed_over_has_waited_for_the_answer_to_the_next() -> None:
-    """The host was kept from running for 2.4 ms, then answered the newest of three: the hand felt an old force."""
+    """The host was kept from running for 2.4 ms, then answered the newest of three: an old force acted."""
     watch = Watch(SPEC, 1)
     seqs = [watch.send(1e-3 * i) for i in range(3)]
     assert watch.take(wire.Command(1, 1, seqs[-1], wire.NO_TORQUE, 0, 5), 2.4e-3)

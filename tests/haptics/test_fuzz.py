@@ -41,7 +41,7 @@ def mad_frame(dice: random.Random, session: int, state: wire.DeviceState | None,
     return dice.randbytes(dice.randrange(60)) if dice.random() < 0.02 else code
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 8))])
 def test_whatever_a_host_sends_the_limits_hold(seed: int) -> None:
     """6 s each. Peak, slew upwards, and no force but in the modes that have some."""
     dice = random.Random(seed)

@@ -1,4 +1,4 @@
-"""Letters between two processes: whole or not at all."""
+"""Messages between two processes: whole or not at all."""
 
 import math
 import os
@@ -58,19 +58,19 @@ def test_not_a_number_arrives_as_such_for_the_servo_to_refuse() -> None:
     assert order.contacts[0] and math.isnan(order.contacts[0].k_n)
 
 
-def test_a_letter_is_read_once_and_the_newest_replaces_the_one_before() -> None:
+def test_a_message_is_read_once_and_the_newest_replaces_the_one_before() -> None:
     box = Mailbox()
     assert box.read(TO_SERVO, 3) == (0, None)
     box.post(TO_SERVO, b"one")
     box.post(TO_SERVO, b"two")
-    number, letter = box.read(TO_SERVO, 3)
-    assert letter == b"two"
+    number, message = box.read(TO_SERVO, 3)
+    assert message == b"two"
     assert box.read(TO_SERVO, 3, number) == (number, None)
     assert box.read(FROM_SERVO, 3) == (0, None)
     box.close()
 
 
-def test_a_letter_that_is_being_written_or_was_damaged_is_not_read() -> None:
+def test_a_message_that_is_being_written_or_was_damaged_is_not_read() -> None:
     box = Mailbox()
     box.post(TO_SERVO, b"whole")
     box._map[10] ^= 1
@@ -78,16 +78,16 @@ def test_a_letter_that_is_being_written_or_was_damaged_is_not_read() -> None:
     box.close()
 
 
-def test_no_reader_ever_gets_a_mixture_of_two_letters() -> None:
+def test_no_reader_ever_gets_a_mixture_of_two_messages() -> None:
     box = Mailbox()
     writer = subprocess.Popen([sys.executable, "-I", "-S", "-c", WRITER, str(ROOT), str(box.path)])
     seen, read, until = 0, 0, time.perf_counter() + 10
     try:
         while read < 200 and time.perf_counter() < until:
-            seen, letter = box.read(TO_SERVO, 400, seen)
-            if letter:
+            seen, message = box.read(TO_SERVO, 400, seen)
+            if message:
                 read += 1
-                assert len(set(letter)) == 1
+                assert len(set(message)) == 1
     finally:
         writer.kill()
         writer.wait()
@@ -96,7 +96,7 @@ def test_no_reader_ever_gets_a_mixture_of_two_letters() -> None:
 
 
 def test_the_file_goes_as_soon_as_both_have_it_or_with_the_one_who_made_it() -> None:
-    """So that nothing is left behind, whoever is killed."""
+    """So that nothing is left behind, whichever is killed."""
     box = Mailbox()
     assert box.path.exists()
     other = Mailbox(box.path)
@@ -108,7 +108,7 @@ def test_the_file_goes_as_soon_as_both_have_it_or_with_the_one_who_made_it() -> 
         assert not each.path.exists()
 
 
-def test_a_letter_that_does_not_fit_is_refused() -> None:
+def test_a_message_that_does_not_fit_is_refused() -> None:
     box = Mailbox()
     with pytest.raises(ValueError):
         box.post(TO_SERVO, bytes(5000))

@@ -9,7 +9,7 @@ import pytest
 from core.haptics.poller import EDGE_TRIGGERED, Poller
 
 
-@pytest.mark.parametrize("edges", [EDGE_TRIGGERED, False], ids=["told", "asked"])
+@pytest.mark.parametrize("edges", [EDGE_TRIGGERED, False], ids=["epoll", "select"])
 def test_each_end_is_named_when_something_came_there(edges: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """On Linux, and where the system has no epoll."""
     monkeypatch.setattr("core.haptics.poller.EDGE_TRIGGERED", edges)
@@ -26,7 +26,7 @@ def test_each_end_is_named_when_something_came_there(edges: bool, monkeypatch: p
 
 
 @pytest.mark.skipif(not EDGE_TRIGGERED, reason="only Linux has a worker that one would wait for")
-def test_a_terminal_is_not_asked_for_what_it_told_already() -> None:
+def test_a_terminal_is_reported_once_for_all_that_came() -> None:
     """Left unread it is not named again, which asking would do; the next bytes are."""
     master, slave = pty.openpty()
     tty.setraw(slave)

@@ -29,7 +29,7 @@ from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS
 from tools.environment import ROOT
 
 pytestmark = NEEDS_PTY
-# what is said where processes get no processor: for 1 s at first, for 100 ms, for 5 of every 50 ms while it arms
+# the notes where processes get no processor: for 1 s at first, for 100 ms, for 5 of every 50 ms while it arms
 STALLS = (
     SILENT, WAS_SILENT, STOOD_STILL, FAULTS[wire.FAULT_WATCHDOG], FAULTS[wire.FAULT_ARM_REFUSED],
     "The emulated device did not arm.", "the machine is too busy", NO_ANSWER.partition(".")[0],
@@ -45,7 +45,7 @@ def emulator(tmp_path: Path) -> Iterator[Rig]:
 
 
 def needs_a_new_arm(port: str) -> bool:
-    """Tell whether the port is free, and whoever connects there has no force until he asks for it."""
+    """Tell whether the port is free, and a new connection has no force until it is requested."""
     device = HapticMaster(port)
     device.open()
     try:
@@ -79,7 +79,7 @@ def test_blender_is_killed(emulator: Rig) -> None:
 
 
 def test_the_servo_is_killed(emulator: Rig) -> None:
-    """The device lets go by itself and latches the fault; Blender reads on and says so."""
+    """The device lets go by itself and latches the fault; Blender reads on and reports it."""
     device = HapticMaster(emulator.port)
     press(device)
     assert device.process
@@ -94,7 +94,7 @@ def test_the_servo_is_killed(emulator: Rig) -> None:
 
 
 def test_the_servo_hangs(emulator: Rig) -> None:
-    """The device lets go by itself; Blender says so, and gets rid of it."""
+    """The device lets go by itself; Blender reports it, and ends the servo."""
     device = HapticMaster(emulator.port)
     press(device)
     assert device.process
@@ -110,7 +110,7 @@ def test_the_servo_hangs(emulator: Rig) -> None:
 
 
 def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
-    """So that whoever is killed leaves none behind; it is mapped, and goes on."""
+    """So that none is left whichever process is killed; it is mapped, and goes on."""
     device = HapticMaster(emulator.port)
     device.open()
     drive(device, ready)
@@ -121,7 +121,7 @@ def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
 
 @pytest.mark.parametrize("how", ["killed", "unplugged"])
 def test_the_device_goes_away(tmp_path: Path, how: str) -> None:
-    """The servo says that it is lost and ends; another device is started at the same path and found, unarmed."""
+    """The servo reports the loss and ends; another device is started at the same path and found, unarmed."""
     made = rig(tmp_path)
     device = HapticMaster(made.port)
     press(device)
@@ -164,7 +164,7 @@ def test_another_protocol_is_refused_naming_both(tmp_path: Path) -> None:
     made.stop()
 
 
-def test_a_wrong_baud_rate_is_said(tmp_path: Path) -> None:
+def test_a_wrong_baud_rate_is_reported(tmp_path: Path) -> None:
     made = rig(tmp_path, "--fault", "wrong-baud")
     device = HapticMaster(made.port)
     device.open()
@@ -173,9 +173,9 @@ def test_a_wrong_baud_rate_is_said(tmp_path: Path) -> None:
     made.stop()
 
 
-@pytest.mark.parametrize("says", [b"", b"\x55" * 4096, bytes(range(256)) * 16], ids=["nothing", "no end", "noise"])
-def test_a_port_with_something_else_behind_it_is_said_within_a_second(says: bytes) -> None:
-    """One that nobody reads from, one that never ends a frame, one that talks nonsense; the servo ends each time."""
+@pytest.mark.parametrize("data", [b"", b"\x55" * 4096, bytes(range(256)) * 16], ids=["nothing", "no end", "noise"])
+def test_a_port_with_something_else_behind_it_is_refused_within_a_second(data: bytes) -> None:
+    """One that is silent, one that never ends a frame, one that sends noise; the servo ends each time."""
     master, slave = os.openpty()
     os.set_blocking(master, False)
     device = HapticMaster(os.ttyname(slave))
@@ -185,7 +185,7 @@ def test_a_port_with_something_else_behind_it_is_said_within_a_second(says: byte
 
     def answered(report: ServoReport) -> bool:
         with contextlib.suppress(BlockingIOError):
-            os.write(master, says)
+            os.write(master, data)
         return report.link is not LinkState.OPENING
 
     report = drive(device, answered)
@@ -197,7 +197,7 @@ def test_a_port_with_something_else_behind_it_is_said_within_a_second(says: byte
 
 
 def test_five_seconds_behind_a_real_pseudo_terminal() -> None:
-    """Bounds that a busy machine keeps too; the goals are for a quiet one, and `python -m core haptics` shows them."""
+    """Bounds that a busy machine keeps too; the goals are for a quiet one, and `dev.py core haptics` shows them."""
     for _ in range(3):
         try:
             trial = haptics.press(5.0)
@@ -213,6 +213,6 @@ def test_five_seconds_behind_a_real_pseudo_terminal() -> None:
     print(figures)
     assert figures["rate_hz"] > 200
     assert figures["wrong_frames"] == 0
-    assert figures["tip_rms_error_mm"] < 0.2
+    assert 0.05 < figures["tip_rms_error_mm"] < 0.2  # the converters' own steps are 0.08
     assert 1.0 < figures["force_largest_n"] < 10.0
-    assert figures["stiffness_rendered_n_m"] < 1.25 * haptics.PRESET.material.K1
+    assert 0.1 < figures["stiffness_rendered_n_m"] / haptics.PRESET.material.K1 < 1.25

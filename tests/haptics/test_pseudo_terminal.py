@@ -55,7 +55,7 @@ def start(port: Path) -> Iterator[Start]:
 
 
 def drive(link: SerialLine, host: Host, seconds: float = LIMIT, *, until: int | None = None, states: int = 1) -> None:
-    """Let a host talk for a while, or until the device says it is in a mode and some States have come."""
+    """Run a host for a while, or until the device reports a mode and some STATEs have come."""
     begin = asked = time.monotonic()
     link.write(host.hello())
     while time.monotonic() - begin < seconds and (

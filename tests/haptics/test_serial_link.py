@@ -7,6 +7,7 @@ import select
 import tty
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -47,7 +48,7 @@ def test_bytes_go_both_ways_unaltered(ends: tuple[int, str], link: SerialLine) -
     assert not link.wait(0.0)
 
 
-def test_a_second_opener_is_refused_and_told_why(ends: tuple[int, str], link: SerialLine) -> None:
+def test_a_second_opener_is_refused_with_the_reason(ends: tuple[int, str], link: SerialLine) -> None:
     with pytest.raises(DimpleError, match=f"{re.escape(ends[1])} is in use by another program"):
         open_line(ends[1], 921600)
     assert link.write(b"still here")
@@ -81,7 +82,7 @@ def test_a_closed_port_is_lost_too(link: SerialLine) -> None:
     link.close()
 
 
-def test_a_line_nobody_reads_from_takes_no_time_and_says_so(ends: tuple[int, str], link: SerialLine) -> None:
+def test_a_line_that_is_never_read_takes_no_time_and_reports_it(ends: tuple[int, str], link: SerialLine) -> None:
     """pyserial alone would spin for ever here."""
     assert not all(link.write(b"\x55" * 32) for _ in range(20_000))
     assert not link.write(b"more")
@@ -108,5 +109,9 @@ def test_what_is_no_port_is_named(tmp_path: Path) -> None:
         open_line(str(tmp_path / "file"), 921600)
 
 
-def test_the_list_of_ports_is_paths_and_texts() -> None:
-    assert all(isinstance(path, str) and isinstance(text, str) for path, text in ports())
+def test_the_list_of_ports_is_paths_and_descriptions_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    from serial.tools import list_ports
+
+    found = [SimpleNamespace(device=f"/dev/ttyUSB{i}", description=f"Adapter {i}") for i in (1, 0)]
+    monkeypatch.setattr(list_ports, "comports", lambda: found)
+    assert ports() == [("/dev/ttyUSB0", "Adapter 0"), ("/dev/ttyUSB1", "Adapter 1")]

@@ -1,4 +1,4 @@
-"""Walls felt through emulated device and servo on one clock: stability, stiffness, energy.
+"""Walls rendered through emulated device and servo on one clock: stability, stiffness, energy.
 
 `python -m tests.haptics.walls` prints its figures.
 """
@@ -33,7 +33,12 @@ class Unwatched(Passivity):
 
 @dataclass(frozen=True)
 class Run:
-    """Hold a run: the device's trace from the ramp on, lowest observed energy [J], and the largest stiffness [N/m]."""
+    """A run.
+
+    trace: of the device, from the ramp on.
+    observed: lowest observed energy [J].
+    cap: largest stiffness [N/m].
+    """
 
     trace: np.ndarray
     observed: float
@@ -45,6 +50,11 @@ class Run:
         return self.trace[:, 0] - self.trace[0, 0], self.trace[:, at : at + 3], self.trace[:, at + 9 : at + 12]
 
     @property
+    def strongest(self) -> float:
+        """Return the largest force of a fingertip [N], of the one that pressed least."""
+        return float(min(np.linalg.norm(self.tip(finger)[2], axis=1).max() for finger in range(3)))
+
+    @property
     def energy(self) -> float:
         """Return the lowest energy [J] that the motors had taken from a hand."""
         lows = []
@@ -54,7 +64,7 @@ class Run:
         return float(min(lows))
 
 
-def feel(
+def press_wall(
     hand: EmulatedHand,
     k: Callable[[Servo], float],
     seconds: float,
@@ -63,7 +73,7 @@ def feel(
     servo: Servo | None = None,
     stuck: float = 0.0,
 ) -> Run:
-    """Let a hand feel the wall z = 0 of a stiffness [N/m] for some seconds after arming.
+    """Press the wall z = 0 of a stiffness [N/m] for some seconds after arming.
 
     stuck: share of the ticks at which the servo's process is kept from running, for 2 to 3 ms.
     """
@@ -102,7 +112,7 @@ def grows(k: float) -> bool:
     for finger in servo._fingers:
         finger.guard.passivity = Unwatched()
     lean: Sequence[Keyframe] = ((0.0, 0.0, 0.0, 0.002), (BEGIN, 0.0, 0.0, 0.002), (BEGIN + 0.5, 0.0, 0.0, -0.1))
-    run = feel(
+    run = press_wall(
         EmulatedHand(tips=(tuple(lean),) * 3, stiffness=20.0, damping=0.0), lambda _: k, 2.0, spec=spec, servo=servo
     )
     time, x, _ = run.tip()
@@ -135,12 +145,14 @@ def stairs(levels: Sequence[float], hold: float = 0.5) -> tuple[Keyframe, ...]:
 
 
 def static_error(k: float | None, levels: Sequence[float] = (0.004, 0.007, 0.010, 0.013)) -> tuple[float, float]:
-    """Return the error of the stiffness felt as a share, and the rms error of the force while holding [N].
+    """Return the error of the rendered stiffness as a share, and the rms error of the force while holding [N].
 
     Args:
         k: [N/m], None: the largest there is.
     """
-    run = feel(EmulatedHand(tips=(stairs(levels),) * 3), lambda servo: servo.cap if k is None else k, 0.6 * len(levels))
+    run = press_wall(
+        EmulatedHand(tips=(stairs(levels),) * 3), lambda servo: servo.cap if k is None else k, 0.6 * len(levels)
+    )
     k = run.cap if k is None else k
     slopes, errors = [], []
     for finger in range(3):
@@ -169,7 +181,7 @@ def poke(seconds: float, stuck: float = 0.0) -> Run:
             keys += [(at + down, 0.0, 0.0, deep), (at + down + 0.15, 0.0, 0.0, deep),
                      (at + down + up + 0.15, 0.0, 0.0, 0.005)]  # fmt: skip
         tips.append(tuple(keys))
-    return feel(EmulatedHand(tips=tuple(tips)), lambda servo: servo.cap, seconds, stuck=stuck)
+    return press_wall(EmulatedHand(tips=tuple(tips)), lambda servo: servo.cap, seconds, stuck=stuck)
 
 
 if __name__ == "__main__":

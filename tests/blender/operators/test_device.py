@@ -15,15 +15,17 @@ from tests.haptics.machine import NEEDS_PTY
 pytestmark = NEEDS_PTY
 
 
-def test_three_fingertips_press_the_session_and_feel_it(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
+def test_three_fingertips_press_the_session_and_get_its_force(
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
+) -> None:
     body = add()
     softened(bpy, body)
     connect(bpy, port.path)
     entry = run(bpy, body)
     assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
 
-    def felt(report: Any) -> bool:
-        """All three rest at a depth, and feel 200 N/m of it."""
+    def pressed(report: Any) -> bool:
+        """All three rest at a depth, with the force of 200 N/m."""
         depths = entry.frame.depths
         return (
             len(depths) == 3
@@ -34,7 +36,7 @@ def test_three_fingertips_press_the_session_and_feel_it(bpy: ModuleType, port: A
             )
         )
 
-    wait(felt, bpy, arms=True)
+    wait(pressed, bpy, arms=True)
     assert len([finger for finger in entry.fingers if finger]) == 3  # which the overlay draws
 
 
@@ -52,12 +54,12 @@ def test_a_killed_process_takes_the_force_and_not_the_session(
     wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
     servo = connection().device.process
     (servo if who == "servo" else port.process).send_signal(signal.SIGKILL)
-    said: list[str] = []
+    notes: list[str] = []
     until = time.perf_counter() + PATIENCE
-    while not said and time.perf_counter() < until:
-        said += live.advance(bpy.context, 1 / 60)
+    while not notes and time.perf_counter() < until:
+        notes += live.advance(bpy.context, 1 / 60)
         time.sleep(1 / 60)
-    assert "onnect" in said[0]
+    assert "onnect" in notes[0]
     assert gone(servo.pid)
     before = sessions.get(body).frame.time
     assert live.advance(bpy.context, 1 / 60) == []
@@ -120,7 +122,7 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
         assert order
 
 
-def test_a_fingertip_that_is_believed_no_more_moves_no_other(
+def test_a_fingertip_that_is_not_trusted_moves_no_other(
     bpy: ModuleType, port: Any, add: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from dataclasses import replace
@@ -192,6 +194,25 @@ def test_a_device_to_try_needs_no_port(bpy: ModuleType, empty_file: ModuleType) 
     connect(bpy, "emulated")
     assert ("emulated", "") in haptic.ports()
     haptic.disconnect()
+
+
+def test_a_device_to_try_is_offered_only_where_it_can_run(
+    bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On Windows there are no pseudo-terminals."""
+    from bl_ext.user_default.dimple.core.haptics import pseudo_terminal
+    from bl_ext.user_default.dimple.operators import haptic
+
+    with pytest.raises(RuntimeError, match='"emulated" is a device to try'):
+        bpy.ops.dimple.connect_device()
+    monkeypatch.setattr(pseudo_terminal, "SUPPORTED", False)
+    assert "emulated" not in dict(haptic.ports())
+    with pytest.raises(RuntimeError, match=r"type its path\.$"):
+        bpy.ops.dimple.connect_device()
+    bpy.context.scene.dimple.device_port = "emulated"
+    with pytest.raises(RuntimeError, match="runs on Linux and macOS"):
+        bpy.ops.dimple.connect_device()
+    assert haptic.get() is None
 
 
 def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> None:
