@@ -1,4 +1,4 @@
-"""The running sessions: the only mutable module state of the extension.
+"""The running sessions: the mutable module state of the extension, but for the connection to the haptic device.
 
 `sessions` holds a Body for every object that is being pressed, by the object's session_uid, which survives undo
 and renaming; `runs` holds the modal operators that drive them, so that whatever ends a session from outside (a
