@@ -15,7 +15,7 @@ def test_the_stiffness_limit_is_found_between_the_two() -> None:
     assert walls.limit() == pytest.approx(walls.limit_by_formula(), rel=0.10)
 
 
-@pytest.mark.parametrize("k", [200.0, 600.0, None])
+@pytest.mark.parametrize("k", [200.0, pytest.param(600.0, marks=pytest.mark.slow), None])
 def test_the_rendered_stiffness_is_that_of_the_contact_within_3_percent(k: float | None) -> None:
     """Up to the largest there is (None), through converters of 12 bits, their noise and dry friction."""
     share, force = walls.static_error(k)
