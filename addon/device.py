@@ -1,4 +1,4 @@
-"""The haptic device in the sidebar: where it is, how it stands, and what of a material it can render."""
+"""The haptic device in the sidebar: where it is, its state, and what of a material it can render."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ from .readout import iface_
 from .translations import CONTEXT
 
 _FIXED = {"options": set(), "translation_context": CONTEXT}
-FULL = 0.95  # of the peak force: as good as all of it
+FULL = 0.95  # of the peak force: shown as all of it
 
 
 def _ports(_settings: bpy.types.PropertyGroup, _context: bpy.types.Context, _text: str) -> Iterator[tuple[str, str]]:
@@ -20,14 +20,15 @@ def _ports(_settings: bpy.types.PropertyGroup, _context: bpy.types.Context, _tex
 
 
 class DevicePlace:
-    """Give a scene's settings which device there is, and where its workspace is."""
+    """The settings of a scene that name the device and place its workspace."""
 
     device_port: StringProperty(
-        name="Port", description='Serial port of the haptic device, or any path; "emulated" is a device to try',
+        name="Port",
+        description='Serial port of the haptic device, or any path. On Linux and macOS "emulated" is a device to try',
         search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
     )  # fmt: skip
     device_file: StringProperty(
-        name="Device File", description="TOML file with the numbers of the device. Empty: the Haptic Master",
+        name="Device File", description="TOML file with the numbers of the device. Empty: the Haptic Master's",
         subtype="FILE_PATH", **_FIXED,
     )  # fmt: skip
     device_scale: FloatProperty(
@@ -35,10 +36,13 @@ class DevicePlace:
         default=1.0, min=0.01, soft_min=0.1, soft_max=10.0, precision=2, **_FIXED,
     )  # fmt: skip
     device_origin: FloatVectorProperty(
-        name="Origin", description="Where in the scene the calibrated place of the device is", subtype="XYZ", **_FIXED
+        name="Origin",
+        description="Where in the scene the calibrated position of the device is",
+        subtype="XYZ",
+        **_FIXED,
     )
     device_centre_mm: FloatVectorProperty(
-        name="Centre (mm)", description="The place on the device that is at the origin", subtype="XYZ", **_FIXED
+        name="Centre (mm)", description="The position on the device that is at the origin", subtype="XYZ", **_FIXED
     )
 
 
@@ -71,15 +75,15 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
         material = body.active_material.dimple if body and body.active_material else None
         draw_rows(layout, rows(connection.report, material))
         draw_notes(context, layout, notes(connection.report, material))
-        if connection.report.message:
-            draw_notes(context, layout, [connection.report.message], "ERROR")
+        if connection.report.note:
+            draw_notes(context, layout, [connection.report.note], "ERROR")
 
 
 def state(report: object) -> str:
-    """Return a word for how the device stands."""
+    """Return a word for the state of the device."""
     if report.link.name == "READY":
         words = {
-            "OFF": iface_("Ready, no force"), "WAITING": iface_("Hold Shift, untouched"),
+            "OFF": iface_("Ready, no force"), "WAITING": iface_("Hold Shift, touch nothing"),
             "ASKED": iface_("Arming"), "RAMP": iface_("Arming"), "ON": iface_("Armed"),
         }  # fmt: skip
         return words[report.arming.name]
@@ -100,28 +104,31 @@ def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N{full}"))
     lines.append((iface_("Renders up to"), f"{report.cap / 1e3:.2f} N/mm, {report.peak:.0f} N"))
     for name in ("K1", "K2") if material else ():
-        asked = getattr(material, name)
-        lines.append((iface_("{} Asked, Felt").format(name), f"{asked:.2f}, {min(asked, report.cap / 1e3):.2f} N/mm"))
+        measured = getattr(material, name)
+        rendered = min(measured, report.cap / 1e3)
+        lines.append((iface_("{} Material / Rendered").format(name), f"{measured:.2f} / {rendered:.2f} N/mm"))
     return lines
 
 
 def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]:
-    """Return sentences on what the device cannot render, and what is to be done to feel something."""
+    """Return sentences on what the device cannot render, and what to do next."""
     if report.link.name != "READY":
         return []
-    said = []
+    sentences = []
     cap = report.cap / 1e3
     if material and min(material.K1, material.K2) > cap:
-        said.append(iface_("K1 and K2 are not renderable: the device shakes with so stiff a wall. Both feel softer."))
+        sentences.append(
+            iface_("K1 and K2 are not renderable: so stiff a wall shakes the device. Both are rendered softer.")
+        )
     elif material and material.K2 > cap:
-        said.append(iface_("K2 is not renderable: the device shakes with so stiff a wall. It feels softer."))
+        sentences.append(iface_("K2 is not renderable: so stiff a wall shakes the device. It is rendered softer."))
     elif material and material.K1 > cap:
-        said.append(iface_("K1 is not renderable: the device shakes with so stiff a wall. It feels softer."))
+        sentences.append(iface_("K1 is not renderable: so stiff a wall shakes the device. It is rendered softer."))
     if material and knee_force(material) > report.peak:
-        said.append(iface_("At the knee the material needs more force than the device has."))
+        sentences.append(iface_("At its knee the material needs more force than the device can exert."))
     if not haptic.sessions.sessions:
-        said.append(iface_("Press Play: what is selected is then felt."))
-    return said
+        sentences.append(iface_("Press Play to feel the selected object."))
+    return sentences
 
 
 def knee_force(material: bpy.types.PropertyGroup) -> float:

@@ -1,4 +1,4 @@
-"""Connect a haptic device, arm and disarm it, and say where in the scene it is."""
+"""Connect a haptic device, arm and disarm it, and place it in the scene."""
 
 import time
 
@@ -8,13 +8,13 @@ from bpy.props import FloatProperty
 from . import haptic, polls, sessions
 from .names import DEAD_MAN, Op
 
-RENEW_S = 0.05  # between two looks at the dead-man key; `safety.LEASE` bears a standstill of 0.2 s and one more of them
-ANSWER_S = 1.0  # the device says within it that it arms
-KEYS_SAID = "Hold Shift: force | Esc: disarm"
+RENEW_S = 0.05  # between two renewals of the dead-man key; `safety.LEASE` covers a standstill of 0.2 s and one of them
+ANSWER_S = 1.0  # within which the device reports that it arms
+KEYS = "Hold Shift: force | Esc: disarm"
 
 
 class _NeedsDevice:
-    """Stand only where a device is connected and ready."""
+    """Operators that need a device that is connected and ready."""
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
@@ -26,7 +26,7 @@ class _NeedsDevice:
 
 
 class DIMPLE_OT_connect_device(bpy.types.Operator):
-    """Connect the haptic device, or let go of it. It has no force until it is armed"""
+    """Connect or disconnect the haptic device. It exerts no force until it is armed"""
 
     bl_idname = Op.CONNECT_DEVICE
     bl_label = "Connect"
@@ -47,17 +47,17 @@ class DIMPLE_OT_connect_device(bpy.types.Operator):
 
 
 class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
-    """Let the device have force, while Shift or the device's own button is held. Esc disarms"""
+    """Allow force while Shift or the device's own button is held. Esc disarms"""
 
     bl_idname = Op.ARM_DEVICE
     bl_label = "Arm"
 
     hold_s: FloatProperty(
-        name="Hold (s)", description="From a script: how long the dead-man switch is held", default=0.0, min=0.0
+        name="Hold (s)", description="For scripts: how long the dead-man key counts as held", default=0.0, min=0.0
     )
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
-        """Arm, and hold the dead-man switch for the time given."""
+        """Arm, and hold the dead-man key for the time given."""
         connection = haptic.get()
         connection.watch = None
         haptic.hold(self.hold_s)
@@ -65,7 +65,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Arm, and watch the key from now on."""
+        """Arm, and follow the key from now on."""
         connection = haptic.get()
         self._watch = connection.watch = object()
         self._since, self._down = time.perf_counter(), False
@@ -74,14 +74,14 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         manager = context.window_manager
         self._timer = manager.event_timer_add(RENEW_S, window=context.window)
         manager.modal_handler_add(self)
-        context.workspace.status_text_set(KEYS_SAID)
+        context.workspace.status_text_set(KEYS)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Follow the key: it is held from its press until anything says otherwise. A lost device and Esc end it.
+        """Follow the key: it is held from its press until any event shows otherwise. A lost device and Esc end it.
 
-        Every event tells which keys are down. Timers and the loss of the focus reach every modal operator, whatever the
-        one before it keeps to itself; without either the lease runs out.
+        Every event carries which keys are down. Timers and the loss of the focus reach every modal operator, whatever
+        events the one before it consumes; without either the lease expires.
         """
         from ..core.haptics.safety import LEASE
 
@@ -108,7 +108,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         self._end(context)
 
     def _is_armed(self, connection: haptic.Connection) -> bool:
-        """Tell whether it is armed, or may be about to: its answer takes a moment."""
+        """Tell whether it is armed, or may still answer that it is."""
         report = connection.report
         settled = time.perf_counter() - self._since > ANSWER_S
         return report.link.name == "READY" and not (settled and report.arming.name == "OFF")
@@ -118,13 +118,13 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         owner = connection.watch if (connection := haptic.get()) else None
         if owner is self._watch:
             haptic.hold(0.0)
-        if owner in (None, self._watch):  # a newer operator has a text too, a script has none
+        if owner in (None, self._watch):  # a newer operator has a text of its own, a script has none
             context.workspace.status_text_set(None)
         return {"FINISHED"}
 
 
 class DIMPLE_OT_disarm_device(_NeedsDevice, bpy.types.Operator):
-    """Take all force from the device at once"""
+    """End all force of the device at once"""
 
     bl_idname = Op.DISARM_DEVICE
     bl_label = "Disarm"
@@ -137,7 +137,7 @@ class DIMPLE_OT_disarm_device(_NeedsDevice, bpy.types.Operator):
 
 
 class DIMPLE_OT_centre_device(_NeedsDevice, bpy.types.Operator):
-    """Let the middle of the fingertips, as you hold them now, be at the 3D cursor"""
+    """Place the middle of the fingertips, as you hold them now, at the 3D cursor"""
 
     bl_idname = Op.CENTRE_DEVICE
     bl_label = "Calibrate Origin"
@@ -166,6 +166,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Let go of the device, and unregister."""
+    """Disconnect the device, and unregister."""
     haptic.unregister()
     _unregister_classes()

@@ -1,7 +1,7 @@
-"""The haptic device beside the sessions: its fingertips press what runs, and feel what they press.
+"""The haptic device beside the sessions: its fingertips press what runs, and it renders the force on them.
 
-What runs does not need the device: when it is lost the sessions go on, and the panel says so. The connection itself
-is kept in `sessions`, with all that is mutable.
+What runs does not need the device: when it is lost the sessions go on, and the panel says so. The connection is kept
+here; `sessions` does not know of it, but calls `disarm` before it ends anything.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from . import sessions
 
 if TYPE_CHECKING:
     from ..core.haptics.contact_model import Contact
-    from ..core.haptics.contact_rendering import Felt, Workspace
+    from ..core.haptics.contact_rendering import ContactRendering, Workspace
     from ..core.haptics.device import Device
-    from ..core.haptics.messages import Report
+    from ..core.haptics.messages import ServoReport
     from ..core.session import Finger
     from .sessions import Body
 
@@ -31,41 +31,55 @@ LOOK_S = 0.1  # between two looks at the device while nothing runs
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Connection:
-    """Hold a device that is connected.
+    """A connected device.
 
-    report: what it said last.  watch: of the operator that follows the dead-man key.  felt: of each body.  places: of
-    the device in the space of each body, for each of its fingertips, and its radius [mm].  news: a sentence for the
-    artist that was not said yet.  read_at: when it was looked at last [s].
+    device: what was opened.
+    report: its last one.
+    watch: token of the operator that follows the dead-man key.
+    renderings: contact rendering of each body.
+    workspaces: of the device in each body's space, for each of its fingertips, and the fingertip's radius [mm].
+    note: a sentence for the artist that was not shown yet.
+    read_at: when it was read last [s].
     """
 
     device: Device
-    report: Report
+    report: ServoReport
     watch: object = None
-    felt: dict[Body, Felt] = field(default_factory=dict)
-    places: dict[tuple[Body, int], tuple[Workspace, float]] = field(default_factory=dict)
-    news: str = ""
+    renderings: dict[Body, ContactRendering] = field(default_factory=dict)
+    workspaces: dict[tuple[Body, int], tuple[Workspace, float]] = field(default_factory=dict)
+    note: str = ""
     read_at: float = 0.0
+
+
+connections: list[Connection] = []  # the device, where one is connected
 
 
 def get() -> Connection | None:
     """Return the device, None where none is connected."""
-    return sessions.devices[0] if sessions.devices else None
+    return connections[0] if connections else None
+
+
+def disarm() -> None:
+    """End all force of the device; without one nothing happens."""
+    if connection := get():
+        connection.device.disarm()
 
 
 def connect(scene: bpy.types.Scene) -> Connection:
-    """Connect the device of a scene, and look at it from now on.
+    """Connect the device of a scene, and read it from now on.
 
     Raises:
         DimpleError: it cannot be started, with the reason and what to do.
     """
     from ..core.base import DimpleError
     from ..core.haptics.device import Emulated, HapticMaster
-    from ..core.haptics.hand import poking_hand
+    from ..core.haptics.emulated_hand import poking_hand
 
     disconnect()
     port = scene.dimple.device_port.strip()
     if not port:
-        raise DimpleError('Choose a port, or type its path; "emulated" is a device to try.')
+        tip = f' "{EMULATED}" is a device to try.' if Emulated.is_supported() else ""
+        raise DimpleError(f"Choose a port, or type its path.{tip}")
     file = Path(bpy.path.abspath(scene.dimple.device_file)) if scene.dimple.device_file else None
     if port.lower() == EMULATED:
         device: Device = Emulated(hand=poking_hand(), spec_path=file)
@@ -73,28 +87,28 @@ def connect(scene: bpy.types.Scene) -> Connection:
         device = HapticMaster(bpy.path.abspath(port), spec_path=file)
     device.open()
     connection = Connection(device=device, report=device.read())
-    sessions.devices.append(connection)
+    connections.append(connection)
     bpy.app.timers.register(_look, first_interval=LOOK_S, persistent=False)
     return connection
 
 
 def disconnect() -> None:
-    """Let go of the device; without one nothing happens."""
-    while sessions.devices:
-        sessions.devices.pop().device.close()
+    """Disconnect the device; without one nothing happens."""
+    while connections:
+        connections.pop().device.close()
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
 
 
 def hold(seconds: float) -> None:
-    """Hold the dead-man switch for some seconds from now; 0 releases it."""
+    """Keep the dead-man key held for some seconds from now; 0 releases it."""
     if connection := get():
         connection.device.hold(time.perf_counter() + seconds)
 
 
 def read() -> list[str]:
-    """Take the newest of the device; return sentences for the artist."""
-    from ..core.haptics.messages import Link
+    """Read the device; return sentences for the artist."""
+    from ..core.haptics.messages import LinkState
     from ..core.haptics.safety import Arming
 
     connection = get()
@@ -102,70 +116,74 @@ def read() -> list[str]:
         return []
     before, connection.report, connection.read_at = connection.report, connection.device.read(), time.perf_counter()
     report = connection.report
-    ended = report.link is not before.link and report.link in (Link.LOST, Link.REFUSED)
-    if ended or (report.arming is not before.arming and report.arming is Arming.OFF and report.message):
-        connection.news = report.message
-    said, connection.news = connection.news, ""
-    return [said] if said else []
+    ended = report.link is not before.link and report.link in (LinkState.LOST, LinkState.REFUSED)
+    if ended or (report.arming is not before.arming and report.arming is Arming.OFF and report.note):
+        connection.note = report.note
+    note, connection.note = connection.note, ""
+    return [note] if note else []
 
 
-def place(scene: bpy.types.Scene, scale: float) -> Workspace:
-    """Return where the device is in a session of a physical scale [m per scene unit]."""
+def workspace(scene: bpy.types.Scene, scale: float) -> Workspace:
+    """Return the place of the device in a session of a physical scale [m per scene unit]."""
     from ..core.haptics.contact_rendering import Workspace
 
     settings = scene.dimple
-    grown = settings.device_scale
+    enlarged = settings.device_scale
     x, y, z = (
-        scale * at - grown * centre / 1e3
+        scale * at - enlarged * centre / 1e3
         for at, centre in zip(settings.device_origin, settings.device_centre_mm, strict=True)
     )
-    return Workspace(origin=(x, y, z), scale=grown)
+    return Workspace(origin=(x, y, z), scale=enlarged)
 
 
 def fingertips(scene: bpy.types.Scene, body: Body) -> list[Finger | None]:
     """Return the device's fingertips in a session's space; none where no device is ready."""
     from ..core.haptics.contact_rendering import fingers
-    from ..core.haptics.messages import Link
+    from ..core.haptics.messages import LinkState
 
     connection = get()
-    if connection is None or connection.report.link is not Link.READY:
+    if connection is None or connection.report.link is not LinkState.READY:
         return []
-    return fingers(connection.report, place(scene, body.link.scale), scene.dimple.finger_radius_mm / 1e3)
+    return fingers(connection.report, workspace(scene, body.link.scale), scene.dimple.finger_radius_mm / 1e3)
 
 
 def write(scene: bpy.types.Scene) -> None:
-    """Let each fingertip feel the body that it is deepest in, or nearest to.
+    """Render on each fingertip the contact with the body that it is deepest in, or nearest to.
 
-    What is put under a fingertip at once, by a new session, another place of the device, another radius or the end of a
-    poke, must not push, as when it is armed: else it is disarmed.
+    A body that is suddenly under a fingertip, by a new session, another place of the device, another radius or the end
+    of a poke, must not push, as when the device is armed: else it is disarmed.
     """
-    from ..core.haptics.contact_rendering import Felt
-    from ..core.haptics.messages import Link
+    from ..core.haptics.contact_rendering import ContactRendering
+    from ..core.haptics.messages import LinkState
     from ..core.haptics.safety import QUIET_FORCE
 
     connection = get()
-    if connection is None or connection.report.link is not Link.READY:
+    if connection is None or connection.report.link is not LinkState.READY:
         return
     radius = scene.dimple.finger_radius_mm
-    now, chosen, places, kicks = time.perf_counter(), [], {}, False
+    now, chosen, workspaces, kicks = time.perf_counter(), [], {}, False
     for body in sessions.sessions.values():
-        felt, where = connection.felt.setdefault(body, Felt()), place(scene, body.link.scale)
-        contacts = felt.contacts(body.session, where, connection.report.cap, now, body.poked)
+        rendering, where = connection.renderings.setdefault(body, ContactRendering()), workspace(scene, body.link.scale)
+        contacts = rendering.contacts(body.session, where, connection.report.cap, now, body.poked)
         chosen = nearer(chosen, contacts)
         pushed = [i for i, contact in enumerate(contacts) if contact and math.hypot(*contact.force) >= QUIET_FORCE]
-        kicks |= any(connection.places.get((body, i)) != (where, radius) for i in pushed)
-        places |= {(body, i): (where, radius) for i in range(len(contacts)) if i not in body.poked}
+        kicks |= any(connection.workspaces.get((body, i)) != (where, radius) for i in pushed)
+        workspaces |= {(body, i): (where, radius) for i in range(len(contacts)) if i not in body.poked}
     if kicks and connection.report.arming.name != "OFF":
         connection.device.disarm()
-        connection.news = "What is under a fingertip has changed. Lift it and arm the device again."
-    connection.felt = {body: felt for body, felt in connection.felt.items() if body in sessions.sessions.values()}
-    connection.places = places
+        connection.note = "What is under a fingertip has changed. Lift it and arm the device again."
+    running = list(sessions.sessions.values())
+    connection.renderings = {body: each for body, each in connection.renderings.items() if body in running}
+    connection.workspaces = workspaces
     connection.device.write(chosen)
 
 
 def nearer(some: Sequence[Contact | None], others: Sequence[Contact | None]) -> list[Contact | None]:
-    """Return of two contacts of each fingertip the one that presses more, or else has the smaller gap."""
-    pairs = [(a, b) for a, b in zip([*some, *[None] * 3][:3], [*others, *[None] * 3][:3], strict=True)]
+    """Return, of two contacts of each fingertip, the one that presses more, or else has the smaller gap."""
+    from ..core.haptics.messages import TIPS
+
+    first, second = ([*each, *[None] * TIPS][:TIPS] for each in (some, others))
+    pairs = zip(first, second, strict=True)
     return [min((c for c in pair if c), key=_order, default=None) for pair in pairs]
 
 
@@ -174,10 +192,10 @@ def _order(contact: Contact) -> tuple[float, float]:
 
 
 def set_origin(scene: bpy.types.Scene) -> None:
-    """Let the middle of the fingertips, where they are now, be at the 3D cursor.
+    """Place the middle of the fingertips, where they are now, at the 3D cursor.
 
     Raises:
-        DimpleError: the device does not know where they are.
+        DimpleError: their positions are not known.
     """
     from ..core.base import DimpleError
 
@@ -191,14 +209,14 @@ def set_origin(scene: bpy.types.Scene) -> None:
 
 
 def _look() -> float | None:
-    """Keep the panel up to date; while nothing runs, or what runs is paused, nobody else does."""
+    """Keep the panel up to date while nothing runs, or what runs is paused."""
     connection, now = get(), time.perf_counter()
     if connection is None:
         return None
     if now - connection.read_at > LOOK_S:
-        said = read()
+        notes = read()
         if sessions.sessions:
-            connection.news = " ".join(said)  # for when it goes on
+            connection.note = " ".join(notes)  # for when it goes on
             connection.device.renew()
         else:
             connection.device.write([])
@@ -207,10 +225,11 @@ def _look() -> float | None:
 
 
 def ports() -> list[tuple[str, str]]:
-    """Return what there is to connect: paths with what they call themselves."""
+    """Return what can be connected, as paths and descriptions; the emulated device only where it can run."""
+    from ..core.haptics.device import Emulated
     from ..core.haptics.serial_link import ports
 
-    return [*ports(), (EMULATED, "")]
+    return [*ports(), (EMULATED, "")] if Emulated.is_supported() else ports()
 
 
 @bpy.app.handlers.persistent
@@ -219,11 +238,13 @@ def _on_load_pre(*_: object) -> None:
 
 
 def register() -> None:
-    """Listen to Blender."""
+    """Listen to Blender and to the sessions."""
+    sessions.disarming.append(disarm)
     bpy.app.handlers.load_pre.append(_on_load_pre)
 
 
 def unregister() -> None:
-    """Let go of the device and stop listening."""
+    """Disconnect the device and stop listening."""
     disconnect()
+    sessions.disarming.remove(disarm)
     bpy.app.handlers.load_pre.remove(_on_load_pre)

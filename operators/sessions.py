@@ -1,4 +1,4 @@
-"""The running sessions: the only mutable module state of the extension.
+"""The running sessions: the mutable module state of the extension, but for the connection to the haptic device.
 
 `sessions` holds a Body for every object that is being pressed, by the object's session_uid, which survives undo
 and renaming; `runs` holds the modal operators that drive them, so that whatever ends a session from outside (a
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from ..core.session import Finger, Frame, Session
     from .bridge import Link
     from .bridge_write import Borrowed
-    from .haptic import Connection
     from .output import Recorder
 
 TRAIL = 4000  # points of force against depth that the chart remembers
@@ -91,7 +90,7 @@ class Run:
 
 sessions: dict[int, Body] = {}
 runs: list[Run] = []
-devices: list[Connection] = []  # the haptic device, where one is connected
+disarming: list[Callable[[], None]] = []  # what ends all force of the haptic device: `haptic` adds itself
 
 
 def get(obj: bpy.types.Object | None) -> Body | None:
@@ -175,8 +174,8 @@ def stop_all(*, restore: bool = True) -> None:
 
 def disarm() -> None:
     """End all force of the haptic device."""
-    for connection in devices:
-        connection.device.disarm()
+    for each in disarming:
+        each()
 
 
 @contextmanager

@@ -15,10 +15,9 @@ UNUSABLE, STOPPED = 2, 130  # exit codes; a command's own ones are 0 and from 3 
 COMMANDS = {
     "calibrate": ("fit a material to a force-depth file", ".calibrate", "add_command"),
     "paper": ("reproduce the paper's tables and figures, beside the printed numbers", ".paper", "add_command"),
-    "emulator": ("run an emulated haptic device", "core.haptics.command", "add_emulator"),
+    "emulator": ("run an emulated haptic device, with faults on demand", ".emulator", "add_emulator"),
     "grasp": ("lift a cube with three emulated fingertips and put it down", ".grasp", "add_grasp"),
-    "haptics": ("press with an emulated device and report what it rendered", ".haptics", "add_haptics"),
-    "servo": ("run a haptic device for Blender, 1000 times a second", "core.haptics.command", "add_servo"),
+    "haptics": ("press with an emulated device and print what it rendered", ".haptics", "add_haptics"),
 }
 
 

@@ -1,6 +1,6 @@
-"""`python -m core grasp`: three fingertips of an emulated device lift a cube by friction alone and put it down.
+"""`dev.py core grasp`: three fingertips of an emulated device lift a cube by friction alone and put it down.
 
-All in one process, on one clock that is handed on, so that it runs the same everywhere.
+All in one process, on one injected clock, so that it runs the same everywhere.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import numpy as np
 
 from core.base import STANDARD_GRAVITY, DimpleError
 from core.body.model import build_model
-from core.haptics.contact_rendering import Felt, Workspace, fingers
+from core.haptics.contact_rendering import ContactRendering, Workspace, fingers
+from core.haptics.emulated_hand import EmulatedHand, Keyframe
 from core.haptics.emulator import Emulator
-from core.haptics.hand import Hand, Keyframe
-from core.haptics.messages import Link, Report
+from core.haptics.messages import LinkState, ServoReport
 from core.haptics.safety import LEASE, Arming
 from core.haptics.servo import Servo
 from core.haptics.spec import Spec, load_spec
@@ -33,7 +33,7 @@ RADIUS = 0.010  # [m] of the fingertips
 LIFT = 0.060  # [m]
 CLEAR = 0.010  # [m] beside the cube
 SQUEEZE = 0.012  # [m] where the hand wants its fingertips inside; they yield to the force
-BESIDE = 0.2  # of the edge: of index and middle finger from the middle
+BESIDE = 0.2  # share of the edge by which index and middle finger are off the middle
 # [s] from the device's ramp: begin, touched, squeezed, lifted, lowered from, on the ground, let go
 TOUCH, SQUEEZED, RAISE, RAISED, LOWER, DOWN, OPEN, END = 1.3, 1.6, 1.8, 2.4, 3.0, 3.6, 3.9, 4.2
 MOMENTS = {"open": TOUCH, "squeezed": RAISE, "lifted": RAISED + 0.1, "held": LOWER, "put down": DOWN, "let go": END}
@@ -43,19 +43,19 @@ FRAME = 1 / 60  # [s]
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """One frame of the grasp.
+    """A frame of the grasp.
 
     time: since the hand began [s].
-    frame: what the session shows.
-    report: what the servo says.
+    frame: of the session.
+    report: of the servo.
     height: of the cube's middle [m].
     size: of its longest side [m].
-    forces: of the motors, as they are [N].
+    forces: true forces of the motors [N].
     """
 
     time: float
     frame: Frame
-    report: Report
+    report: ServoReport
     height: float
     size: float
     forces: list[Vector]
@@ -68,11 +68,11 @@ def grasp(cells: int = 3, *, friction: float = PRESET.material.friction) -> Sess
     return Session(build_model(mesh, [material], gravity=down, ground=-PRESET.size / 2))
 
 
-def hand() -> Hand:
-    """Return the hand: thumb on one side, index and middle finger on the other, where their blocks are."""
+def hand() -> EmulatedHand:
+    """Return the hand: thumb on one side, index and middle finger on the other, as their blocks are."""
     edge = PRESET.size
     beside = ((-1.0, 0.0), (1.0, -BESIDE * edge), (1.0, BESIDE * edge))
-    return Hand(tips=tuple(_way(side, y) for side, y in beside))
+    return EmulatedHand(tips=tuple(_way(side, y) for side, y in beside))
 
 
 def _way(side: float, y: float) -> tuple[Keyframe, ...]:
@@ -84,22 +84,22 @@ def _way(side: float, y: float) -> tuple[Keyframe, ...]:
 
 
 def run(session: Session, *, spec: Spec | None = None, seconds: float = END) -> Iterator[Moment]:
-    """Let the hand grasp; yield each frame once there is force."""
+    """Grasp; yield each frame once there is force."""
     spec = spec or load_spec()
     emulator, servo = Emulator(spec, hand=hand()), Servo(spec)
-    felt, place = Felt(), Workspace()
+    rendering, workspace = ContactRendering(), Workspace()
     now, next_frame, began, to_device = 0.0, 0.0, None, b""
     while began is None or now - began < seconds:
         now += STEP
         to_device = servo.step(now, emulator.step(now, to_device))
-        if now < next_frame or servo.link is not Link.READY:
+        if now < next_frame or servo.link is not LinkState.READY:
             continue
         next_frame = now + FRAME
         report = servo.report()
-        session.set_fingers(fingers(report, place, RADIUS))
+        session.set_fingers(fingers(report, workspace, RADIUS))
         frame = session.step(FRAME)
         servo.order = replace(
-            servo.order, arm=1, held_until=now + LEASE, contacts=felt.contacts(session, place, report.cap, now)
+            servo.order, arm=1, held_until=now + LEASE, contacts=rendering.contacts(session, workspace, report.cap, now)
         )
         if began is None and report.arming is Arming.RAMP:
             began = now
@@ -117,7 +117,7 @@ def add_grasp(command: argparse.ArgumentParser) -> None:
 
 
 def run_grasp(options: argparse.Namespace) -> int:
-    """Grasp, then tell how high the cube was and what the fingers felt."""
+    """Grasp, then print how high the cube was and the forces on the fingertips."""
     session = grasp(friction=options.friction)
     moments, weight = list(run(session)), STANDARD_GRAVITY * float(session.model.mass.sum())
     print("when        time   cube up   thumb          index          middle: force inward, force down")
@@ -128,10 +128,8 @@ def run_grasp(options: argparse.Namespace) -> int:
     held = [moment for moment in moments if MOMENTS["lifted"] <= moment.time <= LOWER]
     borne = -float(np.mean([sum(force[2] for force in moment.forces) for moment in held]))
     report = moments[-1].report
-    print(
-        f"The cube weighs {weight:.2f} N. Lifted, the fingertips feel {borne:.2f} N down: their springs sideways, up to"
-    )
-    print(f"friction, not its weight alone. Device {report.arming.name.lower()}, frames lost {report.lost}.")
+    print(f"The cube weighs {weight:.2f} N. Lifted, it pulls the fingertips down by {borne:.2f} N: sideways springs")
+    print(f"up to friction, not its weight alone. Device {report.arming.name.lower()}, frames lost {report.lost}.")
     if options.json:
         rows = [{"time_s": m.time, "height_m": m.height, "forces_n": m.forces} for m in moments]
         try:

@@ -1,7 +1,7 @@
-"""`python -m core haptics`: a scripted press of three fingers, felt through the real driver, servo and session.
+"""`dev.py core haptics`: a scripted press of three fingers, rendered through the real driver, servo and session.
 
 The device is emulated, in a process of its own behind a pseudo-terminal; what it did is judged by its own trace, not
-by what the servo believes.
+by the servo's report.
 """
 
 from __future__ import annotations
@@ -18,44 +18,51 @@ import numpy as np
 
 from core.base import DimpleError, Floats
 from core.body.model import build_model
-from core.haptics.contact_rendering import Felt, Workspace, fingers
-from core.haptics.device import Emulated
-from core.haptics.hand import Keyframe
-from core.haptics.messages import Link, Report
+from core.haptics.contact_rendering import ContactRendering, Workspace, fingers
+from core.haptics.emulated_hand import Keyframe
+from core.haptics.messages import LinkState, ServoReport
 from core.haptics.safety import Arming
 from core.haptics.wire import RAMP
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.session import Session
 
+from .processes import InstrumentedDevice
 from .scenes import cube
 
 PRESET = PRESETS[1]  # vinyl and air: K1 = 610 N/m
 RADIUS = 0.010  # [m] of the fingertips
 APART = 0.040  # [m] of each from the middle of the top
 CLEAR = 0.015  # [m] above the top, where a press begins
-LEVELS = (0.005, 0.010, 0.015)  # [m] where the hand wants its fingertips below the surface; they yield to the force
+LEVELS = (0.005, 0.010, 0.015)  # [m] below the surface, where the hand wants its fingertips; they yield to the force
 MOVE, HOLD, LIFT, SETTLE = 0.15, 0.40, 0.30, 0.10  # [s]
-READY_AFTER = 1.3  # [s] from the device's ramp until the servo's is over too
+READY_AFTER = 1.3  # [s] from the beginning of the device's ramp until the servo's is over too
 CYCLE = 2 * LIFT + len(LEVELS) * (MOVE + HOLD)
 SHORTEST = READY_AFTER + CYCLE
 FRAME = 1 / 60  # [s]
-STALL, STALL_EVERY = 0.200, 1.0  # [s] Blender's main thread, busy
+STALL, STALL_EVERY = 0.200, 1.0  # [s] of Blender's main thread
 CONNECT = 5.0  # [s] at most
 WRONG = 0.002  # [m] a position farther from the truth cannot be noise: its frame was wrong
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
-    """Hold what a trial left: how often it pressed, the last report, what the device measured, its trace, the servo's
-    log."""
+class PressRecord:
+    """The record of a scripted press.
+
+    cycles: how often it pressed.
+    report: the last of the servo.
+    device: what the device measured.
+    trace: of the device: time [s], mode, three positions [m], three forces [N].
+    log: of the servo: time [us], then position [m] and force [N] of each tip.
+    frames: of the session: time [s], stiffness cap then [N/m].
+    """
 
     cycles: int
-    report: Report
+    report: ServoReport
     device: dict[str, float]
-    trace: Floats  # time [s], mode, three positions [m], three forces [N]
-    log: Floats  # time [us], then position [m] and force [N] of each tip
-    frames: Floats  # time of the session's frame [s], stiffness cap then [N/m]
+    trace: Floats
+    log: Floats
+    frames: Floats
 
 
 def add_haptics(command: argparse.ArgumentParser) -> None:
@@ -72,15 +79,15 @@ def add_haptics(command: argparse.ArgumentParser) -> None:
 
 
 def run_haptics(options: argparse.Namespace) -> int:
-    """Press, then tell what was felt."""
+    """Press, then print the figures."""
     words = [word for fault in options.fault for word in ("--fault", fault)]
     words += [] if options.baud is None else ["--baud", str(options.baud)]
-    trial = press(options.seconds, busy=options.busy, words=words)
-    figures = judge(trial)
-    if trial.report.arming is not Arming.ON:
-        print(f"Not armed at the end, so forces and stiffness are too small. {trial.report.message}")
+    record = press(options.seconds, busy=options.busy, words=words)
+    figures = judge(record)
+    if record.report.arming is not Arming.ON:
+        print(f"Not armed at the end, so forces and stiffness are too small. {record.report.note}")
     if not figures["real_time"]:
-        print("This account may not run anything in real time, so device and servo wait for others now and then.")
+        print("This account has no real-time priority, so device and servo wait for other processes now and then.")
     print("\n".join(f"{name:<22} {value:.6g}" for name, value in figures.items()))
     if options.json:
         try:
@@ -90,7 +97,7 @@ def run_haptics(options: argparse.Namespace) -> int:
     return 0
 
 
-def press(seconds: float, *, busy: bool = False, words: list[str] | None = None) -> Trial:
+def press(seconds: float, *, busy: bool = False, words: list[str] | None = None) -> PressRecord:
     """Press a cube with three fingers for some seconds [s].
 
     Raises:
@@ -100,12 +107,12 @@ def press(seconds: float, *, busy: bool = False, words: list[str] | None = None)
     if cycles < 1:
         raise DimpleError(f"A press takes {SHORTEST:.2f} s: give --seconds at least that.")
     with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
-        hand, trace, told, log = (Path(folder) / name for name in ("hand.json", "trace.csv", "device.json", "log.csv"))
-        hand.write_text(json.dumps({"tips": [_way(i, cycles) for i in range(3)]}))
-        device = Emulated(
-            options=("--hand", str(hand), "--trace", str(trace), "--json", str(told), *(words or [])),
+        trace, measured, log = (Path(folder) / name for name in ("trace.csv", "device.json", "log.csv"))
+        device = InstrumentedDevice(
+            hand=json.dumps({"tips": [_way(i, cycles) for i in range(3)]}),
             held_until=math.inf,
-            log=log,
+            emulator_words=["--trace", str(trace), "--json", str(measured), *(words or [])],
+            servo_words=["--log", str(log)],
         )
         frames: list[tuple[float, float]] = []
         try:
@@ -113,24 +120,24 @@ def press(seconds: float, *, busy: bool = False, words: list[str] | None = None)
             report = _drive(device, seconds, busy, frames)
         finally:
             device.close()
-        if not (trace.exists() and told.exists() and log.exists()):
-            raise DimpleError("Device or servo did not end in time, so there is no trace: the machine is too busy.")
+        if not (trace.exists() and measured.exists() and log.exists()):
+            raise DimpleError("Device or servo did not end in time, so there is no trace: this computer is too busy.")
         rows = np.loadtxt(trace, delimiter=",", skiprows=1, ndmin=2)
-        given = np.loadtxt(log, delimiter=",", ndmin=2)
-        return Trial(cycles, report, json.loads(told.read_text()), rows, given, np.array(frames))
+        answers = np.loadtxt(log, delimiter=",", ndmin=2)
+        return PressRecord(cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames))
 
 
-def judge(trial: Trial) -> dict[str, float]:
-    """Return the figures of a trial, by the device's own trace."""
-    device, report = trial.device, trial.report
-    time, places, forces = trial.trace[:, 0], _tips(trial.trace, 2), _tips(trial.trace, 11)
-    begin = time[np.flatnonzero(trial.trace[:, 1] == RAMP)[0]]
-    felt = [_felt(trial.cycles, time - begin, places[:, i], forces[:, i]) for i in range(3)]
-    slopes = np.array([slope for slope, _ in felt])
-    errors = np.concatenate([error for _, error in felt])
-    believed = trial.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
-    row = np.searchsorted(time, trial.log[:, 0] * 1e-6 - 1e-6)
-    off = np.linalg.norm(believed - places[np.minimum(row, len(time) - 1)], axis=2)
+def judge(record: PressRecord) -> dict[str, float]:
+    """Return the figures of a press, by the device's own trace."""
+    device, report = record.device, record.report
+    time, places, forces = record.trace[:, 0], _tips(record.trace, 2), _tips(record.trace, 11)
+    begin = time[np.flatnonzero(record.trace[:, 1] == RAMP)[0]]
+    holds = [_holding(record.cycles, time - begin, places[:, i], forces[:, i]) for i in range(3)]
+    slopes = np.array([slope for slope, _ in holds])
+    errors = np.concatenate([error for _, error in holds])
+    measured = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
+    row = np.searchsorted(time, record.log[:, 0] * 1e-6 - 1e-6)
+    off = np.linalg.norm(measured - places[np.minimum(row, len(time) - 1)], axis=2)
     given = -np.cumsum((forces[:-1] * np.diff(places, axis=0)).sum(axis=2), axis=0)
     K1 = PRESET.material.K1
     return {
@@ -147,9 +154,9 @@ def judge(trial: Trial) -> dict[str, float]:
         "force_rms_error_n": float(np.sqrt((errors**2).mean())),
         "force_largest_n": float(np.abs(forces).max()),
         "stiffness_error": float(np.abs(slopes / K1 - 1).max()),
-        "stiffness_felt_n_m": float(slopes.mean()),
-        "stiffness_cap_n_m": float(np.median(trial.frames[:, 1])),
-        "longest_frame_ms": 1e3 * float(np.diff(trial.frames[:, 0]).max()),
+        "stiffness_rendered_n_m": float(slopes.mean()),
+        "stiffness_cap_n_m": float(np.median(record.frames[:, 1])),
+        "longest_frame_ms": 1e3 * float(np.diff(record.frames[:, 0]).max()),
         "tip_rms_error_mm": 1e3 * float(np.sqrt((off**2).mean())),
         "energy_mj": 1e3 * float(given.min()),
         "observed_mj": 1e3 * min(tip.least_energy for tip in report.tips),
@@ -160,7 +167,7 @@ def _tips(rows: Floats, first: int) -> Floats:
     return rows[:, first : first + 9].reshape(-1, 3, 3)
 
 
-def _felt(cycles: int, time: Floats, places: Floats, forces: Floats) -> tuple[float, Floats]:
+def _holding(cycles: int, time: Floats, places: Floats, forces: Floats) -> tuple[float, Floats]:
     """Return the stiffness [N/m] from hold to hold, and the errors of the force while holding [N]."""
     law = PRESET.material.law
     depths, pushes, errors = [], [], []
@@ -180,7 +187,7 @@ def _holds(cycles: int) -> list[float]:
 
 
 def _way(finger: int, cycles: int) -> list[Keyframe]:
-    """Return where the hand wants a fingertip: above the top, then from level to level, and up again."""
+    """Return the keyframes of a fingertip: above the top, then from level to level, and up again."""
     angle = finger * 2 * np.pi / 3
     x, y = float(-APART * np.cos(angle)), float(-APART * np.sin(angle))  # on the side of its block
     keys = [(READY_AFTER, x, y, CLEAR)]
@@ -194,22 +201,22 @@ def _way(finger: int, cycles: int) -> list[Keyframe]:
     return keys
 
 
-def _drive(device: Emulated, seconds: float, busy: bool, frames: list[tuple[float, float]]) -> Report:
-    """Run session and device side by side, as Blender does: 60 times a second."""
+def _drive(device: InstrumentedDevice, seconds: float, busy: bool, frames: list[tuple[float, float]]) -> ServoReport:
+    """Step session and device together, as Blender does: 60 times a second."""
     mesh = cube(8, PRESET.size)
     session = Session(build_model(mesh, [PRESET.material], held=base_vertices(mesh)))
-    place = Workspace(origin=(0.0, 0.0, PRESET.size / 2 + RADIUS))
-    felt, armed = Felt(), 0.0
+    workspace = Workspace(origin=(0.0, 0.0, PRESET.size / 2 + RADIUS))
+    rendering, armed = ContactRendering(), 0.0
     begun = last = stalled = time.perf_counter()
     while not armed or time.perf_counter() - armed < seconds:
         report = device.read()
-        if report.link in (Link.REFUSED, Link.LOST) or (not armed and time.perf_counter() - begun > CONNECT):
-            raise DimpleError(report.message or "The emulated device did not arm.")
+        if report.link in (LinkState.REFUSED, LinkState.LOST) or (not armed and time.perf_counter() - begun > CONNECT):
+            raise DimpleError(report.note or "The emulated device did not arm.")
         now = time.perf_counter()
-        if report.link is Link.READY:
-            session.set_fingers(fingers(report, place, RADIUS))
+        if report.link is LinkState.READY:
+            session.set_fingers(fingers(report, workspace, RADIUS))
             session.step(min(now - last, 2 * FRAME))
-            device.write(felt.contacts(session, place, report.cap, time.perf_counter()))
+            device.write(rendering.contacts(session, workspace, report.cap, time.perf_counter()))
             if report.arming is Arming.OFF and not armed:
                 device.arm()
             armed = armed or (now if report.arming in (Arming.RAMP, Arming.ON) else 0.0)

@@ -1,1 +1,1 @@
-"""Haptic devices: what they say, where their fingertips are, what keeps a hand safe. Standard library only."""
+"""Haptic devices: protocol, kinematics, servo, safety, contact rendering, and an emulated device to try."""

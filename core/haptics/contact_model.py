@@ -1,9 +1,9 @@
-"""What a fingertip feels, 1000 times a second, between two frames of the simulation: a local linear contact.
+"""The force on a fingertip, 1000 times a second, between two frames of the simulation: a local linear contact.
 
     F(x) = F0 - [k_n n n^T + k_t (I - n n^T)] (x - x0)
 
-Forces held from frame to frame would be stable only on soft objects; a contact evaluated where the fingertip is
-now is stable up to the device's own limit (`stiffness_cap`). It can push and slide, never pull.
+A force held from frame to frame would be stable only on soft objects; a contact that is evaluated where the fingertip
+is now is stable up to the device's own limit (`stiffness_cap`). It can push and slide, never pull.
 """
 
 from __future__ import annotations
@@ -13,21 +13,26 @@ from dataclasses import dataclass
 
 from .vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
 
-FADE_BEGINS, FADE_ENDS = 0.100, 0.200  # [s] age of the simulation's last word: a frozen one lets go
-LONGEST_SLEW = 0.050  # [s] a change is spread over one period of the simulation, a slow one over no more than this
+FADE_BEGINS, FADE_ENDS = 0.100, 0.200  # [s] age of a contact: that of a frozen simulation fades out
+LONGEST_SLEW = 0.050  # [s] a change is spread over one period of the simulation, but over no more than this
 SHORTEST_SLEW = 0.001  # [s] one tick
-MOST_AHEAD = 0.005  # [s] a stamp farther in the future is no time of this clock
-MOST_FORCE, MOST_STIFFNESS, FARTHEST = 1e3, 1e6, 10.0  # [N], [N/m], [m] more is a mistake
+MOST_AHEAD = 0.005  # [s] a stamp farther in the future is not of this clock
+MOST_FORCE, MOST_STIFFNESS, FARTHEST = 1e3, 1e6, 10.0  # [N], [N/m], [m] more is an error
 UNIT = 1e-3  # how far from 1 the length of a normal may be
-PASSIVE_SHARE = 0.8  # of the stiffness that is still passive: what is left bears the estimate of b and of the delay
+PASSIVE_SHARE = 0.8  # of the passive stiffness: the rest covers errors in the estimates of b and of the delay
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
-    """Hold the contact of one fingertip, in the space of the device.
+    """The contact of one fingertip, in the space of the device.
 
-    force: on the fingertip [N] at: [m].  normal: unit, out of the body.  k_n, k_t: [N/m].  gap: [m] left to the
-    surface where it does not touch.  friction: Coulomb coefficient.  stamp: when the simulation was there [s].
+    force: on the fingertip where the simulation had it [N].
+    at: where that was [m].
+    normal: unit vector out of the body.
+    k_n, k_t: stiffness along the normal and across it [N/m].
+    gap: distance left to the surface where it does not touch [m].
+    friction: Coulomb coefficient.
+    stamp: when the simulation was there [s].
     """
 
     force: Vector
@@ -44,7 +49,9 @@ def stiffness_cap(viscous: float, period: float, delay: float) -> float:
     """Return the largest stiffness [N/m] to render: 0.8 b / (T/2 + t_d).
 
     Args:
-        viscous: friction b of the device [N s/m].  period: of its tick T [s].  delay: from sensor to motor t_d [s].
+        viscous: friction b of the device [N s/m].
+        period: of its tick T [s].
+        delay: from sensor to motor t_d [s].
 
     Source: Colgate and Brown's condition for a passive wall, with a delay; tests.haptics.walls finds the same limit.
     """
@@ -52,7 +59,7 @@ def stiffness_cap(viscous: float, period: float, delay: float) -> float:
 
 
 def is_sane(contact: Contact) -> bool:
-    """Tell whether a contact is made of numbers of this world, its normal a unit vector and nothing negative."""
+    """Tell whether the numbers of a contact are finite and plausible: a unit normal, and no negative ones."""
     numbers = (contact.k_n, contact.k_t, contact.gap, contact.friction)
     return (
         all(map(is_finite, (contact.force, contact.at, contact.normal)))
@@ -72,9 +79,9 @@ def force_at(contact: Contact, x: Vector, cap: float) -> Vector:
     push = dot(contact.force, n) - min(contact.k_n, cap) * (height + contact.gap)
     if push <= 0:
         return ZERO
-    held = along(contact.force, n, -dot(contact.force, n))
+    sideways = along(contact.force, n, -dot(contact.force, n))
     slid = along(way, n, -height)
-    grip = capped(along(held, slid, -min(contact.k_t, cap)), contact.friction * push)
+    grip = capped(along(sideways, slid, -min(contact.k_t, cap)), contact.friction * push)
     return along(grip, n, push)
 
 
@@ -86,10 +93,13 @@ def fade(age: float) -> float:
 
 
 @dataclass(slots=True)
-class Feel:
-    """Follow the contacts of one fingertip as they come, without a jump.
+class ContactBlend:
+    """The newest contact of one fingertip, blended in without a jump of the force.
 
-    jump: what the newest contact's force lacked of the one before it [N]; it dies out over one period.
+    contact: the newest, None where there is none.
+    jump: the force before it less its own [N]; it decays over one period.
+    arrived: when it came [s].
+    period: of the simulation [s].
     """
 
     contact: Contact | None = None

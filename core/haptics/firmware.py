@@ -1,6 +1,6 @@
-"""What runs on the device: it streams its joints, takes torques, and keeps the hand safe whatever the host does.
+"""The firmware of the device: it streams its joints, takes torques, and keeps the hand safe whatever the host does.
 
-The emulator runs it; who builds a device can take it as the specification of the firmware.
+The emulator runs it; it is also the specification of the firmware for anyone who builds a device.
 """
 
 from __future__ import annotations
@@ -10,50 +10,56 @@ from typing import Final
 
 from . import kinematics, wire
 from .motors import Motors
+from .safety import SPEED_TIME
 from .sensors import Sensors
 from .spec import Spec, info
 from .vectors import ZERO, Vector, length, scaled
 from .watch import Watch
 
-SILENCE: Final = 1.0  # [s] without a host, and the device falls silent too
-ARM_PATIENCE: Final = 1.0  # [s] to be quiet in
-SPEED_TIME: Final = 0.005  # [s] time constant of the speed
+SILENCE: Final = 1.0  # [s] without a host, after which the device falls silent too
+ARM_PATIENCE: Final = 1.0  # [s] in which the host must become quiet
 FAST_TICKS: Final = 5  # so many in a row over the speed limit are a fault
 FAULT_EVERY: Final = 0.1  # [s]
 HELD: Final = wire.ENABLE | wire.DEADMAN
-FINGERS: Final = range(wire.FINGERS)
+ALL_FINGERS: Final = range(wire.FINGERS)
 
 
 class Firmware:
-    """Run a device: `receive` each frame, `sense`, `tick` and `drive` at each tick; the motors make `torques` [N m].
+    """A device: `receive` each frame; `sense`, `tick` and `drive` at each tick.
 
-    mode: of wire.IDLE...
+    mode: wire.IDLE...
+    code: of the latched fault, wire.FAULT_NONE...
+    torques: of the motors of each finger [N m].
+    buttons: bits of a STATE.
+    watch: counts of the session, or of the last one.
+    streaming: STATEs are being sent.
+    protocol: its version, major and minor.
     """
 
-    def __init__(self, spec: Spec, *, baud: int, session: int = 0, protocol: tuple[int, int] = wire.PROTOCOL) -> None:
+    def __init__(self, spec: Spec, *, baud: int, session: int = 0) -> None:
         self.spec, self.mode, self.code = spec, wire.IDLE, wire.FAULT_NONE
         self.torques: list[Vector] = [ZERO] * wire.FINGERS
         self.buttons = 0
-        self.watch: Watch | None = None  # of the session, or the last one
-        self.streaming = False
-        self._baud, self._protocol, self._last_session = baud, protocol, session
+        self.watch: Watch | None = None
+        self.streaming, self.protocol = False, wire.PROTOCOL
+        self._baud, self._last_session = baud, session
         self._blocks, self._sensors = kinematics.blocks(spec), Sensors(spec)
-        self._motors = [Motors(spec) for _ in FINGERS]
+        self._motors = [Motors(spec) for _ in ALL_FINGERS]
         self._words = [0] * wire.CHANNELS
         self._angles: list[Vector] = [ZERO] * wire.FINGERS
         self._tips: list[Vector | None] = [None] * wire.FINGERS
         self._velocities: list[Vector] = [ZERO] * wire.FINGERS
         self._fast = [0] * wire.FINGERS
         self._command: wire.Command | None = None
-        self._command_at = self._heard = self._arming_since = self._ramp_since = self._told = 0.0
+        self._command_at = self._heard = self._arming_since = self._ramp_since = self._fault_sent = 0.0
         self._quiet_since: float | None = None
         self._finger = wire.EVERY_FINGER  # of the fault
         self._hello: wire.Hello | None = None
 
-    # what the host says
+    # frames of the host
 
     def receive(self, frame: wire.Frame, now: float, bad: int) -> list[wire.Frame]:
-        """Take a frame at a time [s]; return the answers.  bad: frames refused by their form so far."""
+        """Take a frame at a time [s]; return the answers.  bad: frames refused by their CRC or form so far."""
         if isinstance(frame, wire.Hello):
             return self._greet(frame, now)
         if not self.streaming or self.watch is None or frame.session != self.watch.session:
@@ -73,15 +79,18 @@ class Firmware:
         return []
 
     def _greet(self, hello: wire.Hello, now: float) -> list[wire.Frame]:
-        if not hello.major_min <= self._protocol[0] <= hello.major_max:
-            return [info(self.spec, hello.nonce, 0, self._protocol)]
+        if not hello.major_min <= self.protocol[0] <= hello.major_max:
+            return [info(self.spec, hello.nonce, 0, self.protocol)]
         again = self.streaming and self.watch is not None and not self.watch.taken and hello == self._hello
-        if self.watch is None or not again:  # asked twice before a word was said, it is the same session
+        if self.watch is None or not again:  # asked twice before the first CMD, it is the same session
             self._last_session = self._last_session % 255 + 1
-            self.watch, self._command, self._hello = Watch(self.spec, self._last_session), None, hello
+            self.watch, self._command, self._hello = self._make_watch(self._last_session), None, hello
         self._rest()
         self._heard, self.streaming = now, True
-        return [info(self.spec, hello.nonce, self.watch.session, self._protocol)]
+        return [info(self.spec, hello.nonce, self.watch.session, self.protocol)]
+
+    def _make_watch(self, session: int) -> Watch:
+        return Watch(self.spec, session)
 
     def _arm(self, now: float) -> list[wire.Frame]:
         if self.mode == wire.FAULT or any(self._sensors.bad):
@@ -100,7 +109,7 @@ class Firmware:
         self._fast, self._tips = [0] * wire.FINGERS, [None] * wire.FINGERS
         self.mode, self.code = wire.IDLE, wire.FAULT_NONE
 
-    # what happens at a tick
+    # at each tick
 
     def sense(self, words: list[int]) -> None:
         """Take the 16-bit readings of the nine joints at a tick."""
@@ -110,11 +119,11 @@ class Firmware:
         self._move()
 
     def tick(self, now: float) -> list[wire.Frame]:
-        """Return what goes to the host at a time [s], before `drive`: no host waits for the motors."""
+        """Return what is sent to the host at a time [s], before `drive`: no host waits for the motors."""
         if self.streaming and now - self._heard > SILENCE:
             self.streaming = False
             self._rest()
-        out = self._judge(now)
+        out = self._check(now)
         if self.watch is None or not self.streaming:
             return []
         seq = self.watch.send(now)
@@ -124,7 +133,7 @@ class Firmware:
         """Follow the tips and their speed."""
         spec = self.spec
         share = spec.tick / (SPEED_TIME + spec.tick)
-        for i in FINGERS:
+        for i in ALL_FINGERS:
             if self._sensors.bad[i]:
                 self._tips[i], self._velocities[i] = None, ZERO
                 continue
@@ -138,12 +147,12 @@ class Firmware:
             )
             self._angles[i], self._tips[i] = q, tip
 
-    def _judge(self, now: float) -> list[wire.Frame]:
-        """Find faults, move on with arming; return the Fault frames there are to send."""
+    def _check(self, now: float) -> list[wire.Frame]:
+        """Find faults and advance the arming; return the FAULT frames to send."""
         if self.mode == wire.FAULT:
-            if now - self._told < FAULT_EVERY:
+            if now - self._fault_sent < FAULT_EVERY:
                 return []
-            self._told = now
+            self._fault_sent = now
             return [self._fault(self.code, self._finger)]
         lossy = self.watch is not None and self.watch.loses_too_much()
         failed = self._sensors.failed()
@@ -156,12 +165,12 @@ class Firmware:
                 return self._latch(wire.FAULT_WATCHDOG, now)
             if lossy:
                 return self._latch(wire.FAULT_LINK, now)
-            for i in FINGERS:
+            for i in ALL_FINGERS:
                 self._fast[i] = self._fast[i] + 1 if self._is_fast(i) else 0
                 if self._fast[i] >= FAST_TICKS:
                     return self._latch(wire.FAULT_SPEED, now, i)
             if not self._is_held():
-                self.mode, self._ramp_since = wire.RAMP, now  # the dead-man switch: the ramp begins anew
+                self.mode, self._ramp_since = wire.RAMP, now  # the dead-man switch was released: the ramp begins anew
             if self.mode == wire.RAMP and now - self._ramp_since >= self.spec.ramp_time:
                 self.mode = wire.ARMED
         return []
@@ -180,7 +189,7 @@ class Firmware:
         return []
 
     def _latch(self, code: int, now: float, finger: int = wire.EVERY_FINGER) -> list[wire.Frame]:
-        self.mode, self.code, self._finger, self._told = wire.FAULT, code, finger, now
+        self.mode, self.code, self._finger, self._fault_sent = wire.FAULT, code, finger, now
         return [self._fault(code, finger)]
 
     def _fault(self, code: int, finger: int = wire.EVERY_FINGER) -> wire.Fault:
@@ -190,27 +199,27 @@ class Firmware:
         return self._command is not None and self._command.flags & HELD == HELD
 
     def _is_quiet(self) -> bool:
-        return all(length(self._commanded(i)) < self.spec.arm_force for i in FINGERS)
+        return all(length(self._commanded(i)) < self.spec.arm_force for i in ALL_FINGERS)
 
     def _is_fast(self, i: int) -> bool:
         return length(self._velocities[i]) > self.spec.tip_speed
 
     def _commanded(self, i: int) -> Vector:
-        """Return the force [N] that the host asks of a finger."""
+        """Return the force [N] that the host commands of a finger."""
         if self._command is None or not any(self._command.torque):
             return ZERO
         torque = kinematics.word_torques(self.spec, self._command.torque[3 * i : 3 * i + 3])
         try:
             return kinematics.force(self._blocks[i], self._angles[i], torque)
         except kinematics.Singular:
-            return ZERO  # nothing can be pushed there
+            return ZERO  # no force can act there
 
-    # what the motors do
+    # the motors
 
     def drive(self, now: float) -> None:
         """Set the torques, at the time of the tick [s]."""
         age = self._age(now)
-        for i in FINGERS:
+        for i in ALL_FINGERS:
             motors = self._motors[i]
             wanted = None if self._sensors.bad[i] else self._wanted(i, age, now)
             force = motors.zero() if wanted is None else motors.limit(wanted)
@@ -240,7 +249,7 @@ class Firmware:
         return scaled(self._velocities[i], -self.spec.brake)
 
     def _convert(self, torque: Vector) -> Vector:
-        """Return the torques [N m] that the converters make."""
+        """Return the torques [N m] as the converters quantize them."""
         steps = (1 << self.spec.dac_bits - 1) - 1
         a, b, c = (
             round(min(max(part / limit, -1.0), 1.0) * steps) / steps * limit
@@ -249,17 +258,17 @@ class Firmware:
         return a, b, c
 
     def _age(self, now: float) -> float:
-        """Return the age of the last Command [s]."""
+        """Return the age of the last CMD [s]."""
         return now - self._command_at if self._command else math.inf
 
-    def _state(self, seq: int, now: float) -> wire.State:
+    def _state(self, seq: int, now: float) -> wire.DeviceState:
         a, b, c, d, e, f, g, h, i = self._words
         mode = self.mode
         if mode in (wire.RAMP, wire.ARMED) and self._age(now) >= self.spec.zero:
             mode = wire.BRAKE
         status = mode | (wire.LIMITED if any(motors.limited for motors in self._motors) else 0)
-        for finger in FINGERS:
+        for finger in ALL_FINGERS:
             status |= wire.MASKED << finger if self._sensors.bad[finger] else 0
         session, ack = (self.watch.session, self.watch.ack) if self.watch else (0, 0)
         time = int(1e6 * now) & 0xFFFFFFFF
-        return wire.State(session, seq, ack, time, (a, b, c, d, e, f, g, h, i), self.buttons, status)
+        return wire.DeviceState(session, seq, ack, time, (a, b, c, d, e, f, g, h, i), self.buttons, status)

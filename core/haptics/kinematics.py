@@ -18,19 +18,25 @@ from .vectors import Vector
 from .wire import FULL_SCALE
 
 Rows = tuple[Vector, Vector, Vector]
-MOST_CONDITION = 1e3  # beyond, a force would ask for torques that no motor has
+MOST_CONDITION = 1e3  # beyond it a force needs torques that no motor has
 
 
 class Singular(DimpleError):
-    """Say that a block stands where it cannot move, or push, in some direction."""
+    """A block is where it cannot move, or push, in some direction."""
 
 
 class Unreachable(DimpleError):
-    """Say that a place is beyond the reach of a block."""
+    """A position is out of reach of a block."""
 
 
 class Block(NamedTuple):
-    """Hold one finger's block: its name, links [m], base [m], and cos and sin of its place around the centre."""
+    """The linkage of one finger.
+
+    name: for messages.
+    l1, l2: lengths of the links [m].
+    base: position of the shoulder [m].
+    cos, sin: of the angle at which it stands around the centre.
+    """
 
     name: str
     l1: float
@@ -123,25 +129,15 @@ def _refuse_singular(block: Block, r: float, bend: float) -> None:
 
 
 def adc_angles(spec: Spec, words: tuple[int, ...]) -> Vector:
-    """Return the angles [rad] of a block's three joints for its words of a State."""
+    """Return the angles [rad] of a block's three joints for its words of a STATE."""
     scale = spec.adc_span / 65536
     half = 32768 - (1 << (15 - spec.adc_bits) if spec.adc_bits < 16 else 0)  # the middle of a converter's step
     a, b, c = spec.adc_centres
     return a + (words[0] - half) * scale, b + (words[1] - half) * scale, c + (words[2] - half) * scale
 
 
-def adc_words(spec: Spec, q: Vector) -> tuple[int, int, int]:
-    """Return what the converters make of joint angles [rad]: rounded down, held at their ends, left-justified."""
-    steps, shift = 1 << spec.adc_bits, 16 - spec.adc_bits
-    a, b, c = (
-        min(max(math.floor((angle - centre) / spec.adc_span * steps) + steps // 2, 0), steps - 1) << shift
-        for angle, centre in zip(q, spec.adc_centres, strict=True)
-    )
-    return a, b, c
-
-
 def torque_words(spec: Spec, torque: Vector) -> tuple[int, int, int]:
-    """Return the words of a Command for a block's torques [N m], held at full scale; no number, no torque."""
+    """Return the words of a CMD for a block's torques [N m], clamped to full scale; 0 where one is not a number."""
     a, b, c = spec.torque_limits
     return _word(torque[0] / a), _word(torque[1] / b), _word(torque[2] / c)
 
@@ -151,6 +147,6 @@ def _word(share: float) -> int:
 
 
 def word_torques(spec: Spec, words: tuple[int, ...]) -> Vector:
-    """Return the torques [N m] that the words of a Command ask of a block."""
+    """Return the torques [N m] that the words of a CMD command of a block."""
     a, b, c = spec.torque_limits
     return words[0] / FULL_SCALE * a, words[1] / FULL_SCALE * b, words[2] / FULL_SCALE * c

@@ -1,4 +1,4 @@
-"""How many STATEs came and how many did not, by their sequence numbers."""
+"""How many STATEs arrived and how many were lost, by their sequence numbers."""
 
 from __future__ import annotations
 
@@ -7,13 +7,21 @@ from collections import deque
 from dataclasses import dataclass, field
 
 LOSS_TIME = 1.0  # [s] over which the share is taken
-LOSS_FEWEST = 100  # frames, before a share says anything
+LOSS_FEWEST = 100  # frames, before a share means anything
 LOSS_WARNS, LOSS_DISARMS = 0.05, 0.30  # shares
 
 
 @dataclass(slots=True)
 class Losses:
-    """Count STATEs: taken, missing in the sequence, stale (older than the newest, or seen before)."""
+    """Counts of STATEs.
+
+    taken: arrived and used.
+    missing: missing in the sequence.
+    stale: older than the newest, or seen before.
+    began: when the session did [s].
+    recent: of the last second, when each came [s] and how many were missing before it.
+    recent_missing: how many of the last second were missing.
+    """
 
     taken: int = 0
     missing: int = 0
@@ -23,7 +31,7 @@ class Losses:
     recent_missing: int = 0
 
     def restart(self, now: float) -> None:
-        """Begin a session; the counts go on."""
+        """Begin a session; the counts continue."""
         self.began, self.recent_missing = now, 0
         self.recent.clear()
 

@@ -1,7 +1,7 @@
-"""Two letters that two processes share in a file: what Blender says to the servo, and what the servo says back.
+"""Two messages that two processes share in a file: the order of Blender to the servo, and the servo's report.
 
-Each letter is written under a sequence number that is odd meanwhile (a seqlock), and carries its own CRC-32: a
-reader that comes in between takes the one before, whatever the order in which a processor shows its stores.
+Each message is written under a sequence number that is odd meanwhile (a seqlock), and carries its own CRC-32: a
+reader that comes in between keeps the message before, in whatever order a processor shows its stores.
 """
 
 from __future__ import annotations
@@ -16,18 +16,20 @@ from typing import Final
 
 from ..errors import DimpleError
 
-_HEAD: Final = struct.Struct("<II")  # sequence number, CRC-32 of the letter
-_LETTER: Final = 4096  # bytes for each letter and its head
+_HEAD: Final = struct.Struct("<II")  # sequence number, CRC-32 of the message
+_SLOT: Final = 4096  # bytes for each message and its head
 TRIES = 4
 TO_SERVO, FROM_SERVO = 0, 1
-MEMORY: Final = "/dev/shm"  # files in memory, on Linux: a page written to a disk keeps the writer waiting for ms
+MEMORY: Final = "/dev/shm"  # files in memory, on Linux: writing a page to a disk takes milliseconds
 
 
 class Mailbox:
-    """Map a mailbox file.
+    """A mailbox file, mapped into memory.
 
-    path: of the file; None makes one. Who is given it removes it where the system lets him: it stays mapped, and
-    nothing is left behind whoever is killed. Else `close` does where it was made.
+    Args:
+        path: of the file; None makes one. The process that is given a path removes the file where the system allows
+            it: it stays mapped, and no file is left whichever process is killed. Else `close` removes it where it was
+            made.
 
     Raises:
         DimpleError: it cannot be made or opened.
@@ -41,34 +43,36 @@ class Mailbox:
             where = path or _folder()
             raise DimpleError(f"The mailbox of the device's servo cannot be used: {where} ({error}).") from None
 
-    def post(self, which: int, letter: bytes) -> None:
-        """Publish a letter in place of the last one."""
-        if len(letter) > _LETTER - _HEAD.size:
-            raise ValueError(f"A letter of {len(letter)} bytes is too long.")
-        at = which * _LETTER
+    def post(self, which: int, message: bytes) -> None:
+        """Publish a message in place of the last one."""
+        if len(message) > _SLOT - _HEAD.size:
+            raise ValueError(f"A message of {len(message)} bytes is too long.")
+        at = which * _SLOT
         number = _HEAD.unpack_from(self._map, at)[0] | 1
         _HEAD.pack_into(self._map, at, number, 0)
-        self._map[at + _HEAD.size : at + _HEAD.size + len(letter)] = letter
-        _HEAD.pack_into(self._map, at, (number + 1) & 0xFFFFFFFF, zlib.crc32(letter))
+        self._map[at + _HEAD.size : at + _HEAD.size + len(message)] = message
+        _HEAD.pack_into(self._map, at, (number + 1) & 0xFFFFFFFF, zlib.crc32(message))
 
     def read(self, which: int, size: int, seen: int = 0) -> tuple[int, bytes | None]:
-        """Return the number of the newest letter, and the letter: None where it was seen, or is being written.
+        """Return the number of the newest message, and the message: None where it was seen, or is being written.
 
         Args:
-            size: of the letter [bytes].  seen: number of the one that was read last, 0 for none.
+            which: TO_SERVO or FROM_SERVO.
+            size: of the message [bytes].
+            seen: number of the one that was read last, 0 for none.
         """
-        at = which * _LETTER
+        at = which * _SLOT
         for _ in range(TRIES):
             number, check = _HEAD.unpack_from(self._map, at)
             if number == seen or number & 1 or number == 0:
                 return seen, None
-            letter = self._map[at + _HEAD.size : at + _HEAD.size + size]
-            if zlib.crc32(letter) == check and _HEAD.unpack_from(self._map, at)[0] == number:
-                return number, letter
+            message = self._map[at + _HEAD.size : at + _HEAD.size + size]
+            if zlib.crc32(message) == check and _HEAD.unpack_from(self._map, at)[0] == number:
+                return number, message
         return seen, None
 
     def close(self) -> None:
-        """Let go of the file; remove it if it was made here and is still there."""
+        """Unmap the file; remove it if it was made here and still exists."""
         self._map.close()
         if self._own:
             self.path.unlink(missing_ok=True)
@@ -82,8 +86,8 @@ def _map(path: Path | None) -> tuple[Path, mmap.mmap]:
         handle, name = os.open(path, os.O_RDWR), str(path)
     try:
         if path is None:
-            os.write(handle, bytes(2 * _LETTER))  # a full disk is known now, and not when a letter is posted
-        mapped = mmap.mmap(handle, 2 * _LETTER)
+            os.write(handle, bytes(2 * _SLOT))  # a full disk is reported now, and not when a message is posted
+        mapped = mmap.mmap(handle, 2 * _SLOT)
         if path is not None and os.name == "posix":
             path.unlink(missing_ok=True)
         return Path(name), mapped

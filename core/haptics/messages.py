@@ -1,4 +1,4 @@
-"""What Blender and the servo tell each other, as bytes of a mailbox."""
+"""The messages in the mailbox: the order of Blender to the servo, and the servo's report, as bytes."""
 
 from __future__ import annotations
 
@@ -9,32 +9,34 @@ from enum import Enum
 from .contact_model import MOST_AHEAD, Contact
 from .safety import LEASE, Arming
 from .vectors import ZERO, Vector
+from .wire import FINGERS
 
-TIPS = 3
+TIPS = FINGERS
 _ORDER = struct.Struct("<IId")  # arm, disarm, held until
 _CONTACT = struct.Struct("<B14d")
-_REPORT = struct.Struct("<dBBB6I6dBB")
+_REPORT = struct.Struct("<BBB5I5d")
 _TIP = struct.Struct("<BB7d")
-_TEXT = 400  # bytes of the message
+_NOTE = 400  # bytes of the note
 ORDER_SIZE = _ORDER.size + TIPS * _CONTACT.size
-REPORT_SIZE = _REPORT.size + TIPS * _TIP.size + _TEXT
+REPORT_SIZE = _REPORT.size + TIPS * _TIP.size + _NOTE
 
 
-class Link(Enum):
-    """Name how the connection is."""
+class LinkState(Enum):
+    """The state of the connection to the device."""
 
     OPENING = 0
     READY = 1
-    LOST = 2  # the line: connect again; or the device fell silent, and is READY when it answers again, not armed
+    LOST = 2  # the line is gone: connect again; or the device fell silent: READY when it answers again, not armed
     REFUSED = 3  # of another protocol, another baud rate, in use...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Order:
-    """Hold what Blender wants of the servo.
+    """What Blender wants of the servo.
 
-    arm, disarm: counters; one more is one request more.  held_until: the dead-man key is held so long on the clock of
-    both [s]; it must be said anew within LEASE.  contacts: up to three.
+    arm, disarm: counters; one more is one more request.
+    held_until: until when the dead-man key counts as held, on the clock of both [s]; to be renewed within LEASE.
+    contacts: up to three.
     """
 
     arm: int = 0
@@ -43,18 +45,24 @@ class Order:
     contacts: tuple[Contact | None, ...] = ()
 
     def is_held(self, now: float) -> bool:
-        """Tell whether the dead-man key is held; a time too far ahead is none of this clock."""
+        """Tell whether the dead-man key is held; a time too far ahead is not of this clock, so it does not count."""
         return 0 < self.held_until - now <= LEASE + MOST_AHEAD
 
     def is_fresh(self, now: float, oldest: float) -> bool:
-        """Tell whether the simulation posted all contacts within so long [s]; a stamp that is no number is no time."""
+        """Tell whether no contact is older than so long [s]; a stamp that is not a number is not fresh."""
         return all(c is None or -MOST_AHEAD <= now - c.stamp <= oldest for c in self.contacts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tip:
-    """Hold a fingertip of the device: position [m], force sent to it [N], lowest observed energy [J]; its sensor is
-    believed no more (masked); its force had to be cut (full)."""
+class TipState:
+    """A fingertip of the device, as the servo reports it.
+
+    position: [m].
+    force: sent to it [N].
+    least_energy: lowest observed energy [J].
+    masked: its sensor is not trusted.
+    full: its force had to be limited.
+    """
 
     position: Vector = ZERO
     force: Vector = ZERO
@@ -64,36 +72,38 @@ class Tip:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Report:
-    """Hold what the servo says of the device.
+class ServoReport:
+    """The state of device and link, as the servo reports it.
 
-    time: of the newest STATE [s].  states: taken.  lost: missing in their sequence.  unsent: answers that the line did
-    not take.  wrong: refused by their check.  stale: older than the newest.  late: answered after the next had begun.
-    rate: [1/s].  delay_p50, delay_p99: from the STATE to its answer's arrival [s]; wire: what of it the bytes took on
-    the line.
-    cap: largest stiffness to render [N/m].  peak: force of a fingertip [N].
-    buttons, status: bits of the device.  message: "" or a sentence for the person.
+    link: state of the connection.
+    arming: how far the arming is.
+    tips: the fingertips.
+    states: STATEs taken.
+    lost: missing in their sequence.
+    unsent: answers that the line did not take.
+    wrong: frames refused by their CRC or form.
+    stale: older than the newest.
+    rate: STATEs a second [1/s].
+    delay_p50, delay_p99: from a STATE to the arrival of its answer [s].
+    cap: largest stiffness to render [N/m].
+    peak: largest force of a fingertip [N].
+    note: "" or a sentence for the artist.
     """
 
-    time: float = 0.0
-    link: Link = Link.OPENING
+    link: LinkState = LinkState.OPENING
     arming: Arming = Arming.OFF
-    tips: tuple[Tip, ...] = ()
+    tips: tuple[TipState, ...] = ()
     states: int = 0
     lost: int = 0
     unsent: int = 0
     wrong: int = 0
     stale: int = 0
-    late: int = 0
     rate: float = 0.0
     delay_p50: float = 0.0
     delay_p99: float = 0.0
-    wire: float = 0.0
     cap: float = 0.0
     peak: float = 0.0
-    buttons: int = 0
-    status: int = 0
-    message: str = ""
+    note: str = ""
 
 
 def pack_order(order: Order) -> bytes:
@@ -106,12 +116,12 @@ def pack_order(order: Order) -> bytes:
     return b"".join(parts)
 
 
-def unpack_order(letter: bytes) -> Order:
-    """Return the order in a letter."""
-    arm, disarm, held_until = _ORDER.unpack_from(letter)
+def unpack_order(message: bytes) -> Order:
+    """Return the order in a message."""
+    arm, disarm, held_until = _ORDER.unpack_from(message)
     contacts: list[Contact | None] = []
     for i in range(TIPS):
-        given, *v = _CONTACT.unpack_from(letter, _ORDER.size + i * _CONTACT.size)
+        given, *v = _CONTACT.unpack_from(message, _ORDER.size + i * _CONTACT.size)
         contacts.append(
             Contact(
                 force=(v[0], v[1], v[2]), at=(v[3], v[4], v[5]), normal=(v[6], v[7], v[8]),
@@ -121,37 +131,36 @@ def unpack_order(letter: bytes) -> Order:
     return Order(arm=arm, disarm=disarm, held_until=held_until, contacts=tuple(contacts))
 
 
-def pack_report(report: Report) -> bytes:
+def pack_report(report: ServoReport) -> bytes:
     """Return a report as bytes."""
     r = report
     parts = [
         _REPORT.pack(
-            r.time, r.link.value, r.arming.value, len(r.tips), r.states, r.lost, r.unsent, r.wrong, r.stale,
-            r.late, r.rate, r.delay_p50, r.delay_p99, r.wire, r.cap, r.peak, r.buttons, r.status,
+            r.link.value, r.arming.value, len(r.tips), r.states, r.lost, r.unsent, r.wrong, r.stale,
+            r.rate, r.delay_p50, r.delay_p99, r.cap, r.peak,
         )
     ]  # fmt: skip
     for i in range(TIPS):
-        tip = r.tips[i] if i < len(r.tips) else Tip()
+        tip = r.tips[i] if i < len(r.tips) else TipState()
         parts.append(_TIP.pack(tip.masked, tip.full, *tip.position, *tip.force, tip.least_energy))
-    parts.append(r.message.encode()[:_TEXT].ljust(_TEXT, b"\0"))
+    parts.append(r.note.encode()[:_NOTE].ljust(_NOTE, b"\0"))
     return b"".join(parts)
 
 
-def unpack_report(letter: bytes) -> Report:
-    """Return the report in a letter."""
-    (time, link, arming, count, states, lost, unsent, wrong, stale, late, rate, p50, p99, wire, cap, peak, buttons,
-     status) = _REPORT.unpack_from(letter)  # fmt: skip
+def unpack_report(message: bytes) -> ServoReport:
+    """Return the report in a message."""
+    link, arming, count, states, lost, unsent, wrong, stale, rate, p50, p99, cap, peak = _REPORT.unpack_from(message)
     tips = []
     for i in range(count):
-        masked, full, *v = _TIP.unpack_from(letter, _REPORT.size + i * _TIP.size)
+        masked, full, *v = _TIP.unpack_from(message, _REPORT.size + i * _TIP.size)
         tips.append(
-            Tip(
+            TipState(
                 position=(v[0], v[1], v[2]), force=(v[3], v[4], v[5]), least_energy=v[6],
                 masked=bool(masked), full=bool(full),
             )
         )  # fmt: skip
-    return Report(
-        time=time, link=Link(link), arming=Arming(arming), tips=tuple(tips), states=states, lost=lost, unsent=unsent,
-        wrong=wrong, stale=stale, late=late, rate=rate, delay_p50=p50, delay_p99=p99, wire=wire, cap=cap, peak=peak,
-        buttons=buttons, status=status, message=letter[-_TEXT:].rstrip(b"\0").decode(errors="ignore"),
+    return ServoReport(
+        link=LinkState(link), arming=Arming(arming), tips=tuple(tips), states=states, lost=lost, unsent=unsent,
+        wrong=wrong, stale=stale, rate=rate, delay_p50=p50, delay_p99=p99, cap=cap, peak=peak,
+        note=message[-_NOTE:].rstrip(b"\0").decode(errors="ignore"),
     )  # fmt: skip

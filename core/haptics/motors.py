@@ -1,4 +1,4 @@
-"""The last limits before a motor: length of the force, its change, and the heat of ten seconds."""
+"""The last limits before a motor: magnitude of the force, its slew rate, and the heat of ten seconds."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ AHEAD: Final = 10  # bins, 1 s
 
 
 class Motors:
-    """Limit the force of one fingertip.
+    """The force limiter of one fingertip.
 
-    The sum of F^2 dt over any window (10 s) stays within the continuous force's. It is kept in bins; what may act
-    during a bin is what could act for a whole second without breaking this, seeing what leaves the window meanwhile:
-    so a peak folds back smoothly, and the continuous force never does.
+    The integral of F^2 over any window (10 s) stays within that of the continuous force. It is kept in bins. The force
+    allowed during a bin is the one that could act for a whole second without exceeding the integral, given what leaves
+    the window meanwhile: so a peak folds back smoothly, and the continuous force never does.
 
-    sent: the force that acts [N].  limited: less than was wanted.
+    sent: the force that acts [N].
+    limited: it is less than was wanted.
     """
 
     def __init__(self, spec: Spec) -> None:
@@ -32,7 +33,7 @@ class Motors:
         self._most = self._afford()  # [N] during this bin
 
     def limit(self, wanted: Vector) -> Vector:
-        """Return the force [N] that may act for this tick; no number, no force."""
+        """Return the force [N] that may act during this tick; none where it is not a number."""
         wanted = wanted if is_finite(wanted) else ZERO
         self.limited = length(wanted) > self._most
         change = capped(along(wanted, self.sent, -1.0), self.spec.slew * self.spec.tick)

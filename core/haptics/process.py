@@ -1,4 +1,4 @@
-"""Processes whose life hangs on ours: servo and emulator, run by Blender's own Python."""
+"""Processes that end with ours: servo and emulator, run by Blender's own Python."""
 
 from __future__ import annotations
 
@@ -9,17 +9,22 @@ import sys
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import IO
+from typing import IO, Final
 
 from ..errors import DimpleError
 
-START = Path(__file__).with_name("start.py")
-END_WAIT = 1.0  # [s] for a process to end by itself
-PROBE = "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])"
+START: Final = Path(__file__).with_name("start.py")
+END_WAIT: Final = 1.0  # [s] for a process to end by itself
+PROBE: Final = "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])"
 
 
-def start(words: Sequence[str], errors: IO[bytes] | None) -> subprocess.Popen[bytes]:
-    """Start a process of `command.main` whose life hangs on its standard input.
+def start(words: Sequence[str], errors: IO[bytes] | None, *, script: Path = START) -> subprocess.Popen[bytes]:
+    """Start a process that ends when its standard input closes.
+
+    Args:
+        words: of its command line, see command.py.
+        errors: file for what it writes to standard error, None for none.
+        script: what Python runs; its first argument is the folder of pyserial.
 
     Raises:
         DimpleError: there is no Python or no pyserial to start it with, or the system refuses.
@@ -31,7 +36,7 @@ def start(words: Sequence[str], errors: IO[bytes] | None) -> subprocess.Popen[by
     clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     try:
         return subprocess.Popen(
-            [python(), "-I", "-S", str(START), folder, *words],
+            [python(), "-I", "-S", str(script), folder, *words],
             stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=errors or subprocess.DEVNULL, env=clean,
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "HIGH_PRIORITY_CLASS", 0),
         )  # fmt: skip
@@ -40,7 +45,7 @@ def start(words: Sequence[str], errors: IO[bytes] | None) -> subprocess.Popen[by
 
 
 def end(process: subprocess.Popen[bytes]) -> None:
-    """Close the lifeline of a process and see it end; one that does not is killed."""
+    """Close the standard input of a process and wait for it to end; kill one that does not."""
     if process.stdin:
         process.stdin.close()
     try:
@@ -59,16 +64,16 @@ def python() -> str:
     """
     for path in _candidates():
         try:
-            said = subprocess.run([path, "-I", "-S", "-c", PROBE], capture_output=True, timeout=10, check=False).stdout
+            done = subprocess.run([path, "-I", "-S", "-c", PROBE], capture_output=True, timeout=10, check=False)
         except (OSError, subprocess.TimeoutExpired):
             continue
-        if said.startswith(b"python 3"):
+        if done.stdout.startswith(b"python 3"):
             return path
     raise DimpleError("Blender's Python was not found, so no device can be run. Install Blender from blender.org.")
 
 
 def _candidates() -> Iterator[str]:
-    """Yield where a Python may be: sys.executable is None, or Blender itself, where Blender was built so."""
+    """Yield where a Python may be: in some builds of Blender sys.executable is None, or Blender itself."""
     name = f"python{sys.version_info[0]}.{sys.version_info[1]}"
     for path in (sys.executable, getattr(sys, "_base_executable", None)):
         if path and "python" in Path(path).name.lower():

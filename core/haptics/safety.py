@@ -1,6 +1,6 @@
 """What stands between a computed force and a person's hand. Nothing here may be weakened.
 
-Small states on a clock that is handed in; a fingertip's force passes `Guard.output`, which knows no way round it.
+Small state machines on an injected clock; every force of a fingertip passes `Guard.output`, and there is no other way.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ from enum import Enum
 
 from .vectors import ZERO, Vector, along, capped, dot, is_finite, length, scaled
 
-HARD_CEILING = 20.0  # [N] whatever a device says of itself
-QUIET_FORCE, QUIET_TIME = 0.2, 0.050  # [N], [s] arming waits for so little force for so long: nothing may kick
-ASK_TIME = 1.2  # [s] the device itself looks for the quiet for 1 s, then says no
+HARD_CEILING = 20.0  # [N] whatever limits a device reports
+QUIET_FORCE, QUIET_TIME = 0.2, 0.050  # [N], [s] arming waits for less force than this for so long: nothing may kick
+ASK_TIME = 1.2  # [s] the device itself waits for the quiet for 1 s, then refuses
 RAMP_TIME = 0.5  # [s] from nothing to the whole force
 RAMP_DAMPING = 3.0  # [N s/m] while it ramps
 SLEW = 1000.0  # [N/s] 1 N a millisecond
 TOP_SPEED = 1.5  # [m/s] no hand exploring an object is faster; a motor running away is
-RMS_TIME = 10.0  # [s] the motors' heat
+RMS_TIME = 10.0  # [s] window of the root mean square force: the heat of the motors
 STATE_GAP, STATE_LOST = 0.005, 0.100  # [s] without a STATE: no force; the device counts as lost
-BAD_NUMBERS, BAD_TIME = 3, 0.100  # so many NaN or inf within [s] disarm
-# [s] the dead-man key counts as held after it was last seen down: force fades in 0.2 s of a standstill anyway, and who
-# holds on through one of that length, renewing every 0.05 s, need not arm again
+BAD_NUMBERS, BAD_TIME = 3, 0.100  # so many NaN or inf within so long [s] disarm
+# [s] for how long the dead-man key counts as held after it was last seen down: force fades within 0.2 s of a standstill
+# anyway, and a key held through one of that length, renewed every 0.05 s, need not be armed again
 LEASE = 0.3
 SPEED_TIME = 0.005  # [s] time constant of the speed: one converter bit a tick is already 0.1 m/s
 PASSIVITY_DAMPING = 12.0  # [N s/m] the most the passivity controller adds: a tenth of tip mass over tick
@@ -33,18 +33,18 @@ STORE_TIME = 0.050  # [s] without force: the spring is relaxed, nothing is store
 
 
 class Arming(Enum):
-    """Name how far the arming is."""
+    """How far the arming is."""
 
     OFF = 0
-    WAITING = 1  # until the hand would feel no force
-    ASKED = 2  # the device to arm
+    WAITING = 1  # until no force would act on the hand
+    ASKED = 2  # the device has been asked to arm
     RAMP = 3
     ON = 4
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Hold the limits of one fingertip: peak and continuous (10 s rms) force [N]."""
+    """The limits of one fingertip: peak and continuous (10 s rms) force [N]."""
 
     peak: float
     continuous: float
@@ -52,9 +52,11 @@ class Limits:
 
 @dataclass(slots=True)
 class Switch:
-    """Arm and disarm. A disarm needs a new request to arm, whatever the reason.
+    """The arming of the device. After a disarm, whatever its reason, only a new request arms.
 
-    reason: why it is off, for the person.  since: when the state began, or the quiet in it [s].
+    arming: how far it is.
+    reason: why it is off, for the artist.
+    since: when this state, or the quiet in it, began [s].
     """
 
     arming: Arming = Arming.OFF
@@ -62,7 +64,7 @@ class Switch:
     since: float = math.inf
 
     def arm(self) -> None:
-        """Ask for force."""
+        """Request force."""
         if self.arming is Arming.OFF:
             self._go(Arming.WAITING)
             self.reason = ""
@@ -77,7 +79,9 @@ class Switch:
         """Return the share of the force that may act.
 
         Args:
-            wanted: the largest force of a fingertip there would be [N].  held: the dead-man switch is.
+            wanted: the largest force that would act on a fingertip [N].
+            now: [s].
+            held: the dead-man switch is held.
             device_on: the device itself is armed.
         """
         if not held and self.arming is not Arming.OFF:
@@ -91,7 +95,7 @@ class Switch:
                 self._go(Arming.RAMP, now)
             case Arming.ASKED if now - self.since > ASK_TIME:
                 self.disarm("The device refused to arm: a fingertip was pressed, or its motors are off.")
-            case Arming.RAMP | Arming.ON if not device_on:  # it brakes, and will begin from nothing
+            case Arming.RAMP | Arming.ON if not device_on:  # it brakes, and its ramp begins anew
                 self._go(Arming.RAMP, now)
         if self.arming is Arming.RAMP and now - self.since >= RAMP_TIME:
             self._go(Arming.ON, now)
@@ -105,16 +109,16 @@ class Switch:
 
 @dataclass(slots=True)
 class BadNumbers:
-    """Count the NaN and inf that would have been forces."""
+    """A count of the NaN and inf that would have been forces."""
 
     times: deque[float] = field(default_factory=lambda: deque(maxlen=BAD_NUMBERS))
 
     def count(self, now: float) -> None:
-        """Count one."""
+        """Count one more."""
         self.times.append(now)
 
     def too_many(self) -> bool:
-        """Tell, once, whether they were too many."""
+        """Tell, once, whether there were too many."""
         many = len(self.times) == BAD_NUMBERS and self.times[-1] - self.times[0] <= BAD_TIME
         if many:
             self.times.clear()
@@ -123,7 +127,7 @@ class BadNumbers:
 
 @dataclass(slots=True)
 class Motion:
-    """Follow the speed [m/s] of a fingertip through the steps of its converter."""
+    """The velocity of a fingertip [m/s], filtered because of the steps of its converter."""
 
     at: Vector | None = None
     since: float = 0.0
@@ -138,17 +142,24 @@ class Motion:
             self.speed = along(self.speed, along(speed, self.speed, -1.0), dt / (SPEED_TIME + dt))
 
     def stop(self) -> None:
-        """Forget: the next position follows on nothing."""
+        """Forget the last position: the next one is not compared with it."""
         self.at, self.speed = None, ZERO
 
 
 @dataclass(slots=True)
 class Passivity:
-    """Observe the energy a fingertip's force took from the hand, and damp where it gave more than it took.
+    """The energy that a fingertip's force took from the hand; damps where it gave back more than it took.
 
-    stored: [J] taken less given, of this touch.  least: [J] the lowest it ever was.  begin: of the way under way [m],
-    with the sum of the forces along it and their number. A way is counted when it is longer than the noise of the
-    converters: force follows their noise, and tick by tick that would look like energy (K sigma^2 each).
+    A piece of the path is counted when it is longer than the noise of the converters: the force follows their noise,
+    and tick by tick that would look like energy (K sigma^2 each).
+
+    stored: energy taken less energy given, of this touch [J].
+    least: the lowest it ever was [J].
+    idle_since: since when no force acts [s].
+    begin: where the piece under way began [m].
+    total: the sum of the forces along it [N].
+    count: their number.
+
     Source: Hannaford and Ryu, time-domain passivity control.
     """
 
@@ -175,11 +186,11 @@ class Passivity:
             self.stored = min(self.stored, 0.0)  # what was dissipated pays for nothing later
 
     def skip(self) -> None:
-        """Forget the way under way: a sensor failed."""
+        """Drop the piece under way: a sensor failed."""
         self.begin, self.total, self.count = None, ZERO, 0
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
-        """Return the force [N] that pays back what was given too much."""
+        """Return the force [N], damped so that what was given too much is taken back."""
         squared = dot(speed, speed)
         if self.stored >= 0 or force == ZERO or squared < PASSIVITY_SPEED**2 or dt <= 0:
             return force
@@ -188,9 +199,14 @@ class Passivity:
 
 @dataclass(slots=True)
 class Guard:
-    """Hold one fingertip's limits and what they need to remember.
+    """The limits of one fingertip, with the state they need.
 
-    sent: the force that acts now [N].  square: 10 s mean of its square [N2].  full: it had to be cut.
+    limits: peak and continuous force.
+    motion: its velocity.
+    passivity: its energy.
+    sent: the force that acts now [N].
+    square: 10 s mean of its square [N2].
+    full: it had to be limited.
     """
 
     limits: Limits
@@ -208,12 +224,12 @@ class Guard:
         self.square += (dot(self.sent, self.sent) - self.square) * min(max(dt, 0.0) / RMS_TIME, 1.0)
 
     def skip(self) -> None:
-        """Miss a position: the next one follows on nothing."""
+        """Miss a position: the next one is not compared with the last."""
         self.motion.stop()
         self.passivity.skip()
 
     def output(self, wanted: Vector, gain: float, dt: float) -> Vector:
-        """Return the force [N] that may act for a force that is wanted; no number, no force."""
+        """Return the force [N] that may act where another is wanted; where that is not a number, none."""
         if gain <= 0 or not is_finite(wanted):
             return self.zero()
         speed = self.motion.speed

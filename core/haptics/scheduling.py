@@ -1,17 +1,18 @@
-"""Ask the system to run a process before others: 1 kHz beside a busy Blender."""
+"""Ask the system for priority: 1 kHz beside a busy Blender."""
 
 from __future__ import annotations
 
 import os
+from typing import Final
 
-PRIORITY = 10  # of the first-come-first-served class: above every ordinary process, below the system's own
-NICENESS = -20  # the least there is
+PRIORITY: Final = 10  # of the first-in-first-out class: above every ordinary process, below the system's own
+NICENESS: Final = -20  # the strongest there is
 
 
-def ask() -> str:
-    """Ask for it; return what was granted: "real time", "nice" or "".
+def request_priority() -> str:
+    """Ask for priority; return what was granted: "real time", "nice" or "".
 
-    Windows is asked when the process is started (process.start); other systems may say no to an ordinary account.
+    On Windows the parent asks when it starts the process (process.start); elsewhere an ordinary account may be refused.
     """
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))

@@ -1,4 +1,4 @@
-"""What a device believes of its own angle sensors. A finger whose sensor lies has no force."""
+"""Which of its own angle sensors a device trusts. A finger whose sensor is wrong has no force."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Final
 from .spec import Spec
 from .wire import CHANNELS, FINGERS
 
-RAIL: Final = 0x0100  # of 16 bits, at either end: a wire is off
+RAIL: Final = 0x0100  # of 16 bits, at either end: a wire is disconnected
 JUMP: Final = 20.0  # [rad/s] 6 m/s at the tip, four times the speed limit
-FROZEN_TICKS: Final = 50  # a reading has noise; so many alike in a row have none
-FAILED_TICKS: Final = 5  # so many readings in a row that cannot be, and the sensor has failed
+FROZEN_TICKS: Final = 50  # readings have noise; so many alike in a row have none
+FAILED_TICKS: Final = 5  # after so many impossible readings in a row the sensor has failed
 
 
 class Sensors:
-    """Judge the readings of three fingers, 16 bits before they are cut to the converter's own.
+    """The check of the readings of three fingers, 16 bits before they are cut to the converter's own.
 
-    bad: per finger, readings in a row that cannot be.
+    bad: of each finger, impossible readings in a row.
     """
 
     def __init__(self, spec: Spec) -> None:
@@ -27,7 +27,7 @@ class Sensors:
         self.forget()
 
     def forget(self) -> None:
-        """Believe the next reading: the fault was cleared."""
+        """Trust the next reading: the fault was cleared."""
         self._good: list[int | None] = [None] * CHANNELS
         self._last, self._same = [-1] * CHANNELS, [0] * CHANNELS
         self.bad = [0] * FINGERS

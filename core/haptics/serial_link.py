@@ -1,4 +1,4 @@
-"""The serial line to a device: bytes in and out, never waiting, and one word for every way to lose it."""
+"""The serial line to a device: bytes in and out, never waiting, and one exception for every way to lose it."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ POLL: Final = 5e-4  # [s] between looks where the system cannot wait for a port 
 IN_USE: Final = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY}
 
 
-class LinkLost(DimpleError):
-    """Say that the line is gone: open it again, arm again."""
+class LineLost(DimpleError):
+    """The line is gone: open it again, arm again."""
 
 
-class Link:
-    """Hold an open line."""
+class SerialLine:
+    """An open serial line."""
 
     def __init__(self, port: Any, name: str) -> None:
         self.name = name
@@ -31,7 +31,7 @@ class Link:
         """Return all there is, b"" where there is nothing.
 
         Raises:
-            LinkLost: the line is gone.
+            LineLost: the line is gone.
         """
         try:
             data = b"" if WINDOWS else take(self._port.fileno())
@@ -41,13 +41,13 @@ class Link:
             raise self._gone(error) from None
 
     def write(self, data: bytes) -> bool:
-        """Send bytes; return False where the line did not take them all, which it never makes up for.
+        """Send bytes; return False where the line did not take them all; the rest is not sent later.
 
         Raises:
-            LinkLost: the line is gone.
+            LineLost: the line is gone.
         """
         try:
-            # pyserial tries a full queue again for ever, and to ask for room first can take ms (arrivals)
+            # pyserial retries a full queue for ever, and asking for room first can take milliseconds (poller.py)
             sent = self._port.write(data) if WINDOWS else os.write(self._port.fileno(), data)
         except BlockingIOError:
             sent = 0
@@ -56,10 +56,10 @@ class Link:
         return bool(sent == len(data))
 
     def wait(self, seconds: float) -> bool:
-        """Wait for bytes, so long at most; tell whether there are some (or the line is gone: read says so).
+        """Wait for bytes, for so long [s] at most; tell whether there are some, or the line is gone and `read` raises.
 
         Raises:
-            LinkLost: the line is gone.
+            LineLost: the line is gone.
         """
         try:
             if not WINDOWS:
@@ -83,8 +83,8 @@ class Link:
         except self._lost:
             pass
 
-    def _gone(self, error: BaseException) -> LinkLost:
-        return LinkLost(f"The connection to {self.name} is lost ({error}). Plug it in, connect, then arm again.")
+    def _gone(self, error: BaseException) -> LineLost:
+        return LineLost(f"The connection to {self.name} is lost ({error}). Plug it in, connect, then arm again.")
 
 
 def lost_errors() -> tuple[type[Exception], ...]:
@@ -102,11 +102,12 @@ def lost_errors() -> tuple[type[Exception], ...]:
     return errors
 
 
-def open_link(path: str, baud: int) -> Link:
-    """Open a port, for this process alone.
+def open_line(path: str, baud: int) -> SerialLine:
+    """Open a port exclusively.
 
     Args:
-        path: /dev/ttyUSB0, COM3, or a pseudo-terminal.  baud: bits a second.
+        path: /dev/ttyUSB0, COM3, or a pseudo-terminal.
+        baud: bits a second.
 
     Raises:
         DimpleError: it is in use, not there, not allowed, or cannot do this baud rate.
@@ -121,13 +122,13 @@ def open_link(path: str, baud: int) -> Link:
     try:
         port.set_low_latency_mode(True)  # of a USB adapter: 1 ms instead of 16
     except errors:
-        pass  # a pseudo-terminal has none, other systems have other ways
-    return Link(port, path)
+        pass  # a pseudo-terminal has no such mode, other systems set it otherwise
+    return SerialLine(port, path)
 
 
 def _refusal(path: str, baud: int, error: Exception) -> str:
     number, text = getattr(error, "errno", None), str(error)
-    if number in IN_USE or "PermissionError(13" in text:  # the latter is how Windows says it
+    if number in IN_USE or "PermissionError(13" in text:  # the latter is on Windows
         return f"{path} is in use by another program, or another Blender. Close that one, then connect again."
     if number == errno.ENOENT or "FileNotFoundError(2" in text:
         return f"There is no port {path}. Is the device plugged in? Choose the port again."
@@ -139,7 +140,7 @@ def _refusal(path: str, baud: int, error: Exception) -> str:
 
 
 def ports() -> list[tuple[str, str]]:
-    """Return the ports of this machine and what they call themselves; pseudo-terminals are never among them."""
+    """Return the ports of this computer and their descriptions; pseudo-terminals are never among them."""
     from serial.tools import list_ports
 
     return sorted((port.device, port.description) for port in list_ports.comports())

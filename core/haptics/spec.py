@@ -1,4 +1,4 @@
-"""What a haptic device is: the numbers of its TOML file, and whether the device on the line is that one."""
+"""The numbers of a haptic device, from its TOML file, and whether the device on the line is that one."""
 
 from __future__ import annotations
 
@@ -12,19 +12,31 @@ from typing import Any, Final
 
 from ..errors import DimpleError
 from . import wire
+from .safety import (
+    HARD_CEILING,
+    QUIET_FORCE,
+    QUIET_TIME,
+    RAMP_TIME,
+    RMS_TIME,
+    SLEW,
+    STATE_GAP,
+    STATE_LOST,
+    TOP_SPEED,
+)
 from .vectors import Vector
 
 HAPTIC_MASTER: Final = Path(__file__).with_name("haptic_master.toml")
 BITS_A_BYTE: Final = 10  # on a serial line: start, eight, stop
 HAS_FORCE: Final = 1  # Info.capabilities
+ZERO_TIME: Final = 0.025  # [s] by which a force is zero without commands, at the latest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spec:
-    """Hold the numbers of a device, SI; haptic_master.toml says what each is.
+    """The numbers of a device in SI units; haptic_master.toml explains each.
 
     Raises:
-        DimpleError: the baud rate cannot carry a State each tick.
+        DimpleError: the baud rate cannot carry a STATE each tick.
     """
 
     name: str
@@ -62,10 +74,10 @@ class Spec:
     brake: float
 
     def __post_init__(self) -> None:
-        most = self.baud // (BITS_A_BYTE * wire.size(wire.State))
-        if self.tick_hz > most:
+        highest = self.baud // (BITS_A_BYTE * wire.size(wire.DeviceState))
+        if self.tick_hz > highest:
             raise DimpleError(
-                f"{self.baud} baud cannot carry the {self.tick_hz} positions a second of the {self.name}, {most} at "
+                f"{self.baud} baud cannot carry the {self.tick_hz} positions a second of the {self.name}, {highest} at "
                 "most. Raise the baud rate, on the device too, or use a device that is made for a lower rate (tick_hz)."
             )
 
@@ -79,7 +91,7 @@ def load_spec(path: Path | None = None) -> Spec:
     """Return the device of a TOML file, None for the Haptic Master.
 
     Raises:
-        DimpleError: the file is not to be read, lacks a number, or asks for what is not safe.
+        DimpleError: the file cannot be read, lacks a number, or has one that is not safe.
     """
     path = path or HAPTIC_MASTER
     try:
@@ -91,7 +103,7 @@ def load_spec(path: Path | None = None) -> Spec:
     except DimpleError:
         raise
     except ValueError as error:  # TOMLDecodeError and UnicodeDecodeError are among them
-        raise DimpleError(f"The device file {path} is not right: {error}.") from None
+        raise DimpleError(f"The device file {path} is not valid: {error}.") from None
     return spec
 
 
@@ -179,13 +191,15 @@ def _three(file: dict[str, Any], table: str, name: str, factor: float = 1.0) -> 
 def _check(spec: Spec, ceiling: float) -> None:
     for what, holds in (
         ("continuous_force_n, peak_force_n and force_ceiling_n must not fall in this order and be above 0",
-         0 < spec.continuous_force <= spec.peak_force <= ceiling <= 20),
-        ("hold_s, zero_s and latch_s must rise, to 0.005, 0.025 and 0.1 at most",
-         0 < spec.hold < spec.zero < spec.latch and spec.hold <= 5e-3 and spec.zero <= 25e-3 and spec.latch <= 0.1),
-        ("slew_n_s must be above 0, 1000 at most", 0 < spec.slew <= 1000),
-        ("tip_speed_m_s must be above 0, 1.5 at most", 0 < spec.tip_speed <= 1.5),
-        ("arm_force_n must be above 0, 0.2 at most", 0 < spec.arm_force <= 0.2),
-        ("arm_s must be 0.05 at least and ramp_s 0.5 at least", spec.arm_time >= 0.05 and spec.ramp_time >= 0.5),
+         0 < spec.continuous_force <= spec.peak_force <= ceiling <= HARD_CEILING),
+        (f"hold_s, zero_s and latch_s must rise, to {STATE_GAP}, {ZERO_TIME} and {STATE_LOST} at most",
+         0 < spec.hold < spec.zero < spec.latch
+         and spec.hold <= STATE_GAP and spec.zero <= ZERO_TIME and spec.latch <= STATE_LOST),
+        (f"slew_n_s must be above 0, {SLEW:g} at most", 0 < spec.slew <= SLEW),
+        (f"tip_speed_m_s must be above 0, {TOP_SPEED} at most", 0 < spec.tip_speed <= TOP_SPEED),
+        (f"arm_force_n must be above 0, {QUIET_FORCE} at most", 0 < spec.arm_force <= QUIET_FORCE),
+        (f"arm_s must be {QUIET_TIME} at least and ramp_s {RAMP_TIME} at least",
+         spec.arm_time >= QUIET_TIME and spec.ramp_time >= RAMP_TIME),
         ("l1_m and l2_m must be above 0, 2 at most", 0 < min(spec.l1, spec.l2) <= max(spec.l1, spec.l2) <= 2),
         ("mass_kg must be above 0, 10 at most", 0 < spec.tip_mass <= 10),
         # the stiffest wall follows from the friction, and a brake stronger than tip mass over ten ticks shakes
@@ -199,27 +213,27 @@ def _check(spec: Spec, ceiling: float) -> None:
         ("span_deg must be above 0, 360 at most", 0 < spec.adc_span <= 2 * math.pi),
         ("angles_deg and centres_deg must be from -360 to 360",
          all(abs(angle) <= 2 * math.pi for angle in (*spec.block_angles, *spec.adc_centres))),
-        ("noise_steps must be above 0 (by its noise a reading is known to be alive), 100 at most",
+        ("noise_steps must be above 0 (a reading without noise counts as frozen), 100 at most",
          0 < spec.adc_noise <= 100),
         ("torque_limits_nm must be above 0, 60 at most", 0 < min(spec.torque_limits) and max(spec.torque_limits) <= 60),
         ("id must be from 0 to 255", 0 <= spec.geometry <= 255),
-        # a force is held for 5 ms at most, here and there: a slower device would let go between two ticks
+        # a force is held for 5 ms at most, on both ends: a slower device would drop it between two ticks
         ("tick_hz must be from 250 to 2000, and its period shorter than hold_s",
          250 <= spec.tick_hz <= 2000 and spec.tick < spec.hold),
-        ("rms_window_s must be above 0, 10 at most", 0 < spec.rms_window <= 10),
+        (f"rms_window_s must be above 0, {RMS_TIME:g} at most", 0 < spec.rms_window <= RMS_TIME),
     ):  # fmt: skip
         if not holds:
             raise ValueError(what)
 
 
 def geometry_crc(spec: Spec) -> int:
-    """Return a number that is another for a linkage with other lengths, places or converters."""
+    """Return a number that differs for a linkage with other lengths, positions or converters."""
     numbers = (*spec.block_angles, spec.l1, spec.l2, spec.centre_distance, spec.base_height, *spec.adc_centres)
     return zlib.crc32(struct.pack(f"<I{len(numbers)}i", spec.geometry, *(round(1e6 * number) for number in numbers)))
 
 
 def info(spec: Spec, nonce: int, session: int, protocol: tuple[int, int] = wire.PROTOCOL) -> wire.Info:
-    """Return what a device says of itself."""
+    """Return the INFO of a device."""
     return wire.Info(
         nonce=nonce,
         major=protocol[0],
@@ -243,23 +257,23 @@ def info(spec: Spec, nonce: int, session: int, protocol: tuple[int, int] = wire.
     )
 
 
-def check_info(spec: Spec, said: wire.Info) -> None:
-    """Refuse a device that is not the one of the file: forces and places would be wrong.
+def check_info(spec: Spec, reported: wire.Info) -> None:
+    """Refuse a device that is not the one of the file: forces and positions would be wrong.
 
     Raises:
         DimpleError: another protocol, linkage, converter, tick or limit.
     """
-    if said.major != wire.PROTOCOL[0]:
+    if reported.major != wire.PROTOCOL[0]:
         raise DimpleError(
-            f"The device speaks protocol {said.major}.{said.minor}, this Dimple {wire.PROTOCOL[0]}.{wire.PROTOCOL[1]}: "
-            "they do not understand each other. Update the older of the two."
+            f"The device speaks protocol {reported.major}.{reported.minor}, this Dimple "
+            f"{wire.PROTOCOL[0]}.{wire.PROTOCOL[1]}: they do not understand each other. Update the older of the two."
         )
-    own = info(spec, said.nonce, said.session)
+    own = info(spec, reported.nonce, reported.session)
     free = {"nonce", "minor", "session", "capabilities"}
-    other = [name for name, a, b in zip(own._fields, said, own, strict=True) if a != b and name not in free]
+    other = [name for name, a, b in zip(own._fields, reported, own, strict=True) if a != b and name not in free]
     if other:
-        differences = ", ".join(f"{name} {getattr(said, name)} instead of {getattr(own, name)}" for name in other)
+        differences = ", ".join(f"{name} {getattr(reported, name)} instead of {getattr(own, name)}" for name in other)
         raise DimpleError(
-            f"The device is not the one of the device file ({spec.name}): it says {differences}. "
+            f"The device is not the one of the device file ({spec.name}): it reports {differences}. "
             "Choose the file of this device."
         )

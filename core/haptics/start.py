@@ -1,6 +1,6 @@
 """Start with the standard library and pyserial alone: `python -I -S start.py FOLDER_OF_PYSERIAL servo PORT ...`.
 
-Isolated from environment and site-packages, so that nothing a person installed can come in between.
+Isolated from the environment and from site-packages, so that no package installed on this computer interferes.
 """
 
 import sys

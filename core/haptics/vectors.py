@@ -35,5 +35,5 @@ def capped(a: Vector, most: float) -> Vector:
 
 
 def is_finite(a: Vector) -> bool:
-    """Tell whether all three are numbers, none infinite."""
+    """Tell whether all three are finite numbers."""
     return math.isfinite(a[0]) and math.isfinite(a[1]) and math.isfinite(a[2])

@@ -2,37 +2,45 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Iterable
 from typing import Final
 
 from . import wire
+from .losses import LOSS_DISARMS
 from .spec import BITS_A_BYTE, Spec
 
-RECENT: Final = 1000  # States the percentiles are of: ten that wait too long move the 99th, one does not
-OLDEST_ECHO: Final = 5  # [ticks] an answer to an older State is refused
-LOSS_TICKS, LOSS_SHARE = 1000, 0.30  # ticks a verdict spans; more lost than this disarms,
+RECENT: Final = 1000  # STATEs in the percentiles: ten that wait too long move the 99th, one does not
+OLDEST_ECHO: Final = 5  # [ticks] an answer to an older STATE is refused
+LOSS_TICKS: Final = 1000  # ticks that are counted together; a share lost of more than LOSS_DISARMS disarms,
 LOSS_FEW: Final = 50  # unless there were so few
 
 
 class Watch:
-    """Count the States and their answers of a session.
+    """Counts of the STATEs of a session and of their answers.
 
-    heard: ticks until the last answer came.  rtts: how long the last States waited for an answer, to them or to a newer
-    one [s].  trips: how many of all took so long [us].
+    session: its number.
+    seq, ack: sequence numbers of the last STATE and of the last CMD taken.
+    ticks: since the session began.
+    heard: ticks until the last answer came.
+    answered: STATEs that were answered.
+    in_time: those answered within a tick.
+    stale: answers refused for their age, or because they came twice.
+    lost: CMDs missing in their sequence.
+    taken: CMDs taken.
+    rtts: how long the last STATEs waited for an answer to them, or to a newer one [s].
     """
 
     def __init__(self, spec: Spec, session: int) -> None:
         self.session, self.seq, self.ack = session, 0xFFFF, 0
         self.ticks = self.heard = self.answered = self.in_time = self.stale = self.lost = self.taken = 0
         self.rtts: deque[float] = deque(maxlen=RECENT)
-        self.trips: Counter[int] = Counter()
         self._tick = spec.tick
-        self._sent: dict[int, float] = {}  # seq: when [s], of States that may still be answered
-        self._loss = [0, 0]  # of the verdict under way: lost, taken
+        self._sent: dict[int, float] = {}  # seq: when it was sent [s], of STATEs that may still be answered
+        self._loss = [0, 0]  # of the count under way: lost, taken
 
     def send(self, now: float) -> int:
-        """Return the sequence number of the State of this tick."""
+        """Return the sequence number of the STATE of this tick."""
         self.seq = self.seq + 1 & 0xFFFF
         self.ticks += 1
         self._sent[self.seq] = now
@@ -40,36 +48,39 @@ class Watch:
         return self.seq
 
     def take(self, command: wire.Command, now: float) -> bool:
-        """Tell whether a Command is new and answers a State young enough; count it either way."""
+        """Tell whether a CMD is new and answers a STATE young enough; count it either way."""
         sent = self._sent.get(command.echo)
         if sent is None or (self.taken and not wire.seq_newer(command.seq, self.ack)):
             self.stale += 1
             return False
-        if sent >= 0:  # the first answer to this State
+        if sent >= 0:  # the first answer to this STATE
             self.answered, self.heard = self.answered + 1, self.ticks
             self.in_time += now - sent <= self._tick
-            for seq, sent in self._sent.items():  # those a host in a hurry passed over have waited until now as well
+            for seq, sent in self._sent.items():  # those the host passed over have waited until now as well
                 if sent >= 0 and not wire.seq_newer(seq, command.echo):
-                    self.rtts.append(now - sent)
-                    self.trips[_word(1e6 * (now - sent))] += 1
+                    self.add_round_trip(now - sent)
                     self._sent[seq] = -1.0
         lost = (command.seq - self.ack - 1 & 0xFFFF) if self.taken else 0
         self.lost, self.taken, self.ack = self.lost + lost, self.taken + 1, command.seq
         self._loss = [self._loss[0] + lost, self._loss[1] + 1]
         return True
 
+    def add_round_trip(self, seconds: float) -> None:
+        """Record how long a STATE waited for its answer [s]."""
+        self.rtts.append(seconds)
+
     def loses_too_much(self) -> bool:
-        """Tell, once in LOSS_TICKS, whether too many Commands were lost since the last time."""
+        """Tell, once in LOSS_TICKS, whether too many CMDs were lost since the last time."""
         if self.ticks % LOSS_TICKS:
             return False
         (lost, taken), self._loss = self._loss, [0, 0]
-        return lost + taken >= LOSS_FEW and lost > LOSS_SHARE * (lost + taken)
+        return lost + taken >= LOSS_FEW and lost > LOSS_DISARMS * (lost + taken)
 
-    def report(self, nonce: int, bad: int, baud: int) -> wire.Report:
-        """Return what a Ping asks for; bad: frames refused by their form."""
-        bits = BITS_A_BYTE * (wire.size(wire.State) + wire.size(wire.Command))
+    def report(self, nonce: int, bad: int, baud: int) -> wire.LinkReport:
+        """Return the answer to a PING; bad: frames refused by their CRC or form."""
+        bits = BITS_A_BYTE * (wire.size(wire.DeviceState) + wire.size(wire.Command))
         p50, p99, longest = percentiles(self.rtts)
-        return wire.Report(
+        return wire.LinkReport(
             self.session,
             nonce,
             ticks=self.ticks & 0xFFFFFFFF,
@@ -86,7 +97,7 @@ class Watch:
 
 
 def percentiles(trips: Iterable[float]) -> tuple[float, float, float]:
-    """Return what half of some round trips, 99 % and all of them do not exceed, 0 where there is none."""
+    """Return the median, the 99th percentile and the maximum of some round trips, 0 where there are none."""
     order = sorted(trips) or [0.0]
     return order[len(order) // 2], order[99 * len(order) // 100], order[-1]
 

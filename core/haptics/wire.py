@@ -1,8 +1,8 @@
-"""What a haptic device and its host say to each other on a serial line, as bytes.
+"""The frames between a haptic device and its host on a serial line, as bytes.
 
 A frame is a payload of at most 33 bytes, little-endian, and its CRC-32, coded by COBS so that 0x00 appears nowhere in
-it, then 0x00. Up to 33 bytes CRC-32 finds every error of five bits or fewer. Whoever comes in late, or loses bytes, is
-in step again at the next 0x00.
+it, then 0x00. Up to 33 bytes CRC-32 finds every error of five bits or fewer. A reader that comes in late, or loses
+bytes, is in step again at the next 0x00.
 """
 
 from __future__ import annotations
@@ -13,31 +13,37 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-PROTOCOL: Final = (1, 0)  # major: who differs refuses; minor: more frame types, skipped by who does not know them
+PROTOCOL: Final = (1, 0)  # major: a difference is refused; minor: more frame types, skipped where they are unknown
 MOST_PAYLOAD: Final = 33  # bytes
 FINGERS: Final = 3
 CHANNELS: Final = 9  # three joints of three fingers
 FULL_SCALE: Final = 32767  # of a torque word
 
 ENABLE, DEADMAN, CLEAR = 1, 2, 4  # Command.flags
-IDLE, ARMING, RAMP, ARMED, BRAKE, FAULT = range(6)  # State.status & MODE
+IDLE, ARMING, RAMP, ARMED, BRAKE, FAULT = range(6)  # DeviceState.status & MODE
 MODE: Final = 7
-LIMITED: Final = 8  # State.status: a limit cuts the force
-MASKED: Final = 16  # State.status: this << finger, its sensor is not believed
+LIMITED: Final = 8  # DeviceState.status: a limit reduces the force
+MASKED: Final = 16  # DeviceState.status: this << finger, its sensor is not trusted
 # Fault.code and Disarm.reason
 FAULT_NONE, FAULT_WATCHDOG, FAULT_SENSOR, FAULT_SPEED = range(4)
 FAULT_ARM_REFUSED, FAULT_VERSION, FAULT_LINK, FAULT_HOST = range(4, 8)
+DEADMAN_BUTTON: Final = 1  # DeviceState.buttons
 EVERY_FINGER: Final = 255  # Fault.finger
 
 Nine = tuple[int, int, int, int, int, int, int, int, int]
 NO_TORQUE: Final[Nine] = (0,) * 9
 
 
-class State(NamedTuple):
-    """Say where the joints are; the device, each tick.
+class DeviceState(NamedTuple):
+    """STATE, from the device at each tick: where the joints are.
 
-    ack: seq of the last Command that was taken.  t_us: on the device's clock.  adc: left-justified in 16 bits, three
-    joints of each finger.  buttons: bits.  status: mode, LIMITED, MASKED.
+    session: number of the session.
+    seq: sequence number.
+    ack: seq of the last CMD that was taken.
+    t_us: on the device's clock [us].
+    adc: readings, left-justified in 16 bits, three joints of each finger.
+    buttons: bits, DEADMAN_BUTTON.
+    status: mode, LIMITED, MASKED.
     """
 
     session: int
@@ -50,10 +56,14 @@ class State(NamedTuple):
 
 
 class Command(NamedTuple):
-    """Answer a State with torques; the host.
+    """CMD, from the host for each STATE: the torques.
 
-    echo: seq of the State answered.  torque: of FULL_SCALE.  flags: ENABLE, DEADMAN, CLEAR.  ttl_ms: how long it holds
-    at most.
+    session: number of the session.
+    seq: sequence number.
+    echo: seq of the STATE answered.
+    torque: of each joint, as a share of FULL_SCALE.
+    flags: ENABLE, DEADMAN, CLEAR.
+    ttl_ms: how long it is valid at most [ms].
     """
 
     session: int
@@ -65,7 +75,7 @@ class Command(NamedTuple):
 
 
 class Hello(NamedTuple):
-    """Ask who is there and begin a session; the host.  major_min, major_max: of PROTOCOL, what it speaks."""
+    """HELLO, from the host: begin a session.  major_min, major_max: the versions of PROTOCOL that it speaks."""
 
     nonce: int
     major_min: int
@@ -73,11 +83,19 @@ class Hello(NamedTuple):
 
 
 class Info(NamedTuple):
-    """Say what the device is, and the number of the new session; the device, to a Hello with this nonce.
+    """INFO, from the device for a HELLO of the same nonce: what it is, and the number of the new session.
 
-    span_1e4rad: of an ADC [1e-4 rad].  torque_mnm: full scale of the three joints [mN m].  hold_ms, zero_ms, latch_ms:
-    of the watchdog.  peak_cn, continuous_cn: force [0.01 N].  speed_dms: limit [0.1 m/s].  geometry, geometry_crc: of
-    the linkage (spec.geometry_crc).  capabilities: bits, 1 = it has force.
+    major, minor: version of its protocol.
+    blocks: how many fingers it has.
+    adc_bits, dac_bits: of its converters.
+    span_1e4rad: of an ADC [1e-4 rad].
+    torque_mnm: full scale of the three joints [mN m].
+    tick_hz: its rate [Hz].
+    hold_ms, zero_ms, latch_ms: of the watchdog [ms].
+    peak_cn, continuous_cn: force [0.01 N].
+    speed_dms: speed limit [0.1 m/s].
+    geometry, geometry_crc: of the linkage (spec.geometry_crc).
+    capabilities: bits, 1: it has force.
     """
 
     nonce: int
@@ -102,27 +120,27 @@ class Info(NamedTuple):
 
 
 class Arm(NamedTuple):
-    """Ask for force; the host."""
+    """ARM, from the host: request force."""
 
     session: int
 
 
 class Disarm(NamedTuple):
-    """End all force; the host.  reason: FAULT_HOST..."""
+    """DISARM, from the host: end all force.  reason: FAULT_HOST..."""
 
     session: int
     reason: int
 
 
 class Ping(NamedTuple):
-    """Ask for a Report; the host."""
+    """PING, from the host: request a REPORT."""
 
     session: int
     nonce: int
 
 
 class Fault(NamedTuple):
-    """Say what went wrong; the device, at once and every 100 ms while it is latched.  seq: of the State meanwhile."""
+    """FAULT, from the device at once and every 100 ms while it is latched.  seq: of the last STATE."""
 
     session: int
     code: int
@@ -130,13 +148,18 @@ class Fault(NamedTuple):
     seq: int
 
 
-class Report(NamedTuple):
-    """Say how the link does, measured on the device's clock; the device, to a Ping with this nonce.
+class LinkReport(NamedTuple):
+    """REPORT, from the device for a PING of the same nonce: the link, measured on the device's clock.
 
-    ticks: since the session began.  answered: of their States.  late: answered more than a tick after.
-    rtt_p50_us, rtt_p99_us, rtt_max_us: from a State's tick to the whole answer to it, or to a newer one where it was
-    passed over, of the last 1000; of it wire_us is the time of the bytes on the line.  bad, stale, lost: frames of the
-    host that were refused by their CRC or form, came too old or twice, or never.
+    ticks: since the session began.
+    answered: STATEs that were answered.
+    late: those answered more than a tick later.
+    rtt_p50_us, rtt_p99_us, rtt_max_us: from the tick of a STATE to the whole answer to it, or to a newer one where it
+        was passed over, of the last 1000 [us].
+    wire_us: the time of the bytes on the line in it [us].
+    bad: frames of the host refused by their CRC or form.
+    stale: refused because they were too old or came twice.
+    lost: that never came.
     """
 
     session: int
@@ -153,10 +176,10 @@ class Report(NamedTuple):
     lost: int
 
 
-Frame = State | Command | Hello | Info | Arm | Disarm | Ping | Fault | Report
+Frame = DeviceState | Command | Hello | Info | Arm | Disarm | Ping | Fault | LinkReport
 
 _TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
-    State: (0x11, struct.Struct("<BBHHI9HBB")),
+    DeviceState: (0x11, struct.Struct("<BBHHI9HBB")),
     Command: (0x12, struct.Struct("<BBHH9hBB")),
     Hello: (0x13, struct.Struct("<BHBB")),
     Info: (0x14, struct.Struct("<BHBBBBBBH3HHBBBHHBBIB")),
@@ -164,14 +187,14 @@ _TYPES: Final[dict[type, tuple[int, struct.Struct]]] = {
     Disarm: (0x16, struct.Struct("<BBB")),
     Ping: (0x17, struct.Struct("<BBH")),
     Fault: (0x18, struct.Struct("<BBBBH")),
-    Report: (0x19, struct.Struct("<BBHIIIHHHHHHH")),
+    LinkReport: (0x19, struct.Struct("<BBHIIIHHHHHHH")),
 }
 # the one field of a frame that is itself a tuple: from, to
-_NESTED: Final = {State: (4, 13), Command: (3, 12), Info: (8, 11)}
+_NESTED: Final = {DeviceState: (4, 13), Command: (3, 12), Info: (8, 11)}
 
 
 def _maker(kind: type, at: tuple[int, int] | None) -> Callable[[tuple[int, ...]], Frame]:
-    """Return what makes a frame of the numbers of a payload, its type among them."""
+    """Return the function that makes a frame from the numbers of a payload, its type among them."""
     make: Callable[[tuple[object, ...]], Frame] = kind._make  # type: ignore[attr-defined]
     if at is None:
         return lambda numbers: make(numbers[1:])
@@ -233,10 +256,13 @@ def unstuff(code: bytes) -> bytes | None:
 
 @dataclass(slots=True)
 class Counts:
-    """Count what a Decoder met.
+    """Counts of a Decoder.
 
-    frames: good ones.  bad_crc: altered on the way.  unknown: of a type of another time.  malformed: of a known type
-    and another length.  resyncs: pieces between two 0x00 that are no frame at all.
+    frames: valid ones.
+    bad_crc: altered on the way.
+    unknown: of an unknown type.
+    malformed: of a known type and another length.
+    resyncs: pieces between two 0x00 that are not a frame at all.
     """
 
     frames: int = 0

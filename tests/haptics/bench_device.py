@@ -9,6 +9,7 @@ from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
 from core.haptics.spec import Spec, info, load_spec
 from core.haptics.vectors import ZERO, Vector, length
+from tests.haptics.converters import adc_words
 
 SESSION = 7
 TICK = 1e-3
@@ -47,11 +48,11 @@ class BenchDevice:
         self.servo = Servo(self.spec, nonce=5)
         self.blocks = kinematics.blocks(self.spec)
         self._decoder = wire.Decoder()
-        self.say(b"")
-        self.say(wire.encode(info(self.spec, 5, SESSION)))
+        self.exchange(b"")
+        self.exchange(wire.encode(info(self.spec, 5, SESSION)))
 
-    def say(self, data: bytes) -> None:
-        """Let bytes reach the servo and hear what it answers."""
+    def exchange(self, data: bytes) -> None:
+        """Send bytes to the servo and take its answer."""
         for frame in self._decoder.feed(self.servo.step(self.now, data)):
             self.heard.append(frame)
             if isinstance(frame, wire.Command):
@@ -64,18 +65,15 @@ class BenchDevice:
                 self.mode = wire.IDLE
                 self.forces = [ZERO] * 3
 
-    def state(self) -> wire.State:
+    def state(self) -> wire.DeviceState:
         """Return the STATE of now."""
         self.seq = (self.seq + 1) & 0xFFFF
         adc = self.adc or sum(
-            (
-                kinematics.adc_words(self.spec, kinematics.inverse(b, p))
-                for b, p in zip(self.blocks, self.at, strict=True)
-            ),
+            (adc_words(self.spec, kinematics.inverse(b, p)) for b, p in zip(self.blocks, self.at, strict=True)),
             (),
         )
         status = self.mode | self.masked
-        return wire.State(SESSION, self.seq, 0, round(self.now * 1e6) & 0xFFFFFFFF, adc, self.buttons, status)
+        return wire.DeviceState(SESSION, self.seq, 0, round(self.now * 1e6) & 0xFFFFFFFF, adc, self.buttons, status)
 
     def tick(self, times: int = 1) -> None:
         """Let milliseconds pass with a STATE each."""
@@ -85,16 +83,16 @@ class BenchDevice:
                 self.hold()
             if self.fresh and self.seq % 16 == 0:
                 self.hold()
-                self.feel(*(c and replace(c, stamp=self.now) for c in self.servo.order.contacts))
-            self.say(wire.encode(self.state()))
+                self.set_contacts(*(c and replace(c, stamp=self.now) for c in self.servo.order.contacts))
+            self.exchange(wire.encode(self.state()))
 
     def pause(self, seconds: float) -> None:
         """Let time pass without a STATE; the servo looks at the clock every millisecond."""
         for _ in range(round(seconds / TICK)):
             self.now += TICK
-            self.say(b"")
+            self.exchange(b"")
 
-    def feel(self, *contacts: Contact | None) -> None:
+    def set_contacts(self, *contacts: Contact | None) -> None:
         """Give the servo contacts."""
         self.servo.order = replace(self.servo.order, contacts=tuple(contacts))
 
@@ -103,7 +101,7 @@ class BenchDevice:
         self.servo.order = replace(self.servo.order, arm=self.servo.order.arm + 1)
 
     def hold(self) -> None:
-        """Say whether the dead-man key is held, by a letter: its contacts equal those before, and are not the same."""
+        """Send an order with the dead-man key, as a message: its contacts equal those before, and are other objects."""
         order = replace(self.servo.order, held_until=self.now + LEASE if self.held else 0.0)
         self.servo.order = unpack_order(pack_order(order))
 
@@ -116,7 +114,7 @@ class BenchDevice:
 
     def pressing(self, depth: float = 0.005, k: float = 600.0) -> "BenchDevice":
         """Press the first fingertip into a wall, armed."""
-        self.feel(wall(self.now, k=k))
+        self.set_contacts(wall(self.now, k=k))
         self.armed()
         for i in range(101):
             self.at[0] = (0.0, 0.0, 0.01 - i / 100 * (0.01 + depth))
@@ -137,13 +135,13 @@ class BenchDevice:
         return kinematics.force(self.blocks[i], kinematics.adc_angles(self.spec, words), torque)
 
     def state_words(self, i: int) -> tuple[int, int, int]:
-        """Return what the converters say of a finger."""
-        return kinematics.adc_words(self.spec, kinematics.inverse(self.blocks[i], self.at[i]))
+        """Return the readings of a finger."""
+        return adc_words(self.spec, kinematics.inverse(self.blocks[i], self.at[i]))
 
 
-def message(device: BenchDevice) -> str:
-    """Return what the servo says."""
-    return device.servo.report().message
+def note(device: BenchDevice) -> str:
+    """Return the note of the servo's report."""
+    return device.servo.report().note
 
 
 def disarmed(device: BenchDevice) -> bool:
@@ -151,4 +149,4 @@ def disarmed(device: BenchDevice) -> bool:
     return device.servo.report().arming.name == "OFF" and device.strongest == 0.0
 
 
-__all__ = ["SESSION", "TICK", "BenchDevice", "disarmed", "message", "wall"]
+__all__ = ["SESSION", "TICK", "BenchDevice", "disarmed", "note", "wall"]

@@ -17,7 +17,7 @@ BATCH = 20_000  # frames; fewer than sequence numbers, so that each is known by 
 CHUNK = 4096  # bytes a read
 
 
-def lost_share(rate: float, kind: type = wire.State) -> float:
+def lost_share(rate: float, kind: type = wire.DeviceState) -> float:
     """Return the expected share of frames hit by one error or more: 1 - (1 - rate)^288 of States."""
     return float(-np.expm1(8 * wire.size(kind) * np.log1p(-rate)))
 
@@ -25,12 +25,12 @@ def lost_share(rate: float, kind: type = wire.State) -> float:
 def frames_of(kind: type, dice: np.random.Generator) -> list[wire.Frame]:
     """Return a batch of States or Commands, seq 0, 1, 2..., all else random."""
     words, times = dice.integers(0, 65536, (BATCH, 9)).tolist(), dice.integers(0, 1 << 32, BATCH).tolist()
-    if kind is wire.State:
-        return [wire.State(7, i, i - 1 & 0xFFFF, times[i], tuple(words[i]), 0, 3) for i in range(BATCH)]
+    if kind is wire.DeviceState:
+        return [wire.DeviceState(7, i, i - 1 & 0xFFFF, times[i], tuple(words[i]), 0, 3) for i in range(BATCH)]
     return [wire.Command(7, i, i, tuple(word - 32768 for word in words[i]), 3, 5) for i in range(BATCH)]
 
 
-def survey(rate: float, frames: int, seed: int, kind: type = wire.State) -> tuple[int, int, int]:
+def survey(rate: float, frames: int, seed: int, kind: type = wire.DeviceState) -> tuple[int, int, int]:
     """Return how many frames were sent, how many came out unaltered, and how many of what came out is wrong."""
     dice = np.random.default_rng(seed)
     batch = frames_of(kind, dice)
@@ -43,7 +43,7 @@ def survey(rate: float, frames: int, seed: int, kind: type = wire.State) -> tupl
         data, last = line.tobytes(), -1
         for at in range(0, len(data), CHUNK):
             for frame in decoder.feed(data[at : at + CHUNK]):
-                seq = frame.seq if isinstance(frame, (wire.State, wire.Command)) else -1
+                seq = frame.seq if isinstance(frame, (wire.DeviceState, wire.Command)) else -1
                 right = type(frame) is kind and last < seq < BATCH and frame == batch[seq]
                 found, wrong, last = found + right, wrong + (not right), max(last, seq)
         decoder.feed(b"\0")
@@ -60,7 +60,7 @@ def main() -> None:
     begin, everything, mistakes = time.process_time(), 0, 0
     print("frame,bit error rate,sent,lost,lost share,1-(1-p)^bits,ratio,wrong")
     for rate, share in RATES.items():
-        for kind in (wire.State, wire.Command):
+        for kind in (wire.DeviceState, wire.Command):
             sent, found, wrong = survey(rate, round(share * options.frames / 2), options.seed, kind)
             lost, expected = 1 - found / sent, lost_share(rate, kind)
             figures = f"{rate:.0e},{sent},{sent - found},{lost:.4e},{expected:.4e},{lost / expected:.3f},{wrong}"

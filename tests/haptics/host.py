@@ -1,15 +1,15 @@
-"""A plain host: what the shortest driver would be. It answers each STATE with the forces it was told to make."""
+"""A plain host: what the shortest driver would be. It answers each STATE with given forces."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from core.haptics import kinematics, wire
-from core.haptics.emulator import Emulator, Row
-from core.haptics.faults import parse_fault
-from core.haptics.hand import Hand
+from core.haptics.emulated_hand import EmulatedHand
 from core.haptics.spec import load_spec
 from core.haptics.vectors import ZERO, Vector
+from studies.faults import parse_fault
+from studies.faulty_emulator import FaultyEmulator, TraceRow
 
 SPEC = load_spec()
 BLOCKS = kinematics.blocks(SPEC)
@@ -33,10 +33,10 @@ class Host:
         self.answers = True
         self.decoder = wire.Decoder()
         self.info: wire.Info | None = None
-        self.states: list[wire.State] = []
+        self.states: list[wire.DeviceState] = []
         self.faults: list[wire.Fault] = []
         self.sent: dict[int, wire.Command] = {}
-        self.report: wire.Report | None = None
+        self.report: wire.LinkReport | None = None
         self._seq = 0
 
     def hello(self) -> bytes:
@@ -47,12 +47,12 @@ class Host:
         for frame in self.decoder.feed(incoming):
             if isinstance(frame, wire.Info):
                 self.info = frame
-            elif isinstance(frame, wire.State):
+            elif isinstance(frame, wire.DeviceState):
                 self.states.append(frame)
                 newest = frame
             elif isinstance(frame, wire.Fault):
                 self.faults.append(frame)
-            elif isinstance(frame, wire.Report):
+            elif isinstance(frame, wire.LinkReport):
                 self.report = frame
         if newest and self.info and self.answers:
             out.append(self.answer(newest, now))
@@ -61,7 +61,7 @@ class Host:
                 out.append(wire.encode(wire.Arm(self.info.session)))
         return b"".join(out)
 
-    def answer(self, state: wire.State, now: float) -> bytes:
+    def answer(self, state: wire.DeviceState, now: float) -> bytes:
         torque = self.torque
         if torque is None:
             words: list[int] = []
@@ -103,10 +103,16 @@ class Table:
     """Stand a host and an emulated device on one clock, in steps of a tenth of a tick."""
 
     def __init__(
-        self, force: Callable[[int, float], Vector] = still, *faults: str, hand: Hand | None = None, arms: bool = True
+        self,
+        force: Callable[[int, float], Vector] = still,
+        *faults: str,
+        hand: EmulatedHand | None = None,
+        arms: bool = True,
     ) -> None:
-        self.trace: list[Row] = []
-        self.device = Emulator(SPEC, hand=hand, faults=[parse_fault(text) for text in faults], seed=1, trace=self.trace)
+        self.trace: list[TraceRow] = []
+        self.device = FaultyEmulator(
+            SPEC, hand=hand, faults=[parse_fault(text) for text in faults], seed=1, trace=self.trace
+        )
         self.host, self.now, self._steps = Host(force, arms=arms), 0.0, 0
         self._to_device = self.host.hello()
 

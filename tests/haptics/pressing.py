@@ -15,16 +15,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from core.haptics import wire
 from core.haptics.device import HapticMaster
-from core.haptics.messages import Link, Report
-from core.haptics.process import end, start
+from core.haptics.messages import LinkState, ServoReport
+from core.haptics.process import end
 from core.haptics.safety import Arming
 from core.haptics.vectors import length
+from studies.processes import start_emulator
 from tests.haptics.bench_device import wall
 from tests.haptics.host import SPEC
+from tests.haptics.machine import UNABLE, unable
 
 BEGIN = 1.2  # [s] after the device's ramp begins, when the servo's is over too
 WAY = [[0.0, 0.0, 0.0, 0.01], [BEGIN, 0.0, 0.0, 0.01], [BEGIN + 0.15, 0.0, 0.0, -0.01]]
@@ -38,7 +39,7 @@ LETS_GO = 75  # [ticks] before the watchdog latches there must be no force: by 2
 
 @dataclass
 class Rig:
-    """Hold an emulator behind a port."""
+    """An emulator behind a port."""
 
     folder: Path
     process: subprocess.Popen[bytes]
@@ -64,7 +65,7 @@ class Rig:
         armed = np.isin(rows[:, 1], (wire.RAMP, wire.ARMED))
         pressed = np.flatnonzero(armed & (forces.min(axis=1) > 0.8 * PRESSED))
         if not len(pressed):
-            pytest.skip("this machine cannot run a loop of 1 kHz: the device let go before it was told to")
+            unable("this machine cannot run a loop of 1 kHz: the device let go too early")
         ended = pressed[-1] + np.flatnonzero(~armed[pressed[-1] :])[0]
         if rows[ended, 1] == wire.IDLE:
             return float(forces[ended : ended + 100].max())
@@ -79,14 +80,16 @@ def rig(folder: Path, *words: str) -> Rig:
     hand = folder / "hand.json"
     hand.write_text(json.dumps({"tips": [WAY] * 3}))
     files = ["--pty", str(folder / "port"), "--hand", str(hand), "--trace", str(folder / "trace.csv")]
-    made = Rig(folder, start(["emulator", *files, "--lifeline", *words], None))
+    made = Rig(folder, start_emulator([*files, *words]))
     until = time.perf_counter() + PATIENCE
     while not os.path.exists(made.port) and time.perf_counter() < until:
         time.sleep(0.01)
     return made
 
 
-def drive(device: HapticMaster, until: Callable[[Report], bool], *, k: float = 300.0, arms: bool = False) -> Report:
+def drive(
+    device: HapticMaster, until: Callable[[ServoReport], bool], *, k: float = 300.0, arms: bool = False
+) -> ServoReport:
     """Play the simulation, 60 times a second, until something has happened; the wall is there once there is force.
 
     arms: hold the dead-man key and ask for force, again where a busy machine was disarmed for its gaps.
@@ -104,7 +107,7 @@ def drive(device: HapticMaster, until: Callable[[Report], bool], *, k: float = 3
         device.write([contact if report.arming in (Arming.RAMP, Arming.ON) else None] * 3)
         time.sleep(1 / 60)
     if report.lost > BUSY * report.states:
-        pytest.skip(f"this machine cannot run a loop of 1 kHz: {report.lost} of {report.states} positions were lost")
+        unable(f"this machine cannot run a loop of 1 kHz: {report.lost} of {report.states} positions were lost")
     raise AssertionError(report)
 
 
@@ -118,15 +121,15 @@ def gone(pid: int) -> bool:
     return False
 
 
-def ready(report: Report) -> bool:
-    return report.link is not Link.OPENING and bool(report.states or report.link is not Link.READY)
+def ready(report: ServoReport) -> bool:
+    return report.link is not LinkState.OPENING and bool(report.states or report.link is not LinkState.READY)
 
 
-def pressed() -> Callable[[Report], bool]:
+def pressed() -> Callable[[ServoReport], bool]:
     """Return what tells whether the hand has pressed for as long as a device takes to ramp its force up, and more."""
     since = math.inf
 
-    def there(report: Report) -> bool:
+    def there(report: ServoReport) -> bool:
         nonlocal since
         now = time.perf_counter()
         all_press = len(report.tips) == 3 and min(length(tip.force) for tip in report.tips) > PRESSED
@@ -136,11 +139,11 @@ def pressed() -> Callable[[Report], bool]:
     return there
 
 
-def press(device: HapticMaster) -> Report:
+def press(device: HapticMaster) -> ServoReport:
     """Connect, arm and wait until the hand has pressed."""
     for _ in range(3):  # again where the machine stood still for the second in which a device must answer
         device.open()
-        if drive(device, ready).link is Link.READY:
+        if drive(device, ready).link is LinkState.READY:
             break
         device.close()
     return drive(device, pressed(), arms=True)
@@ -150,7 +153,7 @@ if __name__ == "__main__":  # what Blender is in the tests that kill it
     device = HapticMaster(sys.argv[1])
     try:
         press(device)
-    except pytest.skip.Exception as busy:
+    except UNABLE as busy:
         sys.exit(f"{busy}")
     print(device.process.pid if device.process else 0, flush=True)
     drive(device, lambda _: False)

@@ -1,11 +1,11 @@
-"""The local contact: what a fingertip feels between two frames of the simulation."""
+"""The local contact: the force on a fingertip between two frames of the simulation."""
 
 import math
 from dataclasses import replace
 
 import pytest
 
-from core.haptics.contact_model import Contact, Feel, fade, force_at, is_sane, stiffness_cap
+from core.haptics.contact_model import Contact, ContactBlend, fade, force_at, is_sane, stiffness_cap
 from core.haptics.vectors import ZERO, length
 from tests.haptics.bench_device import wall
 
@@ -36,7 +36,7 @@ def test_a_surface_pushes_and_never_pulls() -> None:
     assert pushes == pytest.approx([max(1.2 - 600 * z, 0.0) for z in heights], abs=1e-12)
 
 
-def test_a_gap_is_felt_where_it_ends() -> None:
+def test_a_gap_has_no_force_until_it_ends() -> None:
     gap = wall(gap=0.002)
     assert force_at(gap, (0.0, 0.0, -0.002), CAP) == ZERO
     assert force_at(gap, (0.0, 0.0, -0.003), CAP)[2] == pytest.approx(0.6)
@@ -80,24 +80,24 @@ def test_a_contact_that_is_not_of_this_world_is_refused(change: dict[str, object
 
 
 def test_a_new_contact_changes_the_force_without_a_jump_and_wholly_within_a_period() -> None:
-    feel, x, period = Feel(), (0.0, 0.0, -0.002), 0.016
+    blend, x, period = ContactBlend(), (0.0, 0.0, -0.002), 0.016
     forces = []
     for i in range(160):
         now = i * 1e-3
         if i % 16 == 0:  # the simulation finds the wall stiffer and stiffer
-            feel.take(wall(now, k=100.0 * (i // 16)), x, now, CAP)
-        forces.append(feel.force(x, now, CAP)[2])
+            blend.take(wall(now, k=100.0 * (i // 16)), x, now, CAP)
+        forces.append(blend.force(x, now, CAP)[2])
     step = 100.0 * 0.002
     assert max(abs(b - a) for a, b in zip(forces, forces[1:], strict=False)) <= 1.01 * step / (period / 1e-3)
     assert forces[-1] == pytest.approx(9 * step * 1.0, rel=0.1)
 
 
 def test_a_contact_that_is_taken_away_lets_go_within_a_period_and_does_not_pull() -> None:
-    feel, x = Feel(), (0.0, 0.0, -0.002)
-    feel.take(wall(0.0), x, 0.0, CAP)
-    feel.take(wall(0.084), x, 0.084, CAP)
-    feel.take(None, x, 0.1, CAP)
-    forces = [feel.force(x, 0.1 + i * 1e-3, CAP) for i in range(20)]
+    blend, x = ContactBlend(), (0.0, 0.0, -0.002)
+    blend.take(wall(0.0), x, 0.0, CAP)
+    blend.take(wall(0.084), x, 0.084, CAP)
+    blend.take(None, x, 0.1, CAP)
+    forces = [blend.force(x, 0.1 + i * 1e-3, CAP) for i in range(20)]
     assert forces[0][2] == pytest.approx(1.2)
     assert all(force[2] >= 0 for force in forces)
     assert length(forces[-1]) == 0.0

@@ -1,4 +1,4 @@
-"""What a device lets feel of a running session: the measured law."""
+"""What a device renders of a running session: the measured law."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 
 from core.body.model import build_model
 from core.haptics.contact_model import Contact, force_at
-from core.haptics.contact_rendering import Felt, Workspace, rendered
+from core.haptics.contact_rendering import ContactRendering, Workspace, rendered
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.session import Finger, Session
@@ -27,7 +27,7 @@ def session() -> Session:
 
 
 def contacts(session: Session, place: Workspace, cap: float, now: float) -> tuple[Contact | None, ...]:
-    return Felt().contacts(session, place, cap, now)
+    return ContactRendering().contacts(session, place, cap, now)
 
 
 def press(session: Session, depth: float) -> None:
@@ -38,7 +38,7 @@ def press(session: Session, depth: float) -> None:
 
 
 @pytest.mark.parametrize("depth", [0.001, 0.005, 0.012])
-def test_what_is_felt_is_the_measured_law(session: Session, depth: float) -> None:
+def test_the_rendered_force_is_the_measured_law(session: Session, depth: float) -> None:
     press(session, depth)
     (contact,) = contacts(session, Workspace(), CAP, 0.0)
     assert contact and contact.normal == pytest.approx((0, 0, 1), abs=1e-9)
@@ -64,7 +64,7 @@ def test_what_the_device_cannot_render_is_rendered_as_steep_as_it_can(session: S
 
 
 def test_two_frames_of_one_press_tell_the_same_curve(session: Session) -> None:
-    """So a new contact changes nothing while the knee is not passed: the simulation's rate is not felt."""
+    """So a new contact changes nothing while the knee is not passed: the simulation's rate does not matter."""
     press(session, 0.004)
     (before,) = contacts(session, Workspace(), CAP, 0.0)
     press(session, 0.009)
@@ -81,14 +81,14 @@ def test_clear_of_the_body_the_gap_is_known(session: Session) -> None:
     assert force_at(contact, touched, CAP)[2] == pytest.approx(MATERIAL.K1 * 0.002, rel=0.01)
 
 
-def drag(session: Session, felt: Felt, ways: list[float]) -> list[Contact]:
+def drag(session: Session, rendering: ContactRendering, ways: list[float]) -> list[Contact]:
     """Press 10 mm deep, then go to places along x [m]."""
     press(session, 0.010)
     out = []
     for x in [0.0, *ways]:
         session.set_fingers([Finger((x, 0.0, TOP - 0.010), RADIUS)])
         session.step(0.05)
-        (contact,) = felt.contacts(session, Workspace(), CAP, 0.0)
+        (contact,) = rendering.contacts(session, Workspace(), CAP, 0.0)
         assert contact
         out.append(contact)
     return out
@@ -98,7 +98,7 @@ def test_sideways_a_fingertip_sticks_then_slips() -> None:
     """A spring of 2/3 K1 up to half the push (friction 0.5), then no more; turned round it lets go and pulls back."""
     mesh = scenes.cube(6, PRESETS[1].size)
     session = Session(build_model(mesh, [MATERIAL], held=base_vertices(mesh)))
-    _, stick, slip, back = (c.force for c in drag(session, Felt(), [0.004, 0.020, 0.016]))
+    _, stick, slip, back = (c.force for c in drag(session, ContactRendering(), [0.004, 0.020, 0.016]))
     push, k = MATERIAL.K1 * 0.010, 2 / 3 * MATERIAL.K1
     assert stick[0] == pytest.approx(-k * 0.004, rel=0.03)
     assert slip[0] == pytest.approx(-0.5 * push, rel=0.03)
@@ -106,36 +106,36 @@ def test_sideways_a_fingertip_sticks_then_slips() -> None:
 
 
 def test_sideways_too_two_frames_tell_the_same_line(session: Session) -> None:
-    """So that the rate of the simulation is not felt, and nothing shakes."""
-    _, first, second = drag(session, Felt(), [0.002, 0.005])
+    """So that the rate of the simulation does not matter, and nothing shakes."""
+    _, first, second = drag(session, ContactRendering(), [0.002, 0.005])
     assert force_at(first, second.at, CAP)[0] == pytest.approx(second.force[0], rel=0.03)
 
 
 def test_a_place_that_is_carried_off_pulls_the_fingertip_along(session: Session) -> None:
-    felt = Felt()
-    (before,) = drag(session, felt, [])
+    rendering = ContactRendering()
+    (before,) = drag(session, rendering, [])
     (touch,) = session.frame.touches
     assert touch
     rotation, _ = touch.pose
-    felt.stuck[0] = felt.stuck[0] + rotation.T @ np.array([0.003, 0.0, 0.0])
-    (after,) = felt.contacts(session, Workspace(), CAP, 0.0)
+    rendering.stuck[0] = rendering.stuck[0] + rotation.T @ np.array([0.003, 0.0, 0.0])
+    (after,) = rendering.contacts(session, Workspace(), CAP, 0.0)
     assert after
     assert after.force[0] - before.force[0] == pytest.approx(2 / 3 * MATERIAL.K1 * 0.003, rel=0.03)
 
 
-@pytest.mark.parametrize("fingers", [[None], []], ids=["its sensor is believed no more", "the device is gone"])
+@pytest.mark.parametrize("fingers", [[None], []], ids=["its sensor is not trusted", "the device is gone"])
 def test_a_fingertip_that_was_lifted_off_sticks_anew_where_it_comes_down(session: Session, fingers: list[None]) -> None:
-    felt = Felt()
-    assert np.hypot(*drag(session, felt, [0.004])[-1].force[:2]) > 0.5
+    rendering = ContactRendering()
+    assert np.hypot(*drag(session, rendering, [0.004])[-1].force[:2]) > 0.5
     session.set_fingers(fingers)
     session.step(0.0)
-    assert felt.contacts(session, Workspace(), CAP, 0.0) == tuple(fingers) and felt.stuck == {}
+    assert rendering.contacts(session, Workspace(), CAP, 0.0) == tuple(fingers) and rendering.stuck == {}
     press(session, 0.010)
-    (contact,) = felt.contacts(session, Workspace(), CAP, 0.0)
+    (contact,) = rendering.contacts(session, Workspace(), CAP, 0.0)
     assert contact and np.hypot(*contact.force[:2]) < 0.02 * contact.force[2]
 
 
-def test_a_larger_workspace_feels_as_stiff(session: Session) -> None:
+def test_a_larger_workspace_renders_the_same_stiffness(session: Session) -> None:
     press(session, 0.010)
     place = Workspace(origin=(0.1, 0.2, 0.3), scale=2.5, turn=TURN)
     (contact,) = contacts(session, place, CAP, 0.0)
@@ -145,9 +145,9 @@ def test_a_larger_workspace_feels_as_stiff(session: Session) -> None:
 
 
 def test_a_turned_workspace_turns_the_force(session: Session) -> None:
-    felt = Felt()
-    straight = drag(session, felt, [0.004])[-1]
-    (turned,) = felt.contacts(session, Workspace(turn=TURN), CAP, 0.0)
+    rendering = ContactRendering()
+    straight = drag(session, rendering, [0.004])[-1]
+    (turned,) = rendering.contacts(session, Workspace(turn=TURN), CAP, 0.0)
     assert turned and straight.force[0] < -0.5
     x, y, z = straight.force
     assert turned.force == pytest.approx((y, -x, z))

@@ -31,7 +31,7 @@ def lift(device: BenchDevice, seconds: float = 0.7) -> None:
 
 def post(device: BenchDevice, *, renew: bool) -> None:
     """Let Blender post a contact of now, and look at the key."""
-    device.feel(wall(device.now))
+    device.set_contacts(wall(device.now))
     if renew:
         device.hold()
 
@@ -48,7 +48,7 @@ def test_it_is_a_key_or_the_button_of_the_device() -> None:
 
 
 @pytest.mark.parametrize("frames", [True, False], ids=["frames go on", "Blender stands still"])
-def test_a_key_that_nobody_looks_at_any_more_is_let_go(frames: bool) -> None:
+def test_a_key_that_is_not_renewed_counts_as_released(frames: bool) -> None:
     """Within the lease, though the simulation goes on and its contacts are as fresh as ever."""
     device = BenchDevice().pressing()
     device.hold()
@@ -95,7 +95,7 @@ def test_a_stall_of_200_ms_each_second_lets_the_key_not_go() -> None:
 
 
 @pytest.mark.parametrize("button", [0, 1], ids=["the key", "the button of the device"])
-def test_after_a_pause_a_finger_that_sank_in_feels_nothing_until_it_lets_go(button: int) -> None:
+def test_after_a_pause_a_finger_that_sank_in_has_no_force_until_it_lets_go(button: int) -> None:
     """Blender renews the key, or stands still while the button is held; the wall fades, and must not come back."""
     device = BenchDevice(buttons=button, held=not button).pressing(0.001)
     device.fresh = False
@@ -116,7 +116,7 @@ def test_after_a_pause_a_finger_that_sank_in_feels_nothing_until_it_lets_go(butt
 def test_arming_over_a_simulation_that_stands_still_waits_for_it_and_then_for_the_quiet() -> None:
     """The finger is 10 mm deep: contacts that have faded are no quiet, and those that come at last are none either."""
     device = BenchDevice(at=[(0.0, 0.0, -0.01)] * 3, fresh=False)
-    device.feel(*[wall(device.now)] * 3)
+    device.set_contacts(*[wall(device.now)] * 3)
     device.tick(150)
     device.arm()
     for fresh in (False, True):
@@ -134,7 +134,7 @@ def test_a_simulation_of_4_frames_a_second_arms_where_there_is_no_force_and_nowh
         device.arm()
         for i in range(3000):
             if i % 250 == 0:
-                device.feel(*[wall(device.now)] * 3)
+                device.set_contacts(*[wall(device.now)] * 3)
             device.hold()
             device.tick()
             assert device.strongest == 0.0
@@ -145,7 +145,7 @@ def test_a_simulation_of_4_frames_a_second_arms_where_there_is_no_force_and_nowh
 def test_a_contact_of_no_time_of_this_clock_lets_the_key_go(stamp: float) -> None:
     device = BenchDevice().pressing()
     device.fresh = False
-    device.feel(replace(wall(device.now), stamp=stamp))
+    device.set_contacts(replace(wall(device.now), stamp=stamp))
     device.tick()
     assert device.strongest == 0.0 and arming(device) == "WAITING"
 
@@ -156,8 +156,8 @@ def test_a_time_that_is_none_of_this_clock_holds_nothing(until: float) -> None:
     assert Order(held_until=100.0 + LEASE).is_held(100.0) and not Order(held_until=100.0).is_held(100.0)
 
 
-def test_no_word_of_blender_holds_the_key_for_longer_than_it_was_said_to_be_held() -> None:
-    """Frames are written at their own pace; they renew the lease, but only until the time that was said."""
+def test_no_order_holds_the_key_for_longer_than_it_was_set() -> None:
+    """Frames are written at their own pace; they renew the lease, but only until the time that was given."""
     device, box = HapticMaster("nowhere"), Mailbox()
     device._box = box
 
@@ -167,7 +167,7 @@ def test_no_word_of_blender_holds_the_key_for_longer_than_it_was_said_to_be_held
 
     device.arm()
     device.write([wall()])
-    assert held_for() < 0.0, "it is not held before somebody says so"
+    assert held_for() < 0.0, "it is not held before it is set"
     device.hold(time.perf_counter() + 0.1)
     device.write([wall()])
     device.renew()

@@ -1,4 +1,4 @@
-"""Devices as Blender opens them: what is refused is said, and nothing is left behind."""
+"""Devices as Blender opens them: a refusal gives its reason, and nothing is left behind."""
 
 import os
 import subprocess
@@ -12,21 +12,24 @@ import pytest
 from core.base import DimpleError
 from core.haptics import device as devices
 from core.haptics import process as processes
-from core.haptics import server
-from core.haptics.device import Emulated, HapticMaster, Pointer
+from core.haptics import pseudo_terminal
+from core.haptics.device import Emulated, HapticMaster
 from core.haptics.mailbox import Mailbox
-from core.haptics.messages import Link
+from core.haptics.messages import LinkState
 from core.haptics.process import python
+from core.haptics.spec import HAPTIC_MASTER
+from studies import logged_servo
+from tests.haptics.machine import NEEDS_PTY
 from tests.haptics.pressing import drive, gone, ready
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
+pytestmark = NEEDS_PTY
 
 
 @pytest.mark.parametrize(("device", "which"), [(HapticMaster("/dev/null"), 0), (Emulated(), 0), (Emulated(), 1)])
 def test_a_device_that_cannot_be_opened_leaves_nothing_behind(
     device: HapticMaster, which: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The first process that is started cannot be, or the second: out of memory, say."""
+    """The first process that is started cannot be, or the second: out of memory, for example."""
     started, folders, boxes = [], [], []
     monkeypatch.setattr(devices, "Mailbox", lambda: boxes.append(Mailbox()) or boxes[-1])
     monkeypatch.setattr(devices.tempfile, "mkdtemp", lambda **how: folders.append(mkdtemp(**how)) or folders[-1])
@@ -44,31 +47,43 @@ def test_a_device_that_cannot_be_opened_leaves_nothing_behind(
     assert not any(map(os.path.exists, [*folders, *(box.path for box in boxes)]))
 
 
-def test_a_baud_rate_or_a_device_file_that_does_not_fit_is_said(tmp_path: Path) -> None:
-    (tmp_path / "device.toml").write_text("name = 3")
-    slow, other = HapticMaster("/dev/null", baud=9600), HapticMaster("/dev/null", spec_path=tmp_path / "device.toml")
-    for device, said in (
-        (slow, "9600 baud cannot carry"),
-        (other, "name must be text"),
+def test_a_baud_rate_or_a_device_file_that_does_not_fit_is_reported(tmp_path: Path) -> None:
+    slow, other = tmp_path / "slow.toml", tmp_path / "other.toml"
+    slow.write_text(HAPTIC_MASTER.read_text(encoding="utf-8").replace("baud = 921600", "baud = 9600"), encoding="utf-8")
+    other.write_text("name = 3")
+    for device, note in (
+        (HapticMaster("/dev/null", spec_path=slow), "9600 baud cannot carry"),
+        (HapticMaster("/dev/null", spec_path=other), "name must be text"),
         (HapticMaster("/"), "/ is not"),
     ):
         device.open()
         report = drive(device, ready)
-        assert report.link is Link.REFUSED and said in report.message
+        assert report.link is LinkState.REFUSED and note in report.note
         device.close()
 
 
-def test_a_log_that_cannot_be_written_is_said(tmp_path: Path) -> None:
+def test_a_log_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     with pytest.raises(DimpleError, match="log .* cannot be written"):
-        server.write_log(tmp_path, [(0.0,)])
+        logged_servo.write_log(tmp_path, [(0.0,)])
 
 
-def test_a_port_that_is_not_there_is_said(tmp_path: Path) -> None:
+def test_a_port_that_is_not_there_is_reported(tmp_path: Path) -> None:
     device = HapticMaster(str(tmp_path / "nothing"))
     device.open()
     report = drive(device, ready)
-    assert report.link is Link.REFUSED and "nothing" in report.message
+    assert report.link is LinkState.REFUSED and "nothing" in report.note
     device.close()
+
+
+def test_a_system_without_pseudo_terminals_has_no_emulated_device(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Windows."""
+    monkeypatch.setattr(pseudo_terminal, "SUPPORTED", False)
+    monkeypatch.setattr(devices, "start", lambda *_: pytest.fail("no process may be started"))
+    assert not Emulated.is_supported()
+    with pytest.raises(DimpleError, match="runs on Linux and macOS"):
+        Emulated().open()
 
 
 def test_an_emulated_device_opens_moves_and_leaves_nothing_behind() -> None:
@@ -89,22 +104,14 @@ def test_a_python_is_found_where_sys_executable_is_none(monkeypatch: pytest.Monk
         python.cache_clear()
         monkeypatch.setattr(sys, "executable", executable)
         monkeypatch.setattr(sys, "_base_executable", executable)
-        said = subprocess.run([python(), "-c", "print(6 * 7)"], capture_output=True, check=True).stdout
-        assert said.strip() == b"42"
+        output = subprocess.run([python(), "-c", "print(6 * 7)"], capture_output=True, check=True).stdout
+        assert output.strip() == b"42"
     python.cache_clear()
 
 
-def test_without_any_python_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_any_python_it_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     python.cache_clear()
     monkeypatch.setattr(processes, "_candidates", lambda: iter(["/nowhere/python3"]))
     with pytest.raises(DimpleError, match="Python was not found"):
         python()
     python.cache_clear()
-
-
-def test_a_pen_presses_as_deep_as_it_is_pressed() -> None:
-    pen = Pointer(radius=0.01, depth=0.02)
-    assert pen.read().tips[0].masked
-    pen.point((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.5)
-    assert pen.read().tips[0].position == pytest.approx((0.0, 0.0, 1.0 + 0.01 - 0.01))
-    assert pen.read().peak == 0.0  # it has no force

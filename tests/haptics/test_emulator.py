@@ -11,18 +11,20 @@ import pytest
 
 from core.errors import DimpleError
 from core.haptics import kinematics, wire
-from core.haptics.emulator import Emulator, Row
-from core.haptics.faults import Fault
-from core.haptics.hand import Hand, Keyframe, load_hand
-from core.haptics.line import Line
-from core.haptics.plant import Tip
+from core.haptics.emulated_hand import EmulatedHand, Keyframe, load_hand
+from core.haptics.emulated_line import EmulatedLine
+from core.haptics.emulated_tip import EmulatedTip
 from core.haptics.vectors import ZERO, Vector
+from studies.faults import InjectedFault
+from studies.faulty_emulator import FaultyEmulator, FaultyLine, TraceRow
 from tests.haptics.host import BLOCKS, SPEC, Host
 
-FREE = Hand(stiffness=0.0, damping=0.0)
+FREE = EmulatedHand(stiffness=0.0, damping=0.0)
 
 
-def move(tip: Tip, seconds: float, force: Vector = ZERO, hand: Hand = FREE, begin: float = 0.0) -> Tip:
+def move(
+    tip: EmulatedTip, seconds: float, force: Vector = ZERO, hand: EmulatedHand = FREE, begin: float = 0.0
+) -> EmulatedTip:
     for i in range(round(seconds / SPEC.tick)):
         tip.step(SPEC, hand, 0, begin + i * SPEC.tick, force)
     return tip
@@ -30,27 +32,27 @@ def move(tip: Tip, seconds: float, force: Vector = ZERO, hand: Hand = FREE, begi
 
 def test_a_pushed_tip_goes_as_fast_as_friction_lets_it() -> None:
     """v = (F - Fc) / b = 0.4 m/s at 1 N; 60 ms is one time constant, v (1 - 1/e)."""
-    tip = move(Tip((-0.2, 0.0, 0.0)), 0.06, (1.0, 0.0, 0.0))
+    tip = move(EmulatedTip((-0.2, 0.0, 0.0)), 0.06, (1.0, 0.0, 0.0))
     assert tip.velocity[0] == pytest.approx(0.4 * (1 - math.exp(-1)), rel=0.01)
-    tip = move(Tip((-0.2, 0.0, 0.0)), 0.6, (1.0, 0.0, 0.0))
+    tip = move(EmulatedTip((-0.2, 0.0, 0.0)), 0.6, (1.0, 0.0, 0.0))
     assert tip.velocity[0] == pytest.approx(0.4, rel=1e-3)
 
 
 def test_dry_friction_holds_what_is_weaker_than_it() -> None:
-    assert move(Tip(ZERO), 1.0, (0.11, 0.11, 0.11)).position == ZERO  # 0.19 N
-    assert move(Tip(ZERO), 1.0, (0.12, 0.12, 0.12)).position != ZERO  # 0.21 N
+    assert move(EmulatedTip(ZERO), 1.0, (0.11, 0.11, 0.11)).position == ZERO  # 0.19 N
+    assert move(EmulatedTip(ZERO), 1.0, (0.12, 0.12, 0.12)).position != ZERO  # 0.21 N
 
 
 def test_a_hand_yields_like_its_spring() -> None:
     """At rest the spring carries the force, but for what dry friction holds."""
-    hand = Hand(stiffness=400.0, damping=4.0)
-    x = move(Tip(ZERO), 2.0, (4.0, 0.0, 0.0), hand).position[0]
+    hand = EmulatedHand(stiffness=400.0, damping=4.0)
+    x = move(EmulatedTip(ZERO), 2.0, (4.0, 0.0, 0.0), hand).position[0]
     assert abs(400.0 * x - 4.0) <= SPEC.coulomb
 
 
 def test_a_plucked_tip_rings_at_its_frequency() -> None:
     """A spring of 1000 N/m and no hand's damping: zero crossings pi / omega apart, omega^2 = k/m - (b/2m)^2."""
-    hand, tip, crossings = Hand(stiffness=1000.0, damping=0.0), Tip((0.05, 0.0, 0.0)), []
+    hand, tip, crossings = EmulatedHand(stiffness=1000.0, damping=0.0), EmulatedTip((0.05, 0.0, 0.0)), []
     for i in range(200):
         before = tip.position[0]
         move(tip, SPEC.tick, hand=hand)
@@ -67,8 +69,8 @@ def test_a_tip_never_gains_energy_by_itself() -> None:
     dice = random.Random(8)
     for _ in range(20):
         k = 10 ** dice.uniform(1, 3.5)
-        hand = Hand(stiffness=k, damping=dice.choice((0.0, 4.0)))
-        tip = Tip((dice.uniform(-0.1, 0.1), dice.uniform(-0.1, 0.1), 0.0), (dice.uniform(-1, 1), 0.0, 0.0))
+        hand = EmulatedHand(stiffness=k, damping=dice.choice((0.0, 4.0)))
+        tip = EmulatedTip((dice.uniform(-0.1, 0.1), dice.uniform(-0.1, 0.1), 0.0), (dice.uniform(-1, 1), 0.0, 0.0))
         first = energy(tip, k)
         for _ in range(500):
             move(tip, SPEC.tick, hand=hand)
@@ -76,12 +78,12 @@ def test_a_tip_never_gains_energy_by_itself() -> None:
         assert energy(tip, k) < 0.2 * first or k < 100
 
 
-def energy(tip: Tip, k: float) -> float:
+def energy(tip: EmulatedTip, k: float) -> float:
     return 0.5 * SPEC.tip_mass * math.hypot(*tip.velocity) ** 2 + 0.5 * k * math.hypot(*tip.position) ** 2
 
 
 def test_the_linkage_stops_at_its_stops() -> None:
-    tip = move(Tip(ZERO), 2.0, (6.0, 5.0, 3.0))
+    tip = move(EmulatedTip(ZERO), 2.0, (6.0, 5.0, 3.0))
     assert math.hypot(*tip.position) == pytest.approx(SPEC.stop_radius)
     tip = move(tip, 0.05, (-6.0, -5.0, -3.0))
     assert math.hypot(*tip.position) < SPEC.stop_radius - 0.01  # it bounces nowhere, and comes away freely
@@ -89,13 +91,15 @@ def test_the_linkage_stops_at_its_stops() -> None:
 
 def test_a_hand_goes_its_way_straight_from_keyframe_to_keyframe() -> None:
     keys: tuple[Keyframe, ...] = ((1.0, 0.0, 0.0, 0.0), (2.0, 0.1, 0.0, -0.1), (3.0, 0.1, 0.0, -0.1))
-    hand = Hand(tips=(keys,) * 3)
+    hand = EmulatedHand(tips=(keys,) * 3)
     assert hand.target(0, -math.inf) == hand.target(0, 0.5) == (ZERO, ZERO)
     place, velocity = hand.target(0, 1.25)
     assert place == pytest.approx((0.025, 0.0, -0.025)) and velocity == pytest.approx((0.1, 0.0, -0.1))
     assert hand.target(0, 9.0) == ((0.1, 0.0, -0.1), ZERO)
-    rigid = Hand(tips=(keys,) * 3, stiffness=None)
-    assert move(Tip(ZERO), 0.25, (9.0, 9.0, 9.0), rigid, begin=1.0).position == pytest.approx((0.025, 0.0, -0.025))
+    rigid = EmulatedHand(tips=(keys,) * 3, stiffness=None)
+    assert move(EmulatedTip(ZERO), 0.25, (9.0, 9.0, 9.0), rigid, begin=1.0).position == pytest.approx(
+        (0.025, 0.0, -0.025)
+    )
 
 
 def test_a_hand_comes_from_a_file_and_a_wrong_one_is_refused(tmp_path: Path) -> None:
@@ -117,16 +121,16 @@ def test_a_hand_comes_from_a_file_and_a_wrong_one_is_refused(tmp_path: Path) -> 
     ]
     for file in wrong:
         path.write_text(json.dumps(file))
-        with pytest.raises(DimpleError, match="is no hand"):
+        with pytest.raises(DimpleError, match="is not a hand"):
             load_hand(path)
     with pytest.raises(DimpleError, match="cannot be read"):
         load_hand(tmp_path / "none.json")
 
 
-def test_the_device_says_where_its_tips_are() -> None:
+def test_the_device_reports_where_its_tips_are() -> None:
     """Within what the converters resolve: 0.08 mm rms of their steps, 0.085 with the noise; 4 sigma."""
     keys: tuple[Keyframe, ...] = ((0.0, -0.1, 0.05, 0.0), (1.0, 0.1, -0.05, 0.1))
-    device = Emulator(SPEC, hand=Hand(tips=(keys,) * 3, stiffness=None, from_arm=False), trace=[])
+    device = FaultyEmulator(SPEC, hand=EmulatedHand(tips=(keys,) * 3, stiffness=None, from_arm=False), trace=[])
     host, out, errors = Host(arms=False), b"", []
     out = host.hello()
     for i in range(10_000):
@@ -138,7 +142,8 @@ def test_the_device_says_where_its_tips_are() -> None:
             p = kinematics.forward(block, kinematics.adc_angles(SPEC, state.adc[3 * i : 3 * i + 3]))
             errors.append(1e3 * math.dist(p, row[2 + 3 * i : 5 + 3 * i]))
     assert len(errors) > 2900
-    assert math.sqrt(sum(e * e for e in errors) / len(errors)) < 0.1 and max(errors) < 0.4
+    assert math.sqrt(sum(e * e for e in errors) / len(errors)) == pytest.approx(0.085, rel=0.15)
+    assert max(errors) < 0.4
 
 
 def test_the_force_at_the_tip_is_the_one_the_host_asked_for() -> None:
@@ -147,7 +152,7 @@ def test_the_force_at_the_tip_is_the_one_the_host_asked_for() -> None:
     for _ in range(5):
         place = (dice.uniform(-0.1, 0.1), dice.uniform(-0.1, 0.1), dice.uniform(-0.1, 0.1))
         asked = (dice.uniform(-3, 3), dice.uniform(-3, 3), dice.uniform(-3, 3))
-        device = Emulator(SPEC, hand=Hand(tips=(((0.0, *place),),) * 3, stiffness=None))
+        device = FaultyEmulator(SPEC, hand=EmulatedHand(tips=(((0.0, *place),),) * 3, stiffness=None))
         host = Host(lambda finger, time, asked=asked: asked if time > 0.1 else ZERO)  # type: ignore[misc]
         out = host.hello()
         for i in range(3500):
@@ -159,8 +164,8 @@ def test_the_force_at_the_tip_is_the_one_the_host_asked_for() -> None:
 
 @pytest.mark.parametrize("baud", [115_200, 921_600])
 def test_bytes_take_their_time_on_the_line(baud: int) -> None:
-    """Ten bits a byte, one after the other; 36 bytes of a State are 390 us at 921600 baud."""
-    line, arrived = Line(baud, [], random.Random(0)), b""
+    """Ten bits a byte, one after the other; 36 bytes of a STATE are 390 us at 921600 baud."""
+    line, arrived = EmulatedLine(baud), b""
     line.send(0.0, bytes(range(36)))
     line.send(0.0, bytes(range(36, 72)))
     for i in range(1, 72):
@@ -174,7 +179,7 @@ def test_bytes_take_their_time_on_the_line(baud: int) -> None:
 
 def test_at_115200_baud_the_line_falls_behind() -> None:
     """Why the host must refuse it: a State of 3.1 ms a millisecond."""
-    device, host = Emulator(SPEC, baud=115_200), Host(arms=False)
+    device, host = FaultyEmulator(SPEC, baud=115_200), Host(arms=False)
     out = host.hello()
     for i in range(5000):
         out = host.step(i * 2e-4, device.step(i * 2e-4, out))
@@ -182,15 +187,15 @@ def test_at_115200_baud_the_line_falls_behind() -> None:
 
 
 def test_a_line_that_drops_half_delivers_half() -> None:
-    line = Line(0, [Fault("drop", 0.5)], random.Random(1))
+    line = FaultyLine(0, [InjectedFault("drop", 0.5)], random.Random(1))
     for _ in range(10_000):
         line.send(0.0, b"x")
     assert len(line.take(0.0)) == pytest.approx(5000, abs=150)  # three sigma
 
 
-def test_a_line_flips_the_bits_it_is_told_to() -> None:
+def test_a_line_flips_the_share_of_bits_it_should() -> None:
     for rate in (1e-3, 0.1, 1.0):
-        line = Line(0, [Fault("flip", rate)], random.Random(1))
+        line = FaultyLine(0, [InjectedFault("flip", rate)], random.Random(1))
         for _ in range(1000):
             line.send(0.0, bytes(100))
         flipped = sum(byte.bit_count() for byte in line.take(0.0))
@@ -201,17 +206,17 @@ def test_what_happens_does_not_depend_on_how_often_one_looks() -> None:
     """Steps of a whole tick or of a hundredth: the same bytes."""
     streams = []
     for n in (1, 3, 100):
-        device, got = Emulator(SPEC, seed=4), b""
+        device, got = FaultyEmulator(SPEC, seed=4), b""
         got = device.step(0.0, wire.encode(wire.Hello(1, 1, 1)))
         for i in range(1, 200 * n):
             got += device.step(i * 1e-3 / n, b"")
-        streams.append([frame for frame in wire.Decoder().feed(got) if isinstance(frame, wire.State)][:150])
+        streams.append([frame for frame in wire.Decoder().feed(got) if isinstance(frame, wire.DeviceState)][:150])
     assert len(streams[0]) == 150 and streams[0] == streams[1] == streams[2]
 
 
 def test_the_same_seed_is_the_same_device() -> None:
     def bytes_of(seed: int) -> bytes:
-        device = Emulator(SPEC, seed=seed, faults=[Fault("flip", 1e-3), Fault("drop", 0.1)])
+        device = FaultyEmulator(SPEC, seed=seed, faults=[InjectedFault("flip", 1e-3), InjectedFault("drop", 0.1)])
         got = device.step(0.0, wire.encode(wire.Hello(1, 1, 1)))
         return got + b"".join(device.step(i * 1e-3, b"") for i in range(100))
 
@@ -220,14 +225,14 @@ def test_the_same_seed_is_the_same_device() -> None:
 
 def test_a_state_leaves_before_the_motors_are_computed_and_its_answer_acts_from_the_next_tick_on() -> None:
     """On a line without wire time, answered at once: 0.5 N are asked from 0.7 s on, and act a tick later."""
-    trace: list[Row] = []
-    device = Emulator(SPEC, baud=0, trace=trace)
+    trace: list[TraceRow] = []
+    device = FaultyEmulator(SPEC, baud=0, trace=trace)
     host = Host(lambda finger, time: (0.0, 0.0, 0.5 if time >= 0.7 - 1e-9 else 0.0))
     rest = device.step(0.0, host.hello())
     for i in range(1, 710):
         now, before = i * SPEC.tick, len(trace)
         outgoing = rest + device.step(now, b"")
-        assert len(trace) == before  # nobody computed what the host does not wait for
+        assert len(trace) == before  # it did not compute what the host does not wait for
         rest = device.step(now, host.step(now, outgoing))
         assert len(trace) == before + 1
     assert device.mode == wire.ARMED

@@ -8,8 +8,8 @@ import pytest
 
 from core.errors import DimpleError
 from core.haptics import wire
-from core.haptics.command import measured
-from core.haptics.faults import FAULTS, FOREVER, Fault, parse_fault
+from studies.emulator import measured
+from studies.faults import FAULTS, FOREVER, InjectedFault, parse_fault
 from tests.haptics.bit_errors import lost_share
 from tests.haptics.host import Table
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS, sizes, up
@@ -31,7 +31,7 @@ def lost(table: Table) -> tuple[int, int]:
 
 @pytest.mark.parametrize("rate", [1e-4, 1e-3])
 def test_flipped_bits_never_make_a_torque_or_a_place(rate: float) -> None:
-    """3 s of both ways: all that acts was sent, all that arrives was said; losses are those of the bits hit."""
+    """3 s of both ways: all that acts was sent, all that arrives was sent too; losses are those of the bits hit."""
     table = Table(up(3.0), f"flip={rate}@0.1").run(0.1)
     while table.now < 3.0:
         table.run(0.01)
@@ -41,9 +41,9 @@ def test_flipped_bits_never_make_a_torque_or_a_place(rate: float) -> None:
     expected = -math.expm1(8 * wire.size(wire.Command) * math.log1p(-rate))
     sigma = math.sqrt(expected * (1 - expected) / (missed + took))
     assert missed / (missed + took) == pytest.approx(expected, rel=0.10, abs=3 * sigma)
-    said = table.device.firmware.watch
-    assert said is not None and table.host.decoder.counts.frames < said.ticks
-    arrived = len(table.host.states) / said.ticks
+    watch = table.device.firmware.watch
+    assert watch is not None and table.host.decoder.counts.frames < watch.ticks
+    arrived = len(table.host.states) / watch.ticks
     assert 1 - arrived == pytest.approx(lost_share(rate), rel=0.10, abs=3 * sigma)
     assert max(sizes(table)) <= 3.0 + BRAKE_NOISE
 
@@ -67,7 +67,7 @@ def test_after_garbage_the_next_zero_is_a_new_beginning(name: str) -> None:
     assert table.device.mode == wire.ARMED and taken(table) == table.host.sent[taken(table).seq]
 
 
-def test_at_a_wrong_baud_rate_nobody_answers_and_no_torque_acts() -> None:
+def test_at_a_wrong_baud_rate_nothing_answers_and_no_torque_acts() -> None:
     table = Table(up(3.0), "wrong-baud")
     for _ in range(10):
         table._to_device += table.host.hello()
@@ -127,15 +127,15 @@ def test_answers_older_than_5_ticks_are_no_answers() -> None:
 
 def test_states_after_the_host_has_hung_up_are_not_late_answers() -> None:
     table = Table(up(3.0)).run(0.8)
-    told = measured(table.device)
+    before = measured(table.device)
     table.host.answers = False
     table.run(0.05)
     after = measured(table.device)
-    assert after["ticks"] == pytest.approx(float(told["ticks"]) + 50, abs=2)
-    assert after["late_share"] == pytest.approx(float(told["late_share"]), abs=0.005)
+    assert after["ticks"] == pytest.approx(float(before["ticks"]) + 50, abs=2)
+    assert after["late_share"] == pytest.approx(float(before["late_share"]), abs=0.005)
 
 
-def test_an_unplugged_device_says_no_more() -> None:
+def test_an_unplugged_device_sends_nothing_more() -> None:
     table = Table(up(3.0), "unplug@0.7").run(1.0)
     n = len(table.host.states)
     assert table.device.unplugged and n == pytest.approx(698, abs=3)
@@ -181,7 +181,7 @@ def test_a_device_with_a_broken_sensor_is_not_armed() -> None:
 
 
 def test_words_of_full_scale_are_limited_like_any_others() -> None:
-    """The most that a wire can say: 10 N, 1 N a millisecond later than the millisecond before."""
+    """The largest words of the wire: 10 N, 1 N a millisecond later than the millisecond before."""
     table = Table().armed()
     at = len(table.trace)
     table.host.torque = (32767, -32768, 32767) * 3  # type: ignore[assignment]
@@ -191,18 +191,18 @@ def test_words_of_full_scale_are_limited_like_any_others() -> None:
     assert max(b - a for a, b in zip(force, force[1:], strict=False)) <= 1.0 + CONVERTERS
 
 
-def test_faults_are_written_as_they_are_told() -> None:
-    assert parse_fault("flip=1e-3") == Fault("flip", 1e-3)
-    assert parse_fault("flip-in") == Fault("flip", FAULTS["flip"][0], way="in")
-    assert parse_fault("adc-range=2@0.5+0.25") == Fault("adc-range", 2.0, 0.5, 0.75)
-    assert parse_fault("slow-host=0.01@1") == Fault("delay", 0.01, 1.0, FOREVER, "in")
+def test_faults_are_parsed_as_documented() -> None:
+    assert parse_fault("flip=1e-3") == InjectedFault("flip", 1e-3)
+    assert parse_fault("flip-in") == InjectedFault("flip", FAULTS["flip"][0], way="in")
+    assert parse_fault("adc-range=2@0.5+0.25") == InjectedFault("adc-range", 2.0, 0.5, 0.75)
+    assert parse_fault("slow-host=0.01@1") == InjectedFault("delay", 0.01, 1.0, FOREVER, "in")
     assert all(parse_fault(name).name == name for name in FAULTS)
     for text in ("flup", "flip=x", "flip@x", "flip@-1", "flip=-1", "flip@1+0", "flip=nan", "unplug-in", ""):
         with pytest.raises(DimpleError, match="fault"):
             parse_fault(text)
 
 
-def test_whoever_listens_from_the_middle_hears_all_but_the_first() -> None:
+def test_a_reader_that_begins_in_the_middle_gets_all_but_the_first() -> None:
     """The emulator's line cuts frames wherever time does."""
     table = Table(arms=False).run(0.1)
     counts = table.host.decoder.counts

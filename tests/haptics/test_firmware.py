@@ -8,7 +8,7 @@ import random
 import pytest
 
 from core.haptics import wire
-from core.haptics.hand import Hand
+from core.haptics.emulated_hand import EmulatedHand
 from core.haptics.vectors import ZERO
 from core.haptics.watch import Watch
 from tests.haptics.host import HELD, SPEC, Host, Table
@@ -51,7 +51,7 @@ def test_arming_waits_for_50_ms_without_force_then_ramps_for_half_a_second() -> 
 
 
 def test_a_host_that_pushes_is_not_armed() -> None:
-    """0.21 N asked of one finger: refused after a second, and said so."""
+    """0.21 N asked of one finger: refused after a second, with a FAULT."""
     table = Table(lambda finger, time: (0.21 if finger == 2 else 0.0, 0.0, 0.0)).run(1.2)
     assert table.device.mode == wire.IDLE
     assert [fault.code for fault in table.host.faults] == [wire.FAULT_ARM_REFUSED]
@@ -171,12 +171,13 @@ def test_disarm_ends_force_at_once() -> None:
     assert max(sizes(table)[at + 2 :]) == 0.0 and table.device.mode == wire.IDLE
 
 
-def test_no_command_whatever_exceeds_peak_slew_or_heat() -> None:
-    """Random words of full scale, held for random times, 12 s: 10 N, 1 N/ms and 4 N over any 10 s hold."""
+@pytest.mark.parametrize("seconds", [3, pytest.param(12, marks=pytest.mark.slow)])
+def test_no_command_whatever_exceeds_peak_slew_or_heat(seconds: int) -> None:
+    """Random words of full scale: 10 N, 1 N/ms and, in the long run, 4 N over any 10 s are never exceeded."""
     dice = random.Random(3)
-    table = Table(hand=Hand(stiffness=3000.0, damping=40.0)).armed()
+    table = Table(hand=EmulatedHand(stiffness=3000.0, damping=40.0)).armed()
     since = len(table.trace)
-    for _ in range(60):
+    for _ in range(5 * seconds):
         table.host.torque = tuple(dice.choice((-32768, 32767, dice.randint(-9000, 9000))) for _ in range(9))  # type: ignore
         table.run(0.2)
     assert table.device.mode == wire.ARMED
@@ -192,7 +193,7 @@ def test_no_command_whatever_exceeds_peak_slew_or_heat() -> None:
 def test_a_tip_that_runs_away_is_braked_at_once_and_latched_after_5_ticks() -> None:
     """A hand that lets go of a push of 10 N: 0.12 kg reach 1.5 m/s in some 20 ms."""
     keys = ((0.0, 0.0, 0.0, -0.2), (1.0, 0.0, 0.0, -0.2))
-    table = Table(up(10.0, 0.62), hand=Hand(tips=(keys,) * 3, stiffness=0.0, damping=0.0)).armed()
+    table = Table(up(10.0, 0.62), hand=EmulatedHand(tips=(keys,) * 3, stiffness=0.0, damping=0.0)).armed()
     table.run(0.2)
     assert [fault.code for fault in table.host.faults][:1] == [wire.FAULT_SPEED]
     heights = [row[4] for row in table.trace]
@@ -250,7 +251,7 @@ def test_hello_asked_twice_is_one_session() -> None:
 
 
 def test_a_device_without_a_host_is_silent() -> None:
-    """Before a HELLO, and a second after the last word: no port fills with States that nobody reads."""
+    """Before a HELLO, and a second after the last frame: no port fills with unread STATEs."""
     table = Table(arms=False)
     table._to_device = b""
     table.run(0.2)
@@ -273,7 +274,7 @@ def test_the_round_trip_is_measured_on_the_device_s_clock() -> None:
 
 
 def test_a_state_that_was_passed_over_has_waited_for_the_answer_to_the_next() -> None:
-    """The host was kept from running for 2.4 ms, then answered the newest of three: the hand felt an old force."""
+    """The host was kept from running for 2.4 ms, then answered the newest of three: an old force acted."""
     watch = Watch(SPEC, 1)
     seqs = [watch.send(1e-3 * i) for i in range(3)]
     assert watch.take(wire.Command(1, 1, seqs[-1], wire.NO_TORQUE, 0, 5), 2.4e-3)

@@ -12,6 +12,7 @@ from core.haptics import kinematics, wire
 from core.haptics.kinematics import Block, Singular, Unreachable
 from core.haptics.spec import HAPTIC_MASTER, check_info, geometry_crc, info, load_spec
 from core.haptics.vectors import Vector
+from tests.haptics.converters import adc_words
 
 SPEC = load_spec()
 BLOCKS = kinematics.blocks(SPEC)
@@ -40,10 +41,13 @@ def test_the_inverse_brings_every_fingertip_back_to_its_place(block: Block) -> N
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.name)
 def test_every_converter_spans_the_whole_workspace(block: Block) -> None:
-    """To the mechanical stops, with 5 degrees to spare: at its end a converter counts as broken."""
-    for p in places(2000, SPEC.stop_radius):
-        for angle, centre in zip(kinematics.inverse(block, p), SPEC.adc_centres, strict=True):
-            assert abs(angle - centre) < SPEC.adc_span / 2 - math.radians(5)
+    """To the mechanical stops, with 5 degrees to spare (at its end a converter counts as broken), and no finer."""
+    farthest = max(
+        abs(angle - centre)
+        for p in places(2000, SPEC.stop_radius)
+        for angle, centre in zip(kinematics.inverse(block, p), SPEC.adc_centres, strict=True)
+    )
+    assert 0.75 * SPEC.adc_span / 2 < farthest < SPEC.adc_span / 2 - math.radians(5)
 
 
 def test_the_jacobian_is_the_derivative_of_the_place() -> None:
@@ -95,7 +99,7 @@ def test_the_converters_resolve_eight_hundredths_of_a_millimetre() -> None:
     errors = []
     for block in BLOCKS:
         for p in places(4000)[::2]:  # inside, evenly
-            q = kinematics.adc_angles(SPEC, kinematics.adc_words(SPEC, kinematics.inverse(block, p)))
+            q = kinematics.adc_angles(SPEC, adc_words(SPEC, kinematics.inverse(block, p)))
             errors.append(math.dist(kinematics.forward(block, q), p))
     rms = 1e3 * math.sqrt(sum(e * e for e in errors) / len(errors))
     assert rms == pytest.approx(0.08, abs=0.005)
@@ -106,11 +110,11 @@ def test_a_converter_is_right_within_half_a_step_and_holds_at_its_ends() -> None
     dice = random.Random(4)
     for _ in range(1000):
         q = tuple(centre + dice.uniform(-0.5, 0.5) * SPEC.adc_span for centre in SPEC.adc_centres)
-        words = kinematics.adc_words(SPEC, q)
+        words = adc_words(SPEC, q)
         assert all(word % 16 == 0 for word in words)
         for read, true in zip(kinematics.adc_angles(SPEC, words), q, strict=True):
             assert abs(read - true) <= step / 2 + 1e-12
-    assert kinematics.adc_words(SPEC, (-9.0, 9.0, -9.0)) == (0, 0xFFF0, 0)
+    assert adc_words(SPEC, (-9.0, 9.0, -9.0)) == (0, 0xFFF0, 0)
 
 
 def test_torque_words_hold_at_full_scale_and_know_only_numbers() -> None:
@@ -122,14 +126,15 @@ def test_torque_words_hold_at_full_scale_and_know_only_numbers() -> None:
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.name)
 def test_the_motors_reach_the_peak_force_everywhere_in_the_workspace(block: Block) -> None:
-    """10 N in any direction: no joint asks for more than its motor has."""
-    dice = random.Random(6)
+    """10 N in any direction: no joint needs more than its motor has, and the weakest nearly all of it."""
+    dice, largest = random.Random(6), 0.0
     for p in PLACES[:500]:
         way = rand3(dice)
         factor = SPEC.peak_force / math.hypot(*way)
         push = (way[0] * factor, way[1] * factor, way[2] * factor)
         tau = kinematics.torques(block, kinematics.inverse(block, p), push)
-        assert all(abs(part) <= limit for part, limit in zip(tau, SPEC.torque_limits, strict=True))
+        largest = max(largest, *(abs(part) / limit for part, limit in zip(tau, SPEC.torque_limits, strict=True)))
+    assert 0.8 < largest <= 1.0
 
 
 def test_singular_and_unreachable_places_are_named() -> None:
@@ -148,7 +153,7 @@ def test_singular_and_unreachable_places_are_named() -> None:
         kinematics.force(block, (0.0, q1, q2), (1.0, 0.0, 0.0))
 
 
-def test_every_number_of_the_device_says_where_it_comes_from() -> None:
+def test_every_number_of_the_device_states_where_it_comes_from() -> None:
     lines = [line for line in HAPTIC_MASTER.read_text().splitlines() if "=" in line and not line.startswith("#")]
     numbers = [line for line in lines if re.search(r"= *\[?[\d.\"]", line) and not line.startswith("name ")]
     assert len(numbers) > 30 and len(numbers) == len(lines) - 1
@@ -195,15 +200,15 @@ def test_a_device_file_that_is_not_safe_is_refused(tmp_path, line: str, instead:
 
 
 def test_a_device_that_is_another_is_refused_and_the_difference_named(tmp_path) -> None:
-    said = info(SPEC, nonce=1, session=2)
-    check_info(SPEC, said)
-    assert wire.Decoder().feed(wire.encode(said)) == [said]
+    reported = info(SPEC, nonce=1, session=2)
+    check_info(SPEC, reported)
+    assert wire.Decoder().feed(wire.encode(reported)) == [reported]
     with pytest.raises(DimpleError, match=r"protocol 2\.0, this Dimple 1\.0"):
-        check_info(SPEC, said._replace(major=2))
+        check_info(SPEC, reported._replace(major=2))
     with pytest.raises(DimpleError, match="peak_cn 2000 instead of 1000"):
-        check_info(SPEC, said._replace(peak_cn=2000))
+        check_info(SPEC, reported._replace(peak_cn=2000))
     path = tmp_path / "longer.toml"
     path.write_text(HAPTIC_MASTER.read_text().replace("l2_m = 0.30", "l2_m = 0.301"))
     assert geometry_crc(load_spec(path)) != geometry_crc(SPEC)
     with pytest.raises(DimpleError, match="geometry_crc"):
-        check_info(load_spec(path), said)
+        check_info(load_spec(path), reported)

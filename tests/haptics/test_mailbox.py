@@ -1,4 +1,4 @@
-"""Letters between two processes: whole or not at all."""
+"""Messages between two processes: whole or not at all."""
 
 import math
 import os
@@ -13,10 +13,10 @@ from core.haptics.mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from core.haptics.messages import (
     ORDER_SIZE,
     REPORT_SIZE,
-    Link,
+    LinkState,
     Order,
-    Report,
-    Tip,
+    ServoReport,
+    TipState,
     pack_order,
     pack_report,
     unpack_order,
@@ -44,10 +44,10 @@ def test_an_order_and_a_report_arrive_as_they_were_sent() -> None:
         arm=3, disarm=2, held_until=4.5, contacts=(None, wall(1.5), replace(wall(2.5), force=(1.0, -2.0, 3.0)))
     )
     assert unpack_order(pack_order(order)) == order
-    report = Report(
-        time=1.0, link=Link.READY, arming=Arming.RAMP, tips=(Tip(position=(1.0, 2.0, 3.0), full=True), Tip(), Tip()),
-        states=7, lost=1, unsent=5, wrong=2, stale=3, late=4, rate=1000.0, delay_p50=1e-3, delay_p99=2e-3, wire=7e-4,
-        cap=640.0, peak=10.0, buttons=1, status=3, message="Größe",
+    report = ServoReport(
+        link=LinkState.READY, arming=Arming.RAMP, states=7, lost=1, unsent=5, wrong=2, stale=3, rate=1000.0,
+        tips=(TipState(position=(1.0, 2.0, 3.0), full=True), TipState(), TipState()),
+        delay_p50=1e-3, delay_p99=2e-3, cap=640.0, peak=10.0, note="Größe",
     )  # fmt: skip
     assert unpack_report(pack_report(report)) == report
     assert (len(pack_order(order)), len(pack_report(report))) == (ORDER_SIZE, REPORT_SIZE)
@@ -58,19 +58,19 @@ def test_not_a_number_arrives_as_such_for_the_servo_to_refuse() -> None:
     assert order.contacts[0] and math.isnan(order.contacts[0].k_n)
 
 
-def test_a_letter_is_read_once_and_the_newest_replaces_the_one_before() -> None:
+def test_a_message_is_read_once_and_the_newest_replaces_the_one_before() -> None:
     box = Mailbox()
     assert box.read(TO_SERVO, 3) == (0, None)
     box.post(TO_SERVO, b"one")
     box.post(TO_SERVO, b"two")
-    number, letter = box.read(TO_SERVO, 3)
-    assert letter == b"two"
+    number, message = box.read(TO_SERVO, 3)
+    assert message == b"two"
     assert box.read(TO_SERVO, 3, number) == (number, None)
     assert box.read(FROM_SERVO, 3) == (0, None)
     box.close()
 
 
-def test_a_letter_that_is_being_written_or_was_damaged_is_not_read() -> None:
+def test_a_message_that_is_being_written_or_was_damaged_is_not_read() -> None:
     box = Mailbox()
     box.post(TO_SERVO, b"whole")
     box._map[10] ^= 1
@@ -78,16 +78,16 @@ def test_a_letter_that_is_being_written_or_was_damaged_is_not_read() -> None:
     box.close()
 
 
-def test_no_reader_ever_gets_a_mixture_of_two_letters() -> None:
+def test_no_reader_ever_gets_a_mixture_of_two_messages() -> None:
     box = Mailbox()
     writer = subprocess.Popen([sys.executable, "-I", "-S", "-c", WRITER, str(ROOT), str(box.path)])
     seen, read, until = 0, 0, time.perf_counter() + 10
     try:
         while read < 200 and time.perf_counter() < until:
-            seen, letter = box.read(TO_SERVO, 400, seen)
-            if letter:
+            seen, message = box.read(TO_SERVO, 400, seen)
+            if message:
                 read += 1
-                assert len(set(letter)) == 1
+                assert len(set(message)) == 1
     finally:
         writer.kill()
         writer.wait()
@@ -96,7 +96,7 @@ def test_no_reader_ever_gets_a_mixture_of_two_letters() -> None:
 
 
 def test_the_file_goes_as_soon_as_both_have_it_or_with_the_one_who_made_it() -> None:
-    """So that nothing is left behind, whoever is killed."""
+    """So that nothing is left behind, whichever is killed."""
     box = Mailbox()
     assert box.path.exists()
     other = Mailbox(box.path)
@@ -108,7 +108,7 @@ def test_the_file_goes_as_soon_as_both_have_it_or_with_the_one_who_made_it() -> 
         assert not each.path.exists()
 
 
-def test_a_letter_that_does_not_fit_is_refused() -> None:
+def test_a_message_that_does_not_fit_is_refused() -> None:
     box = Mailbox()
     with pytest.raises(ValueError):
         box.post(TO_SERVO, bytes(5000))

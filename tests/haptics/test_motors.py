@@ -21,14 +21,16 @@ def hottest(forces: list[Vector], window: float) -> float:
     return math.sqrt(max(b - a for a, b in zip(sums, sums[n:], strict=False)) / n) if len(sums) > n else 0.0
 
 
-@pytest.mark.parametrize("period", [0.5, 3.0, 7.0, 1e9])
+@pytest.mark.parametrize(
+    "period", [0.5, pytest.param(3.0, marks=pytest.mark.slow), 7.0, pytest.param(1e9, marks=pytest.mark.slow)]
+)
 def test_no_rhythm_beats_the_heat_limit(period: float) -> None:
-    """30 s of the limiter alone, on and off in any rhythm."""
+    """30 s of the limiter alone, on and off in any rhythm; it gives nearly all of what the limit allows."""
     motors, forces = Motors(SPEC), []
     for i in range(30_000):
         asked = 50.0 if (i * SPEC.tick) % period < period / 2 else 0.0
         forces.append(motors.limit((asked, 0.0, 0.0)))
-    assert hottest(forces, 10.0) <= SPEC.continuous_force
+    assert 0.99 * SPEC.continuous_force < hottest(forces, 10.0) <= SPEC.continuous_force
 
 
 def test_the_continuous_force_never_folds_back() -> None:

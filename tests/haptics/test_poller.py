@@ -6,15 +6,15 @@ import tty
 
 import pytest
 
-from core.haptics.poller import EDGES, Arrivals
+from core.haptics.poller import EDGE_TRIGGERED, Poller
 
 
-@pytest.mark.parametrize("edges", [EDGES, False], ids=["told", "asked"])
+@pytest.mark.parametrize("edges", [EDGE_TRIGGERED, False], ids=["epoll", "select"])
 def test_each_end_is_named_when_something_came_there(edges: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """On Linux, and where the system has no epoll."""
-    monkeypatch.setattr("core.haptics.poller.EDGES", edges)
+    monkeypatch.setattr("core.haptics.poller.EDGE_TRIGGERED", edges)
     (here, there), (here2, there2) = os.pipe(), os.pipe()
-    arrivals = Arrivals(here, here2)
+    arrivals = Poller(here, here2)
     assert arrivals.wait(0.0) == []
     os.write(there, b"a")
     assert arrivals.wait(1.0) == [here] and os.read(here, 10) == b"a"
@@ -25,12 +25,12 @@ def test_each_end_is_named_when_something_came_there(edges: bool, monkeypatch: p
         os.close(end)
 
 
-@pytest.mark.skipif(not EDGES, reason="only Linux has a worker that one would wait for")
-def test_a_terminal_is_not_asked_for_what_it_told_already() -> None:
+@pytest.mark.skipif(not EDGE_TRIGGERED, reason="only Linux has a worker that one would wait for")
+def test_a_terminal_is_reported_once_for_all_that_came() -> None:
     """Left unread it is not named again, which asking would do; the next bytes are."""
     master, slave = pty.openpty()
     tty.setraw(slave)
-    arrivals = Arrivals(slave)
+    arrivals = Poller(slave)
     os.write(master, b"a")
     assert arrivals.wait(1.0) == [slave] and arrivals.wait(0.01) == []
     os.write(master, b"b")

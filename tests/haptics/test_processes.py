@@ -18,17 +18,18 @@ import pytest
 from core.base import DimpleError
 from core.haptics import wire
 from core.haptics.device import HapticMaster
-from core.haptics.messages import Link, Report
+from core.haptics.messages import LinkState, ServoReport
 from core.haptics.safety import Arming
 from core.haptics.servo import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
 from core.haptics.vectors import length
 from studies import haptics
+from tests.haptics.machine import NEEDS_PTY, unable
 from tests.haptics.pressing import Rig, drive, gone, press, pressed, ready, rig
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS
 from tools.environment import ROOT
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
-# what is said where processes get no processor: for 1 s at first, for 100 ms, for 5 of every 50 ms while it arms
+pytestmark = NEEDS_PTY
+# the notes where processes get no processor: for 1 s at first, for 100 ms, for 5 of every 50 ms while it arms
 STALLS = (
     SILENT, WAS_SILENT, STOOD_STILL, FAULTS[wire.FAULT_WATCHDOG], FAULTS[wire.FAULT_ARM_REFUSED],
     "The emulated device did not arm.", "the machine is too busy", NO_ANSWER.partition(".")[0],
@@ -44,7 +45,7 @@ def emulator(tmp_path: Path) -> Iterator[Rig]:
 
 
 def needs_a_new_arm(port: str) -> bool:
-    """Tell whether the port is free, and whoever connects there has no force until he asks for it."""
+    """Tell whether the port is free, and a new connection has no force until it is requested."""
     device = HapticMaster(port)
     device.open()
     try:
@@ -65,10 +66,10 @@ def test_blender_is_killed(emulator: Rig) -> None:
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT,
     )  # fmt: skip
     assert blender.stdout and blender.stderr
-    said = blender.stdout.readline()
-    if not said and (why := blender.stderr.read().decode()).startswith("this machine"):
-        pytest.skip(why)
-    servo = int(said)
+    line = blender.stdout.readline()
+    if not line and (why := blender.stderr.read().decode()).startswith("this machine"):
+        unable(why)
+    servo = int(line)
     blender.kill()
     blender.wait()
     assert gone(servo)
@@ -78,13 +79,13 @@ def test_blender_is_killed(emulator: Rig) -> None:
 
 
 def test_the_servo_is_killed(emulator: Rig) -> None:
-    """The device lets go by itself and latches the fault; Blender reads on and says so."""
+    """The device lets go by itself and latches the fault; Blender reads on and reports it."""
     device = HapticMaster(emulator.port)
     press(device)
     assert device.process
     device.process.send_signal(signal.SIGKILL)
-    report = drive(device, lambda report: report.link is Link.LOST)
-    assert "arm again" in report.message
+    report = drive(device, lambda report: report.link is LinkState.LOST)
+    assert "arm again" in report.note
     device.close()
     time.sleep(0.5)  # until the device has latched
     assert needs_a_new_arm(emulator.port)
@@ -93,14 +94,14 @@ def test_the_servo_is_killed(emulator: Rig) -> None:
 
 
 def test_the_servo_hangs(emulator: Rig) -> None:
-    """The device lets go by itself; Blender says so, and gets rid of it."""
+    """The device lets go by itself; Blender reports it, and ends the servo."""
     device = HapticMaster(emulator.port)
     press(device)
     assert device.process
     pid = device.process.pid
     device.process.send_signal(signal.SIGSTOP)
-    report = drive(device, lambda report: report.link is Link.LOST)
-    assert report.arming is Arming.OFF and "does not answer" in report.message
+    report = drive(device, lambda report: report.link is LinkState.LOST)
+    assert report.arming is Arming.OFF and "does not answer" in report.note
     device.close()
     assert gone(pid)
     assert needs_a_new_arm(emulator.port)
@@ -109,18 +110,18 @@ def test_the_servo_hangs(emulator: Rig) -> None:
 
 
 def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
-    """So that whoever is killed leaves none behind; it is mapped, and goes on."""
+    """So that none is left whichever process is killed; it is mapped, and goes on."""
     device = HapticMaster(emulator.port)
     device.open()
     drive(device, ready)
     assert device._box and not device._box.path.exists()
-    assert drive(device, pressed(), arms=True).link is Link.READY
+    assert drive(device, pressed(), arms=True).link is LinkState.READY
     device.close()
 
 
 @pytest.mark.parametrize("how", ["killed", "unplugged"])
 def test_the_device_goes_away(tmp_path: Path, how: str) -> None:
-    """The servo says that it is lost and ends; another device is started at the same path and found, unarmed."""
+    """The servo reports the loss and ends; another device is started at the same path and found, unarmed."""
     made = rig(tmp_path)
     device = HapticMaster(made.port)
     press(device)
@@ -130,8 +131,8 @@ def test_the_device_goes_away(tmp_path: Path, how: str) -> None:
         made.process.kill()
     else:
         made.stop()  # to the host it looks the same
-    report = drive(device, lambda report: report.link is Link.LOST)
-    assert report.message and report.arming is Arming.OFF
+    report = drive(device, lambda report: report.link is LinkState.LOST)
+    assert report.note and report.arming is Arming.OFF
     assert gone(pid)
     assert os.path.islink(made.port) == (how == "killed")
     device.close()
@@ -147,8 +148,8 @@ def test_a_second_opener_is_refused(emulator: Rig) -> None:
     drive(first, ready)
     second.open()
     report = drive(second, ready)
-    assert report.link is Link.REFUSED and "in use" in report.message
-    assert first.read().link is Link.READY
+    assert report.link is LinkState.REFUSED and "in use" in report.note
+    assert first.read().link is LinkState.READY
     for device in (second, first):
         device.close()
 
@@ -158,23 +159,23 @@ def test_another_protocol_is_refused_naming_both(tmp_path: Path) -> None:
     device = HapticMaster(made.port)
     device.open()
     report = drive(device, ready)
-    assert report.link is Link.REFUSED and "2.0" in report.message and "1.0" in report.message
+    assert report.link is LinkState.REFUSED and "2.0" in report.note and "1.0" in report.note
     device.close()
     made.stop()
 
 
-def test_a_wrong_baud_rate_is_said(tmp_path: Path) -> None:
+def test_a_wrong_baud_rate_is_reported(tmp_path: Path) -> None:
     made = rig(tmp_path, "--fault", "wrong-baud")
     device = HapticMaster(made.port)
     device.open()
-    assert "baud" in drive(device, ready).message
+    assert "baud" in drive(device, ready).note
     device.close()
     made.stop()
 
 
-@pytest.mark.parametrize("says", [b"", b"\x55" * 4096, bytes(range(256)) * 16], ids=["nothing", "no end", "noise"])
-def test_a_port_with_something_else_behind_it_is_said_within_a_second(says: bytes) -> None:
-    """One that nobody reads from, one that never ends a frame, one that talks nonsense; the servo ends each time."""
+@pytest.mark.parametrize("data", [b"", b"\x55" * 4096, bytes(range(256)) * 16], ids=["nothing", "no end", "noise"])
+def test_a_port_with_something_else_behind_it_is_refused_within_a_second(data: bytes) -> None:
+    """One that is silent, one that never ends a frame, one that sends noise; the servo ends each time."""
     master, slave = os.openpty()
     os.set_blocking(master, False)
     device = HapticMaster(os.ttyname(slave))
@@ -182,13 +183,13 @@ def test_a_port_with_something_else_behind_it_is_said_within_a_second(says: byte
     assert device.process
     pid = device.process.pid
 
-    def answered(report: Report) -> bool:
+    def answered(report: ServoReport) -> bool:
         with contextlib.suppress(BlockingIOError):
-            os.write(master, says)
-        return report.link is not Link.OPENING
+            os.write(master, data)
+        return report.link is not LinkState.OPENING
 
     report = drive(device, answered)
-    assert report.link is Link.REFUSED and "Nothing answers within 1 s" in report.message
+    assert report.link is LinkState.REFUSED and "Nothing answers within 1 s" in report.note
     assert gone(pid)
     device.close()
     os.close(master)
@@ -196,22 +197,22 @@ def test_a_port_with_something_else_behind_it_is_said_within_a_second(says: byte
 
 
 def test_five_seconds_behind_a_real_pseudo_terminal() -> None:
-    """Bounds that a busy machine keeps too; the goals are for a quiet one, and `python -m core haptics` shows them."""
+    """Bounds that a busy machine keeps too; the goals are for a quiet one, and `dev.py core haptics` shows them."""
     for _ in range(3):
         try:
             trial = haptics.press(5.0)
-            why = None if trial.report.arming is Arming.ON else trial.report.message
+            why = None if trial.report.arming is Arming.ON else trial.report.note
         except DimpleError as error:
             why = str(error)
         if why is None:
             break
         assert any(stall in why for stall in STALLS), why
     else:
-        pytest.skip(f"this machine stands still for too long again and again: {why}")
+        unable(f"this machine stands still for too long again and again: {why}")
     figures = haptics.judge(trial)
     print(figures)
     assert figures["rate_hz"] > 200
     assert figures["wrong_frames"] == 0
-    assert figures["tip_rms_error_mm"] < 0.2
+    assert 0.05 < figures["tip_rms_error_mm"] < 0.2  # the converters' own steps are 0.08
     assert 1.0 < figures["force_largest_n"] < 10.0
-    assert figures["stiffness_felt_n_m"] < 1.25 * haptics.PRESET.material.K1
+    assert 0.1 < figures["stiffness_rendered_n_m"] / haptics.PRESET.material.K1 < 1.25

@@ -20,11 +20,12 @@ import pytest
 
 from core.errors import DimpleError
 from core.haptics import wire
-from core.haptics.serial_link import Link, LinkLost, open_link
+from core.haptics.serial_link import LineLost, SerialLine, open_line
 from tests.haptics.host import SPEC, Host, Presser
+from tests.haptics.machine import NEEDS_PTY, unable
 from tools.environment import ROOT
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+pytestmark = NEEDS_PTY
 LIMIT = 20.0  # [s] no test takes longer
 Start = Callable[..., subprocess.Popen[str]]
 
@@ -53,8 +54,8 @@ def start(port: Path) -> Iterator[Start]:
         process.communicate()
 
 
-def drive(link: Link, host: Host, seconds: float = LIMIT, *, until: int | None = None, states: int = 1) -> None:
-    """Let a host talk for a while, or until the device says it is in a mode and some States have come."""
+def drive(link: SerialLine, host: Host, seconds: float = LIMIT, *, until: int | None = None, states: int = 1) -> None:
+    """Run a host for a while, or until the device reports a mode and some STATEs have come."""
     begin = asked = time.monotonic()
     link.write(host.hello())
     while time.monotonic() - begin < seconds and (
@@ -69,18 +70,18 @@ def drive(link: Link, host: Host, seconds: float = LIMIT, *, until: int | None =
                 link.write(answer)
 
 
-def arm(link: Link, host: Host) -> None:
-    """Let a host arm the device; skip the test on a machine that loses more than one State of a hundred."""
+def arm(link: SerialLine, host: Host) -> None:
+    """Let a host arm the device; a machine that loses more than one STATE of a hundred cannot run the test."""
     drive(link, host, 0.7 * LIMIT, until=wire.ARMED)
     if host.states[-1].status & wire.MODE != wire.ARMED:
         ticks = (host.states[-1].t_us - host.states[0].t_us) * 1e-6 / SPEC.tick
         assert len(host.states) < 0.99 * ticks, host.states[-1]
-        pytest.skip(f"this machine cannot run a loop of 1 kHz: {len(host.states)} of {ticks:.0f} positions came")
+        unable(f"this machine cannot run a loop of 1 kHz: {len(host.states)} of {ticks:.0f} positions came")
 
 
-def is_lost_within_100_ms(link: Link) -> bool:
+def is_lost_within_100_ms(link: SerialLine) -> bool:
     """Tell whether ten looks of 10 ms see that a line is lost; looks, for a busy machine's own gaps do not count."""
-    with contextlib.suppress(LinkLost):
+    with contextlib.suppress(LineLost):
         for _ in range(10):
             link.wait(0.01)
             link.read()
@@ -97,8 +98,8 @@ def end(process: subprocess.Popen[str]) -> None:
 
 def test_soak(start: Start, port: Path, tmp_path: Path) -> None:
     """Some 3 s through the real driver: armed, pushing, no wrong frame, the port gone at the end."""
-    process = start("--json", tmp_path / "told.json", "--trace", tmp_path / "trace.csv")
-    link, host = open_link(str(port), SPEC.baud), Presser(2.0)
+    process = start("--json", tmp_path / "device.json", "--trace", tmp_path / "trace.csv")
+    link, host = open_line(str(port), SPEC.baud), Presser(2.0)
     arm(link, host)
     session = host.states[-1].session
     begin = time.monotonic()
@@ -112,11 +113,11 @@ def test_soak(start: Start, port: Path, tmp_path: Path) -> None:
         link.write(host.step(3.0, link.read()))
     end(process)
     link.close()
-    told = json.loads((tmp_path / "told.json").read_text())
-    print(told)
+    record = json.loads((tmp_path / "device.json").read_text())
+    print(record)
     assert host.report is not None and host.report.nonce == 5
-    assert len(host.states) > 500 and told["answered"] > 200  # 3000 on a quiet machine
-    assert host.decoder.counts.refused <= 2 * told["overflows"] and told["bad"] == 0
+    assert len(host.states) > 500 and record["answered"] > 200  # 3000 on a quiet machine
+    assert host.decoder.counts.refused <= 2 * record["overflows"] and record["bad"] == 0
     assert all(a.t_us < b.t_us for a, b in zip(host.states, host.states[1:], strict=False))
     assert {state.session for state in host.states} == {session}
     assert wire.ARMED in {state.status & wire.MODE for state in host.states}
@@ -127,9 +128,9 @@ def test_soak(start: Start, port: Path, tmp_path: Path) -> None:
 
 def test_a_second_host_is_refused(start: Start, port: Path) -> None:
     start()
-    link, host = open_link(str(port), SPEC.baud), Host(arms=False)
+    link, host = open_line(str(port), SPEC.baud), Host(arms=False)
     with pytest.raises(DimpleError, match="in use by another program"):
-        open_link(str(port), SPEC.baud)
+        open_line(str(port), SPEC.baud)
     drive(link, host, states=50)  # the first goes on
     assert len(host.states) >= 50
     link.close()
@@ -138,12 +139,12 @@ def test_a_second_host_is_refused(start: Start, port: Path) -> None:
 @pytest.mark.parametrize("how", ["unplugged", "killed"])
 def test_a_device_that_goes_away_is_lost_within_100_ms(start: Start, port: Path, how: str) -> None:
     process = start(*(["--fault", "unplug@1"] if how == "unplugged" else []))
-    link, host = open_link(str(port), SPEC.baud), Host(arms=False)
+    link, host = open_line(str(port), SPEC.baud), Host(arms=False)
     if how == "killed":
         drive(link, host, states=50)
         process.send_signal(signal.SIGKILL)
     else:
-        with pytest.raises(LinkLost):
+        with pytest.raises(LineLost):
             drive(link, host, states=100_000)
     process.wait(timeout=LIMIT)
     assert is_lost_within_100_ms(link)
@@ -151,23 +152,23 @@ def test_a_device_that_goes_away_is_lost_within_100_ms(start: Start, port: Path,
     assert port.is_symlink() == (how == "killed")
     assert len(host.states) >= 50
     start()  # and the same path serves again
-    drive(link := open_link(str(port), SPEC.baud), host := Host(arms=False), states=50)
+    drive(link := open_line(str(port), SPEC.baud), host := Host(arms=False), states=50)
     assert len(host.states) >= 50
     link.close()
 
 
 HOST = """
 import sys, time
-import pytest
 sys.path.insert(0, {root!r})
-from core.haptics.serial_link import open_link
+from core.haptics.serial_link import open_line
 from core.haptics import wire
 from tests.haptics.host import SPEC, Presser
+from tests.haptics.machine import UNABLE
 from tests.haptics.test_pseudo_terminal import arm
-link, host = open_link({port!r}, SPEC.baud), Presser(3.0)
+link, host = open_line({port!r}, SPEC.baud), Presser(3.0)
 try:
     arm(link, host)
-except pytest.skip.Exception as busy:
+except UNABLE as busy:
     print(busy, flush=True)
 print(host.mode, flush=True)
 begin = time.monotonic()
@@ -179,27 +180,27 @@ while time.monotonic() - begin < 20.0:
 
 def test_a_killed_host_leaves_no_force_no_arm_and_no_stuck_port(start: Start, port: Path, tmp_path: Path) -> None:
     """SIGKILL during a press of 3 N."""
-    device = start("--trace", tmp_path / "trace.csv", "--json", tmp_path / "told.json")
+    device = start("--trace", tmp_path / "trace.csv", "--json", tmp_path / "device.json")
     host = subprocess.Popen(
         [sys.executable, "-c", HOST.format(root=str(ROOT), port=str(port))], stdout=subprocess.PIPE, cwd=ROOT
     )
     try:
         assert host.stdout is not None
-        said = host.stdout.readline()
-        if said.startswith(b"this machine"):
-            pytest.skip(said.decode())
-        assert said == b"%d\n" % wire.ARMED
+        line = host.stdout.readline()
+        if line.startswith(b"this machine"):
+            unable(line.decode().strip())
+        assert line == b"%d\n" % wire.ARMED
         time.sleep(0.2)
     finally:
         host.send_signal(signal.SIGKILL)
         host.communicate(timeout=LIMIT)
     time.sleep(1.0)
-    link, again = open_link(str(port), SPEC.baud), Host(arms=False, nonce=2)
+    link, again = open_line(str(port), SPEC.baud), Host(arms=False, nonce=2)
     drive(link, again, states=50)
     assert {state.status & wire.MODE for state in again.states} == {wire.FAULT}  # until it is cleared
     link.close()
     end(device)
-    assert json.loads((tmp_path / "told.json").read_text())["fault"] == wire.FAULT_WATCHDOG
+    assert json.loads((tmp_path / "device.json").read_text())["fault"] == wire.FAULT_WATCHDOG
     rows = list(csv.DictReader((tmp_path / "trace.csv").open()))
     modes = [int(float(row["mode"])) for row in rows]
     latched = max(i for i, mode in enumerate(modes) if mode == wire.FAULT and modes[i - 1] != wire.FAULT)
@@ -212,15 +213,15 @@ def test_a_killed_host_leaves_no_force_no_arm_and_no_stuck_port(start: Start, po
 
 
 def test_sigint_ends_it_cleanly_and_a_taken_path_is_refused(start: Start, port: Path, tmp_path: Path) -> None:
-    process = start("--json", tmp_path / "told.json")
+    process = start("--json", tmp_path / "device.json")
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=LIMIT)
     assert process.returncode == 0 and not port.is_symlink()
-    assert json.loads((tmp_path / "told.json").read_text())["mode"] == "idle"
+    assert json.loads((tmp_path / "device.json").read_text())["mode"] == "idle"
     port.touch()
     words = [sys.executable, "-m", "studies", "emulator", "--pty", port]
     refused = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=LIMIT)
-    assert refused.returncode == 2 and "is there already" in refused.stderr
+    assert refused.returncode == 2 and "exists already" in refused.stderr
     assert os.path.getsize(port) == 0
 
 
@@ -232,7 +233,7 @@ def test_an_emulator_never_takes_the_path_of_one_that_lives_and_always_of_one_th
     words = [sys.executable, "-m", "studies", "emulator", "--pty", port]
     refused = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=LIMIT)
     assert refused.returncode == 2 and "another emulator" in refused.stderr
-    drive(link := open_link(str(port), SPEC.baud), host := Host(arms=False))
+    drive(link := open_line(str(port), SPEC.baud), host := Host(arms=False))
     assert host.states
     link.close()
     first.kill()
@@ -240,9 +241,9 @@ def test_an_emulator_never_takes_the_path_of_one_that_lives_and_always_of_one_th
     assert port.is_symlink()
     ends = [os.openpty() for _ in range(3)]
     with pytest.raises(DimpleError, match="no port"):
-        open_link(str(port), SPEC.baud)
+        open_line(str(port), SPEC.baud)
     start()
-    drive(link := open_link(str(port), SPEC.baud), host := Host(arms=False, nonce=2))
+    drive(link := open_line(str(port), SPEC.baud), host := Host(arms=False, nonce=2))
     assert host.states
     link.close()
     for end_of in ends:

@@ -7,11 +7,12 @@ import select
 import tty
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from core.errors import DimpleError
-from core.haptics.serial_link import Link, LinkLost, open_link, ports
+from core.haptics.serial_link import LineLost, SerialLine, open_line, ports
 
 
 @pytest.fixture
@@ -29,13 +30,13 @@ def ends() -> Iterator[tuple[int, str]]:
 
 
 @pytest.fixture
-def link(ends: tuple[int, str]) -> Iterator[Link]:
-    made = open_link(ends[1], 921600)
+def link(ends: tuple[int, str]) -> Iterator[SerialLine]:
+    made = open_line(ends[1], 921600)
     yield made
     made.close()
 
 
-def test_bytes_go_both_ways_unaltered(ends: tuple[int, str], link: Link) -> None:
+def test_bytes_go_both_ways_unaltered(ends: tuple[int, str], link: SerialLine) -> None:
     """All 256 of them: no line discipline in between."""
     everything = bytes(range(256))
     assert link.read() == b""
@@ -47,39 +48,41 @@ def test_bytes_go_both_ways_unaltered(ends: tuple[int, str], link: Link) -> None
     assert not link.wait(0.0)
 
 
-def test_a_second_opener_is_refused_and_told_why(ends: tuple[int, str], link: Link) -> None:
+def test_a_second_opener_is_refused_with_the_reason(ends: tuple[int, str], link: SerialLine) -> None:
     with pytest.raises(DimpleError, match=f"{re.escape(ends[1])} is in use by another program"):
-        open_link(ends[1], 921600)
+        open_line(ends[1], 921600)
     assert link.write(b"still here")
     link.close()
-    open_link(ends[1], 921600).close()
+    open_line(ends[1], 921600).close()
 
 
 @pytest.mark.parametrize("read", [True, False], ids=["by reading", "by writing"])
-def test_an_unplugged_port_is_lost_within_a_tenth_of_a_second(ends: tuple[int, str], link: Link, read: bool) -> None:
+def test_an_unplugged_port_is_lost_within_a_tenth_of_a_second(
+    ends: tuple[int, str], link: SerialLine, read: bool
+) -> None:
     os.close(ends[0])
-    with pytest.raises(LinkLost, match="lost .* arm again"):
+    with pytest.raises(LineLost, match="lost .* arm again"):
         for _ in range(10):  # looks, not seconds: a busy machine's own gaps do not count
             if read:
                 link.wait(0.01)
                 link.read()
             else:
                 link.write(b"x")
-    with pytest.raises(LinkLost):
+    with pytest.raises(LineLost):
         link.read()
     link.close()
 
 
-def test_a_closed_port_is_lost_too(link: Link) -> None:
+def test_a_closed_port_is_lost_too(link: SerialLine) -> None:
     """Closed under its reader: pyserial raises TypeError there."""
     link.close()
     for act in (link.read, lambda: link.write(b"x"), lambda: link.wait(0.01)):
-        with pytest.raises(LinkLost):
+        with pytest.raises(LineLost):
             act()
     link.close()
 
 
-def test_a_line_nobody_reads_from_takes_no_time_and_says_so(ends: tuple[int, str], link: Link) -> None:
+def test_a_line_that_is_never_read_takes_no_time_and_reports_it(ends: tuple[int, str], link: SerialLine) -> None:
     """pyserial alone would spin for ever here."""
     assert not all(link.write(b"\x55" * 32) for _ in range(20_000))
     assert not link.write(b"more")
@@ -89,7 +92,7 @@ def test_a_line_nobody_reads_from_takes_no_time_and_says_so(ends: tuple[int, str
 
 
 def test_reading_and_writing_ask_the_terminal_nothing(
-    ends: tuple[int, str], link: Link, monkeypatch: pytest.MonkeyPatch
+    ends: tuple[int, str], link: SerialLine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A question waits for the system's worker that brings the bytes (arrivals): 1 to 4 ms between State and answer."""
     os.write(ends[0], b"state")
@@ -100,11 +103,15 @@ def test_reading_and_writing_ask_the_terminal_nothing(
 
 def test_what_is_no_port_is_named(tmp_path: Path) -> None:
     with pytest.raises(DimpleError, match="no port /dev/ttyNothing0"):
-        open_link("/dev/ttyNothing0", 921600)
+        open_line("/dev/ttyNothing0", 921600)
     (tmp_path / "file").touch()
     with pytest.raises(DimpleError, match="not a serial port"):
-        open_link(str(tmp_path / "file"), 921600)
+        open_line(str(tmp_path / "file"), 921600)
 
 
-def test_the_list_of_ports_is_paths_and_texts() -> None:
-    assert all(isinstance(path, str) and isinstance(text, str) for path, text in ports())
+def test_the_list_of_ports_is_paths_and_descriptions_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    from serial.tools import list_ports
+
+    found = [SimpleNamespace(device=f"/dev/ttyUSB{i}", description=f"Adapter {i}") for i in (1, 0)]
+    monkeypatch.setattr(list_ports, "comports", lambda: found)
+    assert ports() == [("/dev/ttyUSB0", "Adapter 0"), ("/dev/ttyUSB1", "Adapter 1")]

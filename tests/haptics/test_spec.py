@@ -55,17 +55,17 @@ def test_a_device_that_would_let_go_between_two_ticks_is_refused(tmp_path: Path)
         load_spec(changed(tmp_path, "hold_s", "0.001"))
 
 
-def test_a_table_that_is_none_and_a_file_that_is_no_toml_are_said(tmp_path: Path) -> None:
+def test_a_table_that_is_none_and_a_file_that_is_no_toml_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "device.toml"
-    for text, said in (("tip = 3", "no 'name'"), ("[", "not right"), ("\x00", "not right"), ("", "has no")):
+    for text, reason in (("tip = 3", "no 'name'"), ("[", "not valid"), ("\x00", "not valid"), ("", "has no")):
         path.write_text(text, encoding="utf-8")
-        with pytest.raises(DimpleError, match=said):
+        with pytest.raises(DimpleError, match=reason):
             load_spec(path)
     path.write_text("\n".join(["tip = 3"] + [line for line in LINES if not re.match(r"\[tip\]|mass|visc|coul", line)]))
     with pytest.raises(DimpleError, match=r"\[tip\] must be a table"):
         load_spec(path)
     path.write_bytes(b"\xff\xfe")
-    with pytest.raises(DimpleError, match="not right"):
+    with pytest.raises(DimpleError, match="not valid"):
         load_spec(path)
     with pytest.raises(DimpleError, match="cannot be read"):
         load_spec(tmp_path)

@@ -1,4 +1,4 @@
-"""Walls felt through emulated device and servo on one clock: stability, stiffness, energy.
+"""Walls rendered through emulated device and servo on one clock: stability, stiffness, energy.
 
 `python -m tests.haptics.walls` prints its figures.
 """
@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from core.haptics.emulator import Emulator, Row
-from core.haptics.hand import Hand, Keyframe
-from core.haptics.messages import Link
+from core.haptics.emulated_hand import EmulatedHand, Keyframe
+from core.haptics.messages import LinkState
 from core.haptics.safety import LEASE, Passivity
 from core.haptics.servo import Servo
 from core.haptics.spec import Spec, load_spec
 from core.haptics.vectors import Vector
 from core.haptics.wire import RAMP
+from studies.faulty_emulator import FaultyEmulator, TraceRow
 from tests.haptics.bench_device import wall
 
 STEP = 2e-4  # [s] of the clock
@@ -33,7 +33,12 @@ class Unwatched(Passivity):
 
 @dataclass(frozen=True)
 class Run:
-    """Hold a run: the device's trace from the ramp on, lowest observed energy [J], and the largest stiffness [N/m]."""
+    """A run.
+
+    trace: of the device, from the ramp on.
+    observed: lowest observed energy [J].
+    cap: largest stiffness [N/m].
+    """
 
     trace: np.ndarray
     observed: float
@@ -45,6 +50,11 @@ class Run:
         return self.trace[:, 0] - self.trace[0, 0], self.trace[:, at : at + 3], self.trace[:, at + 9 : at + 12]
 
     @property
+    def strongest(self) -> float:
+        """Return the largest force of a fingertip [N], of the one that pressed least."""
+        return float(min(np.linalg.norm(self.tip(finger)[2], axis=1).max() for finger in range(3)))
+
+    @property
     def energy(self) -> float:
         """Return the lowest energy [J] that the motors had taken from a hand."""
         lows = []
@@ -54,8 +64,8 @@ class Run:
         return float(min(lows))
 
 
-def feel(
-    hand: Hand,
+def press_wall(
+    hand: EmulatedHand,
     k: Callable[[Servo], float],
     seconds: float,
     *,
@@ -63,13 +73,13 @@ def feel(
     servo: Servo | None = None,
     stuck: float = 0.0,
 ) -> Run:
-    """Let a hand feel the wall z = 0 of a stiffness [N/m] for some seconds after arming.
+    """Press the wall z = 0 of a stiffness [N/m] for some seconds after arming.
 
     stuck: share of the ticks at which the servo's process is kept from running, for 2 to 3 ms.
     """
     spec = spec or load_spec()
-    trace: list[Row] = []
-    emulator, servo = Emulator(spec, hand=hand, trace=trace, baud=0), servo or Servo(spec)
+    trace: list[TraceRow] = []
+    emulator, servo = FaultyEmulator(spec, hand=hand, trace=trace, baud=0), servo or Servo(spec)
     now, frame, to_device, to_servo = 0.0, 0.0, b"", b""
     until, dice, runs = math.inf, np.random.default_rng(2), 0.0
     while now < until:
@@ -80,13 +90,13 @@ def feel(
         if dice.random() < stuck * STEP / spec.tick:
             runs = now + dice.uniform(2e-3, 3e-3)
         to_device, to_servo = servo.step(now, to_servo), b""
-        if servo.link is Link.READY and now >= frame:
+        if servo.link is LinkState.READY and now >= frame:
             frame = now + FRAME
             contact = replace(wall(now, k=k(servo)), friction=0.0)
             servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=(contact,) * 3)
         if until == math.inf and emulator.mode == RAMP:
             until = now + BEGIN + seconds
-    assert servo.report().arming.name == "ON", servo.report().message
+    assert servo.report().arming.name == "ON", servo.report().note
     rows = np.array(trace)
     rows = rows[np.flatnonzero(rows[:, 1] == RAMP)[0] :]
     return Run(rows, min(tip.least_energy for tip in servo.report().tips), servo.cap)
@@ -102,7 +112,9 @@ def grows(k: float) -> bool:
     for finger in servo._fingers:
         finger.guard.passivity = Unwatched()
     lean: Sequence[Keyframe] = ((0.0, 0.0, 0.0, 0.002), (BEGIN, 0.0, 0.0, 0.002), (BEGIN + 0.5, 0.0, 0.0, -0.1))
-    run = feel(Hand(tips=(tuple(lean),) * 3, stiffness=20.0, damping=0.0), lambda _: k, 2.0, spec=spec, servo=servo)
+    run = press_wall(
+        EmulatedHand(tips=(tuple(lean),) * 3, stiffness=20.0, damping=0.0), lambda _: k, 2.0, spec=spec, servo=servo
+    )
     time, x, _ = run.tip()
     speeds = np.abs(np.diff(x[:, 2])) / spec.tick
     early, late = (speeds[(time[1:] > BEGIN + t) & (time[1:] < BEGIN + t + 0.2)].max() for t in (1.0, 1.7))
@@ -133,12 +145,14 @@ def stairs(levels: Sequence[float], hold: float = 0.5) -> tuple[Keyframe, ...]:
 
 
 def static_error(k: float | None, levels: Sequence[float] = (0.004, 0.007, 0.010, 0.013)) -> tuple[float, float]:
-    """Return the error of the stiffness felt as a share, and the rms error of the force while holding [N].
+    """Return the error of the rendered stiffness as a share, and the rms error of the force while holding [N].
 
     Args:
         k: [N/m], None: the largest there is.
     """
-    run = feel(Hand(tips=(stairs(levels),) * 3), lambda servo: servo.cap if k is None else k, 0.6 * len(levels))
+    run = press_wall(
+        EmulatedHand(tips=(stairs(levels),) * 3), lambda servo: servo.cap if k is None else k, 0.6 * len(levels)
+    )
     k = run.cap if k is None else k
     slopes, errors = [], []
     for finger in range(3):
@@ -167,7 +181,7 @@ def poke(seconds: float, stuck: float = 0.0) -> Run:
             keys += [(at + down, 0.0, 0.0, deep), (at + down + 0.15, 0.0, 0.0, deep),
                      (at + down + up + 0.15, 0.0, 0.0, 0.005)]  # fmt: skip
         tips.append(tuple(keys))
-    return feel(Hand(tips=tuple(tips)), lambda servo: servo.cap, seconds, stuck=stuck)
+    return press_wall(EmulatedHand(tips=tuple(tips)), lambda servo: servo.cap, seconds, stuck=stuck)
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ def test_the_cube_is_put_down_again_whole_and_let_go(moments: list[Moment]) -> N
     assert last.frame.note == "" and not any(last.forces[i][c] for i in range(3) for c in range(3))
 
 
-def test_the_hand_feels_the_squeeze_and_the_weight(moments: list[Moment]) -> None:
+def test_the_device_renders_the_squeeze_and_the_weight(moments: list[Moment]) -> None:
     held = during(moments, RAISED + 0.1, LOWER)
     thumb, index, middle = np.mean([moment.forces for moment in held], axis=0)
     assert thumb[0] < -1 and index[0] > 1 and middle[0] > 1  # pushed apart
@@ -56,7 +56,7 @@ def test_without_friction_it_is_not_lifted() -> None:
 def test_the_command_tells_how_high_the_cube_was(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     out = tmp_path / "grasp.json"
     assert main(["grasp", "--json", str(out)]) == 0
-    said = capsys.readouterr().out
-    assert "lifted" in said and "weighs 0.98 N" in said
+    output = capsys.readouterr().out
+    assert "lifted" in output and "weighs 0.98 N" in output
     assert max(row["height_m"] for row in json.loads(out.read_text())) > LIFT * 2 / 3
     assert main(["grasp", "--json", str(tmp_path)]) == 2

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import robot
 
-FELT = 0.3  # [N]
+PRESSED = 0.3  # [N]
 TAB = "Device"
 
 
@@ -30,7 +30,7 @@ def photograph(path: Path) -> robot.Waits:
 
 
 def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[..., None]) -> robot.Waits:
-    """Connect the device to try, let it press the playing body and feel it; kill its servo; stop."""
+    """Connect the device to try, let it press the playing body; kill its servo; stop."""
     rest = robot.positions(body).copy()
     device, settings = robot.extension("operators.haptic"), bpy.context.scene.dimple
     settings.device_port, settings.device_origin = device.EMULATED, top
@@ -47,24 +47,24 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.dimple.play("INVOKE_DEFAULT")
 
-    def feels() -> bool:
-        """Tell whether a fingertip does; arm, again where a busy machine was disarmed for its gaps."""
+    def presses() -> bool:
+        """Tell whether a fingertip presses; arm, again where a busy machine was disarmed for its gaps."""
         if report().arming.name == "OFF" and report().link.name == "READY":
             bpy.ops.dimple.arm_device(hold_s=600.0)
-        return strongest() > FELT
+        return strongest() > PRESSED
 
     yield from robot.show_tab(TAB)
-    yield from robot.until(feels, "a fingertip of the device feels the ball", 120)
+    yield from robot.until(presses, "a fingertip of the device feels the ball", 120)
     check("a fingertip of the emulated device feels the playing ball", True, f"{strongest():.2f} N")
     for _ in range(20):
         yield from photograph(out / "12-device.png")
-        if strongest() > FELT:
+        if strongest() > PRESSED:
             break  # it is seen pressing
     device.get().device.process.kill()
     yield from robot.until(lambda: report().link.name == "LOST", "the loss of the device is seen", 60)
     playing = bool(robot.modal_operators())
     check(
-        "a killed servo is said, and the ball plays on", playing and "arm again" in report().message, report().message
+        "a killed servo is reported, and the ball plays on", playing and "arm again" in report().note, report().note
     )
     yield from photograph(out / "13-device-lost.png")
     bpy.ops.dimple.connect_device()  # lets go of it

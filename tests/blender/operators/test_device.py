@@ -1,7 +1,6 @@
 """The haptic device in Blender."""
 
 import signal
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -11,19 +10,22 @@ from typing import Any
 import pytest
 
 from tests.blender.operators.device_rig import PATIENCE, connect, connection, gone, run, softened, strongest, wait
+from tests.haptics.machine import NEEDS_PTY
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
+pytestmark = NEEDS_PTY
 
 
-def test_three_fingertips_press_the_session_and_feel_it(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
+def test_three_fingertips_press_the_session_and_get_its_force(
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
+) -> None:
     body = add()
     softened(bpy, body)
     connect(bpy, port.path)
     entry = run(bpy, body)
     assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
 
-    def felt(report: Any) -> bool:
-        """All three rest at a depth, and feel 200 N/m of it."""
+    def pressed(report: Any) -> bool:
+        """All three rest at a depth, with the force of 200 N/m."""
         depths = entry.frame.depths
         return (
             len(depths) == 3
@@ -34,7 +36,7 @@ def test_three_fingertips_press_the_session_and_feel_it(bpy: ModuleType, port: A
             )
         )
 
-    wait(felt, bpy, arms=True)
+    wait(pressed, bpy, arms=True)
     assert len([finger for finger in entry.fingers if finger]) == 3  # which the overlay draws
 
 
@@ -52,12 +54,12 @@ def test_a_killed_process_takes_the_force_and_not_the_session(
     wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
     servo = connection().device.process
     (servo if who == "servo" else port.process).send_signal(signal.SIGKILL)
-    said: list[str] = []
+    notes: list[str] = []
     until = time.perf_counter() + PATIENCE
-    while not said and time.perf_counter() < until:
-        said += live.advance(bpy.context, 1 / 60)
+    while not notes and time.perf_counter() < until:
+        notes += live.advance(bpy.context, 1 / 60)
         time.sleep(1 / 60)
-    assert "onnect" in said[0]
+    assert "onnect" in notes[0]
     assert gone(servo.pid)
     before = sessions.get(body).frame.time
     assert live.advance(bpy.context, 1 / 60) == []
@@ -72,8 +74,8 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
     report = connect(bpy, port.path)
     assert any("K2 is not renderable" in note for note in device.notes(report, settings))
     rows = dict(device.rows(report, settings))
-    assert rows["K1 Asked, Felt"] == "0.20, 0.20 N/mm"
-    asked, _, rendered = rows["K2 Asked, Felt"].partition(", ")
+    assert rows["K1 Material / Rendered"] == "0.20 / 0.20 N/mm"
+    asked, _, rendered = rows["K2 Material / Rendered"].partition(" / ")
     assert (
         asked == "9.00"
         and float(rendered.split()[0]) == pytest.approx(report.cap / 1e3, abs=0.006)
@@ -82,7 +84,7 @@ def test_the_panel_says_what_is_not_renderable(bpy: ModuleType, port: Any, add: 
     assert rows["State"] == "Ready, no force" and {"Rate", "Lost Frames", "Round Trip", "Force 1"} <= rows.keys()
     settings.K1 = 9.0
     assert any("K1 and K2" in note for note in device.notes(report, settings))
-    assert any("more force than the device has" in note for note in device.notes(report, settings))
+    assert any("more force than the device can exert" in note for note in device.notes(report, settings))
 
 
 def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> None:
@@ -95,7 +97,7 @@ def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> N
     assert bpy.ops.dimple.centre_device() == {"FINISHED"}
     tips = [tip.position for tip in connection().report.tips]
     middle = tuple(sum(tip[c] for tip in tips) / 3 for c in range(3))
-    at = haptic.place(scene, 0.1).to_session(middle)
+    at = haptic.workspace(scene, 0.1).to_session(middle)
     assert at == pytest.approx((0.1, 0.2, 0.3), abs=1e-5)
 
 
@@ -120,7 +122,7 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
         assert order
 
 
-def test_a_fingertip_that_is_believed_no_more_moves_no_other(
+def test_a_fingertip_that_is_not_trusted_moves_no_other(
     bpy: ModuleType, port: Any, add: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from dataclasses import replace
@@ -182,7 +184,7 @@ def test_a_port_that_is_not_there_is_refused_with_the_reason(bpy: ModuleType, em
         bpy.ops.dimple.connect_device()
     settings.device_port = "/dev/nothing"
     bpy.ops.dimple.connect_device()
-    assert "no port /dev/nothing" in wait(lambda report: report.link.name == "REFUSED").message
+    assert "no port /dev/nothing" in wait(lambda report: report.link.name == "REFUSED").note
     haptic.disconnect()
 
 
@@ -194,6 +196,25 @@ def test_a_device_to_try_needs_no_port(bpy: ModuleType, empty_file: ModuleType) 
     haptic.disconnect()
 
 
+def test_a_device_to_try_is_offered_only_where_it_can_run(
+    bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On Windows there are no pseudo-terminals."""
+    from bl_ext.user_default.dimple.core.haptics import pseudo_terminal
+    from bl_ext.user_default.dimple.operators import haptic
+
+    with pytest.raises(RuntimeError, match='"emulated" is a device to try'):
+        bpy.ops.dimple.connect_device()
+    monkeypatch.setattr(pseudo_terminal, "SUPPORTED", False)
+    assert "emulated" not in dict(haptic.ports())
+    with pytest.raises(RuntimeError, match=r"type its path\.$"):
+        bpy.ops.dimple.connect_device()
+    bpy.context.scene.dimple.device_port = "emulated"
+    with pytest.raises(RuntimeError, match="runs on Linux and macOS"):
+        bpy.ops.dimple.connect_device()
+    assert haptic.get() is None
+
+
 def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: ModuleType, tmp_path: Path) -> None:
     from bl_ext.user_default.dimple.operators import haptic
 
@@ -202,7 +223,7 @@ def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: Mo
     (tmp_path / "device.toml").write_text('name = "Mine"')
     settings.device_port = "/dev/null"
     bpy.ops.dimple.connect_device()
-    assert "device.toml has no 'blocks'" in wait(lambda report: report.link.name == "REFUSED").message
+    assert "device.toml has no 'blocks'" in wait(lambda report: report.link.name == "REFUSED").note
     haptic.disconnect()
     settings.device_port = "emulated"
     with pytest.raises(RuntimeError, match="did not start .*device.toml has no 'blocks'"):

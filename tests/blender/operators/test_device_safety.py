@@ -1,6 +1,5 @@
 """What lets the haptic device have force in Blender, and what takes it away: the dead-man key, and a body at once."""
 
-import sys
 import time
 from collections.abc import Callable
 from types import ModuleType, SimpleNamespace
@@ -9,8 +8,9 @@ from typing import Any
 import pytest
 
 from tests.blender.operators.device_rig import connect, connection, run, softened, strongest, wait
+from tests.haptics.machine import NEEDS_PTY
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the emulator needs pseudo-terminals")
+pytestmark = NEEDS_PTY
 
 
 def test_without_the_dead_man_switch_there_is_no_force(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
@@ -33,7 +33,7 @@ class Watch:
         from bl_ext.user_default.dimple.operators.device import DIMPLE_OT_arm_device
 
         self.timers: list[float] = []
-        self.said: list[str | None] = []
+        self.texts: list[str | None] = []
         names = ("invoke", "modal", "cancel", "_end", "_is_armed")
         self.operator = type("Stub", (), {name: DIMPLE_OT_arm_device.__dict__[name] for name in names})()
         manager = SimpleNamespace(
@@ -41,7 +41,7 @@ class Watch:
             event_timer_add=lambda seconds, window: self.timers.append(seconds) or seconds,
             event_timer_remove=self.timers.remove,
         )
-        workspace = SimpleNamespace(status_text_set=self.said.append)
+        workspace = SimpleNamespace(status_text_set=self.texts.append)
         self.context = SimpleNamespace(window_manager=manager, workspace=workspace, window=None)
         assert self.operator.invoke(self.context, None) == {"RUNNING_MODAL"}
 
@@ -86,9 +86,7 @@ def test_the_key_is_let_go_when(bpy: ModuleType, port: Any, how: str) -> None:
             assert not watch.holds()
 
 
-def test_the_key_is_let_go_when_nobody_looks_at_it_any_more(
-    bpy: ModuleType, port: Any, add: Callable[..., Any]
-) -> None:
+def test_the_key_is_let_go_when_it_is_not_renewed(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
     """The operator is gone, or Blender stands still; that frames go on holds nothing."""
     from bl_ext.user_default.dimple.core.haptics.safety import LEASE
     from bl_ext.user_default.dimple.operators import live
@@ -106,7 +104,7 @@ def test_the_key_is_let_go_when_nobody_looks_at_it_any_more(
 
 
 def test_only_a_timer_and_the_key_itself_are_told_to_the_servo(bpy: ModuleType, port: Any) -> None:
-    """Each word is a letter, and a mouse moves a thousand times a second."""
+    """Each order is a message, and a mouse moves a thousand times a second."""
     connect(bpy, port.path)
     watch = Watch(bpy)
     watch.press()
@@ -124,10 +122,10 @@ def test_the_newest_operator_follows_the_key_alone(bpy: ModuleType, port: Any) -
     new.press()
     newest = Watch(bpy)
     newest.press()
-    assert new.send("TIMER") == {"FINISHED"} and not new.timers and newest.holds() and new.said[-1]
+    assert new.send("TIMER") == {"FINISHED"} and not new.timers and newest.holds() and new.texts[-1]
     assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
     assert newest.send("TIMER", shift=True) == {"FINISHED"} and not newest.timers
-    assert newest.holds() and newest.said[-1] is None, "the script holds it, and no key does"
+    assert newest.holds() and newest.texts[-1] is None, "the script holds it, and no key does"
 
 
 def test_escape_disarms(bpy: ModuleType, port: Any) -> None:
@@ -154,7 +152,7 @@ def test_escape_of_whatever_runs_disarms(
     assert runs.invoke() == {"RUNNING_MODAL"}
     wait(lambda report: report.arming.name == "ON", arms=True)
     if name == "poke":
-        assert runs.send("LEFT_SHIFT", shift=True) == {"PASS_THROUGH"}, "it keeps the dead-man key from nobody"
+        assert runs.send("LEFT_SHIFT", shift=True) == {"PASS_THROUGH"}, "it passes the dead-man key on"
     assert runs.send("ESC") == {"CANCELLED"}
     wait(lambda report: report.arming.name == "OFF")
 
@@ -174,17 +172,17 @@ def test_a_body_put_under_the_fingertips_at_once_disarms(
     """They are in it when its session starts, and nothing may kick; below them, it may start."""
     from bl_ext.user_default.dimple.operators import live, sessions
 
-    body, said = add(), []
+    body, notes = add(), []
     connect(bpy, port.path)
     for _ in range(3 if kicks else 1):  # a busy machine may have disarmed it meanwhile
         wait(lambda report: report.arming.name == "ON", arms=True)
         entry = run(bpy, body)
         bpy.context.scene.dimple.device_origin[2] += above / entry.link.scale
-        said += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        notes += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
         if kicks:
             wait(lambda report: report.arming.name == "OFF")
         sessions.stop_all()
-    assert any("has changed" in sentence for sentence in said) == kicks
+    assert any("has changed" in sentence for sentence in notes) == kicks
 
 
 @pytest.mark.parametrize("what", ["place", "radius"])
@@ -194,7 +192,7 @@ def test_another_place_or_radius_of_the_device_disarms_while_a_fingertip_presses
     """As when a step that set it is undone, or the wheel turns: the wall would jump by as much."""
     from bl_ext.user_default.dimple.operators import live
 
-    body, said, settings = add(), [], bpy.context.scene.dimple
+    body, notes, settings = add(), [], bpy.context.scene.dimple
     softened(bpy, body)
     connect(bpy, port.path)
     run(bpy, body)
@@ -204,11 +202,11 @@ def test_another_place_or_radius_of_the_device_disarms_while_a_fingertip_presses
             settings.device_origin[2] -= 0.1
         else:
             settings.finger_radius_mm += 2.0
-        said += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        notes += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
         wait(lambda report: report.arming.name == "OFF", bpy)
-        if any("has changed" in sentence for sentence in said):
+        if any("has changed" in sentence for sentence in notes):
             return
-    raise AssertionError(said)
+    raise AssertionError(notes)
 
 
 @pytest.mark.parametrize("how", ["undo", "blow-up"])
@@ -244,24 +242,24 @@ def test_a_pause_lets_the_key_go_though_it_is_held(bpy: ModuleType, port: Any, a
     assert strongest(report) == 0.0 and connection().device.held_until > time.perf_counter()
 
 
-def test_a_new_session_remembers_nothing_of_what_was_felt_in_the_last(
-    bpy: ModuleType, port: Any, add: Callable[..., Any]
-) -> None:
+def test_a_new_session_remembers_nothing_of_the_last_one(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
     from bl_ext.user_default.dimple.operators import live, sessions
 
-    body, felt = add(), []
+    body, renderings = add(), []
     connect(bpy, port.path)
     for _ in range(2):
         entry = run(bpy, body)
         live.advance(bpy.context, 1 / 60)
-        felt.append(connection().felt[entry])
-        assert list(connection().felt) == [entry]
+        renderings.append(connection().renderings[entry])
+        assert list(connection().renderings) == [entry]
         sessions.stop_all()
-    assert felt[0] is not felt[1]
+    assert renderings[0] is not renderings[1]
 
 
-def test_what_the_mouse_presses_is_not_felt_by_the_device(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
-    """The mouse takes the first fingertip: the device's presses nothing and feels nothing until the mouse lets go."""
+def test_what_the_mouse_presses_is_not_rendered_by_the_device(
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
+) -> None:
+    """The mouse takes the first fingertip: the device's presses nothing and has no force until the mouse lets go."""
     from bl_ext.user_default.dimple.operators import live
 
     body = add()
@@ -284,7 +282,7 @@ def test_a_mouse_that_lets_a_pressed_fingertip_go_disarms(bpy: ModuleType, port:
     """The device's own is inside the body, and would be pushed out at once."""
     from bl_ext.user_default.dimple.operators import live
 
-    body, said = add(), []
+    body, notes = add(), []
     softened(bpy, body)
     connect(bpy, port.path)
     entry = run(bpy, body)
@@ -292,8 +290,8 @@ def test_a_mouse_that_lets_a_pressed_fingertip_go_disarms(bpy: ModuleType, port:
     for _ in range(3):  # a busy machine may have disarmed it meanwhile
         wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
         live.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (above,)})
-        said += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        notes += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
         wait(lambda report: report.arming.name == "OFF", bpy)
-        if said:
+        if notes:
             break
-    assert any("has changed" in sentence for sentence in said)
+    assert any("has changed" in sentence for sentence in notes)

@@ -1,31 +1,35 @@
-"""The mechanics of an emulated device: each fingertip a mass with friction, held by a hand, pushed by motors."""
+"""The mechanics of an emulated device: each fingertip is a mass with friction, held by a hand and pushed by motors."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from .hand import Hand
+from .emulated_hand import EmulatedHand
 from .spec import Spec
 from .vectors import ZERO, Vector, dot, length, scaled
 
-SUBSTEPS = 4  # a tick: with the stiffest hand and wall (2 kN/m on 0.12 kg) a step is a thirtieth of a radian
+SUBSTEPS = 4  # per tick: with the stiffest hand and wall (2 kN/m on 0.12 kg) a step is a thirtieth of a radian
 
 
 @dataclass(slots=True)
-class Tip:
-    """Hold a fingertip: position [m], velocity [m/s]."""
+class EmulatedTip:
+    """A fingertip: position [m] and velocity [m/s]."""
 
     position: Vector
     velocity: Vector = ZERO
 
-    def step(self, spec: Spec, hand: Hand, finger: int, time: float, force: Vector) -> None:
+    def step(self, spec: Spec, hand: EmulatedHand, finger: int, time: float, force: Vector) -> None:
         """Move for one tick.
 
-        Semi-implicit: friction and damping from the new velocity, so that they only ever brake.
+        Semi-implicit: friction and damping act on the new velocity, so they can only brake.
 
         Args:
-            time: of the hand's script [s].  force: of the motors at the tip [N].
+            spec: the device.
+            hand: what holds the fingertip.
+            finger: which of the hand's.
+            time: of the hand's script [s].
+            force: of the motors at the tip [N].
         """
         if hand.stiffness is None:
             self.position, self.velocity = hand.target(finger, time + spec.tick)
@@ -50,7 +54,7 @@ class Tip:
         self._stop(spec.stop_radius)
 
     def _stop(self, radius: float) -> None:
-        """Keep the tip within the stops of the linkage."""
+        """Keep the tip within the mechanical stops of the linkage."""
         away = length(self.position)
         if away > radius:
             out = scaled(self.position, 1 / away)

@@ -1,4 +1,4 @@
-"""Everything that goes wrong between a device and its host, on demand."""
+"""The faults that can be injected between a device and its host."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from ..errors import DimpleError
+from core.errors import DimpleError
 
 FOREVER: Final = math.inf
 # name: default value, what the value is
@@ -24,16 +24,18 @@ FAULTS: Final = {
     "stall": (1.0, "1: the device stands still"),
     "version": (2.0, "major protocol version of the device"),
     "adc-range": (0.0, "finger whose sensor reads its end (0, 1, 2)"),
-    "adc-frozen": (0.0, "finger whose sensor says the same for ever"),
+    "adc-frozen": (0.0, "finger whose sensor repeats one reading"),
     "adc-jump": (0.0, "finger whose sensor is suddenly 0.3 rad off"),
 }
 ON_THE_LINE: Final = frozenset("flip garbage truncate drop duplicate reorder delay stale wrong-baud".split())
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
-    """Hold one fault: name and value as in FAULTS, when it begins and ends [s], and on which way.
+class InjectedFault:
+    """One fault.
 
+    name, value: as in FAULTS.
+    start, stop: when it begins and ends [s].
     way: "in" to the device, "out" of it, "" both.
     """
 
@@ -44,15 +46,15 @@ class Fault:
     way: str = ""
 
     def acts(self, now: float) -> bool:
-        """Tell whether it does at a time [s]."""
+        """Tell whether it acts at a time [s]."""
         return self.start <= now < self.stop
 
 
-def parse_fault(text: str) -> Fault:
+def parse_fault(text: str) -> InjectedFault:
     """Return the fault of NAME[-in|-out][=VALUE][@START[+LENGTH]], times in seconds; slow-host is delay-in.
 
     Raises:
-        DimpleError: there is no such fault, or a number is none.
+        DimpleError: there is no such fault, or a number is not one.
     """
     left, _, when = text.partition("@")
     name, _, value = left.partition("=")
@@ -67,7 +69,7 @@ def parse_fault(text: str) -> Fault:
         start = float(begin) if begin else 0.0
         stop = start + float(length) if length else FOREVER
     except ValueError:
-        raise DimpleError(f"The fault {text!r} has a number that is none: NAME[=VALUE][@START[+LENGTH]].") from None
+        raise DimpleError(f"A number of the fault {text!r} is not one: NAME[=VALUE][@START[+LENGTH]].") from None
     if not (0 <= number < FOREVER and 0 <= start < stop):
         raise DimpleError(f"The fault {text!r} needs a value and a start of at least 0, and a length above 0.")
-    return Fault(name, number, start, stop, way)
+    return InjectedFault(name, number, start, stop, way)

@@ -1,11 +1,11 @@
-"""One finger of the servo: from its converters to a position, from a force to its motors."""
+"""One finger of the servo: from the readings of its sensors to a position, from a force to its torques."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from . import kinematics
-from .contact_model import Feel
+from .contact_model import ContactBlend
 from .kinematics import Block
 from .safety import Guard
 from .sensors import JUMP, RAIL
@@ -17,15 +17,20 @@ Angles = tuple[float, float, float]
 
 
 @dataclass(slots=True, kw_only=True)
-class Finger:
-    """Hold one finger.
+class ServoFinger:
+    """One finger.
 
-    angles: of the last reading that was believed [rad].  bad: readings since that were not.
+    block: its linkage.
+    guard: its limits.
+    contact: what it renders.
+    angles: of the last reading that was trusted [rad].
+    at: its position then [m].
+    bad: readings since then that were not trusted.
     """
 
     block: Block
     guard: Guard
-    feel: Feel = field(default_factory=Feel)
+    contact: ContactBlend = field(default_factory=ContactBlend)
     angles: Angles | None = None
     at: Vector = ZERO
     bad: int = 0
@@ -34,7 +39,11 @@ class Finger:
         """Take a reading.
 
         Args:
-            masked: the device itself does not believe it.  ticks: since the last reading.  time: of the device [s].
+            spec: the device.
+            words: of its three joints, see `kinematics.adc_angles`.
+            masked: the device itself does not trust it.
+            ticks: since the last reading.
+            time: of the device [s].
         """
         angles = kinematics.adc_angles(spec, words)
         if (
@@ -55,7 +64,7 @@ class Finger:
         return max(abs(a - x), abs(b - y), abs(c - z)) > JUMP * dt
 
     def forget(self) -> None:
-        """Believe the next reading wherever it is: no force acts."""
+        """Trust the next reading wherever it is: no force acts."""
         self.angles, self.bad = None, 0
         self.guard.skip()
 

@@ -13,21 +13,23 @@ from typing import Any, Final
 from ..errors import DimpleError
 from .vectors import ZERO, Vector
 
-STIFFNESS, DAMPING = 400.0, 4.0  # (A) [N/m], [N s/m] of a finger that holds on
+STIFFNESS, DAMPING = 400.0, 4.0  # (A) [N/m], [N s/m] of a gripping finger
 Keyframe = tuple[float, float, float, float]  # time [s], place [m] in the device's frame
 REST: Final[tuple[Keyframe, ...]] = ((0.0, *ZERO),)
-# of the hand that pokes: from the middle, over and under the middle of the workspace [m]; when, and how long [s]
+# of the poking hand: distance from the middle, above and below the middle of the workspace [m]; times [s]
 APART, ABOVE, BELOW = 0.015, 0.010, -0.012
 BEGIN, MOVE, HOLD, EVERY, UNTIL = 1.5, 0.25, 0.5, 1.5, 300.0
 SIDES: Final = ((-1.0, 0.0), (0.5, -0.866), (0.5, 0.866))  # of their blocks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Hand:
-    """Hold the way of each fingertip, straight from keyframe to keyframe, felt through a spring and a damper.
+class EmulatedHand:
+    """A hand: the path of each fingertip, straight from keyframe to keyframe, through a spring and a damper.
 
-    stiffness: [N/m], None: the tip is where the hand says, whatever the motors do.  damping: [N s/m].
-    from_arm: times are counted from the moment the device lets force grow, else from its start.
+    tips: keyframes of each fingertip.
+    stiffness: [N/m], None: the tip is where the hand wants it, whatever the motors do.
+    damping: [N s/m].
+    from_arm: times are counted from the beginning of the device's ramp, else from its start.
     """
 
     tips: tuple[tuple[Keyframe, ...], ...] = (REST, REST, REST)
@@ -48,16 +50,16 @@ class Hand:
         return (x0 + vx * s, y0 + vy * s, z0 + vz * s), (vx, vy, vz)
 
 
-def load_hand(path: Path) -> Hand:
+def load_hand(path: Path) -> EmulatedHand:
     """Return the hand of a JSON file: {"tips": [[[t, x, y, z], ...] x 3], "stiffness", "damping", "from": "arm"}.
 
     Raises:
-        DimpleError: the file is not to be read, or is no hand.
+        DimpleError: the file cannot be read, or is not a hand.
     """
     try:
         file: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         stiffness = file.get("stiffness", STIFFNESS)
-        hand = Hand(
+        hand = EmulatedHand(
             tips=tuple(_keyframes(keys) for keys in file["tips"]),
             stiffness=None if stiffness is None else float(stiffness),
             damping=float(file.get("damping", DAMPING)),
@@ -68,21 +70,21 @@ def load_hand(path: Path) -> Hand:
     except OSError as error:
         raise DimpleError(f"The hand {path} cannot be read: {error.strerror or error}.") from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise DimpleError(f"{path} is no hand ({error!r}).") from None
+        raise DimpleError(f"{path} is not a hand ({error!r}).") from None
     return hand
 
 
 def _keyframes(keys: Sequence[Sequence[float]]) -> tuple[Keyframe, ...]:
     frames = tuple((float(t), float(x), float(y), float(z)) for t, x, y, z in keys)
     if not frames or not all(math.isfinite(number) for frame in frames for number in frame):
-        raise ValueError("a tip has no keyframe, or one that is not numbers")
+        raise ValueError("a tip has no keyframes, or one that is not made of numbers")
     if any(a[0] >= b[0] for a, b in zip(frames, frames[1:], strict=False)):
         raise ValueError("the times of a tip do not rise")
     return frames
 
 
 def poking_hand() -> str:
-    """Return a hand for who tries the emulated device, as JSON: each finger in turn goes down, holds, goes up."""
+    """Return the hand of the device to try, as JSON: each finger in turn goes down, stays, goes up."""
     tips = []
     for i, (x, y) in enumerate(SIDES):
         at = [APART * x, APART * y]

@@ -1,0 +1,55 @@
+"""Emulator and servo with their instruments, as processes of their own."""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO, Final
+
+from core.errors import DimpleError
+from core.haptics.device import Emulated
+from core.haptics.process import start
+
+from .emulator import add_emulator
+from .logged_servo import add_logged_servo
+
+START: Final = Path(__file__).with_name("start.py")
+
+
+def main(words: list[str]) -> int:
+    """Run one of the two; return its exit code."""
+    parser = argparse.ArgumentParser(prog="start.py")
+    commands = parser.add_subparsers(required=True)
+    add_logged_servo(commands.add_parser("servo"))
+    add_emulator(commands.add_parser("emulator"))
+    options = parser.parse_args(words)
+    try:
+        return int(options.run(options))
+    except DimpleError as error:
+        print(error, file=sys.stderr)
+        return 2
+
+
+def start_emulator(words: Sequence[str], errors: IO[bytes] | None = None) -> subprocess.Popen[bytes]:
+    """Start an emulator that ends when its standard input closes; words: its options, see `dev.py core emulator`."""
+    return start(["emulator", "--lifeline", *words], errors, script=START)
+
+
+@dataclass(slots=True)
+class InstrumentedDevice(Emulated):
+    """An emulated device whose emulator and servo are those of this file.
+
+    emulator_words, servo_words: more options of theirs.
+    """
+
+    emulator_words: list[str] = field(default_factory=list)
+    servo_words: list[str] = field(default_factory=list)
+
+    def _start(self, words: list[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
+        if words[0] == "emulator":
+            return start_emulator([*words[1:], *self.emulator_words], errors)
+        return start([*words, *self.servo_words], errors, script=START)

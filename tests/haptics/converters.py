@@ -1,0 +1,16 @@
+"""The converters of a device, as the tests need them: from joint angles to the words of a STATE."""
+
+import math
+
+from core.haptics.spec import Spec
+from core.haptics.vectors import Vector
+
+
+def adc_words(spec: Spec, q: Vector) -> tuple[int, int, int]:
+    """Return the readings of joint angles [rad]: rounded down, clamped at the ends, left-justified."""
+    steps, shift = 1 << spec.adc_bits, 16 - spec.adc_bits
+    a, b, c = (
+        min(max(math.floor((angle - centre) / spec.adc_span * steps) + steps // 2, 0), steps - 1) << shift
+        for angle, centre in zip(q, spec.adc_centres, strict=True)
+    )
+    return a, b, c
