@@ -10,22 +10,22 @@ from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows
 
 def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | None]:
     """Return the calibration to show, and the settings of the material it belongs to, None while it has none."""
-    if told := calibration.load(context.scene.dimple.calibration):
-        return told, None
+    if record := calibration.load(context.scene.dimple.calibration):
+        return record, None
     material = context.object.active_material if context.object else None
     settings = material.dimple if material else None
     return (calibration.load(settings.calibration), settings) if settings else ({}, None)
 
 
 def draw_result(
-    context: bpy.types.Context, layout: bpy.types.UILayout, told: dict, settings: bpy.types.PropertyGroup | None
+    context: bpy.types.Context, layout: bpy.types.UILayout, record: dict, settings: bpy.types.PropertyGroup | None
 ) -> None:
     """Draw source, constants with their errors and warnings."""
-    source = f"{told['source']}, {told['date']}"
+    source = f"{record['source']}, {record['date']}"
     layout.label(text=source, icon="FILE_TEXT", translate=False)
-    draw_rows(layout, calibrated.rows(told))
-    draw_notes(context, layout, told["warnings"], "ERROR")
-    if settings is not None and calibrated.edited(told, settings):
+    draw_rows(layout, calibrated.rows(record))
+    draw_notes(context, layout, record["warnings"], "ERROR")
+    if settings is not None and calibrated.edited(record, settings):
         draw_notes(context, layout, ["The constants of the material were changed since."], "ERROR")
 
 
@@ -39,13 +39,13 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
         """Draw the way in, the result and the way on."""
         layout = self.layout
         layout.operator(Op.CALIBRATE, text="Calibrate from File...", icon="IMPORT")
-        told, settings = shown(context)
-        if not told:
+        record, settings = shown(context)
+        if not record:
             draw_notes(context, layout, ["Drop a force-depth file (CSV, text) into the viewport."])
             return
-        draw_result(context, layout, told, settings)
+        draw_result(context, layout, record, settings)
         if settings is None:
-            draw_notes(context, layout, [told["unusable"]] if told["unusable"] else [], "ERROR")
+            draw_notes(context, layout, [record["unusable"]] if record["unusable"] else [], "ERROR")
             row = layout.row(align=True)
             row.operator(Op.APPLY_CALIBRATION, icon="CHECKMARK")
             row.operator(Op.DISCARD_CALIBRATION, text="", icon="X")
@@ -54,9 +54,9 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
-    """Say what the numbers mean and how the file was read."""
+    """Show what the numbers mean and how the file was read."""
 
-    bl_label = "In Words"
+    bl_label = "Notes"
     bl_parent_id = "DIMPLE_PT_calibration"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -93,11 +93,11 @@ class DIMPLE_PT_identification(SidebarPanel, bpy.types.Panel):
         if material is None:
             return
         settings = material.dimple
-        if settings.stale:
+        if calibration.changed(settings):
             draw_notes(context, layout, ["The material was changed since it was identified: identify again."], "ERROR")
-        if told := calibration.load(settings.identification):
-            draw_rows(layout, calibrated.identified(told, settings))
-            draw_notes(context, layout, calibrated.identified_sentences(told))
+        if record := calibration.identification(settings):
+            draw_rows(layout, calibrated.identified(record, settings))
+            draw_notes(context, layout, calibrated.identified_sentences(record))
 
 
 class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
@@ -115,9 +115,9 @@ class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the result and what it means."""
         settings = context.material.dimple
-        told = calibration.load(settings.calibration)
-        draw_result(context, self.layout, told, settings)
-        draw_notes(context, self.layout, calibrated.sentences(told))
+        record = calibration.load(settings.calibration)
+        draw_result(context, self.layout, record, settings)
+        draw_notes(context, self.layout, calibrated.sentences(record))
 
 
 SIDEBAR = (DIMPLE_PT_calibration, DIMPLE_PT_calibration_notes, DIMPLE_PT_identification)

@@ -135,7 +135,7 @@ def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
     """Return the measured and the simulated press of a material, None where there is neither."""
     told = calibration.load(settings.calibration)
     measured = told.get("points", [])
-    simulated = calibration.load(settings.identification).get("points", [])
+    simulated = calibration.identification(settings).get("points", [])
     if not measured and not simulated:
         return None
     law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3)

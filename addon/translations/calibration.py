@@ -54,8 +54,8 @@ FILES = {
     "Cycle": "回",
     "Which of several presses, counted from 1": "複数回の押し込みのうちどれか。1 から数えます",
     "Contact (mm)": "接触 (mm)",
-    "Reading of the depth at first touch; it is found out until you change this": (
-        "最初に触れたときの深さの読み。変えるまでは自動で求めます"
+    "Reading of the depth at first touch; detected unless set": (
+        "最初に触れたときの深さの読み。設定しなければ自動で求めます"
     ),
     "Asked": "質問",
     "What the file leaves open": "ファイルだけでは決まらないこと",
@@ -70,7 +70,7 @@ RESULT = {
     "Calibration": "キャリブレーション",
     "The measurement behind these constants": "この定数のもとになった測定",
     "The last result, before it goes to a material": "マテリアルに適用する前の、最後の結果",
-    "In Words": "説明",
+    "Notes": "メモ",
     "Slopes": "傾きの数",
     "One": "一つ",
     "Two": "二つ",
@@ -81,7 +81,7 @@ RESULT = {
     "Work Lost": "失われた仕事",
     "Residual": "残差",
     "{} of full scale": "フルスケールの {}",
-    "A Hand Can Tell": "手で分かる差",
+    "Just-Noticeable Difference": "弁別閾",
     "A hand could not tell this from the measurement.": "手では、測定との違いは分かりません。",
     "A trained hand might just tell this from the measurement.": (
         "訓練された手なら、測定との違いにかろうじて気づくかもしれません。"
@@ -92,9 +92,9 @@ RESULT = {
         "アクティブマテリアルにキャリブレーションした定数とその出典を、物体に測定時の大きさを与えます"
     ),
     "Surface Spring": "表面のばね",
-    "Set k too, where the object's size told it": "物体の大きさから分かった場合は k も設定します",
-    "Set the damping ratio too, where the way back told it": "戻りから分かった場合は減衰比も設定します",
-    "Forget the result of the calibration; materials stay as they are": (
+    "Set k too, where it follows from the object's size": "物体の大きさから求まる場合は k も設定します",
+    "Set the damping ratio too, where it follows from the unloading": "除荷から求まる場合は減衰比も設定します",
+    "Remove the result of the calibration; materials stay as they are": (
         "キャリブレーションの結果を捨てます。マテリアルはそのままです"
     ),
 }
@@ -126,16 +126,14 @@ VIRTUAL = {
     "Identified: displacement at which the shape matching becomes harder": "同定された、形状記憶が硬くなり始める変位",
     "Share of k": "k の割合",
     "Identified: how much of its k the skin has": "同定された、表面が持つ k の割合",
-    "Stale": "失効",
-    "The model constants no longer held and were cleared": "モデルの定数は成り立たなくなり、消去されました",
     "The material was changed since it was identified: identify again.": (
         "同定の後でマテリアルが変更されました。もう一度同定してください。"
     ),
     "On": "対象",
     "Vertices": "頂点数",
     "Pressed To": "押した深さ",
-    "Off, of Full Scale": "差（フルスケール比）",
-    "Off at Worst, of the Force": "最大の差（力に対する比）",
+    "RMS Error": "RMS 誤差",
+    "Largest Force Error": "力の最大誤差",
     "Law": "法則",
     "Pressed": "押した軌跡",
     "Simulated": "シミュレーション",

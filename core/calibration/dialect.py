@@ -29,7 +29,7 @@ _WITH_UNIT = re.compile(r"^([+\-−]?[\d.,]*\d(?:[eE][+\-−]?\d+)?)\s*([^\d\s].
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dialect:
-    """Hold the delimiter and the decimal mark."""
+    """How a table is written: the delimiter of its cells and the decimal mark of its numbers."""
 
     delimiter: str
     decimal: str
@@ -84,7 +84,7 @@ def find_dialect(lines: Sequence[str], decimal: str | None = None) -> Dialect:
 
     Args:
         lines: of the file.
-        decimal: as the user said, or None.
+        decimal: the decimal mark where the user gave it, or None.
 
     Raises:
         DimpleError: no dialect makes a table of the lines.

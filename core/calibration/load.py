@@ -6,7 +6,7 @@ import stat
 from pathlib import Path
 
 from ..base import DimpleError
-from .words import is_known
+from .vocabulary import is_known
 
 MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
 MAX_LINE = 20_000  # characters

@@ -1,4 +1,4 @@
-"""`python -m core calibrate`, its JSON and its exit codes; samples and safe export."""
+"""`dev.py core calibrate`, its JSON and its exit codes; samples and safe export."""
 
 import json
 import math
@@ -11,13 +11,14 @@ import pytest
 import trimesh
 
 from core.body.paper import surface_stretch, surface_tension
-from core.calibration.calibrate import calibrate, fitted_material, provenance, source_of_k
+from core.calibration.calibrate import calibrate, provenance, source_of_k
 from core.calibration.export import text_cell, write_press
 from core.calibration.question import Answers
-from core.calibration.report import to_json
+from core.calibration.record import to_record
 from core.calibration.surface import surface_constants
 from core.material import PRESETS
 from studies.__main__ import main
+from studies.calibrate import fitted_material
 from studies.reconstruct import DEEPEST, write_samples
 from tools.environment import ROOT
 
@@ -54,16 +55,16 @@ def test_identify_adds_the_constants_of_the_model_and_what_they_are_worth(suffix
     words = ["--length-mm", "165", "--mesh", str(body), "--fill", "liquid", "--json", str(out)]
     assert main(["calibrate", str(SAMPLES / "object_3_vinyl_water.csv"), *words]) == 0
     assert "Identifying: " in capsys.readouterr().err
-    told = json.loads(out.read_text())["identification"]
-    assert told["vertices"] == 98
-    assert told["size"] == pytest.approx(165)
-    assert told["rms_percent"] < 3
-    assert 0 < told["force_off_percent"] <= 10
-    assert told["noticeable_force_percent"] == pytest.approx([6, 8])
+    record = json.loads(out.read_text())["identification"]
+    assert record["vertices"] == 98
+    assert record["size"] == pytest.approx(165)
+    assert record["rms_percent"] < 3
+    assert 0 < record["force_off_percent"] <= 10
+    assert record["noticeable_force_percent"] == pytest.approx([6, 8])
     # the points have 1 % of noise
-    assert 0.8 < told["measured_rms_percent"] < 2
-    assert told["volume_change_percent"] < 0.5
-    press, tip = told["press"], told["prediction"]
+    assert 0.8 < record["measured_rms_percent"] < 2
+    assert record["volume_change_percent"] < 0.5
+    press, tip = record["press"], record["prediction"]
     assert press["depth"][-1] == pytest.approx(20, rel=0.01)
     assert len(press["simulated"]) == len(press["wanted"]) == len(press["depth"])
     assert tip["tip_radius"] == 10 and len(tip["force"]) == len(tip["depth"]) and "prediction" in tip["note"]
@@ -147,7 +148,7 @@ def test_each_sample_gives_its_row_of_table_2_back(preset):
     for constant, value in ((done.fit.K1, truth.K1), (done.fit.K2, truth.K2), (done.fit.x0, truth.x0)):
         assert abs(constant.value - value) <= 1.5 * constant.half_width
     assert done.warnings == ()
-    assert done.press.depth.max() == pytest.approx(DEEPEST[preset.name])
+    assert done.loading.depth.max() == pytest.approx(DEEPEST[preset.name])
     material = fitted_material(done, truth)
     assert material.K2 == done.fit.K2.value
     line = provenance(done)
@@ -165,11 +166,11 @@ def test_the_press_of_a_calibration_begins_at_the_touch_that_was_fitted(make, wr
     rows = "".join(f"{x + 31:.5f},{f + 2:.5f}\n" for x, f in zip(curve.depth, curve.force, strict=True))
     path = write("mm,N\n" + rows)
     done = calibrate(path, Answers(depth_column="1", force_column="2"))
-    beyond = done.press.depth > 0
-    off = done.press.force[beyond] - done.fit.law(done.press.depth[beyond])
+    beyond = done.loading.depth > 0
+    off = done.loading.force[beyond] - done.fit.law(done.loading.depth[beyond])
     assert np.sqrt((off**2).mean()) == pytest.approx(done.fit.noise, rel=0.05)
-    assert to_json(done)["contact"] == pytest.approx(31, abs=0.2)
-    assert to_json(done)["tare"] == pytest.approx(2, abs=0.05)
+    assert to_record(done)["contact"] == pytest.approx(31, abs=0.2)
+    assert to_record(done)["tare"] == pytest.approx(2, abs=0.05)
 
 
 def test_k_by_the_paper_is_a_slope_of_section_modulus_and_length_alone():
@@ -208,4 +209,4 @@ def test_what_is_written_is_read_back(tmp_path):
     write_press(path, depth, force, about=("=1+1, a virtual press", "@home"))
     done = calibrate(path)
     assert done.fit.full_scale == pytest.approx(30)
-    assert math.isclose(done.press.depth.max(), 0.02)
+    assert math.isclose(done.loading.depth.max(), 0.02)
