@@ -1,4 +1,4 @@
-"""The panels of calibration: from a file to a result, to a material, to a body that answers like the real one."""
+"""The panels of calibration: from a file to a result, from there to a material, and its identification on a body."""
 
 import bpy
 
@@ -9,7 +9,7 @@ from .drawing import MaterialPanel, SidebarPanel, draw_notes, draw_rows
 
 
 def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | None]:
-    """Return the calibration to show, and the settings of the material it belongs to, None while it has none."""
+    """Return the calibration to show, and the settings of its material, None while it has not been applied."""
     if record := calibration.load(context.scene.dimple.calibration):
         return record, None
     material = context.object.active_material if context.object else None
@@ -20,7 +20,7 @@ def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | N
 def draw_result(
     context: bpy.types.Context, layout: bpy.types.UILayout, record: dict, settings: bpy.types.PropertyGroup | None
 ) -> None:
-    """Draw source, constants with their errors and warnings."""
+    """Draw the source, the constants with their errors, and the warnings."""
     source = f"{record['source']}, {record['date']}"
     layout.label(text=source, icon="FILE_TEXT", translate=False)
     draw_rows(layout, calibrated.rows(record))
@@ -30,13 +30,13 @@ def draw_result(
 
 
 class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
-    """Calibrate, and give the result to a material."""
+    """Calibrating from a file, and applying the result to a material."""
 
     bl_label = "Calibration"
     bl_parent_id = "DIMPLE_PT_session"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the way in, the result and the way on."""
+        """Draw the operators and the result."""
         layout = self.layout
         layout.operator(Op.CALIBRATE, text="Calibrate from File...", icon="IMPORT")
         record, settings = shown(context)
@@ -54,7 +54,7 @@ class DIMPLE_PT_calibration(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
-    """Show what the numbers mean and how the file was read."""
+    """What the numbers mean, and how the file was read."""
 
     bl_label = "Notes"
     bl_parent_id = "DIMPLE_PT_calibration"
@@ -66,19 +66,19 @@ class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
         return bool(shown(context)[0])
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw sentences."""
+        """Draw the notes."""
         draw_notes(context, self.layout, calibrated.sentences(shown(context)[0]))
 
 
 class DIMPLE_PT_identification(SidebarPanel, bpy.types.Panel):
-    """Identify the model constants on the active object, and measure it."""
+    """Identifying the model constants on the active object, and measuring it."""
 
     bl_label = "Virtual Press"
     bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw tip and place, both verbs, and what was found."""
+        """Draw tip and place, both operators, and the results."""
         layout, body = self.layout, context.object
         material = body.active_material if body else None
         layout.use_property_split = True
@@ -101,7 +101,7 @@ class DIMPLE_PT_identification(SidebarPanel, bpy.types.Panel):
 
 
 class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
-    """Show the measurement behind the constants of a material."""
+    """The measurement behind the constants of a material."""
 
     bl_label = "Calibration"
     bl_parent_id = "DIMPLE_PT_material"
@@ -113,7 +113,7 @@ class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
         return context.material is not None and bool(calibration.load(context.material.dimple.calibration))
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the result and what it means."""
+        """Draw the result and its notes."""
         settings = context.material.dimple
         record = calibration.load(settings.calibration)
         draw_result(context, self.layout, record, settings)

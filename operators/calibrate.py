@@ -29,7 +29,7 @@ def _items(asked: str, number: int) -> list[tuple[str, str, str]]:
 
 def _answer(number: int) -> EnumProperty:
     return EnumProperty(
-        name="Answer", description="Answer to what the file leaves open", options=HIDDEN,
+        name="Answer", description="Answer to what the file does not say", options=HIDDEN,
         items=lambda operator, _context: _items(operator.asked, number),
     )  # fmt: skip
 
@@ -39,7 +39,7 @@ def _answer_text(name: str, description: str) -> StringProperty:
 
 
 class DIMPLE_OT_calibrate(bpy.types.Operator):
-    """Fit a material to a force-depth file of an instrument: CSV or text, as it was written"""
+    """Fit a material to a force-depth file of an instrument: CSV or text, unedited"""
 
     bl_idname = Op.CALIBRATE
     bl_label = "Calibrate"
@@ -79,10 +79,10 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     press: _answer_text("Press", "Sign of a pressing force, positive or negative")
     cycle: IntProperty(name="Cycle", description="Which of several presses, counted from 1", options=HIDDEN, min=0)
     contact_mm: FloatProperty(
-        name="Contact (mm)", description="Reading of the depth at first touch; detected unless set",
+        name="Contact (mm)", description="Depth reading at first touch; detected unless set",
         options={"SKIP_SAVE"}, precision=4,
     )  # fmt: skip
-    asked: StringProperty(name="Asked", description="What the file leaves open", options=HIDDEN)
+    asked: StringProperty(name="Question", description="What the file does not say", options=HIDDEN)
     answer_0: _answer(0)
     answer_1: _answer(1)
     answer_2: _answer(2)

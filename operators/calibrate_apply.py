@@ -11,18 +11,19 @@ from .preset import material_of
 
 
 class DIMPLE_OT_apply_calibration(bpy.types.Operator):
-    """Give the active material the calibrated constants with their source, and the body the size that was measured"""
+    """Give the active material the calibrated constants and their source, and the body its measured size"""
 
     bl_idname = Op.APPLY_CALIBRATION
     bl_label = "Apply to Material"
     bl_options = {"REGISTER", "UNDO"}
 
     use_k: BoolProperty(
-        name="Surface Spring", description="Set k too, where it follows from the object's size", default=True
+        name="Surface Spring", description="Also set k, where it follows from the size of the object", default=True
     )
     use_damping: BoolProperty(
-        name="Damping Ratio", description="Set the damping ratio too, where it follows from the unloading", default=True
-    )
+        name="Damping Ratio", description="Also set the damping ratio, where it follows from the unloading curve",
+        default=True,
+    )  # fmt: skip
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -59,7 +60,7 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
 
 
 class DIMPLE_OT_discard_calibration(bpy.types.Operator):
-    """Remove the result of the calibration; materials stay as they are"""
+    """Discard the result of the calibration; materials do not change"""
 
     bl_idname = Op.DISCARD_CALIBRATION
     bl_label = "Discard"
@@ -71,7 +72,7 @@ class DIMPLE_OT_discard_calibration(bpy.types.Operator):
         return bool(context.scene.dimple.calibration)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Remove it."""
+        """Discard it."""
         context.scene.dimple.calibration = ""
         return {"FINISHED"}
 

@@ -12,7 +12,7 @@ OPERATORS = {
 }
 
 FILES = {
-    "Fit a material to a force-depth file of an instrument: CSV or text, as it was written": (
+    "Fit a material to a force-depth file of an instrument: CSV or text, unedited": (
         "測定器の力と深さのファイル (CSV またはテキスト、書き出されたまま) に合う材質の定数を求めます"
     ),
     "File": "ファイル",
@@ -54,13 +54,11 @@ FILES = {
     "Cycle": "回",
     "Which of several presses, counted from 1": "複数回の押し込みのうちどれか。1 から数えます",
     "Contact (mm)": "接触 (mm)",
-    "Reading of the depth at first touch; detected unless set": (
-        "最初に触れたときの深さの読み。設定しなければ自動で求めます"
-    ),
-    "Asked": "質問",
-    "What the file leaves open": "ファイルだけでは決まらないこと",
+    "Depth reading at first touch; detected unless set": "最初に触れたときの深さの読み。設定しなければ自動で検出します",
+    "Question": "質問",
+    "What the file does not say": "ファイルだけでは決まらないこと",
     "Answer": "答え",
-    "Answer to what the file leaves open": "ファイルだけでは決まらないことへの答え",
+    "Answer to what the file does not say": "ファイルだけでは決まらないことへの答え",
     "Drop a force-depth file (CSV, text) into the viewport.": (
         "力と深さのファイル (CSV、テキスト) をビューポートにドロップしてください。"
     ),
@@ -70,31 +68,31 @@ RESULT = {
     "Calibration": "キャリブレーション",
     "The measurement behind these constants": "この定数のもとになった測定",
     "The last result, before it goes to a material": "マテリアルに適用する前の、最後の結果",
-    "Notes": "メモ",
+    "Notes": "説明",
     "Slopes": "傾きの数",
     "One": "一つ",
     "Two": "二つ",
-    "Measured To": "測定範囲",
+    "Measured Range": "測定範囲",
     "k, Eqs. 9, 10": "k、式 9, 10",
     "k, Force Balance": "k、力の釣り合い",
-    "Tension": "張力",
-    "Work Lost": "失われた仕事",
+    "Pretension": "初期張力",
+    "Hysteresis Loss": "ヒステリシス損失",
     "Residual": "残差",
     "{} of full scale": "フルスケールの {}",
-    "Just-Noticeable Difference": "弁別閾",
-    "A hand could not tell this from the measurement.": "手では、測定との違いは分かりません。",
-    "A trained hand might just tell this from the measurement.": (
-        "訓練された手なら、測定との違いにかろうじて気づくかもしれません。"
-    ),
-    "A hand can tell this from the measurement.": "手で、測定との違いが分かります。",
+    "Just-Noticeable Difference": "丁度可知差異",
+    "This error is too small to be felt.": "この誤差は小さく、手では感じ取れません。",
+    "A trained hand may just notice this error.": "訓練された手なら、この誤差にかろうじて気づくかもしれません。",
+    "This error can be felt.": "この誤差は手で感じ取れます。",
     "The constants of the material were changed since.": "その後、マテリアルの定数が変更されています。",
-    "Give the active material the calibrated constants with their source, and the body the size that was measured": (
+    "Give the active material the calibrated constants and their source, and the body its measured size": (
         "アクティブマテリアルにキャリブレーションした定数とその出典を、物体に測定時の大きさを与えます"
     ),
     "Surface Spring": "表面のばね",
-    "Set k too, where it follows from the object's size": "物体の大きさから求まる場合は k も設定します",
-    "Set the damping ratio too, where it follows from the unloading": "除荷から求まる場合は減衰比も設定します",
-    "Remove the result of the calibration; materials stay as they are": (
+    "Also set k, where it follows from the size of the object": "物体の大きさから分かった場合は k も設定します",
+    "Also set the damping ratio, where it follows from the unloading curve": (
+        "除荷曲線から分かる場合は減衰比も設定します"
+    ),
+    "Discard the result of the calibration; materials do not change": (
         "キャリブレーションの結果を捨てます。マテリアルはそのままです"
     ),
 }
@@ -129,9 +127,9 @@ VIRTUAL = {
     "The material was changed since it was identified: identify again.": (
         "同定の後でマテリアルが変更されました。もう一度同定してください。"
     ),
-    "On": "対象",
+    "Object": "対象",
     "Vertices": "頂点数",
-    "Pressed To": "押した深さ",
+    "Indentation Depth": "押し込み深さ",
     "RMS Error": "RMS 誤差",
     "Largest Force Error": "力の最大誤差",
     "Law": "法則",

@@ -212,9 +212,17 @@ def test_an_identification_is_shown_until_the_material_changes(bpy: ModuleType, 
         "notes": ["The skin's k is taken at 2 %."],
     })  # fmt: skip
     shown = draw(bpy, panel, object=body)
-    for text in ("Cube, 165 mm", "98", "1.2% of full scale", "45.0%", "2.00%", "6% – 8%", "The skin's k is taken at 2 %."):
+    for text in (
+        "Cube, 165 mm",
+        "98",
+        "1.2% of full scale",
+        "45.0%",
+        "2.00%",
+        "6% – 8%",
+        "The skin's k is taken at 2 %.",
+    ):
         assert text in shown, text
-    assert "A hand can tell" in " ".join(shown), "1.2 % of full scale, but 45 % of a force"
+    assert "This error can be felt." in shown, "1.2 % of full scale, but 45 % of a force"
     settings.x0 = 5.0
     shown = draw(bpy, panel, object=body)
     assert "identify again" in " ".join(shown) and "Cube, 165 mm" not in shown
