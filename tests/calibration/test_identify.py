@@ -40,19 +40,35 @@ def body(preset, cells=8):
 
 
 # 386, 1538 and 6146 vertices; Object 3 on the last takes a quarter of a minute: dev.py core paper
-BODIES = [(PRESETS[1], 8), (PRESETS[1], 16), (PRESETS[1], 32), (PRESETS[2], 8), (PRESETS[2], 16)]
+BODIES = [
+    pytest.param(PRESETS[1], 8),
+    pytest.param(PRESETS[1], 16),
+    pytest.param(PRESETS[1], 32, marks=pytest.mark.slow),
+    pytest.param(PRESETS[2], 8),
+    pytest.param(PRESETS[2], 16, marks=pytest.mark.slow),
+]
 
 
-@pytest.mark.parametrize(("preset", "cells"), BODIES, ids=[f"{preset.name}-{cells}" for preset, cells in BODIES])
+@pytest.mark.parametrize(("preset", "cells"), BODIES, ids=lambda given: getattr(given, "name", given))
 def test_the_identified_body_answers_the_measured_curve(preset, cells):
     found = identified(preset, cells)
     off = np.abs(found.simulated - found.wanted)
     assert found.depths[-1] == pytest.approx(DEEPEST[preset.name])
-    assert found.rms < 0.03
+    assert 1e-4 < found.rms < 0.03
     assert (off <= np.maximum(0.1 * found.wanted, 0.3)).all()
-    assert found.volume_change < 0.005
+    assert 1e-6 < found.volume_change < 0.005
     assert found.stopped == ""
     assert "k" in found.notes[0] and "%" in found.notes[0]
+
+
+def test_the_estimate_answers_with_another_curve():
+    """What identification is for: without it the same press on the same body is far outside what is allowed."""
+    preset = PRESETS[2]
+    mesh, site = body(preset)
+    stations = list(press(mesh, preset.material, POINT, site, identified(preset).depths[4::10]))
+    wanted = np.array([preset.material.law(station.depth) for station in stations])
+    off = np.abs(np.array([station.force for station in stations]) - wanted)
+    assert len(stations) > 2 and (off > 2 * np.maximum(0.1 * wanted, 0.3)).any()
 
 
 def test_the_skin_keeps_as_much_of_its_k_as_the_curve_lets_it():
@@ -83,8 +99,8 @@ def test_object_1_is_met_as_deep_as_its_thickness_allows_and_says_why_it_stops()
     found = identify(mesh, preset.material, POINT, site, 0.060)
     assert found.depths[-1] == pytest.approx(0.045)
     assert "far side" in found.stopped
-    assert found.rms < 0.03
-    assert found.worst <= 1
+    assert 1e-4 < found.rms < 0.03
+    assert 0.3 < found.worst <= 1
 
 
 def test_the_constants_become_the_model():
@@ -156,27 +172,32 @@ def test_a_round_tip_that_starts_too_soft_is_off_by_more_than_the_just_noticeabl
     off = np.abs(found.simulated - found.wanted) / found.wanted
     assert found.rms < min(NOTICEABLE_FORCE) < max(NOTICEABLE_FORCE) < np.median(off) < off.max()
     assert found.off == pytest.approx(off)
+    assert "round tip" in found.notes[-1]
     measured = calibrate(Path(__file__).parents[2] / "blend_samples" / "calibration" / f"{preset.name}.csv")
     assessment = assess(measured, found, mesh, tip, site)
     assert assessment_json(assessment)["force_off_percent"] == pytest.approx(100 * off.max())
     assert f"largest force error {100 * off.max():.1f} %" in " ".join(assessment_lines(assessment))
 
 
-def test_a_ball_is_met_too():
-    preset = PRESETS[2]
-    mesh = ball(2)
-    site = find_site(mesh, POINT, held=base_vertices(mesh))
-    found = identify(mesh, preset.material, POINT, site, 0.018)
-    assert found.rms < 0.03
-    assert found.worst <= 1
-
-
-@pytest.mark.parametrize("mesh", [cube(6, 0.15), ball(2)], ids=["cube", "ball"])
-def test_the_share_that_is_done_foretells_how_much_is_left(mesh):
-    """Each step is one equilibrium: the time that is left follows. Where the fit takes longer than usual, within 2."""
+@functools.cache
+def identified_with_shares(shape):
+    """Return an identification of Object 3's material on a cube or a ball, and the shares done that it yielded."""
+    mesh = cube(6, 0.15) if shape == "cube" else ball(2)
     site = find_site(mesh, POINT, held=base_vertices(mesh))
     yielded: list[float] = []
-    identify(mesh, PRESETS[2].material, POINT, site, 0.018, progress=yielded.append)
+    return identify(mesh, PRESETS[2].material, POINT, site, 0.018, progress=yielded.append), yielded
+
+
+def test_a_ball_is_met_too():
+    found, _ = identified_with_shares("ball")
+    assert 1e-4 < found.rms < 0.03
+    assert 0.3 < found.worst <= 1
+
+
+@pytest.mark.parametrize("shape", ["cube", "ball"])
+def test_the_share_that_is_done_foretells_how_much_is_left(shape):
+    """Each step is one equilibrium: the time that is left follows. Where the fit takes longer than usual, within 2."""
+    _, yielded = identified_with_shares(shape)
     shares = np.array(yielded)
     done = np.arange(1, len(shares) + 1)
     assert (np.diff(shares) > 0).all() and 0 < shares[0] and 0.95 < shares[-1] < 1
@@ -186,8 +207,8 @@ def test_the_share_that_is_done_foretells_how_much_is_left(mesh):
 
 def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
     preset = PRESETS[2]
-    mesh, site = body(preset, cells=6)
-    found = identify(mesh, preset.material, POINT, site, 0.012)
+    mesh, site = body(preset)
+    found = identified(preset)
     name = cache.key(mesh, preset.material, POINT, site, 0.012)
     assert cache.recall(tmp_path, name) is None
     cache.remember(tmp_path, name, found)
@@ -213,7 +234,7 @@ def test_a_virtual_press_written_and_read_gives_the_material_back(tmp_path):
     )
 
 
-def test_a_tip_that_cannot_press_is_told():
+def test_a_tip_that_cannot_press_is_refused():
     mesh = cube(6, 0.1)
     with pytest.raises(DimpleError, match="misses"):
         find_site(mesh, POINT, above=(1.0, 0.0, 0.0))
@@ -227,7 +248,7 @@ def test_a_tip_that_cannot_press_is_told():
         list(press(mesh, replace(PRESETS[2].material, fill="paper"), POINT, find_site(mesh, POINT), [0.001]))
 
 
-def test_a_body_nobody_holds_is_pressed_against_its_base():
+def test_a_body_without_pinned_vertices_is_pressed_against_its_base():
     mesh = cube(6, 0.1)
     assert np.array_equal(find_site(mesh, POINT).held[mesh.source], base_vertices(mesh))
     sideways = find_site(mesh, POINT, inward=(1.0, 0.0, 0.0))

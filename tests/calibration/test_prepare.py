@@ -8,7 +8,7 @@ import pytest
 from core.base import DimpleError
 from core.calibration.fit import fit_law
 from core.calibration.prepare import prepare
-from core.calibration.question import Answers, Undecided
+from core.calibration.question import Answers, Undecided, WrongColumns
 from core.calibration.reader import Measurement
 
 
@@ -56,7 +56,7 @@ def test_signs_are_turned_round():
             assert constants(turned) == TRUTH
 
 
-def test_loading_and_unloading_are_parted_and_the_loss_is_told():
+def test_loading_and_unloading_are_parted_and_the_loss_is_found():
     depth = np.concatenate([np.linspace(0, 22, 300), np.linspace(22, 0, 300)])
     force = law(depth) * np.where(np.arange(600) < 300, 1.0, 0.8)
     press = prepare(recording(depth, force))
@@ -137,7 +137,7 @@ def test_a_force_that_goes_both_ways_is_asked():
         prepare(both)
 
 
-def test_a_file_with_only_the_way_back_is_told():
+def test_a_file_with_only_the_way_back_is_asked_about_and_refused():
     depth = np.linspace(22, 0, 300)
     with pytest.raises(Undecided, match="both ways"):
         prepare(recording(depth, law(depth)))
@@ -145,7 +145,7 @@ def test_a_file_with_only_the_way_back_is_told():
         prepare(recording(depth, law(depth)), Answers(press="positive"))
 
 
-def test_a_snap_is_told():
+def test_a_snap_is_warned_of():
     depth = np.linspace(0, 5, 400)
     press = prepare(recording(depth, np.sin(depth) + 0.35 * depth + 4 * np.maximum(depth - 4.5, 0)))
     assert "snaps" in " ".join(press.warnings)
@@ -160,15 +160,16 @@ def test_exchanged_headers_are_asked_about():
     prepare(exchanged, Answers(depth_column="Depth", force_column="Force"))
 
 
-def test_rows_out_of_order_are_told():
+def test_rows_out_of_order_are_refused():
     depth = np.random.default_rng(0).permutation(np.linspace(0, 22, 300))
     with pytest.raises(DimpleError, match="order"):
         prepare(recording(depth, law(depth)))
 
 
-def test_columns_that_are_no_press_are_told():
+def test_columns_that_are_no_press_are_refused():
     rng = np.random.default_rng(0)
-    with pytest.raises(DimpleError, match="no greater|same in every row"):
+    with pytest.raises(WrongColumns, match="no greater") as caught:
         prepare(recording(np.linspace(0, 22, 300), rng.normal(size=300) + 5, noise=0), Answers(press="positive"))
+    assert caught.value.answers == ("depth_column", "force_column")
     with pytest.raises(DimpleError, match="same in every row"):
         prepare(recording(np.linspace(0, 22, 300), np.full(300, 5.0)))

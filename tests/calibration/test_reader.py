@@ -263,7 +263,7 @@ def test_unusable_files_say_what_is_wrong(content, words, write):
         read_measurement(write(content))
 
 
-def test_missing_files_and_folders_are_told(tmp_path):
+def test_missing_files_and_folders_are_refused(tmp_path):
     with pytest.raises(DimpleError, match="cannot be read"):
         read_measurement(tmp_path / "nothing.csv")
     with pytest.raises(DimpleError, match="not a file"):
@@ -278,7 +278,7 @@ def test_a_long_recording_is_thinned_and_says_so(make, write):
     assert np.ptp(read.depth) * 1e3 == pytest.approx(22, rel=1e-3)
 
 
-def test_answers_that_name_nothing_are_told(curve, write):
+def test_answers_that_name_nothing_are_refused(curve, write):
     path = write(table(curve, lambda i, d, f: f"{d:.5f},{f:.5f}", head="Depth (mm),Force (N)\n"))
     with pytest.raises(DimpleError, match="No single column"):
         read_measurement(path, Answers(force_column="Kraft"))
