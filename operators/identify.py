@@ -68,7 +68,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         found, bench = self._found, self._bench
         if np.median(found.off) > HOPELESS * max(NOTICEABLE_FORCE):
             raise DimpleError(" ".join(
-                [f"With no model constants does this body answer as was measured. {found.notes[-1]}", _NOTHING]
+                [f"No model constants make this body reproduce the measurement. {found.notes[-1]}", _NOTHING]
             ))  # fmt: skip
         settings, constants = indentation.find_material(bench.uid).dimple, found.material.constants
         settings.kappa1, settings.kappa2 = constants.kappa1 / 1e6, constants.kappa2 / 1e6

@@ -200,7 +200,7 @@ def _sustained(above: np.ndarray) -> int:
 
 
 def _is_level(x: Floats, f: Floats, noise: float) -> bool:
-    """Tell whether the force before a hinge neither rises nor falls by more than chance or a little drift."""
+    """Return whether the force before a hinge neither rises nor falls by more than chance or a little drift."""
     if len(x) < 3 or np.ptp(x) == 0:
         return True
     centred = x - x.mean()
@@ -218,7 +218,7 @@ def _bent_residual(x: Floats, f: Floats) -> float:
 
 
 def _is_hinge(x: Floats, join: float, noise: float, slope: float) -> bool:
-    """Tell whether the rows before a hinge are enough to know it is not the first row."""
+    """Return whether the rows before a hinge are enough to know it is not the first row."""
     before, after = x[x < join], x[x >= join]
     if len(before) < 3 or slope <= 0:
         return False

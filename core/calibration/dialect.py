@@ -67,7 +67,7 @@ def number_and_unit(cell: str, decimal: str) -> tuple[float, str] | None:
 
 
 def is_row(cells: Sequence[str], dialect: Dialect) -> bool:
-    """Tell whether cells are a row of data: two numbers or more, and no number written another way."""
+    """Return whether cells are a row of data: two numbers or more, and no number written another way."""
     count = 0
     for cell in cells:
         if any(d in cell for d in ";\t|"):

@@ -175,7 +175,7 @@ def _start(values: list[float], offset: float, free: Free) -> _Parameters:
 
 
 def _has_rows(parameters: _Parameters, x: Floats) -> bool:
-    """Tell whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
+    """Return whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
     _, _, x0, contact, _ = parameters.parts(x)
     pressed, beyond = int((x > contact).sum()), int((x > contact + x0).sum())
     return min(pressed - beyond, beyond) >= _ON_A_PIECE if parameters.knee else pressed >= _ROWS

@@ -1,6 +1,6 @@
 """Model constants such that a simulated press with the measuring tip answers K(x) of the material on its mesh.
 
-What the skin carries and what shape matching carries can hardly be told apart from one curve, so the skin's scale is
+What the skin carries and what shape matching carries can hardly be distinguished by one curve, so the skin's scale is
 not fitted: it is the largest that still lets the press follow the curve well. For each scale tried kappa1, kappa2 and
 d0 are fitted by least squares over their logarithms (Levenberg and Marquardt). One sweep of equilibria gives the
 forces and, by the energy's slopes, their derivatives: see `indent`. Under a flat tip all of it is numpy, for the
@@ -181,7 +181,7 @@ def _first_guess(task: Task, deepest: float) -> list[float]:
 
 
 def _preferred(one: tuple[Floats, Sweep], other: tuple[Floats, Sweep]) -> bool:
-    """Tell whether one fit is better: near enough with more of the skin, else nearer."""
+    """Return whether one fit is better: near enough with more of the skin, else nearer."""
     near = one[1].worst <= GOAL[1], other[1].worst <= GOAL[1]
     return bool(one[0][3] > other[0][3]) if all(near) else one[1].worst < other[1].worst
 

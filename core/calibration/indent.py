@@ -126,7 +126,7 @@ def find_site(
         stay[mesh.source] = base_vertices(mesh, up=tuple(-way))
     under = _under(mesh, point, way, reach(mesh, indenter))
     if (under & stay).any():
-        raise DimpleError("The tip stands on vertices that are held. Press elsewhere, or hold fewer.")
+        raise DimpleError("The tip stands on vertices that are pinned. Press elsewhere, or pin fewer.")
     return Site(
         point=point, inward=way, thickness=beyond[0] if beyond else math.inf, under=under, held=stay
     )  # fmt: skip

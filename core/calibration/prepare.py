@@ -27,8 +27,8 @@ class LoadingCurve:
 
     depth: (n,) from the first touch, negative before it [m].
     force: (n,) tared [N].
-    unloading_depth: (m,) of the way back [m], empty where there is none.
-    unloading_force: (m,) of the way back [N].
+    unloading_depth: (m,) from the first touch [m], empty where there is no unloading.
+    unloading_force: (m,) tared [N].
     free: which of the touch and the tare are estimates; see fit.fit_law.
     cycle: which press it is, counted from 1.
     cycles: how many there are.
@@ -79,7 +79,7 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     _check_columns(measurement, depth, force, answers)
     cycles = find_cycles(depth)
     if not cycles:
-        raise DimpleError("The depth never grows: the file holds no press, only a way back.")
+        raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     cycles = _long_enough(cycles, depth, notes)
     if len(cycles) > max(_MANY, 1) or (len(cycles) > 8 and len(depth) / len(cycles) < 16):
         raise DimpleError(

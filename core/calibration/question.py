@@ -57,7 +57,7 @@ class Question:
 
 
 class Undecided(DimpleError):
-    """Say that a file can be read in several ways, and ask which is right."""
+    """A file can be read in several ways; `questions` ask which is right."""
 
     def __init__(self, *questions: Question) -> None:
         self.questions = questions
@@ -81,6 +81,6 @@ class Undecided(DimpleError):
 
 
 class WrongColumns(DimpleError):
-    """Say that the columns taken hold no press; the fields of Answers in `answers` choose others."""
+    """The columns that were taken hold no press; the fields of Answers in `answers` choose others."""
 
     answers = ("depth_column", "force_column")

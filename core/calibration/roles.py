@@ -158,7 +158,7 @@ def _named(table: Table, name: str, role: str) -> int:
 
 
 def _alike(columns: Floats) -> bool:
-    """Tell whether columns (n, c) are one but for sign and zero."""
+    """Return whether columns (n, c) are one but for sign and zero."""
     first = columns[:, 0] - np.nanmean(columns[:, 0])
     span = float(np.ptp(first[np.isfinite(first)]))
     for other in columns.T[1:]:

@@ -94,7 +94,7 @@ def role_of(name: str) -> str | None:
 
 
 def is_known(text: str) -> bool:
-    """Tell whether a cell is a unit or names a role."""
+    """Return whether a cell is a unit or names a role."""
     name, unit = split_unit(text)
     return bool(unit) or unit_of(text) is not None or role_of(name) is not None
 

@@ -238,7 +238,7 @@ def test_a_tip_that_cannot_press_is_refused():
     mesh = cube(6, 0.1)
     with pytest.raises(DimpleError, match="misses"):
         find_site(mesh, POINT, above=(1.0, 0.0, 0.0))
-    with pytest.raises(DimpleError, match="held"):
+    with pytest.raises(DimpleError, match="pinned"):
         find_site(mesh, POINT, held=mesh.rest_positions[mesh.source, 2] > 0)
     with pytest.raises(DimpleError, match="radius"):
         Indenter(radius=0.0)

@@ -114,6 +114,9 @@ def test_model_constants_without_a_record_hold(bpy: ModuleType, vinyl: Any, cube
     vinyl.K1 = 0.5
     _, model = bridge.read_body(bpy.context, cube)
     assert model.materials[0].constants.kappa1 == pytest.approx(1e6)
+    vinyl.identification = json.dumps({"object": "Cube", "size": 165.0})  # of an earlier version: without a fingerprint
+    _, model = bridge.read_body(bpy.context, cube)
+    assert model.materials[0].constants is None and any("Identify it again" in note for note in model.notes)
 
 
 def test_constants_of_another_mesh_or_size_are_not_used_and_the_note_says_so(
@@ -245,7 +248,7 @@ def test_what_cannot_be_pressed_says_why(bpy: ModuleType, vinyl: Any, cube: Any)
     vinyl.k = 9.2
     cube.data.clear_geometry()
     cube.data.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
-    with pytest.raises(RuntimeError, match="held.* 3D Cursor"):
+    with pytest.raises(RuntimeError, match="pinned.* 3D Cursor"):
         bpy.ops.dimple.identify()
     cube.active_material = None
     assert not bpy.ops.dimple.identify.poll() and not bpy.ops.dimple.measure.poll()
