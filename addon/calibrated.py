@@ -47,7 +47,7 @@ def identified(record: dict[str, Any], settings: Any) -> list[tuple[str, str]]:
     tip = settings.bl_rna.properties["tip"].enum_items[record["tip"].upper()].name
     return [
         (iface_("Object"), f"{record['object']}, {record['size']:.4g} mm"),
-        (iface_("Vertices"), f"{record['mesh']['vertices']}"),
+        (iface_("Vertices"), f"{record['fingerprint']['vertices']}"),
         (iface_("Tip"), f"{iface_(tip)}, {record['tip_radius']:.3g} mm"),
         (iface_("Indentation Depth"), f"{record['deepest']:.4g} mm"),
         (iface_("RMS Error"), iface_("{} of full scale").format(f"{record['rms']:.1%}")),

@@ -93,9 +93,9 @@ class DIMPLE_PT_identification(SidebarPanel, bpy.types.Panel):
         if material is None:
             return
         settings = material.dimple
-        if settings.stale:
+        if calibration.changed(settings):
             draw_notes(context, layout, ["The material was changed since it was identified: identify again."], "ERROR")
-        if record := calibration.load(settings.identification):
+        if record := calibration.identification(settings):
             draw_rows(layout, calibrated.identified(record, settings))
             draw_notes(context, layout, calibrated.identified_sentences(record))
 

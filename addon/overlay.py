@@ -165,7 +165,7 @@ def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
     """Return the curves of a material, None where it has neither a measured nor a simulated press."""
     record = calibration.load(settings.calibration)
     measured = record.get("points", [])
-    simulated = calibration.load(settings.identification).get("points", [])
+    simulated = calibration.identification(settings).get("points", [])
     if not measured and not simulated:
         return None
     law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3)

@@ -8,7 +8,6 @@ its settings when it starts, so a keyframe would have no effect.
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
-from ..operators import calibration
 from ..operators.names import PLACES, TIPS
 from .device import DevicePlace
 from .reduction_settings import FIXED, ReductionSettings, exact, kept_text
@@ -55,21 +54,6 @@ def _mark_measured(settings: bpy.types.PropertyGroup, _context: bpy.types.Contex
     settings.edited = False
 
 
-def _on_measured(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    _mark_edited(settings, context)
-    _forget(settings, context)
-
-
-def _forget(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    # model constants answer to what was measured; after a change of that they answer to nothing
-    told = calibration.load(settings.identification)
-    if settings.kappa1 <= 0 or told.get("holds_for") == settings.held_by():
-        return
-    for name in _MODEL_CONSTANTS:
-        setattr(settings, name, 0.0)
-    settings.identification, settings.stale = "", True
-
-
 def _is_fingertip(_settings: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
     return not candidate.dimple.enabled
 
@@ -77,7 +61,7 @@ def _is_fingertip(_settings: bpy.types.PropertyGroup, candidate: bpy.types.Objec
 def _stiffness(name: str, default: float, description: str) -> FloatProperty:
     return FloatProperty(
         name=name, description=description, default=default, min=0.0, soft_min=0.01, soft_max=100.0,
-        step=10, precision=3, update=_on_measured, **FIXED,
+        step=10, precision=3, update=_mark_edited, **FIXED,
     )  # fmt: skip
 
 
@@ -92,7 +76,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     K2: _stiffness("Slope K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
     x0: FloatProperty(
         name="Knee x0 (mm)", description="Depth at which the slope changes from K1 to K2",
-        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_on_measured, **FIXED,
+        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **FIXED,
     )  # fmt: skip
     k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the surface against stretching")
     mass_from: EnumProperty(
@@ -115,13 +99,13 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         description="Coefficient of friction between the surface and fingertips or ground; 0 is frictionless",
         default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
     )  # fmt: skip
-    fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, update=_forget, **FIXED)
+    fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, **FIXED)
     tip: EnumProperty(
-        name="Tip", description="What pressed the object when it was measured", items=TIPS, update=_forget, **FIXED
+        name="Tip", description="What pressed the object when it was measured", items=TIPS, **FIXED
     )
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of what pressed the object when it was measured",
-        default=2.0, min=0.01, soft_max=50.0, step=10, precision=2, update=_forget, **FIXED,
+        default=2.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     provenance: StringProperty(
         name="Source", description="Where these constants were measured; empty when typed in",
@@ -136,12 +120,6 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     d0: _model_constant("Knee d0 (mm)", "Identified: displacement at which shape matching changes from κ1 to κ2")
     membrane_scale: _model_constant("Share of k", "Identified: share of k that the membrane has")
     identification: kept_text("Identification", "How the model constants were found")
-    stale: BoolProperty(name="Stale", description="The model constants no longer held and were cleared", **FIXED)
-
-    def held_by(self) -> dict[str, float | str]:
-        """Return what the model constants hang on."""
-        numbers = {name: exact(getattr(self, name)) for name in ("K1", "K2", "x0", "k", "tip_radius_mm")}
-        return {**numbers, "fill": self.fill, "tip": self.tip}
 
     def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""
@@ -160,7 +138,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
 
 
 def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
-    """Return the model constants, where they are."""
+    """Return the model constants where there are any; `operators.calibration.changed` says whether they still hold."""
     if not all(getattr(settings, name) > 0 for name in _MODEL_CONSTANTS):
         return {}
     from ..core.material import ModelConstants  # not at import: it needs numpy, and enabling must be quick

@@ -226,7 +226,7 @@ def _material(body: bpy.types.Object, slot: int, mesh: Mesh) -> tuple[Material, 
 
 
 def constants_on(mesh: Mesh, material: bpy.types.Material) -> tuple[Material, str]:
-    """Return the constants of a material on a mesh; where its model constants are another's, without, and a note.
+    """Return the constants of a material on a mesh; without its model constants where they do not hold, and a note.
 
     Raises:
         DimpleError: a constant is out of its range.
@@ -237,24 +237,17 @@ def constants_on(mesh: Mesh, material: bpy.types.Material) -> tuple[Material, st
         constants = Material(**material.dimple.to_params())
     except DimpleError as error:
         raise DimpleError(f'material "{material.name}": {error}') from error
-    told = calibration.load(material.dimple.identification)
-    if constants.constants is None or not told or _alike(fingerprint(mesh), told["mesh"]):
+    if constants.constants is None or not calibration.changed(material.dimple, mesh):
         return constants, ""
-    return replace(constants, constants=None), (
-        f'The model constants of "{material.name}" were identified on another mesh or size ({told["object"]}, '
-        f"{told['size']:.4g} mm): an estimate stands in. Identify it on this one."
-    )
-
-
-def fingerprint(mesh: Mesh) -> dict[str, float]:
-    """Return what tells one mesh from another wherever it stands: vertices, area [m2] and volume [m3]."""
-    return {
-        "vertices": len(mesh.rest_positions), "area": float(mesh.triangle_areas.sum()), "volume": float(mesh.volume)
-    }  # fmt: skip
-
-
-def _alike(one: dict[str, float], other: dict[str, float]) -> bool:
-    return all(abs(one[name] - other[name]) <= 1e-3 * abs(one[name]) for name in ("vertices", "area", "volume"))
+    if calibration.changed(material.dimple):
+        why = f'"{material.name}" was changed since it was identified: an estimate is used. Identify it again.'
+    else:
+        record = calibration.load(material.dimple.identification)
+        why = (
+            f'The model constants of "{material.name}" were identified on another mesh or size ({record["object"]}, '
+            f"{record['size']:.4g} mm): an estimate is used. Identify it on this one."
+        )
+    return replace(constants, constants=None), why
 
 
 def default_params() -> dict[str, Any]:

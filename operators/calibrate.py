@@ -3,6 +3,7 @@
 Where the file leaves something open a dialog asks the core's question with its own preview; nothing is guessed.
 """
 
+import json
 import textwrap
 from functools import lru_cache
 
@@ -14,7 +15,7 @@ from .names import TIPS, Op
 
 OPEN = "NONE"  # a question that has no answer yet
 ASKED_AT_ONCE = 4
-WIDTH, LETTERS = 640, 96  # [px] of the dialog, and what fits on a line of it
+WIDTH, CHARACTERS = 640, 96  # [px] of the dialog, and how many fit on a line of it
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
 
@@ -33,7 +34,7 @@ def _answer(number: int) -> EnumProperty:
     )  # fmt: skip
 
 
-def _said(name: str, description: str) -> StringProperty:
+def _answer_text(name: str, description: str) -> StringProperty:
     return StringProperty(name=name, description=description, options=HIDDEN)
 
 
@@ -69,13 +70,13 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     )  # fmt: skip
 
     # answers to what a file may leave open, named as in core.calibration.question.Answers
-    depth_column: _said("Depth Column", "Header of the column of depth, or its number counted from 1")
-    force_column: _said("Force Column", "Header of the column of force, or its number counted from 1")
-    depth_unit: _said("Depth Unit", "mm, m, um or in")
-    force_unit: _said("Force Unit", "N, gf, kgf, mN, kN or lbf")
-    decimal: _said("Decimal", "The decimal mark, . or ,")
+    depth_column: _answer_text("Depth Column", "Header of the column of depth, or its number counted from 1")
+    force_column: _answer_text("Force Column", "Header of the column of force, or its number counted from 1")
+    depth_unit: _answer_text("Depth Unit", "mm, m, um or in")
+    force_unit: _answer_text("Force Unit", "N, gf, kgf, mN, kN or lbf")
+    decimal: _answer_text("Decimal", "The decimal mark, . or ,")
     table: IntProperty(name="Table", description="Which of several tables, counted from 1", options=HIDDEN, min=0)
-    press: _said("Press", "Sign of a pressing force, positive or negative")
+    press: _answer_text("Press", "Sign of a pressing force, positive or negative")
     cycle: IntProperty(name="Cycle", description="Which of several presses, counted from 1", options=HIDDEN, min=0)
     contact_mm: FloatProperty(
         name="Contact (mm)", description="Depth reading at first touch; detected unless set",
@@ -111,7 +112,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         from ..core.base import DimpleError
         from ..core.calibration.calibrate import calibrate
         from ..core.calibration.indent import Indenter
-        from ..core.calibration.question import Undecided
+        from ..core.calibration.question import Undecided, WrongColumns
 
         try:
             if not self._take_answers():
@@ -122,15 +123,17 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
                 section=_si(self.section_mm2, 1e-6), youngs_modulus=_si(self.youngs_modulus_mpa, 1e6),
             )  # fmt: skip
         except Undecided as undecided:
-            return self._ask(context, calibration.questions(undecided), _in_words(undecided))
+            return self._ask(context, json.dumps(undecided.to_record(), ensure_ascii=False), _message(undecided))
         except DimpleError as error:
-            self.report({"ERROR"}, calibration.plain(str(error)))
+            advice = f" Choose them: {_labels(error.answers)}." if isinstance(error, WrongColumns) else ""
+            self.report({"ERROR"}, f"{error}{advice}")
             return {"CANCELLED"}
-        context.scene.dimple.calibration = calibration.record(found)
-        told = calibration.load(context.scene.dimple.calibration)
-        for warning in told["warnings"]:
+        advice = [f"If it is known, give {_labels(found.unsure)}."] if found.unsure else []
+        context.scene.dimple.calibration = calibration.to_text(found, advice)
+        record = calibration.load(context.scene.dimple.calibration)
+        for warning in record["warnings"]:
             self.report({"WARNING"}, warning)
-        self.report({"INFO"}, calibration.source(told, told["source_of_k"]))
+        self.report({"INFO"}, calibration.source(record, record["source_of_k"]))
         return {"FINISHED"}
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -146,11 +149,11 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     def _draw_questions(self, layout: bpy.types.UILayout) -> None:
         for number, question in enumerate(calibration.load(self.asked)["questions"][:ASKED_AT_ONCE]):
             column = layout.column(align=True)
-            for line in textwrap.wrap(calibration.plain(question["text"]), LETTERS):
+            for line in textwrap.wrap(question["text"], CHARACTERS):
                 column.label(text=line, translate=False)
             for i, candidate in enumerate(question["candidates"]):
-                said = f"{candidate['value']}   {candidate['label']}"
-                column.prop_enum(self, f"answer_{number}", str(i), text=said, translate=False)
+                text = f"{candidate['value']}   {candidate['label']}"
+                column.prop_enum(self, f"answer_{number}", str(i), text=text, translate=False)
 
     def _take_answers(self) -> bool:
         """Turn what was chosen in the dialog into answers; False where something is still open."""
@@ -167,18 +170,18 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Return the answers that are given."""
         from ..core.calibration.question import Answers
 
-        told = {name: getattr(self, name) or None for name in _ANSWERS}
-        told["contact_mm"] = self.contact_mm if self.properties.is_property_set("contact_mm") else None
-        return Answers(**told)
+        given = {name: getattr(self, name) or None for name in _ANSWERS}
+        given["contact_mm"] = self.contact_mm if self.properties.is_property_set("contact_mm") else None
+        return Answers(**given)
 
-    def _ask(self, context: bpy.types.Context, asked: str, in_words: str) -> set[str]:
-        """Open the dialog with what is open; a script is told instead."""
+    def _ask(self, context: bpy.types.Context, asked: str, message: str) -> set[str]:
+        """Open the dialog with what is open; a script gets an error instead."""
         if bpy.app.background:
-            self.report({"ERROR"}, in_words or "A question of the dialog has no answer.")
+            self.report({"ERROR"}, message or "A question of the dialog has no answer.")
             return {"CANCELLED"}
-        told = {name: getattr(self, name) for name in _KEPT if self.properties.is_property_set(name)}
-        told |= {name: getattr(self, name) for name in _ANSWERS if getattr(self, name)}
-        bpy.ops.dimple.calibrate("INVOKE_DEFAULT", **(told | {"filepath": self.filepath, "asked": asked}))
+        given = {name: getattr(self, name) for name in _KEPT if self.properties.is_property_set(name)}
+        given |= {name: getattr(self, name) for name in _ANSWERS if getattr(self, name)}
+        bpy.ops.dimple.calibrate("INVOKE_DEFAULT", **(given | {"filepath": self.filepath, "asked": asked}))
         return {"CANCELLED"}  # that one goes on
 
 
@@ -190,12 +193,17 @@ def _si(value: float, factor: float) -> float | None:
     return factor * value if value else None
 
 
-def _in_words(undecided) -> str:
+def _labels(names) -> str:
+    """Return the labels of properties of the operator, as the interface shows them."""
+    return " and ".join(f"“{DIMPLE_OT_calibrate.__annotations__[name].keywords['name']}”" for name in names)
+
+
+def _message(undecided) -> str:
     """Return open questions for a script: the property to set, and to what."""
     lines = []
     for question in undecided.questions:
         choices = "; ".join(f"{c.value!r} ({c.label})" for c in question.candidates)
-        lines.append(f"{calibration.plain(question.text)} Give {question.name}: {choices}.")
+        lines.append(f"{question.text} Give {question.name}: {choices}.")
     return " ".join(lines)
 
 

@@ -28,10 +28,10 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need a mesh and a result that can be a material."""
-        told = calibration.load(context.scene.dimple.calibration)
-        if not told:
+        record = calibration.load(context.scene.dimple.calibration)
+        if not record:
             return polls.refuse(cls, "Calibrate with a file first")
-        if told["unusable"]:
+        if record["unusable"]:
             return polls.refuse(cls, "There is no material with these constants")
         if not polls.needs_mesh(cls, context):
             return False
@@ -42,20 +42,20 @@ class DIMPLE_OT_apply_calibration(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set constants, tip, size and source."""
         scene, body = context.scene.dimple, context.object
-        told = calibration.load(scene.calibration)
-        settings = material_of(body, Path(told["source"]).stem).dimple
-        settings.K1, settings.K2, settings.x0 = told["K1"], told["K2"], told["x0"]
-        k = told["source_of_k"] if self.use_k else ""
+        record = calibration.load(scene.calibration)
+        settings = material_of(body, Path(record["source"]).stem).dimple
+        settings.K1, settings.K2, settings.x0 = record["K1"], record["K2"], record["x0"]
+        k = record["source_of_k"] if self.use_k else ""
         if k:
-            settings.k = told["k_to_use"]
-        if self.use_damping and told["damping_ratio_hint"] is not None:
-            settings.damping_ratio = told["damping_ratio_hint"]
-        settings.tip, settings.tip_radius_mm = told["tip"].upper(), told["tip_radius"]
+            settings.k = record["k_to_use"]
+        if self.use_damping and record["damping_ratio_hint"] is not None:
+            settings.damping_ratio = record["damping_ratio_hint"]
+        settings.tip, settings.tip_radius_mm = record["tip"].upper(), record["tip_radius"]
         settings.calibration, scene.calibration = scene.calibration, ""
-        settings.provenance = calibration.source(told, k)  # last: a constant that is set marks it as edited
+        settings.provenance = calibration.source(record, k)  # last: a constant that is set marks it as edited
         body.dimple.enabled = True
-        if told["length"]:
-            body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", told["length"]
+        if record["length"]:
+            body.dimple.size_mode, body.dimple.size_mm = "CUSTOM", record["length"]
         return {"FINISHED"}
 
 
@@ -72,7 +72,7 @@ class DIMPLE_OT_discard_calibration(bpy.types.Operator):
         return bool(context.scene.dimple.calibration)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Forget it."""
+        """Discard it."""
         context.scene.dimple.calibration = ""
         return {"FINISHED"}
 

@@ -1,56 +1,63 @@
-"""A calibration as Blender keeps it: text in a scene or a material, so that undo, files and presets carry it along."""
+"""Calibrations and identifications as Blender keeps them: text in a scene or a material.
+
+As text they are carried along by undo, by files and by presets.
+"""
 
 from __future__ import annotations
 
 import json
 import math
-import re
+from collections.abc import Sequence
 from datetime import date
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..core.calibration.calibrate import Calibration
-    from ..core.calibration.question import Undecided
+    from ..core.mesh.surface import Mesh
 
 EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
 POINTS = 160  # of the measured curve that are kept, for the chart
 SIMULATED = 40  # and of the simulated one
-BEYOND = 1.35  # knees: how deep is pressed where no measurement says how deep it went
+BEYOND = 1.35  # knees: how deep is pressed where the depth of the measurement is not known
+SAME_MESH = 1e-3  # share by which area and volume may differ: a body may stand elsewhere, in single precision
 
 
 @lru_cache(maxsize=32)
 def load(text: str) -> dict[str, Any]:
-    """Return what a kept text says, empty where there is none or it is damaged; not to be changed."""
+    """Return the record in a kept text, empty where there is none or it is damaged; not to be changed."""
     try:
-        told = json.loads(text) if text else {}
+        record = json.loads(text) if text else {}
     except ValueError:
         return {}
-    return told if isinstance(told, dict) else {}
+    return record if isinstance(record, dict) else {}
 
 
-def record(calibration: Calibration) -> str:
-    """Return the text that keeps a calibration: the core's report, and what a chart and a material need of it."""
+def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
+    """Return the text that keeps a calibration: the core's record, and what a chart and a material need of it.
+
+    Args:
+        calibration: what was found.
+        advice: sentences that follow the warnings.
+    """
     from ..core.calibration.identify import NOTICEABLE_FORCE
-    from ..core.calibration.report import to_json
+    from ..core.calibration.record import to_record
 
-    told = to_json(calibration)
-    press, surface = calibration.press, calibration.surface
-    told["date"], told["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
-    for name in ("notes", "warnings"):
-        told[name] = [plain(text) for text in told[name]]
-    told["provenance"] = f"{told['provenance']}, calibrated {told['date']}"
-    told["points"] = thinned(1e3 * press.depth, press.force, POINTS)
-    told["way_back"] = thinned(1e3 * press.back_depth, press.back_force, POINTS // 2)
-    told["band"] = band(calibration)
-    told["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
-    told["unusable"] = _unusable(told)
-    return json.dumps(told, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    record = to_record(calibration)
+    loading, surface = calibration.loading, calibration.surface
+    record["warnings"] += advice
+    record["date"], record["noticeable"] = date.today().isoformat(), NOTICEABLE_FORCE
+    record["provenance"] = f"{record['provenance']}, calibrated {record['date']}"
+    record["points"] = thinned(1e3 * loading.depth, loading.force, POINTS)
+    record["band"] = band(calibration)
+    record["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
+    record["unusable"] = _unusable(record)
+    return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
-def source(told: dict[str, Any], k: str) -> str:
+def source(record: dict[str, Any], k: str) -> str:
     """Return the line that a material keeps of where its constants come from; k: where its own does, if so."""
-    return f"{told['provenance']}, {k}" if k else told["provenance"]
+    return f"{record['provenance']}, {k}" if k else record["provenance"]
 
 
 def band(calibration: Calibration) -> list[list[float]]:
@@ -58,7 +65,7 @@ def band(calibration: Calibration) -> list[list[float]]:
     import numpy as np
 
     fit = calibration.fit
-    x = np.linspace(0, calibration.press.depth.max(), SIMULATED)
+    x = np.linspace(0, calibration.loading.depth.max(), SIMULATED)
     rows = zip(1e3 * x, fit.law(x) - fit.band(x), fit.law(x) + fit.band(x), strict=True)
     return [[float(f"{value:.6g}") for value in row] for row in rows]
 
@@ -70,33 +77,62 @@ def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
     return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]
 
 
-def _unusable(told: dict[str, Any]) -> str:
-    """Say why there is no material with these constants, "" where there is."""
+def deepest_mm(settings: Any) -> float:
+    """Return how deep [mm] a material was measured; where that is not known, as deep as its law has two slopes."""
+    measured = load(settings.calibration).get("deepest")
+    return float(measured) if measured else BEYOND * settings.x0
+
+
+def fingerprint(settings: Any, mesh: Mesh | None = None) -> dict[str, float | str]:
+    """Return everything that the model constants of a material depend on.
+
+    Args:
+        settings: of the material: what was measured, with which tip.
+        mesh: on which they are identified, wherever it stands; None leaves it out.
+    """
+    found = {name: getattr(settings, name) for name in ("K1", "K2", "x0", "k", "fill", "tip", "tip_radius_mm")}
+    if mesh is not None:
+        found["vertices"] = len(mesh.rest_positions)
+        found["area"], found["volume"] = float(mesh.triangle_areas.sum()), float(mesh.volume)  # [m2], [m3]
+    return found
+
+
+def changed(settings: Any, mesh: Mesh | None = None) -> list[str]:
+    """Return what has changed since the model constants of a material were identified: names in `fingerprint`.
+
+    While there are any, the model constants do not hold and an estimate is used instead. They stay in the material, so
+    that they hold again when the change is taken back. Constants without a record of an identification always hold.
+
+    Args:
+        settings: of the material.
+        mesh: that is to be pressed; None asks about the material alone.
+    """
+    record = load(settings.identification)
+    if not record:
+        return []
+    before = record.get("fingerprint", {})
+    return [name for name, value in fingerprint(settings, mesh).items() if not _same(name, value, before.get(name))]
+
+
+def identification(settings: Any) -> dict[str, Any]:
+    """Return the record of a material's identification, empty where there is none or the material has changed."""
+    return {} if changed(settings) else load(settings.identification)
+
+
+def _same(name: str, one: float | str, other: float | str | None) -> bool:
+    if name in ("area", "volume") and isinstance(one, float) and isinstance(other, (int, float)):
+        return abs(one - other) <= SAME_MESH * abs(one)
+    return one == other
+
+
+def _unusable(record: dict[str, Any]) -> str:
+    """Return why there is no material with these constants, "" where there is."""
     from ..core.base import DimpleError
     from ..core.material import Material
 
-    k = told["k_to_use"] or 1.0
+    k = record["k_to_use"] or 1.0
     try:
-        Material(K1=1e3 * told["K1"], K2=1e3 * told["K2"], x0=told["x0"] / 1e3, k=1e3 * k, density=1.0)
+        Material(K1=1e3 * record["K1"], K2=1e3 * record["K2"], x0=record["x0"] / 1e3, k=1e3 * k, density=1.0)
     except DimpleError as error:
         return str(error)
     return ""
-
-
-def questions(undecided: Undecided) -> str:
-    """Return the text of open questions, for the dialog that asks them."""
-    from ..core.calibration.report import questions_json
-
-    return json.dumps(questions_json(undecided), ensure_ascii=False)
-
-
-def plain(message: str) -> str:
-    """Return a message of the core in the words of this interface: options are called by their labels."""
-    named = re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda found: f"“{found[1].replace('-', ' ').title()}”", message)
-    return named.replace(" Mm”", " (mm)”")
-
-
-def deepest_mm(settings: Any) -> float:
-    """Return how deep [mm] a material was measured; where nobody says, as deep as its law has two slopes."""
-    measured = load(settings.calibration).get("deepest")
-    return float(measured) if measured else BEYOND * settings.x0

@@ -10,7 +10,7 @@ from . import calibration, polls, sessions
 from .names import PLACES, Op
 from .working import Working
 
-HOPELESS = 3  # times what a hand can tell, at half of the depths: then the estimate is no worse
+HOPELESS = 3  # times the just-noticeable difference, at half of the depths: then the estimate is no worse
 _NOTHING = "Nothing was written: use a finer mesh, or press elsewhere."
 
 
@@ -68,20 +68,20 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         found, bench = self._found, self._bench
         if np.median(found.off) > HOPELESS * max(NOTICEABLE_FORCE):
             raise DimpleError(" ".join(
-                [f"No model constants let this body answer as was measured. {found.notes[-1]}", _NOTHING]
+                [f"No model constants make this body reproduce the measurement. {found.notes[-1]}", _NOTHING]
             ))  # fmt: skip
         settings, constants = indentation.find_material(bench.uid).dimple, found.material.constants
         settings.kappa1, settings.kappa2 = constants.kappa1 / 1e6, constants.kappa2 / 1e6
         settings.d0, settings.membrane_scale = constants.d0 * 1e3, constants.membrane_scale
-        told = indentation.described(bench) | {
-            "date": date.today().isoformat(), "holds_for": settings.held_by(), "rms": found.rms,
+        record = indentation.described(bench) | {
+            "date": date.today().isoformat(), "rms": found.rms,
             "force_off": float(found.off.max()), "deepest": 1e3 * float(found.depths[-1]),
             "volume_change": found.volume_change, "noticeable": NOTICEABLE_FORCE,
             "notes": [*found.notes, _reach(context.scene), *bench.notes],
             "points": calibration.thinned(1e3 * found.depths, found.simulated, calibration.SIMULATED),
         }  # fmt: skip
-        settings.identification, settings.stale = json.dumps(told, ensure_ascii=False), False
-        for note in told["notes"]:
+        settings.identification = json.dumps(record, ensure_ascii=False)
+        for note in record["notes"]:
             self.report({"INFO" if found.worst <= 1 else "WARNING"}, note)
         if self._anew is not None:
             try:
@@ -93,7 +93,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
 
 def _reach(scene: bpy.types.Scene) -> str:
     """Return how deep a fingertip may go into what was identified."""
-    from ..core.calibration.verdict import TIP_REACH
+    from ..core.calibration.identify import TIP_REACH
 
     radius = scene.dimple.finger_radius_mm
     return (
@@ -103,7 +103,7 @@ def _reach(scene: bpy.types.Scene) -> str:
 
 
 def place_of(operator: bpy.types.Operator, context: bpy.types.Context) -> str:
-    """Return where an operator presses: where it was told, else where the scene says."""
+    """Return where an operator presses: as its own property says, else as the scene's does."""
     return operator.place if operator.properties.is_property_set("place") else context.scene.dimple.tip_place
 
 

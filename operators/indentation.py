@@ -22,12 +22,24 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bench:
-    """Hold a body on the bench: its material's uid and constants, the tip over its place, how deep it goes [m]."""
+    """A body that is to be pressed.
+
+    link: to its object.
+    mesh: in its real size [m].
+    uid: session_uid of its material.
+    material: constants of that material.
+    fingerprint: what the model constants that are found depend on.
+    indenter: the tip.
+    site: where the tip goes in.
+    deepest: how deep it goes [m].
+    notes: messages for the artist.
+    """
 
     link: Link
     mesh: Mesh
     uid: int
     material: Material
+    fingerprint: dict[str, float | str]
     indenter: Indenter
     site: Site
     deepest: float
@@ -37,9 +49,10 @@ class Bench:
 def set_up(
     context: bpy.types.Context, body: bpy.types.Object, place: str, depth_mm: float, tip: Indenter | None = None
 ) -> Bench:
-    """Put a body on the bench; change nothing.
+    """Prepare a body to be pressed; change nothing.
 
     Args:
+        body: a mesh object with a material.
         place: "TOP", straight down on the middle, or "CURSOR", where the 3D cursor is nearest to the surface.
         depth_mm: 0 is as deep as the material was measured.
         tip: None is the one that measured the material.
@@ -61,11 +74,18 @@ def set_up(
     except DimpleError as error:
         elsewhere = " Press At: 3D Cursor puts the tip elsewhere." if place == "TOP" else ""
         raise DimpleError(f'"{body.name}": {error}{elsewhere}') from error
-    constants, said = bridge.constants_on(mesh, material)
+    constants, note = bridge.constants_on(mesh, material)
     return Bench(
-        link=link, mesh=mesh, uid=material.session_uid, material=constants, indenter=tip, site=site,
-        deepest=(depth_mm or calibration.deepest_mm(settings)) / 1e3, notes=(*_notes(body), *filter(None, [said])),
-    )  # fmt: skip
+        link=link,
+        mesh=mesh,
+        uid=material.session_uid,
+        material=constants,
+        fingerprint=calibration.fingerprint(settings, mesh),
+        indenter=tip,
+        site=site,
+        deepest=(depth_mm or calibration.deepest_mm(settings)) / 1e3,
+        notes=(*_notes(body), *filter(None, [note])),
+    )
 
 
 def find_material(uid: int) -> bpy.types.Material:
@@ -100,8 +120,8 @@ def _notes(body: bpy.types.Object) -> tuple[str, ...]:
 
 
 def described(bench: Bench) -> dict[str, Any]:
-    """Return what was on the bench, for the record; depths in mm."""
+    """Return what was pressed, as a part of a record; lengths in mm."""
     return {
         "object": bench.link.name, "tip": bench.indenter.shape, "tip_radius": 1e3 * bench.indenter.radius,
-        "size": 1e3 * bench.mesh.size, "mesh": bridge.fingerprint(bench.mesh),
+        "size": 1e3 * bench.mesh.size, "fingerprint": bench.fingerprint,
     }  # fmt: skip

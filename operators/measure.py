@@ -53,8 +53,8 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         """Measure at once; behind the file browser start anew, for this one cannot go on between events."""
         if getattr(self, "_browsing", False):
             given = self.properties.is_property_set
-            told = {name: getattr(self, name) for name in _ASKED if given(name)}
-            bpy.ops.dimple.measure("INVOKE_DEFAULT", filepath=self.filepath, **told)
+            settings = {name: getattr(self, name) for name in _ASKED if given(name)}
+            bpy.ops.dimple.measure("INVOKE_DEFAULT", filepath=self.filepath, **settings)
             return {"CANCELLED"}
         return Working.execute(self, context)
 

@@ -1,25 +1,27 @@
-"""`python -m core calibrate`: from a file of depths and forces to constants."""
+"""`dev.py core calibrate`: from a file of depths and forces to constants."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import sys
-from dataclasses import fields
+from collections.abc import Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from core.base import DimpleError
-from core.calibration.calibrate import Calibration, calibrate, fitted_material
-from core.calibration.identify import identify
+from core.calibration.calibrate import Calibration, calibrate
 from core.calibration.indent import POINT, SHAPES, Indenter, find_site
-from core.calibration.question import Answers, Undecided
-from core.calibration.report import questions_json, to_json, to_lines
-from core.calibration.verdict import Verdict, judge, verdict_json, verdict_lines
-from core.material import FILLS, PRESETS
+from core.calibration.question import Answers, Undecided, WrongColumns
+from core.calibration.record import to_record
+from core.calibration.surface import BALANCE_ASSUMES, PAPER_ASSUMES
+from core.material import FILLS, PRESETS, Material
 
+from .assessment import Assessment, assess, assessment_json, assessment_lines
 from .calibration_plot import save_plot
 from .specimen import CELLS, cube, load_mesh
+from .virtual_press import identify
 
 DONE, OPEN = 0, 3  # exit codes
 
@@ -40,22 +42,27 @@ def add_command(command: argparse.ArgumentParser) -> None:
     press.add_argument("--mesh", type=Path, metavar="FILE", help="the body instead (OBJ, STL, PLY; longest side L)")
     press.add_argument("--fill", choices=[fill for fill in FILLS if fill != "paper"], default="air", help="inside")
     answers = command.add_argument_group("answers, where the file leaves something open")
-    for option, kind, text in (
-        ("--depth-column", str, "header or number of the column of depth"),
-        ("--force-column", str, "header or number of the column of force"),
-        ("--depth-unit", str, "mm, m, um, in..."),
-        ("--force-unit", str, "N, gf, kgf, mN, kN, lbf..."),
-        ("--decimal", str, "the decimal mark, . or ,"),
-        ("--table", int, "which of several tables, counted from 1"),
-        ("--press", str, "sign of a pressing force, positive or negative"),
-        ("--cycle", int, "which of several presses, counted from 1"),
-        ("--contact-mm", float, "reading of the depth at first touch"),
+    for name, kind, text in (
+        ("depth_column", str, "header or number of the column of depth"),
+        ("force_column", str, "header or number of the column of force"),
+        ("depth_unit", str, "mm, m, um, in..."),
+        ("force_unit", str, "N, gf, kgf, mN, kN, lbf..."),
+        ("decimal", str, "the decimal mark, . or ,"),
+        ("table", int, "which of several tables, counted from 1"),
+        ("press", str, "sign of a pressing force, positive or negative"),
+        ("cycle", int, "which of several presses, counted from 1"),
+        ("contact_mm", float, "reading of the depth at first touch"),
     ):
-        answers.add_argument(option, type=kind, help=text)
+        answers.add_argument(option(name), type=kind, help=text)
+
+
+def option(name: str) -> str:
+    """Return the option that gives a field of Answers."""
+    return "--" + name.replace("_", "-")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Calibrate and tell; return OPEN where the file leaves something open."""
+    """Calibrate and print the result; return OPEN where the file leaves something open."""
     answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
     tip = Indenter(shape=options.indenter, radius=1e-3 * options.tip_radius_mm)
     try:
@@ -64,55 +71,116 @@ def run(options: argparse.Namespace) -> int:
             section=_scaled(options.section_mm2, 1e-6), youngs_modulus=_scaled(options.youngs_modulus_mpa, 1e6),
         )  # fmt: skip
     except Undecided as undecided:
-        print(undecided, file=sys.stderr)
+        print("\n".join(question_lines(undecided)), file=sys.stderr)
         if options.json:
             write_json(options.json, questions_json(undecided))
         return OPEN
-    report, verdict = to_json(calibration), None
+    except WrongColumns as error:
+        raise DimpleError(f"{error} Choose them with {_options(error.answers)}.") from None
+    record, assessment = to_record(calibration), None
     print("\n".join(to_lines(calibration)))
     if options.identify or options.mesh:
-        verdict = _pressed(options, calibration)
-        print("\n".join(verdict_lines(verdict)))
-        report["identification"] = verdict_json(verdict)
+        assessment = _identified(options, calibration)
+        print("\n".join(assessment_lines(assessment)))
+        record["identification"] = assessment_json(assessment)
     if options.json:
-        write_json(options.json, report)
+        write_json(options.json, record)
     if options.plot:
-        save_plot(calibration, options.plot, verdict)
+        save_plot(calibration, options.plot, assessment)
     return DONE
 
 
-def _pressed(options: argparse.Namespace, calibration: Calibration) -> Verdict:
-    """Identify on the body asked for, telling on stderr how far it is."""
+def fitted_material(calibration: Calibration, template: Material) -> Material:
+    """Return a template material with the calibrated constants; k where it is known.
+
+    Raises:
+        DimpleError: a constant is not one of a body.
+    """
+    fit, k = calibration.fit, calibration.surface and calibration.surface.k
+    return replace(template, K1=fit.K1.value, K2=fit.K2.value, x0=fit.x0.value, k=k.value if k else template.k)
+
+
+def to_lines(calibration: Calibration) -> list[str]:
+    """Return a calibration as lines of text."""
+    c, fit, loading = calibration, calibration.fit, calibration.loading
+    slopes = "two slopes" if fit.model == "two" else "one slope"
+    lines = [f"{c.measurement.source}: {slopes} through {fit.rows} rows up to {fit.full_scale:.4g} N"]
+    lines.append(f"  K1 = {fit.K1.text(1e3)} N/mm (95 %)")
+    lines.append(f"  K2 = {fit.K2.text(1e3)} N/mm")
+    lines.append(f"  x0 = {fit.x0.text(1e-3)} mm")
+    lines.append(f"  residual {100 * fit.misfit:.2f} % of full scale (RMS)")
+    if loading.damping_ratio is not None:
+        lost = 100 * (loading.loss or 0)
+        lines.append(f"  {lost:.0f} % of the work is lost: damping ratio about {loading.damping_ratio:.2f}")
+    if c.surface is not None:
+        if c.surface.paper_k is not None:
+            lines.append(f"  k = {c.surface.paper_k / 1e3:.4g} N/mm. {PAPER_ASSUMES}")
+        else:
+            lines.append("  k by Eqs. (9), (10) needs --section-mm2 and --youngs-modulus-mpa: it is 2 A E / l.")
+        if c.surface.balance_k is not None and c.surface.pretension is not None:
+            k = f"{c.surface.balance_k.text(1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
+            lines.append(f"  k = {k}. {BALANCE_ASSUMES}")
+    lines += [f"  Note: {note}" for note in c.notes]
+    lines += [f"  Warning: {warning}" for warning in c.warnings]
+    if c.unsure:
+        lines.append(f"  If it is known, give {_options(c.unsure)}.")
+    return lines
+
+
+def question_lines(undecided: Undecided) -> list[str]:
+    """Return open questions as lines of text, with the options that answer them."""
+    lines = []
+    for question in undecided.questions:
+        answer = option(question.name)
+        lines.append(f"{question.text} Answer with {answer}:")
+        lines += [f"  {answer} {candidate.value}   {candidate.label}" for candidate in question.candidates]
+    return lines
+
+
+def questions_json(undecided: Undecided) -> dict[str, Any]:
+    """Return open questions as plain data, with the options that answer them."""
+    record = undecided.to_record()
+    for question in record["questions"]:
+        question["option"] = option(question["name"])
+    return record
+
+
+def _identified(options: argparse.Namespace, calibration: Calibration) -> Assessment:
+    """Identify on the body asked for, and write to stderr how far it is."""
     length = calibration.length
     if length is None:
-        raise DimpleError("How large is the object? Say it with --length-mm: a cube's edge, or a mesh's longest side.")
+        raise DimpleError("How large is the object? Give --length-mm: a cube's edge, or a mesh's longest side.")
     mesh = load_mesh(options.mesh, length) if options.mesh else cube(CELLS, length)
     template = next(preset.material for preset in PRESETS if preset.material.fill == options.fill)
     material = fitted_material(calibration, template)
     indenter = calibration.tip
     site = find_site(mesh, indenter)
-    told = 0.0
+    shown = 0.0
 
-    def tell(share: float) -> None:
-        nonlocal told
-        if share > told + 0.1:
+    def show(share: float) -> None:
+        nonlocal shown
+        if share > shown + 0.1:
             print(f"Identifying: {share:.0%}", file=sys.stderr, flush=True)
-            told = share
+            shown = share
 
-    found = identify(mesh, material, indenter, site, float(calibration.press.depth.max()), progress=tell)
-    return judge(calibration, found, mesh, indenter, site)
+    found = identify(mesh, material, indenter, site, float(calibration.loading.depth.max()), progress=show)
+    return assess(calibration, found, mesh, indenter, site)
 
 
-def write_json(path: Path, report: dict[str, Any]) -> None:
-    """Write a report.
+def write_json(path: Path, record: dict[str, Any]) -> None:
+    """Write a record.
 
     Raises:
         DimpleError: the file cannot be written.
     """
     try:
-        path.write_text(json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+        path.write_text(json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         raise DimpleError(f"{path} cannot be written: {error.strerror or error}.") from None
+
+
+def _options(names: Sequence[str]) -> str:
+    return " and ".join(map(option, names))
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

@@ -10,11 +10,12 @@ import numpy as np
 from core.base import DimpleError
 from core.body.estimate import FINGERTIP
 from core.calibration.calibrate import Calibration
-from core.calibration.verdict import Verdict
+
+from .assessment import Assessment
 
 
-def save_plot(calibration: Calibration, path: str | Path, verdict: Verdict | None = None) -> None:
-    """Draw the measured press, the way back and the law with its constants; the simulated press and the prediction.
+def save_plot(calibration: Calibration, path: str | Path, assessment: Assessment | None = None) -> None:
+    """Draw loading, unloading and the law with its constants; the simulated press and the prediction.
 
     Raises:
         DimpleError: matplotlib is not installed, or the file cannot be written.
@@ -23,21 +24,21 @@ def save_plot(calibration: Calibration, path: str | Path, verdict: Verdict | Non
         raise DimpleError("--plot needs matplotlib, which is not installed here. Everything else works without it.")
     figure = import_module("matplotlib.figure").Figure(figsize=(7, 5), layout="constrained")
     axes = figure.add_subplot()
-    press, fit = calibration.press, calibration.fit
-    axes.plot(1e3 * press.depth, press.force, ".", ms=3, color="0.55", label="measured")
-    if len(press.back_depth) > 8:
-        axes.plot(1e3 * press.back_depth, press.back_force, color="0.75", label="way back")
-    x = np.linspace(0, float(press.depth.max()), 400)
+    loading, fit = calibration.loading, calibration.fit
+    axes.plot(1e3 * loading.depth, loading.force, ".", ms=3, color="0.55", label="measured")
+    if len(loading.unloading_depth) > 8:
+        axes.plot(1e3 * loading.unloading_depth, loading.unloading_force, color="0.75", label="unloading")
+    x = np.linspace(0, float(loading.depth.max()), 400)
     low, high = fit.law(x) - fit.band(x), fit.law(x) + fit.band(x)
     axes.fill_between(1e3 * x, low, high, color="tab:red", alpha=0.25, lw=0, label="95 % of the law")
     axes.plot(1e3 * x, fit.law(x), color="tab:red", label=_label(calibration))
-    if verdict is not None:
-        found = verdict.found
+    if assessment is not None:
+        found = assessment.found
         axes.plot(1e3 * found.depths, found.simulated, "o", ms=4, mfc="none", color="tab:blue", label=(
-            f"simulated press, {len(verdict.mesh.rest_positions)} vertices: "
-            f"{100 * found.rms:.1f} % RMS, at worst {100 * verdict.force_off:.1f} % of the force"
+            f"simulated press, {len(assessment.mesh.rest_positions)} vertices: "
+            f"{100 * found.rms:.1f} % RMS, at worst {100 * assessment.force_error:.1f} % of the force"
         ))  # fmt: skip
-        axes.plot(1e3 * verdict.tip_depth, verdict.tip_force, "--", color="tab:green", label=(
+        axes.plot(1e3 * assessment.tip_depth, assessment.tip_force, "--", color="tab:green", label=(
             f"prediction: a {1e3 * FINGERTIP:.0f} mm fingertip"
         ))  # fmt: skip
     axes.set(xlabel="depth x [mm]", ylabel="force F [N]", title=calibration.measurement.source)

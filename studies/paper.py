@@ -23,14 +23,15 @@ from core.body.estimate import FINGERTIP
 from core.body.paper import surface_stretch, surface_tension
 from core.calibration.calibrate import Calibration, calibrate
 from core.calibration.export import write_press
-from core.calibration.identify import identify
-from core.calibration.indent import Indenter, find_site, press_curve
+from core.calibration.identify import TIP_REACH
+from core.calibration.indent import Indenter, find_site
 from core.calibration.surface import string_balance
-from core.calibration.verdict import TIP_REACH, Verdict, judge
 from core.material import PRESETS, Preset
 
+from .assessment import Assessment, assess
 from .reconstruct import DEEPEST, write_samples
 from .specimen import cube
+from .virtual_press import identify, press_curve
 
 CELLS = (8, 16, 32)  # along an edge of a cube: 386, 1538, 6146 vertices
 PRESSED = 16  # cells of the cube whose press is drawn and written
@@ -42,11 +43,11 @@ Series = tuple[str, str, Floats, Floats]  # the panel it is drawn in, its name, 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pressed:
-    """Hold an identification on one cube, and the processor time it took [s]."""
+class Identified:
+    """An identification on one cube, how good it is, and the processor time it took [s]."""
 
     preset: Preset
-    verdict: Verdict
+    assessment: Assessment
     seconds: float
 
 
@@ -63,12 +64,12 @@ def run(options: argparse.Namespace) -> int:
         options.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DimpleError(f"{options.out} cannot be made: {error.strerror or error}.") from None
-    tell("Three presses of Table 2")
+    announce("Three presses of Table 2")
     curves = [calibrate(p, length=preset.size) for p, preset in zip(write_samples(options.out), PRESETS, strict=True)]
     cells = [n for n in CELLS if n <= PRESSED or not options.quick]
     pressed = [identified(preset, curve, n) for preset, curve in zip(PRESETS, curves, strict=True) for n in cells]
-    shown = [one for one in pressed if len(one.verdict.mesh.rest_positions) == 6 * PRESSED**2 + 2]
-    tell("Virtual presses")
+    shown = [one for one in pressed if len(one.assessment.mesh.rest_positions) == 6 * PRESSED**2 + 2]
+    announce("Virtual presses")
     virtual = [virtual_press(one, options.out) for one in shown]
     table_2 = list(constants(curves, virtual))
     _write_csv(options.out / "table_2.csv", NAMES, table_2)
@@ -88,25 +89,25 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def tell(doing: str) -> None:
-    """Say on stderr what is done next."""
+def announce(doing: str) -> None:
+    """Write to stderr what is done next."""
     print(f"{doing}...", file=sys.stderr, flush=True)
 
 
-def identified(preset: Preset, curve: Calibration, cells: int) -> Pressed:
+def identified(preset: Preset, curve: Calibration, cells: int) -> Identified:
     """Identify a printed material on a cube of its size, as deep as it was pressed."""
     mesh, tip, started = cube(cells, preset.size), Indenter(), time.process_time()
-    tell(f"Identifying {preset.label} on {len(mesh.rest_positions)} vertices")
+    announce(f"Identifying {preset.label} on {len(mesh.rest_positions)} vertices")
     site = find_site(mesh, tip)
     deepest = DEEPEST[preset.name] * (BEYOND if preset is PRESETS[0] else 1)
     found = identify(mesh, preset.material, tip, site, deepest)
     seconds = time.process_time() - started
-    return Pressed(preset=preset, verdict=judge(curve, found, mesh, tip, site), seconds=seconds)
+    return Identified(preset=preset, assessment=assess(curve, found, mesh, tip, site), seconds=seconds)
 
 
-def virtual_press(one: Pressed, folder: Path) -> Calibration:
+def virtual_press(one: Identified, folder: Path) -> Calibration:
     """Press the identified body, write the curve in the paper's form, and calibrate from the file."""
-    found, mesh, tip = one.verdict.found, one.verdict.mesh, one.verdict.indenter
+    found, mesh, tip = one.assessment.found, one.assessment.mesh, one.assessment.indenter
     path = folder / f"virtual_press_{one.preset.name}.csv"
     depth, force = press_curve(mesh, found.material, tip, find_site(mesh, tip), float(found.depths[-1]))
     about = (f"Virtual press of {one.preset.label}, {len(mesh.rest_positions)} vertices, not measured",)
@@ -126,14 +127,14 @@ def constants(curves: Sequence[Calibration], virtual: Sequence[Calibration]) -> 
         yield number, "k", preset.material.k / 1e3, *values, None
 
 
-def forces(one: Pressed, curve: Calibration) -> Iterable[Series]:
+def forces(one: Identified, curve: Calibration) -> Iterable[Series]:
     """Yield the series of Fig. 7(a): object, name, depth [mm], force [N]."""
-    found, name = one.verdict.found, one.preset.label
-    yield name, "reconstructed points", 1e3 * curve.press.depth, curve.press.force
+    found, name = one.assessment.found, one.preset.label
+    yield name, "reconstructed points", 1e3 * curve.loading.depth, curve.loading.force
     x = np.linspace(0, DEEPEST[one.preset.name], 200)
     yield name, "K(x) of Table 2", 1e3 * x, np.array([one.preset.material.law(depth) for depth in x.tolist()])
     yield name, "simulated press", 1e3 * found.depths, found.simulated
-    yield name, "predicted, 10 mm fingertip", 1e3 * one.verdict.tip_depth, one.verdict.tip_force
+    yield name, "predicted, 10 mm fingertip", 1e3 * one.assessment.tip_depth, one.assessment.tip_force
 
 
 def tensions(preset: Preset) -> Iterable[Series]:
@@ -176,21 +177,21 @@ _ROW = (
 )  # fmt: skip
 
 
-def identification_row(one: Pressed) -> tuple[Any, ...]:
+def identification_row(one: Identified) -> tuple[Any, ...]:
     """Return the row of an identification, in the order of its header."""
-    verdict, found = one.verdict, one.verdict.found
+    assessment, found = one.assessment, one.assessment.found
     model = found.material.constants
     assert model is not None
-    tip = verdict.tip_force
-    at_half = float(np.interp(FINGERTIP / 2, verdict.tip_depth, tip))
+    tip = assessment.tip_force
+    at_half = float(np.interp(FINGERTIP / 2, assessment.tip_depth, tip))
     return (
-        PRESETS.index(one.preset) + 1, len(verdict.mesh.rest_positions), 100 * found.rms, found.worst,
+        PRESETS.index(one.preset) + 1, len(assessment.mesh.rest_positions), 100 * found.rms, found.worst,
         100 * found.volume_change, one.seconds, model.membrane_scale, model.kappa1 / 1e6, model.kappa2 / 1e6,
         1e3 * model.d0, 1e3 * found.depths[-1], at_half, tip[-1],
     )  # fmt: skip
 
 
-def identification_lines(pressed: Sequence[Pressed]) -> list[str]:
+def identification_lines(pressed: Sequence[Identified]) -> list[str]:
     """Return the table of identifications to read."""
     lines = [
         "Identification on cubes, pressed by a point: off by RMS of full scale, at the worst depth as a share of what",
@@ -204,8 +205,8 @@ def identification_lines(pressed: Sequence[Pressed]) -> list[str]:
             f"{number:>6} {n:>8} {rms:>5.2f} % {worst:>6.2f} {volume:>6.3f} % {seconds:>5.1f} s {scale:>8.2g} "
             f"{deepest:>5.1f} mm {half:.3g} N, {full:.3g} N"
         )
-    stops = {one.verdict.found.stopped: PRESETS.index(one.preset) + 1 for one in pressed if one.verdict.found.stopped}
-    return [*lines, *(f"Object {number}: {why}" for why, number in stops.items())]
+    stops = {one.assessment.found.stopped: PRESETS.index(one.preset) + 1 for one in pressed}
+    return [*lines, *(f"Object {number}: {why}" for why, number in stops.items() if why)]
 
 
 def _long(series: Iterable[Series]) -> Iterable[tuple[Any, ...]]:

@@ -126,8 +126,6 @@ VIRTUAL = {
     ),
     "Share of k": "k の割合",
     "Identified: share of k that the membrane has": "同定された、膜が持つ k の割合",
-    "Stale": "失効",
-    "The model constants no longer held and were cleared": "モデルの定数は成り立たなくなり、消去されました",
     "The material was changed since it was identified: identify again.": (
         "同定の後でマテリアルが変更されました。もう一度同定してください。"
     ),

@@ -1,4 +1,7 @@
-"""Remember identifications, by everything they depend on: mesh, material, tip, place and depth."""
+"""Keep identifications in a folder, each under a name made of everything it was found from.
+
+A name stands for one mesh, material, tip, place and depth, bit for bit, so what is kept under it never goes stale.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +23,8 @@ VERSION = 1  # of the method: another one identifies anew
 
 def key(mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float) -> str:
     """Return a name for what is identified."""
-    told = asdict(replace(material, constants=None)) | asdict(indenter) | {"deepest": deepest, "version": VERSION}
-    digest = hashlib.sha256(json.dumps(told, sort_keys=True).encode())
+    numbers = asdict(replace(material, constants=None)) | asdict(indenter) | {"deepest": deepest, "version": VERSION}
+    digest = hashlib.sha256(json.dumps(numbers, sort_keys=True).encode())
     for array in (mesh.rest_positions, mesh.triangles, site.point, site.inward, site.under, site.held):
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()[:32]
@@ -33,10 +36,10 @@ def remember(folder: str | Path, name: str, found: Identification) -> None:
     Raises:
         DimpleError: the folder cannot be written.
     """
-    told = asdict(found) | {name: getattr(found, name).tolist() for name in _ARRAYS}
+    record = asdict(found) | {name: getattr(found, name).tolist() for name in _ARRAYS}
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
-        (Path(folder) / f"{name}.json").write_text(json.dumps(told), encoding="utf-8")
+        (Path(folder) / f"{name}.json").write_text(json.dumps(record), encoding="utf-8")
     except OSError as error:
         raise DimpleError(f"{folder} cannot be written: {error.strerror or error}.") from None
 
@@ -44,11 +47,11 @@ def remember(folder: str | Path, name: str, found: Identification) -> None:
 def recall(folder: str | Path, name: str) -> Identification | None:
     """Return a remembered identification, None where there is none that can be read."""
     try:
-        told = json.loads((Path(folder) / f"{name}.json").read_text(encoding="utf-8"))
-        material = told["material"]
+        record = json.loads((Path(folder) / f"{name}.json").read_text(encoding="utf-8"))
+        material = record["material"]
         material = Material(**material | {"constants": ModelConstants(**material["constants"])})
-        arrays = {name: np.array(told[name], np.float64) for name in _ARRAYS}
-        return Identification(**told | arrays | {"material": material, "notes": tuple(told["notes"])})
+        arrays = {name: np.array(record[name], np.float64) for name in _ARRAYS}
+        return Identification(**record | arrays | {"material": material, "notes": tuple(record["notes"])})
     except (OSError, ValueError, KeyError, TypeError):  # lost or damaged: identify again
         return None
 

@@ -5,35 +5,43 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..material import Material
 from .contact import settle
 from .fit import Fit, fit_law
 from .indent import POINT, Indenter
-from .prepare import Press, prepare
+from .prepare import LoadingCurve, prepare
 from .question import Answers
 from .reader import Measurement, read_measurement
 from .surface import Surface, surface_constants
 
-_POOR = 0.05  # of full scale, RMS: a law that misses the curve by more is said to
+_POOR = 0.05  # of full scale, RMS: a law that misses the curve by more gets a warning
 _WIDENED = 2.0  # times wider intervals are explained
 _DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N]: presses outside have the wrong unit more often than not
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
-    """Hold a calibration: the file, its press from the fitted touch, the fit; the object's length [m] and the tip.
+    """What a file says about an object, and how it was read.
 
-    surface: k both ways, None without a length.  notes, warnings: sentences for the artist.
+    measurement: the file as it was read.
+    loading: its loading curve, from the first touch as fitted.
+    fit: the law and its constants.
+    length: edge of the object [m], None where it is not known.
+    tip: what pressed it.
+    surface: k both ways, None without a length.
+    notes: messages about how the file was read.
+    warnings: messages about what may be wrong.
+    unsure: fields of Answers that were found, but might be otherwise.
     """
 
     measurement: Measurement
-    press: Press
+    loading: LoadingCurve
     fit: Fit
     length: float | None
     tip: Indenter
     surface: Surface | None
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
+    unsure: tuple[str, ...]
 
 
 def calibrate(
@@ -48,41 +56,40 @@ def calibrate(
     """Read a file and fit the law to it.
 
     Args:
-        length: edge of the object [m], for k.  tip: what pressed it.
-        section: of the surface as a beam [m2].  youngs_modulus: [Pa].
+        path: of a force-depth file.
+        answers: of the user to earlier questions.
+        length: edge of the object [m], for k.
+        tip: what pressed it.
+        section: of the surface as a beam [m2].
+        youngs_modulus: of the surface [Pa].
 
     Raises:
         Undecided: the file leaves something open; its questions say what.
         DimpleError: the file cannot be used.
     """
     measurement = read_measurement(path, answers)
-    press = prepare(measurement, answers)
+    loading, doubt = prepare(measurement, answers), ""
     if answers and answers.contact_mm is not None:
-        fit, doubt = fit_law(press.depth, press.force, free=press.free), ""
+        fit = fit_law(loading.depth, loading.force, free=loading.free)
     else:
-        fit, doubt = settle(press.depth, press.force, press.free, press.touch)
-    depth, force, surface = press.depth - fit.contact.value, press.force - fit.tare, None
+        fit, doubt = settle(loading.depth, loading.force, loading.free, loading.touch)
+    loading = _from_the_touch(loading, fit)
+    surface = None
     if length is not None:
-        surface = surface_constants(depth, force, length, section=section, youngs_modulus=youngs_modulus)
-    press = replace(
-        press, depth=depth, force=force, back_depth=press.back_depth - fit.contact.value,
-        back_force=press.back_force - fit.tare, touch=press.touch + fit.contact.value, tare=press.tare + fit.tare,
-    )  # fmt: skip
+        surface = surface_constants(
+            loading.depth, loading.force, length, section=section, youngs_modulus=youngs_modulus
+        )  # fmt: skip
     return Calibration(
-        measurement=measurement, press=press, fit=fit, length=length, tip=tip, surface=surface,
-        notes=measurement.notes + press.notes,
-        warnings=(*measurement.warnings, *press.warnings, *filter(None, [doubt]), *_doubts(fit, press, length)),
-    )  # fmt: skip
-
-
-def fitted_material(calibration: Calibration, template: Material) -> Material:
-    """Return a template material with the calibrated constants; k where it is known.
-
-    Raises:
-        DimpleError: a constant is not one of a body.
-    """
-    fit, k = calibration.fit, calibration.surface and calibration.surface.k
-    return replace(template, K1=fit.K1.value, K2=fit.K2.value, x0=fit.x0.value, k=k.value if k else template.k)
+        measurement=measurement,
+        loading=loading,
+        fit=fit,
+        length=length,
+        tip=tip,
+        surface=surface,
+        notes=measurement.notes + loading.notes,
+        warnings=(*measurement.warnings, *loading.warnings, *_doubts(fit, loading, length), *filter(None, [doubt])),
+        unsure=("contact_mm",) if doubt else (),
+    )
 
 
 def provenance(calibration: Calibration) -> str:
@@ -106,9 +113,23 @@ def source_of_k(calibration: Calibration) -> str:
     return f"k {surface.k.text(1e3)} N/mm (95 %) by the force balance"
 
 
-def _doubts(fit: Fit, press: Press, length: float | None) -> tuple[str, ...]:
+def _from_the_touch(loading: LoadingCurve, fit: Fit) -> LoadingCurve:
+    """Return a loading curve whose depth and force begin at the first touch as fitted."""
+    contact, tare = fit.contact.value, fit.tare
+    return replace(
+        loading,
+        depth=loading.depth - contact,
+        force=loading.force - tare,
+        unloading_depth=loading.unloading_depth - contact,
+        unloading_force=loading.unloading_force - tare,
+        touch=loading.touch + contact,
+        tare=loading.tare + tare,
+    )
+
+
+def _doubts(fit: Fit, loading: LoadingCurve, length: float | None) -> tuple[str, ...]:
     found = []
-    deepest = float(press.depth.max())
+    deepest = float(loading.depth.max())
     if fit.model == "one":
         found.append(
             f"One slope says as much as two (F test p = {fit.knee_p:.2g}): no knee was found down to "
@@ -135,7 +156,7 @@ def _doubts(fit: Fit, press: Press, length: float | None) -> tuple[str, ...]:
         )
     unknown = [name for name in ("K1", "K2", "x0") if (c := getattr(fit, name)).half_width >= abs(c.value)]
     if unknown:
-        found.append(f"The curve does not tell {', '.join(unknown)}: 0 lies within the 95 % interval.")
+        found.append(f"The curve does not determine {', '.join(unknown)}: 0 lies within the 95 % interval.")
     if not _DEPTHS[0] < deepest < _DEPTHS[1] or not _FORCES[0] < fit.full_scale < _FORCES[1]:
         found.append(f"{1e3 * deepest:.3g} mm and {fit.full_scale:.3g} N are unlikely for a press: check the units.")
     if length is not None and deepest > length:

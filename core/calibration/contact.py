@@ -17,12 +17,12 @@ _SHARES = (0.10, 0.05, 0.025, 0.0125)  # of the force: windows in which the pres
 _CLEAR = 5.0  # times the noise: a force that is no longer the load cell's own
 _SURE = 3.5  # standard errors
 _ROWS = 6
-_HOLDS = 2.0  # times the noise: residuals of a law that holds
+_FITS = 2.0  # times the noise: residuals of a law that fits
 _HARMLESS = 0.02  # of the range of depth: touches that differ by less
 _CLEARLY = 0.8  # a hinge with this share of a parabola's residuals, or the reverse, is clear
 _DECISIVE = 12.0  # twice the gain in log likelihood that settles which touch it was
 _LIKELY = 4.0  # and that makes another one as likely
-_TELLS = 0.05  # of a constant: what a hand could tell
+_NOTICEABLE = 0.05  # of a constant: less is below what can be felt
 _STARTS = np.geomspace(0.01, 0.7, 20)  # of the range of depth: where a touch may hide
 _NEARER = np.linspace(0.8, 1.25, 10)
 _ENOUGH = 1000  # rows to compare touches by
@@ -30,7 +30,13 @@ _ENOUGH = 1000  # rows to compare touches by
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touch:
-    """Hold the depth [m] of the first touch, the force there [N], which of them are estimates (fit_law), and a note."""
+    """The first touch of a press.
+
+    depth: where it is [m].
+    tare: the force there [N].
+    free: which of both are estimates; see fit_law.
+    note: a message about how it was found.
+    """
 
     depth: float
     tare: float
@@ -63,14 +69,14 @@ def settle(depth: Floats, force: Floats, free: Free, touch: float) -> tuple[Fit,
     """Fit the law with the touch as it was found, or as the whole curve would rather have it.
 
     Where the noise hides the touch, or the file begins with a force on the cell, several readings answer the curve as
-    well: then what they change is told, or asked where no reading is more likely than another.
+    well. Then the fit comes with a message about what they change; where none is more likely, it is asked.
 
     Args:
         depth: (n,) [m] from the touch that was found.  force: (n,) [N].  free: see fit_law.
-        touch: [m] depth 0 in the file's own depth, for the words.
+        touch: depth 0 in the file's own depth [m], for the messages.
 
     Returns:
-        the fit, its contact from depth 0, and a doubt or "".
+        the fit, its contact from depth 0, and a message where the touch is uncertain, else "".
 
     Raises:
         Undecided: whether the press began before the file, or the load cell was not tared.
@@ -87,7 +93,7 @@ def settle(depth: Floats, force: Floats, free: Free, touch: float) -> tuple[Fit,
         again, _ = _read(depth, force, hinge[0].contact.value, free)
         found = min(found, again, key=lambda fit: _loss(fit, x, f))
     loss, least = _loss(found, x, f), min(begun[0][1], hinge[1])
-    if least > len(x) * (_HOLDS * roughness(f)) ** 2:  # the law does not hold: it cannot tell touches apart
+    if least > len(x) * (_FITS * roughness(f)) ** 2:  # the law does not fit: it cannot tell touches apart
         return found, _drift(found, depth, force)
     count = independent_rows(len(x), hinge[0].correlation)
 
@@ -115,12 +121,12 @@ def _hidden(touch: float, found: Fit, other: Fit) -> str:
     return (
         f"The noise hides the first touch: it was taken at {1e3 * (touch + found.contact.value):.3g} mm, but "
         f"{1e3 * (touch + other.contact.value):.3g} mm is as likely, with K1 {other.K1.text(1e3)} N/mm and "
-        f"x0 {other.x0.text(1e-3)} mm. If you know it, give it with --contact-mm."
+        f"x0 {other.x0.text(1e-3)} mm."
     )
 
 
 def _drift(fit: Fit, depth: Floats, force: Floats) -> str:
-    """Say how much the force changes before the touch, "" where it does not."""
+    """Return a message about how much the force changes before the touch, "" where it does not."""
     before = depth < fit.contact.value
     x, f = depth[before], force[before]
     if len(x) < _ROWS or _is_level(x, f, roughness(force)):
@@ -160,7 +166,7 @@ def _loss(fit: Fit, x: Floats, f: Floats) -> float:
 
 def _differs(one: Fit, other: Fit) -> bool:
     pairs = [(getattr(one, name), getattr(other, name)) for name in ("K1", "x0")]
-    return any(abs(a.value - b.value) > max(_TELLS * abs(a.value), a.half_width) for a, b in pairs)
+    return any(abs(a.value - b.value) > max(_NOTICEABLE * abs(a.value), a.half_width) for a, b in pairs)
 
 
 def _begun(first: float, before: float, loaded: float) -> Question:
@@ -194,7 +200,7 @@ def _sustained(above: np.ndarray) -> int:
 
 
 def _is_level(x: Floats, f: Floats, noise: float) -> bool:
-    """Tell whether the force before a hinge neither rises nor falls by more than chance or a little drift."""
+    """Return whether the force before a hinge neither rises nor falls by more than chance or a little drift."""
     if len(x) < 3 or np.ptp(x) == 0:
         return True
     centred = x - x.mean()
@@ -212,7 +218,7 @@ def _bent_residual(x: Floats, f: Floats) -> float:
 
 
 def _is_hinge(x: Floats, join: float, noise: float, slope: float) -> bool:
-    """Tell whether the rows before a hinge are enough to know it is not the first row."""
+    """Return whether the rows before a hinge are enough to know it is not the first row."""
     before, after = x[x < join], x[x >= join]
     if len(before) < 3 or slope <= 0:
         return False

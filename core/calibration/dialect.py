@@ -29,7 +29,7 @@ _WITH_UNIT = re.compile(r"^([+\-−]?[\d.,]*\d(?:[eE][+\-−]?\d+)?)\s*([^\d\s].
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dialect:
-    """Hold the delimiter and the decimal mark."""
+    """How a table is written: the delimiter of its cells and the decimal mark of its numbers."""
 
     delimiter: str
     decimal: str
@@ -67,7 +67,7 @@ def number_and_unit(cell: str, decimal: str) -> tuple[float, str] | None:
 
 
 def is_row(cells: Sequence[str], dialect: Dialect) -> bool:
-    """Tell whether cells are a row of data: two numbers or more, and no number written another way."""
+    """Return whether cells are a row of data: two numbers or more, and no number written another way."""
     count = 0
     for cell in cells:
         if any(d in cell for d in ";\t|"):
@@ -84,7 +84,7 @@ def find_dialect(lines: Sequence[str], decimal: str | None = None) -> Dialect:
 
     Args:
         lines: of the file.
-        decimal: as the user said, or None.
+        decimal: the decimal mark where the user gave it, or None.
 
     Raises:
         DimpleError: no dialect makes a table of the lines.

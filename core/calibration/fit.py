@@ -1,4 +1,4 @@
-"""The two-piece law of Eq. (1) through a loading curve, with what can be said about its constants."""
+"""The two-piece law of Eq. (1) through a loading curve, with the uncertainty of its constants."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Free = tuple[str, ...]  # of "contact" and "tare", in this order
 CONFIDENCE = 0.95
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
 _STEPS = 20  # of Gauss-Newton
-_ROWS = 8  # beyond the touch: fewer tell nothing
+_ROWS = 8  # beyond the touch: fewer determine nothing
 _ON_A_PIECE = 2  # rows: fewer leave its slope open
 _LEAST = 20.0  # rows: what even the smoothest systematic misfit is allowed to count as
 _STRAY = 4.0  # standard errors that the joint fit may move the contact
@@ -24,7 +24,7 @@ _STRAY = 4.0  # standard errors that the joint fit may move the contact
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Constant:
-    """Hold a constant, its standard error by least squares, and half the width of its 95 % interval.
+    """A fitted constant: its value, its standard error by least squares, and half the width of its 95 % interval.
 
     The interval is wider than the standard error says where neighbouring residuals agree with one another.
     """
@@ -48,15 +48,26 @@ def plus_minus(value: float, half_width: float) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fit:
-    """Hold a fit.
+    """The law that fits a loading curve best. With one slope K2 equals K1 and x0 is the deepest row.
 
-    model: "one" or "two" slopes.  K1, K2: [N/m].  x0: [m].  With one slope K2 equals K1 and x0 is the deepest row.
-    contact: how far the first touch lies beyond depth 0 [m], and tare: the force there [N], 0 where they are known.
-    noise: standard deviation of the residuals [N].  correlation: of neighbouring residuals.  worst: the largest
-    residual [N] and its depth [m].  full_scale: [N].  knee_p: F test of one slope.  knee_bic: how much lower two are.
-    rows: in contact.  trial: its parameters, spread: their covariance (p, p) stretched to 95 %.  widened: how often
-    as wide the intervals are for correlation.  misfit_before: residuals' RMS up to the knee as a share of the force's
-    there.  falls: the best two pieces would fall, and the constants are the best of those that rise.
+    model: "one" or "two" slopes.
+    K1: slope up to the knee [N/m].
+    K2: slope beyond the knee [N/m].
+    x0: depth of the knee [m].
+    contact: how far the first touch lies beyond depth 0 [m], 0 where it is known.
+    tare: force at the first touch [N], 0 where it is known.
+    noise: standard deviation of the residuals [N].
+    correlation: of neighbouring residuals.
+    worst: the largest residual [N] and its depth [m].
+    full_scale: largest force [N].
+    knee_p: probability, by the F test, of so much gain by a knee where there is none.
+    knee_bic: by how much a knee lowers the Bayesian information criterion.
+    rows: number of rows in contact.
+    parameters: constants, contact and tare as they were fitted.
+    spread: (p, p) covariance of the parameters, stretched to 95 %.
+    widened: how many times wider the intervals are because neighbouring residuals agree.
+    misfit_before: RMS of the residuals up to the knee, as a share of the RMS of the force there.
+    falls: the best two pieces would fall, and the constants are the best of those that rise.
     """
 
     model: str
@@ -72,7 +83,7 @@ class Fit:
     knee_p: float
     knee_bic: float
     rows: int
-    trial: _Trial
+    parameters: _Parameters
     spread: Floats
     widened: float
     misfit_before: float
@@ -89,7 +100,7 @@ class Fit:
 
     def band(self, x: Floats) -> Floats:
         """Return half the width [N] of the law's 95 % interval at depths [m] below the contact."""
-        slopes = _jacobian(self.trial, np.asarray(x, np.float64) + self.trial.parts(x)[3])
+        slopes = _jacobian(self.parameters, np.asarray(x, np.float64) + self.parameters.parts(x)[3])
         return np.sqrt(np.maximum(((slopes @ self.spread) * slopes).sum(axis=1), 0))
 
 
@@ -114,7 +125,7 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
     left = "line" if len(free) == 1 and inside.sum() > len(x) - MIN_PIECE else "origin"
     slope, offset = np.polyfit(x[inside], f[inside], 1) if left == "line" else (_slope(x[inside], f[inside]), 0.0)
     start = _start([float(slope)], float(offset), free)
-    if not _holds(start, x):
+    if not _has_rows(start, x):
         raise _too_few(int((x > start.parts(x)[3]).sum()))
     one = _settled(start, x, f)
     pieces, falls = two_pieces(x[inside], f[inside], left=left), False
@@ -122,16 +133,21 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
         pieces, falls = two_pieces(x[inside], f[inside], left=left, rising=True), True
     if pieces is not None:
         start = _start([pieces.slope1, pieces.slope2, pieces.join], pieces.offset, free)
-    if pieces is None or not _holds(start, x):
-        return _report(one, x, f, 1.0, 0.0)
+    if pieces is None or not _has_rows(start, x):
+        return _result(one, x, f, 1.0, 0.0)
     two = _settled(start, x, f)
     p, bic = _compare(one, two, x, f)
-    return replace(_report(two if bic > 0 else one, x, f, p, bic), falls=falls)
+    return replace(_result(two if bic > 0 else one, x, f, p, bic), falls=falls)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Trial:
-    """Hold parameters: K1; K2 and x0 where there is a knee; then those that are free."""
+class _Parameters:
+    """What is fitted: K1; K2 and x0 where there is a knee; then contact and tare where they are free.
+
+    knee: whether there is one.
+    free: of "contact" and "tare".
+    values: (p,) [N/m], [N/m], [m], [m], [N].
+    """
 
     knee: bool
     free: Free
@@ -144,21 +160,25 @@ class _Trial:
         contact, tare = known["contact"], known["tare"]
         return (v[0], v[1], v[2], contact, tare) if self.knee else (v[0], v[0], float(x.max()) - contact, contact, tare)
 
+    def index(self, name: str) -> int | None:
+        """Return where the values hold "contact" or "tare", None where it is known."""
+        return len(self.values) - len(self.free) + self.free.index(name) if name in self.free else None
 
-def _start(values: list[float], offset: float, free: Free) -> _Trial:
-    """Return a trial whose first piece begins with an offset [N] at depth 0."""
+
+def _start(values: list[float], offset: float, free: Free) -> _Parameters:
+    """Return parameters whose first piece begins with an offset [N] at depth 0."""
     contact = -offset / values[0] if free == ("contact",) and values[0] > 0 else 0.0
     if len(values) > 1:
         values = [*values[:2], values[2] - contact]
     known = {"contact": contact, "tare": offset}
-    return _Trial(knee=len(values) > 1, free=free, values=np.array([*values, *(known[name] for name in free)]))
+    return _Parameters(knee=len(values) > 1, free=free, values=np.array([*values, *(known[name] for name in free)]))
 
 
-def _holds(trial: _Trial, x: Floats) -> bool:
-    """Tell whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
-    _, _, x0, contact, _ = trial.parts(x)
+def _has_rows(parameters: _Parameters, x: Floats) -> bool:
+    """Return whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
+    _, _, x0, contact, _ = parameters.parts(x)
     pressed, beyond = int((x > contact).sum()), int((x > contact + x0).sum())
-    return min(pressed - beyond, beyond) >= _ON_A_PIECE if trial.knee else pressed >= _ROWS
+    return min(pressed - beyond, beyond) >= _ON_A_PIECE if parameters.knee else pressed >= _ROWS
 
 
 def _too_few(rows: int) -> DimpleError:
@@ -174,23 +194,23 @@ def _law(x: Floats, K1: float, K2: float, x0: float) -> Floats:
     return K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0)
 
 
-def _residual(trial: _Trial, x: Floats, f: Floats) -> Floats:
-    K1, K2, x0, contact, tare = trial.parts(x)
+def _residual(parameters: _Parameters, x: Floats, f: Floats) -> Floats:
+    K1, K2, x0, contact, tare = parameters.parts(x)
     return f - tare - _law(x - contact, K1, K2, x0)
 
 
-def _jacobian(trial: _Trial, x: Floats) -> Floats:
+def _jacobian(parameters: _Parameters, x: Floats) -> Floats:
     """Return the slopes (n, p) of the law in each parameter."""
-    K1, K2, x0, contact, _ = trial.parts(x)
+    K1, K2, x0, contact, _ = parameters.parts(x)
     y = np.maximum(x - contact, 0)
     beyond = y > x0
-    columns = [np.minimum(y, x0), np.maximum(y - x0, 0), (K1 - K2) * beyond] if trial.knee else [y]
+    columns = [np.minimum(y, x0), np.maximum(y - x0, 0), (K1 - K2) * beyond] if parameters.knee else [y]
     of = {"contact": -np.where(beyond, K2, K1) * (y > 0), "tare": np.ones_like(x)}
-    columns += [of[name] for name in trial.free]
+    columns += [of[name] for name in parameters.free]
     return np.stack([np.asarray(column, np.float64) for column in columns], axis=1)
 
 
-def _settled(start: _Trial, x: Floats, f: Floats) -> _Trial:
+def _settled(start: _Parameters, x: Floats, f: Floats) -> _Parameters:
     """Move contact, tare and constants together to the least squares of all rows (Gauss-Newton).
 
     The start is kept where that would lead the contact away from it: then the law does not hold near the touch.
@@ -202,49 +222,49 @@ def _settled(start: _Trial, x: Floats, f: Floats) -> _Trial:
         jacobian = _jacobian(best, x)
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
         step = np.linalg.lstsq(jacobian / scale, _residual(best, x, f), rcond=None)[0] / scale
-        trials = [replace(best, values=best.values + share * step) for share in (1.0, 0.5, 0.2, 0.05)]
-        trial = min(trials, key=lambda t: _sum_of_squares(t, x, f))
-        total = _sum_of_squares(trial, x, f)
-        if not total < least or not _holds(trial, x):
+        candidates = [replace(best, values=best.values + share * step) for share in (1.0, 0.5, 0.2, 0.05)]
+        candidate = min(candidates, key=lambda each: _sum_of_squares(each, x, f))
+        total = _sum_of_squares(candidate, x, f)
+        if not total < least or not _has_rows(candidate, x):
             break
         settled = least - total < 1e-14 * least
-        best, least = trial, total
+        best, least = candidate, total
         if settled:
             break
-    if "contact" not in best.free:
+    at = best.index("contact")
+    if at is None:
         return best
-    at = best.free.index("contact") - len(best.free)
     moved, error = best.values[at] - start.values[at], math.sqrt(_covariance(best, x, f)[at, at])
     return best if abs(moved) <= _STRAY * error else start
 
 
-def _misfit_before(trial: _Trial, x: Floats, f: Floats) -> float:
-    K1, _, x0, contact, _ = trial.parts(x)
+def _misfit_before(parameters: _Parameters, x: Floats, f: Floats) -> float:
+    K1, _, x0, contact, _ = parameters.parts(x)
     before = (x > contact) & (x <= contact + x0)
     force = K1 * (x[before] - contact)
-    return float(np.linalg.norm(_residual(trial, x, f)[before])) / max(float(np.linalg.norm(force)), 1e-300)
+    return float(np.linalg.norm(_residual(parameters, x, f)[before])) / max(float(np.linalg.norm(force)), 1e-300)
 
 
-def _sum_of_squares(trial: _Trial, x: Floats, f: Floats) -> float:
-    return float((_residual(trial, x, f) ** 2).sum())
+def _sum_of_squares(parameters: _Parameters, x: Floats, f: Floats) -> float:
+    return float((_residual(parameters, x, f) ** 2).sum())
 
 
-def _pressed_residual(trial: _Trial, x: Floats, f: Floats) -> Floats:
+def _pressed_residual(parameters: _Parameters, x: Floats, f: Floats) -> Floats:
     """Return the residuals of the rows in contact: those before it may be many, and quieter."""
-    return _residual(trial, x, f)[x > trial.parts(x)[3]]
+    return _residual(parameters, x, f)[x > parameters.parts(x)[3]]
 
 
-def _variance(trial: _Trial, x: Floats, f: Floats) -> float:
-    residual = _pressed_residual(trial, x, f)
-    return float((residual**2).sum()) / max(len(residual) - len(trial.values), 1)
+def _variance(parameters: _Parameters, x: Floats, f: Floats) -> float:
+    residual = _pressed_residual(parameters, x, f)
+    return float((residual**2).sum()) / max(len(residual) - len(parameters.values), 1)
 
 
-def _covariance(trial: _Trial, x: Floats, f: Floats) -> Floats:
+def _covariance(parameters: _Parameters, x: Floats, f: Floats) -> Floats:
     """Return the covariance (p, p) of the parameters: s^2 (J^T J)^-1."""
-    jacobian = _jacobian(trial, x)
+    jacobian = _jacobian(parameters, x)
     scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
     inverse = np.linalg.pinv(jacobian / scale) / scale[:, None]
-    return np.asarray(_variance(trial, x, f) * inverse @ inverse.T)
+    return np.asarray(_variance(parameters, x, f) * inverse @ inverse.T)
 
 
 def _correlation(residual: Floats) -> float:
@@ -259,7 +279,7 @@ def independent_rows(n: int, correlation: float) -> float:
     return min(float(n), max(n * (1 - correlation) / (1 + correlation), _LEAST))
 
 
-def _compare(one: _Trial, two: _Trial, x: Floats, f: Floats) -> tuple[float, float]:
+def _compare(one: _Parameters, two: _Parameters, x: Floats, f: Floats) -> tuple[float, float]:
     """Weigh one slope against two: the F test's probability of so much gain by chance, and the gain in BIC.
 
     A knee costs 3 log n: a slope, and a place that is searched for, which weighs as two (Zhang and Siegmund,
@@ -274,27 +294,37 @@ def _compare(one: _Trial, two: _Trial, x: Floats, f: Floats) -> tuple[float, flo
     return p, n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))
 
 
-def _report(trial: _Trial, x: Floats, f: Floats, p: float, bic: float) -> Fit:
-    K1, K2, x0, contact, tare = trial.parts(x)
-    residual = _pressed_residual(trial, x, f)
+def _result(parameters: _Parameters, x: Floats, f: Floats, p: float, bic: float) -> Fit:
+    K1, K2, x0, contact, tare = parameters.parts(x)
+    residual = _pressed_residual(parameters, x, f)
     r = _correlation(residual)
     count = independent_rows(len(residual), r)
-    covariance = _covariance(trial, x, f)
+    covariance = _covariance(parameters, x, f)
     errors = np.sqrt(np.diag(covariance))
-    reach = t_quantile((1 + CONFIDENCE) / 2, max(count - len(trial.values), 1.0)) * math.sqrt(len(residual) / count)
+    wider = math.sqrt(len(residual) / count)
+    reach = t_quantile((1 + CONFIDENCE) / 2, max(count - len(parameters.values), 1.0)) * wider
 
     def constant(value: float, at: int | None) -> Constant:
         error = 0.0 if at is None else float(errors[at])
         return Constant(value=value, error=error, half_width=reach * error)
 
-    worst = int(np.abs(residual).argmax())
+    knee, worst = parameters.knee, int(np.abs(residual).argmax())
     return Fit(
-        model="two" if trial.knee else "one",
-        K1=constant(K1, 0), K2=constant(K2, 1 if trial.knee else 0), x0=constant(x0, 2 if trial.knee else None),
-        contact=constant(contact, len(trial.values) - len(trial.free) if "contact" in trial.free else None), tare=tare,
-        noise=math.sqrt(_variance(trial, x, f)), correlation=r,
+        model="two" if knee else "one",
+        K1=constant(K1, 0),
+        K2=constant(K2, 1 if knee else 0),
+        x0=constant(x0, 2 if knee else None),
+        contact=constant(contact, parameters.index("contact")),
+        tare=tare,
+        noise=math.sqrt(_variance(parameters, x, f)),
+        correlation=r,
         worst=(float(residual[worst]), float(x[x > contact][worst] - contact)),
-        full_scale=float(np.abs(f - tare).max()), knee_p=p, knee_bic=bic, rows=len(residual),
-        trial=trial, spread=reach**2 * covariance, widened=math.sqrt(len(residual) / count),
-        misfit_before=_misfit_before(trial, x, f),
-    )  # fmt: skip
+        full_scale=float(np.abs(f - tare).max()),
+        knee_p=p,
+        knee_bic=bic,
+        rows=len(residual),
+        parameters=parameters,
+        spread=reach**2 * covariance,
+        widened=wider,
+        misfit_before=_misfit_before(parameters, x, f),
+    )

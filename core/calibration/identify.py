@@ -1,17 +1,16 @@
 """Model constants such that a simulated press with the measuring tip answers K(x) of the material on its mesh.
 
-What the skin carries and what shape matching carries can hardly be told apart from one curve, so the skin's scale is
+What the skin carries and what shape matching carries can hardly be distinguished by one curve, so the skin's scale is
 not fitted: it is the largest that still lets the press follow the curve well. For each scale tried kappa1, kappa2 and
 d0 are fitted by least squares over their logarithms (Levenberg and Marquardt). One sweep of equilibria gives the
 forces and, by the energy's slopes, their derivatives: see `indent`. Under a flat tip all of it is numpy, for the
-equilibrium has no native twin; a sphere presses in a session, native where there is a native core. Blender remembers
-what was identified (`cache`); the command works it out each time.
+equilibrium has no native twin; a sphere presses in a session, native where there is a native core.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,22 +21,31 @@ from ..mesh.surface import Mesh
 from .indent import CLEAR, Indenter, Site
 from .sweep import CHECKED, STATIONS, SWEEPS, Sweep, Task, constants_of, fitted, swept
 
-GOAL = (0.35, 0.5)  # of what is allowed, at the worst depth: a hand does not tell 5 % of a force
+GOAL = (0.35, 0.5)  # of what is allowed, at the worst depth: 5 % of a force is below what can be felt
 FIRST_SHARE = 0.1  # of the force: what the skin may carry in the first guess
 LIMITS = (1e-5, 1.0)  # of the skin's scale
 GROWS = 0.8  # power of the scale with which the worst error grows
 LARGEST_CHANGE = 8.0  # of the scale from one fit to the next
-NOTICEABLE_FORCE = (0.06, 0.08)  # share of a force that a hand can tell
-NOTICEABLE_STIFFNESS = (0.08, 0.22)
+NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
+# a bed of springs without a skin lets a sphere part it: F = pi kappa (R - x) x^2, which falls beyond x = 2 R / 3. A
+# mesh is a skin of its own, the more so the coarser it is
+TIP_REACH = 2 / 3  # of a fingertip's radius: how deep it may go into a skin as slack as an identified one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identification:
-    """Hold what was identified.
+    """Model constants that were identified, and how well the press with them follows the measured law.
 
-    material: with its constants.  depths: (m,) [m].  wanted, simulated: forces (m,) [N] at them.
-    rms: share of full scale.  worst: largest deviation over what is allowed at its depth.  volume_change: largest.
-    sweeps: simulated.  stopped: "" or why it does not reach the depth asked for.  notes: sentences for the artist.
+    material: with the constants.
+    depths: (m,) of the press that checks them [m].
+    wanted: (m,) forces of the law there [N].
+    simulated: (m,) forces of the simulated press there [N].
+    rms: RMS error as a share of full scale.
+    worst: largest error over what is allowed at its depth.
+    volume_change: largest, as a share.
+    sweeps: number of presses that were simulated.
+    stopped: "" or why the press ends before the depth asked for.
+    notes: messages for the artist.
     """
 
     material: Material
@@ -53,36 +61,8 @@ class Identification:
 
     @property
     def off(self) -> Floats:
-        """Return how far each force is off, as shares (m,) of the force wanted there: what a hand may tell."""
+        """Return the error (m,) of each force as a share of the force wanted there."""
         return np.abs(self.simulated / self.wanted - 1)
-
-
-def identify(
-    mesh: Mesh,
-    material: Material,
-    indenter: Indenter,
-    site: Site,
-    deepest: float,
-    *,
-    progress: Callable[[float], None] | None = None,
-) -> Identification:
-    """Run `identification` to its end.
-
-    Args:
-        progress: called with the share that is done.
-
-    Raises:
-        DimpleError: the body cannot be pressed.
-    """
-    steps = identification(mesh, material, indenter, site, deepest)
-    while True:
-        try:
-            share = next(steps)
-        except StopIteration as end:
-            found: Identification = end.value
-            return found
-        if progress is not None:
-            progress(share)
 
 
 def identification(
@@ -90,16 +70,18 @@ def identification(
 ) -> Generator[float, None, Identification]:
     """Identify model constants in steps of one equilibrium each, for a timer.
 
-    Yields:
-        the share that is done: a guess, for nobody knows how many sweeps the fit will take.
-
-    Returns:
-        what was found.
-
     Args:
         mesh: in the size of the real object [m].
         material: K1, K2, x0 measured with the indenter; its constants are ignored.
-        deepest: depth [m] down to which they hold.
+        indenter: the tip that measured.
+        site: where it presses.
+        deepest: depth [m] down to which the constants must hold.
+
+    Yields:
+        the share that is done: an estimate, for how many sweeps the fit takes is not known before.
+
+    Returns:
+        what was found.
 
     Raises:
         DimpleError: the body finds no rest under the tip.
@@ -109,7 +91,7 @@ def identification(
     logs = np.log(_first_guess(task, depths[-1]))
     sweep = yield from swept(task, logs, depths, 0)
     if not sweep.whole:
-        depths, stopped = sweep.depths, _lost_in_words(sweep)
+        depths, stopped = sweep.depths, _lost_message(sweep)
         sweep = replace(sweep, whole=True)
     sweeps, best = 1, None
     while sweeps < SWEEPS:
@@ -128,18 +110,18 @@ def identification(
     fine = depths[-1] * np.arange(1, CHECKED + 1) / CHECKED
     check = yield from swept(task, logs, fine, sweeps, last=True)
     if not check.whole:
-        stopped = _lost_in_words(check)
+        stopped = _lost_message(check)
     constants = constants_of(logs)
     return Identification(
         material=replace(material, constants=constants), depths=check.depths, wanted=check.wanted,
         simulated=check.simulated, rms=check.rms, worst=float(np.abs(check.errors).max()),
         volume_change=check.volume_change, sweeps=sweeps + 1, stopped=stopped,
-        notes=tuple(filter(None, (scale_in_words(constants), stopped, _miss_in_words(check, indenter)))),
+        notes=tuple(filter(None, (_scale_message(constants), stopped, _miss_message(check, indenter)))),
     )  # fmt: skip
 
 
-def scale_in_words(constants: ModelConstants) -> str:
-    """Say what the factor on k means."""
+def _scale_message(constants: ModelConstants) -> str:
+    """Return a message about what the factor on k means."""
     scale = constants.membrane_scale
     if scale > 0.99:
         return "The skin keeps its own k."
@@ -161,14 +143,14 @@ def _depths(deepest: float, site: Site) -> tuple[Floats, str]:
     )
 
 
-def _lost_in_words(sweep: Sweep) -> str:
+def _lost_message(sweep: Sweep) -> str:
     if len(sweep.depths) < 4:
         raise DimpleError("The simulated body finds no rest under the tip. Use a finer or simpler mesh.")
     return f"Deeper than {1e3 * sweep.depths[-1]:.3g} mm the simulated body finds no rest: its skin folds."
 
 
-def _miss_in_words(sweep: Sweep, indenter: Indenter) -> str:
-    """Say where the simulated press is off by more than allowed, "" where it is nowhere."""
+def _miss_message(sweep: Sweep, indenter: Indenter) -> str:
+    """Return a message about where the simulated press is off by more than allowed, "" where it is nowhere."""
     at = int(np.abs(sweep.errors).argmax())
     if abs(sweep.errors[at]) <= 1:
         return ""
@@ -178,8 +160,9 @@ def _miss_in_words(sweep: Sweep, indenter: Indenter) -> str:
 
 
 def _first_guess(task: Task, deepest: float) -> list[float]:
-    """Let the bed under the tip carry all, K = kappa A, and the skin round it a little, at the knee and at the deepest.
+    """Return constants to start from.
 
+    The bed under the tip carries all, K = kappa A. The skin round it carries a little, at the knee and at the deepest.
     A spring of the length h of an edge whose end goes down by x answers k (sqrt(h^2 + x^2) - h) x / sqrt(h^2 + x^2);
     about as many as six for each vertex at the rim do.
     """
@@ -198,7 +181,7 @@ def _first_guess(task: Task, deepest: float) -> list[float]:
 
 
 def _preferred(one: tuple[Floats, Sweep], other: tuple[Floats, Sweep]) -> bool:
-    """Tell whether one fit is better: near enough with more of the skin, else nearer."""
+    """Return whether one fit is better: near enough with more of the skin, else nearer."""
     near = one[1].worst <= GOAL[1], other[1].worst <= GOAL[1]
     return bool(one[0][3] > other[0][3]) if all(near) else one[1].worst < other[1].worst
 

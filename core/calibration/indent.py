@@ -1,10 +1,12 @@
 """A virtual indentation: a body at rest under a measuring tip, depth by depth.
 
-A flat punch moves the surface points under it by prescription, as one (it grips), the rest goes to its equilibrium,
-and the force on the punch is what those points feel. A sphere is a fingertip of a session, let down slowly. What the
-constants do to the force comes with each depth: the energy E at rest obeys F = dE/dx, so dF/dc = d/dx (dE/dc), with
-the body left where it is (Hellmann, Feynman). Under a flat punch that is known exactly, knee and all; elsewhere the
-energy's slopes dE/dc are smooth, and the difference between two depths will do.
+A flat punch grips: the surface points under it move with it by prescription. The rest of the body goes to its
+equilibrium, and the force on the punch is the sum of the forces on those points. A sphere is a fingertip of a session,
+let down slowly.
+
+Each depth also yields how the force depends on the constants c. The energy E at rest obeys F = dE/dx, so
+dF/dc = d/dx (dE/dc), with the body left where it is (Hellmann, Feynman). Under a flat punch that is known exactly, knee
+and all; elsewhere the energy's slopes dE/dc are smooth, and the difference between two depths will do.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ SETTLING, LISTENING = 0.1, 0.03  # [s] of waiting at a depth, and of taking the 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Indenter:
-    """Hold what presses: "point" (a small flat punch), "punch" (flat) or "sphere", and its radius [m]."""
+    """A tip that presses: its shape, "point" (a small flat punch), "punch" (flat) or "sphere", and its radius [m]."""
 
     shape: str = "point"
     radius: float = 0.002
@@ -51,10 +53,13 @@ POINT = Indenter()  # the paper's sensor "touches at a point"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """Hold where a body is pressed.
+    """Where a body is pressed.
 
-    point: (3,) [m] on the surface at rest.  inward: (3,) unit.  thickness: [m] to the far side, inf where there is
-    none.  under: (n,) vertices under a flat punch.  held: (n,) vertices that stay.
+    point: (3,) on the surface at rest [m].
+    inward: (3,) unit vector of the way the tip goes.
+    thickness: distance to the far side [m], inf where there is none.
+    under: (n,) vertices under a flat punch.
+    held: (n,) vertices that stay.
     """
 
     point: Floats
@@ -66,11 +71,15 @@ class Site:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Station:
-    """Hold a body at rest under a tip.
+    """A body at rest under a tip.
 
-    depth: [m].  force: [N].  volume_change: share.  positions: (3, n) [m].  found: whether there is rest at this depth.
-    pull: (4,) dE/d log of kappa1, kappa2, d0 and membrane_scale [J], but for the shape matching under a flat punch, of
-    which slope (4,) [N] is the derivative in depth.
+    depth: of the tip below the surface at rest [m].
+    force: on the tip [N].
+    volume_change: as a share.
+    pull: (4,) dE/d log of kappa1, kappa2, d0 and membrane_scale [J], without the shape matching under a flat punch.
+    slope: (4,) what the shape matching under a flat punch adds to their derivatives in depth [N].
+    positions: (3, n) [m].
+    found: whether there is rest at this depth.
     """
 
     depth: float
@@ -117,7 +126,7 @@ def find_site(
         stay[mesh.source] = base_vertices(mesh, up=tuple(-way))
     under = _under(mesh, point, way, reach(mesh, indenter))
     if (under & stay).any():
-        raise DimpleError("The tip stands on vertices that are held. Press elsewhere, or hold fewer.")
+        raise DimpleError("The tip stands on vertices that are pinned. Press elsewhere, or pin fewer.")
     return Site(
         point=point, inward=way, thickness=beyond[0] if beyond else math.inf, under=under, held=stay
     )  # fmt: skip
@@ -171,14 +180,6 @@ def press_rows(
     for station in press(mesh, material, indenter, site, depths.tolist()):
         if station.found:
             yield station.depth, station.force
-
-
-def press_curve(
-    mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float, *, rows: int = ROWS
-) -> tuple[Floats, Floats]:
-    """Return depth (n,) [m] and force (n,) [N] of `press_rows`."""
-    depth, force = np.array(list(press_rows(mesh, material, indenter, site, deepest, rows=rows))).T
-    return depth, force
 
 
 def _by_punch(model: Model, site: Site, depths: Sequence[float]) -> Iterator[Station]:

@@ -6,7 +6,7 @@ import stat
 from pathlib import Path
 
 from ..base import DimpleError
-from .words import is_known
+from .vocabulary import is_known
 
 MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
 MAX_LINE = 20_000  # characters
@@ -108,7 +108,7 @@ def _read(path: Path) -> bytes:
 
 
 def _looks_cut(lines: list[str]) -> bool:
-    """Tell whether the last of the lines is shorter than those before it ever are in its digits or cells."""
+    """Return whether the last of the lines is shorter than those before it ever are in its digits or cells."""
     last, before = lines[-1], lines[-20:-1]
     shapes = [(line.count(","), line.count(";"), line.count("\t"), len(line.split())) for line in before]
     shape = (last.count(","), last.count(";"), last.count("\t"), len(last.split()))

@@ -1,4 +1,4 @@
-"""From a recording to one loading curve: sign, cycles, dwell, touch, tare; and what the way back tells."""
+"""From a recording to one loading curve: sign, cycles, dwell, first touch, tare, and the work lost in unloading."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from .contact import find_touch
 from .fit import Free
-from .question import Answers, Candidate, Question, Undecided
+from .question import Answers, Candidate, Question, Undecided, WrongColumns
 from .reader import Measurement
 from .strokes import FULL, Cycle, find_cycles, moving, roughness, spikes
 from .table import MIN_ROWS
@@ -22,19 +22,27 @@ _EVEN, _UNEVEN = 0.05, 0.35  # scatter of the steps of a driven axis, and of wha
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Press:
-    """Hold one press.
+class LoadingCurve:
+    """One press of a recording, its rows in the order they were measured.
 
-    depth: (n,) [m] from the first touch, negative before it; force: (n,) [N], tared; rows in the order measured.
-    back_depth, back_force: (m,) of the way back, empty where there is none.  free: see fit.fit_law.
-    cycle of cycles: which press of how many.  touch: [m] in the file's own depth.  tare: [N].
-    loss: share of the work that is not given back, or None.  notes, warnings: sentences for the artist.
+    depth: (n,) from the first touch, negative before it [m].
+    force: (n,) tared [N].
+    unloading_depth: (m,) from the first touch [m], empty where there is no unloading.
+    unloading_force: (m,) tared [N].
+    free: which of the touch and the tare are estimates; see fit.fit_law.
+    cycle: which press it is, counted from 1.
+    cycles: how many there are.
+    touch: of the first touch, in the file's own depth [m].
+    tare: force at the first touch [N].
+    loss: share of the work that unloading does not return, None where it is not known.
+    notes: messages about how the press was prepared.
+    warnings: messages about what may be wrong.
     """
 
     depth: Floats
     force: Floats
-    back_depth: Floats
-    back_force: Floats
+    unloading_depth: Floats
+    unloading_force: Floats
     free: Free
     cycle: int
     cycles: int
@@ -53,7 +61,7 @@ class Press:
         return None if self.loss is None else self.loss / math.pi
 
 
-def prepare(measurement: Measurement, answers: Answers | None = None) -> Press:
+def prepare(measurement: Measurement, answers: Answers | None = None) -> LoadingCurve:
     """Prepare a recording.
 
     Raises:
@@ -71,7 +79,7 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Press:
     _check_columns(measurement, depth, force, answers)
     cycles = find_cycles(depth)
     if not cycles:
-        raise DimpleError("The depth never grows: the file holds no press, only a way back.")
+        raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     cycles = _long_enough(cycles, depth, notes)
     if len(cycles) > max(_MANY, 1) or (len(cycles) > 8 and len(depth) / len(cycles) < 16):
         raise DimpleError(
@@ -85,18 +93,27 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Press:
     if stroke.dwelt:
         notes.append(f"{stroke.dwelt} rows in which the depth stood still were left out.")
     _look_for_snap(stroke, warnings)
-    back = slice(cycles[chosen].peak, cycles[chosen].end + 1)
-    back_depth, back_force = depth[back] - stroke.touch, force[back] - stroke.tare
-    return Press(
-        depth=stroke.depth, force=stroke.force, back_depth=back_depth, back_force=back_force,
+    unloading = slice(cycles[chosen].peak, cycles[chosen].end + 1)
+    unloading_depth, unloading_force = depth[unloading] - stroke.touch, force[unloading] - stroke.tare
+    return LoadingCurve(
+        depth=stroke.depth, force=stroke.force, unloading_depth=unloading_depth, unloading_force=unloading_force,
         free=stroke.free, cycle=chosen + 1, cycles=len(cycles), touch=stroke.touch, tare=stroke.tare,
-        loss=_loss(stroke, back_depth, back_force), notes=tuple(notes), warnings=tuple(warnings),
+        loss=_loss(stroke, unloading_depth, unloading_force), notes=tuple(notes), warnings=tuple(warnings),
     )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Stroke:
-    """Hold one loading stroke from the touch: depth, force (n,), where the touch is, and what was left out."""
+    """One loading stroke from the first touch.
+
+    depth: (n,) [m].
+    force: (n,) tared [N].
+    touch: in the file's own depth [m].
+    tare: force at the touch [N].
+    free: which of both are estimates.
+    dwelt: number of rows that were left out because the depth stood still.
+    note: a message about how the touch was found.
+    """
 
     depth: Floats
     force: Floats
@@ -148,9 +165,9 @@ def _inward_sign(depth: Floats, force: Floats, notes: list[str]) -> Floats:
     low, high = np.quantile(depth, [0.05, 0.95])
     agreement = float((force[depth >= high].mean() - force[depth <= low].mean()) / np.ptp(force))
     if abs(agreement) < 0.1:
-        raise DimpleError(
+        raise WrongColumns(
             "The force is no greater at the deepest rows than at the shallowest: these are not a press, or not the "
-            "right columns. Choose them with --depth-column and --force-column."
+            "right columns."
         )
     if agreement < 0:
         notes.append("The depth falls as the force grows and was turned round.")
@@ -217,7 +234,7 @@ def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers) -> _St
 
 
 def _choose(strokes: list[_Stroke], answers: Answers, notes: list[str]) -> int:
-    """Return which cycle to fit: the one said, else the first where the others agree with it."""
+    """Return which cycle to fit: the one that was given, else the first where the others agree with it."""
     if answers.cycle is not None:
         if not 1 <= answers.cycle <= len(strokes):
             raise DimpleError(f"There is no cycle {answers.cycle}: the file holds {len(strokes)}.")
@@ -261,12 +278,12 @@ def _look_for_snap(stroke: _Stroke, warnings: list[str]) -> None:
         )
 
 
-def _loss(stroke: _Stroke, back_depth: Floats, back_force: Floats) -> float | None:
-    """Return the share of the work that is not given back, None where the way back is not whole."""
+def _loss(stroke: _Stroke, depth: Floats, force: Floats) -> float | None:
+    """Return the share of the work that unloading (m,) [m], [N] does not return, None where it is not complete."""
     inside = stroke.depth > 0
-    if len(back_depth) < 8 or back_depth.min() > 0.2 * stroke.depth.max():
+    if len(depth) < 8 or depth.min() > 0.2 * stroke.depth.max():
         return None
-    spent, returned = _work(stroke.depth[inside], stroke.force[inside]), -_work(back_depth, np.maximum(back_force, 0))
+    spent, returned = _work(stroke.depth[inside], stroke.force[inside]), -_work(depth, np.maximum(force, 0))
     return min(max(1 - returned / spent, 0.0), 1.0) if spent > 0 else None
 
 

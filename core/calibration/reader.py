@@ -1,4 +1,4 @@
-"""Read an instrument's file: encodings, delimiters, headers and units found out, and asked where they cannot be."""
+"""Read an instrument's file. Encoding, delimiters, headers and units are detected, or asked where they cannot be."""
 
 from __future__ import annotations
 
@@ -17,11 +17,16 @@ from .table import MIN_ROWS, find_table
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """Hold what an instrument wrote, in its own zero and sign.
+    """A force-depth table as the instrument wrote it, in its own zero and sign.
 
-    source: name of the file.  depth: [m] (n,).  force: [N] (n,).
-    depth_header, force_header: where they came from.  columns: their numbers, counted from 1.
-    notes, warnings: sentences for the artist.
+    source: name of the file.
+    depth: (n,) [m].
+    force: (n,) [N].
+    depth_header: of the column the depth is from.
+    force_header: of the column the force is from.
+    columns: numbers of both columns, counted from 1.
+    notes: messages about how the file was read.
+    warnings: messages about what may be wrong.
     """
 
     source: str
@@ -38,7 +43,7 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
     """Read a force-depth file.
 
     Args:
-        answers: what the user said to earlier questions.
+        answers: of the user to earlier questions.
 
     Raises:
         Undecided: the file can be read in several ways; its questions say which.

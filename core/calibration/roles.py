@@ -11,7 +11,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from .question import Answers, Candidate, Question, Undecided
 from .table import Table
-from .words import role_of, unit_of
+from .vocabulary import role_of, unit_of
 
 _KIND = {"force": "force", "depth": "length", "time": "time"}
 _SAME = 0.01  # of the range: columns nearer than this say the same
@@ -21,7 +21,15 @@ _CHOICES = {"force": ("N", "gf", "kgf", "mN", "kN", "lbf"), "depth": ("mm", "m",
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Columns:
-    """Hold depth [m] and force [N], (n,) each, NaN where a cell is no number; their headers, numbers, and notes."""
+    """The columns of depth and force.
+
+    depth: (n,) [m], NaN where a cell is no number.
+    force: (n,) [N], NaN where a cell is no number.
+    depth_header: of the column.
+    force_header: of the column.
+    numbers: of both columns, counted from 1.
+    notes: messages about how they were read.
+    """
 
     depth: Floats
     force: Floats
@@ -41,15 +49,15 @@ def find_columns(table: Table, answers: Answers) -> Columns:
     units = _units(table)
     notes: list[str] = []
     questions: list[Question] = []
-    told = {"depth": answers.depth_column, "force": answers.force_column}
-    said = {role: _named(table, name, role) for role, name in told.items() if name is not None}
-    chosen: dict[str, int | None] = dict(said)
+    named = {"depth": answers.depth_column, "force": answers.force_column}
+    given = {role: _named(table, name, role) for role, name in named.items() if name is not None}
+    chosen: dict[str, int | None] = dict(given)
 
     def left(columns: Sequence[int]) -> list[int]:
-        return [i for i in columns if i not in said.values()]
+        return [i for i in columns if i not in given.values()]
 
     for role in ("depth", "force"):
-        if role in said:
+        if role in given:
             continue
         options = left(_options(table, units, role))
         if not options and any(table.names):
@@ -62,7 +70,7 @@ def find_columns(table: Table, answers: Answers) -> Columns:
             chosen[role] = options[0]
         if chosen[role] is None:
             questions.append(_which_column(table, role, options or left(_unnamed(table, units))))
-    _check_distinct(table, chosen, questions, bool(said) or not any(table.names))
+    _check_distinct(table, chosen, questions, bool(given) or not any(table.names))
     factors: dict[str, Floats | float] = {}
     for role in ("depth", "force"):
         factor = _factor(table, units, chosen[role], role, getattr(answers, f"{role}_unit"), notes)
@@ -134,15 +142,15 @@ def _unnamed(table: Table, units: Sequence[str | tuple[str, ...]]) -> list[int]:
     return free if len(free) > 1 else numeric
 
 
-def _named(table: Table, said: str, role: str) -> int:
+def _named(table: Table, name: str, role: str) -> int:
     """Return the column an answer means: a number counted from 1, or a header."""
-    if said.isdigit() and 1 <= int(said) <= len(table.names):
-        at = int(said) - 1
+    if name.isdigit() and 1 <= int(name) <= len(table.names):
+        at = int(name) - 1
     else:
-        wanted = said.strip().lower()
-        found = [i for i, name in enumerate(table.names) if wanted in (name.lower(), _title(table, i).lower())]
+        wanted = name.strip().lower()
+        found = [i for i, each in enumerate(table.names) if wanted in (each.lower(), _title(table, i).lower())]
         if len(found) != 1:
-            raise DimpleError(f"No single column is called “{said}”. Give its number, 1 to {len(table.names)}.")
+            raise DimpleError(f"No single column is called “{name}”. Give its number, 1 to {len(table.names)}.")
         at = found[0]
     if not table.numeric[at]:
         raise DimpleError(f"Column {at + 1} ({_title(table, at)}) holds no numbers, so it cannot be the {role}.")
@@ -150,7 +158,7 @@ def _named(table: Table, said: str, role: str) -> int:
 
 
 def _alike(columns: Floats) -> bool:
-    """Tell whether columns (n, c) are one but for sign and zero."""
+    """Return whether columns (n, c) are one but for sign and zero."""
     first = columns[:, 0] - np.nanmean(columns[:, 0])
     span = float(np.ptp(first[np.isfinite(first)]))
     for other in columns.T[1:]:
@@ -173,27 +181,27 @@ def _check_distinct(table: Table, chosen: dict[str, int | None], questions: list
 
 
 def _factor(
-    table: Table, units: Sequence[str | tuple[str, ...]], at: int | None, role: str, said: str | None, notes: list[str]
+    table: Table, units: Sequence[str | tuple[str, ...]], at: int | None, role: str, given: str | None, notes: list[str]
 ) -> Floats | float | None:
-    """Return the factor to SI of a column, one a row where the unit changes; None where nobody knows."""
+    """Return the factor to SI of a column, one a row where the unit changes; None where it is not known."""
     kind = _KIND[role]
-    if said is not None:
-        found = unit_of(said)
+    if given is not None:
+        found = unit_of(given)
         if found is None or found[0] != kind:
-            raise DimpleError(f"“{said}” is not a unit of {kind}. Use one of {', '.join(_CHOICES[role])}.")
+            raise DimpleError(f"“{given}” is not a unit of {kind}. Use one of {', '.join(_CHOICES[role])}.")
         return found[1]
     counts = [value for key, value in table.values.items() if re.search(r"counts\s*(per|/)\s*(unit )?force", key)]
     unit = units[at] if at is not None else ""
     if role == "force" and counts and at is not None:
-        given = [value for key, value in table.values.items() if re.search(r"force units?", key)]
-        found = unit_of(given[0]) if given else None
+        units_above = [value for key, value in table.values.items() if re.search(r"force units?", key)]
+        found = unit_of(units_above[0]) if units_above else None
         try:
             divisor = float(counts[0].replace(",", ""))
         except ValueError:
             return None
         if found is None or found[0] != "force" or not divisor > 0:
             return None
-        notes.append(f"Counts were divided by {divisor:g}, as the file says, to get {given[0]}.")
+        notes.append(f"Counts were divided by {divisor:g}, as the file says, to get {units_above[0]}.")
         return found[1] / divisor
     if at is None or not unit or _kind(unit) != kind:
         return None if at is not None else 1.0  # the column comes first

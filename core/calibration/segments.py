@@ -21,7 +21,14 @@ _FINALISTS = 8  # running sums leave rounding: the best few are computed again r
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pieces:
-    """Hold y = offset + slope1 min(x, join) + slope2 max(x - join, 0) and its sum of squared residuals."""
+    """Two straight pieces, y = offset + slope1 min(x, join) + slope2 max(x - join, 0).
+
+    offset: y at x = 0.
+    slope1: of the first piece.
+    slope2: of the second piece.
+    join: x where they meet.
+    residual: sum of squared residuals.
+    """
 
     offset: float
     slope1: float

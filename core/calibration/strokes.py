@@ -17,7 +17,7 @@ _SPIKE = 12.0  # times the usual difference from the neighbours
 
 @dataclass(frozen=True, slots=True)
 class Cycle:
-    """Hold the rows of one press: loading is start:peak + 1, unloading peak:end + 1 (empty where end == peak)."""
+    """The rows of one press: loading is start:peak + 1, unloading peak:end + 1 (empty where end == peak)."""
 
     start: int
     peak: int

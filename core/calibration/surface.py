@@ -32,7 +32,7 @@ BALANCE_ASSUMES = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surface:
-    """Hold k [N/m] by either way, None where it cannot be told, and the tension [N] before the press."""
+    """The surface's k [N/m] by either way, and its tension before the press [N]; None where it is not known."""
 
     paper_k: float | None
     balance_k: Constant | None

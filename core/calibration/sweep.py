@@ -14,7 +14,7 @@ from ..mesh.surface import Mesh
 from .indent import Indenter, Site, press
 
 STATIONS = 12  # depths of a sweep that is fitted
-CHECKED = 30  # depths of the sweep that judges the result
+CHECKED = 30  # depths of the sweep that checks the result
 SWEEPS = 24  # at most in an identification
 USUAL = 3  # sweeps before that one: more are rare
 SWEEPS_OF_A_FIT = 10
@@ -28,7 +28,7 @@ _NAMES = ("kappa1", "kappa2", "d0", "membrane_scale")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """Hold what is pressed, by what, and where."""
+    """What is pressed, by what, and where."""
 
     mesh: Mesh
     material: Material
@@ -38,8 +38,14 @@ class Task:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sweep:
-    """Hold a press to each depth: depths (m,) [m] reached, wanted and simulated forces (m,) [N], slopes (m, 4) of the
-    latter in the logarithms of the constants, the largest volume change, and whether every depth asked for was reached.
+    """A press to one depth after another.
+
+    depths: (m,) that were reached [m].
+    wanted: (m,) forces of the measured law there [N].
+    simulated: (m,) forces of the simulated press there [N].
+    slopes: (m, 4) derivatives of the latter in the logarithms of the constants [N].
+    volume_change: largest, as a share.
+    whole: whether every depth asked for was reached.
     """
 
     depths: Floats
@@ -83,15 +89,15 @@ def constants_of(logs: Floats) -> ModelConstants:
 def fitted(
     task: Task, logs: Floats, sweep: Sweep, depths: Floats, sweeps: int
 ) -> Generator[float, None, tuple[Floats, Sweep, int]]:
-    """Fit kappa1, kappa2 and d0, the skin's scale held; return the logarithms, their sweep and all sweeps so far."""
+    """Fit kappa1, kappa2 and d0 with the skin's scale fixed; return the logarithms, their sweep, all sweeps so far."""
     damping, last = 1e-4, min(sweeps + SWEEPS_OF_A_FIT, SWEEPS)
     while sweeps < last and sweep.whole:
-        trial = logs + np.append(_step(sweep, damping), 0.0)
-        found = yield from swept(task, trial, depths, sweeps)
+        candidate = logs + np.append(_step(sweep, damping), 0.0)
+        found = yield from swept(task, candidate, depths, sweeps)
         sweeps += 1
         gain = 1 - found.cost / max(sweep.cost, 1e-30)
         if gain > 0:
-            logs, sweep = trial, found
+            logs, sweep = candidate, found
         if 0 <= gain < GAIN:
             break
         damping = damping / 5 if gain > 0 else 30 * damping

@@ -12,7 +12,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from .dialect import Dialect, is_row, number, number_and_unit, split
 from .question import Answers, Candidate, Question, Undecided
-from .words import is_known, role_of, split_unit, unit_of
+from .vocabulary import is_known, role_of, split_unit, unit_of
 
 MAX_ROWS = 100_000  # rows kept of a table; of more, every n-th
 MIN_ROWS = 8
@@ -22,11 +22,16 @@ _HEADER = 6  # lines above a table that may name its columns
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """Hold a table.
+    """A table of text and numbers with n rows and c columns.
 
-    names, units: one for each column, "" where there is none.  cells: columns of text.  numbers: (n, c) NaN where a
-    cell is no number.  numeric: which columns hold numbers.  values: what "KEY = value" lines above it say.
-    notes, warnings: sentences for the artist.
+    names: (c,) header of each column, "" where there is none.
+    units: (c,) unit of each column as written, "" where there is none.
+    cells: (c,) columns of text.
+    numbers: (n, c) values, NaN where a cell is no number.
+    numeric: (c,) whether a column holds numbers.
+    values: of the "KEY = value" lines above the table.
+    notes: messages about how it was read.
+    warnings: messages about what may be wrong.
     """
 
     names: tuple[str, ...]
@@ -162,7 +167,7 @@ def _header(
             names = cells
             break
         elif len(filled) >= max(2, width - 1) and not any(names):
-            names = cells  # words nobody knows: kept to be shown
+            names = cells  # unknown words: kept to be shown
     parted = [split_unit(name) for name in names]
     return (
         tuple(name for name, _ in parted),
@@ -179,6 +184,6 @@ def _fitted(line: str, width: int, dialect: Dialect) -> list[str]:
         cells = re.split(r"\s{2,}|\t", text)
     if len(cells) > width and any(cells[width:]):
         return [""] * width if len(cells) > width + 1 else cells[:width]
-    if len(cells) < width:  # as R writes it, without a name for the first column, or for the last: nobody knows
+    if len(cells) < width:  # as R writes it, without a name for the first column, or for the last: not known which
         return [""] * width
     return cells[:width]

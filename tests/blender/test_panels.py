@@ -212,15 +212,18 @@ def test_the_plan_is_shown_with_its_reason_and_a_comparison_as_a_table(bpy: Modu
     assert outdated in " ".join(draw(bpy, panel, object=body))
 
 
-def test_an_identification_is_shown_and_that_it_was_cleared(bpy: ModuleType, body: Any) -> None:
+def test_an_identification_is_shown_until_the_material_changes(bpy: ModuleType, body: Any) -> None:
     import json
+
+    from bl_ext.user_default.dimple.operators import calibration
 
     panel, settings = bpy.types.DIMPLE_PT_identification, body.active_material.dimple
     settings.kappa1 = settings.kappa2 = settings.d0 = settings.membrane_scale = 0.02
     settings.identification = json.dumps({
-        "object": "Cube", "mesh": {"vertices": 98}, "size": 165.0, "tip": "point", "tip_radius": 2.0, "deepest": 22.0,
+        "object": "Cube", "fingerprint": calibration.fingerprint(settings) | {"vertices": 98}, "size": 165.0,
+        "tip": "point", "tip_radius": 2.0, "deepest": 22.0,
         "rms": 0.0123, "force_off": 0.45, "volume_change": 0.001, "noticeable": [0.06, 0.08],
-        "notes": ["The skin's k is taken at 2 %."], "holds_for": settings.held_by(),
+        "notes": ["The skin's k is taken at 2 %."],
     })  # fmt: skip
     shown = draw(bpy, panel, object=body)
     for text in (
@@ -235,7 +238,8 @@ def test_an_identification_is_shown_and_that_it_was_cleared(bpy: ModuleType, bod
         assert text in shown, text
     assert "This error can be felt." in shown, "1.2 % of full scale, but 45 % of a force"
     settings.x0 = 5.0
-    assert "identify again" in " ".join(draw(bpy, panel, object=body))
+    shown = draw(bpy, panel, object=body)
+    assert "identify again" in " ".join(shown) and "Cube, 165 mm" not in shown
 
 
 def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:

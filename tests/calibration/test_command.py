@@ -1,4 +1,4 @@
-"""`python -m core calibrate`, its JSON and its exit codes; samples and safe export."""
+"""`dev.py core calibrate`, its JSON and its exit codes; samples and safe export."""
 
 import json
 import math
@@ -11,17 +11,21 @@ import pytest
 import trimesh
 
 from core.body.paper import surface_stretch, surface_tension
-from core.calibration.calibrate import calibrate, fitted_material, provenance, source_of_k
+from core.calibration.calibrate import calibrate, provenance, source_of_k
 from core.calibration.export import text_cell, write_press
 from core.calibration.question import Answers
-from core.calibration.report import to_json
+from core.calibration.record import to_record
 from core.calibration.surface import surface_constants
 from core.material import PRESETS
 from studies.__main__ import main
+from studies.calibrate import fitted_material
 from studies.reconstruct import DEEPEST, write_samples
+from studies.specimen import load_mesh
 from tools.environment import ROOT
 
 SAMPLES = ROOT / "blend_samples" / "calibration"
+# by the force balance [N/mm], of the files as they are; Table 2 prints another k, which no curve determines
+K_OF_SAMPLES = {"object_1_nylon_air": "0.237", "object_2_vinyl_air": "10.46", "object_3_vinyl_water": "22.5"}
 KEYS = {"K1", "K2", "x0", "K1_se", "K2_se", "x0_se", "model", "warnings"}
 
 
@@ -48,22 +52,31 @@ def test_the_command_writes_constants_in_the_units_of_the_paper(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", ["obj", "stl", "ply"])
-def test_identify_adds_the_constants_of_the_model_and_what_they_are_worth(suffix, tmp_path, capsys):
-    out, body = tmp_path / "out.json", tmp_path / f"cube.{suffix}"
+def test_a_mesh_in_any_unit_is_read_in_the_size_of_the_object(suffix, tmp_path):
+    path = tmp_path / f"box.{suffix}"
+    trimesh.creation.box((2, 4, 1)).export(path)
+    mesh = load_mesh(path, 0.165)
+    assert len(mesh.rest_positions) == 8
+    assert np.ptp(mesh.rest_positions, axis=0) == pytest.approx([0.0825, 0.165, 0.04125])
+    assert mesh.volume == pytest.approx(0.0825 * 0.165 * 0.04125)
+
+
+def test_identify_adds_the_constants_of_the_model_and_their_errors(tmp_path, capsys):
+    out, body = tmp_path / "out.json", tmp_path / "cube.ply"
     trimesh.creation.box((2, 2, 2)).subdivide().subdivide().export(body)  # in any unit
     words = ["--length-mm", "165", "--mesh", str(body), "--fill", "liquid", "--json", str(out)]
     assert main(["calibrate", str(SAMPLES / "object_3_vinyl_water.csv"), *words]) == 0
     assert "Identifying: " in capsys.readouterr().err
-    told = json.loads(out.read_text())["identification"]
-    assert told["vertices"] == 98
-    assert told["size"] == pytest.approx(165)
-    assert told["rms_percent"] < 3
-    assert 0 < told["force_off_percent"] <= 10
-    assert told["noticeable_force_percent"] == pytest.approx([6, 8])
+    record = json.loads(out.read_text())["identification"]
+    assert record["vertices"] == 98
+    assert record["size"] == pytest.approx(165)
+    assert 0.01 < record["rms_percent"] < 3
+    assert 0 < record["force_off_percent"] <= 10
+    assert record["noticeable_force_percent"] == pytest.approx([6, 8])
     # the points have 1 % of noise
-    assert 0.8 < told["measured_rms_percent"] < 2
-    assert told["volume_change_percent"] < 0.5
-    press, tip = told["press"], told["prediction"]
+    assert 0.8 < record["measured_rms_percent"] < 2
+    assert 0 < record["volume_change_percent"] < 0.5
+    press, tip = record["press"], record["prediction"]
     assert press["depth"][-1] == pytest.approx(20, rel=0.01)
     assert len(press["simulated"]) == len(press["wanted"]) == len(press["depth"])
     assert tip["tip_radius"] == 10 and len(tip["force"]) == len(tip["depth"]) and "prediction" in tip["note"]
@@ -73,13 +86,12 @@ def test_the_tip_that_measured_decides_the_constants(tmp_path, capsys):
     out, body = tmp_path / "out.json", tmp_path / "cube.ply"
     trimesh.creation.box((1, 1, 1)).subdivide().subdivide().subdivide().export(body)
     sample, found = str(SAMPLES / "object_2_vinyl_air.csv"), {}
-    for indenter, radius in (("point", 2), ("punch", 25), ("sphere", 25)):
+    for indenter, radius in (("point", 2), ("punch", 25)):
         words = ["--length-mm", "165", "--indenter", indenter, "--tip-radius-mm", str(radius), "--json", str(out)]
         assert main(["calibrate", sample, "--mesh", str(body), *words]) == 0
         found[indenter] = json.loads(out.read_text())["identification"]
     assert found["punch"]["kappa1"] < found["point"]["kappa1"] / 3  # more area carries the same force
-    assert found["punch"]["rms_percent"] < 1
-    assert found["sphere"]["rms_percent"] > 1 and any("round tip" in note for note in found["sphere"]["notes"])
+    assert 0.01 < found["punch"]["rms_percent"] < 1
     capsys.readouterr()
 
 
@@ -109,6 +121,18 @@ def test_an_open_question_exits_with_3_and_the_option(write, tmp_path):
     assert question["option"] == "--force-unit"
     assert {candidate["value"] for candidate in question["candidates"]} >= {"N", "gf"}
     assert main(["calibrate", str(path), "--force-unit", "N"]) == 0
+
+
+def test_the_command_names_its_own_options(write, capsys):
+    rng = np.random.default_rng(0)
+    rows = "".join(f"{i / 10},{5 + rng.random():.4f}\n" for i in range(200))
+    assert main(["calibrate", str(write("Depth (mm),Force (N)\n" + rows)), "--press", "positive"]) == 2
+    assert "Choose them with --depth-column and --force-column." in capsys.readouterr().err
+    depth = np.linspace(-1, 22, 200)
+    force = [PRESETS[1].material.law(max(x, 0.0) / 1e3) for x in depth.tolist()] + rng.normal(size=200)
+    rows = "".join(f"{x + 1:.4f},{f:.4f}\n" for x, f in zip(depth, force, strict=True))
+    assert main(["calibrate", str(write("Depth (mm),Force (N)\n" + rows))]) == 0
+    assert "If it is known, give --contact-mm." in capsys.readouterr().out
 
 
 def test_an_unusable_file_exits_with_2_and_says_why(write, capsys):
@@ -147,12 +171,13 @@ def test_each_sample_gives_its_row_of_table_2_back(preset):
     for constant, value in ((done.fit.K1, truth.K1), (done.fit.K2, truth.K2), (done.fit.x0, truth.x0)):
         assert abs(constant.value - value) <= 1.5 * constant.half_width
     assert done.warnings == ()
-    assert done.press.depth.max() == pytest.approx(DEEPEST[preset.name])
+    assert done.loading.depth.max() == pytest.approx(DEEPEST[preset.name])
     material = fitted_material(done, truth)
     assert material.K2 == done.fit.K2.value
     line = provenance(done)
     assert f"{preset.name}.csv" in line and line.endswith("point of 2 mm radius")
-    assert source_of_k(done) == f"k {done.surface.k.text(1e3)} N/mm (95 %) by the force balance"
+    assert source_of_k(done).startswith(f"k {K_OF_SAMPLES[preset.name]} ± ")
+    assert source_of_k(done).endswith(" N/mm (95 %) by the force balance")
 
 
 def test_a_k_of_typed_numbers_claims_no_interval():
@@ -165,11 +190,11 @@ def test_the_press_of_a_calibration_begins_at_the_touch_that_was_fitted(make, wr
     rows = "".join(f"{x + 31:.5f},{f + 2:.5f}\n" for x, f in zip(curve.depth, curve.force, strict=True))
     path = write("mm,N\n" + rows)
     done = calibrate(path, Answers(depth_column="1", force_column="2"))
-    beyond = done.press.depth > 0
-    off = done.press.force[beyond] - done.fit.law(done.press.depth[beyond])
+    beyond = done.loading.depth > 0
+    off = done.loading.force[beyond] - done.fit.law(done.loading.depth[beyond])
     assert np.sqrt((off**2).mean()) == pytest.approx(done.fit.noise, rel=0.05)
-    assert to_json(done)["contact"] == pytest.approx(31, abs=0.2)
-    assert to_json(done)["tare"] == pytest.approx(2, abs=0.05)
+    assert to_record(done)["contact"] == pytest.approx(31, abs=0.2)
+    assert to_record(done)["tare"] == pytest.approx(2, abs=0.05)
 
 
 def test_k_by_the_paper_is_a_slope_of_section_modulus_and_length_alone():
@@ -208,4 +233,4 @@ def test_what_is_written_is_read_back(tmp_path):
     write_press(path, depth, force, about=("=1+1, a virtual press", "@home"))
     done = calibrate(path)
     assert done.fit.full_scale == pytest.approx(30)
-    assert math.isclose(done.press.depth.max(), 0.02)
+    assert math.isclose(done.loading.depth.max(), 0.02)

@@ -1,4 +1,4 @@
-"""The two-piece fit against closed forms, SciPy and pwlf; its intervals against a hundred files."""
+"""The two-piece fit against closed forms, SciPy and pwlf; its intervals against files of a known law."""
 
 import math
 
@@ -33,15 +33,17 @@ def test_a_knee_on_a_row_is_found_as_well_as_one_between_rows():
     assert fit_law(x, law(x, 620.0, 9130.0, x[60])).x0.value == pytest.approx(x[60], rel=1e-9)
 
 
-def test_no_finer_search_of_the_knee_finds_less_residual():
+@pytest.mark.parametrize(("curves", "finer"), [(3, 1000), pytest.param(8, 4000, marks=pytest.mark.slow)])
+def test_no_finer_search_of_the_knee_finds_less_residual(curves, finer):
     rng = np.random.default_rng(1)
     for left in ("origin", "line", "level"):
-        for _ in range(8):
+        for _ in range(curves):
             x = np.sort(rng.uniform(0, 1, 40))
             y = law(x, rng.normal(), rng.normal(), rng.uniform(0.2, 0.8)) + 0.3 * rng.normal(size=40)
             pieces = two_pieces(x, y, left=left)
-            finest = min(residual_at(x, y, join, left) for join in np.linspace(x[2], x[-3], 4000))
+            finest = min(residual_at(x, y, join, left) for join in np.linspace(x[2], x[-3], finer))
             assert pieces.residual <= finest * (1 + 1e-12)
+            assert pieces.residual == pytest.approx(residual_at(x, y, pieces.join, left), rel=1e-9)
 
 
 def residual_at(x, y, join, left):
@@ -122,31 +124,48 @@ def pwlf_errors(x, f, touch, knee):
     return freedom * heavy.standard_errors(method="non-linear", step_size=1e-5)
 
 
+@pytest.mark.parametrize("files", [20, pytest.param(100, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
-def test_table_2_lies_in_the_intervals_of_90_to_99_of_100_files(preset, tmp_path):
-    truth, path = preset.material, tmp_path / "press.csv"
-    hits = np.zeros(3, int)
-    for seed in range(100):
+def test_table_2_lies_in_the_intervals_as_often_as_they_say(preset, files, tmp_path):
+    truth, path, errors = preset.material, tmp_path / "press.csv", []
+    for seed in range(files):
         write_press(path, *reconstruct(preset, rows=150, seed=seed))
         fit = calibrate(path).fit
         assert fit.model == "two"
-        for i, (constant, value) in enumerate(((fit.K1, truth.K1), (fit.K2, truth.K2), (fit.x0, truth.x0))):
-            hits[i] += abs(constant.value - value) <= constant.half_width
-    assert all(90 <= hit <= 99 for hit in hits), hits
+        errors.append(errors_over_half_widths(fit, truth))
+    check_intervals(np.array(errors), least=0.90)
+
+
+def errors_over_half_widths(fit, truth) -> list[float]:
+    """Return the errors of K1, K2 and x0 over half the width of their intervals."""
+    pairs = (fit.K1, truth.K1), (fit.K2, truth.K2), (fit.x0, truth.x0)
+    return [(constant.value - value) / constant.half_width for constant, value in pairs]
+
+
+def check_intervals(errors, *, least):
+    """Check that 95 % intervals are neither too narrow nor too wide, from errors (files, 3) over their half widths.
+
+    A share from `least` to 0.99 of the files lies inside; fewer files than 100 may all do so. The RMS error is 1 / 1.96
+    of a half width, with 3 standard errors for so many files.
+    """
+    files = len(errors)
+    inside = (np.abs(errors) <= 1).mean(axis=0)
+    assert (inside >= least).all() and (files < 100 or (inside <= 0.99).all()), inside
+    rms = 1.96 * np.sqrt((errors**2).mean(axis=0))
+    assert (np.abs(rms - 1) < 3 / math.sqrt(2 * files)).all(), rms
 
 
 def test_an_estimated_contact_widens_the_intervals_just_enough():
     truth = PRESETS[2].material
     x = np.linspace(-0.004, 0.020, 360)
     exact = law(np.maximum(x, 0), truth.K1, truth.K2, truth.x0)
-    hits = np.zeros(3, int)
+    errors = []
     for seed in range(100):
         rng = np.random.default_rng(seed)
         force = exact + 0.01 * exact.max() * rng.normal(size=len(x)) + 0.3
         fit = fit_law(x + 0.0003 * rng.normal(), force - 0.2, free=("contact", "tare"))
-        for i, (constant, value) in enumerate(((fit.K1, truth.K1), (fit.K2, truth.K2), (fit.x0, truth.x0))):
-            hits[i] += abs(constant.value - value) <= constant.half_width
-    assert all(88 <= hit <= 99 for hit in hits), hits
+        errors.append(errors_over_half_widths(fit, truth))
+    check_intervals(np.array(errors), least=0.88)
 
 
 def test_the_band_round_the_law_holds_the_true_law():
@@ -161,13 +180,11 @@ def test_the_band_round_the_law_holds_the_true_law():
     assert fit.band(at[:3]) == pytest.approx(at[:3] * fit.K1.half_width)  # one slope alone is at work there
 
 
-def test_a_straight_line_is_not_given_a_knee():
-    claimed = 0
-    for seed in range(100):
-        x = np.linspace(0, 0.02, 300)
-        f = 600 * x + 0.12 * np.random.default_rng(seed).normal(size=300)
-        claimed += fit_law(x, f).model == "two"
-    assert claimed <= 5
+def test_a_straight_line_is_not_given_a_knee_and_a_slight_bend_is():
+    x = np.linspace(0, 0.02, 300)
+    noise = [0.12 * np.random.default_rng(seed).normal(size=300) for seed in range(100)]
+    assert sum(fit_law(x, 600 * x + each).model == "two" for each in noise) <= 5
+    assert sum(fit_law(x, law(x, 600, 640, 0.01) + each).model == "two" for each in noise) >= 90
 
 
 def test_a_straight_line_without_noise_has_one_slope():
@@ -208,15 +225,16 @@ def test_a_curve_that_falls_is_given_pieces_that_rise():
     assert fit.K1.value > 0 and fit.K2.value > 0
 
 
-def test_too_few_rows_are_told():
+def test_too_few_rows_are_refused():
     with pytest.raises(DimpleError, match="rows lie beyond the first touch"):
         fit_law(np.linspace(0, 1, 6), np.linspace(0, 1, 6))
 
 
-def test_short_and_noisy_presses_are_fitted_with_errors_or_refused():
+@pytest.mark.parametrize("presses", [40, pytest.param(200, marks=pytest.mark.slow)])
+def test_short_and_noisy_presses_are_fitted_with_errors_or_refused(presses):
     """Their noise may put the touch beyond the rows, or the knee before the touch."""
     fitted = 0
-    for seed in range(200):
+    for seed in range(presses):
         rng = np.random.default_rng(seed)
         x = np.linspace(rng.choice([0.0, -0.3]), 1, int(rng.choice([10, 15, 30])))
         f = law(np.maximum(x, 0), 1.0, 10 ** rng.uniform(-1, 1), rng.uniform(0, 1.3))
@@ -230,7 +248,7 @@ def test_short_and_noisy_presses_are_fitted_with_errors_or_refused():
             fitted += 1
             assert all(math.isfinite(c.half_width) for c in (fit.K1, fit.K2, fit.x0, fit.contact)), (seed, free)
             assert 0 < fit.x0.value <= x[-1] - fit.contact.value
-    assert fitted > 400
+    assert fitted > 2 * presses
 
 
 def test_t_and_f_and_the_incomplete_beta_agree_with_scipy():

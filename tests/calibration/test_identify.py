@@ -14,14 +14,15 @@ from core.body.model import build_model, initial_state
 from core.calibration import cache
 from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
-from core.calibration.identify import NOTICEABLE_FORCE, identify
-from core.calibration.indent import Indenter, find_site, press, press_curve
+from core.calibration.identify import NOTICEABLE_FORCE
+from core.calibration.indent import Indenter, find_site, press
 from core.calibration.sweep import Task, fitted, swept
-from core.calibration.verdict import judge, verdict_json, verdict_lines
 from core.material import PRESETS, ModelConstants
 from core.mesh.surface import base_vertices
+from studies.assessment import assess, assessment_json, assessment_lines
 from studies.reconstruct import DEEPEST
 from studies.scenes import ball, cube
+from studies.virtual_press import identify, press_curve
 
 POINT = Indenter()
 CONSTANTS = {"kappa1": 1.4e6, "kappa2": 2.1e7, "d0": 0.0137, "membrane_scale": 0.05}
@@ -38,20 +39,36 @@ def body(preset, cells=8):
     return mesh, find_site(mesh, POINT, held=base_vertices(mesh))
 
 
-# 386, 1538 and 6146 vertices; Object 3 on the last takes a quarter of a minute: python -m core paper
-BODIES = [(PRESETS[1], 8), (PRESETS[1], 16), (PRESETS[1], 32), (PRESETS[2], 8), (PRESETS[2], 16)]
+# 386, 1538 and 6146 vertices; Object 3 on the last takes a quarter of a minute: dev.py core paper
+BODIES = [
+    pytest.param(PRESETS[1], 8),
+    pytest.param(PRESETS[1], 16),
+    pytest.param(PRESETS[1], 32, marks=pytest.mark.slow),
+    pytest.param(PRESETS[2], 8),
+    pytest.param(PRESETS[2], 16, marks=pytest.mark.slow),
+]
 
 
-@pytest.mark.parametrize(("preset", "cells"), BODIES, ids=[f"{preset.name}-{cells}" for preset, cells in BODIES])
+@pytest.mark.parametrize(("preset", "cells"), BODIES, ids=lambda given: getattr(given, "name", given))
 def test_the_identified_body_answers_the_measured_curve(preset, cells):
     found = identified(preset, cells)
     off = np.abs(found.simulated - found.wanted)
     assert found.depths[-1] == pytest.approx(DEEPEST[preset.name])
-    assert found.rms < 0.03
+    assert 1e-4 < found.rms < 0.03
     assert (off <= np.maximum(0.1 * found.wanted, 0.3)).all()
-    assert found.volume_change < 0.005
+    assert 1e-6 < found.volume_change < 0.005
     assert found.stopped == ""
     assert "k" in found.notes[0] and "%" in found.notes[0]
+
+
+def test_the_estimate_answers_with_another_curve():
+    """What identification is for: without it the same press on the same body is far outside what is allowed."""
+    preset = PRESETS[2]
+    mesh, site = body(preset)
+    stations = list(press(mesh, preset.material, POINT, site, identified(preset).depths[4::10]))
+    wanted = np.array([preset.material.law(station.depth) for station in stations])
+    off = np.abs(np.array([station.force for station in stations]) - wanted)
+    assert len(stations) > 2 and (off > 2 * np.maximum(0.1 * wanted, 0.3)).any()
 
 
 def test_the_skin_keeps_as_much_of_its_k_as_the_curve_lets_it():
@@ -82,8 +99,8 @@ def test_object_1_is_met_as_deep_as_its_thickness_allows_and_says_why_it_stops()
     found = identify(mesh, preset.material, POINT, site, 0.060)
     assert found.depths[-1] == pytest.approx(0.045)
     assert "far side" in found.stopped
-    assert found.rms < 0.03
-    assert found.worst <= 1
+    assert 1e-4 < found.rms < 0.03
+    assert 0.3 < found.worst <= 1
 
 
 def test_the_constants_become_the_model():
@@ -146,7 +163,7 @@ def test_a_fingertip_curve_follows_from_the_material():
     assert 0 < forces[0] < forces[1] < forces[2]
 
 
-def test_a_round_tip_that_starts_too_soft_is_off_by_a_share_of_the_force_that_a_hand_can_tell():
+def test_a_round_tip_that_starts_too_soft_is_off_by_more_than_the_just_noticeable_difference():
     """Its first contact is a point: near the touch it answers too little, which full scale or 0.3 N would hide."""
     preset, tip = PRESETS[1], Indenter(shape="sphere", radius=0.025)
     mesh = cube(8, preset.size)
@@ -155,28 +172,33 @@ def test_a_round_tip_that_starts_too_soft_is_off_by_a_share_of_the_force_that_a_
     off = np.abs(found.simulated - found.wanted) / found.wanted
     assert found.rms < min(NOTICEABLE_FORCE) < max(NOTICEABLE_FORCE) < np.median(off) < off.max()
     assert found.off == pytest.approx(off)
+    assert "round tip" in found.notes[-1]
     measured = calibrate(Path(__file__).parents[2] / "blend_samples" / "calibration" / f"{preset.name}.csv")
-    verdict = judge(measured, found, mesh, tip, site)
-    assert verdict_json(verdict)["force_off_percent"] == pytest.approx(100 * off.max())
-    assert f"off by {100 * off.max():.1f} % at worst" in " ".join(verdict_lines(verdict))
+    assessment = assess(measured, found, mesh, tip, site)
+    assert assessment_json(assessment)["force_off_percent"] == pytest.approx(100 * off.max())
+    assert f"largest force error {100 * off.max():.1f} %" in " ".join(assessment_lines(assessment))
+
+
+@functools.cache
+def identified_with_shares(shape):
+    """Return an identification of Object 3's material on a cube or a ball, and the shares done that it yielded."""
+    mesh = cube(6, 0.15) if shape == "cube" else ball(2)
+    site = find_site(mesh, POINT, held=base_vertices(mesh))
+    yielded: list[float] = []
+    return identify(mesh, PRESETS[2].material, POINT, site, 0.018, progress=yielded.append), yielded
 
 
 def test_a_ball_is_met_too():
-    preset = PRESETS[2]
-    mesh = ball(2)
-    site = find_site(mesh, POINT, held=base_vertices(mesh))
-    found = identify(mesh, preset.material, POINT, site, 0.018)
-    assert found.rms < 0.03
-    assert found.worst <= 1
+    found, _ = identified_with_shares("ball")
+    assert 1e-4 < found.rms < 0.03
+    assert 0.3 < found.worst <= 1
 
 
-@pytest.mark.parametrize("mesh", [cube(6, 0.15), ball(2)], ids=["cube", "ball"])
-def test_the_share_that_is_done_foretells_how_much_is_left(mesh):
+@pytest.mark.parametrize("shape", ["cube", "ball"])
+def test_the_share_that_is_done_foretells_how_much_is_left(shape):
     """Each step is one equilibrium: the time that is left follows. Where the fit takes longer than usual, within 2."""
-    site = find_site(mesh, POINT, held=base_vertices(mesh))
-    told: list[float] = []
-    identify(mesh, PRESETS[2].material, POINT, site, 0.018, progress=told.append)
-    shares = np.array(told)
+    _, yielded = identified_with_shares(shape)
+    shares = np.array(yielded)
     done = np.arange(1, len(shares) + 1)
     assert (np.diff(shares) > 0).all() and 0 < shares[0] and 0.95 < shares[-1] < 1
     foretold = done / shares
@@ -185,8 +207,8 @@ def test_the_share_that_is_done_foretells_how_much_is_left(mesh):
 
 def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
     preset = PRESETS[2]
-    mesh, site = body(preset, cells=6)
-    found = identify(mesh, preset.material, POINT, site, 0.012)
+    mesh, site = body(preset)
+    found = identified(preset)
     name = cache.key(mesh, preset.material, POINT, site, 0.012)
     assert cache.recall(tmp_path, name) is None
     cache.remember(tmp_path, name, found)
@@ -212,11 +234,11 @@ def test_a_virtual_press_written_and_read_gives_the_material_back(tmp_path):
     )
 
 
-def test_a_tip_that_cannot_press_is_told():
+def test_a_tip_that_cannot_press_is_refused():
     mesh = cube(6, 0.1)
     with pytest.raises(DimpleError, match="misses"):
         find_site(mesh, POINT, above=(1.0, 0.0, 0.0))
-    with pytest.raises(DimpleError, match="held"):
+    with pytest.raises(DimpleError, match="pinned"):
         find_site(mesh, POINT, held=mesh.rest_positions[mesh.source, 2] > 0)
     with pytest.raises(DimpleError, match="radius"):
         Indenter(radius=0.0)
@@ -226,7 +248,7 @@ def test_a_tip_that_cannot_press_is_told():
         list(press(mesh, replace(PRESETS[2].material, fill="paper"), POINT, find_site(mesh, POINT), [0.001]))
 
 
-def test_a_body_nobody_holds_is_pressed_against_its_base():
+def test_a_body_without_pinned_vertices_is_pressed_against_its_base():
     mesh = cube(6, 0.1)
     assert np.array_equal(find_site(mesh, POINT).held[mesh.source], base_vertices(mesh))
     sideways = find_site(mesh, POINT, inward=(1.0, 0.0, 0.0))

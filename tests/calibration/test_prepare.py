@@ -8,7 +8,7 @@ import pytest
 from core.base import DimpleError
 from core.calibration.fit import fit_law
 from core.calibration.prepare import prepare
-from core.calibration.question import Answers, Undecided
+from core.calibration.question import Answers, Undecided, WrongColumns
 from core.calibration.reader import Measurement
 
 
@@ -56,7 +56,7 @@ def test_signs_are_turned_round():
             assert constants(turned) == TRUTH
 
 
-def test_loading_and_unloading_are_parted_and_the_loss_is_told():
+def test_loading_and_unloading_are_parted_and_the_loss_is_found():
     depth = np.concatenate([np.linspace(0, 22, 300), np.linspace(22, 0, 300)])
     force = law(depth) * np.where(np.arange(600) < 300, 1.0, 0.8)
     press = prepare(recording(depth, force))
@@ -93,7 +93,7 @@ def test_cycles_that_agree_need_no_question_and_the_first_is_fitted():
 def test_cycles_that_differ_are_asked():
     one = np.concatenate([np.linspace(0, 22, 200), np.linspace(22, 0, 200)])
     softened = recording(np.tile(one, 2), law(np.tile(one, 2)) * np.repeat([1.0, 0.6], 400))
-    with pytest.raises(Undecided, match="--cycle 2"):
+    with pytest.raises(Undecided, match=r"Which one is fitted\?\n  1 .*\n  2 "):
         prepare(softened)
     assert constants(softened, Answers(cycle=1)) == TRUTH
     assert constants(softened, Answers(cycle=2))[0] == pytest.approx(0.6 * 0.61, rel=0.03)
@@ -133,11 +133,11 @@ def test_a_soft_beginning_is_not_taken_for_travel_before_the_touch():
 def test_a_force_that_goes_both_ways_is_asked():
     depth = np.linspace(-5, 22, 300)
     both = recording(depth, law(depth) - 40 * (np.abs(depth + 2) < 1))
-    with pytest.raises(Undecided, match="--press"):
+    with pytest.raises(Undecided, match="Which sign is a press"):
         prepare(both)
 
 
-def test_a_file_with_only_the_way_back_is_told():
+def test_a_file_with_only_the_way_back_is_asked_about_and_refused():
     depth = np.linspace(22, 0, 300)
     with pytest.raises(Undecided, match="both ways"):
         prepare(recording(depth, law(depth)))
@@ -145,7 +145,7 @@ def test_a_file_with_only_the_way_back_is_told():
         prepare(recording(depth, law(depth)), Answers(press="positive"))
 
 
-def test_a_snap_is_told():
+def test_a_snap_is_warned_of():
     depth = np.linspace(0, 5, 400)
     press = prepare(recording(depth, np.sin(depth) + 0.35 * depth + 4 * np.maximum(depth - 4.5, 0)))
     assert "snaps" in " ".join(press.warnings)
@@ -160,15 +160,16 @@ def test_exchanged_headers_are_asked_about():
     prepare(exchanged, Answers(depth_column="Depth", force_column="Force"))
 
 
-def test_rows_out_of_order_are_told():
+def test_rows_out_of_order_are_refused():
     depth = np.random.default_rng(0).permutation(np.linspace(0, 22, 300))
     with pytest.raises(DimpleError, match="order"):
         prepare(recording(depth, law(depth)))
 
 
-def test_columns_that_are_no_press_are_told():
+def test_columns_that_are_no_press_are_refused():
     rng = np.random.default_rng(0)
-    with pytest.raises(DimpleError, match="no greater|same in every row"):
+    with pytest.raises(WrongColumns, match="no greater") as caught:
         prepare(recording(np.linspace(0, 22, 300), rng.normal(size=300) + 5, noise=0), Answers(press="positive"))
+    assert caught.value.answers == ("depth_column", "force_column")
     with pytest.raises(DimpleError, match="same in every row"):
         prepare(recording(np.linspace(0, 22, 300), np.full(300, 5.0)))

@@ -35,31 +35,31 @@ ASKED = {
 NO_PRESS = "no greater|turns back|never grows|a fit needs at least"
 
 
-def answered(path: Path, answers: Answers, said: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Give every answer to the first of the open questions, and so on; yield what was said and what became of it."""
+def answered(path: Path, answers: Answers, given: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Give every answer to the first of the open questions, and so on; yield the answers given and the error or ""."""
     try:
         calibrate(path, answers)
-        yield said, ""
+        yield given, ""
     except Undecided as undecided:
         question = undecided.questions[0]
-        assert getattr(answers, question.name) is None, f"{said}: {question.name} is asked again"
-        for candidate in _offered(question, said):
+        assert getattr(answers, question.name) is None, f"{given}: {question.name} is asked again"
+        for candidate in _offered(question, given):
             value = KINDS[question.name](candidate.value)
-            yield from answered(path, replace(answers, **{question.name: value}), (*said, f"{question.name} {value}"))
+            yield from answered(path, replace(answers, **{question.name: value}), (*given, f"{question.name} {value}"))
     except DimpleError as error:
-        yield said, str(error)
+        yield given, str(error)
 
 
-def _offered(question: Question, said: tuple[str, ...]) -> tuple[Candidate, ...]:
+def _offered(question: Question, given: tuple[str, ...]) -> tuple[Candidate, ...]:
     """Return the answers; of units, which differ by a factor only, one where something else was asked before."""
-    return question.candidates[: 1 if said and "unit" in question.name else None]
+    return question.candidates[: 1 if given and "unit" in question.name else None]
 
 
 def check(path: Path) -> None:
     became = dict(answered(path, Answers()))
     assert () not in became, "something is asked"
     assert "" in became.values()
-    assert not {said: error for said, error in became.items() if error and not re.search(NO_PRESS, error)}
+    assert not {given: error for given, error in became.items() if error and not re.search(NO_PRESS, error)}
 
 
 @pytest.mark.parametrize("name", ASKED)

@@ -8,7 +8,7 @@ import pytest
 from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
 from core.calibration.question import Answers, Undecided
-from core.calibration.report import to_json
+from core.calibration.record import to_record
 from core.calibration.surface import surface_constants
 from core.material import PRESETS
 from studies.reconstruct import DEEPEST
@@ -32,7 +32,7 @@ def expected_k(preset) -> float:
     return surface_constants(depth, force, preset.size).balance_k.value
 
 
-def told(path, preset, answers=None) -> str:
+def outcome(path, preset, answers=None) -> str:
     """Return what became of a file: "right", "asked", "warned" or "silent"."""
     try:
         done = calibrate(path, answers)
@@ -49,37 +49,39 @@ def told(path, preset, answers=None) -> str:
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
 @pytest.mark.parametrize("approach", [0.001, 0.005, 0.020])
 @pytest.mark.parametrize("offset", [0.0, 0.05])
-def test_a_touch_in_the_noise_is_found_or_asked_or_told(preset, approach, offset, tmp_path):
+@pytest.mark.parametrize("presses", [2, pytest.param(6, marks=pytest.mark.slow)])
+def test_a_touch_in_the_noise_is_found_or_asked_or_warned_of(preset, approach, offset, presses, tmp_path):
     count = Counter(
-        told(pressed(tmp_path / "x.csv", preset, approach=approach, offset=offset, seed=seed), preset)
-        for seed in range(6)
+        outcome(pressed(tmp_path / "x.csv", preset, approach=approach, offset=offset, seed=seed), preset)
+        for seed in range(presses)
     )
     assert count["silent"] == 0, count
     if approach > 0.004:  # 3 N over half a newton of noise: it shows
-        assert count["right"] == 6, count
+        assert count["right"] == presses, count
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
 def test_a_force_on_the_cell_where_the_file_begins_is_asked_and_the_answer_is_taken(preset, tmp_path):
     before = pressed(tmp_path / "before.csv", preset, start=0.004, noise=0.002)
-    assert told(before, preset) == "asked"
-    assert told(before, preset, Answers(contact_mm=-4.0)) == "right"
+    assert outcome(before, preset) == "asked"
+    assert outcome(before, preset, Answers(contact_mm=-4.0)) == "right"
     untared = pressed(tmp_path / "untared.csv", preset, offset=0.05, noise=0.002)
-    assert told(untared, preset) == "asked"
-    assert told(untared, preset, Answers(contact_mm=0.0)) == "right"
+    assert outcome(untared, preset) == "asked"
+    assert outcome(untared, preset, Answers(contact_mm=0.0)) == "right"
     for path, contact in ((before, -4.0), (untared, 0.0)):  # what follows counts from there too
         done = calibrate(path, Answers(contact_mm=contact), length=preset.size)
-        assert to_json(done)["deepest"] == pytest.approx(1e3 * DEEPEST[preset.name], rel=0.01)
+        assert to_record(done)["deepest"] == pytest.approx(1e3 * DEEPEST[preset.name], rel=0.01)
     assert done.surface.balance_k.value == pytest.approx(expected_k(preset), rel=0.05)
 
 
-def test_a_touch_that_the_noise_hides_is_told_with_the_reading_that_is_as_likely(tmp_path):
+def test_a_touch_that_the_noise_hides_is_warned_of_with_the_reading_that_is_as_likely(tmp_path):
     """A millimetre before the touch, which the file calls 0, under a newton of noise."""
     depth = np.linspace(-0.001, 0.022, 200)
     force = np.array([PRESETS[1].material.law(max(x, 0.0)) for x in depth.tolist()])
     write_press(tmp_path / "x.csv", depth + 0.001, force + np.random.default_rng(0).normal(size=200))
-    (doubt,) = (text for text in calibrate(tmp_path / "x.csv").warnings if "hides the first touch" in text)
-    assert "as likely, with K1" in doubt and "--contact-mm" in doubt
+    done = calibrate(tmp_path / "x.csv")
+    (doubt,) = (text for text in done.warnings if "hides the first touch" in text)
+    assert "as likely, with K1" in doubt and done.unsure == ("contact_mm",)
 
 
 def test_a_force_below_nothing_is_no_load(tmp_path):
@@ -89,16 +91,18 @@ def test_a_force_below_nothing_is_no_load(tmp_path):
     assert any("no load" in warning for warning in done.warnings)
 
 
-def test_a_load_cell_that_drifts_before_the_touch_is_told(tmp_path):
+def test_a_load_cell_that_drifts_before_the_touch_is_warned_of(tmp_path):
     done = calibrate(pressed(tmp_path / "x.csv", PRESETS[1], approach=0.008, noise=0.002, drift=0.05))
     assert any("drifts" in warning for warning in done.warnings)
     done = calibrate(pressed(tmp_path / "x.csv", PRESETS[1], approach=0.008, noise=0.002))
-    assert done.warnings == ()
+    assert done.warnings == done.unsure == ()
 
 
 def test_a_touch_that_was_found_leaves_its_uncertainty_in_the_intervals(tmp_path):
-    preset, inside = PRESETS[1], 0
+    preset, errors = PRESETS[1], []
     for seed in range(30):
         fit = calibrate(pressed(tmp_path / "x.csv", preset, approach=0.005, seed=seed)).fit
-        inside += abs(fit.x0.value - preset.material.x0) <= fit.x0.half_width
-    assert inside >= 25  # 28.5 expected; 24 or fewer by chance once in 500
+        errors.append((fit.x0.value - preset.material.x0) / fit.x0.half_width)
+    assert (np.abs(errors) <= 1).sum() >= 25  # 28.5 expected; 24 or fewer by chance once in 500
+    # an interval that is too wide would hold them all with room to spare
+    assert 1.96 * np.sqrt(np.square(errors).mean()) > 1 - 3 / np.sqrt(2 * 30)

@@ -9,6 +9,13 @@ from core.material import PRESETS
 from studies import paper
 from studies.__main__ import main
 
+# Table 2 of the paper: K1, K2 [N/mm], x0 [mm], k [N/mm]
+TABLE_2 = {
+    "1": {"K1": 0.59, "K2": 2.24, "x0": 36.3, "k": 54.8},
+    "2": {"K1": 0.61, "K2": 7.23, "x0": 16.3, "k": 9.2},
+    "3": {"K1": 0.62, "K2": 9.13, "x0": 13.7, "k": 9.2},
+}
+
 
 def rows(path):
     with path.open(encoding="utf-8", newline="") as file:
@@ -30,10 +37,8 @@ def test_table_2_stands_beside_what_is_printed(folder):
     table = rows(folder / "table_2.csv")
     assert [row["constant"] for row in table] == ["K1", "K2", "x0", "k"] * 3
     for row in table:
-        preset = PRESETS[int(row["object"]) - 1]
-        unit = 1e-3 if row["constant"] == "x0" else 1e3
         printed = float(row["printed"])
-        assert printed == pytest.approx(getattr(preset.material, row["constant"]) / unit)
+        assert printed == pytest.approx(TABLE_2[row["object"]][row["constant"]])
         if row["constant"] != "k":
             assert float(row["from_the_curve"]) == pytest.approx(printed, abs=2 * float(row["half_width_95"]))
             # the identified body may be off by half of 10 %
@@ -44,8 +49,9 @@ def test_each_identification_is_within_what_is_allowed(folder):
     found = rows(folder / "identification.csv")
     assert [(row["object"], row["vertices"]) for row in found] == [(o, n) for o in "123" for n in ("98", "386")]
     for row in found:
-        assert float(row["rms_percent"]) < 3
-        assert float(row["worst_over_allowed"]) <= 1
+        assert 0.01 < float(row["rms_percent"]) < 3
+        assert 0.3 < float(row["worst_over_allowed"]) <= 1  # the skin keeps as much of k as the curve lets it
+        assert float(row["volume_percent"]) > 0
         if row["object"] == "3":  # filled with water
             assert float(row["volume_percent"]) < 0.5
     assert "far side" in (folder / "tables.txt").read_text(encoding="utf-8")

@@ -50,8 +50,8 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
         bpy.ops.dimple.apply_calibration("INVOKE_DEFAULT")
     settings = bpy.data.objects[body].active_material.dimple
     found = settings.K1, settings.K2, settings.x0
-    told = "K1 {:.3f} N/mm, K2 {:.3f} N/mm, x0 {:.2f} mm".format(*found)
-    check("a dropped file becomes a material", np.allclose(found, LAW, 0.05), told)
+    text = "K1 {:.3f} N/mm, K2 {:.3f} N/mm, x0 {:.2f} mm".format(*found)
+    check("a dropped file becomes a material", np.allclose(found, LAW, 0.05), text)
     yield from robot.redrawn()
     overlay, scale, view = robot.extension("addon.overlay"), bpy.context.preferences.system.ui_scale, robot.region()
     left, bottom = overlay.free_corner(robot.area(), scale)

@@ -34,13 +34,13 @@ def write(tmp_path: Path) -> Write:
     return write_file
 
 
-def told(scene: Any) -> dict:
+def record_of(scene: Any) -> dict:
     return json.loads(scene.calibration)
 
 
 def test_the_sample_becomes_the_constants_it_was_made_from_within_their_errors(bpy: ModuleType, scene: Any) -> None:
     assert bpy.ops.dimple.calibrate(filepath=str(SAMPLE)) == {"FINISHED"}
-    result = told(scene)
+    result = record_of(scene)
     for name, truth in (("K1", 0.61), ("K2", 7.23), ("x0", 16.3)):
         low, high = result[f"{name}_interval"]
         assert low < truth < high and high - low < 0.1 * truth
@@ -68,7 +68,7 @@ def test_files_of_every_kind_give_the_same_constants_without_a_question(
         return row.format(x, f, 1000 * f)
 
     assert bpy.ops.dimple.calibrate(filepath=write(name, header, line, encoding)) == {"FINISHED"}
-    result = told(scene)
+    result = record_of(scene)
     assert result["K1"] == pytest.approx(0.6, rel=1e-3)
     assert result["K2"] == pytest.approx(7, rel=1e-3)
     assert result["x0"] == pytest.approx(12, rel=1e-3)
@@ -86,9 +86,9 @@ def test_a_script_is_told_what_a_file_leaves_open_and_its_answer_is_taken(
         bpy.ops.dimple.calibrate(filepath=path, depth_column="1", force_column="2")
     answers = {"depth_column": "1", "force_column": "2", "depth_unit": "mm", "force_unit": "N"}
     assert bpy.ops.dimple.calibrate(filepath=path, **answers) == {"FINISHED"}
-    assert told(scene)["K2"] == pytest.approx(7, rel=1e-3)
+    assert record_of(scene)["K2"] == pytest.approx(7, rel=1e-3)
     assert bpy.ops.dimple.calibrate(filepath=path, **(answers | {"force_unit": "mN"})) == {"FINISHED"}
-    assert told(scene)["K2"] == pytest.approx(7e-3, rel=1e-3)
+    assert record_of(scene)["K2"] == pytest.approx(7e-3, rel=1e-3)
 
 
 def test_a_force_where_the_file_begins_is_asked_and_the_touch_can_be_said(
@@ -98,18 +98,31 @@ def test_a_force_where_the_file_begins_is_asked_and_the_touch_can_be_said(
     with pytest.raises(RuntimeError, match="At which depth was the first touch.* Give contact_mm: .*not tared"):
         bpy.ops.dimple.calibrate(filepath=path)
     assert bpy.ops.dimple.calibrate(filepath=path, contact_mm=-6) == {"FINISHED"}
-    assert told(scene)["x0"] == pytest.approx(12, rel=1e-3)
+    assert record_of(scene)["x0"] == pytest.approx(12, rel=1e-3)
     assert bpy.ops.dimple.calibrate(filepath=path, contact_mm=0) == {"FINISHED"}
-    assert told(scene)["x0"] == pytest.approx(6, rel=0.1), "K1 alone tells no touch: 0 is as was said"
-    assert told(scene)["K1"] == pytest.approx(0.6, rel=1e-3)
+    assert record_of(scene)["x0"] == pytest.approx(6, rel=0.1), "K1 alone tells no touch: 0 is as was said"
+    assert record_of(scene)["K1"] == pytest.approx(0.6, rel=1e-3)
 
 
-def test_options_of_the_command_are_called_by_their_labels_here(bpy: ModuleType) -> None:
-    from bl_ext.user_default.dimple.operators import calibration
+def test_every_answer_has_a_property_of_its_name_with_the_label_that_messages_use(bpy: ModuleType) -> None:
+    from dataclasses import fields
 
-    labels = {prop.name for prop in bpy.ops.dimple.calibrate.get_rna_type().properties}
-    for option in ("--contact-mm", "--tip-radius-mm", "--depth-column"):
-        assert calibration.plain(option).strip("“”") in labels
+    from bl_ext.user_default.dimple.core.calibration.question import Answers
+    from bl_ext.user_default.dimple.operators import calibrate
+
+    shown = bpy.ops.dimple.calibrate.get_rna_type().properties
+    for field in fields(Answers):
+        assert calibrate._labels([field.name]) == f"“{shown[field.name].name}”"
+
+
+def test_columns_that_hold_no_press_are_refused_with_the_properties_that_choose_others(
+    bpy: ModuleType, scene: Any, write: Write
+) -> None:
+    rng = np.random.default_rng(0)
+    path = write("flat.csv", "Depth (mm),Force (N)", lambda x, f: f"{x:.4f},{5 + rng.random():.4f}")
+    with pytest.raises(RuntimeError, match="“Depth Column” and “Force Column”"):
+        bpy.ops.dimple.calibrate(filepath=path, press="positive")
+    assert scene.calibration == ""
 
 
 class Asked:
@@ -159,7 +172,7 @@ def test_the_dialog_asks_until_nothing_is_open(
     assert [question["name"] for question in questions] == ["depth_unit", "force_unit"]
     units = [candidate["value"] for candidate in questions[1]["candidates"]]
     assert asked.answer("0", str(units.index("N"))) == {"FINISHED"}
-    assert told(scene)["K2"] == pytest.approx(7, rel=1e-3)
+    assert record_of(scene)["K2"] == pytest.approx(7, rel=1e-3)
 
 
 def test_warnings_speak_of_what_the_interface_has(
@@ -189,7 +202,7 @@ def test_headers_that_are_exchanged_can_be_told_so_in_the_dialog(
     questions = json.loads(asked.opened[-1]["asked"])["questions"]
     assert [question["name"] for question in questions] == ["depth_unit", "force_unit"]
     assert asked.answer("0", "0") == {"FINISHED"}  # mm, N
-    assert told(scene)["x0"] == pytest.approx(12, rel=0.05)
+    assert record_of(scene)["x0"] == pytest.approx(12, rel=0.05)
 
 
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04rest", b"no table here\n", b"1,2\n3,4\n", b"\x00\xff" * 400])

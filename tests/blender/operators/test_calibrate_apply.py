@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.blender.operators.test_calibrate import DEPTH, FORCE, SAMPLE, told
+from tests.blender.operators.test_calibrate import DEPTH, FORCE, SAMPLE, record_of
 
 
 def test_a_k_that_is_not_taken_is_not_in_the_source(bpy: ModuleType, add: Callable[..., Any]) -> None:
@@ -27,7 +27,7 @@ def test_apply_sets_constants_tip_size_and_source_and_one_undo_takes_them_back(
     scene = bpy.context.scene.dimple
     bpy.ops.dimple.calibrate(filepath=str(SAMPLE), length_mm=150, tip="PUNCH", tip_radius_mm=4)
     bpy.ops.ed.undo_push(message="Calibrate")
-    result = told(scene)
+    result = record_of(scene)
     assert result["k"]["force_balance"]["value"] == pytest.approx(result["k_to_use"])
     assert bpy.ops.dimple.apply_calibration() == {"FINISHED"}
     bpy.ops.ed.undo_push(message="Apply")
@@ -44,12 +44,12 @@ def test_apply_sets_constants_tip_size_and_source_and_one_undo_takes_them_back(
     assert bpy.context.scene.dimple.calibration == "" and json.loads(settings.calibration) == result
     bpy.ops.ed.undo()
     assert bpy.data.objects["Body"].active_material is None
-    assert told(bpy.context.scene.dimple) == result, "the result waits again"
+    assert record_of(bpy.context.scene.dimple) == result, "the result waits again"
     bpy.ops.ed.redo()
     assert bpy.data.objects["Body"].active_material.dimple.tip == "PUNCH"
 
 
-def test_the_way_back_tells_the_damping(bpy: ModuleType, add: Callable[..., Any], tmp_path: Path) -> None:
+def test_unloading_gives_the_damping_ratio(bpy: ModuleType, add: Callable[..., Any], tmp_path: Path) -> None:
     rows = [(x, f) for x, f in zip(DEPTH, FORCE, strict=True)]
     back = [(x, 0.8 * f) for x, f in reversed(rows[:-1])]
     path = tmp_path / "loop.csv"
@@ -67,7 +67,7 @@ def test_constants_that_are_no_material_cannot_be_applied(bpy: ModuleType, add: 
     add()
     bpy.ops.dimple.calibrate(filepath=str(SAMPLE))
     scene = bpy.context.scene.dimple
-    result = told(scene)
+    result = record_of(scene)
     assert result["unusable"] == "" and bpy.ops.dimple.apply_calibration.poll()
     result |= {"K1": -0.5}
     result["unusable"] = calibration._unusable(result)

@@ -19,12 +19,12 @@ def test_what_is_measured_on_the_identified_body_calibrates_to_its_material(
     text = path.read_text()
     assert "Distance x (mm)" in text and "Simulated by Dimple" in text and "identified on its mesh" in text
     assert bpy.ops.dimple.calibrate(filepath=str(path)) == {"FINISHED"}
-    told = json.loads(bpy.context.scene.dimple.calibration)
+    record = json.loads(bpy.context.scene.dimple.calibration)
     # the identification may be off by 3 % of full scale: a tenth of a slope, and of the knee
-    assert told["model"] == "two"
-    assert told["K1"] == pytest.approx(0.61, rel=0.1)
-    assert told["K2"] == pytest.approx(7.23, rel=0.1)
-    assert told["x0"] == pytest.approx(16.3, rel=0.1)
+    assert record["model"] == "two"
+    assert record["K1"] == pytest.approx(0.61, rel=0.1)
+    assert record["K2"] == pytest.approx(7.23, rel=0.1)
+    assert record["x0"] == pytest.approx(16.3, rel=0.1)
     bpy.ops.dimple.apply_calibration()
     assert "round.csv" in vinyl.provenance
 

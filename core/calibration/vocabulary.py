@@ -46,7 +46,7 @@ _ROLES = {
     "判定 回数 サイクル",
 }
 _WORDS = {word: role for role, words in _ROLES.items() for word in words.split()}
-# a header that scales its numbers ("Force (x10 N)", "10^-3 N"): nobody knows which way, so it has no unit
+# a header that scales its numbers ("Force (x10 N)", "10^-3 N"): which way is not known, so it has no unit
 _SCALED = re.compile(r"(?<![a-z])[x×*·/]\s*10|\b10\s*(\^|\*\*|[⁻⁺]|[-+]\d)", re.IGNORECASE)
 _ENDINGS = ("kraft", "weg", "zeit", "spannung", "dehnung")  # German compounds
 
@@ -94,7 +94,7 @@ def role_of(name: str) -> str | None:
 
 
 def is_known(text: str) -> bool:
-    """Tell whether a cell is a unit or names a role."""
+    """Return whether a cell is a unit or names a role."""
     name, unit = split_unit(text)
     return bool(unit) or unit_of(text) is not None or role_of(name) is not None
 
