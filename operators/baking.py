@@ -64,29 +64,24 @@ def bake(context: bpy.types.Context, plan: Plan, said: list[str]) -> Iterator[fl
     """
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
-    bodies: list[Baked] = []
-    try:
-        with output.plain_os_errors("The bake"):
-            _check(plan)
-            scene.frame_set(plan.first)
-            for obj in plan.objects:
-                bodies.append(_open(context, plan, obj, said))
-            _write(plan, bodies, plan.first)
-            for frame in range(plan.first + 1, plan.last + 1):
-                _step(context, bodies, frame)
-                _write(plan, bodies, frame)
-                yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
-            _close(bodies)
-            scene.frame_set(before[0], subframe=before[1])
-            _finish(plan, bodies)
-    finally:
+    with contextlib.ExitStack() as files, output.plain_os_errors("The bake"):
+        _check(plan)
+        files.callback(_go_to, scene, before)
+        scene.frame_set(plan.first)
+        bodies = [_open(context, plan, obj, said, files) for obj in plan.objects]
+        _write(plan, bodies, plan.first)
+        for frame in range(plan.first + 1, plan.last + 1):
+            _step(context, bodies, frame)
+            _write(plan, bodies, frame)
+            yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
         _close(bodies)
-        for body in bodies:
-            for path in _files(body):
-                with contextlib.suppress(OSError):
-                    os.unlink(f"{path}{PART}")
-        if (scene.frame_current, scene.frame_subframe) != before:
-            scene.frame_set(before[0], subframe=before[1])
+        _go_to(scene, before)
+        _finish(plan, bodies)
+
+
+def _go_to(scene: bpy.types.Scene, frame: tuple[int, float]) -> None:
+    if (scene.frame_current, scene.frame_subframe) != frame:
+        scene.frame_set(frame[0], subframe=frame[1])
 
 
 def _check(plan: Plan) -> None:
@@ -100,7 +95,10 @@ def _check(plan: Plan) -> None:
             bridge.check_writable(obj)
 
 
-def _open(context: bpy.types.Context, plan: Plan, obj: bpy.types.Object, said: list[str]) -> Baked:
+def _open(
+    context: bpy.types.Context, plan: Plan, obj: bpy.types.Object, said: list[str], files: contextlib.ExitStack
+) -> Baked:
+    """Return an object ready to be baked; its files are deleted with `files`, until they have their own names."""
     link, model = bridge.read_body(context, obj, baked=False)
     look_s = _look_s(context.scene)
     # whole ticks between two looks, so that on every frame a body is where its object is
@@ -114,9 +112,11 @@ def _open(context: bpy.types.Context, plan: Plan, obj: bpy.types.Object, said: l
         said.append(f'"{obj.name}" has animated shape keys: it is baked in the shape of frame {plan.first}.')
         if plan.target == "SHAPE_KEYS":
             said.append("Their animation adds to the bake: mute those keys, or bake to a Mesh Cache.")
-    path = output.cache_path(context, obj, "bake")
-    cache = PointCache(f"{path}{PART}", len(link.rest), plan.first) if plan.target == "MESH_CACHE" else None
-    table = output.ForceTable(Path(f"{path.with_suffix('.csv')}{PART}"))
+    path, cache = output.bake_path(context, obj), None
+    if plan.target == "MESH_CACHE":
+        part = Path(f"{path}{PART}")
+        cache = output.open_file(files, part, lambda name: PointCache(name, len(link.rest), plan.first))
+    table = output.open_file(files, Path(f"{path.with_suffix('.csv')}{PART}"), output.ForceTable)
     session.set_fingers(live.fingertips(context.scene, link.scale))
     return Baked(link=link, session=session, matrix=link.matrix, path=path, cache=cache, table=table)
 

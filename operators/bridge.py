@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from ..core.base import DimpleError
 from . import advice, calibration
-from .names import BAKED_KEY, LIVE_KEY
+from .names import BAKED_KEY, LIVE_KEY, REST
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..core.mesh.surface import Mesh
 
 LEVEL = 1e-4  # of its size: points of an object as high as its highest one
+_CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}  # Blender turns them into meshes that have faces
 
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -96,12 +97,24 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
 def check(body: bpy.types.Object) -> None:
     """Raise a DimpleError when an object is not a mesh in Object Mode with a surface."""
     if body.type != "MESH":
-        kind = body.bl_rna.properties["type"].enum_items[body.type].name.lower()
-        raise DimpleError(f'"{body.name}" is a {kind}, not a mesh. Convert it first: Object > Convert > Mesh.')
+        raise DimpleError(_not_a_mesh(body))
     if body.mode != "OBJECT":
         raise DimpleError(f'"{body.name}" is being edited. Go back to Object Mode first.')
     if not len(body.data.polygons):
         raise DimpleError(f'"{body.name}" has no faces, so there is no surface to press. Add faces first.')
+
+
+def _not_a_mesh(body: bpy.types.Object) -> str:
+    """Return the sentence that says what an object is instead, and what to do."""
+    if body.type == "EMPTY" and body.instance_type == "COLLECTION":
+        return (
+            f'"{body.name}" is a collection instance, not a mesh. '
+            "Make its objects real first: Object > Apply > Make Instances Real."
+        )
+    kind = body.bl_rna.properties["type"].enum_items[body.type].name.lower()
+    article = "an" if kind[0] in "aeiou" else "a"
+    todo = "Convert it first: Object > Convert > Mesh." if body.type in _CONVERTIBLE else "Select a mesh to press."
+    return f'"{body.name}" is {article} {kind}, not a mesh. {todo}'
 
 
 def check_writable(body: bpy.types.Object) -> None:
@@ -147,7 +160,8 @@ def rest_coordinates(body: bpy.types.Object, *, baked: bool = True) -> Singles:
     mesh = body.data
     count, keys = len(mesh.vertices), mesh.shape_keys
     if not keys:
-        return get_points(mesh.attributes["position"].data, count, "vector")
+        shown = REST if REST in mesh.attributes else "position"  # the session of an object that shares it shows on it
+        return get_points(mesh.attributes[shown].data, count, "vector")
     shapes = {key.name: get_points(key.points, count, "co") for key in keys.key_blocks}
     rest = shapes[keys.reference_key.name].copy()
     for key in keys.key_blocks[1:]:

@@ -39,19 +39,26 @@ def _on_save_post(*_: object) -> None:
     sessions.show_all()
 
 
+def _goes_on(obj: bpy.types.Object, body: sessions.Body) -> bool:
+    """Tell whether an undo has left a session the mesh and the rest shape that it was started with."""
+    from . import bridge, bridge_write
+
+    if not bridge_write.is_showable(obj, body.link, body.borrowed):
+        return False
+    return bool(obj.data.shape_keys) or bool((bridge.rest_coordinates(obj) == body.link.rest).all())
+
+
 @bpy.app.handlers.persistent
 def _on_undo(*_: object) -> None:
     """Go on where the object is still there; an undo may bring back meshes that it caught pressed."""
     sessions.disarm()  # it may put anything under a fingertip of the haptic device at once
     if sessions.sessions:
-        from . import bridge, bridge_write
+        from . import bridge
 
         for uid, body in list(sessions.sessions.items()):
             obj = bridge.find(uid, body.name)
-            # back before the start of a session its object has the shared mesh again: the session is undone too
-            undone = obj is not None and obj.data.session_uid != body.borrowed.copy
-            if obj is None or undone or not bridge_write.is_showable(obj, body.link):
-                sessions.stop(uid, mesh=False)
+            if obj is None or not _goes_on(obj, body):
+                sessions.stop(uid, undoing=True)
         sessions.show_all()
     _rescue()
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, bridge_write, haptic, sessions
+from . import bridge, haptic, sessions
 from .sessions import Body, Run
 
 if TYPE_CHECKING:
@@ -78,18 +78,15 @@ def advance(
     Returns:
         Sentences for the artist: sessions that ended, or were put back to rest.
     """
-    said, share = haptic.read(), budget / len(sessions.sessions) if budget and sessions.sessions else budget
+    said = [*haptic.read(), *sessions.end_changed(context.view_layer)]
+    share = budget / len(sessions.sessions) if budget and sessions.sessions else budget
     for uid, body in list(sessions.sessions.items()):
         obj = bridge.find(uid, body.name)
-        if obj is None or obj.name not in context.view_layer.objects:
-            sessions.stop(uid)
-            said.append(f'"{body.name}" is gone, so its session has ended.')
-            continue
+        assert obj  # else its session has just ended
         try:
-            step(context, obj, body, dt, (pressed or {}).get(uid, ()), share)
+            said += step(context, obj, body, dt, (pressed or {}).get(uid, ()), share)
         except DimpleError as error:
-            sessions.stop(uid)
-            said.append(str(error))
+            said += [str(error), *sessions.stop(uid)]
         if body.frame.note:
             sessions.disarm()  # it is back at rest at once, which may be on a fingertip
             said.append(f'"{body.name}": {body.frame.note}')
@@ -104,8 +101,8 @@ def step(
     dt: float,
     pressed: Sequence[Target | None],
     budget: float | None,
-) -> None:
-    """Step one session and show it."""
+) -> list[str]:
+    """Step one session, show and record it; return sentences for the artist."""
     follow(obj, body)
     felt = haptic.fingertips(context.scene, body) or fingertips(context.scene, body.link.scale)
     fingers = merged(felt, pressed)
@@ -118,10 +115,13 @@ def step(
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
         body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
-    local = bridge.to_local(body.link, body.matrix, frame.positions)
-    bridge_write.show(obj, body.link, local)
+    local = sessions.show(obj, body)
     if body.recorder:
-        body.recorder.append(frame.time, local, frame)
+        try:
+            body.recorder.append(frame.time, local, frame)
+        except OSError as error:
+            return [body.recorder.cut_short(body.name, error), *sessions.end_recording(body)]
+    return []
 
 
 def follow(obj: bpy.types.Object, body: Body) -> None:

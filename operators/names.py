@@ -7,6 +7,7 @@ LIVE_KEY = "Dimple"  # the shape key that shows a running session
 KEPT_KEY = "Pressed"  # what it is called when its shape is kept
 BAKED_KEY = "Dimple Frame "  # the keys of a bake are called so, with the number of the frame
 CACHE = "Dimple"  # modifiers that play a bake are called so
+CACHES_OFF = "dimple_caches_off"  # custom property of an object: names of those that are switched off while it is live
 DEAD_MAN = "LEFT_SHIFT"  # the haptic device has force only while this key is held
 
 # what measured a material: identifiers are the core's, in capitals

@@ -32,6 +32,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         from . import live
 
         try:
+            polls.check_numbers(self, "seconds")
             self._tell(live.start_all(context))
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
@@ -69,7 +70,8 @@ class DIMPLE_OT_play(bpy.types.Operator):
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
-            sessions.stop_all()
+            for sentence in sessions.stop_all():
+                self.report({"WARNING"}, sentence)
             return {"CANCELLED"}
         if event.type == "TIMER":
             with sessions.ending_on_error():
@@ -82,16 +84,18 @@ class DIMPLE_OT_play(bpy.types.Operator):
             sessions.stop_all()
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
-        from . import live
+        from . import live, recovery
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
         if self._run.paused:
-            return {"PASS_THROUGH"}
-        asked, budget = live.ask(context.scene, self._run, wall)
-        for sentence in live.advance(context, asked, budget=budget):
+            said = sessions.end_changed(context.view_layer)
+        else:
+            asked, budget = live.ask(context.scene, self._run, wall)
+            said = live.advance(context, asked, budget=budget)
+            live.adapt(self._run, asked)
+        for sentence in [*said, *recovery.save_when_due(self._run)]:
             self.report({"WARNING"}, sentence)
-        live.adapt(self._run, asked)
         sessions.redraw()
         if not sessions.sessions:
             sessions.stop_all()
@@ -121,7 +125,8 @@ class DIMPLE_OT_reset(bpy.types.Operator):
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
         """Put everything back."""
-        sessions.stop_all()
+        for sentence in sessions.stop_all():
+            self.report({"WARNING"}, sentence)
         return {"FINISHED"}
 
 

@@ -23,6 +23,7 @@ def new_state(context: bpy.types.Context, operator: "DIMPLE_OT_poke") -> "PokeSt
     """Return the poke's first state from the operator's properties and the scene's settings."""
     from ..core.poke import PokeState
 
+    polls.check_numbers(operator, "radius_mm", "depth_mm", "press_s", "release_s")
     settings = context.scene.dimple
     return PokeState(
         radius=(operator.radius_mm or settings.finger_radius_mm) / 1e3,
@@ -81,7 +82,8 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         from . import live, pointer
 
         try:
-            bodies, said, wrong = live.start_all(context)
+            self._state = replace(new_state(context, self), press_s=0.25, release_s=0.25)
+            _, said, wrong = live.start_all(context)
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -89,7 +91,6 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             self.report({"WARNING"}, sentence)
         if said:
             self.report({"INFO"}, " ".join(said))
-        self._state = replace(new_state(context, self), press_s=0.25, release_s=0.25)
         self._shapes: dict[int, object] = {}
         self._clock = time.perf_counter()
         self._run = sessions.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
@@ -131,13 +132,17 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""
         from ..core.poke import Kind, PokeEvent
-        from . import live
+        from . import live, recovery
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
         asked, self._budget = live.ask(context.scene, self._run, wall)
         if self._run.paused != self._state.paused:  # the sidebar's button
             self._take(context, PokeEvent(kind=Kind.PAUSE))
+        if self._state.paused and (ended := self._went_on(sessions.end_changed(context.view_layer))):
+            return ended
+        for sentence in recovery.save_when_due(self._run):
+            self.report({"WARNING"}, sentence)
         result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
@@ -171,24 +176,28 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         match effect:
             case Effect.STEP:
                 pressed = {uid: targets(self._state, uid) for uid in sessions.sessions}
-                for sentence in live.advance(context, amount, budget=self._budget, pressed=pressed):
-                    self.report({"WARNING"}, sentence)
+                said = live.advance(context, amount, budget=self._budget, pressed=pressed)
                 live.adapt(self._run, amount)
-                if not sessions.sessions:
-                    sessions.stop_all()
-                    return {"CANCELLED"}
+                return self._went_on(said)
             case Effect.PUSH_UNDO:
                 with sessions.at_rest():
                     bpy.ops.ed.undo_push(message="Poke")
             case Effect.RECORD:
                 bpy.ops.dimple.record()
-            case Effect.KEEP:
-                sessions.stop_all(restore=False)
-                return {"FINISHED"}
-            case Effect.RESTORE:
-                sessions.stop_all()
-                return {"CANCELLED"}
+            case Effect.KEEP | Effect.RESTORE:
+                for sentence in sessions.stop_all(restore=effect is Effect.RESTORE):
+                    self.report({"WARNING"}, sentence)
+                return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
         return None
+
+    def _went_on(self, said: list[str]) -> set[str] | None:
+        """Report what has happened; return how the operator ends when no session is left."""
+        for sentence in said:
+            self.report({"WARNING"}, sentence)
+        if sessions.sessions:
+            return None
+        sessions.stop_all()
+        return {"CANCELLED"}
 
     def _show_hover(self) -> None:
         """Let the overlay draw the fingertip that would press."""

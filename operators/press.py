@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.poke import Kind, PokeEvent, PokeState, Vector, on_event, targets
-from . import live, pointer, poke, record, sessions
+from . import live, pointer, poke, polls, record, sessions
 from .sessions import Body
 
 if TYPE_CHECKING:
@@ -24,17 +24,18 @@ AXES: tuple[Vector, ...] = ((0, 0, -1), (0, 0, 1), (1, 0, 0), (-1, 0, 0), (0, 1,
 def press_once(operator: DIMPLE_OT_poke, context: bpy.types.Context) -> set[str]:
     """Press, hold and release as the operator's properties say; show and record every frame of it."""
     try:
+        polls.check_numbers(operator, "location", "direction", "hold_s")
+        # a direction that is given is meant, whatever the scene's setting for the mouse
+        state = replace(poke.new_state(context, operator), along_normal=not any(operator.direction))
         with sessions.ending_on_error():
             _, said, wrong = live.start_all(context)
             bodies = sessions.sessions
-            # a direction that is given is meant, whatever the scene's setting for the mouse
-            state = replace(poke.new_state(context, operator), along_normal=not any(operator.direction))
             place = tuple(operator.location) if operator.properties.is_property_set("location") else None
             event = aimed(bodies, place, tuple(operator.direction))
             if operator.record:
                 record.begin(context)
             deepest, strongest = run(context, state, event, operator.hold_s, said)
-            sessions.stop_all(restore=not operator.keep)
+            said += sessions.stop_all(restore=not operator.keep)
     except DimpleError as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}

@@ -7,6 +7,7 @@ file is loaded, the extension is switched off, an undo takes the object away) al
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..core.session import Finger, Frame, Session
-    from .bridge import Link
+    from .bridge import Link, Singles
     from .bridge_write import Borrowed
     from .haptic import Connection
     from .output import Recorder
@@ -34,6 +35,7 @@ class Body:
     triangles: (t, 3) of the object's own vertices, outward.  matrix: (4, 4) of the object when it was last stepped.
     fingers: the fingertips to be drawn, in the session's space.  trail: depth [m] and force [N] of the deepest one.
     poked: which fingertips are the poke's.  take: the last recording and its first frame.
+    shown: (N, 3) what was written to the mesh last.  meshes: in the file when duplicates were looked for last.
     """
 
     link: Link
@@ -46,6 +48,8 @@ class Body:
     trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None
+    shown: Singles | None = None
+    meshes: int = 0
 
     @property
     def name(self) -> str:
@@ -78,7 +82,7 @@ class Run:
     """Hold a modal operator that drives the sessions.
 
     kind: "poke", "play", "bake", "compare", "identify" or "measure".  pace: simulated time the next step asks for [s];
-    it falls when the computer lags.  leave: called when the run is closed, by whomever.
+    it falls when the computer lags.  saved_at: when the last recovery copy was due [s].  leave: called when the run is closed, by whomever.
     """
 
     kind: str
@@ -86,6 +90,7 @@ class Run:
     paused: bool = False
     closed: bool = False
     pace: float = 0.002
+    saved_at: float = field(default_factory=time.monotonic)
     leave: Callable[[], None] | None = None
 
 
@@ -121,7 +126,9 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list
     from ..core.session import Session
     from . import bridge, bridge_write, planning
 
+    bridge.check(obj)
     bridge.check_writable(obj)
+    bridge_write.rescue(sessions)  # a duplicate of a body that is live is pressed from its rest shape
     link, model = bridge.read_body(context, obj)
     proxy, reason = planning.proxy_for(context.scene, obj, model)
     session = Session(model, proxy=proxy)  # may refuse too, so before the mesh is touched
@@ -138,39 +145,59 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list
     return body, said
 
 
-def stop(uid: int, *, restore: bool = True, mesh: bool = True) -> None:
+def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     """End a session; put the rest shape back, or keep the shape that shows.
 
     Args:
-        mesh: also give a shared mesh back; not while Blender undoes.
+        undoing: Blender undoes: a shared mesh is not given back, and what differs is no edit.
+
+    Returns:
+        Sentences for the artist: what went wrong with a recording.
     """
     body = sessions.pop(uid, None)
     if body is None:
-        return
-    from . import bridge, bridge_write
+        return []
+    from . import bridge, bridge_write, output
 
-    if body.recorder:
-        body.take, body.recorder = body.recorder.close(), None
     obj = bridge.find(uid, body.name)
-    if obj is None:
-        return
-    if restore:
-        bridge_write.give_back(obj, body.link, body.borrowed, mesh=mesh)
-    else:
+    if obj and restore:
+        bridge_write.give_back(obj, body.link, body.borrowed, body.shown, undoing=undoing)
+    elif obj:
         bridge_write.keep(obj)
-    if body.take:
-        from . import output
-
+    bridge_write.rescue(sessions)
+    messages = end_recording(body)  # after the mesh: whatever the disk does, that is safe
+    if obj and body.take:
         output.attach_cache(obj, *body.take)
+    return messages
 
 
-def stop_all(*, restore: bool = True) -> None:
-    """End every session and everything that drives them; the haptic device is disarmed first."""
+def end_recording(body: Body) -> list[str]:
+    """End the recording of a body, if there is one; the object plays it once its session has ended.
+
+    Returns:
+        Sentences for the artist: what went wrong.
+    """
+    if body.recorder is None:
+        return []
+    recorder, body.recorder = body.recorder, None
+    body.take = recorder.take
+    try:
+        recorder.close()
+    except OSError as error:
+        return [recorder.cut_short(body.name, error)]
+    return []
+
+
+def stop_all(*, restore: bool = True) -> list[str]:
+    """End every session and everything that drives them; the haptic device is disarmed first.
+
+    Returns:
+        Sentences for the artist.
+    """
     disarm()
     for run in list(runs):
         close_run(run)
-    for uid in list(sessions):
-        stop(uid, restore=restore)
+    return [sentence for uid in list(sessions) for sentence in stop(uid, restore=restore)]
 
 
 def disarm() -> None:
@@ -239,10 +266,57 @@ def redraw() -> None:
                 area.tag_redraw()
 
 
-def rest_all(*, for_file: bool = False) -> None:
-    """Put every object back as it was; the sessions go on."""
+def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
+    """End the sessions whose object is gone, or was edited since it was shown: the edit is kept.
+
+    Duplicates of live bodies are put at rest, before anybody edits them.
+
+    Args:
+        view_layer: an object that is not in it counts as gone.
+
+    Returns:
+        Sentences for the artist.
+    """
     from . import bridge, bridge_write
 
+    messages = []
+    for uid, body in list(sessions.items()):
+        obj = bridge.find(uid, body.name)
+        if obj is None or (view_layer and obj.name not in view_layer.objects):
+            messages += [f'"{body.name}" is gone, so its session has ended.', *stop(uid)]
+        elif not bridge_write.is_intact(obj, body.link, body.borrowed, body.shown):
+            words = f'"{obj.name}" was edited while it was pressed, so its session has ended. The edit is kept.'
+            messages += [words, *stop(uid)]
+    _rest_duplicates()
+    return messages
+
+
+def _rest_duplicates() -> None:
+    """Put duplicates of live bodies at rest; look only when there are other meshes than before."""
+    count = len(bpy.data.meshes)
+    if any(body.meshes != count for body in sessions.values()):
+        from . import bridge_write
+
+        bridge_write.rescue(sessions)
+        for body in sessions.values():
+            body.meshes = count
+
+
+def show(obj: bpy.types.Object, body: Body) -> Singles:
+    """Show a session on its object; return the coordinates (N, 3)."""
+    from . import bridge, bridge_write
+
+    local = bridge.to_local(body.link, body.matrix, body.frame.positions)
+    body.shown = bridge_write.show(obj, body.link, local)
+    return local
+
+
+def rest_all(*, for_file: bool = False) -> None:
+    """Put every object back as it was; the sessions go on, but for those whose object was edited."""
+    from . import bridge, bridge_write
+
+    end_changed()
+    bridge_write.rescue(sessions)
     for uid, body in sessions.items():
         if obj := bridge.find(uid, body.name):
             bridge_write.pause(obj, body.link, body.borrowed, for_file=for_file)
@@ -253,7 +327,7 @@ def show_all() -> None:
     from . import bridge, bridge_write
 
     for uid, body in sessions.items():
-        obj = bridge.find(uid, body.name)
-        if obj and bridge_write.is_showable(obj, body.link):
+        if obj := bridge.find(uid, body.name):
             bridge_write.resume(obj, body.borrowed)
-            bridge_write.show(obj, body.link, bridge.to_local(body.link, body.matrix, body.frame.positions))
+            if bridge_write.is_showable(obj, body.link, body.borrowed):
+                show(obj, body)
