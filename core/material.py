@@ -12,7 +12,12 @@ FILLS = ("air", "liquid", "paper", "none")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelConstants:
-    """Hold kappa1, kappa2: shape matching per area [N/m3], d0: its knee [m], membrane_scale: factor on k.
+    """Constants of the model, identified for one material on one mesh.
+
+    Args:
+        kappa1, kappa2: of shape matching per area [N/m3], up to its knee and beyond.
+        d0: displacement at the knee [m].
+        membrane_scale: factor on k.
 
     Raises:
         DimpleError: one of them is not greater than 0.
@@ -30,7 +35,7 @@ class ModelConstants:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
-    """Hold the constants of one material.
+    """Constants of one material.
 
     Args:
         K1: slope of force over depth up to the knee [N/m], Eq. (1).
@@ -38,7 +43,7 @@ class Material:
         x0: depth of the knee [m].
         k: surface spring constant [N/m], Eq. (4).
         mass: of the whole body were it all of this material [kg]; or
-        density: of the body [kg/m3] (of an open sheet: see `mesh.Mesh.bulk`). Give exactly one.
+        density: of the body [kg/m3]; an open sheet counts as a twentieth of its size thick. Give exactly one.
         damping_ratio: of critical, for springs and shape matching.
         friction: Coulomb coefficient of skin on fingertip and ground.
         fill: "air", "liquid", "paper" (Eq. (2)) or "none".
@@ -95,6 +100,9 @@ def _require(holds: bool, rule: str, value: object) -> None:
         why = "" if usable else ", out of range"
         raise DimpleError(f"{rule} (it is {value}{why}). Change it in Material > Dimple.")
 
+
+# of a body that has no material, and of a new one in the panel: the vinyl cube, as heavy as foam
+DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, density=100)
 
 _SOURCE = "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there"
 

@@ -8,7 +8,6 @@ never references into Blender's data, which an undo replaces.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -32,12 +31,16 @@ Singles = npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Link:
-    """Hold what joins an object to its session.
+class ObjectLink:
+    """What joins an object to its session.
 
-    uid, name: of the object.  rest: (N, 3) its coordinates at rest, bit for bit.  scale: physical metres per
-    scene unit.  matrix: (4, 4) of the object at the start.  resting: (N, 3) what a frame shows at rest [m].
-    rounding: what a vertex at rest may be off it [m].  slots: of the object's materials that the model has.
+    uid, name: of the object.
+    rest: (N, 3) its coordinates at rest, bit for bit.
+    scale: physical metres per scene unit.
+    matrix: (4, 4) of the object at the start.
+    resting: (N, 3) what a frame shows at rest [m].
+    rounding: what a vertex at rest may be off it [m].
+    slots: of the object's materials that the model has.
     """
 
     uid: int
@@ -50,7 +53,7 @@ class Link:
     slots: tuple[int, ...]
 
 
-def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True) -> tuple[Link, Model]:
+def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True) -> tuple[ObjectLink, Model]:
     """Read a mesh object with its materials and settings into a model; change nothing.
 
     Args:
@@ -72,7 +75,7 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
     used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
     try:
         mesh = mesh_from_triangles(to_physical(scale, matrix, rest), triangles, triangle_material=triangle_material)
-        materials, said = zip(*(_material(body, int(slot), mesh) for slot in used), strict=True)
+        materials, messages = zip(*(_material(body, int(slot), mesh) for slot in used), strict=True)
         held = base_vertices(mesh) if params["hold"] == "base" else None
         if params["hold"] == "group":
             held = _pins(body, params["pin_group"])
@@ -86,11 +89,11 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
     except DimpleError as error:
         raise DimpleError(f'"{body.name}": {error}') from error
     resting = mesh.rest_positions[mesh.source].astype(np.float32)
-    link = Link(
+    link = ObjectLink(
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting,
         rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()), slots=tuple(map(int, used)),
     )  # fmt: skip
-    notes = (*filter(None, said), *advice.on_body(body, mesh, context.scene))
+    notes = (*filter(None, messages), *advice.on_body(body, mesh, context.scene), *advice.on_fill(model))
     return link, replace(model, notes=(*model.notes, *notes))
 
 
@@ -178,7 +181,7 @@ def to_physical(scale: float, matrix: Floats, local: npt.NDArray[Any]) -> Floats
     return scale * (local.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
 
 
-def to_local(link: Link, matrix: Floats, physical: Singles) -> Singles:
+def to_local(link: ObjectLink, matrix: Floats, physical: Singles) -> Singles:
     """Return physical points (N, 3) [m] as coordinates of an object; vertices at rest get their very bits back."""
     inverse = np.linalg.inv(matrix)
     local = (physical @ (inverse[:3, :3].T / link.scale) + inverse[:3, 3]).astype(np.float32)
@@ -233,10 +236,10 @@ def _triangles(mesh: bpy.types.Mesh) -> tuple[npt.NDArray[np.int32], npt.NDArray
 
 
 def _material(body: bpy.types.Object, slot: int, mesh: Mesh) -> tuple[Material, str]:
-    from ..core.material import Material
+    from ..core.material import DEFAULT_MATERIAL
 
     material = body.material_slots[slot].material if body.material_slots else None
-    return (Material(**default_params()), "") if material is None else constants_on(mesh, material)
+    return (DEFAULT_MATERIAL, "") if material is None else constants_on(mesh, material)
 
 
 def constants_on(mesh: Mesh, material: bpy.types.Material) -> tuple[Material, str]:
@@ -251,12 +254,12 @@ def constants_on(mesh: Mesh, material: bpy.types.Material) -> tuple[Material, st
         constants = Material(**material.dimple.to_params())
     except DimpleError as error:
         raise DimpleError(f'material "{material.name}": {error}') from error
-    told = calibration.load(material.dimple.identification)
-    if constants.constants is None or not told or _alike(fingerprint(mesh), told["mesh"]):
+    record = calibration.load(material.dimple.identification)
+    if constants.constants is None or not record or _alike(fingerprint(mesh), record["mesh"]):
         return constants, ""
     return replace(constants, constants=None), (
-        f'The model constants of "{material.name}" were identified on another mesh or size ({told["object"]}, '
-        f"{told['size']:.4g} mm): an estimate stands in. Identify it on this one."
+        f'The model constants of "{material.name}" were identified on another mesh or size ({record["object"]}, '
+        f"{record['size']:.4g} mm): an estimate stands in. Identify it on this one."
     )
 
 
@@ -269,13 +272,6 @@ def fingerprint(mesh: Mesh) -> dict[str, float]:
 
 def _alike(one: dict[str, float], other: dict[str, float]) -> bool:
     return all(abs(one[name] - other[name]) <= 1e-3 * abs(one[name]) for name in ("vertices", "area", "volume"))
-
-
-def default_params() -> dict[str, Any]:
-    """Return the constants of a material that nobody has touched."""
-    group = bpy.types.Material.bl_rna.properties["dimple"].fixed_type
-    untouched = SimpleNamespace(**{each.identifier: getattr(each, "default", None) for each in group.properties})
-    return bpy.types.PropertyGroup.bl_rna_get_subclass_py(group.identifier).to_params(untouched)
 
 
 def _pins(body: bpy.types.Object, group: str) -> Floats:
@@ -292,9 +288,12 @@ def _weights(body: bpy.types.Object, group: str, role: str) -> Floats:
     found = body.vertex_groups.get(group)
     if found is None:
         raise DimpleError(f'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.')
-    weights, index = np.zeros(len(body.data.vertices)), found.index
-    for i, vertex in enumerate(body.data.vertices):
-        for element in vertex.groups:
-            if element.group == index:
-                weights[i] = element.weight
-    return weights
+    import bmesh
+
+    read = bmesh.new()  # its dictionaries are the quickest way that Blender has to the weights
+    try:
+        read.from_mesh(body.data, face_normals=False, vertex_normals=False)
+        layer, index = read.verts.layers.deform.active, found.index
+        return np.array([vertex[layer].get(index, 0.0) if layer else 0.0 for vertex in read.verts])
+    finally:
+        read.free()
