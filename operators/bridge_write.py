@@ -1,4 +1,4 @@
-"""The bridge's way back: show a running session on a mesh, and put the rest shape back bit for bit.
+"""Write through the bridge: show a running session on a mesh, and put the rest shape back bit for bit.
 
 While a session shows, the mesh carries its rest shape in an attribute. So an undo step, an autosave or a crash
 that catches it pressed loses nothing: `rescue` finds such meshes and puts them right. With shape keys the mesh
@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from .bridge import Link, Singles, get_points
+from .bridge import ObjectLink, Singles, get_points
 from .names import CACHE, CACHES_OFF, KEPT_KEY, LIVE_KEY, REST
 
 SAME_MAP = 16 * float(np.finfo(np.float32).eps)  # of the coordinates: an edit this near to one linear map is that map
@@ -32,7 +32,7 @@ class Borrowed:
     copy: int
 
 
-def borrow(body: bpy.types.Object, link: Link, *, others: Collection[int] = ()) -> Borrowed:
+def borrow(body: bpy.types.Object, link: ObjectLink, *, others: Collection[int] = ()) -> Borrowed:
     """Make an object ready to show a session, and return what was changed.
 
     Args:
@@ -58,13 +58,13 @@ def is_cache(modifier: bpy.types.Modifier) -> bool:
     return modifier.type == "MESH_CACHE" and modifier.name.startswith(CACHE)
 
 
-def is_showable(body: bpy.types.Object, link: Link, borrowed: Borrowed) -> bool:
+def is_showable(body: bpy.types.Object, link: ObjectLink, borrowed: Borrowed) -> bool:
     """Tell whether an object still has the mesh that was read, and nobody edits it."""
     mesh = body.data
     return body.mode == "OBJECT" and mesh.session_uid == borrowed.copy and len(mesh.vertices) == len(link.rest)
 
 
-def is_intact(body: bpy.types.Object, link: Link, borrowed: Borrowed, shown: Singles | None) -> bool:
+def is_intact(body: bpy.types.Object, link: ObjectLink, borrowed: Borrowed, shown: Singles | None) -> bool:
     """Tell whether an object is as its session left it.
 
     Args:
@@ -75,7 +75,7 @@ def is_intact(body: bpy.types.Object, link: Link, borrowed: Borrowed, shown: Sin
     return shown is None or np.array_equal(_showing(body.data), shown)
 
 
-def show(body: bpy.types.Object, link: Link, local: Singles) -> Singles:
+def show(body: bpy.types.Object, link: ObjectLink, local: Singles) -> Singles:
     """Show coordinates (N, 3) on an object.
 
     Returns:
@@ -93,7 +93,7 @@ def show(body: bpy.types.Object, link: Link, local: Singles) -> Singles:
     return local
 
 
-def pause(body: bpy.types.Object, link: Link, borrowed: Borrowed, *, for_file: bool = False) -> None:
+def pause(body: bpy.types.Object, link: ObjectLink, borrowed: Borrowed, *, for_file: bool = False) -> None:
     """Put everything back for a moment; for a file the shared mesh too.
 
     Not for an undo step: that must know which mesh the object has, or it gives it one that is gone.
@@ -112,7 +112,7 @@ def resume(body: bpy.types.Object, borrowed: Borrowed) -> None:
 
 
 def give_back(
-    body: bpy.types.Object, link: Link, borrowed: Borrowed, shown: Singles | None, *, undoing: bool = False
+    body: bpy.types.Object, link: ObjectLink, borrowed: Borrowed, shown: Singles | None, *, undoing: bool = False
 ) -> None:
     """Put the rest shape and everything borrowed back; what the artist has changed since stays changed.
 
@@ -215,7 +215,7 @@ def _remember(what: str) -> None:
         bpy.ops.ed.undo_push(message=what)
 
 
-def add_key(body: bpy.types.Object, name: str, link: Link, local: Singles) -> bpy.types.ShapeKey:
+def add_key(body: bpy.types.Object, name: str, link: ObjectLink, local: Singles) -> bpy.types.ShapeKey:
     """Add a shape key that shows coordinates (N, 3) when its value is 1; the first one needs a basis."""
     active = body.active_shape_key_index
     if not body.data.shape_keys:
@@ -227,14 +227,14 @@ def add_key(body: bpy.types.Object, name: str, link: Link, local: Singles) -> bp
     return key
 
 
-def set_key(body: bpy.types.Object, key: bpy.types.ShapeKey, link: Link, local: Singles) -> Singles:
+def set_key(body: bpy.types.Object, key: bpy.types.ShapeKey, link: ObjectLink, local: Singles) -> Singles:
     """Let a shape key show coordinates (N, 3), whatever the other keys add; return its own."""
     points = get_points(body.data.shape_keys.reference_key.points, len(link.rest), "co") + (local - link.rest)
     key.points.foreach_set("co", points.ravel())
     return points
 
 
-def _show_key(body: bpy.types.Object, link: Link, local: Singles) -> Singles:
+def _show_key(body: bpy.types.Object, link: ObjectLink, local: Singles) -> Singles:
     live = body.data.shape_keys.key_blocks.get(LIVE_KEY) or add_key(body, LIVE_KEY, link, local)
     live.value = 1.0
     return set_key(body, live, link, local)
@@ -251,7 +251,7 @@ def _showing(mesh: bpy.types.Mesh) -> Singles | None:
 
 def _set_positions(mesh: bpy.types.Mesh, local: Singles) -> None:
     mesh.attributes["position"].data.foreach_set("vector", np.ascontiguousarray(local).ravel())
-    # the fast way leaves normals and bounding box as they were; one vertex by the slow way mends that
+    # this leaves normals and bounding box as they were; one vertex set through RNA has them computed anew
     mesh.vertices[0].co = mesh.vertices[0].co
 
 

@@ -34,7 +34,7 @@ class DIMPLE_OT_compare_methods(Working, bpy.types.Operator):
         """Need Object Mode, a mesh, and nothing else at work."""
         return polls.can_press(cls, context)
 
-    def _open(self, context: bpy.types.Context) -> sessions.Run:
+    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
         return sessions.open_run(context, "compare", "Comparing: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
@@ -111,7 +111,7 @@ def proxy_sizes(most: int) -> list[int]:
 
 
 def holds_for(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
-    """Return what a comparison hangs on, as a text that is another when any of it is.
+    """Return what a comparison depends on, as a text that is another when any of it is.
 
     Panels ask at each redraw, so a shape that is sculpted or a weight that is painted is not seen.
     """

@@ -39,7 +39,7 @@ def _on_save_post(*_: object) -> None:
     sessions.show_all()
 
 
-def _goes_on(obj: bpy.types.Object, body: sessions.Body) -> bool:
+def _goes_on(obj: bpy.types.Object, body: sessions.LiveBody) -> bool:
     """Tell whether an undo has left a session the mesh and the rest shape that it was started with."""
     from . import bridge, bridge_write
 

@@ -61,7 +61,7 @@ def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
 
 
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
-    """Return what a choice hangs on: the body with its materials, the tolerances, the fingertip, the budget."""
+    """Return what a choice depends on: the body with its materials, the tolerances, the fingertip, the budget."""
     law, number = model.matching, 0
     for array in (
         law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, law.d0, law.damping,

@@ -33,7 +33,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
         try:
             polls.check_numbers(self, "seconds")
-            self._tell(live.start_all(context))
+            self._report(live.start_all(context))
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -56,7 +56,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             sessions.redraw()
             return {"FINISHED"}
         try:
-            self._tell(live.start_all(context))
+            self._report(live.start_all(context))
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -89,12 +89,12 @@ class DIMPLE_OT_play(bpy.types.Operator):
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
         if self._run.paused:
-            said = sessions.end_changed(context.view_layer)
+            messages = sessions.end_changed(context.view_layer)
         else:
             asked, budget = live.ask(context.scene, self._run, wall)
-            said = live.advance(context, asked, budget=budget)
+            messages = live.advance(context, asked, budget=budget)
             live.adapt(self._run, asked)
-        for sentence in [*said, *recovery.save_when_due(self._run)]:
+        for sentence in [*messages, *recovery.save_when_due(self._run)]:
             self.report({"WARNING"}, sentence)
         sessions.redraw()
         if not sessions.sessions:
@@ -102,12 +102,12 @@ class DIMPLE_OT_play(bpy.types.Operator):
             return {"CANCELLED"}
         return {"PASS_THROUGH"}
 
-    def _tell(self, started: tuple[list, list[str], list[str]]) -> None:
-        _, said, wrong = started
+    def _report(self, started: tuple[list, list[str], list[str]]) -> None:
+        _, messages, wrong = started
         for sentence in wrong:
             self.report({"WARNING"}, sentence)
-        if said:
-            self.report({"INFO"}, " ".join(said))
+        if messages:
+            self.report({"INFO"}, " ".join(messages))
 
 
 class DIMPLE_OT_reset(bpy.types.Operator):

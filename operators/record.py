@@ -16,7 +16,7 @@ def begin(context: bpy.types.Context) -> None:
     from . import bridge, output
 
     render = context.scene.render
-    begun: list[tuple[sessions.Body, output.Recorder]] = []
+    begun: list[tuple[sessions.LiveBody, output.Recorder]] = []
     try:
         for uid, body in sessions.sessions.items():
             obj = bridge.find(uid, body.name)

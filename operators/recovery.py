@@ -13,7 +13,7 @@ import bpy
 from . import sessions
 
 
-def save_when_due(run: sessions.Run) -> list[str]:
+def save_when_due(run: sessions.ModalRun) -> list[str]:
     """Write the copy at the interval of Blender's preferences, if autosave is on there.
 
     Returns:

@@ -1,6 +1,6 @@
 """The running sessions: the only mutable module state of the extension.
 
-`sessions` holds a Body for every object that is being pressed, by the object's session_uid, which survives undo
+`sessions` holds a LiveBody for every object that is being pressed, by the object's session_uid, which survives undo
 and renaming; `runs` holds the modal operators that drive them, so that whatever ends a session from outside (a
 file is loaded, the extension is switched off, an undo takes the object away) also ends what drives it.
 """
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..core.session import Finger, Frame, Session
-    from .bridge import Link, Singles
+    from .bridge import ObjectLink, Singles
     from .bridge_write import Borrowed
     from .haptic import Connection
     from .output import Recorder
@@ -29,16 +29,24 @@ TRAIL = 4000  # points of force against depth that the chart remembers
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Body:
-    """Hold one pressed object: its session, and numbers that join it to Blender.
+class LiveBody:
+    """One object that is being pressed: its session, and what joins that to Blender.
 
-    triangles: (t, 3) of the object's own vertices, outward.  matrix: (4, 4) of the object when it was last stepped.
-    fingers: the fingertips to be drawn, in the session's space.  trail: depth [m] and force [N] of the deepest one.
-    poked: which fingertips are the poke's.  take: the last recording and its first frame.
-    shown: (N, 3) what was written to the mesh last.  meshes: in the file when duplicates were looked for last.
+    link: the object at rest.
+    session: what moves it.
+    borrowed: what of the object was changed.
+    matrix: (4, 4) of the object when it was last stepped.
+    triangles: (t, 3) of the object's own vertices, outward.
+    fingers: the fingertips to be drawn, in the session's space.
+    poked: which fingertips are the poke's.
+    trail: depth [m] and force [N] of the deepest fingertip.
+    recorder: of the recording under way.
+    take: path and first frame of the last recording.
+    shown: (N, 3) what was written to the mesh last.
+    meshes: how many there were in the file when duplicates were looked for last.
     """
 
-    link: Link
+    link: ObjectLink
     session: Session
     borrowed: Borrowed
     matrix: np.ndarray
@@ -78,28 +86,33 @@ class Body:
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Run:
-    """Hold a modal operator that drives the sessions.
+class ModalRun:
+    """A modal operator that drives the sessions.
 
-    kind: "poke", "play", "bake", "compare", "identify" or "measure".  pace: simulated time the next step asks for [s];
-    it falls when the computer lags.  saved_at: when the last recovery copy was due [s].  leave: called when the run is closed, by whomever.
+    kind: "poke", "play", "bake", "compare", "identify" or "measure".
+    timer: what wakes it.
+    paused: time stands still.
+    closed: it has ended.
+    step_s: simulated time that the next step asks for [s]; it falls when the computer lags.
+    saved_at: when the last recovery copy was due [s].
+    leave: called when the run is closed, by whomever.
     """
 
     kind: str
     timer: bpy.types.Timer | None
     paused: bool = False
     closed: bool = False
-    pace: float = 0.002
+    step_s: float = 0.002
     saved_at: float = field(default_factory=time.monotonic)
     leave: Callable[[], None] | None = None
 
 
-sessions: dict[int, Body] = {}
-runs: list[Run] = []
+sessions: dict[int, LiveBody] = {}
+runs: list[ModalRun] = []
 devices: list[Connection] = []  # the haptic device, where one is connected
 
 
-def get(obj: bpy.types.Object | None) -> Body | None:
+def get(obj: bpy.types.Object | None) -> LiveBody | None:
     """Return the session of an object."""
     return sessions.get(obj.session_uid) if obj else None
 
@@ -114,7 +127,7 @@ def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:
     return {getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)}
 
 
-def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list[str]]:
+def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, list[str]]:
     """Start the session of an object, or return the one it has; and sentences for the artist.
 
     Raises:
@@ -132,17 +145,17 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list
     link, model = bridge.read_body(context, obj)
     proxy, reason = planning.proxy_for(context.scene, obj, model)
     session = Session(model, proxy=proxy)  # may refuse too, so before the mesh is touched
-    said = [*([reason] if reason else []), *(f'"{obj.name}": {note}' for note in model.notes)]
+    messages = [*([reason] if reason else []), *(f'"{obj.name}": {note}' for note in model.notes)]
     if bridge_write.is_shared(obj.data):
-        said.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
+        messages.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
     first = input_vertices(model.mesh)
     others = {body.borrowed.shared for body in sessions.values() if body.borrowed.shared is not None}
-    body = sessions[link.uid] = Body(
+    body = sessions[link.uid] = LiveBody(
         link=link, session=session, matrix=link.matrix, triangles=first[model.mesh.triangles],
         borrowed=bridge_write.borrow(obj, link, others=others),
     )  # fmt: skip
     obj.dimple.enabled = True
-    return body, said
+    return body, messages
 
 
 def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
@@ -171,7 +184,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     return messages
 
 
-def end_recording(body: Body) -> list[str]:
+def end_recording(body: LiveBody) -> list[str]:
     """End the recording of a body, if there is one; the object plays it once its session has ended.
 
     Returns:
@@ -229,18 +242,18 @@ def ending_on_error() -> Iterator[None]:
         raise
 
 
-def open_run(context: bpy.types.Context, kind: str, said: str, *, interval: float = 1 / 60) -> Run:
+def open_run(context: bpy.types.Context, kind: str, state: str, *, interval: float = 1 / 60) -> ModalRun:
     """Register a modal operator and give it a timer; an earlier one that drives the sessions is closed."""
     for run in list(runs):
         close_run(run)
     manager = context.window_manager
-    run = Run(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
+    run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
     runs.append(run)
-    manager.dimple.state = said
+    manager.dimple.state = state
     return run
 
 
-def close_run(run: Run) -> None:
+def close_run(run: ModalRun) -> None:
     """Take timer and status text of a modal operator away; closing twice does nothing."""
     if run.closed:
         return
@@ -302,7 +315,7 @@ def _rest_duplicates() -> None:
             body.meshes = count
 
 
-def show(obj: bpy.types.Object, body: Body) -> Singles:
+def show(obj: bpy.types.Object, body: LiveBody) -> Singles:
     """Show a session on its object; return the coordinates (N, 3)."""
     from . import bridge, bridge_write
 

@@ -13,7 +13,7 @@ class Working:
     """Give an operator its `execute`, `invoke`, `modal` and `cancel`.
 
     The operator has `_begin(context)`: the steps, a generator of the share that is done, whose closing undoes what was
-    half done; `_open(context)`: the Run; `_finished(context)`: what follows the last step.  verb: what it says it
+    half done; `_open(context)`: the ModalRun; `_finished(context)`: what follows the last step.  verb: what it says it
     does.  stopped: what it says after Esc.
     """
 
