@@ -225,7 +225,7 @@ def _choose(state: PokeState, chosen: int) -> Result:
 
 
 def _leaving(tip: PokeTip) -> PokeTip:
-    # it comes out of the depth it has reached, so that release_s holds for a press cut short too
+    # from the depth it has reached, so that release_s holds for a press cut short too
     return replace(tip, leaving=True, depth=tip.reached)
 
 

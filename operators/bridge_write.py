@@ -12,12 +12,10 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from mathutils import Vector
 
 from .bridge import ObjectLink, Singles, get_points
 from .names import CACHE, CACHES_OFF, KEPT_KEY, LIVE_KEY, REST
-
-SAME_MAP = 16 * float(np.finfo(np.float32).eps)  # of the coordinates: an edit this near to one linear map is that map
+from .rest_shape import carry_rest, drop_rest, put_back, rest_mesh, set_positions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +41,7 @@ def borrow(body: bpy.types.Object, link: ObjectLink, *, others: Collection[int] 
         shared, body.data = mesh.session_uid, mesh.copy()
         _remember("Press a copy of a shared mesh")
     if not body.data.shape_keys:
-        _carry_rest(body.data, link.rest)
+        carry_rest(body.data, link.rest)
     _switch_caches_off(body)
     return Borrowed(shared=shared, copy=body.data.session_uid)
 
@@ -84,11 +82,11 @@ def show(body: bpy.types.Object, link: ObjectLink, local: Singles) -> Singles:
     mesh = body.data
     if mesh.shape_keys:
         if REST in mesh.attributes:  # the first keys were added while it was pressed
-            _rest_mesh(mesh, link.rest)
+            rest_mesh(mesh, link.rest)
         local = _show_key(body, link, local)
     else:
-        _carry_rest(mesh, link.rest)
-        _set_positions(mesh, local)
+        carry_rest(mesh, link.rest)
+        set_positions(mesh, local)
     mesh.update_tag()
     return local
 
@@ -98,7 +96,7 @@ def pause(body: bpy.types.Object, link: ObjectLink, borrowed: Borrowed, *, for_f
 
     Not for an undo step: that must know which mesh the object has, or it gives it one that is gone.
     """
-    _put_back(body, link.rest)
+    put_back(body, link.rest)
     _switch_caches_on(body)
     if for_file:
         _exchange(body, borrowed.shared)
@@ -121,11 +119,11 @@ def give_back(
         undoing: Blender undoes. It has just set every mesh: what it set is no edit, and no mesh is exchanged.
     """
     if undoing:
-        _put_back(body, None)
+        put_back(body, None)
     elif body.data.session_uid == borrowed.copy:
-        _put_back(body, link.rest, shown)
+        put_back(body, link.rest, shown)
     elif (lost := _mesh(borrowed.copy)) and REST in lost.attributes and not lost.is_editmode:
-        _rest_mesh(lost, link.rest)  # the object was given another mesh
+        rest_mesh(lost, link.rest)  # the object was given another mesh
     _switch_caches_on(body)
     copy = body.data
     if not undoing and copy.session_uid == borrowed.copy and _exchange(body, borrowed.shared):
@@ -139,7 +137,7 @@ def keep(body: bpy.types.Object) -> None:
     if body.data.shape_keys:
         if live := body.data.shape_keys.key_blocks.get(LIVE_KEY):
             live.name = KEPT_KEY
-    _drop_rest(body.data)
+    drop_rest(body.data)
 
 
 def rescue(live: Collection[int]) -> None:
@@ -154,31 +152,9 @@ def rescue(live: Collection[int]) -> None:
         if body.session_uid in live:
             continue
         if body.data.session_uid not in in_use and _is_pressed(body.data):
-            _put_back(body, None)
+            put_back(body, None)
         if CACHES_OFF in body:
             _switch_caches_on(body)
-
-
-def after_edit(rest: Singles, shown: Singles, now: Singles) -> Singles:
-    """Return the rest shape (N, 3) after an edit of the shape that showed, which has made it what there is now.
-
-    An edit that maps every vertex alike (a transform applied, an origin set) maps the rest shape too. Any other moves
-    each vertex of the rest shape as it has moved the vertex that showed.
-    """
-    if np.array_equal(now, shown):
-        return rest
-    before, after = (points.astype(np.float64) for points in (shown, now))
-    middle, middle_after = before.mean(axis=0), after.mean(axis=0)
-    linear = np.linalg.lstsq(before - middle, after - middle_after, rcond=None)[0]
-    off = np.abs((before - middle) @ linear + middle_after - after).max()
-    if off <= SAME_MAP * np.abs(after).max():
-        return ((rest - middle) @ linear + middle_after).astype(np.float32)
-    return _moved(rest, shown, now)
-
-
-def _moved(rest: Singles, shown: Singles, now: Singles) -> Singles:
-    # what has not moved keeps its very bits, the sign of a zero too
-    return np.where(now == shown, rest, rest + (now - shown))
 
 
 def _switch_caches_off(body: bpy.types.Object) -> None:
@@ -249,90 +225,6 @@ def _showing(mesh: bpy.types.Mesh) -> Singles | None:
     return get_points(live.points, count, "co") if live else None
 
 
-def _set_positions(mesh: bpy.types.Mesh, local: Singles) -> None:
-    mesh.attributes["position"].data.foreach_set("vector", np.ascontiguousarray(local).ravel())
-    # this leaves normals and bounding box as they were; one vertex set through RNA has them computed anew
-    mesh.vertices[0].co = mesh.vertices[0].co
-
-
-def _carry_rest(mesh: bpy.types.Mesh, rest: Singles) -> None:
-    if REST not in mesh.attributes:
-        mesh.attributes.new(REST, "FLOAT_VECTOR", "POINT").data.foreach_set("vector", rest.ravel())
-
-
-def _drop_rest(mesh: bpy.types.Mesh) -> None:
-    if REST in mesh.attributes:
-        mesh.attributes.remove(mesh.attributes[REST])
-
-
 def _is_pressed(mesh: bpy.types.Mesh) -> bool:
     keys = mesh.shape_keys
     return REST in mesh.attributes or bool(keys and LIVE_KEY in keys.key_blocks)
-
-
-def _put_back(body: bpy.types.Object, rest: Singles | None, shown: Singles | None = None) -> None:
-    """Put the rest shape back, from the attribute on the mesh if it is not given.
-
-    Args:
-        shown: (N, 3) what was shown last, to tell an edit by; None where there was none.
-    """
-    mesh = body.data
-    if mesh.is_editmode:
-        _put_back_edited(mesh, shown)
-    elif REST in mesh.attributes:
-        count = len(mesh.vertices)
-        if rest is None or len(rest) != count:
-            rest = get_points(mesh.attributes[REST].data, count, "vector")
-        if shown is not None and len(shown) == count:
-            rest = after_edit(rest, shown, get_points(mesh.attributes["position"].data, count, "vector"))
-        _rest_mesh(mesh, rest)
-    if live := mesh.shape_keys and mesh.shape_keys.key_blocks.get(LIVE_KEY):
-        body.shape_key_remove(live)
-        if mesh.is_editmode:
-            _drop_edited_key(mesh)
-    mesh.update_tag()
-
-
-def _rest_mesh(mesh: bpy.types.Mesh, rest: Singles) -> None:
-    """Put a mesh that carries its rest shape at rest, and the shape keys that were added to it meanwhile."""
-    keys = mesh.shape_keys
-    if keys:
-        pressed = get_points(keys.reference_key.points, len(rest), "co")
-        for key in keys.key_blocks:
-            key.points.foreach_set("co", _moved(rest, pressed, get_points(key.points, len(rest), "co")).ravel())
-    _set_positions(mesh, rest)
-    _drop_rest(mesh)
-
-
-def _put_back_edited(mesh: bpy.types.Mesh, shown: Singles | None) -> None:
-    """Put the rest shape back into a mesh in Edit Mode, where its vertices live elsewhere."""
-    import bmesh
-
-    edited = bmesh.from_edit_mesh(mesh)
-    layer = edited.verts.layers.float_vector.get(REST)
-    if not layer:
-        return
-    here = np.array([vertex.co for vertex in edited.verts], np.float32)
-    rest = np.array([vertex[layer] for vertex in edited.verts], np.float32)
-    shapes = edited.verts.layers.shape.values()
-    if shapes:  # the first keys were added while it was pressed
-        pressed = np.array([vertex[shapes[0]] for vertex in edited.verts], np.float32)
-    else:
-        pressed = shown if shown is not None and len(shown) == len(here) else here
-    for shape in shapes:
-        now = np.array([vertex[shape] for vertex in edited.verts], np.float32)
-        for vertex, point in zip(edited.verts, _moved(rest, pressed, now), strict=True):
-            vertex[shape] = Vector(point)
-    for vertex, point in zip(edited.verts, rest if pressed is here else _moved(rest, pressed, here), strict=True):
-        vertex.co = point
-    edited.verts.layers.float_vector.remove(layer)
-    bmesh.update_edit_mesh(mesh)
-
-
-def _drop_edited_key(mesh: bpy.types.Mesh) -> None:
-    """Take a removed key out of a mesh in Edit Mode too, which would bring it back on leaving."""
-    import bmesh
-
-    edited = bmesh.from_edit_mesh(mesh)
-    if layer := edited.verts.layers.shape.get(LIVE_KEY):
-        edited.verts.layers.shape.remove(layer)

@@ -1,4 +1,4 @@
-"""What Blender tells: files are loaded and saved, steps are undone. No session outlives its file, and no file or
+"""What Blender reports: files are loaded and saved, steps are undone. No session outlives its file, and no file or
 undo step is left with a pressed mesh.
 """
 

@@ -54,7 +54,7 @@ def poke_event(
     Args:
         view: the viewport the pointer is in.
         shapes: positions (N, 3) of bodies as they were when the stroke began; others are taken as they are.
-        pressing: a stroke is on its way.
+        pressing: a stroke is under way.
     """
     kind, down = event.type, event.value in DOWN
     if kind == "ESC" and down:

@@ -1,7 +1,8 @@
 """A recovery copy while a body is live: Blender's own autosave waits as long as a modal operator runs.
 
-It is written when Blender would have written its own, to the same file, so File > Recover > Auto Save finds it. The
-handlers put every mesh at rest for it. It has the path of the copy: after a recovery the file must be saved anew.
+Source: Blender's issue 77825. The copy is written when Blender would have written its own, to the same file, so File >
+Recover > Auto Save finds it. The handlers put every mesh at rest for it. It has the path of the copy: after a recovery
+the file must be saved anew.
 """
 
 import os

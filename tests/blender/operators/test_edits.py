@@ -86,6 +86,30 @@ def test_vertices_that_a_script_moves_while_live_stay_moved_and_the_others_go_ba
     assert not np.delete(moved, 7, axis=0).any()
 
 
+def test_a_vertex_that_a_script_sets_to_no_number_ends_the_session_and_costs_the_others_nothing(
+    bpy: ModuleType, sessions: Any, playing: Any, rest: bytes
+) -> None:
+    obj = playing()
+    obj.data.vertices[7].co.x = float("nan")
+    assert "was edited" in advance(bpy)[0] and is_clean(obj)
+    before = np.frombuffer(rest, np.float32).reshape(-1, 3)
+    assert np.array_equal(np.delete(points(obj), 7, axis=0), np.delete(before, 7, axis=0))
+
+
+def test_the_origin_set_while_live_leaves_the_rest_shape_where_it_was_in_the_world(
+    bpy: ModuleType, sessions: Any, ball: Add
+) -> None:
+    obj = ball()
+    rest = in_world(obj)
+    bpy.context.scene.dimple.use_gravity = True
+    bpy.ops.dimple.play(seconds=0.05)
+    bpy.context.scene.cursor.location = (3, 2, 1)
+    bpy.ops.object.origin_set(type="ORIGIN_CURSOR")
+    bpy.context.view_layer.update()
+    bpy.ops.dimple.reset()
+    assert tuple(obj.location) == (3, 2, 1) and np.abs(in_world(obj) - rest).max() < 1e-5
+
+
 def test_a_displace_modifier_applied_while_live_stays_applied(
     bpy: ModuleType, sessions: Any, playing: Any, rest: bytes
 ) -> None:
