@@ -4,7 +4,7 @@ undo step is left with a pressed mesh.
 
 import bpy
 
-from . import sessions
+from . import sessions, showing
 from .names import LIVE_KEY, REST
 
 
@@ -31,12 +31,12 @@ def _on_load_post(*_: object) -> None:
 
 @bpy.app.handlers.persistent
 def _on_save_pre(*_: object) -> None:
-    sessions.rest_all(for_file=True)
+    showing.rest_all(for_file=True)
 
 
 @bpy.app.handlers.persistent
 def _on_save_post(*_: object) -> None:
-    sessions.show_all()
+    showing.show_all()
 
 
 def _goes_on(obj: bpy.types.Object, body: sessions.LiveBody) -> bool:
@@ -59,7 +59,7 @@ def _on_undo(*_: object) -> None:
             obj = bridge.find(uid, body.name)
             if obj is None or not _goes_on(obj, body):
                 sessions.stop(uid, undoing=True)
-        sessions.show_all()
+        showing.show_all()
     _rescue()
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, haptic, sessions
+from . import bridge, haptic, sessions, showing
 from .sessions import LiveBody, ModalRun
 
 LONGEST_S = 0.1  # after a hiccup of Blender, time is lost rather than jumped over
@@ -74,7 +74,7 @@ def advance(
     Returns:
         Sentences for the artist: sessions that ended, or were put back to rest.
     """
-    messages = [*haptic.read(), *sessions.end_changed(context.view_layer)]
+    messages = [*haptic.read(), *showing.end_changed(context.view_layer)]
     share = budget / len(sessions.sessions) if budget and sessions.sessions else budget
     for uid, body in list(sessions.sessions.items()):
         obj = bridge.find(uid, body.name)
@@ -111,7 +111,7 @@ def step(
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
         body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
-    local = sessions.show(obj, body)
+    local = showing.show(obj, body)
     if body.recorder:
         try:
             body.recorder.append(frame.time, local, frame)

@@ -5,7 +5,7 @@ import time
 import bpy
 from bpy.props import FloatProperty
 
-from . import polls, sessions
+from . import polls, sessions, showing
 from .names import Op
 
 
@@ -89,7 +89,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
         if self._run.paused:
-            messages = sessions.end_changed(context.view_layer)
+            messages = showing.end_changed(context.view_layer)
         else:
             asked, budget = live.ask(context.scene, self._run, wall)
             messages = live.advance(context, asked, budget=budget)

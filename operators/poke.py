@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
-from . import polls, sessions
+from . import polls, sessions, showing
 from .names import Op
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         asked, self._budget = live.ask(context.scene, self._run, wall)
         if self._run.paused != self._state.paused:  # the sidebar's button
             self._take(context, PokeEvent(kind=Kind.PAUSE))
-        if self._state.paused and (ended := self._went_on(sessions.end_changed(context.view_layer))):
+        if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
             return ended
         for sentence in recovery.save_when_due(self._run):
             self.report({"WARNING"}, sentence)
@@ -164,7 +164,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
                 live.adapt(self._run, amount)
                 return self._went_on(messages)
             case Effect.PUSH_UNDO:
-                with sessions.at_rest():
+                with showing.at_rest():
                     bpy.ops.ed.undo_push(message="Poke")
             case Effect.RECORD:
                 bpy.ops.dimple.record()

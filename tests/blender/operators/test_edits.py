@@ -30,11 +30,11 @@ def advance(bpy: ModuleType) -> list[str]:
     return live.advance(bpy.context, 0.02)
 
 
-def ways_out(bpy: ModuleType) -> dict[str, Callable[[], Any]]:
+def exits(bpy: ModuleType) -> dict[str, Callable[[], Any]]:
     """Return how a session can end after an edit: at the next step, at once, while paused, with the file saved."""
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators import showing
 
-    return {"step": lambda: advance(bpy), "reset": bpy.ops.dimple.reset, "paused": sessions.end_changed}
+    return {"step": lambda: advance(bpy), "reset": bpy.ops.dimple.reset, "paused": showing.end_changed}
 
 
 @pytest.mark.parametrize("end", ["step", "reset", "paused"])
@@ -58,7 +58,7 @@ def test_a_transform_applied_while_live_leaves_the_rest_shape_where_it_was_in_th
         **{"location": False, "rotation": False, "scale": False, "properties": False, **applied}
     )
     bpy.context.view_layer.update()
-    ways_out(bpy)[end]()
+    exits(bpy)[end]()
     bpy.context.view_layer.update()
     assert not sessions.sessions and is_clean(obj)
     assert np.abs(in_world(obj) - rest).max() < 1e-5
@@ -79,7 +79,7 @@ def test_vertices_that_a_script_moves_while_live_stay_moved_and_the_others_go_ba
 ) -> None:
     obj = playing()
     obj.data.vertices[7].co.x += 0.5
-    ways_out(bpy)[end]()
+    exits(bpy)[end]()
     moved = points(obj) - np.frombuffer(rest, np.float32).reshape(-1, 3)
     assert not sessions.sessions and is_clean(obj)
     assert moved[7] == pytest.approx((0.5, 0, 0), abs=1e-6)
@@ -181,7 +181,7 @@ def test_a_first_shape_key_and_edit_mode_while_paused_leave_the_rest_shape(
     obj = playing()
     obj.shape_key_add(name="Basis")
     bpy.ops.object.mode_set(mode="EDIT")
-    sessions.end_changed()
+    exits(bpy)["paused"]()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert is_clean(obj) and coordinates(obj) == rest
     assert np.array([point.co for point in obj.data.shape_keys.key_blocks[0].points], np.float32).tobytes() == rest
@@ -197,7 +197,7 @@ def test_a_vertex_moved_in_edit_mode_before_anybody_looked_stays_moved(
     edited = bmesh.from_edit_mesh(obj.data)
     edited.verts.ensure_lookup_table()
     edited.verts[7].co.x += 0.5
-    sessions.end_changed()
+    exits(bpy)["paused"]()
     bpy.ops.object.mode_set(mode="OBJECT")
     moved = points(obj) - np.frombuffer(rest, np.float32).reshape(-1, 3)
     assert moved[7, 0] == pytest.approx(0.5, abs=1e-6) and not np.delete(moved, 7, axis=0).any()
