@@ -108,6 +108,9 @@ def _require(holds: bool, rule: str, value: object) -> None:
         raise DimpleError(f"{rule} (it is {value}{why}). Change it in Material > Dimple.")
 
 
+# of a body that has no material, and of a new one in the panel: the vinyl cube, as heavy as foam
+DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, density=100)
+
 _SOURCE = "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there"
 
 # masses: a nylon pouch and a vinyl bag weigh little; the water of a 165 mm cube weighs 4.5 kg

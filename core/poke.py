@@ -1,7 +1,9 @@
-"""The poke as data: what mouse, tablet or script say becomes where the fingertips are.
+"""The poke as data: events of mouse, tablet or script become the fingertips of a session.
 
 Pure: `on_event(state, event)` returns a new state and what must be done; nothing here knows Blender. Points
-are in the session's space [m]. A fingertip starts where its sphere touches the surface and goes in from there.
+are in the session's space [m]. A fingertip starts where its sphere touches the surface and goes in from there:
+
+    Hit (what a ray meets) -> Aim (where and which way to press) -> PokeTip (how far it is) -> session.Finger
 """
 
 from __future__ import annotations
@@ -10,8 +12,8 @@ import math
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
-Vector = tuple[float, float, float]
-Target = tuple[Vector, float]  # centre and radius of a sphere [m]
+from .mesh.ray import Vector
+from .session import Finger
 
 FINGERS = 3
 WHEEL_STEP = 1.1  # a click of the wheel changes radius or depth by this factor
@@ -48,7 +50,7 @@ class Effect(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hit:
-    """Hold where a ray meets a body: point [m], unit normal outward, and which body."""
+    """Where a ray meets a body: point [m], unit normal outward, and which body."""
 
     point: Vector
     normal: Vector
@@ -57,7 +59,14 @@ class Hit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PokeEvent:
-    """Hold one event: what the pointer's ray hits, its unit direction, the pen's pressure 0..1, a number."""
+    """One event of a poke.
+
+    kind: what has happened.
+    hit: what the pointer's ray meets.
+    view: unit direction of that ray.
+    pressure: of the pen, 0 to 1.
+    amount: the number that the kind asks for.
+    """
 
     kind: Kind
     hit: Hit | None = None
@@ -68,7 +77,7 @@ class PokeEvent:
 
 @dataclass(frozen=True, slots=True)
 class Aim:
-    """Hold where a fingertip touches [m] and two unit vectors: out of the surface, and the way in."""
+    """Where a fingertip touches [m] and two unit vectors: out of the surface, and inward along the press."""
 
     at: Vector
     outward: Vector
@@ -76,10 +85,16 @@ class Aim:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tip:
-    """Hold one fingertip: aim now, and the goal a drag leads it to.
+class PokeTip:
+    """One fingertip of a poke.
 
-    depth: wanted [m].  reached: so far [m].  leaving: on its way out.
+    body: the one it presses.
+    aim: where it is now.
+    goal: where a drag leads it.
+    radius: of its sphere [m].
+    depth: wanted [m].
+    reached: so far [m].
+    leaving: it moves out of the body.
     """
 
     body: int
@@ -91,17 +106,25 @@ class Tip:
     leaving: bool = False
 
     @property
-    def centre(self) -> Vector:
-        """Return the centre of the sphere [m]."""
-        return along(along(self.aim.at, self.aim.outward, self.radius), self.aim.inward, self.reached)
+    def finger(self) -> Finger:
+        """Return where the fingertip is, for a session."""
+        return Finger(
+            along(along(self.aim.at, self.aim.outward, self.radius), self.aim.inward, self.reached), self.radius
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PokeState:
-    """Hold the settings and the fingertips of a poke.
+    """Settings and fingertips of a poke.
 
-    radius, depth: of the next press [m].  press_s, release_s: how long the way in and out takes [s].
-    along_normal: press along the surface normal rather than the view.  active: the finger the pointer moves.
+    radius, depth: of the next press [m].
+    press_s, release_s: how long going in and coming out take [s].
+    along_normal: press along the surface normal rather than the view.
+    active: the finger the pointer moves.
+    tips: of each finger, None where it is lifted.
+    hover: what the pointer is on.
+    pressing: the active finger follows the pointer.
+    paused: time stands still.
     """
 
     radius: float
@@ -110,7 +133,7 @@ class PokeState:
     release_s: float = 0.25
     along_normal: bool = False
     active: int = 0
-    tips: tuple[Tip | None, ...] = (None,) * FINGERS
+    tips: tuple[PokeTip | None, ...] = (None,) * FINGERS
     hover: Hit | None = None
     pressing: bool = False
     paused: bool = False
@@ -154,9 +177,9 @@ def _tick(state: PokeState, dt: float) -> Result:
     return replace(state, tips=tuple(_moved(tip, state, dt) for tip in state.tips)), (Effect.STEP,)
 
 
-def targets(state: PokeState, body: int) -> tuple[Target | None, ...]:
+def fingers(state: PokeState, body: int) -> tuple[Finger | None, ...]:
     """Return where each fingertip that presses a body is."""
-    return tuple((tip.centre, tip.radius) if tip and tip.body == body else None for tip in state.tips)
+    return tuple(tip.finger if tip and tip.body == body else None for tip in state.tips)
 
 
 def along(a: Vector, b: Vector, factor: float) -> Vector:
@@ -177,7 +200,7 @@ def _press(state: PokeState, event: PokeEvent) -> PokeState:
     if event.hit is None:
         return state
     aim, depth = _aim(state, event.hit, event.view), state.depth * event.pressure
-    tip = Tip(body=event.hit.body, aim=aim, goal=aim, radius=state.radius, depth=depth)
+    tip = PokeTip(body=event.hit.body, aim=aim, goal=aim, radius=state.radius, depth=depth)
     return replace(_with_tip(state, tip), pressing=True, hover=event.hit)
 
 
@@ -201,22 +224,22 @@ def _choose(state: PokeState, chosen: int) -> Result:
     return replace(state, active=chosen, pressing=False), effects
 
 
-def _leaving(tip: Tip) -> Tip:
-    # what was reached is the way back, so that release_s holds for a press cut short too
+def _leaving(tip: PokeTip) -> PokeTip:
+    # from the depth it has reached, so that release_s holds for a press cut short too
     return replace(tip, leaving=True, depth=tip.reached)
 
 
-def _moved(tip: Tip | None, state: PokeState, dt: float) -> Tip | None:
+def _moved(tip: PokeTip | None, state: PokeState, dt: float) -> PokeTip | None:
     """Return a fingertip a time dt [s] later, None when it has left the surface."""
     if tip is None:
         return None
     if tip.leaving:
-        reached = tip.reached - _way(tip.depth, state.release_s, dt)
+        reached = tip.reached - _travel(tip.depth, state.release_s, dt)
         if reached <= 1e-9:
             return None
     else:
-        way = _way(max(tip.depth, state.depth), state.press_s, dt)
-        reached = tip.reached + max(-way, min(way, tip.depth - tip.reached))
+        most = _travel(max(tip.depth, state.depth), state.press_s, dt)
+        reached = tip.reached + max(-most, min(most, tip.depth - tip.reached))
     return replace(tip, aim=_slid(tip.aim, tip.goal, -math.expm1(-dt / SLIDE_S)), reached=reached)
 
 
@@ -228,7 +251,7 @@ def _slid(aim: Aim, goal: Aim, share: float) -> Aim:
     )
 
 
-def _way(depth: float, duration: float, dt: float) -> float:
+def _travel(depth: float, duration: float, dt: float) -> float:
     return math.inf if duration <= 0 else depth * dt / duration
 
 
@@ -237,7 +260,7 @@ def _aim(state: PokeState, hit: Hit, view: Vector) -> Aim:
     return Aim(hit.point, hit.normal, (-x, -y, -z) if state.along_normal else view)
 
 
-def _with_tip(state: PokeState, tip: Tip) -> PokeState:
+def _with_tip(state: PokeState, tip: PokeTip) -> PokeState:
     return replace(state, tips=tuple(tip if i == state.active else old for i, old in enumerate(state.tips)))
 
 

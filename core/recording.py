@@ -23,9 +23,10 @@ _SAMPLES_AT = _HEADER.size - 4
 
 
 class PointCache:
-    """Write a PC2 file sample by sample; what was appended survives a crash.
+    """Write a PC2 file sample by sample; what was appended survives a crash of the program.
 
-    The data is on the disk before the header counts it, so a torn last sample is never read.
+    Each sample goes to the system before the header counts it, so a torn last sample is never read, also after the
+    disk has filled. Only `close` waits for the disk itself: a power cut may cost the whole recording under way.
 
     Args:
         path: file to create.
@@ -38,15 +39,19 @@ class PointCache:
         self, path: str | os.PathLike[str], n_vertices: int, start_frame: float = 1.0, sample_rate: float = 1.0
     ) -> None:
         self.path, self.n_vertices, self.samples = Path(path), n_vertices, 0
-        self._file = self.path.open("w+b")
-        self._file.write(_HEADER.pack(_MAGIC, 1, n_vertices, start_frame, sample_rate, 0))
-        self._sync()
+        self._file = self.path.open("w+b", buffering=0)  # nothing is left behind in a buffer when a write fails
+        try:
+            self._write(0, _HEADER.pack(_MAGIC, 1, n_vertices, start_frame, sample_rate, 0))
+        except OSError:
+            self._file.close()
+            raise
 
     def append(self, positions: npt.ArrayLike) -> None:
         """Add one sample (n_vertices, 3).
 
         Raises:
             DimpleError: another number of vertices, or coordinates that are not numbers.
+            OSError: the disk refuses; the samples before this one are kept.
         """
         sample = np.ascontiguousarray(positions, dtype="<f4")
         if sample.shape != (self.n_vertices, 3):
@@ -56,17 +61,22 @@ class PointCache:
             )
         if not np.isfinite(sample).all():
             raise DimpleError(f"Sample {self.samples + 1} has coordinates that are not numbers; it was not recorded.")
-        self._file.seek(_HEADER.size + self.samples * sample.nbytes)
-        self._file.write(sample.tobytes())
-        self._sync()
+        self._write(_HEADER.size + self.samples * sample.nbytes, sample.tobytes())
+        self._write(_SAMPLES_AT, struct.pack("<i", self.samples + 1))
         self.samples += 1
-        self._file.seek(_SAMPLES_AT)
-        self._file.write(struct.pack("<i", self.samples))
-        self._sync()
 
     def close(self) -> None:
-        """Close the file; closing twice does nothing."""
-        self._file.close()
+        """Wait until everything is on the disk and close the file; closing twice does nothing.
+
+        Raises:
+            OSError: the disk refuses; the file is closed all the same.
+        """
+        if self._file.closed:
+            return
+        try:
+            os.fsync(self._file.fileno())
+        finally:
+            self._file.close()
 
     def __enter__(self) -> PointCache:
         return self
@@ -76,9 +86,11 @@ class PointCache:
     ) -> None:
         self.close()
 
-    def _sync(self) -> None:
-        self._file.flush()
-        os.fsync(self._file.fileno())
+    def _write(self, at: int, data: bytes) -> None:
+        self._file.seek(at)
+        left = memoryview(data)
+        while left:  # a disk that is nearly full takes a part, and refuses the next
+            left = left[self._file.write(left) :]
 
 
 def read_point_cache(path: str | os.PathLike[str]) -> tuple[float, float, npt.NDArray[np.float32]]:

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 if TYPE_CHECKING:
+    from ..core.body.model import Model
     from ..core.mesh.surface import Mesh
 
 _MOVING = {"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOOK", "SIMPLE_DEFORM", "DISPLACE"}
@@ -31,3 +32,11 @@ def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene) -> tuple
             "subdivide the mesh or use a larger fingertip, for a visible dent and a reliable force."
         )
     return tuple(notes)
+
+
+def on_fill(model: Model) -> tuple[str, ...]:
+    """Return a sentence on which fill acts, where the materials of a closed body have several."""
+    fills = sorted({material.fill for material in model.materials})
+    if len(fills) < 2 or model.law_set == "paper" or not model.mesh.pressurable:
+        return ()
+    return (f"Its materials have different fills ({', '.join(fills)}): {model.pressure.fill} acts, on the most area.",)

@@ -37,7 +37,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
             return polls.refuse(cls, "Go back to Object Mode to bake")
         return polls.is_free(cls)
 
-    def _open(self, context: bpy.types.Context) -> sessions.Run:
+    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
         return sessions.open_run(context, "bake", "Baking: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
@@ -47,21 +47,21 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
         sessions.stop_all()
         given, scene = self.properties.is_property_set, context.scene
         objects = live.candidates(context)
-        self._said: list[str] = []
+        self._messages: list[str] = []
         if not any(sessions.fingertip_objects(scene)):
-            self._said.append("There is no fingertip, so nothing presses: Fingertips > Add Fingertip adds one.")
+            self._messages.append("There is no fingertip, so nothing presses: Fingertips > Add Fingertip adds one.")
         self._what = f"{len(objects)} object{'s' if len(objects) > 1 else ''}"
-        plan = baking.Plan(
+        plan = baking.BakePlan(
             objects=objects,
             first=self.frame_start if given("frame_start") else scene.frame_start,
             last=self.frame_end if given("frame_end") else scene.frame_end,
             target=self.target,
             step=scene.dimple.shape_key_step,
         )
-        return baking.bake(context, plan, self._said)
+        return baking.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        for sentence in self._said:
+        for sentence in self._messages:
             self.report({"WARNING"}, sentence)
         self.report({"INFO"}, f"Baked {self._what}")
         return {"FINISHED"}

@@ -23,7 +23,7 @@ from ..core.session import Session
 from . import bridge, bridge_write, live, output, planning, shape_keys
 
 if TYPE_CHECKING:
-    from .bridge import Link, Singles
+    from .bridge import ObjectLink, Singles
 
 MOTION_HZ = 120  # how often keyframed motion is looked at
 PART = ".part"  # ends the names of files that are being written
@@ -31,9 +31,18 @@ PART = ".part"  # ends the names of files that are being written
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Baked:
-    """Hold one object of a bake: its session, matrix, files, and shapes (frame, coordinates) for shape keys."""
+    """One object of a bake.
 
-    link: Link
+    link: the object at rest.
+    session: what moves it.
+    matrix: (4, 4) of the object when it was last stepped.
+    path: the name of the PC2 file once it is whole.
+    cache: the PC2 file under way, None for shape keys.
+    table: the table of forces under way.
+    shapes: frame and coordinates (N, 3) of each shape key.
+    """
+
+    link: ObjectLink
     session: Session
     matrix: np.ndarray
     path: Path
@@ -43,8 +52,14 @@ class Baked:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """Say what to bake: objects, frames first to last, "MESH_CACHE" or "SHAPE_KEYS", a key every `step` frames."""
+class BakePlan:
+    """What to bake.
+
+    objects: the bodies.
+    first, last: frames.
+    target: "MESH_CACHE" or "SHAPE_KEYS".
+    step: frames from one shape key to the next.
+    """
 
     objects: Sequence[bpy.types.Object]
     first: int
@@ -53,43 +68,38 @@ class Plan:
     step: int = 1
 
 
-def bake(context: bpy.types.Context, plan: Plan, said: list[str]) -> Iterator[float]:
+def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Iterator[float]:
     """Bake; yield the share that is done. Whoever stops asking cancels, and nothing has changed.
 
     Args:
-        said: gets sentences for the artist.
+        messages: gets sentences for the artist.
 
     Raises:
         DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
     """
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
-    bodies: list[Baked] = []
-    try:
-        with output.plain_os_errors("The bake"):
-            _check(plan)
-            scene.frame_set(plan.first)
-            for obj in plan.objects:
-                bodies.append(_open(context, plan, obj, said))
-            _write(plan, bodies, plan.first)
-            for frame in range(plan.first + 1, plan.last + 1):
-                _step(context, bodies, frame)
-                _write(plan, bodies, frame)
-                yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
-            _close(bodies)
-            scene.frame_set(before[0], subframe=before[1])
-            _finish(plan, bodies)
-    finally:
+    with contextlib.ExitStack() as files, output.plain_os_errors("The bake"):
+        _check(plan)
+        files.callback(_go_to, scene, before)
+        scene.frame_set(plan.first)
+        bodies = [_open(context, plan, obj, messages, files) for obj in plan.objects]
+        _write(plan, bodies, plan.first)
+        for frame in range(plan.first + 1, plan.last + 1):
+            _step(context, bodies, frame)
+            _write(plan, bodies, frame)
+            yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
         _close(bodies)
-        for body in bodies:
-            for path in _files(body):
-                with contextlib.suppress(OSError):
-                    os.unlink(f"{path}{PART}")
-        if (scene.frame_current, scene.frame_subframe) != before:
-            scene.frame_set(before[0], subframe=before[1])
+        _go_to(scene, before)
+        _finish(plan, bodies)
 
 
-def _check(plan: Plan) -> None:
+def _go_to(scene: bpy.types.Scene, frame: tuple[int, float]) -> None:
+    if (scene.frame_current, scene.frame_subframe) != frame:
+        scene.frame_set(frame[0], subframe=frame[1])
+
+
+def _check(plan: BakePlan) -> None:
     if plan.last <= plan.first:
         raise DimpleError(f"The last frame ({plan.last}) must come after the first ({plan.first}).")
     for obj in plan.objects:
@@ -100,23 +110,28 @@ def _check(plan: Plan) -> None:
             bridge.check_writable(obj)
 
 
-def _open(context: bpy.types.Context, plan: Plan, obj: bpy.types.Object, said: list[str]) -> Baked:
+def _open(
+    context: bpy.types.Context, plan: BakePlan, obj: bpy.types.Object, messages: list[str], files: contextlib.ExitStack
+) -> Baked:
+    """Return an object ready to be baked; its files are deleted with `files`, until they have their own names."""
     link, model = bridge.read_body(context, obj, baked=False)
     look_s = _look_s(context.scene)
     # whole ticks between two looks, so that on every frame a body is where its object is
     proxy, reason = planning.proxy_for(context.scene, obj, model)
     session = Session(model, tick=look_s / math.ceil(look_s / TICK - 1e-9), proxy=proxy)
-    said += [reason] if reason else []
-    said += [f'"{obj.name}": {note}' for note in model.notes]
+    messages += [reason] if reason else []
+    messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
-        said.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')
+        messages.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')
     if shape_keys.animated(obj):
-        said.append(f'"{obj.name}" has animated shape keys: it is baked in the shape of frame {plan.first}.')
+        messages.append(f'"{obj.name}" has animated shape keys: it is baked in the shape of frame {plan.first}.')
         if plan.target == "SHAPE_KEYS":
-            said.append("Their animation adds to the bake: mute those keys, or bake to a Mesh Cache.")
-    path = output.cache_path(context, obj, "bake")
-    cache = PointCache(f"{path}{PART}", len(link.rest), plan.first) if plan.target == "MESH_CACHE" else None
-    table = output.ForceTable(Path(f"{path.with_suffix('.csv')}{PART}"))
+            messages.append("Their animation adds to the bake: mute those keys, or bake to a Mesh Cache.")
+    path, cache = output.bake_path(context, obj), None
+    if plan.target == "MESH_CACHE":
+        part = Path(f"{path}{PART}")
+        cache = output.open_file(files, part, lambda name: PointCache(name, len(link.rest), plan.first))
+    table = output.open_file(files, Path(f"{path.with_suffix('.csv')}{PART}"), output.ForceTable)
     session.set_fingers(live.fingertips(context.scene, link.scale))
     return Baked(link=link, session=session, matrix=link.matrix, path=path, cache=cache, table=table)
 
@@ -155,7 +170,7 @@ def _matrix(body: Baked) -> np.ndarray:
     return matrix
 
 
-def _write(plan: Plan, bodies: Sequence[Baked], frame: int) -> None:
+def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
         shown = body.session.frame
         local = bridge.to_local(body.link, _matrix(body), body.session.positions())
@@ -177,7 +192,7 @@ def _close(bodies: Sequence[Baked]) -> None:
         body.table.close()
 
 
-def _finish(plan: Plan, bodies: Sequence[Baked]) -> None:
+def _finish(plan: BakePlan, bodies: Sequence[Baked]) -> None:
     """Let the files take their names and the objects play them."""
     for body in bodies:
         for path in _files(body):

@@ -34,7 +34,7 @@ class DIMPLE_OT_compare_proxies(Working, bpy.types.Operator):
         """Need Object Mode, a mesh, and no other task."""
         return polls.can_press(cls, context)
 
-    def _open(self, context: bpy.types.Context) -> sessions.Run:
+    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
         return sessions.open_run(context, "compare", "Comparing: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):

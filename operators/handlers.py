@@ -1,10 +1,10 @@
-"""What Blender tells: files are loaded and saved, steps are undone. No session outlives its file, and no file or
+"""What Blender reports: files are loaded and saved, steps are undone. No session outlives its file, and no file or
 undo step is left with a pressed mesh.
 """
 
 import bpy
 
-from . import sessions
+from . import sessions, showing
 from .names import LIVE_KEY, REST
 
 
@@ -31,12 +31,21 @@ def _on_load_post(*_: object) -> None:
 
 @bpy.app.handlers.persistent
 def _on_save_pre(*_: object) -> None:
-    sessions.rest_all(for_file=True)
+    showing.rest_all(for_file=True)
 
 
 @bpy.app.handlers.persistent
 def _on_save_post(*_: object) -> None:
-    sessions.show_all()
+    showing.show_all()
+
+
+def _goes_on(obj: bpy.types.Object, body: sessions.LiveBody) -> bool:
+    """Tell whether an undo has left a session the mesh and the rest shape that it was started with."""
+    from . import bridge, bridge_write
+
+    if not bridge_write.is_showable(obj, body.link, body.borrowed):
+        return False
+    return bool(obj.data.shape_keys) or bool((bridge.rest_coordinates(obj) == body.link.rest).all())
 
 
 @bpy.app.handlers.persistent
@@ -44,15 +53,13 @@ def _on_undo(*_: object) -> None:
     """Go on where the object is still there; an undo may bring back meshes that it caught pressed."""
     sessions.disarm()  # it may put anything under a fingertip of the haptic device at once
     if sessions.sessions:
-        from . import bridge, bridge_write
+        from . import bridge
 
         for uid, body in list(sessions.sessions.items()):
             obj = bridge.find(uid, body.name)
-            # back before the start of a session its object has the shared mesh again: the session is undone too
-            undone = obj is not None and obj.data.session_uid != body.borrowed.copy
-            if obj is None or undone or not bridge_write.is_showable(obj, body.link):
-                sessions.stop(uid, mesh=False)
-        sessions.show_all()
+            if obj is None or not _goes_on(obj, body):
+                sessions.stop(uid, undoing=True)
+        showing.show_all()
     _rescue()
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..core.haptics.device import Device
     from ..core.haptics.messages import ServoReport
     from ..core.session import Finger
-    from .sessions import Body
+    from .sessions import LiveBody
 
 EMULATED = "emulated"  # instead of a port: try it without a device
 LOOK_S = 0.1  # between two looks at the device while nothing runs
@@ -45,8 +45,8 @@ class Connection:
     device: Device
     report: ServoReport
     watch: object = None
-    renderings: dict[Body, ContactRendering] = field(default_factory=dict)
-    workspaces: dict[tuple[Body, int], tuple[Workspace, float]] = field(default_factory=dict)
+    renderings: dict[LiveBody, ContactRendering] = field(default_factory=dict)
+    workspaces: dict[tuple[LiveBody, int], tuple[Workspace, float]] = field(default_factory=dict)
     note: str = ""
     read_at: float = 0.0
 
@@ -136,7 +136,7 @@ def workspace(scene: bpy.types.Scene, scale: float) -> Workspace:
     return Workspace(origin=(x, y, z), scale=enlarged)
 
 
-def fingertips(scene: bpy.types.Scene, body: Body) -> list[Finger | None]:
+def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
     """Return the device's fingertips in a session's space; none where no device is ready."""
     from ..core.haptics.contact_rendering import fingers
     from ..core.haptics.messages import LinkState

@@ -33,7 +33,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         """Need Object Mode, a mesh with a material, and nothing else at work."""
         return polls.can_measure(cls, context)
 
-    def _open(self, context: bpy.types.Context) -> sessions.Run:
+    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
         return sessions.open_run(context, "identify", "Identifying: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, bridge_write, haptic, sessions
-from .sessions import Body, Run
-
-if TYPE_CHECKING:
-    from ..core.poke import Target
+from . import bridge, haptic, sessions, showing
+from .sessions import LiveBody, ModalRun
 
 LONGEST_S = 0.1  # after a hiccup of Blender, time is lost rather than jumped over
 SHORTEST_S = 0.002
@@ -38,7 +34,7 @@ def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
     raise DimpleError("Nothing is selected. Select a mesh to press it.")
 
 
-def start_all(context: bpy.types.Context) -> tuple[list[Body], list[str], list[str]]:
+def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], list[str]]:
     """Start a session on every candidate.
 
     Returns:
@@ -47,7 +43,7 @@ def start_all(context: bpy.types.Context) -> tuple[list[Body], list[str], list[s
     Raises:
         DimpleError: none of them can be pressed.
     """
-    bodies, said, wrong = [], [], []
+    bodies, messages, wrong = [], [], []
     for obj in candidates(context):
         try:
             body, notes = sessions.start(obj, context)
@@ -55,10 +51,10 @@ def start_all(context: bpy.types.Context) -> tuple[list[Body], list[str], list[s
             wrong.append(str(error))
         else:
             bodies.append(body)
-            said += notes
+            messages += notes
     if not bodies:
         raise DimpleError(" ".join(wrong))
-    return bodies, said, wrong
+    return bodies, messages, wrong
 
 
 def advance(
@@ -66,7 +62,7 @@ def advance(
     dt: float,
     *,
     budget: float | None = None,
-    pressed: Mapping[int, Sequence[Target | None]] | None = None,
+    pressed: Mapping[int, Sequence[Finger | None]] | None = None,
 ) -> list[str]:
     """Step every session and show it.
 
@@ -78,39 +74,36 @@ def advance(
     Returns:
         Sentences for the artist: sessions that ended, or were put back to rest.
     """
-    said, share = haptic.read(), budget / len(sessions.sessions) if budget and sessions.sessions else budget
+    messages = [*haptic.read(), *showing.end_changed(context.view_layer)]
+    share = budget / len(sessions.sessions) if budget and sessions.sessions else budget
     for uid, body in list(sessions.sessions.items()):
         obj = bridge.find(uid, body.name)
-        if obj is None or obj.name not in context.view_layer.objects:
-            sessions.stop(uid)
-            said.append(f'"{body.name}" is gone, so its session has ended.')
-            continue
+        assert obj  # else its session has just ended
         try:
-            step(context, obj, body, dt, (pressed or {}).get(uid, ()), share)
+            messages += step(context, obj, body, dt, (pressed or {}).get(uid, ()), share)
         except DimpleError as error:
-            sessions.stop(uid)
-            said.append(str(error))
+            messages += [str(error), *sessions.stop(uid)]
         if body.frame.note:
             sessions.disarm()  # it is back at rest at once, which may be on a fingertip
-            said.append(f'"{body.name}": {body.frame.note}')
+            messages.append(f'"{body.name}": {body.frame.note}')
     haptic.write(context.scene)
-    return said
+    return messages
 
 
 def step(
     context: bpy.types.Context,
     obj: bpy.types.Object,
-    body: Body,
+    body: LiveBody,
     dt: float,
-    pressed: Sequence[Target | None],
+    pressed: Sequence[Finger | None],
     budget: float | None,
-) -> None:
-    """Step one session and show it."""
+) -> list[str]:
+    """Step one session, show and record it; return sentences for the artist."""
     follow(obj, body)
-    felt = haptic.fingertips(context.scene, body) or fingertips(context.scene, body.link.scale)
-    fingers = merged(felt, pressed)
-    before, body.poked = body.poked, frozenset(i for i, target in enumerate(pressed) if target)
-    # one that goes from hand to hand is lifted: it would fly through the body, and a device would feel the way
+    others = haptic.fingertips(context.scene, body) or fingertips(context.scene, body.link.scale)
+    fingers = merged(others, pressed)
+    before, body.poked = body.poked, frozenset(i for i, finger in enumerate(pressed) if finger)
+    # one that goes from hand to hand is lifted: it would fly through the body, and a device would render the flight
     body.session.set_fingers([None if i in before ^ body.poked else finger for i, finger in enumerate(fingers)])
     body.session.set_fingers(fingers)
     body.fingers = fingers
@@ -118,13 +111,16 @@ def step(
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
         body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
-    local = bridge.to_local(body.link, body.matrix, body.session.positions())
-    bridge_write.show(obj, body.link, local)
+    local = showing.show(obj, body)
     if body.recorder:
-        body.recorder.append(frame.time, local, frame)
+        try:
+            body.recorder.append(frame.time, local, frame)
+        except OSError as error:
+            return [body.recorder.cut_short(body.name, error), *sessions.end_recording(body)]
+    return []
 
 
-def follow(obj: bpy.types.Object, body: Body) -> None:
+def follow(obj: bpy.types.Object, body: LiveBody) -> None:
     """Let what is held of a body go where its object has gone."""
     matrix = np.array(obj.matrix_world)
     if not np.array_equal(matrix, body.matrix):
@@ -141,22 +137,22 @@ def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:
     return [Finger(tuple(scale * c for c in obj.matrix_world.translation), radius) if obj else None for obj in objects]
 
 
-def merged(fingers: Sequence[Finger | None], pressed: Sequence[Target | None]) -> tuple[Finger | None, ...]:
+def merged(fingers: Sequence[Finger | None], pressed: Sequence[Finger | None]) -> tuple[Finger | None, ...]:
     """Return the fingertips of a session: those of a poke, where there are any, else the device's or the objects."""
     first, second = ([*some, *([None] * MAX_FINGERS)][:MAX_FINGERS] for some in (pressed, fingers))
-    return tuple(Finger(*target) if target else finger for target, finger in zip(first, second, strict=True))
+    return tuple(poked or finger for poked, finger in zip(first, second, strict=True))
 
 
-def ask(scene: bpy.types.Scene, run: Run, wall: float) -> tuple[float, float]:
+def ask(scene: bpy.types.Scene, run: ModalRun, wall: float) -> tuple[float, float]:
     """Return the simulated time [s] to ask for after a wall time, and the budget for it [s].
 
     Where the computer cannot keep up time runs slower, so fingertips are moved by what will really be simulated.
     """
     wall = min(wall, LONGEST_S)
-    return min(wall, run.pace), max(scene.dimple.frame_budget_percent / 100 * wall, SHORTEST_S)
+    return min(wall, run.step_s), max(scene.dimple.frame_budget_percent / 100 * wall, SHORTEST_S)
 
 
-def adapt(run: Run, asked: float) -> None:
-    """Set the pace by what the slowest session has just managed."""
+def adapt(run: ModalRun, asked: float) -> None:
+    """Set the size of the next step by what the slowest session has just managed."""
     done = min((body.frame.steps * body.session.tick for body in sessions.sessions.values()), default=asked)
-    run.pace = min(max(2 * done, SHORTEST_S), LONGEST_S)
+    run.step_s = min(max(2 * done, SHORTEST_S), LONGEST_S)

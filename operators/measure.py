@@ -67,7 +67,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
             row.active = name != "tip_radius_mm" or self.tip != _AS_MEASURED[0]
             row.prop(self, name)
 
-    def _open(self, context: bpy.types.Context) -> sessions.Run:
+    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
         return sessions.open_run(context, "measure", "Measuring: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):

@@ -7,6 +7,7 @@ LIVE_KEY = "Dimple"  # the shape key that shows a running session
 KEPT_KEY = "Pressed"  # the name of that key once its shape is kept
 BAKED_KEY = "Dimple Frame "  # begins the names of a bake's shape keys, before the number of the frame
 CACHE = "Dimple"  # name of the modifier that plays a bake
+CACHES_OFF = "dimple_caches_off"  # custom property of an object: its bakes that are switched off while it is live
 DEAD_MAN = "LEFT_SHIFT"  # the haptic device has force only while this key is held
 
 # the tip that measured a material: the identifiers of the core, in capitals

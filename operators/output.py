@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import itertools
 import os
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import bpy
 
@@ -29,7 +30,7 @@ class ForceTable:
     """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3]; steps and wall time [s] so far."""
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("w", newline="", encoding="utf-8")
+        self._file = path.open("w", buffering=1, newline="", encoding="utf-8")  # a line is the system's once written
         self._rows = csv.writer(self._file)
         columns = ["frame", "time_s"]
         for number in range(1, FINGERS + 1):
@@ -67,14 +68,25 @@ class Recorder:
 
     def __init__(self, path: Path, start_frame: int, fps: float, time: float, local: Singles, frame: Frame) -> None:
         self._path, self._start_frame, self._fps = path, start_frame, fps
-        self._cache = PointCache(path, len(local), start_frame)
-        self._table = ForceTable(path.with_suffix(".csv"))
         self._began = self._time = time
         self._local = local
-        self.append(time, local, frame)
+        with contextlib.ExitStack() as self._files:
+            self._cache = open_file(self._files, path, lambda name: PointCache(name, len(local), start_frame))
+            self._table = open_file(self._files, path.with_suffix(".csv"), ForceTable)
+            self.append(time, local, frame)
+            self._files = self._files.pop_all()
+
+    @property
+    def take(self) -> tuple[str, int]:
+        """Return the path of the PC2 file and its first frame."""
+        return str(self._path), self._start_frame
 
     def append(self, time: float, local: Singles, frame: Frame) -> None:
-        """Take in the state at a time [s]; what falls on frames in between is interpolated."""
+        """Take in the state at a time [s]; what falls on frames in between is interpolated.
+
+        Raises:
+            OSError: the disk refuses; what was written before is kept.
+        """
         if time < self._time:  # the session was put back to rest: its clock began anew
             self._began -= self._time - time
             self._time = time
@@ -85,15 +97,88 @@ class Recorder:
             self._cache.append(self._local + (local - self._local) * share)
         self._time, self._local = time, local
 
-    def close(self) -> tuple[str, int]:
-        """Close the files; return path and first frame."""
-        self._cache.close()
-        self._table.close()
-        return str(self._path), self._start_frame
+    def close(self) -> None:
+        """Close the files.
+
+        Raises:
+            OSError: the disk refuses; the files are closed all the same.
+        """
+        try:
+            self._cache.close()
+        finally:
+            self._table.close()
+
+    def discard(self) -> None:
+        """Close the files and delete them."""
+        self._files.close()
+
+    def cut_short(self, name: str, error: OSError) -> str:
+        """Return the sentence for the artist when the disk refuses the recording of an object."""
+        return (
+            f'The recording of "{name}" has ended early: {error.strerror} ({self._path}). '
+            "What was recorded until then is kept."
+        )
 
 
-def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
-    """Return where the PC2 file of an object goes: the scene's folder, else beside the .blend, else the preferred one.
+Opened = TypeVar("Opened", bound="Closes")
+
+
+class Closes(Protocol):
+    """What can be closed."""
+
+    def close(self) -> None:
+        """Close it."""
+
+
+def open_file(files: contextlib.ExitStack, path: Path, make: Callable[[Path], Opened]) -> Opened:
+    """Open a file that is closed and deleted when `files` are, unless it has another name by then.
+
+    Raises:
+        OSError: it cannot be made.
+    """
+    files.callback(_quietly, path.unlink)
+    opened = make(path)
+    files.callback(_quietly, opened.close)
+    return opened
+
+
+def _quietly(action: Callable[[], None]) -> None:
+    with contextlib.suppress(OSError):
+        action()
+
+
+def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
+    """Return where the next recording of an object goes: a PC2 file of a number that is still free.
+
+    Raises:
+        DimpleError: the folder cannot be made.
+    """
+    return next(path for path in _numbered(context, obj, "take") if not _exists(path))
+
+
+def bake_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
+    """Return where the bake of an object goes: over its last one; in a file without a name only if it plays that.
+
+    Raises:
+        DimpleError: the folder cannot be made.
+    """
+    if bpy.data.filepath:
+        return Path(f"{_stem(context, obj, 'bake')}.pc2")
+    playing = {Path(bpy.path.abspath(modifier.filepath)) for modifier in obj.modifiers if is_cache(modifier)}
+    return next(path for path in _numbered(context, obj, "bake") if path in playing or not _exists(path))
+
+
+def _numbered(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Iterator[Path]:
+    stem = _stem(context, obj, kind)
+    return (Path(f"{stem}_{number:03d}.pc2") for number in itertools.count(1))
+
+
+def _exists(path: Path) -> bool:
+    return path.exists() or path.with_suffix(".csv").exists()
+
+
+def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
+    """Return folder and beginning of the names: in the scene's folder, else beside the .blend, else the preferred one.
 
     Raises:
         DimpleError: the folder cannot be made.
@@ -115,7 +200,7 @@ def cache_path(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> 
     name = bpy.path.clean_name(obj.name)
     # two names may come out alike once cleaned
     twin = "" if name == obj.name else f"_{zlib.crc32(obj.name.encode()):08x}"
-    return folder / f"{stem}_{name}{twin}_{kind}.pc2"
+    return folder / f"{stem}_{name}{twin}_{kind}"
 
 
 def own_folder(name: str) -> Path:
@@ -129,7 +214,8 @@ def _preferred_folder() -> Path:
     """Return where recordings go that have no other place; it may be missing."""
     settings = bpy.context.preferences.addons.get(_PACKAGE)
     chosen = settings.preferences.cache_dir if settings else ""
-    return Path(bpy.path.abspath(chosen)) if chosen else own_folder("caches")
+    # not the extension's own folder: Blender deletes that with the extension, and scenes go on playing these files
+    return Path(bpy.path.abspath(chosen) if chosen else bpy.utils.user_resource("DATAFILES", path="dimple"))
 
 
 @contextlib.contextmanager

@@ -5,7 +5,7 @@ import time
 import bpy
 from bpy.props import FloatProperty
 
-from . import polls, sessions
+from . import polls, sessions, showing
 from .names import Op
 
 
@@ -32,7 +32,8 @@ class DIMPLE_OT_play(bpy.types.Operator):
         from . import live
 
         try:
-            self._tell(live.start_all(context))
+            polls.check_numbers(self, "seconds")
+            self._report(live.start_all(context))
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -55,7 +56,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             sessions.redraw()
             return {"FINISHED"}
         try:
-            self._tell(live.start_all(context))
+            self._report(live.start_all(context))
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -69,7 +70,8 @@ class DIMPLE_OT_play(bpy.types.Operator):
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
-            sessions.stop_all()
+            for sentence in sessions.stop_all():
+                self.report({"WARNING"}, sentence)
             return {"CANCELLED"}
         if event.type == "TIMER":
             with sessions.ending_on_error():
@@ -82,28 +84,30 @@ class DIMPLE_OT_play(bpy.types.Operator):
             sessions.stop_all()
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
-        from . import live
+        from . import live, recovery
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
         if self._run.paused:
-            return {"PASS_THROUGH"}
-        asked, budget = live.ask(context.scene, self._run, wall)
-        for sentence in live.advance(context, asked, budget=budget):
+            messages = showing.end_changed(context.view_layer)
+        else:
+            asked, budget = live.ask(context.scene, self._run, wall)
+            messages = live.advance(context, asked, budget=budget)
+            live.adapt(self._run, asked)
+        for sentence in [*messages, *recovery.save_when_due(self._run)]:
             self.report({"WARNING"}, sentence)
-        live.adapt(self._run, asked)
         sessions.redraw()
         if not sessions.sessions:
             sessions.stop_all()
             return {"CANCELLED"}
         return {"PASS_THROUGH"}
 
-    def _tell(self, started: tuple[list, list[str], list[str]]) -> None:
-        _, said, wrong = started
+    def _report(self, started: tuple[list, list[str], list[str]]) -> None:
+        _, messages, wrong = started
         for sentence in wrong:
             self.report({"WARNING"}, sentence)
-        if said:
-            self.report({"INFO"}, " ".join(said))
+        if messages:
+            self.report({"INFO"}, " ".join(messages))
 
 
 class DIMPLE_OT_reset(bpy.types.Operator):
@@ -121,7 +125,8 @@ class DIMPLE_OT_reset(bpy.types.Operator):
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
         """Put everything back."""
-        sessions.stop_all()
+        for sentence in sessions.stop_all():
+            self.report({"WARNING"}, sentence)
         return {"FINISHED"}
 
 

@@ -12,7 +12,7 @@ from bpy_extras import view3d_utils
 from ..core.mesh.ray import ray_hit
 from ..core.poke import Hit, Kind, PokeEvent, Vector
 from .names import DEAD_MAN
-from .sessions import Body
+from .sessions import LiveBody
 
 KEYS = {"SPACE": Kind.PAUSE, "R": Kind.RECORD, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
 FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
@@ -26,7 +26,7 @@ Shapes = Mapping[int, np.ndarray]
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """Hold the viewport under the pointer, and the pointer in it [px]."""
+    """The viewport under the pointer, and where the pointer is in it [px]."""
 
     region: bpy.types.Region
     region_3d: bpy.types.RegionView3D
@@ -47,14 +47,14 @@ def view_under(context: bpy.types.Context, event: bpy.types.Event) -> View | Non
 
 
 def poke_event(
-    event: bpy.types.Event, view: View | None, bodies: Mapping[int, Body], shapes: Shapes, *, pressing: bool
+    event: bpy.types.Event, view: View | None, bodies: Mapping[int, LiveBody], shapes: Shapes, *, pressing: bool
 ) -> PokeEvent | None:
     """Return what an event means to the poke, None when it is none of its business.
 
     Args:
         view: the viewport the pointer is in.
         shapes: positions (N, 3) of bodies as they were when the stroke began; others are taken as they are.
-        pressing: a stroke is on its way.
+        pressing: a stroke is under way.
     """
     kind, down = event.type, event.value in DOWN
     if kind == "ESC" and down:
@@ -94,7 +94,7 @@ def passes(event: bpy.types.Event, view: View | None) -> bool:
     return moving or event.type in WHEEL or event.type == "NONE"
 
 
-def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, Body], shapes: Shapes) -> Hit | None:
+def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], shapes: Shapes) -> Hit | None:
     """Return what a ray in the scene meets first, in the space of the body it belongs to."""
     best, found = np.inf, None
     for uid, body in bodies.items():
@@ -107,7 +107,9 @@ def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, Body], shape
     return found
 
 
-def _pointed(kind: Kind, event: bpy.types.Event, view: View, bodies: Mapping[int, Body], shapes: Shapes) -> PokeEvent:
+def _pointed(
+    kind: Kind, event: bpy.types.Event, view: View, bodies: Mapping[int, LiveBody], shapes: Shapes
+) -> PokeEvent:
     origin = tuple(view3d_utils.region_2d_to_origin_3d(view.region, view.region_3d, view.at))
     direction = tuple(view3d_utils.region_2d_to_vector_3d(view.region, view.region_3d, view.at).normalized())
     hit = nearest(origin, direction, bodies, shapes)

@@ -7,31 +7,16 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
-from . import polls, sessions
+from . import polls, sessions, showing
 from .names import Op
 
 if TYPE_CHECKING:
-    from ..core.poke import Effect, PokeEvent, PokeState
+    from ..core.poke import Effect, PokeEvent
 
-KEYS_SAID = (
+KEYS_HELP = (
     "Left drag: press | Wheel: radius | Ctrl wheel: depth | 1 2 3: finger | Space: pause | R: record | "
     "Enter: keep | Esc: leave"
 )
-
-
-def new_state(context: bpy.types.Context, operator: "DIMPLE_OT_poke") -> "PokeState":
-    """Return the poke's first state from the operator's properties and the scene's settings."""
-    from ..core.poke import PokeState
-
-    settings = context.scene.dimple
-    return PokeState(
-        radius=(operator.radius_mm or settings.finger_radius_mm) / 1e3,
-        depth=operator.depth_mm / 1e3,
-        press_s=operator.press_s,
-        release_s=operator.release_s,
-        along_normal=settings.poke_along == "NORMAL",
-        active=(operator.finger or settings.active_finger) - 1,
-    )
 
 
 class DIMPLE_OT_poke(bpy.types.Operator):
@@ -79,23 +64,23 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Start to press live."""
         from ..core.base import DimpleError
-        from . import live, pointer
+        from . import live, pointer, press
 
         try:
-            bodies, said, wrong = live.start_all(context)
+            self._state = replace(press.new_state(context, self), press_s=0.25, release_s=0.25)
+            _, messages, wrong = live.start_all(context)
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         for sentence in wrong:
             self.report({"WARNING"}, sentence)
-        if said:
-            self.report({"INFO"}, " ".join(said))
-        self._state = replace(new_state(context, self), press_s=0.25, release_s=0.25)
+        if messages:
+            self.report({"INFO"}, " ".join(messages))
         self._shapes: dict[int, object] = {}
         self._clock = time.perf_counter()
         self._run = sessions.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set(KEYS_SAID)
+        context.workspace.status_text_set(KEYS_HELP)
         # started as a tool the button is down already
         view = pointer.view_under(context, event)
         if view and event.type == "LEFTMOUSE" and event.value in pointer.DOWN:
@@ -132,13 +117,17 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""
         from ..core.poke import Kind, PokeEvent
-        from . import live
+        from . import live, recovery
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
         asked, self._budget = live.ask(context.scene, self._run, wall)
         if self._run.paused != self._state.paused:  # the sidebar's button
             self._take(context, PokeEvent(kind=Kind.PAUSE))
+        if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
+            return ended
+        for sentence in recovery.save_when_due(self._run):
+            self.report({"WARNING"}, sentence)
         result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
@@ -152,7 +141,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         self._state, effects = on_event(self._state, event)
         self._run.paused = self._state.paused
         if self._state.pressing and not was_pressing:
-            # a drag feels for the surface as it was: the dent would lead the fingertip deeper and deeper
+            # a drag follows the surface as it was: the dent would lead the fingertip deeper and deeper
             self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}
         if event.kind is Kind.RADIUS:
             context.scene.dimple.finger_radius_mm = self._state.radius * 1e3
@@ -166,30 +155,34 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
     def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
         """Do what the state machine asks for; return how the operator ends, None when it goes on."""
-        from ..core.poke import Effect, targets
+        from ..core.poke import Effect, fingers
         from . import live
 
         match effect:
             case Effect.STEP:
-                pressed = {uid: targets(self._state, uid) for uid in sessions.sessions}
-                for sentence in live.advance(context, amount, budget=self._budget, pressed=pressed):
-                    self.report({"WARNING"}, sentence)
+                pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
+                messages = live.advance(context, amount, budget=self._budget, pressed=pressed)
                 live.adapt(self._run, amount)
-                if not sessions.sessions:
-                    sessions.stop_all()
-                    return {"CANCELLED"}
+                return self._went_on(messages)
             case Effect.PUSH_UNDO:
-                with sessions.at_rest():
+                with showing.at_rest():
                     bpy.ops.ed.undo_push(message="Poke")
             case Effect.RECORD:
                 bpy.ops.dimple.record()
-            case Effect.KEEP:
-                sessions.stop_all(restore=False)
-                return {"FINISHED"}
-            case Effect.RESTORE:
-                sessions.stop_all()
-                return {"CANCELLED"}
+            case Effect.KEEP | Effect.RESTORE:
+                for sentence in sessions.stop_all(restore=effect is Effect.RESTORE):
+                    self.report({"WARNING"}, sentence)
+                return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
         return None
+
+    def _went_on(self, messages: list[str]) -> set[str] | None:
+        """Report what has happened; return how the operator ends when no session is left."""
+        for sentence in messages:
+            self.report({"WARNING"}, sentence)
+        if sessions.sessions:
+            return None
+        sessions.stop_all()
+        return {"CANCELLED"}
 
     def _show_hover(self) -> None:
         """Let the overlay draw the fingertip that would press."""

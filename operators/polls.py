@@ -3,13 +3,25 @@
 import bpy
 from bpy.app.translations import pgettext_tip
 
+from ..core.errors import DimpleError
 from . import sessions
+
+LARGEST = 1e9  # of a number an operator takes; NaN and infinity are none either
 
 
 def refuse(operator: type, sentence: str) -> bool:
     """Say why an operator cannot be used now; Blender does not translate it, so it is looked up when it is shown."""
     operator.poll_message_set(pgettext_tip, sentence)
     return False
+
+
+def check_numbers(operator: bpy.types.Operator, *names: str) -> None:
+    """Raise a DimpleError when a number that was given to an operator is none that can be used."""
+    for name in names:
+        value = getattr(operator, name)
+        if not all(abs(each) <= LARGEST for each in ([value] if isinstance(value, float) else value)):
+            label = name.replace("_", " ").capitalize()
+            raise DimpleError(f"{label} must be a number from -1e9 to 1e9.")
 
 
 def needs_mesh(operator: type, context: bpy.types.Context) -> bool:

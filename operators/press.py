@@ -11,9 +11,9 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
-from ..core.poke import Kind, PokeEvent, PokeState, Vector, on_event, targets
-from . import live, pointer, poke, record, sessions
-from .sessions import Body
+from ..core.poke import Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
+from . import live, pointer, polls, record, sessions
+from .sessions import LiveBody
 
 if TYPE_CHECKING:
     from .poke import DIMPLE_OT_poke
@@ -24,27 +24,46 @@ AXES: tuple[Vector, ...] = ((0, 0, -1), (0, 0, 1), (1, 0, 0), (-1, 0, 0), (0, 1,
 def press_once(operator: DIMPLE_OT_poke, context: bpy.types.Context) -> set[str]:
     """Press, hold and release as the operator's properties say; show and record every frame of it."""
     try:
+        polls.check_numbers(operator, "location", "direction", "hold_s")
+        # a direction that is given is meant, whatever the scene's setting for the mouse
+        state = replace(new_state(context, operator), along_normal=not any(operator.direction))
         with sessions.ending_on_error():
-            _, said, wrong = live.start_all(context)
+            _, messages, wrong = live.start_all(context)
             bodies = sessions.sessions
-            # a direction that is given is meant, whatever the scene's setting for the mouse
-            state = replace(poke.new_state(context, operator), along_normal=not any(operator.direction))
             place = tuple(operator.location) if operator.properties.is_property_set("location") else None
             event = aimed(bodies, place, tuple(operator.direction))
             if operator.record:
                 record.begin(context)
-            deepest, strongest = run(context, state, event, operator.hold_s, said)
-            sessions.stop_all(restore=not operator.keep)
+            deepest, strongest = run(context, state, event, operator.hold_s, messages)
+            messages += sessions.stop_all(restore=not operator.keep)
     except DimpleError as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
-    for sentence in [*wrong, *said]:
+    for sentence in [*wrong, *messages]:
         operator.report({"WARNING"}, sentence)
     operator.report({"INFO"}, f"Pressed {deepest * 1e3:.1f} mm deep with up to {strongest:.2f} N")
     return {"FINISHED"}
 
 
-def aimed(bodies: dict[int, Body], place: Vector | None, direction: Vector) -> PokeEvent:
+def new_state(context: bpy.types.Context, operator: DIMPLE_OT_poke) -> PokeState:
+    """Return the poke's first state from the operator's properties and the scene's settings.
+
+    Raises:
+        DimpleError: a property is no number that can be used.
+    """
+    polls.check_numbers(operator, "radius_mm", "depth_mm", "press_s", "release_s")
+    settings = context.scene.dimple
+    return PokeState(
+        radius=(operator.radius_mm or settings.finger_radius_mm) / 1e3,
+        depth=operator.depth_mm / 1e3,
+        press_s=operator.press_s,
+        release_s=operator.release_s,
+        along_normal=settings.poke_along == "NORMAL",
+        active=(operator.finger or settings.active_finger) - 1,
+    )
+
+
+def aimed(bodies: dict[int, LiveBody], place: Vector | None, direction: Vector) -> PokeEvent:
     """Return the press at a place of the scene: at the surface nearest to it along the direction.
 
     Args:
@@ -52,39 +71,39 @@ def aimed(bodies: dict[int, Body], place: Vector | None, direction: Vector) -> P
         direction: into the surface; 0 looks for the surface along every axis.
 
     Raises:
-        DimpleError: there is no surface that way.
+        DimpleError: no surface lies along that direction.
     """
     length = math.hypot(*direction)
-    ways: Sequence[Vector] = [tuple(c / length for c in direction)] if length else AXES
+    directions: Sequence[Vector] = [tuple(c / length for c in direction)] if length else AXES
     if place is None:
-        place, ways = _top(next(iter(bodies.values()))), ways if length else AXES[:1]
+        place, directions = _top(next(iter(bodies.values()))), directions if length else AXES[:1]
     found = []
     for uid, body in bodies.items():
         size = body.session.model.mesh.size / body.link.scale
         away = 2 * size + math.dist(place, body.to_world(tuple(map(float, body.session.positions().mean(axis=0)))))
         # from outside the body, and from close by: a place inside a hollow means the wall beside it
-        starts = [(way, share * away) for way in ways for share in (1.0, 1e-3, 1e-5)]
-        found += [pointer.nearest(_before(place, way, by), way, {uid: body}, {}) for way, by in starts]
+        starts = [(each, share * away) for each in directions for share in (1.0, 1e-3, 1e-5)]
+        found += [pointer.nearest(_before(place, each, by), each, {uid: body}, {}) for each, by in starts]
     hits = [(math.dist(bodies[hit.body].to_world(hit.point), place), i, hit) for i, hit in enumerate(found) if hit]
     if not hits:
         at = ", ".join(f"{c:.3g}" for c in place)
         raise DimpleError(f"No surface lies along the direction of the press at ({at}). Choose another location.")
     hit = min(hits)[2]
-    return PokeEvent(kind=Kind.PRESS, hit=hit, view=ways[0])
+    return PokeEvent(kind=Kind.PRESS, hit=hit, view=directions[0])
 
 
-def _top(body: Body) -> Vector:
+def _top(body: LiveBody) -> Vector:
     used = body.session.positions()[np.unique(body.triangles)]
     x, y, z = map(float, used[used[:, 2].argmax()])
     return body.to_world((x, y, z))
 
 
-def _before(place: Vector, way: Vector, by: float) -> Vector:
-    return place[0] - by * way[0], place[1] - by * way[1], place[2] - by * way[2]
+def _before(place: Vector, direction: Vector, by: float) -> Vector:
+    return along(place, direction, -by)
 
 
 def run(
-    context: bpy.types.Context, state: PokeState, event: PokeEvent, hold_s: float, said: list[str]
+    context: bpy.types.Context, state: PokeState, event: PokeEvent, hold_s: float, messages: list[str]
 ) -> tuple[float, float]:
     """Run a press frame by frame of the scene; return the greatest depth [m] and force [N]."""
     render = context.scene.render
@@ -100,9 +119,9 @@ def run(
             state, _ = on_event(state, begins)
         for step_s in _steps(seconds, dt):
             state, _ = on_event(state, PokeEvent(kind=Kind.TICK, amount=step_s))
-            said += live.advance(context, step_s, pressed={uid: targets(state, uid) for uid in sessions.sessions})
+            messages += live.advance(context, step_s, pressed={uid: fingers(state, uid) for uid in sessions.sessions})
             if body is None or body.link.uid not in sessions.sessions or body.frame.note:
-                raise DimpleError(said[-1])
+                raise DimpleError(messages[-1])
             if len(body.frame.depths):
                 deepest = max(deepest, float(body.frame.depths[active]))
                 strongest = max(strongest, float(np.linalg.norm(body.frame.finger_forces[active])))

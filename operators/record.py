@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..core.errors import DimpleError
 from . import polls, sessions
 from .names import Op
 
@@ -10,28 +11,35 @@ def begin(context: bpy.types.Context) -> None:
     """Start to record every running session, from the current frame of the scene.
 
     Raises:
-        DimpleError: the file cannot be written.
+        DimpleError: a file cannot be written; nothing is recorded.
     """
     from . import bridge, output
 
     render = context.scene.render
-    for uid, body in sessions.sessions.items():
-        obj = bridge.find(uid, body.name)
-        if obj is None or body.recorder:
-            continue
-        path = output.cache_path(context, obj, "take")
-        local = bridge.to_local(body.link, body.matrix, body.session.positions())
-        with output.plain_os_errors("Recording"):
-            body.recorder = output.Recorder(
-                path, context.scene.frame_current, render.fps / render.fps_base, body.frame.time, local, body.frame
-            )
+    begun: list[tuple[sessions.LiveBody, output.Recorder]] = []
+    try:
+        for uid, body in sessions.sessions.items():
+            obj = bridge.find(uid, body.name)
+            if obj is None or body.recorder:
+                continue
+            path = output.take_path(context, obj)
+            local = bridge.to_local(body.link, body.matrix, body.session.positions())
+            with output.plain_os_errors("Recording"):
+                recorder = output.Recorder(
+                    path, context.scene.frame_current, render.fps / render.fps_base, body.frame.time, local, body.frame
+                )
+            begun.append((body, recorder))
+    except DimpleError:
+        for _, recorder in begun:
+            recorder.discard()
+        raise
+    for body, recorder in begun:
+        body.recorder = recorder
 
 
-def end() -> None:
-    """Stop recording; each object plays its take once its session has ended."""
-    for body in sessions.sessions.values():
-        if body.recorder:
-            body.take, body.recorder = body.recorder.close(), None
+def end() -> list[str]:
+    """Stop recording; each object plays its take once its session has ended. Return sentences for the artist."""
+    return [sentence for body in sessions.sessions.values() for sentence in sessions.end_recording(body)]
 
 
 class DIMPLE_OT_record(bpy.types.Operator):
@@ -49,10 +57,9 @@ class DIMPLE_OT_record(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Start or stop."""
-        from ..core.base import DimpleError
-
         if any(body.recording for body in sessions.sessions.values()):
-            end()
+            for sentence in end():
+                self.report({"WARNING"}, sentence)
             self.report({"INFO"}, "Recorded. The object plays it when the session ends")
             return {"FINISHED"}
         try:

@@ -1,12 +1,13 @@
 """The running sessions: the mutable module state of the extension, but for the connection to the haptic device.
 
-`sessions` holds a Body for every object that is being pressed, by the object's session_uid, which survives undo
+`sessions` holds a LiveBody for every object that is being pressed, by the object's session_uid, which survives undo
 and renaming; `runs` holds the modal operators that drive them, so that whatever ends a session from outside (a
 file is loaded, the extension is switched off, an undo takes the object away) also ends what drives it.
 """
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..core.session import Finger, Frame, Session
-    from .bridge import Link
+    from .bridge import ObjectLink, Singles
     from .bridge_write import Borrowed
     from .output import Recorder
 
@@ -27,15 +28,24 @@ TRAIL = 4000  # points of force against depth that the chart remembers
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Body:
-    """Hold one pressed object: its session, and numbers that join it to Blender.
+class LiveBody:
+    """One object that is being pressed: its session, and what joins that to Blender.
 
-    triangles: (t, 3) of the object's own vertices, outward.  matrix: (4, 4) of the object when it was last stepped.
-    fingers: the fingertips to be drawn, in the session's space.  trail: depth [m] and force [N] of the deepest one.
-    poked: which fingertips are the poke's.  take: the last recording and its first frame.
+    link: the object at rest.
+    session: what moves it.
+    borrowed: what of the object was changed.
+    matrix: (4, 4) of the object when it was last stepped.
+    triangles: (t, 3) of the object's own vertices, outward.
+    fingers: the fingertips to be drawn, in the session's space.
+    poked: which fingertips are the poke's.
+    trail: depth [m] and force [N] of the deepest fingertip.
+    recorder: of the recording under way.
+    take: path and first frame of the last recording.
+    shown: (N, 3) what was written to the mesh last.
+    meshes: how many there were in the file when duplicates were looked for last.
     """
 
-    link: Link
+    link: ObjectLink
     session: Session
     borrowed: Borrowed
     matrix: np.ndarray
@@ -45,6 +55,8 @@ class Body:
     trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None
+    shown: Singles | None = None
+    meshes: int = 0
 
     @property
     def name(self) -> str:
@@ -73,27 +85,33 @@ class Body:
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Run:
-    """Hold a modal operator that drives the sessions.
+class ModalRun:
+    """A modal operator that drives the sessions.
 
-    kind: "poke", "play", "bake", "compare", "identify" or "measure".  pace: simulated time the next step asks for [s];
-    it falls when the computer lags.  leave: called when the run is closed, by whomever.
+    kind: "poke", "play", "bake", "compare", "identify" or "measure".
+    timer: what wakes it.
+    paused: time stands still.
+    closed: it has ended.
+    step_s: simulated time that the next step asks for [s]; it falls when the computer lags.
+    saved_at: when the last recovery copy was due [s].
+    leave: called when the run is closed, by whomever.
     """
 
     kind: str
     timer: bpy.types.Timer | None
     paused: bool = False
     closed: bool = False
-    pace: float = 0.002
+    step_s: float = 0.002
+    saved_at: float = field(default_factory=time.monotonic)
     leave: Callable[[], None] | None = None
 
 
-sessions: dict[int, Body] = {}
-runs: list[Run] = []
+sessions: dict[int, LiveBody] = {}
+runs: list[ModalRun] = []
 disarming: list[Callable[[], None]] = []  # what ends all force of the haptic device: `haptic` adds itself
 
 
-def get(obj: bpy.types.Object | None) -> Body | None:
+def get(obj: bpy.types.Object | None) -> LiveBody | None:
     """Return the session of an object."""
     return sessions.get(obj.session_uid) if obj else None
 
@@ -108,7 +126,7 @@ def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:
     return {getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)}
 
 
-def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list[str]]:
+def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, list[str]]:
     """Start the session of an object, or return the one it has; and sentences for the artist.
 
     Raises:
@@ -120,75 +138,84 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[Body, list
     from ..core.session import Session
     from . import bridge, bridge_write, planning
 
+    bridge.check(obj)
     bridge.check_writable(obj)
+    bridge_write.rescue(sessions)  # a duplicate of a body that is live is pressed from its rest shape
     link, model = bridge.read_body(context, obj)
     proxy, reason = planning.proxy_for(context.scene, obj, model)
     session = Session(model, proxy=proxy)  # may refuse too, so before the mesh is touched
-    said = [*([reason] if reason else []), *(f'"{obj.name}": {note}' for note in model.notes)]
+    messages = [*([reason] if reason else []), *(f'"{obj.name}": {note}' for note in model.notes)]
     if bridge_write.is_shared(obj.data):
-        said.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
+        messages.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
     first = input_vertices(model.mesh)
     others = {body.borrowed.shared for body in sessions.values() if body.borrowed.shared is not None}
-    body = sessions[link.uid] = Body(
+    body = sessions[link.uid] = LiveBody(
         link=link, session=session, matrix=link.matrix, triangles=first[model.mesh.triangles],
         borrowed=bridge_write.borrow(obj, link, others=others),
     )  # fmt: skip
     obj.dimple.enabled = True
-    return body, said
+    return body, messages
 
 
-def stop(uid: int, *, restore: bool = True, mesh: bool = True) -> None:
+def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     """End a session; put the rest shape back, or keep the shape that shows.
 
     Args:
-        mesh: also give a shared mesh back; not while Blender undoes.
+        undoing: Blender undoes: a shared mesh is not given back, and what differs is no edit.
+
+    Returns:
+        Sentences for the artist: what went wrong with a recording.
     """
     body = sessions.pop(uid, None)
     if body is None:
-        return
-    from . import bridge, bridge_write
+        return []
+    from . import bridge, bridge_write, output
 
-    if body.recorder:
-        body.take, body.recorder = body.recorder.close(), None
     obj = bridge.find(uid, body.name)
-    if obj is None:
-        return
-    if restore:
-        bridge_write.give_back(obj, body.link, body.borrowed, mesh=mesh)
-    else:
+    if obj and restore:
+        bridge_write.give_back(obj, body.link, body.borrowed, body.shown, undoing=undoing)
+    elif obj:
         bridge_write.keep(obj)
-    if body.take:
-        from . import output
-
+    bridge_write.rescue(sessions)
+    messages = end_recording(body)  # after the mesh: whatever the disk does, that is safe
+    if obj and body.take:
         output.attach_cache(obj, *body.take)
+    return messages
 
 
-def stop_all(*, restore: bool = True) -> None:
-    """End every session and everything that drives them; the haptic device is disarmed first."""
+def end_recording(body: LiveBody) -> list[str]:
+    """End the recording of a body, if there is one; the object plays it once its session has ended.
+
+    Returns:
+        Sentences for the artist: what went wrong.
+    """
+    if body.recorder is None:
+        return []
+    recorder, body.recorder = body.recorder, None
+    body.take = recorder.take
+    try:
+        recorder.close()
+    except OSError as error:
+        return [recorder.cut_short(body.name, error)]
+    return []
+
+
+def stop_all(*, restore: bool = True) -> list[str]:
+    """End every session and everything that drives them; the haptic device is disarmed first.
+
+    Returns:
+        Sentences for the artist.
+    """
     disarm()
     for run in list(runs):
         close_run(run)
-    for uid in list(sessions):
-        stop(uid, restore=restore)
+    return [sentence for uid in list(sessions) for sentence in stop(uid, restore=restore)]
 
 
 def disarm() -> None:
     """End all force of the haptic device."""
     for each in disarming:
         each()
-
-
-@contextmanager
-def at_rest() -> Iterator[None]:
-    """Put every mesh at rest for a moment: what Blender saves or remembers for undo is never a pressed shape."""
-    if not sessions:
-        yield
-        return
-    rest_all()
-    try:
-        yield
-    finally:
-        show_all()
 
 
 @contextmanager
@@ -201,18 +228,18 @@ def ending_on_error() -> Iterator[None]:
         raise
 
 
-def open_run(context: bpy.types.Context, kind: str, said: str, *, interval: float = 1 / 60) -> Run:
+def open_run(context: bpy.types.Context, kind: str, state: str, *, interval: float = 1 / 60) -> ModalRun:
     """Register a modal operator and give it a timer; an earlier one that drives the sessions is closed."""
     for run in list(runs):
         close_run(run)
     manager = context.window_manager
-    run = Run(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
+    run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
     runs.append(run)
-    manager.dimple.state = said
+    manager.dimple.state = state
     return run
 
 
-def close_run(run: Run) -> None:
+def close_run(run: ModalRun) -> None:
     """Take timer and status text of a modal operator away; closing twice does nothing."""
     if run.closed:
         return
@@ -236,23 +263,3 @@ def redraw() -> None:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 area.tag_redraw()
-
-
-def rest_all(*, for_file: bool = False) -> None:
-    """Put every object back as it was; the sessions go on."""
-    from . import bridge, bridge_write
-
-    for uid, body in sessions.items():
-        if obj := bridge.find(uid, body.name):
-            bridge_write.pause(obj, body.link, body.borrowed, for_file=for_file)
-
-
-def show_all() -> None:
-    """Show every session again, after its mesh was put at rest."""
-    from . import bridge, bridge_write
-
-    for uid, body in sessions.items():
-        obj = bridge.find(uid, body.name)
-        if obj and bridge_write.is_showable(obj, body.link):
-            bridge_write.resume(obj, body.borrowed)
-            bridge_write.show(obj, body.link, bridge.to_local(body.link, body.matrix, body.session.positions()))

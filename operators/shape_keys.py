@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 import bpy
 
 from . import bridge_write
-from .bridge import Link, Singles
+from .bridge import ObjectLink, Singles
 from .names import BAKED_KEY
 
 MADE_BASIS = "dimple_made_basis"  # custom property of keys that came with the bake and go with it
 
 
-def add(obj: bpy.types.Object, link: Link, shapes: Sequence[tuple[int, Singles]]) -> None:
+def add(obj: bpy.types.Object, link: ObjectLink, shapes: Sequence[tuple[int, Singles]]) -> None:
     """Give an object a key for each (frame, coordinates), and keyframe them.
 
     Between two keys the values add up to 1, and a straight line leads from one shape to the next.

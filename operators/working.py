@@ -12,9 +12,13 @@ SLICE_S = 0.1  # between two looks at the keyboard
 class Working:
     """Give an operator its `execute`, `invoke`, `modal` and `cancel`.
 
-    The operator has `_begin(context)`: the steps, a generator of the share that is done, whose closing undoes what was
-    half done; `_open(context)`: the Run; `_finished(context)`: what follows the last step.  verb: what it says it
-    does.  stopped: what it says after Esc.
+    The operator brings:
+
+    _begin(context): the steps, a generator of the share that is done; closing it undoes what is half done.
+    _open(context): the ModalRun.
+    _finished(context): what follows the last step.
+    verb: what the status bar says it does.
+    stopped: the message after Esc.
     """
 
     _run = None  # while it asks for a file nothing runs yet

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from core.mesh.ray import ray_hit
-from core.poke import Effect, Hit, Kind, PokeEvent, PokeState, Result, on_event, targets
+from core.poke import Effect, Hit, Kind, PokeEvent, PokeState, Result, fingers, on_event
+from core.session import Finger
 
 TOP = Hit(point=(0.0, 0.0, 0.1), normal=(0.0, 0.0, 1.0), body=7)
 SIDE = Hit(point=(0.1, 0.0, 0.0), normal=(1.0, 0.0, 0.0), body=7)
@@ -40,14 +41,14 @@ RELEASE = PokeEvent(kind=Kind.RELEASE)
 
 def test_a_fingertip_starts_where_its_sphere_touches_the_surface() -> None:
     state, _ = run(START, press())
-    assert targets(state, 7) == (((0.0, 0.0, pytest.approx(0.11)), 0.01), None, None)
+    assert fingers(state, 7) == (Finger((0.0, 0.0, pytest.approx(0.11)), 0.01), None, None)
 
 
 def test_a_held_press_goes_in_at_a_steady_rate_and_stays_at_its_depth() -> None:
     half, _ = run(START, press(), *ticks(0.125))
     deep, _ = run(half, *ticks(0.5))
-    assert targets(half, 7)[0][0][2] == pytest.approx(0.10)
-    assert targets(deep, 7)[0][0][2] == pytest.approx(0.09)
+    assert fingers(half, 7)[0].position[2] == pytest.approx(0.10)
+    assert fingers(deep, 7)[0].position[2] == pytest.approx(0.09)
 
 
 def test_the_press_is_the_same_however_time_is_cut_up() -> None:
@@ -61,8 +62,8 @@ def test_a_press_goes_along_the_view_or_along_the_normal() -> None:
     event = PokeEvent(kind=Kind.PRESS, hit=TOP, view=slanted)
     along_view, _ = run(START, event, *ticks(1.0))
     along_normal, _ = run(replace(START, along_normal=True), event, *ticks(1.0))
-    assert targets(along_view, 7)[0][0][1] == pytest.approx(0.02 * math.sin(0.5))
-    assert targets(along_normal, 7)[0][0] == (0.0, 0.0, pytest.approx(0.09))
+    assert fingers(along_view, 7)[0].position[1] == pytest.approx(0.02 * math.sin(0.5))
+    assert fingers(along_normal, 7)[0].position == (0.0, 0.0, pytest.approx(0.09))
 
 
 def test_a_press_beside_every_body_does_nothing() -> None:
@@ -73,9 +74,9 @@ def test_release_takes_the_fingertip_out_and_ends_one_stroke() -> None:
     state, done = run(START, press(), *ticks(0.3), RELEASE)
     assert done.count(Effect.PUSH_UNDO) == 1
     state, _ = run(state, *ticks(0.2))
-    assert targets(state, 7)[0][0][2] > 0.09
+    assert fingers(state, 7)[0].position[2] > 0.09
     state, done = run(state, *ticks(0.1), RELEASE)
-    assert targets(state, 7) == (None, None, None)
+    assert fingers(state, 7) == (None, None, None)
     assert Effect.PUSH_UNDO not in done
 
 
@@ -87,10 +88,10 @@ def test_a_short_press_comes_out_in_the_same_time_as_a_long_one() -> None:
 
 def test_a_drag_slides_the_fingertip_over_the_surface_without_a_jump() -> None:
     state, _ = run(START, press(), *ticks(0.3), PokeEvent(kind=Kind.MOVE, hit=SIDE, view=(-1.0, 0.0, 0.0)))
-    before = np.array(targets(state, 7)[0][0])
-    after = np.array(targets(run(state, *ticks(0.001))[0], 7)[0][0])
+    before = np.array(fingers(state, 7)[0].position)
+    after = np.array(fingers(run(state, *ticks(0.001))[0], 7)[0].position)
     assert np.linalg.norm(after - before) < 0.005
-    settled = targets(run(state, *ticks(1.0))[0], 7)[0][0]
+    settled = fingers(run(state, *ticks(1.0))[0], 7)[0].position
     assert settled == pytest.approx((0.09, 0.0, 0.0), abs=1e-6)
 
 
@@ -98,7 +99,7 @@ def test_a_drag_off_the_body_or_onto_another_leaves_the_fingertip_where_it_is() 
     pressed, _ = run(START, press(), *ticks(0.3))
     for hit in (None, replace(SIDE, body=8)):
         state, _ = run(pressed, PokeEvent(kind=Kind.MOVE, hit=hit), *ticks(0.5))
-        assert targets(state, 7) == targets(pressed, 7)
+        assert fingers(state, 7) == fingers(pressed, 7)
 
 
 def test_pen_pressure_is_depth() -> None:
@@ -165,7 +166,7 @@ def test_any_events_in_any_order_keep_the_fingertips_finite() -> None:
         state, _ = on_event(state, PokeEvent(kind=kind, hit=hit, pressure=random.random(), amount=amount))
         for tip in state.tips:
             if tip:
-                assert np.isfinite(tip.centre).all()
+                assert np.isfinite(tip.finger.position).all()
                 assert 0 <= tip.reached
                 assert math.hypot(*tip.aim.inward) == pytest.approx(1)
 

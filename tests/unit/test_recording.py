@@ -1,13 +1,18 @@
 """The point cache: what is written is read back, whatever happens to the file in between."""
 
+import resource
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from core import recording
 from core.base import DimpleError
 from core.recording import PointCache, read_point_cache
+from tools.environment import ROOT
 
 HEADER = 32  # bytes
 SAMPLES = np.random.default_rng(0).normal(size=(4, 3, 3)).astype(np.float32)
@@ -54,7 +59,7 @@ def test_a_sample_torn_by_a_crash_is_not_counted(path: Path) -> None:
     np.testing.assert_array_equal(read_point_cache(path)[2], SAMPLES)
 
 
-def test_every_sample_is_on_the_disk_before_the_next(tmp_path: Path) -> None:
+def test_every_sample_can_be_read_before_the_next(tmp_path: Path) -> None:
     cache = PointCache(tmp_path / "press.pc2", 3)
     assert read_point_cache(cache.path)[2].shape == (0, 3, 3)
     for count, sample in enumerate(SAMPLES, start=1):
@@ -123,3 +128,56 @@ def test_a_random_file_never_raises_anything_but_a_message(path: Path) -> None:
 def test_a_missing_folder_is_said_by_name(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="nowhere"):
         PointCache(tmp_path / "nowhere" / "press.pc2", 3)
+
+
+def test_samples_are_flushed_and_the_disk_is_waited_for_once_at_the_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits = []
+    monkeypatch.setattr(recording.os, "fsync", waits.append)
+    cache = PointCache(tmp_path / "press.pc2", 3)
+    for sample in SAMPLES:
+        cache.append(sample)
+    assert waits == []
+    cache.close()
+    cache.close()
+    assert len(waits) == 1
+
+
+@pytest.mark.parametrize("size", [0, 16, HEADER, HEADER + SIZE - 1, HEADER + SIZE, HEADER + 2 * SIZE + 7])
+def test_a_disk_that_fills_keeps_the_samples_before(tmp_path: Path, size: int) -> None:
+    path, before = tmp_path / "press.pc2", resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        with pytest.raises(OSError), PointCache(path, 3) as cache:
+            for sample in SAMPLES:
+                cache.append(sample)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    if size >= HEADER:
+        np.testing.assert_array_equal(read_point_cache(path)[2], SAMPLES[: (size - HEADER) // SIZE])
+
+
+RECORDS_UNTIL_KILLED = """
+import sys
+import numpy as np
+from core.recording import PointCache
+cache = PointCache(sys.argv[1], 5000)
+for number in range(100000):
+    cache.append(np.full((5000, 3), number, np.float32))
+    print(number, flush=True)
+"""
+
+
+def test_a_program_that_is_killed_while_it_records_leaves_whole_samples(tmp_path: Path) -> None:
+    path = tmp_path / "press.pc2"
+    run = subprocess.Popen(
+        [sys.executable, "-c", RECORDS_UNTIL_KILLED, str(path)], cwd=ROOT, stdout=subprocess.PIPE, text=True
+    )
+    assert run.stdout
+    written = [int(run.stdout.readline()) for _ in range(50)][-1]
+    run.kill()
+    run.communicate()
+    samples = read_point_cache(path)[2]
+    assert len(samples) > written
+    np.testing.assert_array_equal(samples, np.broadcast_to(np.arange(len(samples))[:, None, None], samples.shape))

@@ -155,6 +155,53 @@ def test_what_is_not_a_mesh_is_refused_with_what_to_do(bpy: ModuleType, add: Cal
     assert not sessions.sessions
 
 
+NOT_MESHES: dict[str, tuple[str, dict[str, Any]]] = {
+    "a light": ("light_add", {"type": "POINT"}),
+    "a camera": ("camera_add", {}),
+    "an empty": ("empty_add", {}),
+    "an armature": ("armature_add", {}),
+    "a metaball": ("metaball_add", {}),
+    "a speaker": ("speaker_add", {}),
+    "a grease pencil": ("grease_pencil_add", {"type": "EMPTY"}),
+    "a lattice": ("add", {"type": "LATTICE"}),
+    "a collection instance": ("collection_instance_add", {"collection": "Cakes"}),
+}
+
+
+@pytest.mark.parametrize("kind", NOT_MESHES)
+def test_what_has_no_mesh_is_refused_in_a_sentence(bpy: ModuleType, empty_file: ModuleType, kind: str) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    bpy.context.scene.collection.children.link(bpy.data.collections.new("Cakes"))
+    name, given = NOT_MESHES[kind]
+    getattr(bpy.ops.object, name)(**given)
+    for verb in (lambda: bpy.ops.dimple.poke(**QUICK), bpy.ops.dimple.play, lambda: bpy.ops.dimple.bake(frame_end=3)):
+        with pytest.raises(RuntimeError, match=f"is {kind}, not a mesh\\. ") as caught:
+            verb()
+        assert "Traceback" not in str(caught.value) and not sessions.sessions
+
+
+@pytest.mark.parametrize("value", [NAN, float("inf"), 1e30])
+@pytest.mark.parametrize(
+    ("verb", "name"),
+    [
+        ("play", "seconds"), ("poke", "press_s"), ("poke", "hold_s"), ("poke", "release_s"), ("poke", "depth_mm"),
+        ("poke", "radius_mm"), ("poke", "location"), ("poke", "direction"),
+    ],
+)  # fmt: skip
+def test_a_number_that_is_none_is_refused_by_name(
+    bpy: ModuleType, add: Callable[..., Any], coordinates: Callable[[Any], bytes], verb: str, name: str, value: float
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    obj = add()
+    before = coordinates(obj)
+    given = {**(QUICK if verb == "poke" else {}), name: (0, value, 0) if name in ("location", "direction") else value}
+    with pytest.raises(RuntimeError, match=f"{name.replace('_', ' ').capitalize()} must be a number") as caught:
+        getattr(bpy.ops.dimple, verb)(**given)
+    assert "Traceback" not in str(caught.value) and not sessions.sessions and coordinates(obj) == before
+
+
 def test_a_fingertip_that_alone_is_selected_is_said(bpy: ModuleType, add: Callable[..., Any]) -> None:
     body, tip = add(), add()
     bpy.context.scene.dimple.finger_1 = tip

@@ -46,7 +46,7 @@ def unfinished(bpy: ModuleType, obj: Any, **changes: Any) -> Iterator[float]:
     from bl_ext.user_default.dimple.operators import baking
 
     plan = {"objects": [obj], "first": 1, "last": 12, "target": "MESH_CACHE"}
-    return baking.bake(bpy.context, baking.Plan(**{**plan, **changes}), [])
+    return baking.bake(bpy.context, baking.BakePlan(**{**plan, **changes}), [])
 
 
 @pytest.mark.parametrize("target", ["MESH_CACHE", "SHAPE_KEYS"])

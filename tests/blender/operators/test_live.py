@@ -106,14 +106,14 @@ def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
 ) -> None:
     from bl_ext.user_default.dimple.operators import live, sessions
 
-    run = sessions.Run(kind="play", timer=None)
+    run = sessions.ModalRun(kind="play", timer=None)
     asked, budget = live.ask(bpy.context.scene, run, 5.0)
-    assert asked == run.pace and budget < 0.1
+    assert asked == run.step_s and budget < 0.1
     body = SimpleNamespace(frame=SimpleNamespace(steps=1), session=SimpleNamespace(tick=1e-3))
     monkeypatch.setattr(sessions, "sessions", {1: body})
     live.adapt(run, asked)
-    assert run.pace == pytest.approx(0.002)
+    assert run.step_s == pytest.approx(0.002)
     for _ in range(9):
-        body.frame.steps = round(run.pace / 1e-3)
+        body.frame.steps = round(run.step_s / 1e-3)
         live.adapt(run, asked)
-    assert run.pace == pytest.approx(0.1), "and is real again as soon as it can"
+    assert run.step_s == pytest.approx(0.1), "and is real again as soon as it can"

@@ -109,7 +109,7 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
     poke.send("R")
     assert not body.recording
     poke.send("ESC")
-    assert ball_of(bpy).modifiers["Dimple"].filepath.endswith("Ball_take.pc2")
+    assert ball_of(bpy).modifiers["Dimple"].filepath.endswith("Ball_take_001.pc2")
 
 
 def test_a_pen_presses_as_deep_as_it_is_pressed(bpy: ModuleType, hand: Any, rest: bytes) -> None:

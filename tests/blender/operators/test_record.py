@@ -1,15 +1,18 @@
 """What is pressed live can be recorded, and the object plays it."""
 
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
+import pytest
 
 from tests.blender.operators.test_bake import cached
 
 Add = Callable[..., Any]
 Shown = Callable[[Any], np.ndarray]
+QUICK: dict[str, Any] = {"depth_mm": 5.0, "press_s": 0.05, "hold_s": 0.0, "release_s": 0.0}
 
 
 def test_a_recorded_press_is_played_back(bpy: ModuleType, scene: Any, ball: Add, shown: Shown) -> None:
@@ -46,3 +49,65 @@ def test_the_record_button_takes_what_plays_and_needs_something_that_does(
     assert np.abs(positions[0] - before).max() < 1e-6, "it begins with what showed"
     scene.frame_set(5 + len(positions) - 1)
     assert np.abs(shown(obj) - positions[-1]).max() < 1e-5
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_a_new_recording_never_overwrites_an_earlier_one(
+    bpy: ModuleType, scene: Any, ball: Add, tmp_path: Path
+) -> None:
+    obj, folder = ball(), tmp_path / "caches"
+    bpy.ops.dimple.poke(record=True, **QUICK)
+    assert obj.modifiers["Dimple"].filepath.endswith("untitled_Ball_take_001.pc2")
+    first = {path.name: path.read_bytes() for path in folder.iterdir()}
+    bpy.ops.dimple.poke(record=True, **{**QUICK, "depth_mm": 10.0})
+    assert obj.modifiers["Dimple"].filepath.endswith("untitled_Ball_take_002.pc2")
+    assert files(folder) == [f"untitled_Ball_take_00{n}.{end}" for n in (1, 2) for end in ("csv", "pc2")]
+    assert all((folder / name).read_bytes() == data for name, data in first.items())
+
+
+@pytest.mark.parametrize("kind", ["take", "bake"])
+def test_a_second_file_without_a_name_leaves_the_first_ones_caches_alone(
+    bpy: ModuleType, scene: Any, ball: Add, tmp_path: Path, kind: str
+) -> None:
+    folder = tmp_path / "caches"
+
+    def animate() -> Any:
+        obj = ball()
+        bpy.context.scene.dimple.cache_dir = str(folder)
+        if kind == "take":
+            bpy.ops.dimple.poke(record=True, **QUICK)
+        else:
+            bpy.ops.dimple.bake(frame_start=1, frame_end=3)
+        return obj
+
+    animate()
+    first = {path.name: path.read_bytes() for path in folder.iterdir()}
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert animate().modifiers["Dimple"].filepath.endswith(f"untitled_Ball_{kind}_002.pc2")
+    assert len(files(folder)) == 4 and all((folder / name).read_bytes() == data for name, data in first.items())
+
+
+def test_a_second_bake_of_an_object_in_a_file_without_a_name_takes_the_place_of_its_first(
+    bpy: ModuleType, scene: Any, ball: Add, tmp_path: Path
+) -> None:
+    ball()
+    for _ in range(2):
+        bpy.ops.dimple.bake(frame_start=1, frame_end=3)
+    assert files(tmp_path / "caches") == ["untitled_Ball_bake_001.csv", "untitled_Ball_bake_001.pc2"]
+
+
+def test_caches_of_a_file_without_a_name_outlive_the_extension(bpy: ModuleType, scene: Any, ball: Add) -> None:
+    scene.dimple.cache_dir = ""
+    obj = ball()
+    bpy.ops.dimple.poke(record=True, **QUICK)
+    path = Path(obj.modifiers["Dimple"].filepath)
+    own = Path(bpy.utils.extension_path_user("bl_ext.user_default.dimple"))
+    try:
+        assert path.exists() and own not in path.parents, "Blender deletes that folder with the extension"
+        assert Path(bpy.utils.user_resource("DATAFILES")) in path.parents
+    finally:
+        path.unlink()
+        path.with_suffix(".csv").unlink()
