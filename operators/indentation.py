@@ -15,7 +15,7 @@ from . import bridge, calibration
 if TYPE_CHECKING:
     from ..core.material import Material
     from ..core.mesh.surface import Mesh
-    from .bridge import Floats, Link
+    from .bridge import Floats, ObjectLink
 
 DOWN = np.array([0.0, 0.0, -1.0])
 
@@ -35,7 +35,7 @@ class Bench:
     notes: messages for the artist.
     """
 
-    link: Link
+    link: ObjectLink
     mesh: Mesh
     uid: int
     material: Material
@@ -100,7 +100,7 @@ def find_material(uid: int) -> bpy.types.Material:
     return found
 
 
-def _at_cursor(context: bpy.types.Context, link: Link, mesh: Mesh) -> tuple[Floats, Floats]:
+def _at_cursor(context: bpy.types.Context, link: ObjectLink, mesh: Mesh) -> tuple[Floats, Floats]:
     """Return the point (3,) [m] of the surface nearest to the 3D cursor, and the way in."""
     from mathutils.bvhtree import BVHTree
 
