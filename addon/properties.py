@@ -22,7 +22,6 @@ _MASS_FROM = (
 _FILLS = (
     ("AIR", "Air", "The enclosed air is compressed: the pressure rises and the volume falls a little"),
     ("LIQUID", "Liquid", "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere"),
-    ("PAPER", "Paper (Eq. 2)", "Pressure as in the paper: force of the fingertips over their contact area"),
     ("NONE", "None", "Nothing is enclosed, so there is no pressure. Suits open meshes"),
 )
 _LAW_SETS = (

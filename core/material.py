@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from .base import DimpleError
 
 _LARGEST = 1e12  # in any unit: beyond it sums overflow
-FILLS = ("air", "liquid", "paper", "none")
+FILLS = ("air", "liquid", "none")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +46,7 @@ class Material:
             twentieth of its size. Give exactly one of the two.
         damping_ratio: of springs and shape matching; 0 undamped, 1 critically damped.
         friction: Coulomb coefficient of the skin against a fingertip and the ground.
-        fill: "air", "liquid", "paper" (Eq. (2)) or "none".
+        fill: "air", "liquid" or "none".
         constants: of the model, identified on one mesh by a simulated press; None: estimated from K1, K2 and x0.
 
     Raises:

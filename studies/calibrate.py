@@ -40,7 +40,7 @@ def add_command(command: argparse.ArgumentParser) -> None:
     press = command.add_argument_group("the simulated press")
     press.add_argument("--identify", action="store_true", help="find the model's constants for a cube of --length-mm")
     press.add_argument("--mesh", type=Path, metavar="FILE", help="the body instead (OBJ, STL, PLY; longest side L)")
-    press.add_argument("--fill", choices=[fill for fill in FILLS if fill != "paper"], default="air", help="inside")
+    press.add_argument("--fill", choices=FILLS, default="air", help="inside")
     answers = command.add_argument_group("answers, where the file leaves something open")
     for name, kind, text in (
         ("depth_column", str, "header or number of the column of depth"),

@@ -55,10 +55,6 @@ MATERIAL = {
     "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere": (
         "中の液体は体積を保ちます。押し込んだ分だけ別の場所が膨らみます"
     ),
-    "Paper (Eq. 2)": "論文 (式 2)",
-    "Pressure as in the paper: force of the fingertips over their contact area": (
-        "論文どおりの圧力。指先の力を接触面積で割ります"
-    ),
     "None": "なし",
     "Nothing is enclosed, so there is no pressure. Suits open meshes": (
         "何も入っていないので圧力はありません。開いたメッシュに適しています"

@@ -52,11 +52,6 @@ class Model:
         """Tell whether the shape at rest follows the body rather than the pins."""
         return not spans_a_plane(self.mesh.rest_positions[self.held & ~self.mesh.loose], self.mesh.size)
 
-    @property
-    def needs_contact(self) -> bool:
-        """Tell whether the pressure is Eq. (2), which asks for the fingertips' depth and contact."""
-        return "paper" in (self.law_set, self.pressure.fill)
-
     def substeps(self, tick: float) -> int:
         """Return how many steps of an explicit method a tick [s] needs.
 
@@ -223,12 +218,7 @@ def forces(model: Model, state: State) -> Floats:
         if model.pressure.fill != "none":
             volume, gradient = pressure.volume_and_gradient(model.pressure, x, arms)
             state.volume = volume
-            if model.pressure.fill == "paper":
-                state.pressure = paper.inner_pressure(
-                    state.inner_force, paper.contact_area(state.contact, model.mesh.triangles, x)
-                )
-            else:
-                state.pressure = pressure.pressure_at(model.pressure, volume)
+            state.pressure = pressure.pressure_at(model.pressure, volume)
             f += state.pressure * gradient
         f += shape_matching.force(model.matching, x, v, state.pose, state.pose_rate)
     return f + model.mass * model.gravity[:, None]

@@ -20,7 +20,13 @@ from .springs import around
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pressure:
-    """Hold the fill ("air", "liquid", "none", or "paper": set from outside), the volume [m3] and surface at rest."""
+    """The fill of a body.
+
+    fill: "air", "liquid" or "none".
+    rest_volume: [m3].
+    rings: of the mesh.
+    cap_edges: (c, 2) border edges, and cap_loop: (c,) the hole each closes.
+    """
 
     fill: str
     rest_volume: float
@@ -109,7 +115,7 @@ def stiffness_product(law: Pressure, x: Floats, u: Floats) -> Floats:
 
 def omega_squared(law: Pressure, x: Floats, inverse_mass: Floats) -> float:
     """Return the square of the angular frequency [1/s2] of the fill: -dp/dV g . M^-1 g."""
-    if law.fill in ("none", "paper"):
+    if law.fill == "none":
         return 0.0
     volume, gradient = volume_and_gradient(law, x)
     return pressure_slope(law, volume) * float((gradient**2).sum(axis=0) @ inverse_mass)

@@ -152,7 +152,7 @@ def press(mesh: Mesh, material: Material, indenter: Indenter, site: Site, depths
     """Press a body to each depth [m] in turn and yield where it rests; the last is where no rest was found, if so.
 
     Raises:
-        DimpleError: the laws have no energy ("paper" fill).
+        DimpleError: the laws have no energy.
     """
     flat = indenter.shape != "sphere"
     model = build_model(

@@ -24,7 +24,7 @@ from ..solver.twin import Twin
 
 ABI = 3
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
-FILLS = {"none": 0, "air": 1, "liquid": 2, "paper": 3}
+FILLS = {"none": 0, "air": 1, "liquid": 2}
 LAW_SETS = {"consistent": 0, "paper": 1}
 BEST, BASE, AVX2 = 0, 1, 2  # instruction sets
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy

@@ -144,7 +144,7 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
     for (int64_t k = 0; k < vertices; k++) total += c->mass[k];
     if (!(total > 0)) return DM_NUMBER;
     if (c->law_set < DM_LAWS_CONSISTENT || c->law_set > DM_LAWS_PAPER) return DM_OPTION;
-    if (c->fill < DM_FILL_NONE || c->fill > DM_FILL_PAPER) return DM_OPTION;
+    if (c->fill < DM_FILL_NONE || c->fill > DM_FILL_LIQUID) return DM_OPTION;
     return c->fill != DM_FILL_NONE && !(rest_volume > 0) ? DM_NUMBER : DM_OK;
 }
 

@@ -193,7 +193,7 @@ static void dm_note_contact(dm_state *b) {
 }
 
 static void dm_resolve_contact(dm_state *b, dm_frame *frame) {
-    if (b->law_set == DM_LAWS_PAPER || b->fill == DM_FILL_PAPER) dm_note_contact(b);
+    if (b->law_set == DM_LAWS_PAPER) dm_note_contact(b);
     for (int k = 0; k < b->finger_count; k++) {
         const dm_near *t = b->touches + k;
         double *impulse = frame->touches[t->finger].impulse;

@@ -36,7 +36,7 @@ enum {
     DM_OPTION  /* an unknown law set, fill or precision, or an instruction set this machine lacks */
 };
 
-enum { DM_FILL_NONE, DM_FILL_AIR, DM_FILL_LIQUID, DM_FILL_PAPER };
+enum { DM_FILL_NONE, DM_FILL_AIR, DM_FILL_LIQUID };
 enum { DM_LAWS_CONSISTENT, DM_LAWS_PAPER };
 enum { DM_SET_BEST, DM_SET_BASE, DM_SET_AVX2 }; /* base: SSE2 on x86-64, NEON on arm64 */
 

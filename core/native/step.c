@@ -7,7 +7,6 @@ enum { DM_AIR_PRESSURE = 101325, DM_LIQUID_BULK_MODULUS = 2000000 }; /* [Pa], co
 static const double DM_AIR_EXPONENT = 1.4;
 
 static double dm_pressure_at(const dm_state *b) {
-    if (b->fill == DM_FILL_PAPER) return dm_paper_pressure(b);
     if (b->fill == DM_FILL_LIQUID) return DM_LIQUID_BULK_MODULUS * (b->rest_volume - b->volume) / b->rest_volume;
     double least = 0.01 * b->rest_volume; /* a body turned inside out has no volume left */
     return DM_AIR_PRESSURE * (pow(b->rest_volume / (b->volume > least ? b->volume : least), DM_AIR_EXPONENT) - 1);
@@ -187,11 +186,10 @@ static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
 static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
     dm_begin_motion(b, m, frame);
     b->dt = m->tick / (double)m->substeps;
-    int needs_contact = b->law_set == DM_LAWS_PAPER || b->fill == DM_FILL_PAPER;
     double way = m->ticks > 1 ? (m->pins_last - m->pins_first) / (double)(m->ticks - 1) : 0, centre[3];
     for (int64_t t = 0; t < m->ticks && frame->finite; t++) {
         if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
-        if (needs_contact) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
+        if (b->law_set == DM_LAWS_PAPER) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
         DM_TIMED(DM_REACH, dm_move_fingertips(b, m, t));
         for (int64_t s = 0; s < m->substeps; s++) {
             dm_substep(b);

@@ -66,7 +66,7 @@ def equilibrium(
     Raises:
         DimpleError: the laws have no energy (Eq. (2)), or there is a ground plane, which is not solved for.
     """
-    if model.needs_contact or model.ground is not None:
+    if model.law_set == "paper" or model.ground is not None:
         raise DimpleError("An equilibrium needs laws with an energy and no ground plane. Use the consistent law set.")
     state = initial_state(model)
     if start is not None:

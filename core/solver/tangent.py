@@ -118,7 +118,7 @@ def _memory(model: Model, state: State, h: float) -> tuple[Product, Floats]:
 def _fill(model: Model, state: State, h: float) -> tuple[Product, Floats, float]:
     """Return the product of the fill, its gradient g (3, n) and the weight of g g^T."""
     law, x = model.pressure, state.positions
-    if law.fill in ("none", "paper"):
+    if law.fill == "none":
         return np.zeros_like, np.zeros_like(x), 0.0
     volume, g = pressure.volume_and_gradient(law, x)
     p, weight = pressure.pressure_at(law, volume), h * h * pressure.pressure_slope(law, volume)

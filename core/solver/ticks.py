@@ -81,7 +81,7 @@ def reach(model: Model, state: State, start: Floats, end: Floats, radius: float,
 def meet(model: Model, state: State, touches: Sequence[Touch]) -> Floats:
     """Resolve the contacts in place and return the impulses (k, 3) [N s] on the fingertips."""
     x, v = state.positions, state.velocities
-    if model.needs_contact:
+    if model.law_set == "paper":
         state.contact = touched(x, touches)
     impulses = [
         contact.resolve(x, v, touch, model.inverse_mass, model.friction, faces=model.law_set != "paper")

@@ -65,7 +65,7 @@ class Twin:
             share = ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
             if motion.pins:
                 self._lead_pins(motion, motion.pins, share)
-            if model.needs_contact:
+            if model.law_set == "paper":
                 touches = [self._touching(tips, i, here[i]) for i in down]
                 state.inner_force = sum(self._law(touch) for touch in touches)
             path = np.empty((len(down), 2, 3))

@@ -55,8 +55,8 @@ def require_energy(model: Model) -> None:
     Raises:
         DimpleError: the pressure is Eq. (2).
     """
-    if model.needs_contact:
+    if model.law_set == "paper":
         raise DimpleError(
             "This method needs laws with an energy, and Eq. (2) has none. "
-            "Choose the consistent law set and another fill, or an explicit method."
+            "Choose the consistent law set, or an explicit method."
         )

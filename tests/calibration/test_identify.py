@@ -244,8 +244,6 @@ def test_a_tip_that_cannot_press_is_refused():
         Indenter(radius=0.0)
     with pytest.raises(DimpleError, match="one of point"):
         Indenter(shape="cone")
-    with pytest.raises(DimpleError, match="energy"):
-        list(press(mesh, replace(PRESETS[2].material, fill="paper"), POINT, find_site(mesh, POINT), [0.001]))
 
 
 def test_a_body_without_pinned_vertices_is_pressed_against_its_base():

@@ -81,7 +81,6 @@ WHOLE = {
     "liquid": Case(shape=lambda: ball(2)),
     "air": Case(shape=lambda: ball(2), material=replace(SOFT, fill="air")),
     "no fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="none")),
-    "paper fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="paper")),
     "paper laws": Case(shape=lambda: ball(2), options={"law_set": "paper"}),
     "paper laws, two fingers": Case(shape=crumpled, fingers=2, options={"law_set": "paper"}),
     "free": Case(shape=lambda: ball(2), hold="free", thrown=True),

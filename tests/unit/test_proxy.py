@@ -192,12 +192,8 @@ def test_scans_have_a_proxy_or_a_reason(name: str) -> None:
 
 def test_laws_that_depend_on_the_mesh_have_no_proxy() -> None:
     mesh: Mesh = cube(12, 0.1)
-    for model, why in (
-        (build_model(mesh, [VINYL], law_set="paper"), "paper"),
-        (build_model(mesh, [replace(VINYL, fill="paper")]), "paper"),
-    ):
-        with pytest.raises(DimpleError, match=why):
-            build_proxy(model, 200)
+    with pytest.raises(DimpleError, match="paper"):
+        build_proxy(build_model(mesh, [VINYL], law_set="paper"), 200)
     with pytest.raises(DimpleError, match="from 60"):
         build_proxy(build_model(mesh, [VINYL]), 800)
     pin = np.zeros(len(mesh.source), bool)
