@@ -9,6 +9,8 @@ import pytest
 
 from tools import extension
 
+# numpy's threads wait for each other at every small product: on a busy machine that costs several times the work
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is imported, so before any test module
 BLENDER_TESTS = Path(__file__).parent / "blender"
 HAPTIC_TESTS = Path(__file__).parent / "haptics"
 
