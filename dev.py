@@ -17,9 +17,9 @@ from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, run, ru
 from tools.extension import build_zip
 
 BUILD = ROOT / "build"
-REAL_TIME = ["tests/haptics"]
-BLENDERS_OWN = ["tests/blender"]
-OTHERS = ["tests", *(f"--ignore={place}" for place in (*REAL_TIME, *BLENDERS_OWN))]
+# what runs against the clock of a device runs alone, then the rest side by side, the two parts of core about as long
+REAL_TIME, LONG, BLENDERS_OWN = ["tests/haptics"], ["tests/calibration", "tests/studies"], ["tests/blender"]
+OTHERS = ["tests", *(f"--ignore={place}" for place in (*REAL_TIME, *LONG, *BLENDERS_OWN))]
 TESTS_LIMIT_S = 1800  # Blender 4.5 hangs at exit when a timer is left registered
 SCRIPT_LIMIT_S = 1800
 NO_TESTS_COLLECTED = 5  # pytest's exit code
@@ -62,9 +62,8 @@ def test(options: argparse.Namespace) -> int:
     flags = [*(["-m", ""] if options.slow else []), *(word for word in options.rest if word not in paths)]
     inside = [path for path in paths if Path(path).parts[:2] == ("tests", "blender")]
     outside = [path for path in paths if path not in inside]
-    # core and the installed extension are the same modules under two names: one process never holds both;
-    # what runs against the clock of a device runs alone, the rest side by side
-    rounds = [[outside], [inside]] if paths else [[REAL_TIME], [OTHERS, BLENDERS_OWN]]
+    # core and the installed extension are the same modules under two names: one process never holds both
+    rounds = [[outside], [inside]] if paths else [[REAL_TIME], [OTHERS, LONG, BLENDERS_OWN]]
     codes = []
     for places in rounds:
         commands = [[python, "-m", "pytest", *flags, *some] for some in places if some]
