@@ -51,10 +51,10 @@ def test_the_kept_fronts_name_every_scene_and_runs_that_meet_their_bound() -> No
         assert float(row["relative_error"]) <= float(row["error_at_most"])
 
 
-def test_these_methods_are_offered_and_what_only_shows_a_failure_is_not() -> None:
-    """Said here, so that a front measured again cannot change what is offered unseen."""
-    assert offered() == ("semi_implicit", "velocity_verlet", "rk4", "xpbd")
-    assert len(read(FRONTS)) > 20
+def test_an_offered_method_is_on_a_front_and_what_only_shows_a_failure_is_not_offered() -> None:
+    assert set(offered()) == {row["method"] for row in read(FRONTS)}
+    assert "explicit_euler" not in offered()
+    assert "semi_implicit" in offered()
 
 
 def test_the_kept_fronts_are_those_of_the_kept_points() -> None:
