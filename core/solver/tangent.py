@@ -48,7 +48,7 @@ def tangent(model: Model, state: State, h: float, met: Sequence[Meeting] = ()) -
     blocks[:, range(3), range(3)] += mass[:, None]
     for m in met:
         blocks += h * h * penalty.stiffness_blocks(m, len(free))
-    inverse = np.linalg.inv(blocks) * free[:, None, None]
+    inverse = _inverse(blocks) * free[:, None, None]
 
     def by_blocks(r: Floats) -> Floats:
         return np.einsum("nij,jn->in", inverse, r)
@@ -73,6 +73,16 @@ def tangent(model: Model, state: State, h: float, met: Sequence[Meeting] = ()) -
         return moved + z - rigid(z)
 
     return Tangent(product=product, precondition=precondition)
+
+
+def _inverse(blocks: Floats) -> Floats:
+    """Return the inverses (n, 3, 3) of symmetric blocks (n, 3, 3), by their cofactors.
+
+    np.linalg.inv starts OpenBLAS's threads for every block; on a busy machine that is most of an identification.
+    """
+    a, b, c = blocks[:, 0], blocks[:, 1], blocks[:, 2]
+    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    return cofactors / (a * cofactors[:, 0]).sum(axis=1)[:, None, None]
 
 
 def _springs(model: Model, state: State, h: float) -> tuple[Product, Floats]:
