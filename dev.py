@@ -13,11 +13,14 @@ import tempfile
 from pathlib import Path
 
 from tools import native as native_core
-from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, provide_peers, run, say
+from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, provide_peers, run, run_together, say
 from tools.extension import build_zip
 
 BUILD = ROOT / "build"
-BLENDER_TESTS_LIMIT_S = 900  # Blender 4.5 hangs at exit when a timer is left registered
+# what runs against the clock of a device runs alone, then the rest side by side, the two parts of core about as long
+REAL_TIME, LONG, BLENDERS_OWN = ["tests/haptics"], ["tests/calibration", "tests/studies"], ["tests/blender"]
+OTHERS = ["tests", *(f"--ignore={place}" for place in (*REAL_TIME, *LONG, *BLENDERS_OWN))]
+TESTS_LIMIT_S = 1800  # Blender 4.5 hangs at exit when a timer is left registered
 SCRIPT_LIMIT_S = 1800
 NO_TESTS_COLLECTED = 5  # pytest's exit code
 
@@ -52,19 +55,19 @@ def in_blender(script: str, wanted: str | None, out: Path | None) -> int:
 
 
 def test(options: argparse.Namespace) -> int:
-    """run the tests; further arguments go to pytest"""
+    """run the tests, with --slow the slow ones too; further arguments go to pytest"""
     python = environment(options.blender)
     native_core.provide_library(python)
     paths = [word for word in options.rest if Path(word).parts[:1] == ("tests",)]
-    flags = [word for word in options.rest if word not in paths]
+    flags = [*(["-m", ""] if options.slow else []), *(word for word in options.rest if word not in paths)]
     inside = [path for path in paths if Path(path).parts[:2] == ("tests", "blender")]
     outside = [path for path in paths if path not in inside]
     # core and the installed extension are the same modules under two names: one process never holds both
-    pytest, codes = [python, "-m", "pytest", *flags], []
-    if outside or not paths:
-        codes.append(run([*pytest, *(outside or ["tests", "--ignore=tests/blender"])]))
-    if inside or not paths:
-        codes.append(run([*pytest, *(inside or ["tests/blender"])], limit_s=BLENDER_TESTS_LIMIT_S))
+    rounds = [[outside], [inside]] if paths else [[REAL_TIME], [OTHERS, LONG, BLENDERS_OWN]]
+    codes = []
+    for places in rounds:
+        commands = [[python, "-m", "pytest", *flags, *some] for some in places if some]
+        codes += run_together(commands, limit_s=TESTS_LIMIT_S)
     if all(code == NO_TESTS_COLLECTED for code in codes):
         return NO_TESTS_COLLECTED
     return next((code for code in codes if code not in (0, NO_TESTS_COLLECTED)), 0)
@@ -134,6 +137,8 @@ def main(words: list[str]) -> int:
         command = commands.add_parser(action.__name__, help=action.__doc__, allow_abbrev=False, add_help=own_help)
         command.set_defaults(action=action, out=None)
         command.add_argument("--blender", metavar="VERSION", help=f"{', '.join(BLENDERS)} or its beginning")
+        if action is test:
+            command.add_argument("--slow", action="store_true")
         if action in (demo, build, wheels, charts, window):
             command.add_argument("--out", type=Path, metavar="DIR", help="where the results go")
     options, options.rest = parser.parse_known_args(words)

@@ -224,18 +224,20 @@ class Session:
             for origin, target in zip(self._origins, self._targets, strict=True)
         ]
         if self._pins_target is not None:
-            if share >= 1:
-                self._pins_origin, self._pins_target = self._pins_target, None
-            else:
-                self._pins_origin = self._pins_origin + share * (self._pins_target - self._pins_origin)
+            whole = share >= 1
+            way = self._pins_target - self._pins_origin
+            self._pins_origin = self._pins_target if whole else self._pins_origin + share * way
 
     def _run(self, ticks: int) -> motion.Frame:
         """Run some ticks of the step under way."""
         first, last = (self._share((self._ticks + n) * self.tick) for n in (1, ticks))
+        pins = self._pins(first, last)
         self._last = result = self.body.step(
-            Motion(ticks, self.substeps, self.tick, self._fingertips(first, last), self._pins(first, last))
+            Motion(ticks, self.substeps, self.tick, self._fingertips(first, last), pins)
         )
         self._ticks += result.ticks
+        if pins and pins.last >= 1 and self._pins_target is not None:  # they have arrived
+            self._pins_origin, self._pins_target = self._pins_target, None
         for i, touch in enumerate(result.touches):
             if touch:
                 self._here[i], self._fresh[i] = touch.centre, False
@@ -260,6 +262,8 @@ class Session:
     def _pins(self, first: float, last: float) -> PinMotion | None:
         if self._pins_target is None:
             return None
+        if self._pins_origin is self._pins_target:  # the step before ended between two ticks
+            first = last = 1.0
         return PinMotion(self._pins_origin[:, self._pinned], self._pins_target[:, self._pinned], first, last)
 
     def _contact_radius(self, radius: float) -> float:

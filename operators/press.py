@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
@@ -15,13 +14,10 @@ from ..core.poke import Kind, PokeEvent, PokeState, Vector, along, fingers, on_e
 from . import live, pointer, polls, record, sessions
 from .sessions import LiveBody
 
-if TYPE_CHECKING:
-    from .poke import DIMPLE_OT_poke
-
 AXES: tuple[Vector, ...] = ((0, 0, -1), (0, 0, 1), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0))
 
 
-def press_once(operator: DIMPLE_OT_poke, context: bpy.types.Context) -> set[str]:
+def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> set[str]:
     """Press, hold and release as the operator's properties say; show and record every frame of it."""
     try:
         polls.check_numbers(operator, "location", "direction", "hold_s")
@@ -45,7 +41,7 @@ def press_once(operator: DIMPLE_OT_poke, context: bpy.types.Context) -> set[str]
     return {"FINISHED"}
 
 
-def new_state(context: bpy.types.Context, operator: DIMPLE_OT_poke) -> PokeState:
+def new_state(context: bpy.types.Context, operator: bpy.types.Operator) -> PokeState:
     """Return the poke's first state from the operator's properties and the scene's settings.
 
     Raises:

@@ -14,6 +14,8 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
+import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -57,6 +59,32 @@ def run(command: Sequence[str | Path], *, limit_s: float | None = None, **variab
         return subprocess.run(words, cwd=ROOT, env={**os.environ, **variables}, timeout=limit_s).returncode
     except subprocess.TimeoutExpired:
         raise Stop(f"stopped after {limit_s:.0f} s without an end: {' '.join(words)}") from None
+
+
+def run_together(commands: Sequence[Sequence[str | Path]], *, limit_s: float) -> list[int]:
+    """Run commands in the repository at the same time and return their exit codes.
+
+    What the first one prints is seen as it comes, what each other one prints when it and those before it have ended.
+    """
+    lines, codes, until = [[str(word) for word in command] for command in commands], [], time.monotonic() + limit_s
+    with contextlib.ExitStack() as stack:
+        outputs = [stack.enter_context(tempfile.TemporaryFile()) if place else None for place in range(len(lines))]
+        started = []
+        for words, output in zip(lines, outputs, strict=True):
+            process = subprocess.Popen(words, cwd=ROOT, stdout=output, stderr=output and subprocess.STDOUT)
+            stack.callback(process.kill)  # does nothing to one that has ended
+            started.append(process)
+        for words, output, process in zip(lines, outputs, started, strict=True):
+            try:
+                codes.append(process.wait(max(until - time.monotonic(), 0)))
+            except subprocess.TimeoutExpired:
+                raise Stop(f"stopped after {limit_s:.0f} s without an end: {' '.join(words)}") from None
+            finally:
+                if output:
+                    output.seek(0)
+                    shutil.copyfileobj(output, sys.stdout.buffer)
+                    sys.stdout.flush()
+    return codes
 
 
 def require(command: Sequence[str | Path], failure: str) -> None:

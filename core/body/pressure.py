@@ -101,18 +101,6 @@ def force(law: Pressure, x: Floats, arms: Floats | None = None) -> Floats:
     return pressure_at(law, volume) * gradient
 
 
-def stiffness_product(law: Pressure, x: Floats, u: Floats) -> Floats:
-    """Return K u (3, n) [N]: the rank-one part -dp/dV g g^T, and -p d(dV/dx).
-
-    dV/dx is quadratic in x, so its derivative along u is half the difference of its values at x + u and x - u.
-    """
-    volume, gradient = volume_and_gradient(law, x)
-    _, ahead = volume_and_gradient(law, x + u)
-    _, behind = volume_and_gradient(law, x - u)
-    rank_one = pressure_slope(law, volume) * float((gradient * u).sum()) * gradient
-    return rank_one - pressure_at(law, volume) * (ahead - behind) / 2
-
-
 def omega_squared(law: Pressure, x: Floats, inverse_mass: Floats) -> float:
     """Return the square of the angular frequency [1/s2] of the fill: -dp/dV g . M^-1 g."""
     if law.fill == "none":

@@ -87,12 +87,6 @@ def force(
     return f
 
 
-def stiffness_product(law: ShapeMatching, x: Floats, s: Floats, pose: Pose | None = None) -> Floats:
-    """Return K s (3, n) [N] for a displacement s, the pose held."""
-    level, turn, u = stiffness_parts(law, x, pose_of(law, x, pose))
-    return level * s + turn * (u * s).sum(axis=0) * u
-
-
 def stiffness_parts(law: ShapeMatching, x: Floats, pose: Pose) -> tuple[Floats, Floats, Floats]:
     """Return a (n,) [N/m], b (n,) [N/m3] and u (3, n) [m] of K = a + b u u^T, vertex by vertex."""
     rotation, translation = pose

@@ -100,19 +100,6 @@ def force(law: Springs, x: Floats, v: Floats | None = None, arms: Floats | None 
     return f
 
 
-def stiffness_product(law: Springs, x: Floats, u: Floats) -> Floats:
-    """Return K u (3, n) [N] for a displacement u (3, n) [m]."""
-    i, j = law.pairs.T
-    d, s = x[:, j] - x[:, i], u[:, j] - u[:, i]
-    length = np.maximum(np.linalg.norm(d, axis=0), _TINY)
-    slack = law.rest_lengths / length
-    pull = law.stiffness * ((1 - slack) * s + slack * (d * s).sum(axis=0) / length**2 * d)
-    product = np.zeros_like(x)
-    for c in range(3):
-        product[c] = sums_at(j, pull[c], x.shape[1]) - sums_at(i, pull[c], x.shape[1])
-    return product
-
-
 def row_bounds(law: Springs, n: int) -> tuple[Floats, Floats]:
     """Return (n,) each twice the stiffness [N/m] and twice the damping [N s/m] met in a vertex (Gershgorin)."""
     both = np.concatenate([law.pairs[:, 0], law.pairs[:, 1]])

@@ -122,10 +122,11 @@ static void dm_move_origin(dm_state *b, const double *centre) {
     dm_place_pose(b);
 }
 
-/* Tell whether every number is finite and the body not a hundred times as large as at rest, and find its centre. */
-static int dm_is_finite(dm_state *b, double *centre) {
+/* Tell whether every number is finite, and the body not a hundred times as large as at rest nor going as far in a tick;
+ * and find its centre. */
+static int dm_is_finite(dm_state *b, double tick, double *centre) {
     dm_wide sum[3] = {{0}};
-    dm_lanes part[3] = {{0}}, probe = dm_splat(0);
+    dm_lanes part[3] = {{0}}, probe = dm_splat(0), fastest = dm_splat(0);
     dm_vec3 low = b->state[0].x, high = low;
     for (int64_t g = 0; g < b->groups; g++) {
         dm_vec3 x = b->state[g].x, v = b->state[g].v;
@@ -133,6 +134,7 @@ static int dm_is_finite(dm_state *b, double *centre) {
         dm_mask counts = (dm_mask)(m > dm_splat(0));
         part[0] += m * x.x, part[1] += m * x.y, part[2] += m * x.z;
         probe += (x.x + x.y + x.z + v.x + v.y + v.z) * dm_splat(0); /* NaN where one is not finite */
+        fastest = dm_vmax(dm_dot(v, v), fastest);
         low.x = dm_blend(counts & (dm_mask)(x.x < low.x), x.x, low.x);
         high.x = dm_blend(counts & (dm_mask)(x.x > high.x), x.x, high.x);
         low.y = dm_blend(counts & (dm_mask)(x.y < low.y), x.y, low.y);
@@ -144,7 +146,7 @@ static int dm_is_finite(dm_state *b, double *centre) {
     dm_fold(part, sum, 3);
     for (int c = 0; c < 3; c++) centre[c] = dm_sum_of(sum[c]) / b->mass_total;
     for (int l = 0; l < DM_LANES; l++)
-        if (!(probe[l] == 0)) return 0;
+        if (!(probe[l] == 0 && sqrt((double)fastest[l]) * tick < DM_LARGEST_GROWTH * b->size)) return 0;
     double bottom[3] = {INFINITY, INFINITY, INFINITY}, top[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int64_t k = 0; b->any_loose && k < b->n; k++) /* what belongs to no face may be anywhere */
         for (int c = 0; c < 3 && !b->loose[k]; c++) {
@@ -195,7 +197,7 @@ static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
             dm_substep(b);
             DM_TIMED(DM_CONTACT, dm_resolve_contact(b, frame));
         }
-        frame->ticks = t + 1, frame->finite = dm_is_finite(b, centre);
+        frame->ticks = t + 1, frame->finite = dm_is_finite(b, m->tick, centre);
         if (frame->finite) dm_move_origin(b, centre);
     }
     if (m->pins_to && m->ticks) dm_finish_pins(b, m);

@@ -2,7 +2,8 @@
 
 K = -df/dx, C = -df/dv. A spring under compression pushes sideways, 1 - l0/|l| < 0: that part is left out, so that
 Newton's direction goes downhill. Pressure is its rank-one part g g^T (-dp/dV), never a dense matrix, and its
-geometric part -p d2V/dx2. The shape at rest follows a free body, so rigid motion meets no shape matching.
+geometric part -p d2V/dx2. The shape at rest follows a free body, so rigid motion meets no shape matching: there K is
+exact at rest where mass goes with k1, and near otherwise. tests/physics/test_tangent.py states what holds.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ Product = Callable[[Floats], Floats]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tangent:
-    """Hold A s and an approximate solve of A s = r, both (3, n) -> (3, n), 0 where held."""
+    """The products A s and, approximately, A^-1 r, both (3, n) -> (3, n) and 0 where held."""
 
     product: Product
     precondition: Product
@@ -47,7 +48,7 @@ def tangent(model: Model, state: State, h: float, met: Sequence[Meeting] = ()) -
     blocks[:, range(3), range(3)] += mass[:, None]
     for m in met:
         blocks += h * h * penalty.stiffness_blocks(m, len(free))
-    inverse = np.linalg.inv(blocks) * free[:, None, None]
+    inverse = _inverse(blocks) * free[:, None, None]
 
     def by_blocks(r: Floats) -> Floats:
         return np.einsum("nij,jn->in", inverse, r)
@@ -61,7 +62,7 @@ def tangent(model: Model, state: State, h: float, met: Sequence[Meeting] = ()) -
         return z - pull * float((along * z).sum()) * eased
 
     def rigid(s: Floats) -> Floats:
-        return shape_matching.rigid_velocity(mass, state.positions, s)
+        return free * shape_matching.rigid_velocity(free * mass, state.positions, s)
 
     def precondition(r: Floats) -> Floats:
         if state.pose is not None:
@@ -72,6 +73,16 @@ def tangent(model: Model, state: State, h: float, met: Sequence[Meeting] = ()) -
         return moved + z - rigid(z)
 
     return Tangent(product=product, precondition=precondition)
+
+
+def _inverse(blocks: Floats) -> Floats:
+    """Return the inverses (n, 3, 3) of symmetric blocks (n, 3, 3), by their cofactors.
+
+    np.linalg.inv starts OpenBLAS's threads for every block; on a busy machine that is most of an identification.
+    """
+    a, b, c = blocks[:, 0], blocks[:, 1], blocks[:, 2]
+    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    return cofactors / (a * cofactors[:, 0]).sum(axis=1)[:, None, None]
 
 
 def _springs(model: Model, state: State, h: float) -> tuple[Product, Floats]:

@@ -76,7 +76,7 @@ class Twin:
                 impulses[down] += semi_implicit.run(
                     model, state, FingerPath(centres=path, radii=radii), tick=motion.tick, substeps=motion.substeps
                 )
-            ticks, finite = ticks + 1, self._is_whole()
+            ticks, finite = ticks + 1, self._is_finite(motion.tick)
         if motion.pins and motion.ticks:
             self._arrive(motion.pins)
         found: list[Touch | None] = [None] * len(tips)
@@ -145,10 +145,11 @@ class Twin:
         self._state.velocities[:, held] = 0.0
         self._state.pose_rate, self._led = None, False
 
-    def _is_whole(self) -> bool:
-        """Tell whether every number is finite and the body not far larger than at rest."""
+    def _is_finite(self, tick: float) -> bool:
+        """Tell whether every number is finite, and the body not far larger than at rest nor going as far in a tick."""
         state, mesh = self._state, self.model.mesh
-        if not (np.isfinite(state.positions).all() and np.isfinite(state.velocities).all()):
+        speed = float(np.sqrt((state.velocities**2).sum(axis=0).max()))
+        if not (np.isfinite(state.positions).all() and speed * tick < LARGEST_GROWTH * mesh.size):
             return False
         used = state.positions[:, ~mesh.loose]
         return bool(np.ptp(used, axis=1).max() < LARGEST_GROWTH * mesh.size)

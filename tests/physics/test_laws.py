@@ -1,6 +1,7 @@
-"""The contract every law keeps: force is minus the gradient of energy, stiffness minus that of force, and so on.
+"""The contract every law keeps: force is minus the gradient of energy, inner forces have no sum, and so on.
 
-Each law is given as (energy, force, stiffness_product) of positions (3, n), on shapes disturbed at random.
+Each law is given as (energy, force) of positions (3, n), on shapes disturbed at random. The derivatives of the forces
+are those of test_tangent.py.
 """
 
 from collections.abc import Callable
@@ -10,27 +11,18 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body import paper, pressure, shape_matching, springs
+from core.body import paper, penalty, pressure, shape_matching, springs
+from core.body.contact import Touch
 from core.body.shape_matching import fit_pose
 from core.mesh.surface import Mesh, mesh_from_triangles
-from studies.specimen import cube_triangles
-from tests.bodies import ball, hemisphere, joined, sheet, walled_box
-
-SHAPES = {
-    "ball": ball(1), "cube": cube_triangles(2, 1.0), "capped": hemisphere(8, 4), "wall inside": walled_box(),
-    "two balls": joined(ball(0), (0.5 * ball(0)[0] + [2, 0, 0], ball(0)[1])),
-    "tube": (lambda p, f: (p, f[np.abs(p[f][:, :, 2]).min(axis=1) < 0.49]))(*cube_triangles(3, 1.0)),
-    "half open": (lambda p, f: (p, f[3:]))(*ball(1)),
-}  # fmt: skip
+from tests.bodies import ball, sheet
+from tests.physics.disturbed import SHAPES, difference, disturbed, turn
 
 
 @dataclass(frozen=True)
 class Law:
-    """Hold what a law promises; the stiffness of Eq. (4) and of a pose that follows the body is not offered."""
-
     energy: Callable[[Floats], float]
     force: Callable[[Floats], Floats]
-    stiffness_product: Callable[[Floats, Floats], Floats] | None
 
 
 def springs_of(mesh: Mesh, rng: np.random.Generator) -> springs.Springs:
@@ -40,25 +32,19 @@ def springs_of(mesh: Mesh, rng: np.random.Generator) -> springs.Springs:
 
 def membrane(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = springs_of(mesh, rng)
-    return Law(
-        lambda x: springs.energy(law, x), lambda x: springs.force(law, x),
-        lambda x, u: springs.stiffness_product(law, x, u),
-    )  # fmt: skip
+    return Law(lambda x: springs.energy(law, x), lambda x: springs.force(law, x))
 
 
 def equation_4(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = springs_of(mesh, rng)
-    return Law(lambda x: paper.spring_energy(law, x), lambda x: paper.spring_force(law, x), None)
+    return Law(lambda x: paper.spring_energy(law, x), lambda x: paper.spring_force(law, x))
 
 
 def fill(kind: str) -> Callable[[Mesh, np.random.Generator], Law]:
     def law_of(mesh: Mesh, rng: np.random.Generator) -> Law:
         law = pressure.build_pressure(mesh, kind)
         assert law.fill == kind
-        return Law(
-            lambda x: pressure.energy(law, x), lambda x: pressure.force(law, x),
-            lambda x, u: pressure.stiffness_product(law, x, u),
-        )  # fmt: skip
+        return Law(lambda x: pressure.energy(law, x), lambda x: pressure.force(law, x))
 
     return law_of
 
@@ -75,35 +61,40 @@ def shape_matching_law(mesh: Mesh, rng: np.random.Generator, knee: float) -> sha
 def pinned_matching(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = shape_matching_law(mesh, rng, 0.1)
     pose = fit_pose(law.rest, law.rest + rng.normal(0, 0.3, law.rest.shape), law.k1)
-    return Law(
-        lambda x: shape_matching.energy(law, x, pose), lambda x: shape_matching.force(law, x, None, pose),
-        lambda x, u: shape_matching.stiffness_product(law, x, u, pose),
-    )  # fmt: skip
+    return Law(lambda x: shape_matching.energy(law, x, pose), lambda x: shape_matching.force(law, x, None, pose))
 
 
 def free_matching(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = shape_matching_law(mesh, rng, 1e9)
-    return Law(lambda x: shape_matching.energy(law, x), lambda x: shape_matching.force(law, x), None)
+    return Law(lambda x: shape_matching.energy(law, x), lambda x: shape_matching.force(law, x))
+
+
+def fingertip(mesh: Mesh, rng: np.random.Generator) -> Law:
+    """Press a fifth of the radius deep, wherever the body is."""
+    stiffness, n, radius = rng.uniform(1, 50, len(mesh.rest_positions)), len(mesh.rest_positions), 0.5
+    nobody, still = np.zeros(0, np.int64), np.zeros(3)
+    centre: list[Floats] = []
+
+    def met(x: Floats) -> penalty.Meeting:
+        if not centre:  # at the first look, then it stays there
+            far = x[:, np.linalg.norm(x - x.mean(axis=1, keepdims=True), axis=0).argmax()]
+            outward = (far - x.mean(axis=1)) / np.linalg.norm(far - x.mean(axis=1))
+            centre.append(far + 0.8 * radius * outward)
+        touch = Touch(centre=centre[0], velocity=still, radius=radius, vertices=nobody, triangles=mesh.triangles)
+        return penalty.meeting(x, touch, stiffness)
+
+    return Law(lambda x: penalty.energy(met(x)), lambda x: penalty.force(met(x), n))
 
 
 LAWS = {
     "springs": membrane, "Eq. (4)": equation_4, "air": fill("air"), "liquid": fill("liquid"),
-    "pinned matching": pinned_matching, "free matching": free_matching,
+    "pinned matching": pinned_matching, "free matching": free_matching, "fingertip": fingertip,
 }  # fmt: skip
-
-
-def disturbed(mesh: Mesh, rng: np.random.Generator, amount: float = 0.05) -> Floats:
-    """Return positions (3, n) turned, moved and disturbed at random."""
-    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    turn *= np.linalg.det(turn)
-    x = turn @ mesh.rest_positions.T + rng.normal(0, 3, (3, 1))
-    return x + rng.normal(0, amount, x.shape)
 
 
 Case = tuple[Law, Floats, np.random.Generator]
 EVERY = [(law, shape) for law in LAWS for shape in SHAPES]
-IMPLICIT = [(law, shape) for law, shape in EVERY if law not in ("Eq. (4)", "free matching")]
-FREE = [(law, shape) for law, shape in EVERY if law != "pinned matching"]
+INNER = [(law, shape) for law, shape in EVERY if law not in ("pinned matching", "fingertip")]
 
 
 @pytest.fixture
@@ -118,12 +109,6 @@ def of_cases(cases: list[tuple[str, str]]) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("case", cases, indirect=True, ids=" of ".join)
 
 
-def difference(f: Callable[[Floats], Floats | float], x: Floats, u: Floats, step: float = 1e-5) -> Floats | float:
-    """Return the derivative of f along u by central differences of fourth order."""
-    h = step * u
-    return (8 * (f(x + h) - f(x - h)) - (f(x + 2 * h) - f(x - 2 * h))) / (12 * step)
-
-
 @of_cases(EVERY)
 def test_force_is_minus_the_gradient_of_energy(case: Case) -> None:
     law, x, rng = case
@@ -134,25 +119,6 @@ def test_force_is_minus_the_gradient_of_energy(case: Case) -> None:
         assert float((force * u).sum()) == pytest.approx(-difference(law.energy, x, u), rel=1e-6, abs=1e-6 * scale)
 
 
-@of_cases(IMPLICIT)
-def test_stiffness_is_minus_the_derivative_of_force(case: Case) -> None:
-    law, x, rng = case
-    assert law.stiffness_product is not None
-    for _ in range(2):
-        u = rng.normal(size=x.shape)
-        wanted = -difference(law.force, x, u)
-        np.testing.assert_allclose(law.stiffness_product(x, u), wanted, atol=1e-6 * np.abs(wanted).max())
-
-
-@of_cases(IMPLICIT)
-def test_stiffness_is_symmetric(case: Case) -> None:
-    law, x, rng = case
-    assert law.stiffness_product is not None
-    u, w = rng.normal(size=(2, *x.shape))
-    one, other = law.stiffness_product(x, u), law.stiffness_product(x, w)
-    assert float((one * w).sum()) == pytest.approx(float((other * u).sum()), rel=1e-9, abs=1e-9 * np.linalg.norm(one))
-
-
 def assert_no_net(force: Floats, x: Floats) -> None:
     size = np.abs(force).sum()
     arm = x - x.mean(axis=1, keepdims=True)
@@ -160,7 +126,7 @@ def assert_no_net(force: Floats, x: Floats) -> None:
     np.testing.assert_allclose(np.cross(arm.T, force.T).sum(axis=0), 0, atol=1e-12 * size * np.abs(arm).max())
 
 
-@of_cases(FREE)
+@of_cases(INNER)
 def test_a_law_inside_the_body_exerts_no_net_force_and_torque(case: Case) -> None:
     law, x, _ = case
     assert_no_net(law.force(x), x)
@@ -200,12 +166,11 @@ def test_forces_turn_with_the_body(shape: str) -> None:
     rng = np.random.default_rng(5)
     mesh = mesh_from_triangles(*SHAPES[shape])
     x = disturbed(mesh, rng, 0.1)
-    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    turn *= np.linalg.det(turn)
+    turned = turn(rng)
     for make in (membrane, equation_4, fill("air"), fill("liquid"), free_matching):
         law = make(mesh, np.random.default_rng(6))
         force = law.force(x)
-        np.testing.assert_allclose(law.force(turn @ x + 1.0), turn @ force, atol=1e-9 * np.abs(force).max())
+        np.testing.assert_allclose(law.force(turned @ x + 1.0), turned @ force, atol=1e-9 * np.abs(force).max())
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -14,6 +14,7 @@ from core.reduction.planner import TOLERANCE
 from studies import cost, space, stiff_nylon
 from studies.methods.registry import METHODS
 from studies.scenes import twisted_ball
+from studies.stability import bound, linearised, small_body
 from studies.work_precision import DECADES, NATIVE, Point, cases, exact, front, run
 from tools.charts import KEPT
 from tools.charts_work import dop853
@@ -83,6 +84,8 @@ def test_the_kept_map_has_limits_within_a_tenth_of_theory_over_four_decades_and_
         mine = [row for row in found if row["method"] == method]
         k = [float(row["k_n_per_m"]) for row in mine]
         assert max(k) / min(k) > 0.99e4
+        limit = bound(method, linearised(small_body(k[0])))  # by theory as it is now, not as it was kept
+        assert limit == pytest.approx(float(mine[0]["bound_dt_s"]), rel=1e-6)
         assert all(float(r["measured_dt_s"]) == pytest.approx(float(r["bound_dt_s"]), rel=0.1) for r in mine)
     blown = {row["method"] for row in read(KEPT / "stability.csv") if row["label"] == "blown up"}
     assert blown == {row["method"] for row in found} == {n for n, m in METHODS.items() if m.kind == "explicit"}

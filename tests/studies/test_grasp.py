@@ -51,6 +51,7 @@ def test_without_friction_it_is_not_lifted() -> None:
     """What comes up then is the skin in the fingertips' dents: less than half of what friction lifts."""
     moments = list(grasp.run(grasp.grasp(friction=0.0), seconds=LOWER))
     assert max(moment.height for moment in during(moments, RAISED, LOWER)) < LIFT / 3
+    assert max(moment.forces[1][0] for moment in moments) > 1  # pressed as hard, all the same
 
 
 def test_the_command_tells_how_high_the_cube_was(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

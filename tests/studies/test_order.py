@@ -17,7 +17,7 @@ WITHIN = 0.15
 # steps of the coarser run: fine enough for the leading term, coarse enough to stay above rounding
 OSCILLATOR_STEPS = {1: 50, 2: 50, 4: 25}
 BALL_STEPS = {1: 400, 2: 80, 4: 40}
-BALL_STEPS_IMPLICIT = {1: 400, 2: 40}  # no limit asks for more
+BALL_STEPS_IMPLICIT = {1: 250, 2: 40}  # no limit asks for more
 BALL_STEPS_SWEEPING = {1: 250}
 
 

@@ -55,7 +55,9 @@ def test_no_shape_is_fitted_and_unseen() -> None:
     assert not fitted & (unseen | fresh) and not unseen & fresh
 
 
-@pytest.mark.parametrize("body", [*(bodies.UNSEEN[k] for k in (3, 9, 11)), bodies.FRESH[4]], ids=lambda body: body.name)
+@pytest.mark.parametrize("body", [
+    bodies.FRESH[4], *(pytest.param(bodies.UNSEEN[k], marks=pytest.mark.slow) for k in (3, 9, 11))
+], ids=lambda body: body.name)  # fmt: skip
 def test_choices_for_an_unseen_body_keep_their_tolerances_for_half_more_than_the_best_costs(
     body: BodyCase, monkeypatch: pytest.MonkeyPatch
 ) -> None:

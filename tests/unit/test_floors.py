@@ -2,14 +2,15 @@
 
 import ast
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 from tools.environment import ROOT, WHEEL_PINS
 
 # a module imports its own floor and those below; one missing here fails a test
 FLOORS = {
-    "studies": 6,
     "addon": 6,
     "operators": 5,
     "core.calibration": 4,
@@ -29,6 +30,8 @@ FLOORS = {
 BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gpu gpu_extras mathutils".split())
 ONLY_IN = {"ctypes": "core/native/__init__.py", "serial": "core/haptics/serial_link.py"}
 REFUSED = {"threading", "multiprocessing", "_thread"}  # Blender's reviewers refuse threads
+BESIDE = {"blend_samples", "dev", "studies", "tests", "tools"}
+ENTRIES = {"addon", "core.haptics.start", "core.haptics.command"}  # start.py names command in a string
 
 
 def sources() -> Iterator[Path]:
@@ -36,13 +39,14 @@ def sources() -> Iterator[Path]:
         yield from sorted((ROOT / folder).rglob("*.py"))
 
 
-def imports(path: Path) -> Iterator[tuple[str, int]]:
-    """Yield the dotted name of everything a file imports, from the root of the project, and its line.
+@cache
+def imports(path: Path) -> tuple[tuple[str, int], ...]:
+    """Return the dotted name of everything a file imports, from the root of the project, and its line.
 
     A name that is not of this project starts as it is written; a relative one starts with addon, operators or
     core; one that is absolute although it is of this project starts with "absolute".
     """
-    package = path.relative_to(ROOT).parent.parts
+    package, found = path.relative_to(ROOT).parent.parts, []
     for node in ast.walk(ast.parse(path.read_text(), str(path))):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
@@ -55,7 +59,37 @@ def imports(path: Path) -> Iterator[tuple[str, int]]:
         relative = isinstance(node, ast.ImportFrom) and node.level > 0
         for name in names:
             own = name.partition(".")[0] in ("addon", "operators", "core")
-            yield (f"absolute.{name}" if own and not relative else name), node.lineno
+            found.append((f"absolute.{name}" if own and not relative else name, node.lineno))
+    return tuple(found)
+
+
+def module(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def import_graph() -> dict[str, set[str]]:
+    """Return the modules of the project that each module imports, inside functions too; a package is its __init__."""
+    modules = {module(path): path for path in sources()}
+    graph: dict[str, set[str]] = {}
+    for here, path in modules.items():
+        named = {name if name in modules else name.rpartition(".")[0] for name, _ in imports(path)}
+        graph[here] = {name for name in named if name in modules and name != here}
+    return graph
+
+
+def circles(graph: Mapping[str, set[str]]) -> list[tuple[str, ...]]:
+    """Return circles of imports until none is left, each sorted; of those that overlap only some are named."""
+    left, found = {name: set(below) for name, below in graph.items()}, []
+    while True:
+        try:
+            TopologicalSorter(left).prepare()
+        except CycleError as error:
+            circle = error.args[1]  # each module is imported by the next one; the last is the first again
+            found.append(tuple(sorted(set(circle))))
+            left[circle[1]].discard(circle[0])
+        else:
+            return sorted(found)
 
 
 def floor(dotted: str) -> int | None:
@@ -65,7 +99,7 @@ def floor(dotted: str) -> int | None:
 
 
 def own_floor(path: Path) -> int | None:
-    return floor(".".join(path.relative_to(ROOT).with_suffix("").parts))
+    return floor(module(path))
 
 
 def where(path: Path, line: int, name: str) -> str:
@@ -85,6 +119,36 @@ def test_imports_go_down_only() -> None:
             there = floor(name)
             if here is not None and there is not None and there > here:
                 wrong.append(where(path, line, name))
+    assert wrong == []
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    assert circles(import_graph()) == []
+
+
+def test_a_circle_of_imports_is_found_whatever_its_length() -> None:
+    line = {"a": {"b"}, "b": {"c"}, "c": set()}
+    assert circles(line) == []
+    assert circles({**line, "c": {"a"}}) == [("a", "b", "c")]
+    assert circles({**line, "b": {"a", "c"}}) == [("a", "b")]
+
+
+def test_every_module_that_ships_can_be_reached() -> None:
+    """What neither Blender's registration nor the process of a device leads to belongs to studies/ or tests/."""
+    graph, reached, ahead = import_graph(), set(), set(ENTRIES)
+    while ahead:
+        name = ahead.pop()
+        reached.add(name)
+        packages = {name[:end] for end, letter in enumerate(name) if letter == "."}
+        ahead |= (graph[name] | packages) - reached
+    assert sorted(set(graph) - reached) == []
+
+
+def test_the_laboratory_is_imported_by_nothing_that_ships() -> None:
+    wrong = []
+    for path in [ROOT / "__init__.py", *sources()]:
+        found = [(name, line) for name, line in imports(path) if name.partition(".")[0] in BESIDE]
+        wrong += [where(path, line, name) for name, line in found]
     assert wrong == []
 
 

@@ -156,6 +156,17 @@ def test_pins_arrive_where_they_are_sent_and_the_body_follows() -> None:
     np.testing.assert_allclose(session.positions(), BALL[0] + shift, atol=1e-5)
 
 
+def test_pins_arrive_although_a_frame_ends_between_two_ticks() -> None:
+    """At 24 frames a second the last tick of a frame ends before it: the rest of the way is gone in the next."""
+    session, shift = on_its_base(), np.array([0.03, -0.01, 0.02])
+    session.set_held(BALL[0] + shift)
+    for _ in range(48):
+        session.step(1 / 24)
+    held = session.model.held
+    np.testing.assert_array_equal(session.positions()[held], (BALL[0] + shift).astype(np.float32)[held])
+    np.testing.assert_allclose(session.positions(), BALL[0] + shift, atol=1e-6)
+
+
 def test_a_body_carried_by_its_pins_neither_leads_nor_lags() -> None:
     """Springs and damping are against the shape at rest as it moves; vertices differ by less than a substep's way."""
     session, speed, way = on_its_base(), 0.3, 0.0

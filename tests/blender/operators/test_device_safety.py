@@ -225,7 +225,8 @@ def test_a_body_that_is_somewhere_else_at_once_disarms(
     if how == "undo":
         assert bpy.ops.ed.undo() == {"FINISHED"}
     else:
-        entry.session._state.positions[:] = float("nan")
+        rest = entry.session.body.positions()
+        entry.session.body.set_state(rest, 1e30 * rest)
         assert any("blew up" in sentence for sentence in live.advance(bpy.context, 1 / 60))
     assert connection().device._order.disarm == before + 1
     wait(lambda report: report.arming.name == "OFF")
@@ -260,6 +261,7 @@ def test_what_the_mouse_presses_is_not_rendered_by_the_device(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
     """The mouse takes the first fingertip: the device's presses nothing and has no force until the mouse lets go."""
+    from bl_ext.user_default.dimple.core.session import Finger
     from bl_ext.user_default.dimple.operators import live
 
     body = add()
@@ -267,7 +269,7 @@ def test_what_the_mouse_presses_is_not_rendered_by_the_device(
     connect(bpy, port.path)
     entry = run(bpy, body)
     live.advance(bpy.context, 1 / 60)
-    mouse = ((0.0, 0.0, entry.link.scale + 0.010 - 0.012), 0.010)
+    mouse = Finger((0.0, 0.0, entry.link.scale + 0.010 - 0.012), 0.010)
     for _ in range(3):
         live.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (mouse,)})
         first, second, _ = connection().device._order.contacts
@@ -280,13 +282,14 @@ def test_what_the_mouse_presses_is_not_rendered_by_the_device(
 
 def test_a_mouse_that_lets_a_pressed_fingertip_go_disarms(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
     """The device's own is inside the body, and would be pushed out at once."""
+    from bl_ext.user_default.dimple.core.session import Finger
     from bl_ext.user_default.dimple.operators import live
 
     body, notes = add(), []
     softened(bpy, body)
     connect(bpy, port.path)
     entry = run(bpy, body)
-    above = ((0.0, 0.0, entry.link.scale + 0.050), 0.010)
+    above = Finger((0.0, 0.0, entry.link.scale + 0.050), 0.010)
     for _ in range(3):  # a busy machine may have disarmed it meanwhile
         wait(lambda report: strongest(report) > 0.5, bpy, arms=True)
         live.advance(bpy.context, 1 / 60, pressed={entry.link.uid: (above,)})
