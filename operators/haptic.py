@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..core.haptics.contact_model import Contact
     from ..core.haptics.contact_rendering import ContactRendering, Workspace
     from ..core.haptics.device import Device
-    from ..core.haptics.messages import ServoReport
+    from ..core.haptics.servo_messages import ServoReport
     from ..core.session import Finger
     from .sessions import LiveBody
 
@@ -108,8 +108,8 @@ def hold(seconds: float) -> None:
 
 def read() -> list[str]:
     """Read the device; return sentences for the artist."""
-    from ..core.haptics.messages import LinkState
     from ..core.haptics.safety import Arming
+    from ..core.haptics.servo_messages import LinkState
 
     connection = get()
     if connection is None:
@@ -139,7 +139,7 @@ def workspace(scene: bpy.types.Scene, scale: float) -> Workspace:
 def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
     """Return the device's fingertips in a session's space; none where no device is ready."""
     from ..core.haptics.contact_rendering import fingers
-    from ..core.haptics.messages import LinkState
+    from ..core.haptics.servo_messages import LinkState
 
     connection = get()
     if connection is None or connection.report.link is not LinkState.READY:
@@ -154,8 +154,8 @@ def write(scene: bpy.types.Scene) -> None:
     of a poke, must not push, as when the device is armed: else it is disarmed.
     """
     from ..core.haptics.contact_rendering import ContactRendering
-    from ..core.haptics.messages import LinkState
     from ..core.haptics.safety import QUIET_FORCE
+    from ..core.haptics.servo_messages import LinkState
 
     connection = get()
     if connection is None or connection.report.link is not LinkState.READY:
@@ -180,7 +180,7 @@ def write(scene: bpy.types.Scene) -> None:
 
 def nearer(some: Sequence[Contact | None], others: Sequence[Contact | None]) -> list[Contact | None]:
     """Return, of two contacts of each fingertip, the one that presses more, or else has the smaller gap."""
-    from ..core.haptics.messages import TIPS
+    from ..core.haptics.servo_messages import TIPS
 
     first, second = ([*each, *[None] * TIPS][:TIPS] for each in (some, others))
     pairs = zip(first, second, strict=True)

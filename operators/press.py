@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
 import numpy as np
 
 from ..core.base import DimpleError
-from ..core.poke import Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
-from . import live, pointer, polls, record, sessions
+from ..core.mesh.depth import rest_surface, touching
+from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
+from . import bridge, live, pointer, polls, record, sessions
 from .sessions import LiveBody
 
-AXES: tuple[Vector, ...] = ((0, 0, -1), (0, 0, 1), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0))
+DOWN: Vector = (0.0, 0.0, -1.0)
 
 
 def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> set[str]:
@@ -63,35 +63,51 @@ def aimed(bodies: dict[int, LiveBody], place: Vector | None, direction: Vector) 
     """Return the press at a place of the scene: at the surface nearest to it along the direction.
 
     Args:
-        place: [scene units]; None is the highest point of the first body.
-        direction: into the surface; 0 looks for the surface along every axis.
+        place: [scene units]; None is the middle of the highest points of the first body.
+        direction: into the surface; 0 is straight into the surface nearest to the place.
 
     Raises:
         DimpleError: no surface lies along that direction.
     """
     length = math.hypot(*direction)
-    directions: Sequence[Vector] = [tuple(c / length for c in direction)] if length else AXES
+    if not length and place is not None:
+        return PokeEvent(kind=Kind.PRESS, hit=_nearest(bodies, place), view=DOWN)
+    inward: Vector = tuple(c / length for c in direction) if length else DOWN
     if place is None:
-        place, directions = _top(next(iter(bodies.values()))), directions if length else AXES[:1]
+        place = _top(next(iter(bodies.values())))
     found = []
     for uid, body in bodies.items():
         size = body.session.model.mesh.size / body.link.scale
         away = 2 * size + math.dist(place, body.to_world(tuple(map(float, body.session.positions().mean(axis=0)))))
         # from outside the body, and from close by: a place inside a hollow means the wall beside it
-        starts = [(each, share * away) for each in directions for share in (1.0, 1e-3, 1e-5)]
-        found += [pointer.nearest(_before(place, each, by), each, {uid: body}, {}) for each, by in starts]
+        starts = [_before(place, inward, share * away) for share in (1.0, 1e-3, 1e-5)]
+        found += [pointer.nearest(start, inward, {uid: body}, {}) for start in starts]
     hits = [(math.dist(bodies[hit.body].to_world(hit.point), place), i, hit) for i, hit in enumerate(found) if hit]
     if not hits:
         at = ", ".join(f"{c:.3g}" for c in place)
         raise DimpleError(f"No surface lies along the direction of the press at ({at}). Choose another location.")
     hit = min(hits)[2]
-    return PokeEvent(kind=Kind.PRESS, hit=hit, view=directions[0])
+    return PokeEvent(kind=Kind.PRESS, hit=hit, view=inward)
 
 
 def _top(body: LiveBody) -> Vector:
-    used = body.session.positions()[np.unique(body.triangles)]
-    x, y, z = map(float, used[used[:, 2].argmax()])
-    return body.to_world((x, y, z))
+    used = body.session.positions()[np.unique(body.triangles)].astype(np.float64)
+    high = used[used[:, 2] >= used[:, 2].max() - bridge.LEVEL * np.ptp(used, axis=0).max()]
+    middle = body.to_world(tuple(high.mean(axis=0).tolist()))  # where a ring has no surface
+    return body.to_world(_nearest({body.link.uid: body}, middle).point)
+
+
+def _nearest(bodies: dict[int, LiveBody], place: Vector) -> Hit:
+    """Return the point of the bodies' surfaces at rest that is nearest to a place of the scene, outside up."""
+    found = []
+    for uid, body in bodies.items():
+        at = np.array(place) * body.link.scale
+        mesh, pose = body.session.model.mesh, (np.eye(3), np.zeros(3))
+        touch = touching(rest_surface(mesh), pose, at, mesh.size)
+        height = mesh.size - touch.depth
+        point, away = at - height * touch.outward, abs(height) / body.link.scale
+        found.append((away, Hit(point=tuple(point.tolist()), normal=tuple(touch.outward.tolist()), body=uid)))
+    return min(found, key=lambda each: each[0])[1]
 
 
 def _before(place: Vector, direction: Vector, by: float) -> Vector:

@@ -18,9 +18,9 @@ from core.body.model import build_model
 from core.haptics.contact_rendering import ContactRendering, Workspace, fingers
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
 from core.haptics.emulator import Emulator
-from core.haptics.messages import LinkState, ServoReport
 from core.haptics.safety import LEASE, Arming
 from core.haptics.servo import Servo
+from core.haptics.servo_messages import LinkState, ServoReport
 from core.haptics.spec import Spec, load_spec
 from core.haptics.vectors import Vector
 from core.material import PRESETS

@@ -20,8 +20,8 @@ from core.base import DimpleError, Floats
 from core.body.model import build_model
 from core.haptics.contact_rendering import ContactRendering, Workspace, fingers
 from core.haptics.emulated_hand import Keyframe
-from core.haptics.messages import LinkState, ServoReport
 from core.haptics.safety import Arming
+from core.haptics.servo_messages import LinkState, ServoReport
 from core.haptics.wire import RAMP
 from core.material import PRESETS
 from core.mesh.surface import base_vertices

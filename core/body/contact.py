@@ -1,10 +1,13 @@
 """Contact of fingertip spheres with vertices and faces, and of vertices with a ground plane.
 
-Velocities first: an impulse stops what moves into the sphere and Coulomb friction what slides on it; the
-impulses, summed, are the reaction on the fingertip (Newton's third law holds to rounding). Positions second:
-what is inside is moved out without adding speed. Faces keep a fingertip smaller than an edge from slipping
-through; where several faces share a vertex each moves its share of the vertex's mass (Tonge's mass splitting),
-so that the result does not depend on an order.
+Velocities first: an impulse stops what moves into the sphere, and Coulomb friction what slides on it. The impulses,
+summed, are the reaction on the fingertip (Newton's third law holds to rounding).
+
+Positions second: what is inside is moved out without adding speed, and friction takes back the slip of the step. A
+point whose velocity alone is stopped would still creep by dt^2 a in each step, and friction would be viscous.
+
+Faces keep a fingertip smaller than an edge from slipping through. Where several faces share a vertex, each moves its
+share of the vertex's mass (Tonge's mass splitting), so that the result does not depend on an order.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ from ..base import Bools, Floats, Ints
 
 _TINY = 1e-30
 FACE_SWEEPS = 8  # at most, in one step
+LEAST_SWEEPS = 2  # where faces are touched: the second stops what slides on after the first, which splits masses
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
@@ -35,6 +39,18 @@ class Touch:
     triangles: Ints  # (t, 3)
 
 
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A step in time: dt [s], and the farthest that a vertex went in it, however fast it is [m]."""
+
+    dt: float
+    travel: float = np.inf
+
+    def slip(self, speed: Floats) -> Floats:
+        """Return how long (c,) [s] points of a speed (c,) [m/s] moved with it."""
+        return np.minimum(self.dt, self.travel / np.maximum(speed, _TINY))
+
+
 def candidates(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, reach: float) -> tuple[Ints, Ints]:
     """Return the free vertices within reach of a centre and the triangles (t, 3) whose bounding sphere is."""
     near = ((x - centre[:, None]) ** 2).sum(axis=0) < reach**2
@@ -47,43 +63,53 @@ def candidates(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats,
 
 
 def resolve(
-    x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, friction: Floats, *, faces: bool = True
+    x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, friction: Floats, step: Step, *, faces: bool = True
 ) -> Floats:
     """Move vertices out of a fingertip, in place.
 
     Args:
         x, v: (3, n) positions [m] and velocities [m/s].
         inverse_mass: (n,) [1/kg], 0 for held vertices.  friction: (n,).
+        step: that brought them there.
         faces: also keep the faces out.
 
     Returns:
         the impulse (3,) [N s] on the fingertip.
     """
     at = touch.vertices
-    impulse, _ = _push(x, v, touch, at[:, None], np.ones((len(at), 1)), inverse_mass, friction)
+    impulse, _ = _push(x, v, touch, at[:, None], np.ones((len(at), 1)), inverse_mass, friction, step)
     sweeps = FACE_SWEEPS if faces and len(touch.triangles) else 0
-    for _ in range(sweeps):
+    for sweep in range(1, sweeps + 1):
         weights = nearest_on_triangles(x[:, touch.triangles], touch.centre)
-        more, deepest = _push(x, v, touch, touch.triangles, weights, inverse_mass, friction)
+        more, deepest = _push(x, v, touch, touch.triangles, weights, inverse_mass, friction, step)
         impulse = impulse + more
-        if deepest < FACE_SLACK * touch.radius:
+        if deepest <= 0 or (sweep >= LEAST_SWEEPS and deepest < FACE_SLACK * touch.radius):
             break
     return impulse
 
 
-def rest_on_ground(x: Floats, v: Floats, height: float, inverse_mass: Floats, friction: Floats) -> None:
-    """Keep vertices above the plane z = height [m], in place, with friction."""
+def rest_on_ground(x: Floats, v: Floats, height: float, inverse_mass: Floats, friction: Floats, dt: float) -> None:
+    """Keep vertices above the plane z = height [m] after a step dt [s], in place, with friction."""
     low = np.flatnonzero((x[2] < height) & (inverse_mass > 0))
     fall = np.maximum(-v[2, low], 0)
     slide = v[:2, low]
     speed = np.sqrt((slide**2).sum(axis=0))
-    v[:2, low] = slide * (1 - np.minimum(friction[low] * fall / np.maximum(speed, _TINY), 1))
+    stopped = slide * np.minimum(friction[low] * fall / np.maximum(speed, _TINY), 1)
+    v[:2, low] = slide - stopped
+    x[:2, low] -= dt * stopped
     v[2, low] += fall
     x[2, low] = height
 
 
 def _push(
-    x: Floats, v: Floats, touch: Touch, members: Ints, weights: Floats, inverse_mass: Floats, friction: Floats
+    x: Floats,
+    v: Floats,
+    touch: Touch,
+    members: Ints,
+    weights: Floats,
+    inverse_mass: Floats,
+    friction: Floats,
+    step: Step,
 ) -> tuple[Floats, float]:
     """Apply contacts at points sum_j weights[:, j] x[members[:, j]], one a row of members (c, j).
 
@@ -117,7 +143,8 @@ def _push(
     mu = (friction[members] * weights).sum(axis=1)
     drag = np.minimum(mu * push, speed / give) / np.maximum(speed, _TINY)
     impulse = push * normal - drag * slide
-    out = (touch.radius - distance) / give * normal
+    slip = step.slip(np.sqrt((relative**2).sum(axis=0)))
+    out = (touch.radius - distance) / give * normal - slip * drag * slide
     for c in range(3):
         flat = members.ravel()
         np.add.at(v[c], flat, (impulse[c, :, None] * mobility).ravel())

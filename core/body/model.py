@@ -19,6 +19,7 @@ from .springs import Springs
 
 LAW_SETS = ("consistent", "paper")
 _ALL_HELD = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
+SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
@@ -138,10 +139,11 @@ def build_model(
     else:
         stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * factor[mesh.springs].mean(axis=1)
         ratio = 1.0
+    ground, sunk = _ground(mesh, held_here, ground)
     return assemble(
         mesh, materials, law_set=law_set, mass=mass, held=held_here, friction=friction_at, damping=ratio * damping_at,
         stiffness=stiffness, k1=k1, k2=k2, d0=d0_at,
-        fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground,
+        fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground, notes=sunk,
     )  # fmt: skip
 
 
@@ -161,6 +163,7 @@ def assemble(
     fill: str,
     gravity: Sequence[float] | Floats,
     ground: float | None,
+    notes: tuple[str, ...] = (),
 ) -> Model:
     """Put a model together from what its materials come to on its mesh.
 
@@ -192,7 +195,7 @@ def assemble(
         omega_squared=float(((stretch * row_k + np.maximum(k1, k2)) * inverse_mass).max())
         + pressure.omega_squared(inside, x, inverse_mass),
         decay=float(((row_c + shape.damping) * inverse_mass).max()),
-        notes=mesh.notes + ((_ALL_HELD,) if held.all() else ()),
+        notes=mesh.notes + notes + ((_ALL_HELD,) if held.all() else ()),
     )  # fmt: skip
 
 
@@ -222,6 +225,18 @@ def forces(model: Model, state: State) -> Floats:
             f += state.pressure * gradient
         f += shape_matching.force(model.matching, x, v, state.pose, state.pose_rate)
     return f + model.mass * model.gravity[:, None]
+
+
+def _ground(mesh: Mesh, held: Bools, ground: float | None) -> tuple[float | None, tuple[str, ...]]:
+    """Return the ground, lowered where a body would start below it and be flung out, and a note on that."""
+    heights = mesh.rest_positions[~held & ~mesh.loose, 2]
+    if ground is None or not len(heights) or heights.min() >= ground - SUNK * mesh.size:
+        return ground, ()
+    lowest = float(heights.min())
+    return lowest, (
+        f"The body starts {1e3 * (ground - lowest):.3g} mm below the ground, so for it the ground is as low as it is. "
+        "Move it up to let it fall.",
+    )
 
 
 def _row(material: Material, size: float) -> tuple[float, ...]:

@@ -28,7 +28,7 @@ from ..material import Material
 from ..mesh.depth import Touching
 from ..session import Finger, Session
 from .contact_model import Contact
-from .messages import ServoReport
+from .servo_messages import ServoReport
 from .vectors import Vector
 
 # of the normal stiffness: a contact of a soft body yields sideways by 2 (1 - nu) / (2 - nu), nu = 1/2. Mindlin 1949

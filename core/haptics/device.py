@@ -15,9 +15,9 @@ from ..errors import DimpleError
 from . import pseudo_terminal
 from .contact_model import Contact
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from .messages import REPORT_SIZE, LinkState, Order, ServoReport, pack_order, unpack_report
 from .process import end, start
 from .safety import LEASE, Arming
+from .servo_messages import REPORT_SIZE, LinkState, Order, ServoReport, pack_order, unpack_report
 
 PORT_WAIT: Final = 10.0  # [s] at most for the emulator to make its port
 SERVO_SILENT: Final = 1.0  # [s] the servo writes every 2 ms; one that has not written for so long hangs

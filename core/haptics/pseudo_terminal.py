@@ -13,8 +13,8 @@ from typing import Final
 
 from ..errors import DimpleError
 from . import scheduling
+from .byte_poller import MAX_BYTES, Poller, take
 from .emulator import Emulator
-from .poller import MAX_BYTES, Poller, take
 
 SUPPORTED: Final = hasattr(os, "openpty")  # Windows has no pseudo-terminals
 UNSUPPORTED: Final = "This system has no pseudo-terminals; the emulated device runs on Linux and macOS."

@@ -9,7 +9,7 @@ import time
 from typing import Any, Final
 
 from ..errors import DimpleError
-from .poller import take
+from .byte_poller import take
 
 WINDOWS: Final = os.name == "nt"
 POLL: Final = 5e-4  # [s] between looks where the system cannot wait for a port (Windows)

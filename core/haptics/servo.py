@@ -12,10 +12,10 @@ from ..errors import DimpleError
 from . import kinematics, wire
 from .contact_model import FADE_BEGINS, Contact, is_sane, stiffness_cap
 from .losses import LOSS_DISARMS, LOSS_WARNS, Losses
-from .messages import LinkState, Order, ServoReport, TipState
 from .safety import LEASE, STATE_GAP, STATE_LOST, Arming, BadNumbers, Guard, Limits, Switch
 from .sensors import FAILED_TICKS
 from .servo_finger import ServoFinger
+from .servo_messages import LinkState, Order, ServoReport, TipState
 from .spec import Spec, check_info
 from .vectors import ZERO, Vector, is_finite, length
 

@@ -18,11 +18,11 @@ from typing import Final, Protocol
 
 from ..errors import DimpleError
 from . import scheduling
+from .byte_poller import Poller
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from .messages import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
-from .poller import Poller
 from .serial_link import WINDOWS, LineLost, SerialLine, open_line
 from .servo import Servo
+from .servo_messages import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
 from .spec import Spec, load_spec
 
 POLL_TIME: Final = 0.001  # [s] at most between two looks at line and lifeline: something comes each tick anyway

@@ -9,6 +9,7 @@
 
 #define DM_BLOCK 32 /* triangles that share a bounding box */
 #define DM_FACE_SWEEPS 8 /* as in core/body/contact.py */
+#define DM_LEAST_SWEEPS 2
 #define DM_FACE_SLACK 1e-3
 #define DM_PINNED_GIVE 0.1
 #define DM_ROUNDING 1e-6

@@ -5,6 +5,12 @@ static void dm_mark_moved(dm_state *b, uint32_t i, uint32_t *count) {
     if (!b->is_moved[i]) b->is_moved[i] = 1, b->moved[(*count)++] = i;
 }
 
+/* How long a point of a speed moved with it in this substep: no vertex goes farther than the skin may travel. */
+DM_INLINE dm_real dm_slip_time(const dm_state *b, dm_real speed) {
+    dm_real dt = (dm_real)b->dt, travel = (dm_real)b->skin_travel;
+    return travel > 0 && speed * dt > travel ? travel / speed : dt;
+}
+
 /* Move inside vertices to the surface of the sphere and stop them there, as far as friction goes. */
 static void dm_resolve_vertices(dm_state *b, const dm_near *t, double *impulse, uint32_t *moved) {
     for (int64_t k = 0; k < t->vertex_count; k++) {
@@ -22,7 +28,8 @@ static void dm_resolve_vertices(dm_state *b, const dm_near *t, double *impulse, 
         drag = (drag < most ? drag : most) / (speed > DM_TINY ? speed : DM_TINY);
         dm_quad j = push * normal - drag * slide;
         r->v += j * b->inverse_mass[i];
-        r->x += (t->radius - distance) / give * b->inverse_mass[i] * normal;
+        drag *= dm_slip_time(b, DM_SQRT(dm_dot3(relative, relative))); /* the slip is taken back as well */
+        r->x += b->inverse_mass[i] * ((t->radius - distance) / give * normal - drag * slide);
         for (int c = 0; c < 3; c++) impulse[c] -= j[c];
         dm_mark_moved(b, i, moved);
     }
@@ -137,7 +144,8 @@ static dm_real dm_resolve_faces(dm_state *b, const dm_near *t, double *impulse, 
         dm_real speed = DM_SQRT(dm_dot3(slide, slide)), drag = mu * push, most = speed / give;
         drag = (drag < most ? drag : most) / (speed > DM_TINY ? speed : DM_TINY);
         h->impulse = push * h->normal - drag * slide;
-        h->out = (t->radius - h->distance) / give * h->normal;
+        drag *= dm_slip_time(b, DM_SQRT(dm_dot3(relative, relative)));
+        h->out = (t->radius - h->distance) / give * h->normal - drag * slide;
         nearest_at = h->distance < nearest_at ? h->distance : nearest_at;
     }
     for (const dm_contact *h = b->hits; h < b->hits + count; h++) {
@@ -174,7 +182,9 @@ static void dm_rest_on_ground(dm_state *b) {
             dm_real fall = r->v[2] < 0 ? -r->v[2] : 0, speed = DM_SQRT(r->v[0] * r->v[0] + r->v[1] * r->v[1]);
             dm_real stop = b->friction[i] * fall / (speed > DM_TINY ? speed : DM_TINY);
             dm_real left = 1 - (stop < 1 ? stop : 1);
-            r->v[0] *= left, r->v[1] *= left, r->v[2] += fall, r->x[2] = height[0];
+            for (int c = 0; c < 2; c++) /* the slip of the step as well, or it would creep */
+                r->x[c] -= (dm_real)b->dt * (1 - left) * r->v[c], r->v[c] *= left;
+            r->v[2] += fall, r->x[2] = height[0];
             dm_mark_moved(b, i, &moved);
         }
     }
@@ -200,7 +210,9 @@ static void dm_resolve_contact(dm_state *b, dm_frame *frame) {
         uint32_t moved = 0;
         dm_resolve_vertices(b, t, impulse, &moved);
         int sweeps = b->law_set != DM_LAWS_PAPER && t->face_count ? DM_FACE_SWEEPS : 0;
-        while (sweeps-- && dm_resolve_faces(b, t, impulse, &moved) >= (dm_real)DM_FACE_SLACK * t->radius) {
+        for (int sweep = 1; sweep <= sweeps; sweep++) {
+            dm_real depth = dm_resolve_faces(b, t, impulse, &moved);
+            if (depth <= 0 || (sweep >= DM_LEAST_SWEEPS && depth < (dm_real)DM_FACE_SLACK * t->radius)) break;
         }
         dm_update_groups(b, moved);
     }

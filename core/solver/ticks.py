@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base import SKIN_TRAVEL, Floats, Ints
 from ..body import contact
-from ..body.contact import Touch
+from ..body.contact import Step, Touch
 from ..body.model import Model, State, forces
 from .path import FingerPath
 
@@ -37,7 +37,7 @@ def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *,
                 return total
             if near:
                 slow_down(before, state.positions, limit)
-            total += meet(model, state, touches)
+            total += meet(model, state, touches, Step(tick / substeps, limit))
     return total
 
 
@@ -78,17 +78,17 @@ def reach(model: Model, state: State, start: Floats, end: Floats, radius: float,
     return Touch(centre=end, velocity=(end - start) / tick, radius=radius, vertices=vertices, triangles=triangles)
 
 
-def meet(model: Model, state: State, touches: Sequence[Touch]) -> Floats:
-    """Resolve the contacts in place and return the impulses (k, 3) [N s] on the fingertips."""
+def meet(model: Model, state: State, touches: Sequence[Touch], step: Step) -> Floats:
+    """Resolve the contacts of a step in place and return the impulses (k, 3) [N s] on the fingertips."""
     x, v = state.positions, state.velocities
     if model.law_set == "paper":
         state.contact = touched(x, touches)
     impulses = [
-        contact.resolve(x, v, touch, model.inverse_mass, model.friction, faces=model.law_set != "paper")
+        contact.resolve(x, v, touch, model.inverse_mass, model.friction, step, faces=model.law_set != "paper")
         for touch in touches
     ]
     if model.ground is not None:
-        contact.rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction)
+        contact.rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction, step.dt)
     return np.array(impulses).reshape(-1, 3)
 
 

@@ -40,7 +40,8 @@ def run_implicit(
                 state.positions[:] = np.nan
                 return total
             if model.ground is not None:
-                rest_on_ground(state.positions, state.velocities, model.ground, model.inverse_mass, model.friction)
+                x, v, dt = state.positions, state.velocities, tick / substeps
+                rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction, dt)
     return total
 
 

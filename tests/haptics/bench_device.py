@@ -4,9 +4,9 @@ from dataclasses import dataclass, field, replace
 
 from core.haptics import kinematics, wire
 from core.haptics.contact_model import Contact
-from core.haptics.messages import pack_order, unpack_order
 from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
+from core.haptics.servo_messages import pack_order, unpack_order
 from core.haptics.spec import Spec, info, load_spec
 from core.haptics.vectors import ZERO, Vector, length
 from tests.haptics.converters import adc_words

@@ -18,9 +18,9 @@ import numpy as np
 
 from core.haptics import wire
 from core.haptics.device import HapticMaster
-from core.haptics.messages import LinkState, ServoReport
 from core.haptics.process import end
 from core.haptics.safety import Arming
+from core.haptics.servo_messages import LinkState, ServoReport
 from core.haptics.vectors import length
 from studies.processes import start_emulator
 from tests.haptics.bench_device import wall

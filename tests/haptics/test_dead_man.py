@@ -8,8 +8,8 @@ import pytest
 
 from core.haptics.device import HapticMaster
 from core.haptics.mailbox import TO_SERVO, Mailbox
-from core.haptics.messages import ORDER_SIZE, Order, unpack_order
 from core.haptics.safety import LEASE
+from core.haptics.servo_messages import ORDER_SIZE, Order, unpack_order
 from tests.haptics.bench_device import TICK, BenchDevice, wall
 
 RENEW = 0.05  # [s] between two looks of Blender at the key

@@ -15,8 +15,8 @@ from core.haptics import process as processes
 from core.haptics import pseudo_terminal
 from core.haptics.device import Emulated, HapticMaster
 from core.haptics.mailbox import Mailbox
-from core.haptics.messages import LinkState
 from core.haptics.process import python
+from core.haptics.servo_messages import LinkState
 from core.haptics.spec import HAPTIC_MASTER
 from studies import logged_servo
 from tests.haptics.machine import NEEDS_PTY

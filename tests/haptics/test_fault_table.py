@@ -14,9 +14,9 @@ import pytest
 from core.haptics import wire
 from core.haptics.contact_model import Contact, stiffness_cap
 from core.haptics.emulated_hand import EmulatedHand
-from core.haptics.messages import LinkState
 from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
+from core.haptics.servo_messages import LinkState
 from core.haptics.spec import Spec
 from core.haptics.vectors import length
 from studies.faults import parse_fault

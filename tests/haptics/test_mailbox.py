@@ -10,7 +10,8 @@ from dataclasses import replace
 import pytest
 
 from core.haptics.mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from core.haptics.messages import (
+from core.haptics.safety import Arming
+from core.haptics.servo_messages import (
     ORDER_SIZE,
     REPORT_SIZE,
     LinkState,
@@ -22,7 +23,6 @@ from core.haptics.messages import (
     unpack_order,
     unpack_report,
 )
-from core.haptics.safety import Arming
 from tests.haptics.bench_device import wall
 from tools.environment import ROOT
 

@@ -5,8 +5,8 @@ import random
 import pytest
 
 from core.haptics import wire
-from core.haptics.messages import LinkState
 from core.haptics.servo import Servo
+from core.haptics.servo_messages import LinkState
 from core.haptics.spec import info, load_spec
 from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, note
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
-from core.haptics.messages import LinkState
 from core.haptics.safety import LEASE, Passivity
 from core.haptics.servo import Servo
+from core.haptics.servo_messages import LinkState
 from core.haptics.spec import Spec, load_spec
 from core.haptics.vectors import Vector
 from core.haptics.wire import RAMP

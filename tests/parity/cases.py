@@ -94,7 +94,7 @@ WHOLE = {
     "one eighth of a group": Case(shape=lambda: ball(0), thrown=True),
 }
 DEGENERATE = {
-    "a hole": Case(shape=hemisphere),
+    "a hole": Case(shape=hemisphere, ticks=12),  # later a corner of the skin slides or holds by the last digit
     "a sheet": Case(shape=sheet, thrown=True),
     "a free sheet": Case(shape=sheet, hold="free", thrown=True),
     "a flat body": Case(shape=needles, hold="free", thrown=True),

@@ -68,7 +68,8 @@ def test_the_constants_of_c_are_those_of_python() -> None:
     code = "\n".join((SOURCES / name).read_text() for name in ("body.h", "step.c", "dimple.h", "lanes.h"))
     numbers = {k: float(v) for k, v in re.findall(r"(?:#define|enum \{|,|double)\s+DM_(\w+)\s*=?\s*([-\d.e]+)\b", code)}
     shared = {
-        "FACE_SWEEPS": contact.FACE_SWEEPS, "FACE_SLACK": contact.FACE_SLACK, "PINNED_GIVE": contact.HELD_GIVE,
+        "FACE_SWEEPS": contact.FACE_SWEEPS, "FACE_SLACK": contact.FACE_SLACK, "LEAST_SWEEPS": contact.LEAST_SWEEPS,
+        "PINNED_GIVE": contact.HELD_GIVE,
         "ROUNDING": contact.ROUNDING, "TOO_NEAR": contact.TOO_NEAR, "WEIGHT_FLOOR": contact.WEIGHT_FLOOR,
         "SKIN_TRAVEL": base.SKIN_TRAVEL, "FINGER_TRAVEL": base.FINGER_TRAVEL, "LARGEST_GROWTH": base.LARGEST_GROWTH,
         "SAME_SIDE": depth.SAME_SIDE, "AIR_PRESSURE": base.AIR_PRESSURE, "AIR_EXPONENT": base.AIR_EXPONENT,

@@ -26,16 +26,16 @@ from core.solver.motion import FingertipMotion
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "0ff0bed1730b9cdef7ae77a630c122f66ab41951f82e03667de584e27b4a30a9",
-    ("liquid", 32, "AVX2"): "0b66306a970fe10440e8a85a351f1f2943f60dc437c926244d16ea721b91bef3",
-    ("liquid", 64, ""): "84f9cd01ad226d55f7b50bde8dffdd21e82e249bf47bba5da8c476d5bbb88532",
-    ("free on the ground", 32, "SSE2"): "5dffe752a7066bafca4b2d3ae7148fee092e5d3aebd504452dd7e03f2cb89d9c",
-    ("free on the ground", 32, "AVX2"): "b4a00a012439a024758b20a81c4ef772c63103a515eae9a65deb2ea28a054a49",
-    ("free on the ground", 64, ""): "f34bea7a1bab4f971864a965431655ed573df655e20b44ceb8581649fa5b66a0",
+    ("liquid", 32, "SSE2"): "93f1d0effc70fc09e3f43e09d01376bb79d9a19f4d33b9ada7d69d164cdaee82",
+    ("liquid", 32, "AVX2"): "29b52b6e489a16e5a99dba1f6b3e6cfaaaf5d447ad98cc0e60183c4a7adbb416",
+    ("liquid", 64, ""): "6c402202f24291995165014ea7575ef5f0f97286abf1c196957dd1c4733d9a22",
+    ("free on the ground", 32, "SSE2"): "8eddf30d9c3f3d1b947c594dc73d671ffa15448a302fe6570ac44f9446e57865",
+    ("free on the ground", 32, "AVX2"): "fec4ad885489cfc2185f46be3e9b2db966daccc51de31ad8e10a15615f0bf77a",
+    ("free on the ground", 64, ""): "7aed46f42d4b649fd33b303e8d0d9d0834930e09f248c860a77081f17ef44e3c",
 }
 NUMPY = {
-    "liquid": "79c01a61122beca7bb96e2657b7f406eecd74de57602b88ec34487749b9418b8",
-    "paper laws": "a87b4efa3f7e43bcc7759376b793bb124f2a9272398ed5a8b7cd48881ebbb856",
+    "liquid": "d6b9d28c4f868134d6b56b2081702cb124a31101e53649ed1cf580e5bfe8b30e",
+    "paper laws": "2c102c52ba855eba65557a11f04063e0596d65fe08ec0241dd766dc825032093",
 }
 
 

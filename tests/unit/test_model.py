@@ -6,6 +6,7 @@ import pytest
 from core.body.model import build_model, initial_state
 from core.material import PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
+from core.session import Session
 from studies import scenes
 
 SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2)
@@ -68,3 +69,18 @@ def test_a_body_that_moves_leaves_its_rest_shape_alone() -> None:
     state.positions += 1.0
     np.testing.assert_array_equal(model.mesh.rest_positions, points)
     np.testing.assert_array_equal(model.matching.rest, points.T)
+
+
+@pytest.mark.parametrize("depth", [0.001, 0.08])
+def test_a_body_that_starts_below_the_ground_is_not_flung_out(depth: float) -> None:
+    """As a sphere added at the origin of a scene with a floor; it stays where it is, and a note says so."""
+    mesh = scenes.ball(2)
+    bottom = float(mesh.rest_positions[:, 2].min())
+    model = build_model(mesh, [scenes.BALL], gravity=(0, 0, -9.81), ground=bottom + depth)
+    assert model.ground == bottom and f"{1e3 * depth:.3g} mm below the ground" in " ".join(model.notes)
+    session = Session(model)
+    for _ in range(10):
+        session.step(0.1)
+        assert abs(session.positions()[:, 2].mean()) < 0.01
+    above = build_model(mesh, [scenes.BALL], gravity=(0, 0, -9.81), ground=bottom)
+    assert above.ground == bottom and "ground" not in " ".join(above.notes)

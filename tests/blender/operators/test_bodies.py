@@ -278,3 +278,26 @@ def test_a_preset_sets_constants_size_and_source(bpy: ModuleType, ball: Add) -> 
         assert math.isclose(obj.dimple.to_params()["size"], preset.size)
     with pytest.raises(RuntimeError, match="object_1_nylon_air"):
         bpy.ops.dimple.apply_preset(preset="marble")
+
+
+def test_a_scripted_press_goes_straight_in_from_outside_wherever_it_is_put(bpy: ModuleType, add: Callable) -> None:
+    """At every face centre of a divided cube, from the surface itself; and by default in the middle of its top."""
+    import bmesh
+    from bl_ext.user_default.dimple.operators import press, sessions
+
+    obj = add()
+    cube = bmesh.new()
+    bmesh.ops.create_cube(cube, size=2.0)
+    bmesh.ops.subdivide_edges(cube, edges=cube.edges[:], cuts=4, use_grid_fill=True)
+    cube.to_mesh(obj.data)
+    centres = [(tuple(face.calc_center_median()), tuple(face.normal)) for face in cube.faces]
+    cube.free()
+    assert len(centres) == 150
+    live, _ = sessions.start(obj, bpy.context)
+    for place, normal in centres:
+        hit = press.aimed({live.link.uid: live}, place, (0.0, 0.0, 0.0)).hit
+        assert hit.normal == pytest.approx(normal, abs=1e-6), place
+        assert live.to_world(hit.point) == pytest.approx(place, abs=1e-6)
+    hit = press.aimed({live.link.uid: live}, None, (0.0, 0.0, 0.0)).hit
+    assert live.to_world(hit.point) == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
+    sessions.stop_all()

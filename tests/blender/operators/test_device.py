@@ -107,7 +107,7 @@ def test_a_servo_hears_of_blender_while_nothing_moves(
 ) -> None:
     """Where its pipe cannot be watched (Windows) a servo that hears nothing for 10 s takes Blender for gone."""
     from bl_ext.user_default.dimple.core.haptics.mailbox import TO_SERVO
-    from bl_ext.user_default.dimple.core.haptics.messages import ORDER_SIZE
+    from bl_ext.user_default.dimple.core.haptics.servo_messages import ORDER_SIZE
     from bl_ext.user_default.dimple.operators import haptic
 
     body = add()
