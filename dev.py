@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Run everything a developer of Dimple runs, from a fresh clone: `python3 dev.py COMMAND`.
+"""Build, test and measure Dimple from a fresh clone: `python3 dev.py COMMAND`.
 
-Needs Python 3.11 or 3.13 and the package registries, nothing else: every command first makes the
-environment it lacks (tools/environment.py).
+It needs Python 3.11 or 3.13 and the package registries, nothing else: each command first makes the environment that
+it needs (tools/environment.py).
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ NO_TESTS_COLLECTED = 5  # pytest's exit code
 
 
 def demo(options: argparse.Namespace) -> int:
-    """press the samples in Blender; write pictures, curves, animation and a summary"""
+    """press the samples in Blender; write pictures, curves, animations and a summary"""
     return in_blender("blend_samples/demo.py", options.blender, options.out or BUILD / "demo")
 
 
 def window(options: argparse.Namespace) -> int:
-    """drive the extension in a real Blender window"""
+    """press a mesh in a real Blender window, with a simulated mouse"""
     return in_blender("tests/window/run.py", options.blender, options.out or BUILD / "window")
 
 
 def samples(options: argparse.Namespace) -> int:
-    """make blend_samples/*.blend again, in the oldest Blender so that all can open them"""
+    """make blend_samples/*.blend again, in the oldest Blender so that every version opens them"""
     return in_blender("blend_samples/make_samples.py", options.blender or OLDEST, None)
 
 
@@ -55,7 +55,7 @@ def in_blender(script: str, wanted: str | None, out: Path | None) -> int:
 
 
 def test(options: argparse.Namespace) -> int:
-    """run the tests, with --slow the slow ones too; further arguments go to pytest"""
+    """run the tests; paths and further options go to pytest"""
     python = environment(options.blender)
     native_core.provide_library(python)
     paths = [word for word in options.rest if Path(word).parts[:1] == ("tests",)]
@@ -102,7 +102,7 @@ def wheels(options: argparse.Namespace) -> int:
 
 
 def bench(options: argparse.Namespace) -> int:
-    """measure scenes, sizes and backends; --quick, --json FILE, --profile, --peers, --enabling"""
+    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --enabling"""
     python = environment(options.blender)
     native_core.provide_library(python)
     variables = {"OPENBLAS_NUM_THREADS": "1"}
@@ -112,20 +112,20 @@ def bench(options: argparse.Namespace) -> int:
 
 
 def charts(options: argparse.Namespace) -> int:
-    """draw the charts of the studies and print which method is on the front; --quick for smaller bodies"""
+    """draw the charts of the studies and print which method is the cheapest; --quick for smaller bodies"""
     out = (options.out or BUILD / "charts").resolve()
     return run([environment(options.blender), "-m", "tools.charts", "--out", out, *options.rest])
 
 
 def core(options: argparse.Namespace) -> int:
-    """run a command without Blender: calibrate, paper, emulator, haptics, grasp"""
+    """run a study without Blender: calibrate, paper, emulator, haptics, grasp"""
     python = environment(options.blender)
     native_core.provide_library(python)
     return run([python, "-m", "studies", *options.rest])
 
 
 def ci(_options: argparse.Namespace) -> int:
-    """run what continuous integration runs"""
+    """run what continuous integration runs: .ci/run"""
     return run(["bash", ".ci/run"])
 
 
@@ -133,12 +133,15 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="dev.py", description=(__doc__ or "").partition("\n")[0])
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for action in (demo, test, lint, build, native, wheels, bench, charts, window, samples, core, ci):
-        own_help = action not in (test, bench, charts, core)  # what they run has a help of its own
-        command = commands.add_parser(action.__name__, help=action.__doc__, allow_abbrev=False, add_help=own_help)
+        own_help = action not in (bench, charts, core)  # what they run has a help of its own
+        text = action.__doc__
+        command = commands.add_parser(
+            action.__name__, help=text, description=text, allow_abbrev=False, add_help=own_help
+        )
         command.set_defaults(action=action, out=None)
-        command.add_argument("--blender", metavar="VERSION", help=f"{', '.join(BLENDERS)} or its beginning")
+        command.add_argument("--blender", metavar="VERSION", help=f"{', '.join(BLENDERS)}, or its first numbers")
         if action is test:
-            command.add_argument("--slow", action="store_true")
+            command.add_argument("--slow", action="store_true", help="run the slow tests too")
         if action in (demo, build, wheels, charts, window):
             command.add_argument("--out", type=Path, metavar="DIR", help="where the results go")
     options, options.rest = parser.parse_known_args(words)

@@ -1,4 +1,4 @@
-"""What Blender shows and stores."""
+"""What Blender shows and stores: properties, presets, panels, preferences, overlay, tool and translations."""
 
 from .. import operators
 from . import comparison_chart, overlay, panels, preferences, presets, properties, reduction, tool, translations

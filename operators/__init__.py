@@ -1,6 +1,7 @@
-"""The operators: thin verbs over the session of the core.
+"""The operators: short steps from Blender to the session of the core, and back.
 
-Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
+bridge, bridge_write and rest_shape alone read and write mesh arrays. sessions holds what runs, showing puts it on its
+objects, live steps it. Nothing heavy is imported here: numpy, trimesh and the core come with the first poke.
 """
 
 from . import (

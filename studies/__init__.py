@@ -1,1 +1,3 @@
-"""The laboratory, not shipped: scenes, methods that do not ship, what charts and tables are made of."""
+"""The laboratory, outside the zip: time-stepping methods that do not ship, scenes, what charts and tables are made of,
+faults of an emulated device, and the commands of `python3 dev.py core`. It imports core, never the other way.
+"""

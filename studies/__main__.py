@@ -1,4 +1,4 @@
-"""`python -m studies COMMAND`: what can be done without Blender."""
+"""What can be done without Blender: `python3 dev.py core COMMAND`."""
 
 from __future__ import annotations
 

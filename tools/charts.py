@@ -1,4 +1,4 @@
-"""Draw the charts of the studies: `python -m tools.charts --out DIR [--quick]`, each as PNG, SVG and CSV.
+"""Draw the charts of the studies, each as PNG, SVG and CSV: `python3 dev.py charts [--out DIR] [--quick]`.
 
 The numbers come from studies; drawing and the independent solver are development only.
 """
@@ -23,7 +23,7 @@ KEPT = ROOT / "tests" / "studies" / "charts"  # what the README shows
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser = argparse.ArgumentParser(prog="dev.py charts", description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--out", type=Path, default=Path("build/charts"), metavar="DIR")
     parser.add_argument("--quick", action="store_true", help="smaller bodies, fewer points: under 50 seconds")
     parser.add_argument("--keep", action="store_true", help="keep the main charts and the fronts")

@@ -1,1 +1,3 @@
-"""The surface of a body at rest: built, repaired, ordered in rings, hit by rays."""
+"""The surface of a body at rest: built and measured (surface), repaired, ordered in rings, hit by a ray, and how deep
+a fingertip is below it (depth).
+"""

@@ -31,7 +31,7 @@ AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from
 
 
 class NativeError(RuntimeError):
-    """Say which call the library refused, and why; code: its number in dimple.h, 0 for reasons of our own."""
+    """A call that the library refused, and why. code: its number in dimple.h, 0 for reasons of this file."""
 
     def __init__(self, reason: str, code: int = 0) -> None:
         super().__init__(reason)

@@ -1,1 +1,3 @@
-"""How much of a body is simulated: proxies, and the planner that chooses one."""
+"""How many vertices of a body are simulated: proxies (cells, proxy), what they cost and how near they are (benchmark),
+and the planner that chooses one.
+"""

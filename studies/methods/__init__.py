@@ -1,1 +1,1 @@
-"""Time-stepping methods that do not ship: what the charts compare the product with."""
+"""Time-stepping methods that do not ship: what the charts compare the method of the product with."""

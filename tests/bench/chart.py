@@ -27,7 +27,7 @@ def draw(cases: list[dict[str, Any]], lines: dict[str, Any], bandwidth: float, s
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(8, 5.5), layout="constrained")
-    backends = dict.fromkeys(case["backend"] for case in cases)
+    backends = dict.fromkeys(case["backend"] for case in cases if case["backend"] != "session")
     for scene, backend in [*(("poke_ball", each) for each in backends), ("everything", "native")]:
         mine = [case for case in cases if (case["scene"], case["backend"]) == (scene, backend)]
         n = np.array([case["vertices"] for case in mine])
