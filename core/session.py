@@ -22,7 +22,7 @@ from .mesh.surface import input_vertices
 from .reduction.proxy import Proxy, carry, contact_radius
 from .solver import motion
 from .solver.backend import choose_backend, create
-from .solver.motion import FingertipMotion, Motion, PinMotion, Vector
+from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion, Vector
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
@@ -169,8 +169,9 @@ class Session:
         self._begin, self._end = self._time, self._time + dt
         end, due = self._end, math.floor(self._end / self.tick + 1e-6)
         impulses, done, note = np.zeros((len(self._targets), 3)), 0, ""
+        most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
         while self._ticks < due:
-            result = self._run(due - self._ticks if budget is None else min(due - self._ticks, TICKS_AT_ONCE))
+            result = self._run(min(due - self._ticks, most))
             done += result.ticks
             if not result.finite:
                 at = self._ticks * self.tick
@@ -245,7 +246,9 @@ class Session:
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
-        return self.body.step(Motion(0, self.substeps, self.tick, self._fingertips(0.0, 0.0)))
+        result = self.body.step(Motion(0, self.substeps, self.tick, self._fingertips(0.0, 0.0)))
+        self._fresh = [touch is None for touch in result.touches]
+        return result
 
     def _fingertips(self, first: float, last: float) -> tuple[FingertipMotion | None, ...]:
         return tuple([

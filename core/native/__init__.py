@@ -224,17 +224,21 @@ class Body:
         self._step = self.library.dm_step
         self._step_arguments = self._handle, byref(self._motion), byref(self._frame)
 
-    def set_constants(self, model: Model) -> None:
-        """Give the living body the numbers of another model of the same mesh.
+    def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
+        """Give the living body the numbers of other models of the same meshes.
+
+        Args:
+            surface: as at the start; left out, a proxy keeps the one it has.
 
         Raises:
             NativeError: a number that is none, or another mesh.
         """
-        if model.mesh is not self.model.mesh:
+        surface = surface or (model if self._surface is self.model else self._surface)
+        if model.mesh is not self.model.mesh or surface.mesh is not self._surface.mesh:
             raise NativeError("the model is of another mesh")
         with _Arrays() as arrays:
-            self._call("dm_set_constants", self._handle, byref(_constants(model, self._surface, arrays)))
-        self.model = model
+            self._call("dm_set_constants", self._handle, byref(_constants(model, surface, arrays)))
+        self.model, self._surface = model, surface
 
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
@@ -340,9 +344,6 @@ def _definition(library: ctypes.CDLL, model: Model, surface: Model, arrays: _Arr
     definition, mesh, springs = BodyDef(), model.mesh, model.springs
     library.dm_default_body_def(byref(definition))
     rings = springs.rings
-    irregular, ends = rings.irregular_springs, rings.irregular_ends
-    if model.law_set == "paper":  # Eq. (4) goes spring by spring
-        irregular, ends = np.arange(len(springs.pairs)), np.ones((len(springs.pairs), 2), bool)
     values = {
         "vertices": len(mesh.rest_positions), "rest": arrays.double(mesh.rest_positions.T),
         "loose": arrays.of(mesh.loose, np.uint8),
@@ -350,8 +351,8 @@ def _definition(library: ctypes.CDLL, model: Model, surface: Model, arrays: _Arr
         "ring_spring": arrays.index(rings.springs),
         "springs": len(springs.pairs), "ends": arrays.index(springs.pairs),
         "rest_length": arrays.double(springs.rest_lengths),
-        "irregular": len(irregular), "irregular_spring": arrays.index(irregular),
-        "irregular_end": arrays.of(ends, np.uint8),
+        "irregular": len(rings.irregular_springs), "irregular_spring": arrays.index(rings.irregular_springs),
+        "irregular_end": arrays.of(rings.irregular_ends, np.uint8),
         "triangles": len(mesh.triangles), "corners": arrays.index(mesh.triangles),
         "fans": len(rings.corners), "fan": arrays.index(rings.corners),
         "cap_edges": len(mesh.cap_edges), "cap_edge": arrays.index(mesh.cap_edges),

@@ -4,7 +4,7 @@
 static void dm_state_destroy(dm_state *b) {
     void *const parts[] = {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
-        b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->rest_length, b->fans, b->caps, b->cap_hole,
+        b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness, b->fans, b->caps, b->cap_hole,
         b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes, b->inverse_mass, b->friction, b->hits,
         b->pin_room, b->shares, b->moved, b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
     };
@@ -28,7 +28,9 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->shares = room(size, sizeof(uint32_t))) && (b->moved = room(size, sizeof(uint32_t)));
     whole = whole && (b->is_moved = room(size, 1)) && (b->touching = room(size, 1));
     whole = whole && (b->irregular = room(d->irregular, sizeof *b->irregular));
+    whole = whole && (b->ends = room(d->springs, sizeof *b->ends));
     whole = whole && (b->rest_length = room(d->springs, sizeof(double)));
+    whole = whole && (b->stiffness = room(d->springs, sizeof(double)));
     whole = whole && (b->fans = room(d->fans, sizeof *b->fans)) && (b->caps = room(d->cap_edges, sizeof *b->caps));
     whole = whole && (b->cap_hole = room(d->cap_edges, sizeof(uint32_t)));
     whole = whole && (b->holes = room(d->cap_edges, sizeof *b->holes));
@@ -83,11 +85,12 @@ static void dm_lay_fill(dm_state *b, const dm_body_def *d) {
     b->fan_count = d->fans, b->cap_count = d->cap_edges, b->rest_volume = d->rest_volume;
 }
 
-static void dm_lay_irregular(dm_state *b, const dm_body_def *d) {
+static void dm_lay_springs(dm_state *b, const dm_body_def *d) {
+    for (int64_t k = 0; k < 2 * d->springs; k++) b->ends[k / 2][k % 2] = b->place[d->ends[k]];
     memcpy(b->rest_length, d->rest_length, (size_t)d->springs * sizeof(double) * (d->springs > 0));
     for (int64_t k = 0; k < d->irregular; k++) {
         int64_t e = d->irregular_spring[k];
-        dm_irregular_spring s = {.i = b->place[d->ends[2 * e]], .j = b->place[d->ends[2 * e + 1]], .spring = e,
+        dm_irregular_spring s = {.i = b->ends[e][0], .j = b->ends[e][1], .spring = e,
                               .on_i = d->irregular_end[2 * k], .on_j = d->irregular_end[2 * k + 1]};
         s.rest = d->rest_length[e], b->irregular[k] = s;
     }
@@ -102,7 +105,7 @@ static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
     if (!b) return DM_MEMORY;
     int64_t n = b->n = d->vertices;
     b->groups = (n + DM_LANES - 1) / DM_LANES;
-    b->rest_area = d->rest_area, b->size = d->size, b->law_count = -1;
+    b->rest_area = d->rest_area, b->size = d->size;
     int32_t code = dm_allocate(b, d);
     if (code == DM_OK) {
         memcpy(b->rest, d->rest, (size_t)(3 * n) * sizeof(double));
@@ -113,7 +116,7 @@ static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
     if (code == DM_OK) code = dm_lay_faces(b, d->triangles, d->corners);
     if (code == DM_OK) code = dm_lay_surface(b, d);
     if (code == DM_OK) {
-        dm_lay_fill(b, d), dm_lay_irregular(b, d);
+        dm_lay_fill(b, d), dm_lay_springs(b, d);
         b->free = d->constants.free != 0;
         code = dm_state_set_constants(b, &d->constants);
     }
@@ -130,6 +133,7 @@ static double dm_weighted_mean(const dm_state *b, const double *a) {
 
 static void dm_set_springs(dm_state *b, const dm_constants *c) {
     int64_t slots = b->ring.start[b->groups];
+    memcpy(b->stiffness, c->stiffness, (size_t)b->spring_count * sizeof(double) * (b->spring_count > 0));
     for (int64_t k = 0; k < slots * DM_LANES; k++) {
         int32_t e = b->ring_spring[k];
         dm_slot *s = b->ring.slots + k / DM_LANES;
@@ -205,16 +209,22 @@ static void dm_pin(dm_state *b, const double *inverse_mass) {
     b->pinned_count = count;
 }
 
+/* Start without a pressure, and without the contact that Eq. (2) takes from the step before. */
+static void dm_forget_pressure(dm_state *b) {
+    b->pressure = 0;
+    memset(b->touching, 0, (size_t)(b->groups * DM_LANES));
+}
+
 static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     double (*laws)[3] = room(c->materials, sizeof *laws);
     if (!laws) return DM_MEMORY;
     memcpy(laws, c->laws, (size_t)c->materials * sizeof *laws * (c->materials > 0));
-    int alive = b->law_count >= 0;
-    if (alive && b->free && !c->free) dm_fit_whole(b, b->pose);
+    if (b->laws && b->free && !c->free) dm_fit_whole(b, b->pose);
     dm_free(b->laws);
-    b->laws = laws, b->law_count = c->materials;
+    b->laws = laws;
     dm_set_springs(b, c), dm_set_matter(b, c);
     dm_pin(b, c->inverse_mass);
+    if (c->law_set != b->law_set || c->fill != b->fill) dm_forget_pressure(b);
     b->law_set = c->law_set, b->fill = c->fill, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
     memcpy(b->gravity, c->gravity, sizeof b->gravity);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
@@ -244,8 +254,8 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     for (int k = 0; k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;
     memcpy(b->turned, b->pose, sizeof b->turned);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
-    memset(b->touching, 0, (size_t)(b->groups * DM_LANES));
     b->led = b->carried = 0;
+    dm_forget_pressure(b);
     dm_place_pose(b);
 }
 

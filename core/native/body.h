@@ -98,7 +98,8 @@ struct dm_state {
     int32_t *ring_spring; /* (slots * LANES), -1 is none */
     int64_t irregular_count, fan_count, cap_count, hole_count, triangle_count, spring_count;
     dm_irregular_spring *irregular;
-    double *rest_length; /* (spring_count,) */
+    uint32_t (*ends)[2];
+    double *rest_length, *stiffness; /* (spring_count,) with the ends, in the caller's order */
     uint32_t (*fans)[3], (*caps)[2], *cap_hole;
     double (*holes)[7]; /* centre, pull of the rim, number of edges: room for one step */
 
@@ -127,7 +128,7 @@ struct dm_state {
 
     dm_facet *facets;
     double (*facet_boxes)[6]; /* low and high corners of runs of them */
-    int64_t facet_count, facet_box_count, law_count;
+    int64_t facet_count, facet_box_count;
     double (*laws)[3];        /* K1, K2, x0 of each material */
     struct {
         double centre[3], side[3]; /* where a fingertip is, and the outward normal where it came in */

@@ -32,6 +32,19 @@ static void dm_apply_gravity(dm_state *b) {
     }
 }
 
+/* k (|l| - |l0|) / |l0| along each spring, Eq. (4) */
+static void dm_paper_spring_force(dm_state *b) {
+    for (int64_t e = 0; e < b->spring_count; e++) {
+        uint32_t i = b->ends[e][0], j = b->ends[e][1];
+        double x[3], arm[3], rest = b->rest_length[e];
+        dm_position(b, i, x), dm_position(b, j, arm);
+        for (int c = 0; c < 3; c++) arm[c] -= x[c];
+        double tension = b->stiffness[e] * (dm_length3(arm) - rest) / (rest > 1e-30 ? rest : 1e-30);
+        for (int c = 0; c < 3; c++) arm[c] *= tension;
+        dm_add_force(b, i, arm, 1), dm_add_force(b, j, arm, -1);
+    }
+}
+
 /* What a pascal does is A_0 / n_0 times the unit sum of the unit normals round a vertex, Eq. (3). */
 static void dm_paper_pressure_force(dm_state *b) {
     double n[3];

@@ -31,7 +31,7 @@ static void dm_substep(dm_state *b) {
         b->pressure = dm_paper_pressure(b);
         dm_apply_gravity(b);
         if (b->pressure != 0) dm_paper_pressure_force(b);
-        dm_add_irregular_forces(b);
+        dm_paper_spring_force(b);
         dm_advance_pinned(b, b->pressure);
         return;
     }

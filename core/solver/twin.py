@@ -25,13 +25,17 @@ class Twin:
         self._sides: list[Floats | None] = [None] * 3
         self.set_state(model.matching.rest)
 
-    def set_constants(self, model: Model) -> None:
-        """Give the living body the numbers of another model of the same mesh."""
-        if self.model.free and not model.free:
+    def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
+        """Give the living body the numbers of other models of the same meshes."""
+        old = self.model
+        if (model.law_set, model.pressure.fill) != (old.law_set, old.pressure.fill):
+            self._state.pressure, self._state.contact = 0.0, self._state.contact[:0]
+        if old.free and not model.free:
             self._state.pose = self._pose()
         elif model.free:
             self._state.pose = None
         self._rest_pins(model.held)
+        self._fine = surface or (model if self._fine is old else self._fine)
         self.model = model
 
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:

@@ -15,6 +15,7 @@ from core import base, native
 from core.body import contact
 from core.mesh import depth
 from core.session import Session
+from core.solver import motion
 from core.solver.motion import FingertipMotion, Motion
 from tests.bodies import after
 from tests.native_core import missing
@@ -74,6 +75,7 @@ def test_the_constants_of_c_are_those_of_python() -> None:
         "SKIN_TRAVEL": base.SKIN_TRAVEL, "FINGER_TRAVEL": base.FINGER_TRAVEL, "LARGEST_GROWTH": base.LARGEST_GROWTH,
         "SAME_SIDE": depth.SAME_SIDE, "AIR_PRESSURE": base.AIR_PRESSURE, "AIR_EXPONENT": base.AIR_EXPONENT,
         "LIQUID_BULK_MODULUS": base.LIQUID_BULK_MODULUS, "ABI": native.ABI,
+        "MAX_STEPS": motion.MAX_STEPS,
     }  # fmt: skip
     assert {name: numbers.get(name) for name in shared} == shared
 

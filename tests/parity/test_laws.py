@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body.model import build_model
+from core.body.model import Model, build_model
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.solver.backend import Body, create
 from core.solver.motion import FingertipMotion, Frame, Motion
@@ -157,6 +157,54 @@ def test_other_constants_act_on_a_living_body_as_with_numpy(name: str, backend: 
         ends.append((body.positions(), frame.volume))
     np.testing.assert_allclose(ends[1][0], ends[0][0], rtol=0, atol=3 * tolerance * SIZE)
     assert ends[1][1] == pytest.approx(ends[0][1], rel=100 * tolerance)
+
+
+def others(model: Model) -> list[Model]:
+    """Return models of the same mesh: other laws, fills, pins and numbers."""
+    base, top = (base_vertices(model.mesh, up=(0, 0, up)) for up in (1, -1))
+    air = replace(SOFT, fill="air", K1=300, K2=900)
+    return [
+        build_model(model.mesh, [SOFT], held=base),
+        build_model(model.mesh, [air], held=base, law_set="paper"),
+        build_model(model.mesh, [air], held=top),
+        build_model(model.mesh, [replace(SOFT, fill="none", friction=0.1)], gravity=(0, 0, -9.81)),
+        build_model(model.mesh, [SOFT], law_set="paper"),
+        build_model(model.mesh, [SOFT], held=base, softness=np.linspace(0, 1, len(model.mesh.source))),
+        build_model(model.mesh, [air], ground=-0.5 * SIZE),
+    ]
+
+
+def test_laws_fill_and_pins_of_a_living_body_change_as_with_numpy() -> None:
+    """What the constants say holds from the next tick on, whatever the body was made with."""
+    model, _, motion = build(CASES["liquid"])
+    models = others(model)
+    bodies = [create(models[-1], backend=kind) for kind in ("numpy", "native64")]
+    start, stop = (np.array(motion.fingertips[0][row]) for row in (0, 2))
+    for i, each in enumerate((*models, *models[::-1], *models[::2])):
+        down, up = (tuple((start + (i / 20 + 0.05 * last) * (stop - start)).tolist()) for last in (0, 1))
+        tip = FingertipMotion.straight(down, up, ticks=2, radius=0.1 * SIZE, fresh=i == 0)
+        frames = []
+        for body in bodies:
+            body.set_constants(each)
+            body.step(Motion(0, 1, TICK))
+            frames.append(body.step(Motion(2, each.substeps(TICK), TICK, (tip,))))
+        assert all(frame.finite for frame in frames)
+        np.testing.assert_allclose(bodies[1].positions(), bodies[0].positions(), rtol=0, atol=1e-9 * SIZE)
+        assert frames[1].pressure == pytest.approx(frames[0].pressure, rel=1e-6, abs=1e-3)
+        twin, touch = (frame.touches[0] for frame in frames)
+        assert twin and touch and touch.depth > 0
+        assert touch.law_force == pytest.approx(each.materials[0].law(touch.depth)) == pytest.approx(twin.law_force)
+        assert touch.impulse == pytest.approx(twin.impulse, rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "native"])
+def test_a_fill_that_is_taken_out_leaves_no_pressure(backend: str) -> None:
+    model, velocities, motion = build(CASES["liquid"])
+    body = create(model, backend=backend)
+    assert abs(run(body, velocities, motion).pressure) > 100
+    body.set_constants(build_model(model.mesh, [replace(SOFT, fill="none")], held=base_vertices(model.mesh)))
+    assert body.step(motion._replace(ticks=0)).pressure == 0
+    assert body.step(motion).pressure == 0
 
 
 @pytest.mark.parametrize("backend", ["numpy", "native"])

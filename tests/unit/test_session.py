@@ -1,5 +1,8 @@
 """Sessions: the clock, the fingertips, the pins, and what comes out."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +11,7 @@ from core.body.model import build_model
 from core.material import Material
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
+from core.solver.motion import MAX_STEPS
 from tests.bodies import Shape, after, ball, joined, sheet, soup
 
 SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.5, damping_ratio=0.5, fill="none")
@@ -206,6 +210,37 @@ def test_reset_puts_everything_back() -> None:
     np.testing.assert_array_equal(session.positions(), BALL[0].astype(np.float32))
     assert session.frame.time == 0 and session.frame.depths.shape == (0,)
     np.testing.assert_allclose(after(session, 0.05), BALL[0], atol=1e-8)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "native"])
+def test_a_body_that_was_put_back_has_no_pressure_of_the_press_before(backend: str) -> None:
+    mesh = mesh_from_triangles(*BALL)
+    session = Session(build_model(mesh, [replace(SOFT, fill="liquid")], held=base_vertices(mesh)), backend=backend)
+    session.set_fingers([above(0.02)])
+    assert session.step(0.1).pressure > 100
+    session.reset()
+    frame = session.step(0.0)
+    assert frame.pressure == 0 and frame.volume == pytest.approx(frame.rest_volume)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "native"])
+def test_a_fingertip_keeps_the_side_by_which_it_came_in_between_two_ticks(backend: str) -> None:
+    """It is put down on a thin lens and pressed beyond its middle within the first millisecond."""
+    points, faces = ball(3, RADIUS)
+    mesh = mesh_from_triangles(points * (1, 1, 0.05), faces)
+    session = Session(build_model(mesh, [SOFT], held=np.ones(len(points), bool)), backend=backend)
+    thick, radius = 0.05 * RADIUS, 0.02
+    session.set_fingers([Finger((0, 0, 1.02 * thick), radius)])
+    assert session.step(0.0).depths == pytest.approx([radius - 0.02 * thick], abs=1e-6)
+    session.set_fingers([Finger((0, 0, -0.2 * thick), radius)])
+    assert session.step(0.001).depths == pytest.approx([radius + 1.2 * thick], abs=1e-6)
+
+
+def test_a_long_step_of_a_stiff_body_takes_more_than_one_call() -> None:
+    mesh = mesh_from_triangles(*ball(0, RADIUS))
+    session = Session(build_model(mesh, [replace(SOFT, k=2e9)], law_set="paper"))
+    seconds = 1.1 * MAX_STEPS / session.substeps * session.tick
+    assert session.step(seconds).steps == math.floor(seconds / session.tick)
 
 
 def test_what_blows_up_is_put_back_with_a_note_and_goes_on() -> None:
