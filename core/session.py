@@ -94,7 +94,7 @@ class Session:
         self.body = create(moves, surface=model, backend=self.backend)
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
         self._input_of = input_vertices(model.mesh)
-        # the vertices of the mesh that are told where to be
+        # the vertices of the mesh whose places are prescribed
         self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
         self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
         self._material_of = model.mesh.triangle_material.tolist()

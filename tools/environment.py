@@ -1,4 +1,4 @@
-"""Make and mend the environments under .venv/, one per Blender version.
+"""Make and repair the environments under .venv/, one per Blender version.
 
 Each holds Blender as a module (bpy) and what requirements/ pins. A finished environment is stamped with
 a hash of its pins; one without that stamp is made anew, so an interrupted set-up mends itself and a
@@ -92,7 +92,7 @@ def require(command: Sequence[str | Path], failure: str) -> None:
     words = [str(word) for word in command]
     done = subprocess.run(words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode != 0:
-        raise Stop(f"{failure} Run the same command again once this is mended:\n{done.stdout.strip()}")
+        raise Stop(f"{failure} Run the same command again once this is repaired:\n{done.stdout.strip()}")
 
 
 def find_python(series: str) -> str | None:

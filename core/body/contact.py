@@ -30,13 +30,20 @@ HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held verti
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touch:
-    """Hold what one fingertip may meet within a tick: its centre and velocity (3,), radius, vertices and faces."""
+    """What one fingertip may meet within a tick.
+
+    centre: (3,) [m].
+    velocity: (3,) [m/s].
+    radius: [m].
+    vertices: (c,) near it.
+    triangles: (t, 3) near it.
+    """
 
     centre: Floats
     velocity: Floats
     radius: float
     vertices: Ints
-    triangles: Ints  # (t, 3)
+    triangles: Ints
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..base import MASS_FLOOR, MAX_SUBSTEPS, STEP_SAFETY, STIFFEST, Bools, DimpleError, Floats, Ints, sums_at
+from ..base import (
+    LONGEST_STEP,
+    MASS_FLOOR,
+    MAX_SUBSTEPS,
+    STEP_SAFETY,
+    STIFFEST,
+    Bools,
+    DimpleError,
+    Floats,
+    Ints,
+    sums_at,
+)
 from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
 from . import paper, pressure, shape_matching, springs
@@ -25,11 +36,21 @@ LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the 
 
 @dataclass(frozen=True, slots=True, kw_only=True, weakref_slot=True)
 class Model:
-    """Hold a mesh with its laws.
+    """A mesh with its laws: the definition of a body.
 
-    mass, inverse_mass: (n,) [kg], [1/kg]; the inverse is 0 where held: (n,) bool.  friction: (n,).
-    omega_squared: bound on the highest angular frequency squared [1/s2].  decay: on the highest damping rate [1/s].
-    gravity: (3,) [m/s2].  ground: height of a plane [m] or None.  notes: sentences for the artist.
+    mesh: the surface at rest.
+    law_set: "consistent" or "paper".
+    materials: one for each index in mesh.triangle_material.
+    mass: (n,) [kg].
+    inverse_mass: (n,) [1/kg], 0 where held.
+    held: (n,) pinned, or loose.
+    friction: (n,) coefficient.
+    springs, pressure, matching: the laws with their parameters.
+    gravity: (3,) [m/s2].
+    ground: height of a plane [m], or None.
+    omega_squared: bound on the highest angular frequency squared [1/s2].
+    decay: bound on the highest damping rate [1/s].
+    notes: sentences for the artist.
     """
 
     mesh: Mesh
@@ -56,11 +77,14 @@ class Model:
     def substeps(self, tick: float) -> int:
         """Return how many steps of an explicit method a tick [s] needs.
 
-        dt < 2 / omega (sqrt(1 + z^2) - z), z = decay / (2 omega). Source: semi-implicit Euler on a damped oscillator.
+        dt < 2 / omega (sqrt(1 + z^2) - z), z = decay / (2 omega), and LONGEST_STEP / omega where little is damped.
+        Source: semi-implicit Euler on a damped oscillator.
         """
         omega = math.sqrt(max(self.omega_squared, 1e-12))
         z = self.decay / (2 * omega)
-        limit = 2 / omega * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
+        share = 2 * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
+        # the paper's equations stay literal, with their own limits
+        limit = (share if self.law_set == "paper" else min(share, LONGEST_STEP)) / omega
         if not tick <= MAX_SUBSTEPS * limit:
             raise DimpleError(
                 f"The material is so stiff or light on this mesh that a millisecond needs over {MAX_SUBSTEPS} steps. "

@@ -1,4 +1,4 @@
-"""The paper's model, literally: Eqs. (1) to (5), with nothing mended.
+"""The paper's model, literally: Eqs. (1) to (5), with nothing repaired.
 
 Kept as the reference. Its limits are stated by tests/physics/test_paper_limits.py.
 Source: Sakama, Tanaka and Araki, Haptic Rendering for Virtual Object in Cyber Space.

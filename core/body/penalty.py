@@ -21,7 +21,7 @@ _TINY = 1e-30
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Meeting:
-    """Hold the faces inside a fingertip: corners (c, 3), weights of the nearest points (c, 3), normals outward from
+    """The faces inside a fingertip: corners (c, 3), weights of the nearest points (c, 3), normals outward from
     the centre (3, c), depths (c,) [m] and stiffness (c,) [N/m]."""
 
     corners: Ints

@@ -23,7 +23,14 @@ Pose = tuple[Floats, Floats]  # rotation (3, 3), translation (3,)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShapeMatching:
-    """Hold rest (3, n) [m], k1 and k2 [N/m], d0 [m], damping [N s/m], mass [kg], (n,) each."""
+    """Shape matching of a body, vertex by vertex.
+
+    rest: places at rest (3, n) [m].
+    k1, k2: stiffness up to the knee and beyond it (n,) [N/m].
+    d0: displacement at the knee (n,) [m].
+    damping: (n,) [N s/m].
+    mass: (n,) [kg], for rigid motion.
+    """
 
     rest: Floats
     k1: Floats

@@ -26,7 +26,7 @@ FORCE_FLOOR = 1e-3  # [N] a body nobody presses is at rest to the tolerance time
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Equilibrium:
-    """Hold a body at rest.
+    """A body at rest.
 
     positions: (3, n) [m].  reactions: (k, 3) on the fingertips [N].  residual: unbalanced force, root of the sum of
     squares [N].  steps: proximal steps taken.  converged: whether the residual met the tolerance.

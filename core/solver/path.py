@@ -9,7 +9,7 @@ from ..base import Floats
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FingerPath:
-    """Hold centres (k, ticks + 1, 3) [m] of k spheres at the ends of ticks, and their radii (k,) [m]."""
+    """Centres (k, ticks + 1, 3) [m] of k fingertips at the ends of ticks, and their radii (k,) [m]."""
 
     centres: Floats
     radii: Floats

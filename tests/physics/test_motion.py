@@ -48,6 +48,28 @@ def poked(frame_rate: float, backend: str) -> Iterator[Floats]:
             yield session.positions()
 
 
+def test_an_undamped_ball_pressed_flat_and_let_go_keeps_its_energy() -> None:
+    """Its skin folds and stiffens under the press; the step was chosen for the shape at rest."""
+    material = replace(scenes.BALL, damping_ratio=0.0)
+    mesh = scenes.ball(4)
+    model = build_model(mesh, [material], held=base_vertices(mesh))
+    session, top = Session(model), scenes.BALL_RADIUS + 0.02
+    session.set_fingers([Finger((0.0, 0.0, top), 0.02)])
+    session.step(0.001)
+    session.set_fingers([Finger((0.0, 0.0, top - 0.07), 0.02)])
+    session.step(0.35)
+    session.set_fingers([])
+    energies = []
+    for _ in range(10):
+        assert session.step(0.1).note == ""
+        state = state_of(session.body)
+        state.pose = np.eye(3), np.zeros(3)
+        stored = shape_matching.energy(model.matching, state.positions, state.pose)
+        stored += springs.energy(model.springs, state.positions) + pressure.energy(model.pressure, state.positions)
+        energies.append(stored + float((model.mass * state.velocities**2).sum()) / 2)
+    assert 1.0 < energies[0] and max(energies) < 1.1 * energies[0]
+
+
 @pytest.mark.parametrize("backend", EVERY)
 def test_the_same_press_gives_the_same_motion_at_any_frame_rate(backend: str) -> None:
     wanted = list(poked(RATES[0], backend))
