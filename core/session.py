@@ -192,7 +192,8 @@ class Session:
             self._time = end
         forces = self.frame.finger_forces  # as before where no tick was due
         if done or len(forces) != len(impulses):
-            forces = np.array(impulses).reshape(-1, 3) / (max(done, 1) * self.tick)
+            seconds = max(done, 1) * self.tick
+            forces = np.array([(x / seconds, y / seconds, z / seconds) for x, y, z in impulses]).reshape(-1, 3)
         self.frame = self._show(forces if not note else forces[:0], done, time.perf_counter() - started, note)
         return self.frame
 
