@@ -168,7 +168,7 @@ class Session:
         started = time.perf_counter()
         self._begin, self._end = self._time, self._time + dt
         end, due = self._end, math.floor(self._end / self.tick + 1e-6)
-        impulses, done, note = np.zeros((len(self._targets), 3)), 0, ""
+        impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._targets), 0, ""
         most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
         while self._ticks < due:
             result = self._run(min(due - self._ticks, most))
@@ -180,7 +180,8 @@ class Session:
                 break
             for i, touch in enumerate(result.touches):
                 if touch:
-                    impulses[i] += touch.impulse
+                    (a, b, c), (x, y, z) = impulses[i], touch.impulse
+                    impulses[i] = a + x, b + y, c + z
             if budget is not None and time.perf_counter() - started > budget and self._ticks < due:
                 end = self._ticks * self.tick
                 break
@@ -189,8 +190,10 @@ class Session:
                 self._last = self._measured()
             self._move_origins(self._share(end))
             self._time = end
-        was = self.frame.finger_forces
-        forces = impulses / (done * self.tick) if done else was if len(was) == len(impulses) else impulses
+        forces = self.frame.finger_forces  # as before where no tick was due
+        if done or len(forces) != len(impulses):
+            seconds = max(done, 1) * self.tick
+            forces = np.array([(x / seconds, y / seconds, z / seconds) for x, y, z in impulses]).reshape(-1, 3)
         self.frame = self._show(forces if not note else forces[:0], done, time.perf_counter() - started, note)
         return self.frame
 
@@ -231,7 +234,7 @@ class Session:
 
     def _run(self, ticks: int) -> motion.Frame:
         """Run some ticks of the step under way."""
-        first, last = (self._share((self._ticks + n) * self.tick) for n in (1, ticks))
+        first, last = self._share((self._ticks + 1) * self.tick), self._share((self._ticks + ticks) * self.tick)
         pins = self._pins(first, last)
         self._last = result = self.body.step(
             Motion(ticks, self.substeps, self.tick, self._fingertips(first, last), pins)
