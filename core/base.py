@@ -32,7 +32,8 @@ STEP_SAFETY = 0.9  # of the stability bound: springs stiffen a little as they tu
 LONGEST_STEP = 1.3  # over omega: an undamped body stiffens as it folds, and at 1.8 its energy grows
 MAX_SUBSTEPS = 2000  # of a tick: with more, a body could not run live
 SKIN_TRAVEL = 0.5  # of a fingertip's radius: the most the skin may move in a substep, or it would pass the fingertip
-LARGEST_GROWTH = 100.0  # times its size at rest: a body as large, or that goes as far in a tick, has blown up
+LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
+FASTEST = 1e6  # sizes in a tick: so has one as fast
 FINGER_TRAVEL = 0.25  # of its radius: the most a fingertip may move in a tick, or it would skip over the skin
 
 

@@ -15,9 +15,10 @@
 #define DM_ROUNDING 1e-6
 #define DM_TOO_NEAR 1e-5
 #define DM_WEIGHT_FLOOR 1e-6
-#define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the three below */
+#define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the four below */
 #define DM_FINGER_TRAVEL 0.25
 #define DM_LARGEST_GROWTH 100.0
+#define DM_FASTEST 1e6
 #define DM_SAME_SIDE 0.5 /* as in core/mesh/depth.py */
 
 /* Vertices lie in the order in which a wave over the surface meets them, so that neighbours are near in memory; runs of

@@ -122,8 +122,8 @@ static void dm_move_origin(dm_state *b, const double *centre) {
     dm_place_pose(b);
 }
 
-/* Tell whether every number is finite, and the body not a hundred times as large as at rest nor going as far in a tick;
- * and find its centre. */
+/* Tell whether every number is finite and the body neither far larger than at rest nor far too fast; find its
+ * middle. */
 static int dm_is_finite(dm_state *b, double tick, double *centre) {
     dm_wide sum[3] = {{0}};
     dm_lanes part[3] = {{0}}, probe = dm_splat(0), fastest = dm_splat(0);
@@ -146,7 +146,7 @@ static int dm_is_finite(dm_state *b, double tick, double *centre) {
     dm_fold(part, sum, 3);
     for (int c = 0; c < 3; c++) centre[c] = dm_sum_of(sum[c]) / b->mass_total;
     for (int l = 0; l < DM_LANES; l++)
-        if (!(probe[l] == 0 && sqrt((double)fastest[l]) * tick < DM_LARGEST_GROWTH * b->size)) return 0;
+        if (!(probe[l] == 0 && sqrt((double)fastest[l]) * tick < DM_FASTEST * b->size)) return 0;
     double bottom[3] = {INFINITY, INFINITY, INFINITY}, top[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int64_t k = 0; b->any_loose && k < b->n; k++) /* what belongs to no face may be anywhere */
         for (int c = 0; c < 3 && !b->loose[k]; c++) {

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..base import FINGER_TRAVEL, LARGEST_GROWTH, Floats, Ints
+from ..base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Floats, Ints
 from ..body import pressure
 from ..body.model import Model, initial_state
 from ..body.shape_matching import Pose, carried_pose, fit_pose
@@ -150,10 +150,10 @@ class Twin:
         self._state.pose_rate, self._led = None, False
 
     def _is_finite(self, tick: float) -> bool:
-        """Tell whether every number is finite, and the body not far larger than at rest nor going as far in a tick."""
+        """Tell whether every number is finite and the body neither far larger than at rest nor far too fast."""
         state, mesh = self._state, self.model.mesh
         speed = float(np.sqrt((state.velocities**2).sum(axis=0).max()))
-        if not (np.isfinite(state.positions).all() and speed * tick < LARGEST_GROWTH * mesh.size):
+        if not (np.isfinite(state.positions).all() and speed * tick < FASTEST * mesh.size):
             return False
         used = state.positions[:, ~mesh.loose]
         return bool(np.ptp(used, axis=1).max() < LARGEST_GROWTH * mesh.size)

@@ -114,7 +114,7 @@ def test_sideways_too_two_frames_tell_the_same_line(session: Session) -> None:
 def test_a_place_that_is_carried_off_pulls_the_fingertip_along(session: Session) -> None:
     rendering = ContactRendering()
     (before,) = drag(session, rendering, [])
-    (touch,) = session.frame.touches
+    (touch,) = session.touches()
     assert touch
     rotation, _ = touch.pose
     rendering.stuck[0] = rendering.stuck[0] + rotation.T @ np.array([0.003, 0.0, 0.0])
