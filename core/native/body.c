@@ -6,7 +6,8 @@ static void dm_state_destroy(dm_state *b) {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
         b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
-        b->inverse_mass, b->friction, b->hits, b->pin_room, b->shares, b->moved, b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
+        b->inverse_mass, b->friction, b->hits, b->pin_room, b->shares, b->moved,
+        b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_free(b->touches[k].vertices), dm_free(b->touches[k].faces);
