@@ -22,10 +22,10 @@ def open_panel() -> type:
     return made
 
 
-def photograph(path: Path) -> robot.Waits:
+def photograph(path: Path, draws: int = 2) -> robot.Waits:
     """Take a picture of what is drawn now."""
     robot.region("UI").tag_redraw()
-    yield from robot.redrawn()
+    yield from robot.redrawn(draws)
     robot.screenshot(path)
 
 
@@ -54,10 +54,15 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
         return strongest() > PRESSED
 
     yield from robot.show_tab(TAB)
-    yield from robot.until(presses, "a fingertip of the device feels the ball", 120)
-    check("a fingertip of the emulated device feels the playing ball", True, f"{strongest():.2f} N")
-    for _ in range(20):
-        yield from photograph(out / "12-device.png")
+    # software rendering takes longer for a frame than the dead-man key counts as held: nothing is drawn until it presses
+    place = robot.area()
+    for attempt in range(5):
+        place.type = "TEXT_EDITOR"
+        yield from robot.until(presses, "a fingertip of the device feels the ball", 120)
+        if not attempt:
+            check("a fingertip of the emulated device feels the playing ball", True, f"{strongest():.2f} N")
+        place.type = "VIEW_3D"
+        yield from photograph(out / "12-device.png", draws=1)
         if strongest() > PRESSED:
             break  # it is seen pressing
     device.get().device.process.kill()
