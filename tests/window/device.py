@@ -22,10 +22,10 @@ def open_panel() -> type:
     return made
 
 
-def photograph(path: Path) -> robot.Waits:
+def photograph(path: Path, draws: int = 2) -> robot.Waits:
     """Take a picture of what is drawn now."""
     robot.region("UI").tag_redraw()
-    yield from robot.redrawn()
+    yield from robot.redrawn(draws)
     robot.screenshot(path)
 
 
@@ -54,12 +54,17 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
         return strongest() > PRESSED
 
     yield from robot.show_tab(TAB)
-    yield from robot.until(presses, "a fingertip of the device feels the ball", 120)
-    check("a fingertip of the emulated device feels the playing ball", True, f"{strongest():.2f} N")
-    for _ in range(20):
-        yield from photograph(out / "12-device.png")
+    # a frame drawn in software takes longer than the dead-man key counts as held: none is drawn until a tip presses
+    place, most = robot.area(), 0.0
+    for _ in range(5):
+        place.type = "TEXT_EDITOR"
+        yield from robot.until(presses, "a fingertip of the device feels the ball", 120)
+        most = max(most, strongest())
+        place.type = "VIEW_3D"
+        yield from photograph(out / "12-device.png", draws=1)
         if strongest() > PRESSED:
             break  # it is seen pressing
+    check("a fingertip of the emulated device feels the playing ball", most > PRESSED, f"{most:.2f} N")
     device.get().device.process.kill()
     yield from robot.until(lambda: report().link.name == "LOST", "the loss of the device is seen", 60)
     playing = bool(robot.modal_operators())

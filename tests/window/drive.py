@@ -162,6 +162,7 @@ def play() -> robot.Waits:
     yield from press_and_keep(at, rest, resting)
     check("Ctrl-Z leaves nothing on the mesh", traces() == before, extra(before))
     yield from save_and_load(at, rest, before)
+    yield from poke_what_is_no_mesh(at)
     yield from comparing.compare_proxies(at, BODY, OUT, check)
     yield from calibrating.calibrate(at, BODY, OUT, check)
     yield from device.feel(BODY, (0.0, 0.0, 1.2), OUT, check)
@@ -228,6 +229,31 @@ def save_and_load(at: tuple[int, int], rest: np.ndarray, before: set[str]) -> ro
     check("loading a file ends the poke", not poking())
     check("what was saved is the mesh at rest, bit for bit", at_rest(rest))
     check("the saved mesh carries nothing of ours", traces() == before, extra(before))
+
+
+def poke_what_is_no_mesh(at: tuple[int, int]) -> robot.Waits:
+    """Click Poke with a light, a camera, an empty selected: a sentence says what is wrong, and nothing runs."""
+    kinds = {"light": {"type": "POINT"}, "camera": {}, "empty": {}}
+    for kind, settings in kinds.items():
+        with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+            bpy.ops.object.select_all(action="DESELECT")
+            getattr(bpy.ops.object, f"{kind}_add")(location=(2.0, 0.0, 0.0), **settings)
+        other = bpy.context.object
+        yield from robot.redrawn()
+        yield from robot.click(*REPORT["buttons"]["bpy.ops.dimple.poke()"])
+        yield from robot.redrawn()
+        robot.screenshot(OUT / f"8-{kind}.png")
+        shown = [report for report in bpy.context.window_manager.reports if other.name in report.message]
+        sentence = shown[-1].message if shown else ""
+        check(f"poking {kind} is refused in a sentence", not poking() and "not a mesh" in sentence, sentence)
+        yield from robot.key("ESC", *REPORT["buttons"]["bpy.ops.dimple.poke()"])  # closes the message
+        yield from robot.move(*at)
+        yield from robot.redrawn()
+        bpy.data.objects.remove(other)
+    body = bpy.data.objects[BODY]
+    bpy.context.view_layer.objects.active = body
+    body.select_set(True)
+    yield from robot.redrawn()
 
 
 def show_panels() -> robot.Waits:
