@@ -190,8 +190,8 @@ def test_the_session_on_shape_keys_shows_where_it_says(bpy: ModuleType, keyed: A
     bpy.context.scene.dimple.use_gravity = True
     bpy.ops.dimple.play(seconds=0.1)
     body = sessions.get(keyed)
-    told = np.array([body.to_world(point) for point in body.session.positions()])
-    assert np.abs(world(keyed, shown(keyed)) - told).max() < 2e-6
+    positions = np.array([body.to_world(point) for point in body.session.positions()])
+    assert np.abs(world(keyed, shown(keyed)) - positions).max() < 2e-6
     bpy.ops.dimple.reset()
 
 
