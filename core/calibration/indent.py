@@ -19,36 +19,18 @@ import numpy as np
 
 from ..base import Bools, DimpleError, Floats
 from ..body import pressure
+from ..body.estimate import reach
 from ..body.model import Model, State, build_model, forces, initial_state
-from ..material import Material
+from ..material import Indenter, Material
 from ..mesh.ray import ray_hit
 from ..mesh.surface import Mesh, base_vertices
 from ..session import Finger, Session
 from ..solver.equilibrium import equilibrium
 
-SHAPES = ("point", "punch", "sphere")
-POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point; springs in a flat skin cannot spread it wider
 ROWS = 60  # of a virtual press
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 SPEED = 0.05  # [m/s] of a sphere between two depths
 SETTLING, LISTENING = 0.1, 0.03  # [s] of waiting at a depth, and of taking the mean of the force
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Indenter:
-    """A tip that presses: its shape, "point" (a small flat punch), "punch" (flat) or "sphere", and its radius [m]."""
-
-    shape: str = "point"
-    radius: float = 0.002
-
-    def __post_init__(self) -> None:
-        if self.shape not in SHAPES:
-            raise DimpleError(f"The tip must be one of {', '.join(SHAPES)} (it is {self.shape}).")
-        if not 0 < self.radius < math.inf:
-            raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * self.radius:g}).")
-
-
-POINT = Indenter()  # the paper's sensor "touches at a point"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,17 +106,12 @@ def find_site(
         stay[mesh.source] = held
     if np.linalg.matrix_rank(x[stay] - x[stay].mean(axis=0) if stay.any() else np.zeros((1, 3)), 1e-3 * mesh.size) < 2:
         stay[mesh.source] = base_vertices(mesh, up=tuple(-way))
-    under = _under(mesh, point, way, reach(mesh, indenter))
+    under = _under(mesh, point, way, reach(indenter, mesh.size))
     if (under & stay).any():
         raise DimpleError("The tip stands on vertices that are pinned. Press elsewhere, or pin fewer.")
     return Site(
         point=point, inward=way, thickness=beyond[0] if beyond else math.inf, under=under, held=stay
     )  # fmt: skip
-
-
-def reach(mesh: Mesh, indenter: Indenter) -> float:
-    """Return the radius [m] of what presses: a point is a patch that the mesh can show."""
-    return max(indenter.radius, POINT_SHARE * mesh.size) if indenter.shape == "point" else indenter.radius
 
 
 def _under(mesh: Mesh, point: Floats, way: Floats, radius: float) -> Bools:

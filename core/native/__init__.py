@@ -23,7 +23,7 @@ from ..body.model import Model
 from ..solver.motion import Frame, Motion, Touch
 from ..solver.twin import Twin
 
-ABI = 3
+ABI = 4
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 FILLS = {"none": 0, "air": 1, "liquid": 2}
 LAW_SETS = {"consistent": 0, "paper": 1}
@@ -52,7 +52,7 @@ class Constants(Structure):
     """The numbers of a body that may change while it lives: dm_constants."""
 
     _fields_ = _fields(
-        stiffness="p", damping="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p", drag="p",
+        stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p", drag="p",
         laws="p", materials="n", gravity="d3", ground="d", law_set="i", fill="i", free="i",
     )  # fmt: skip
 
@@ -384,7 +384,7 @@ def _constants(model: Model, surface: Model, arrays: _Arrays) -> Constants:
     matching = model.matching
     return Constants(
         stiffness=arrays.double(model.springs.stiffness), damping=arrays.double(model.springs.damping),
-        mass=arrays.double(matching.mass), inverse_mass=arrays.double(model.inverse_mass),
+        tension=arrays.double(matching.tension), mass=arrays.double(matching.mass), inverse_mass=arrays.double(model.inverse_mass),
         friction=arrays.double(model.friction), k1=arrays.double(matching.k1), k2=arrays.double(matching.k2),
         d0=arrays.double(matching.d0), drag=arrays.double(matching.damping),
         laws=arrays.double([(m.K1, m.K2, m.x0) for m in surface.materials]), materials=len(surface.materials),

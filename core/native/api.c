@@ -134,8 +134,9 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
         DM_CHECK(DM_ARRAY(vertices, of_vertices[k]));
         DM_CHECK(dm_check_numbers(vertices, of_vertices[k], 1));
     }
-    DM_CHECK(DM_ARRAY(springs, c->stiffness) | DM_ARRAY(springs, c->damping));
+    DM_CHECK(DM_ARRAY(springs, c->stiffness) | DM_ARRAY(springs, c->damping) | DM_ARRAY(springs, c->tension));
     DM_CHECK(dm_check_numbers(springs, c->stiffness, 1) | dm_check_numbers(springs, c->damping, 1));
+    DM_CHECK(dm_check_numbers(springs, c->tension, 1));
     DM_CHECK(DM_COUNT(c->materials) | DM_ARRAY(c->materials, c->laws));
     if (c->materials < materials) return DM_INDEX;
     DM_CHECK(dm_check_numbers(3 * c->materials, c->laws, 1) | dm_check_numbers(3, c->gravity, 0));

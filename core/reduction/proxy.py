@@ -14,6 +14,7 @@ import numpy.typing as npt
 from ..base import Bools, DimpleError, Floats, Ints, sums_at
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
+from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, mesh_from_triangles
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 
@@ -180,16 +181,20 @@ def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:
     matching = model.matching
     held = mean(model.held.astype(float)) >= 0.5
     damping = matching.damping / np.maximum(2 * np.sqrt(matching.k1 * model.mass), 1e-30)
-    unit = membrane_stiffness(fine, np.ones(len(fine.springs)))
-    weight = np.where(unit > 0, fine.spring_areas, 0.0)
     ends = cells[fine.springs].ravel()
-    # the material's own k [N/m], as its edges have it
-    k = sums_at(ends, np.repeat(model.springs.stiffness / np.maximum(unit, 1e-30) * weight, 2), m)
-    k /= np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30)
+
+    def of_surface(values: Floats, unit: Floats) -> Floats:
+        """Return the material's own constant [N/m] on the edges of the proxy, from that of fine edges."""
+        weight = np.where(unit > 0, fine.spring_areas, 0.0)
+        sums = sums_at(ends, np.repeat(values / np.maximum(unit, 1e-30) * weight, 2), m)
+        return (sums / np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30))[mesh.springs].mean(axis=1)
+
+    k = of_surface(model.springs.stiffness, membrane_stiffness(fine, np.ones(len(fine.springs))))
+    tension = of_surface(matching.tension, cotangent_weights(fine))
     coarse = assemble(
         mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), held=held,
         friction=mean(model.friction), damping=mean(damping),
-        stiffness=membrane_stiffness(mesh, k[mesh.springs].mean(axis=1)),
+        stiffness=membrane_stiffness(mesh, k), tension=cotangent_weights(mesh) * tension,
         k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0), fill=model.pressure.fill,
         gravity=model.gravity, ground=model.ground,
     )  # fmt: skip

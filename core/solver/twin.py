@@ -104,7 +104,7 @@ class Twin:
         """Return where the shape at rest is now."""
         matching = self.model.matching
         weight = matching.k1 if matching.k1.any() else matching.mass
-        return self._state.pose or fit_pose(matching.rest, self._state.positions, weight)
+        return self._state.pose or fit_pose(matching.rest, self._state.positions, weight, matching.pull)
 
     def _touching(self, tips: tuple[FingertipMotion | None, ...], i: int, centre: Floats) -> Touching:
         """Return how a fingertip meets the surface at rest, and remember by which side it came in."""
