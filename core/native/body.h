@@ -15,6 +15,7 @@
 #define DM_ROUNDING 1e-6
 #define DM_TOO_NEAR 1e-5
 #define DM_WEIGHT_FLOOR 1e-6
+#define DM_MOST_SAGITTA 0.125
 #define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the four below */
 #define DM_FINGER_TRAVEL 0.25
 #define DM_LARGEST_GROWTH 100.0
@@ -65,7 +66,7 @@ typedef struct { /* a spring summed by itself, on the ends that say so */
 
 typedef struct { /* a point on a face, or a vertex, inside a fingertip */
     uint32_t corner[3];
-    dm_real weight[3], mobility[3], distance;
+    dm_real weight[3], mobility[3], distance, radius; /* of the sphere there: less than the fingertip's by the sagitta */
     dm_quad normal, impulse, out;
 } dm_contact;
 
