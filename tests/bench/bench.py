@@ -76,7 +76,7 @@ def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int
     for name, options in KINDS.items() if not native.why_not() else ():
         if n <= slowest or name == "native":
             before, started = memory_mb(), time.perf_counter()
-            body: Body = native.Body(model, **options)
+            body: Body = native.Body(model, native.library(), **options)
             bodies[name] = body, time.perf_counter() - started, memory_mb() - before
     if n <= slowest or not bodies:
         bodies["numpy"] = Twin(model), 0.0, 0.0
