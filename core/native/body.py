@@ -5,14 +5,14 @@ from __future__ import annotations
 import ctypes
 import struct
 import weakref
-from ctypes import Structure, byref, c_double, c_int64, c_void_p
+from ctypes import Structure, byref, c_double, c_void_p
 from typing import Any
 
 import numpy as np
 
 from ..base import Floats
 from ..body.model import Model
-from ..solver.motion import Frame, Motion, Touch
+from ..solver.motion import Frame, Motion, PinMotion, Touch
 from .definition import Arrays, constants, define, fields
 
 BEST, BASE, AVX2 = 0, 1, 2  # instruction sets
@@ -49,25 +49,24 @@ class CTouch(Structure):
     _fields_ = fields(impulse="d3", centre="d3", depth="d", outward="d3", law_force="d", triangle="n")
 
 
-_RESULT = fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n")
-
-
 class CFrame(Structure):
     """What a call came to: dm_frame."""
 
-    _fields_ = [("touches", CTouch * 3), *_RESULT]
+    _fields_ = [("touches", CTouch * 3), *fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n")]
 
 
-def _packed(fields: list[tuple[str, Any]]) -> struct.Struct:
-    """Return what reads or writes such fields at once, as flat numbers: far faster than one by one."""
-    words = {c_double: "d", c_int64: "q"}
-    return struct.Struct("".join(words.get(kind) or f"{kind._length_}{words[kind._type_]}" for _, kind in fields))
+def _letters(kind: Any) -> str:
+    """Return the letters by which the module struct names the numbers of a ctypes type."""
+    if issubclass(kind, Structure):
+        return "".join(_letters(each) for _, each, *_ in kind._fields_)
+    return _letters(kind._type_) * kind._length_ if issubclass(kind, ctypes.Array) else kind._type_
 
 
-_PACKED_FINGERTIP, _PACKED_TOUCH, _PACKED_RESULT = map(_packed, (Fingertip._fields_, CTouch._fields_, _RESULT))
-_FINGERTIPS_AT = [CMotion.fingertips.offset + i * ctypes.sizeof(Fingertip) for i in range(3)]
-_TOUCHES_AT = [CFrame.touches.offset + i * ctypes.sizeof(CTouch) for i in range(3)]
-_LIFTED = [0.0] * 11 + [0, 0]
+# whole structures, written and read as flat numbers: far faster than field by field
+_PACKED_MOTION, _PACKED_FRAME = struct.Struct(_letters(CMotion)), struct.Struct(_letters(CFrame))
+_LIFTED = (*[0.0] * 11, 0, 0)
+_NO_PINS = 0, 0, 0.0, 0.0
+_TOUCH_NUMBERS = len(_letters(CTouch))
 
 
 class Body:
@@ -151,32 +150,36 @@ class Body:
         Raises:
             NativeError: the motion has a number that is none.
         """
-        given, frame = self._motion, self._frame
         if motion.ticks:
             self._placed = None
-        given.ticks, given.substeps, given.tick = motion.ticks, motion.substeps, motion.tick
-        tips = motion.fingertips
-        for at, tip in zip(_FINGERTIPS_AT, tips + (None,) * (3 - len(tips)), strict=True):
-            values = _LIFTED if tip is None else (
+        numbers: list[Any] = [motion.ticks, motion.substeps, motion.tick]
+        for tip in motion.fingertips:
+            numbers += _LIFTED if tip is None else (
                 *tip.start, *tip.first, *tip.last, tip.radius, tip.contact_radius, True, tip.fresh,
             )  # fmt: skip
-            _PACKED_FINGERTIP.pack_into(given, at, *values)
-        arrays = None
-        if motion.pins is not None:
-            pins, shape = motion.pins, (3, int(self.model.held.sum()))
-            arrays = [np.ascontiguousarray(a, np.float64) for a in (pins.start, pins.end)]
-            if arrays[0].shape != shape or arrays[1].shape != shape:
-                raise NativeError(f"the places of the pins must have the shape {shape}")
-            given.pins_from, given.pins_to = (a.ctypes.data for a in arrays)
-            given.pins_first, given.pins_last = pins.first, pins.last
+        numbers += _LIFTED * (3 - len(motion.fingertips))
+        pins = None
+        if motion.pins is None:
+            numbers += _NO_PINS
         else:
-            given.pins_from = given.pins_to = None
+            pins = self._places(motion.pins)  # they live until the call is over
+            numbers += (*(a.ctypes.data for a in pins), motion.pins.first, motion.pins.last)
+        _PACKED_MOTION.pack_into(self._motion, 0, *numbers)
         code = self._step(*self._step_arguments)
         if code:
             raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
-        touches = tuple([_touch(frame, at) if tip else None for at, tip in zip(_TOUCHES_AT, tips, strict=False)])
-        *pose, volume, pressure, ticks, finite = _PACKED_RESULT.unpack_from(frame, CFrame.pose.offset)
-        return Frame(touches, tuple(pose), volume, pressure, ticks, bool(finite))
+        found = _PACKED_FRAME.unpack_from(self._frame)
+        touches = tuple([_touch(found, i * _TOUCH_NUMBERS) if tip else None for i, tip in enumerate(motion.fingertips)])
+        volume, pressure, ticks, finite = found[-4:]
+        return Frame(touches, found[-16:-4], volume, pressure, ticks, bool(finite))
+
+    def _places(self, pins: PinMotion) -> list[Floats]:
+        """Return where pins start and end, as the library reads it."""
+        shape = 3, int(self.model.held.sum())
+        arrays = [np.ascontiguousarray(a, np.float64) for a in (pins.start, pins.end)]
+        if arrays[0].shape != shape or arrays[1].shape != shape:
+            raise NativeError(f"the places of the pins must have the shape {shape}")
+        return arrays
 
     def _call(self, name: str, *values: Any) -> None:
         code = getattr(self.library, name)(*values)
@@ -184,6 +187,6 @@ class Body:
             raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
 
 
-def _touch(frame: CFrame, at: int) -> Touch:
-    values = _PACKED_TOUCH.unpack_from(frame, at)
-    return Touch(values[:3], values[3:6], values[6], values[7:10], values[10], values[11])
+def _touch(a: tuple[Any, ...], i: int) -> Touch:
+    """Return the touch whose numbers begin at i."""
+    return Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11])
