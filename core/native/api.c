@@ -229,7 +229,6 @@ int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
         if (!f->down) continue;
         DM_CHECK(dm_check_numbers(3, f->from, 0) | dm_check_numbers(3, f->first, 0) | dm_check_numbers(3, f->last, 0));
         if (!(f->radius > 0 && f->radius < INFINITY)) return DM_NUMBER;
-        if (!(f->contact_radius > 0 && f->contact_radius < INFINITY)) return DM_NUMBER;
     }
     if (m->pins_from || m->pins_to) {
         int64_t count = 3 * body->does->pinned(body->state);

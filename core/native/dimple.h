@@ -97,7 +97,6 @@ typedef struct {
 typedef struct {
     double from[3], first[3], last[3]; /* centres [m] */
     double radius;                     /* [m] */
-    double contact_radius;             /* [m] of the sphere that meets the body; smaller on a proxy */
     int64_t down;                      /* 0: this one is lifted and the rest does not count */
     int64_t fresh;                     /* it was not down before, or elsewhere */
 } dm_fingertip;

@@ -22,7 +22,6 @@ SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
 NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
 NEIGHBOURS = 8  # seeds a fine vertex follows, the last one the distance at which a seed counts no more
-MOST_DIP = 0.5  # of the radius; a proxy so coarse is not chosen
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
@@ -136,16 +135,6 @@ def carry(proxy: Proxy, positions: Floats) -> Floats:
 def most_of(model: Model) -> int:
     """Return the largest number of vertices that a proxy may have."""
     return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
-
-
-def contact_radius(proxy: Proxy, radius: float) -> float:
-    """Return the radius [m] of the sphere that touches a proxy where the fingertip would touch the fine surface.
-
-    A facet of side h with its corners on a sphere of radius R dips h^2 / (6 R) into it at its middle, and contact
-    keeps the middle out. With a sphere smaller by this the corners lie where the fine surface does.
-    """
-    dip = max(proxy.spacing**2 - proxy.fine_spacing**2, 0.0) / (6 * radius)
-    return radius - min(dip, MOST_DIP * radius)
 
 
 def check(model: Model) -> None:

@@ -64,7 +64,7 @@ class Twin:
             self._rest_pins(model.held)
         here = {i: np.array(tips[i].start) for i in down}  # type: ignore[union-attr]
         impulses, ticks, finite = np.zeros((len(tips), 3)), 0, True
-        radii = np.array([tips[i].contact_radius for i in down])  # type: ignore[union-attr]
+        radii = np.array([tips[i].radius for i in down])  # type: ignore[union-attr]
         while ticks < motion.ticks and finite:
             share = ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
             if motion.pins:

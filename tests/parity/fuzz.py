@@ -11,7 +11,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from core import native
-from core.native import BodyDef, CFrame, CMotion, Constants
+from core.native.body import CFrame, CMotion
+from core.native.definition import BodyDef, Constants
 
 CALLS = 4000
 BODIES = 12
