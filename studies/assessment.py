@@ -11,15 +11,17 @@ from typing import Any
 import numpy as np
 
 from core.base import Floats
-from core.body.estimate import FINGERTIP
 from core.calibration.calibrate import Calibration
 from core.calibration.identify import NOTICEABLE_FORCE, TIP_REACH, Identification
-from core.calibration.indent import Indenter, Site, reach
+from core.body.estimate import reach
+from core.calibration.indent import Site
+from core.material import Indenter
 from core.mesh.surface import Mesh
 
 from .virtual_press import press_curve
 
 NOTICEABLE_STIFFNESS = (0.08, 0.22)  # just-noticeable difference of a stiffness, as a share of it: from, to
+FINGERTIP = 0.010  # [m] radius of the fingertip whose press is predicted
 ROWS = 25  # of a predicted press
 _TIP_NOTE = (
     "This is a prediction, not a fit, and one for this mesh: a coarse one answers too much. It ends at two thirds of "

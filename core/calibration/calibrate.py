@@ -7,7 +7,7 @@ from pathlib import Path
 
 from .contact import settle
 from .fit import Fit, fit_law
-from .indent import POINT, Indenter
+from ..material import POINT, Indenter
 from .prepare import LoadingCurve, prepare
 from .question import Answers
 from .reader import Measurement, read_measurement
