@@ -1,13 +1,11 @@
 """Simulate bodies over a range of frames and write what they do; all of it, or nothing.
 
-The scene is evaluated at least 120 times a second of animation, so that a keyframed fingertip presses the same at
-24 and at 120 frames a second. Files are written beside their final name and take it at the end.
+Files are written beside their final name and take it at the end.
 """
 
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -17,15 +15,14 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ..core.base import TICK, DimpleError
+from ..core.base import DimpleError
 from ..core.recording import PointCache
 from ..core.session import Session
-from . import bridge, bridge_write, live, output, planning, shape_keys
+from . import bridge, bridge_write, live, output, planning, shape_keys, timeline
 
 if TYPE_CHECKING:
     from .bridge import ObjectLink, Singles
 
-MOTION_HZ = 120  # how often keyframed motion is looked at
 PART = ".part"  # ends the names of files that are being written
 
 
@@ -115,10 +112,8 @@ def _open(
 ) -> Baked:
     """Return an object ready to be baked; its files are deleted with `files`, until they have their own names."""
     link, model = bridge.read_body(context, obj, baked=False)
-    look_s = _look_s(context.scene)
-    # whole ticks between two looks, so that on every frame a body is where its object is
     proxy, reason = planning.proxy_for(context.scene, obj, model)
-    session = Session(model, tick=look_s / math.ceil(look_s / TICK - 1e-9), proxy=proxy)
+    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
@@ -133,17 +128,14 @@ def _open(
         cache = output.open_file(files, part, lambda name: PointCache(name, len(link.rest), plan.first))
     table = output.open_file(files, Path(f"{path.with_suffix('.csv')}{PART}"), output.ForceTable)
     session.set_fingers(live.fingertips(context.scene, link.scale))
+    session.step(0.0)  # the first frame shows what touches already
     return Baked(link=link, session=session, matrix=link.matrix, path=path, cache=cache, table=table)
 
 
 def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> None:
     """Bring every body from the frame before to this one."""
     scene = context.scene
-    look_s = _look_s(scene)
-    count = round(scene.render.fps_base / scene.render.fps / look_s)
-    for look in range(1, count + 1):
-        at = frame - 1 + look / count
-        scene.frame_set(math.floor(at), subframe=at - math.floor(at))
+    for look_s in timeline.looks(scene, frame):
         for body in bodies:
             matrix = _matrix(body)
             body.session.set_fingers(live.fingertips(scene, body.link.scale))
@@ -153,12 +145,6 @@ def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> No
             shown = body.session.step(look_s)
             if shown.note:
                 raise DimpleError(f'"{body.link.name}", frame {frame}: {shown.note}')
-
-
-def _look_s(scene: bpy.types.Scene) -> float:
-    """Return the time [s] between two looks at the scene: a frame, or an even part of it."""
-    frame_s = scene.render.fps_base / scene.render.fps
-    return frame_s / math.ceil(MOTION_HZ * frame_s - 1e-9)
 
 
 def _matrix(body: Baked) -> np.ndarray:

@@ -90,12 +90,14 @@ class Recorder:
         if time < self._time:  # the session was put back to rest: its clock began anew
             self._began -= self._time - time
             self._time = time
+        span = time - self._time
         while (due := self._began + self._cache.samples / self._fps) <= time + 1e-9:
-            span = time - self._time
-            share = 1.0 if span <= 0 else min(max((due - self._time) / span, 0.0), 1.0)
             self._table.append(self._start_frame + self._cache.samples, due - self._began, frame)
-            self._cache.append(self._local + (local - self._local) * share)
+            self._cache.append(local if time - due < 1e-9 else self._between(local, (due - self._time) / span))
         self._time, self._local = time, local
+
+    def _between(self, local: Singles, share: float) -> Singles:
+        return self._local + (local - self._local) * max(share, 0.0)
 
     def close(self) -> None:
         """Close the files.
