@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -54,8 +54,9 @@ class BakePlan:
 
     objects: the bodies.
     first, last: frames.
-    target: "MESH_CACHE" or "SHAPE_KEYS".
+    target: "MESH_CACHE", "SHAPE_KEYS", or "FILES": nothing plays it.
     step: frames from one shape key to the next.
+    folder: where the files go; None is where bakes of the scene go.
     """
 
     objects: Sequence[bpy.types.Object]
@@ -63,6 +64,7 @@ class BakePlan:
     last: int
     target: str
     step: int = 1
+    folder: Path | None = None
 
 
 def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Iterator[float]:
@@ -74,11 +76,25 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
     Raises:
         DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
     """
+    bodies = yield from simulate(context, plan, messages)
+    with output.plain_os_errors("The bake"):
+        for body in bodies:
+            _play(plan, body)
+
+
+def simulate(
+    context: bpy.types.Context, plan: BakePlan, messages: list[str]
+) -> Generator[float, None, Sequence[Baked]]:
+    """Simulate and write the files; yield the share that is done, and return what was simulated.
+
+    Raises:
+        DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
+    """
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
     with contextlib.ExitStack() as files, output.plain_os_errors("The bake"):
         _check(plan)
-        files.callback(_go_to, scene, before)
+        files.callback(go_to, scene, before)
         scene.frame_set(plan.first)
         bodies = [_open(context, plan, obj, messages, files) for obj in plan.objects]
         _write(plan, bodies, plan.first)
@@ -87,11 +103,14 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
             _write(plan, bodies, frame)
             yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
         _close(bodies)
-        _go_to(scene, before)
-        _finish(plan, bodies)
+        for body in bodies:
+            for path in _files(body):
+                os.replace(f"{path}{PART}", path)
+    return bodies
 
 
-def _go_to(scene: bpy.types.Scene, frame: tuple[int, float]) -> None:
+def go_to(scene: bpy.types.Scene, frame: tuple[int, float]) -> None:
+    """Show a frame and its share, unless they show already."""
     if (scene.frame_current, scene.frame_subframe) != frame:
         scene.frame_set(frame[0], subframe=frame[1])
 
@@ -122,8 +141,8 @@ def _open(
         messages.append(f'"{obj.name}" has animated shape keys: it is baked in the shape of frame {plan.first}.')
         if plan.target == "SHAPE_KEYS":
             messages.append("Their animation adds to the bake: mute those keys, or bake to a Mesh Cache.")
-    path, cache = output.bake_path(context, obj), None
-    if plan.target == "MESH_CACHE":
+    path, cache = output.bake_path(context, obj, plan.folder), None
+    if plan.target != "SHAPE_KEYS":
         part = Path(f"{path}{PART}")
         cache = output.open_file(files, part, lambda name: PointCache(name, len(link.rest), plan.first))
     table = output.open_file(files, Path(f"{path.with_suffix('.csv')}{PART}"), output.ForceTable)
@@ -178,18 +197,14 @@ def _close(bodies: Sequence[Baked]) -> None:
         body.table.close()
 
 
-def _finish(plan: BakePlan, bodies: Sequence[Baked]) -> None:
-    """Let the files take their names and the objects play them."""
-    for body in bodies:
-        for path in _files(body):
-            os.replace(f"{path}{PART}", path)
-    for body in bodies:
-        obj = bridge.find(body.link.uid, body.link.name)
-        if obj is None:
-            continue
-        if plan.target == "MESH_CACHE":
-            shape_keys.remove(obj)
-            output.attach_cache(obj, str(body.path), plan.first)
-        else:
-            output.detach_cache(obj)
-            shape_keys.add(obj, body.link, body.shapes)
+def _play(plan: BakePlan, body: Baked) -> None:
+    """Let an object play its files."""
+    obj = bridge.find(body.link.uid, body.link.name)
+    if obj is None:
+        return
+    if plan.target == "MESH_CACHE":
+        shape_keys.remove(obj)
+        output.attach_cache(obj, str(body.path), plan.first)
+    elif plan.target == "SHAPE_KEYS":
+        output.detach_cache(obj)
+        shape_keys.add(obj, body.link, body.shapes)
