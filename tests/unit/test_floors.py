@@ -19,6 +19,7 @@ FLOORS = {
     "core.poke": 3,
     "core.fingertip": 3,
     "core.recording": 3,
+    "core.animation": 3,
     "core.reduction": 3,
     "core.native": 2,
     "core.solver": 2,
