@@ -1,8 +1,8 @@
 """What Blender stores: the settings of a material, a body and a scene, and the state of the running session.
 
 Operators read these through RNA only (`obj.dimple.to_params()`), so names and units here are the contract.
-Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. Nothing is animatable: a session reads
-its settings when it starts, so a keyframe would have no effect.
+Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. Nothing is animatable, but what
+runs takes a changed setting at its next step.
 """
 
 import bpy

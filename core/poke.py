@@ -182,6 +182,12 @@ def fingers(state: PokeState, body: int) -> tuple[Finger | None, ...]:
     return tuple(tip.finger if tip and tip.body == body else None for tip in state.tips)
 
 
+def lifted(state: PokeState, body: int) -> PokeState:
+    """Return a state whose fingertips are off a body: it has another size, so they would be elsewhere on it."""
+    tips = tuple(None if tip and tip.body == body else tip for tip in state.tips)
+    return replace(state, tips=tips, pressing=state.pressing and tips[state.active] is not None, hover=None)
+
+
 def along(a: Vector, b: Vector, factor: float) -> Vector:
     """Return a + factor b."""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]

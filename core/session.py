@@ -87,18 +87,55 @@ class Session:
     def __init__(self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None) -> None:
         if not tick > 0:
             raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
-        self.model, self.proxy, self.tick = model, proxy, tick
-        moves = proxy.model if proxy else model
-        self.substeps = moves.substeps(tick)
+        self.tick = tick
         self.backend, self.backend_note = choose_backend(backend)
+        moves = self._define(model, proxy)
         self.body = create(moves, surface=model, backend=self.backend)
+        self.reset()
+
+    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
+        """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
+
+        A vertex that is pinned by it stays where it is then, until pins are led elsewhere.
+
+        Args:
+            proxy: what moves in place of the new model, None where it moves itself.
+            scale: by which all lengths of the new model are larger.
+
+        Raises:
+            DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
+        """
+        moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
+        moves.substeps(self.tick)
+        if len(model.matching.rest.T) != len(surface.matching.rest.T):
+            raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
+        skin = scale * self._skin()
+        if model.mesh is surface.mesh and moves.mesh is before.mesh:
+            self.body.set_constants(moves, surface=model)
+        else:
+            at, speed = skin, scale * self._skin_velocities()
+            if proxy:
+                at, speed = at[proxy.seeds], speed[proxy.seeds]
+            self.body = create(moves, surface=model, backend=self.backend)
+            self.body.set_state(at.T, speed.T)
+            self._here, self._origins = _scaled(self._here, scale), _scaled(self._origins, scale)
+            self._fresh = [True] * len(self._here)
+            self._pins_target = None
+        self._define(model, proxy)
+        self._pins_origin = skin.T
+
+    def _define(self, model: Model, proxy: Proxy | None) -> Model:
+        """Set what follows from a model and its proxy; return the one that moves."""
+        moves = proxy.model if proxy else model
+        self.substeps = moves.substeps(self.tick)
+        self.model, self.proxy = model, proxy
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
         self._input_of = input_vertices(model.mesh)
         # the vertices of the mesh whose places are prescribed
         self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
         self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
         self._material_of = model.mesh.triangle_material.tolist()
-        self.reset()
+        return moves
 
     def reset(self) -> None:
         """Put the body back to rest and let go of it."""
@@ -285,6 +322,11 @@ class Session:
         skin[still] = self._pins_origin.T[still]
         return skin
 
+    def _skin_velocities(self) -> Floats:
+        """Return how fast the vertices (n, 3) [m/s] of the mesh move, about."""
+        v = self.body.velocities().T
+        return v if self.proxy is None else np.einsum("kn,knc->nc", self.proxy.weights, v[self.proxy.followed])
+
     def _show(self, forces: Floats, steps: int, cost: float, note: str) -> Frame:
         self._cost += cost
         touches = self._last.touches
@@ -310,6 +352,10 @@ class Session:
 def _vector(a: Sequence[float]) -> Vector:
     x, y, z = a
     return float(x), float(y), float(z)
+
+
+def _scaled(points: Sequence[Vector | None], scale: float) -> list[Vector | None]:
+    return [point and (scale * point[0], scale * point[1], scale * point[2]) for point in points]
 
 
 def _between(a: Vector, b: Vector, share: float) -> Vector:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, haptic, sessions, showing
+from . import bridge, haptic, sessions, showing, tuning
 from .sessions import LiveBody, ModalRun
 
 LONGEST_S = 0.1  # after a hiccup of Blender, time is lost rather than jumped over
@@ -99,6 +99,10 @@ def step(
     budget: float | None,
 ) -> list[str]:
     """Step one session, show and record it; return sentences for the artist."""
+    link, messages = body.link, tuning.follow(context, obj, body)
+    if body.link is not link:
+        pressed = ()  # those were in metres of another size
+        sessions.disarm()  # which may put it under a fingertip of the haptic device at once
     follow(obj, body)
     others = haptic.fingertips(context.scene, body) or fingertips(context.scene, body.link.scale)
     fingers = merged(others, pressed)
@@ -116,8 +120,8 @@ def step(
         try:
             body.recorder.append(frame.time, local, frame)
         except OSError as error:
-            return [body.recorder.cut_short(body.name, error), *sessions.end_recording(body)]
-    return []
+            messages += [body.recorder.cut_short(body.name, error), *sessions.end_recording(body)]
+    return messages
 
 
 def follow(obj: bpy.types.Object, body: LiveBody) -> None:

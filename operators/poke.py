@@ -155,13 +155,17 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
     def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
         """Do what the state machine asks for; return how the operator ends, None when it goes on."""
-        from ..core.poke import Effect, fingers
+        from ..core.poke import Effect, fingers, lifted
         from . import live
 
         match effect:
             case Effect.STEP:
                 pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
+                links = {uid: body.link for uid, body in sessions.sessions.items()}
                 messages = live.advance(context, amount, budget=self._budget, pressed=pressed)
+                for uid, body in sessions.sessions.items():
+                    if body.link is not links[uid]:
+                        self._state = lifted(self._state, uid)
                 live.adapt(self._run, amount)
                 return self._went_on(messages)
             case Effect.PUSH_UNDO:

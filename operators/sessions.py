@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .bridge import ObjectLink, Singles
     from .bridge_write import Borrowed
     from .output import Recorder
+    from .settings import Settings
 
 TRAIL = 4000  # points of force against depth that the chart remembers
 
@@ -33,6 +34,10 @@ class LiveBody:
 
     link: the object at rest.
     session: what moves it.
+    settings: what the session was read from.
+    seen: the settings it had when they were looked at last; the session may have refused them.
+    refused: "" or why.
+    changed_at: when they were changed last, None where they were planned for [s].
     borrowed: what of the object was changed.
     matrix: (4, 4) of the object when it was last stepped.
     triangles: (t, 3) of the object's own vertices, outward.
@@ -47,9 +52,13 @@ class LiveBody:
 
     link: ObjectLink
     session: Session
+    settings: Settings
+    seen: Settings
     borrowed: Borrowed
     matrix: np.ndarray
     triangles: np.ndarray
+    refused: str = ""
+    changed_at: float | None = None
     fingers: tuple[Finger | None, ...] = (None, None, None)
     poked: frozenset[int] = frozenset()
     trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
@@ -137,6 +146,7 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
     from . import bridge, bridge_write, planning
+    from .settings import settings_of
 
     bridge.check(obj)
     bridge.check_writable(obj)
@@ -149,8 +159,10 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
         messages.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
     first = input_vertices(model.mesh)
     others = {body.borrowed.shared for body in sessions.values() if body.borrowed.shared is not None}
+    settings = settings_of(context.scene, obj)
     body = sessions[link.uid] = LiveBody(
-        link=link, session=session, matrix=link.matrix, triangles=first[model.mesh.triangles],
+        link=link, session=session, settings=settings, seen=settings,
+        matrix=link.matrix, triangles=first[model.mesh.triangles],
         borrowed=bridge_write.borrow(obj, link, others=others),
     )  # fmt: skip
     obj.dimple.enabled = True
