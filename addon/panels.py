@@ -161,6 +161,9 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
         layout.prop(settings, "finger_radius_mm", text="Radius (mm)")
+        layout.row().prop(settings, "press_by", expand=True)
+        by_force = settings.press_by == "FORCE"
+        layout.prop(settings, "press_force_n" if by_force else "press_depth_mm")
         layout.prop(settings, "poke_along")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)

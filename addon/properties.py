@@ -42,6 +42,11 @@ _POKE_ALONG = (
     ("NORMAL", "Surface", "The fingertip moves straight into the surface it touches"),
 )
 
+_PRESS_BY = (
+    ("DEPTH", "Depth", "The fingertip goes as deep as it is told; the force is what the body answers"),
+    ("FORCE", "Force", "The fingertip pushes with a force; the softer the body, the deeper it sinks in"),
+)
+
 
 def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     # constants that are changed are no longer what the source measured
@@ -203,6 +208,18 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     poke_along: EnumProperty(
         name="Poke Along", description="Direction in which the fingertip presses", items=_POKE_ALONG, **FIXED
     )
+    press_by: EnumProperty(
+        name="Press By", description="What a press, the wheel with Ctrl and a pen's pressure mean", items=_PRESS_BY,
+        **FIXED,
+    )  # fmt: skip
+    press_depth_mm: FloatProperty(
+        name="Press Depth (mm)", description="How deep a press goes, by depth",
+        default=15.0, min=0.01, soft_min=0.1, soft_max=200.0, step=10, precision=2, **FIXED,
+    )  # fmt: skip
+    press_force_n: FloatProperty(
+        name="Press Force (N)", description="How strong a press is, by force",
+        default=5.0, min=0.001, soft_min=0.1, soft_max=100.0, step=10, precision=2, **FIXED,
+    )  # fmt: skip
     frame_budget_percent: FloatProperty(
         name="Simulation Share (%)",
         description="Share of the processor time that the simulation of all bodies may use; "

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from .reduction.proxy import Proxy, carry, contact_radius
 from .solver import motion
 from .solver.backend import choose_backend, create
 from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion, Vector
+from .solver.pushed import Pushed, advance
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
@@ -30,10 +31,18 @@ TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
 
 @dataclass(frozen=True, slots=True)
 class Finger:
-    """A fingertip: the centre (3,) and radius of a sphere [m]."""
+    """A fingertip: a sphere that goes where it is told, or is pushed by a force.
+
+    position: of its centre (3,) [m]; of one that is pushed, where it touches before it goes in.
+    radius: [m].
+    force: that pushes it from there [N], None where its place is prescribed.
+    inward: unit vector (3,) of that force.
+    """
 
     position: Vector
     radius: float
+    force: float | None = None
+    inward: Vector = (0.0, 0.0, -1.0)
 
 
 class Frame(NamedTuple):
@@ -93,50 +102,6 @@ class Session:
         self.body = create(moves, surface=model, backend=self.backend)
         self.reset()
 
-    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
-        """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
-
-        A vertex that is pinned by it stays where it is then, until pins are led elsewhere.
-
-        Args:
-            proxy: what moves in place of the new model, None where it moves itself.
-            scale: by which all lengths of the new model are larger.
-
-        Raises:
-            DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
-        """
-        moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
-        moves.substeps(self.tick)
-        if len(model.matching.rest.T) != len(surface.matching.rest.T):
-            raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
-        skin = scale * self._skin()
-        if model.mesh is surface.mesh and moves.mesh is before.mesh:
-            self.body.set_constants(moves, surface=model)
-        else:
-            at, speed = skin, scale * self._skin_velocities()
-            if proxy:
-                at, speed = at[proxy.seeds], speed[proxy.seeds]
-            self.body = create(moves, surface=model, backend=self.backend)
-            self.body.set_state(at.T, speed.T)
-            self._here, self._origins = _scaled(self._here, scale), _scaled(self._origins, scale)
-            self._fresh = [True] * len(self._here)
-            self._pins_target = None
-        self._define(model, proxy)
-        self._pins_origin = skin.T
-
-    def _define(self, model: Model, proxy: Proxy | None) -> Model:
-        """Set what follows from a model and its proxy; return the one that moves."""
-        moves = proxy.model if proxy else model
-        self.substeps = moves.substeps(self.tick)
-        self.model, self.proxy = model, proxy
-        self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
-        self._input_of = input_vertices(model.mesh)
-        # the vertices of the mesh whose places are prescribed
-        self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
-        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
-        self._material_of = model.mesh.triangle_material.tolist()
-        return moves
-
     def reset(self) -> None:
         """Put the body back to rest and let go of it."""
         self.body.set_state(self.body.model.matching.rest)
@@ -145,6 +110,7 @@ class Session:
         self._origins: list[Vector | None] = []  # where it was at the begin of the step under way
         self._fresh: list[bool] = []
         self._targets: list[Finger | None] = []
+        self._pushed: list[Pushed | None] = []  # those that a force pushes
         self._radii: list[float] = []  # with which it meets what moves [m]
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
@@ -164,7 +130,7 @@ class Session:
             if finger and not (
                 finger.radius > 0
                 and len(finger.position) == 3
-                and all(map(math.isfinite, (*finger.position, finger.radius)))
+                and all(map(math.isfinite, (*finger.position, *finger.inward, finger.radius, finger.force or 0.0)))
             ):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         self._targets = list(fingers)
@@ -177,6 +143,7 @@ class Session:
             if finger is None or self._here[i] is None:
                 self._here[i] = self._origins[i] = _vector(finger.position) if finger else None
                 self._fresh[i] = True
+        self._pushed = [self._push(i, finger) for i, finger in enumerate(fingers)]
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -207,6 +174,8 @@ class Session:
         end, due = self._end, math.floor(self._end / self.tick + 1e-6)
         impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._targets), 0, ""
         most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
+        if any(self._pushed):
+            most = 1  # each tick moves them
         while self._ticks < due:
             result = self._run(min(due - self._ticks, most))
             done += result.ticks
@@ -235,6 +204,14 @@ class Session:
         return self.frame
 
     @property
+    def placed(self) -> tuple[Finger | None, ...]:
+        """Return where the fingertips are: those that a force pushes are where it has pushed them."""
+        return tuple(
+            replace(target, position=here) if target and here and pushed else target
+            for target, here, pushed in zip(self._targets, self._here, self._pushed, strict=True)
+        )
+
+    @property
     def fingers(self) -> tuple[Finger | None, ...]:
         """Return where the fingertips are to be at the end of the next step."""
         return tuple(self._targets)
@@ -255,6 +232,51 @@ class Session:
             for touch in self._last.touches
         )  # fmt: skip
 
+    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
+        """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
+
+        A vertex that is pinned by it stays where it is then, until pins are led elsewhere.
+
+        Args:
+            proxy: what moves in place of the new model, None where it moves itself.
+            scale: by which all lengths of the new model are larger.
+
+        Raises:
+            DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
+        """
+        moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
+        moves.substeps(self.tick)
+        if len(model.matching.rest.T) != len(surface.matching.rest.T):
+            raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
+        skin = scale * self._skin()
+        if model.mesh is surface.mesh and moves.mesh is before.mesh:
+            self.body.set_constants(moves, surface=model)
+        else:
+            at, speed = skin, scale * self._skin_velocities()
+            if proxy:
+                at, speed = at[proxy.seeds], speed[proxy.seeds]
+            self.body = create(moves, surface=model, backend=self.backend)
+            self.body.set_state(at.T, speed.T)
+            self._here, self._origins = _scaled(self._here, scale), _scaled(self._origins, scale)
+            self._fresh = [True] * len(self._here)
+            self._pushed = [each and Pushed(way=scale * each.way) for each in self._pushed]
+            self._pins_target = None
+        self._define(model, proxy)
+        self._pins_origin = skin.T
+
+    def _define(self, model: Model, proxy: Proxy | None) -> Model:
+        """Set what follows from a model and its proxy; return the one that moves."""
+        moves = proxy.model if proxy else model
+        self.substeps = moves.substeps(self.tick)
+        self.model, self.proxy = model, proxy
+        self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
+        self._input_of = input_vertices(model.mesh)
+        # the vertices of the mesh whose places are prescribed
+        self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
+        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
+        self._material_of = model.mesh.triangle_material.tolist()
+        return moves
+
     def _share(self, time: float) -> float:
         """Return how much of the step under way is over at a time [s]: 0 at its begin, 1 at its end."""
         return min((time - self._begin) / max(self._end - self._begin, 1e-30), 1.0)
@@ -271,6 +293,7 @@ class Session:
 
     def _run(self, ticks: int) -> motion.Frame:
         """Run some ticks of the step under way."""
+        self._pushed = [self._advanced(i) for i in range(len(self._pushed))]
         first, last = self._share((self._ticks + 1) * self.tick), self._share((self._ticks + ticks) * self.tick)
         pins = self._pins(first, last)
         self._last = result = self.body.step(
@@ -293,14 +316,34 @@ class Session:
     def _fingertips(self, first: float, last: float) -> tuple[FingertipMotion | None, ...]:
         return tuple([
             FingertipMotion(
-                here, _between(origin, target.position, first), _between(origin, target.position, last),
+                here, _placed(origin, target, pushed, first), _placed(origin, target, pushed, last),
                 target.radius, radius, fresh,
             )
             if here is not None and target and origin is not None else None
-            for here, origin, target, radius, fresh in zip(
-                self._here, self._origins, self._targets, self._radii, self._fresh, strict=True
+            for here, origin, target, pushed, radius, fresh in zip(
+                self._here, self._origins, self._targets, self._pushed, self._radii, self._fresh, strict=True
             )
         ])  # fmt: skip
+
+    def _push(self, i: int, finger: Finger | None) -> Pushed | None:
+        """Return where a fingertip that is pushed starts, or goes on."""
+        here, origin = self._here[i], self._origins[i]
+        if finger is None or finger.force is None or here is None or origin is None:
+            return None
+        before = self._pushed[i] if i < len(self._pushed) and not self._fresh[i] else None
+        return before or Pushed(way=_along(here, origin, finger.inward))
+
+    def _advanced(self, i: int) -> Pushed | None:
+        """Return where a fingertip that is pushed is a tick later."""
+        pushed, target, touches = self._pushed[i], self._targets[i], self._last.touches
+        if pushed is None or target is None or target.force is None:
+            return None
+        touch = touches[i] if i < len(touches) and self._last.ticks else None
+        impulse = touch.impulse if touch else (0.0, 0.0, 0.0)
+        reaction = _along(impulse, (0.0, 0.0, 0.0), target.inward) / (max(self._last.ticks, 1) * self.tick)
+        return advance(
+            pushed, target.force, reaction, model=self.body.model, radius=self._radii[i], tick=self.tick
+        )
 
     def _pins(self, first: float, last: float) -> PinMotion | None:
         if self._pins_target is None:
@@ -347,6 +390,18 @@ class Session:
             not note,
             note,
         )
+
+
+def _placed(origin: Vector, target: Finger, pushed: Pushed | None, share: float) -> Vector:
+    """Return the centre [m] of a fingertip at a share of its step: on its way, and pushed away from it."""
+    at, (x, y, z) = _between(origin, target.position, share), target.inward
+    way = pushed.way if pushed else 0.0
+    return at[0] + way * x, at[1] + way * y, at[2] + way * z
+
+
+def _along(a: Vector, b: Vector, direction: Vector) -> float:
+    """Return how far a is from b along a direction."""
+    return sum((p - q) * d for p, q, d in zip(a, b, direction, strict=True))
 
 
 def _vector(a: Sequence[float]) -> Vector:

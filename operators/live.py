@@ -110,8 +110,8 @@ def step(
     # one that goes from hand to hand is lifted: it would fly through the body, and a device would render the flight
     body.session.set_fingers([None if i in before ^ body.poked else finger for i, finger in enumerate(fingers)])
     body.session.set_fingers(fingers)
-    body.fingers = fingers
     frame = body.session.step(dt, budget=budget)
+    body.fingers = merged(body.session.placed, ())
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
         body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))

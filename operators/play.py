@@ -52,8 +52,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
         if sessions.runs:
             run = sessions.runs[0]
-            run.paused = not run.paused
-            sessions.redraw()
+            sessions.pause(context, run, not run.paused)
             return {"FINISHED"}
         try:
             self._report(live.start_all(context))

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .output import Recorder
     from .settings import Settings
 
+PAUSED = "Paused: Space or Play goes on, Esc ends and puts the rest shape back"
 TRAIL = 4000  # points of force against depth that the chart remembers
 
 
@@ -99,6 +100,9 @@ class ModalRun:
 
     kind: "poke", "play", "bake", "compare", "identify" or "measure".
     timer: what wakes it.
+    state: what it does, for the panel.
+    status: for the status bar.
+    shown: the workspace that shows which status.
     paused: time stands still.
     closed: it has ended.
     step_s: simulated time that the next step asks for [s]; it falls when the computer lags.
@@ -108,6 +112,9 @@ class ModalRun:
 
     kind: str
     timer: bpy.types.Timer | None
+    state: str = ""
+    status: str = ""
+    shown: tuple[str, str] = ("", "")
     paused: bool = False
     closed: bool = False
     step_s: float = 0.002
@@ -245,10 +252,25 @@ def open_run(context: bpy.types.Context, kind: str, state: str, *, interval: flo
     for run in list(runs):
         close_run(run)
     manager = context.window_manager
-    run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
+    run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window), state=state)
     runs.append(run)
     manager.dimple.state = state
     return run
+
+
+def pause(context: bpy.types.Context, run: ModalRun, paused: bool) -> None:
+    """Let time stand still, or go on, and say so."""
+    run.paused = paused
+    context.window_manager.dimple.state = PAUSED if paused else run.state
+    redraw()
+
+
+def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
+    """Show a text in the status bar: also after an undo and in another workspace, which both forget it."""
+    wanted = (getattr(context.workspace, "name", ""), text)
+    if run.shown != wanted:
+        context.workspace.status_text_set(text)
+        run.status, run.shown = text, wanted
 
 
 def close_run(run: ModalRun) -> None:
@@ -261,7 +283,7 @@ def close_run(run: ModalRun) -> None:
     if run.timer:
         manager.event_timer_remove(run.timer)
         run.timer = None
-    for workspace in {window.workspace for window in manager.windows}:
+    for workspace in bpy.data.workspaces:  # it may have been shown in several
         workspace.status_text_set(None)
     manager.dimple.state = ""
     redraw()

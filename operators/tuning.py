@@ -46,7 +46,8 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
     """Change a body, or raise a DimpleError and leave it as it is."""
     session, before = body.session, body.settings
     scale = bridge.scale_of(context.scene, obj, body.link)
-    if scale == body.link.scale and len(now.materials) == len(before.materials):
+    slots, slots_before = (max(len(each.materials), 1) for each in (now, before))
+    if scale == body.link.scale and slots == slots_before:
         model = bridge.read_model(context.scene, obj, session.model.mesh, body.link.slots)
         proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)
         session.change(model, proxy=proxy)
