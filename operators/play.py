@@ -6,6 +6,7 @@ import bpy
 from bpy.props import FloatProperty
 
 from . import polls, sessions, showing
+from .messages import report
 from .names import Op
 
 
@@ -41,8 +42,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         frames = max(round(self.seconds * render.fps / render.fps_base), 1)
         with sessions.ending_on_error():
             for _ in range(frames):
-                for sentence in live.advance(context, self.seconds / frames):
-                    self.report({"WARNING"}, sentence)
+                report(self, live.advance(context, self.seconds / frames))
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
@@ -69,8 +69,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
-            for sentence in sessions.stop_all():
-                self.report({"WARNING"}, sentence)
+            report(self, sessions.stop_all())
             return {"CANCELLED"}
         if event.type == "TIMER":
             with sessions.ending_on_error():
@@ -93,8 +92,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             asked, budget = live.ask(context.scene, self._run, wall)
             messages = live.advance(context, asked, budget=budget)
             live.adapt(self._run, asked)
-        for sentence in [*messages, *recovery.save_when_due(self._run)]:
-            self.report({"WARNING"}, sentence)
+        report(self, [*messages, *recovery.save_when_due(self._run)])
         sessions.redraw()
         if not sessions.sessions:
             sessions.stop_all()
@@ -103,8 +101,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
     def _report(self, started: tuple[list, list[str], list[str]]) -> None:
         _, messages, wrong = started
-        for sentence in wrong:
-            self.report({"WARNING"}, sentence)
+        report(self, wrong)
         if messages:
             self.report({"INFO"}, " ".join(messages))
 
@@ -124,8 +121,7 @@ class DIMPLE_OT_reset(bpy.types.Operator):
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
         """Put everything back."""
-        for sentence in sessions.stop_all():
-            self.report({"WARNING"}, sentence)
+        report(self, sessions.stop_all())
         return {"FINISHED"}
 
 

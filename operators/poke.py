@@ -7,6 +7,7 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from . import polls, sessions, showing
+from .messages import report
 from .names import Op
 
 if TYPE_CHECKING:
@@ -72,8 +73,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for sentence in wrong:
-            self.report({"WARNING"}, sentence)
+        report(self, wrong)
         if messages:
             self.report({"INFO"}, " ".join(messages))
         self._shapes: dict[int, object] = {}
@@ -130,8 +130,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             self._take(context, PokeEvent(kind=Kind.PAUSE))
         if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
             return ended
-        for sentence in recovery.save_when_due(self._run):
-            self.report({"WARNING"}, sentence)
+        report(self, recovery.save_when_due(self._run))
         result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
@@ -176,8 +175,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             case Effect.RECORD:
                 bpy.ops.dimple.record()
             case Effect.KEEP | Effect.RESTORE:
-                for sentence in sessions.stop_all(restore=effect is Effect.RESTORE):
-                    self.report({"WARNING"}, sentence)
+                report(self, sessions.stop_all(restore=effect is Effect.RESTORE))
                 return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
         return None
 
@@ -188,8 +186,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
     def _went_on(self, messages: list[str]) -> set[str] | None:
         """Report what has happened; return how the operator ends when no session is left."""
-        for sentence in messages:
-            self.report({"WARNING"}, sentence)
+        report(self, messages)
         if sessions.sessions:
             return None
         sessions.stop_all()

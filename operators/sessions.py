@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from .messages import Note
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -44,6 +46,8 @@ class LiveBody:
     triangles: (t, 3) of the object's own vertices, outward.
     fingers: the fingertips to be drawn, in the session's space.
     poked: which fingertips are the poke's.
+    lead: simulated time that it is ahead of the slowest of those that run with it [s].
+    done: how far it came in the last step, that lead included [s].
     trail: depth [m] and force [N] of the deepest fingertip.
     recorder: of the recording under way.
     take: path and first frame of the last recording.
@@ -62,6 +66,8 @@ class LiveBody:
     changed_at: float | None = None
     fingers: tuple[Finger | None, ...] = (None, None, None)
     poked: frozenset[int] = frozenset()
+    lead: float = 0.0
+    done: float = 0.0
     trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None
@@ -199,6 +205,8 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     messages = end_recording(body)  # after the mesh: whatever the disk does, that is safe
     if obj and body.take:
         output.attach_cache(obj, *body.take)
+        if not undoing:
+            bridge_write.remember("Record")  # else an undo of what came before would take the take along
     return messages
 
 
@@ -206,7 +214,7 @@ def end_recording(body: LiveBody) -> list[str]:
     """End the recording of a body, if there is one; the object plays it once its session has ended.
 
     Returns:
-        Sentences for the artist: what went wrong.
+        Sentences for the artist: what was recorded, or went wrong.
     """
     if body.recorder is None:
         return []
@@ -216,7 +224,7 @@ def end_recording(body: LiveBody) -> list[str]:
         recorder.close()
     except OSError as error:
         return [recorder.cut_short(body.name, error)]
-    return []
+    return [Note(recorder.summary(body.name, bpy.context.scene.frame_end))]
 
 
 def stop_all(*, restore: bool = True) -> list[str]:
