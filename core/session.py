@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from itertools import zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ import numpy.typing as npt
 from .base import TICK, DimpleError, Floats
 from .body.model import Model
 from .fingertip import Finger as Finger
-from .fingertip import FingerOnItsWay, between, put_down
+from .fingertip import FingerOnItsWay, between, sent
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
 from .reduction.proxy import Proxy, carry
@@ -80,17 +81,10 @@ class Session:
     def __init__(self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None) -> None:
         if not tick > 0:
             raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
-        self.model, self.proxy, self.tick = model, proxy, tick
-        moves = proxy.model if proxy else model
-        self.substeps = moves.substeps(tick)
+        self.tick = tick
         self.backend, self.backend_note = choose_backend(backend)
+        moves = self._define(model, proxy)
         self.body = create(moves, surface=model, backend=self.backend)
-        self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
-        self._input_of = input_vertices(model.mesh)
-        # the vertices of the mesh whose places are prescribed
-        self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
-        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
-        self._material_of = model.mesh.triangle_material.tolist()
         self.reset()
 
     def reset(self) -> None:
@@ -116,20 +110,11 @@ class Session:
             if finger and not (
                 finger.radius > 0
                 and len(finger.position) == 3
-                and all(map(math.isfinite, (*finger.position, finger.radius)))
+                and all(map(math.isfinite, (*finger.position, *finger.inward, finger.radius, finger.force or 0.0)))
             ):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         before = [*self._tips, *[None] * len(fingers)]
-        self._tips = [self._sent(tip, finger) for tip, finger in zip(before, fingers, strict=False)]
-
-    def _sent(self, tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | None:
-        """Return a fingertip on its way to another place, or put down there."""
-        if finger is None:
-            return None
-        if tip is None:
-            return put_down(finger)
-        tip.target = finger
-        return tip
+        self._tips = [sent(tip, finger) for tip, finger in zip(before, fingers, strict=False)]
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -160,6 +145,8 @@ class Session:
         end, due = self._end, math.floor(self._end / self.tick + 1e-6)
         impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._tips), 0, ""
         most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
+        if any(tip and tip.pushed for tip in self._tips):
+            most = 1  # each tick moves them
         while self._ticks < due:
             result = self._run(min(due - self._ticks, most))
             done += result.ticks
@@ -188,6 +175,14 @@ class Session:
         return self.frame
 
     @property
+    def placed(self) -> tuple[Finger | None, ...]:
+        """Return where the fingertips are: those that a force pushes are where it has pushed them."""
+        return tuple(
+            replace(target, position=here) if target and here and pushed else target
+            for target, here, pushed in zip(self._targets, self._here, self._pushed, strict=True)
+        )
+
+    @property
     def fingers(self) -> tuple[Finger | None, ...]:
         """Return where the fingertips are to be at the end of the next step."""
         return tuple([tip.target if tip else None for tip in self._tips])
@@ -208,6 +203,50 @@ class Session:
             for touch in self._last.touches
         )  # fmt: skip
 
+    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
+        """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
+
+        A vertex that is pinned by it stays where it is then, until pins are led elsewhere.
+
+        Args:
+            proxy: what moves in place of the new model, None where it moves itself.
+            scale: by which all lengths of the new model are larger.
+
+        Raises:
+            DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
+        """
+        moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
+        moves.substeps(self.tick)
+        if len(model.matching.rest.T) != len(surface.matching.rest.T):
+            raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
+        skin = scale * self._skin()
+        if model.mesh is surface.mesh and moves.mesh is before.mesh:
+            self.body.set_constants(moves, surface=model)
+        else:
+            at, speed = skin, scale * self._skin_velocities()
+            if proxy:
+                at, speed = at[proxy.seeds], speed[proxy.seeds]
+            self.body = create(moves, surface=model, backend=self.backend)
+            self.body.set_state(at.T, speed.T)
+            for tip in filter(None, self._tips):
+                tip.scale(scale)
+            self._pins_target = None
+        self._define(model, proxy)
+        self._pins_origin = skin.T
+
+    def _define(self, model: Model, proxy: Proxy | None) -> Model:
+        """Set what follows from a model and its proxy; return the one that moves."""
+        moves = proxy.model if proxy else model
+        self.substeps = moves.substeps(self.tick)
+        self.model, self.proxy = model, proxy
+        self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
+        self._input_of = input_vertices(model.mesh)
+        # the vertices of the mesh whose places are prescribed
+        self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
+        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
+        self._material_of = model.mesh.triangle_material.tolist()
+        return moves
+
     def _share(self, time: float) -> float:
         """Return how much of the step under way is over at a time [s]: 0 at its begin, 1 at its end."""
         return min((time - self._begin) / max(self._end - self._begin, 1e-30), 1.0)
@@ -223,6 +262,10 @@ class Session:
 
     def _run(self, ticks: int) -> motion.Frame:
         """Run some ticks of the step under way."""
+        seconds = max(self._last.ticks, 1) * self.tick
+        for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
+            if tip:
+                tip.push(self.body.model, touch, seconds, self.tick)
         first, last = self._share((self._ticks + 1) * self.tick), self._share((self._ticks + ticks) * self.tick)
         pins = self._pins(first, last)
         self._last = result = self.body.step(
@@ -261,6 +304,11 @@ class Session:
         skin, still = carry(self.proxy, x), self.proxy.still
         skin[still] = self._pins_origin.T[still]
         return skin
+
+    def _skin_velocities(self) -> Floats:
+        """Return how fast the vertices (n, 3) [m/s] of the mesh move, about."""
+        v = self.body.velocities().T
+        return v if self.proxy is None else np.einsum("kn,knc->nc", self.proxy.weights, v[self.proxy.followed])
 
     def _show(self, forces: Floats, steps: int, cost: float, note: str) -> Frame:
         self._cost += cost

@@ -6,7 +6,7 @@ proxy has a triangle. Mass and shape-matching stiffness of a cell go to its seed
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +31,7 @@ class Proxy:
 
     model: the coarse body that is simulated, m vertices.
     seeds: (m,) the vertex of the fine mesh at which each coarse vertex lies.
+    cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
     rest: (n, 3) rest positions of the fine mesh [m].
     still: (n,) pinned or loose in the fine mesh.
     spacing: mean distance between seeds [m].
@@ -46,6 +47,7 @@ class Proxy:
 
     model: Model
     seeds: Ints
+    cells: Ints
     rest: Floats
     still: Bools
     spacing: float
@@ -87,17 +89,28 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
             raise DimpleError("its pieces are too small for a proxy")
     else:
         raise DimpleError("its pieces are too small for a proxy")
-    coarse = _coarse(model, seeds, cells, triangles)
+    coarse = _constants(model, _coarse_mesh(mesh, seeds, triangles), cells)
     followed, weights = _followed(coarse.mesh, place, seeds, cells)
     middle = np.einsum("kn,knc->nc", weights, mesh.rest_positions[seeds][followed])
     arms, spread, upright = _gradient(coarse.mesh)
     return Proxy(
-        model=coarse, seeds=seeds, rest=mesh.rest_positions, still=model.held | mesh.loose, spacing=spacing,
-        fine_spacing=mean_spacing(mesh, len(used)), followed=followed, weights=weights.astype(np.float32),
-        lever=2 * mesh.rest_positions - mesh.rest_positions.mean(axis=0) - middle,
+        model=coarse, seeds=seeds, cells=cells, rest=mesh.rest_positions, still=model.held | mesh.loose,
+        spacing=spacing, fine_spacing=mean_spacing(mesh, len(used)), followed=followed,
+        weights=weights.astype(np.float32), lever=2 * mesh.rest_positions - mesh.rest_positions.mean(axis=0) - middle,
         arms=arms, spread=spread, upright=upright,
         normals=vertex_normals(coarse.mesh.triangles, coarse.mesh.rest_positions),
     )  # fmt: skip
+
+
+def with_constants(proxy: Proxy, model: Model) -> Proxy:
+    """Return a proxy that moves as another model of the same fine mesh, on the same coarse one.
+
+    Raises:
+        DimpleError: its laws or pins need another proxy.
+    """
+    check(model)
+    coarse = _constants(model, proxy.model.mesh, proxy.cells)
+    return replace(proxy, model=coarse, still=model.held | model.mesh.loose)
 
 
 def mean_spacing(mesh: Mesh, vertices: int) -> float:
@@ -147,16 +160,20 @@ def check(model: Model) -> None:
         raise DimpleError("the paper's equations depend on the mesh, so they need the full mesh")
 
 
-def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:
-    """Return the model of the proxy."""
-    fine, m = model.mesh, len(seeds)
+def _coarse_mesh(fine: Mesh, seeds: Ints, triangles: Ints) -> Mesh:
     mesh = mesh_from_triangles(fine.rest_positions[seeds], triangles)
-    if len(mesh.rest_positions) != m or mesh.loose.any():
+    if len(mesh.rest_positions) != len(seeds) or mesh.loose.any():
         raise DimpleError("its surface is too crumpled for a proxy of this size")
     if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):
         raise DimpleError("a proxy of this size would have holes")
     if fine.pressurable and not abs(mesh.volume / fine.volume - 1) < VOLUME_SLACK:
         raise DimpleError("a proxy of this size would lose too much of the volume")
+    return mesh
+
+
+def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
+    """Return the model of a proxy on its mesh."""
+    fine, m = model.mesh, len(mesh.rest_positions)
     whole = ~fine.loose
 
     def total(values: Floats) -> Floats:
