@@ -88,17 +88,18 @@ def settle(depth: Floats, force: Floats, free: Free, reading: Reading) -> tuple[
     """
     first, span = float(depth[0]), float(np.ptp(depth))
     loaded, pressed_before = _preload(depth, force) if len(free) < 2 else (0.0, 0.0)
-    if pressed_before > _HARMLESS * span:
-        raise Undecided(_begun(reading(first), reading(first - pressed_before), loaded))
-    if pressed_before > 0 and not free:
-        fit, doubt = _read(depth, force, first - pressed_before, ("contact",))[0], ""
+    begins = first - pressed_before
+    nearly = pressed_before <= _HARMLESS * span or abs(reading(begins)) < 1e3 * _HARMLESS * span  # or the file's own 0
+    if pressed_before > 0 and nearly:
+        fit, doubt = _read(depth, force, begins, ("contact",))[0], ""
     else:
         fit, doubt = _likeliest(depth, force, free, reading)
     contact = fit.contact
-    if contact.value < first - _HARMLESS * span or contact.half_width > _BOUNDED * span:
-        before = first - max(pressed_before, min(first - contact.value, span))
-        at_first = float(np.interp(first, depth, force))
-        raise Undecided(_begun(reading(first), reading(before), at_first))
+    asked = pressed_before > 0 and not nearly and "tare" not in fit.parameters.free
+    outside = contact.value < min(first, begins if nearly else first) - _HARMLESS * span
+    if asked or outside or contact.half_width > _BOUNDED * span:
+        before = begins if pressed_before > 0 else first - min(max(first - contact.value, 0.0), span)
+        raise Undecided(_begun(reading(first), reading(before), loaded or float(np.median(force[:_FEW]))))
     return fit, doubt
 
 
