@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -16,17 +17,23 @@ import numpy.typing as npt
 
 from .base import TICK, DimpleError, Floats
 from .body.model import Model
-from .fingertip import Finger as Finger
-from .fingertip import FingerOnItsWay, between, put_down
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
 from .reduction.proxy import Proxy, carry, contact_radius
 from .solver import motion
 from .solver.backend import choose_backend, create
-from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion
+from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion, Vector
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
+
+
+@dataclass(frozen=True, slots=True)
+class Finger:
+    """A fingertip: the centre (3,) and radius of a sphere [m]."""
+
+    position: Vector
+    radius: float
 
 
 class Frame(NamedTuple):
@@ -97,7 +104,11 @@ class Session:
         """Put the body back to rest and let go of it."""
         self.body.set_state(self.body.model.matching.rest)
         self._time, self._ticks, self._cost = 0.0, 0, 0.0
-        self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
+        self._here: list[Vector | None] = []  # where each fingertip is, None where it is lifted
+        self._origins: list[Vector | None] = []  # where it was at the begin of the step under way
+        self._fresh: list[bool] = []
+        self._targets: list[Finger | None] = []
+        self._radii: list[float] = []  # with which it meets what moves [m]
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
         self._pins_target: Floats | None = None
@@ -119,18 +130,16 @@ class Session:
                 and all(map(math.isfinite, (*finger.position, finger.radius)))
             ):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
-        before = [*self._tips, *[None] * len(fingers)]
-        self._tips = [self._sent(tip, finger) for tip, finger in zip(before, fingers, strict=False)]
-
-    def _sent(self, tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | None:
-        """Return a fingertip on its way to another place, or put down there."""
-        if finger is None:
-            return None
-        radius = contact_radius(self.proxy, finger.radius) if self.proxy else finger.radius
-        if tip is None:
-            return put_down(finger, radius)
-        tip.target, tip.contact_radius = finger, radius
-        return tip
+        self._targets = list(fingers)
+        self._radii = [self._contact_radius(finger.radius) if finger else 0.0 for finger in fingers]
+        missing = len(fingers) - len(self._here)
+        self._here = [*self._here, *[None] * missing][: len(fingers)]
+        self._origins = [*self._origins, *[None] * missing][: len(fingers)]
+        self._fresh = [*self._fresh, *[True] * missing][: len(fingers)]
+        for i, finger in enumerate(fingers):
+            if finger is None or self._here[i] is None:
+                self._here[i] = self._origins[i] = _vector(finger.position) if finger else None
+                self._fresh[i] = True
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -159,7 +168,7 @@ class Session:
         started = time.perf_counter()
         self._begin, self._end = self._time, self._time + dt
         end, due = self._end, math.floor(self._end / self.tick + 1e-6)
-        impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._tips), 0, ""
+        impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._targets), 0, ""
         most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
         while self._ticks < due:
             result = self._run(min(due - self._ticks, most))
@@ -191,7 +200,7 @@ class Session:
     @property
     def fingers(self) -> tuple[Finger | None, ...]:
         """Return where the fingertips are to be at the end of the next step."""
-        return tuple([tip.target if tip else None for tip in self._tips])
+        return tuple(self._targets)
 
     def positions(self) -> npt.NDArray[np.float32]:
         """Return where the input vertices (N, 3) [m] are now."""
@@ -214,9 +223,10 @@ class Session:
         return min((time - self._begin) / max(self._end - self._begin, 1e-30), 1.0)
 
     def _move_origins(self, share: float) -> None:
-        for tip in self._tips:
-            if tip:
-                tip.origin = between(tip.origin, tip.target.position, share)
+        self._origins = [
+            _between(origin, target.position, share) if origin is not None and target else origin
+            for origin, target in zip(self._origins, self._targets, strict=True)
+        ]
         if self._pins_target is not None:
             whole = share >= 1
             way = self._pins_target - self._pins_origin
@@ -232,20 +242,28 @@ class Session:
         self._ticks += result.ticks
         if pins and pins.last >= 1 and self._pins_target is not None:  # they have arrived
             self._pins_origin, self._pins_target = self._pins_target, None
-        for tip, touch in zip(self._tips, result.touches, strict=True):
-            if tip and touch:
-                tip.here, tip.fresh = touch.centre, False
+        for i, touch in enumerate(result.touches):
+            if touch:
+                self._here[i], self._fresh[i] = touch.centre, False
         return result
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
         result = self.body.step(Motion(0, self.substeps, self.tick, self._fingertips(0.0, 0.0)))
-        for tip in filter(None, self._tips):
-            tip.fresh = False
+        self._fresh = [touch is None for touch in result.touches]
         return result
 
     def _fingertips(self, first: float, last: float) -> tuple[FingertipMotion | None, ...]:
-        return tuple([tip.motion(first, last) if tip else None for tip in self._tips])
+        return tuple([
+            FingertipMotion(
+                here, _between(origin, target.position, first), _between(origin, target.position, last),
+                target.radius, radius, fresh,
+            )
+            if here is not None and target and origin is not None else None
+            for here, origin, target, radius, fresh in zip(
+                self._here, self._origins, self._targets, self._radii, self._fresh, strict=True
+            )
+        ])  # fmt: skip
 
     def _pins(self, first: float, last: float) -> PinMotion | None:
         if self._pins_target is None:
@@ -253,6 +271,10 @@ class Session:
         if self._pins_origin is self._pins_target:  # the step before ended between two ticks
             first = last = 1.0
         return PinMotion(self._pins_origin[:, self._pinned], self._pins_target[:, self._pinned], first, last)
+
+    def _contact_radius(self, radius: float) -> float:
+        """Return the radius [m] with which a fingertip meets what moves."""
+        return contact_radius(self.proxy, radius) if self.proxy else radius
 
     def _skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
@@ -283,3 +305,12 @@ class Session:
             not note,
             note,
         )
+
+
+def _vector(a: Sequence[float]) -> Vector:
+    x, y, z = a
+    return float(x), float(y), float(z)
+
+
+def _between(a: Vector, b: Vector, share: float) -> Vector:
+    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])
