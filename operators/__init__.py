@@ -5,6 +5,8 @@ objects, live steps it. Nothing heavy is imported here: numpy, trimesh and the c
 """
 
 from . import (
+    add_fingertip,
+    apply_preset,
     bake,
     calibrate,
     calibrate_apply,
@@ -15,7 +17,6 @@ from . import (
     measure,
     play,
     poke,
-    preset,
     record,
 )
 
@@ -24,7 +25,8 @@ PARTS = (
     play,
     record,
     bake,
-    preset,
+    apply_preset,
+    add_fingertip,
     calibrate,
     calibrate_apply,
     identify,
