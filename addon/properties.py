@@ -246,7 +246,7 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         default=True, **FIXED,
     )  # fmt: skip
     show_chart: BoolProperty(
-        name="Chart", description="Draw force against depth, with the measured curve",
+        name="Chart", description="Draw force against depth, with the material's curve",
         default=True, **FIXED,
     )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Call the native core at random, by itself in a process: `fuzz.py SEED`. Every array is longer than what is told."""
+"""Call the native core at random, by itself in a process: `fuzz.py SEED`. Every array is longer than its count."""
 
 import ctypes
 import os

@@ -17,7 +17,6 @@ FLOORS = {
     "core.haptics": 4,
     "core.session": 3,
     "core.poke": 3,
-    "core.fingertip": 3,
     "core.recording": 3,
     "core.animation": 3,
     "core.reduction": 3,
