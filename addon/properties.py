@@ -83,6 +83,10 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **FIXED,
     )  # fmt: skip
     k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the surface against stretching")
+    spread_mm: FloatProperty(
+        name="Spread (mm)", description="How far a dent reaches beyond the fingertip",
+        default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **FIXED,
+    )  # fmt: skip
     mass_from: EnumProperty(
         name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED
     )
@@ -127,12 +131,16 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
 
     def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""
+        from ..core.material import Indenter  # not at import: it needs numpy, and enabling must be quick
+
         mass = {"density": exact(self.density)} if self.mass_from == "DENSITY" else {"mass": exact(self.mass_kg)}
         return {
             "K1": exact(self.K1, 1),  # [N/m]
             "K2": exact(self.K2, 1),
             "k": exact(self.k, 1),
             "x0": exact(self.x0, -1),  # [m]
+            "spread": exact(self.spread_mm, -1),
+            "indenter": Indenter(shape=self.tip.lower(), radius=exact(self.tip_radius_mm, -1)),
             **mass,
             "damping_ratio": exact(self.damping_ratio),
             "friction": exact(self.friction),
@@ -145,7 +153,7 @@ def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
     """Return the model constants where there are any; `operators.calibration.changed` says whether they still hold."""
     if not all(getattr(settings, name) > 0 for name in _MODEL_CONSTANTS):
         return {}
-    from ..core.material import ModelConstants  # not at import: it needs numpy, and enabling must be quick
+    from ..core.material import ModelConstants
 
     kappa = {"kappa1": exact(settings.kappa1, 2), "kappa2": exact(settings.kappa2, 2)}  # [N/m3]
     constants = ModelConstants(**kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale))

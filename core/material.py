@@ -142,7 +142,7 @@ PRESETS = (
     Preset(
         name="object_1_nylon_air",
         label="Nylon cube, air, 50 mm",
-        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, mass=0.1, fill="air"),
+        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, spread=0.006, mass=0.1, fill="air"),
         size=0.050,
         provenance=_SOURCE,
     ),

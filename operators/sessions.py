@@ -7,6 +7,7 @@ file is loaded, the extension is switched off, an undo takes the object away) al
 
 from __future__ import annotations
 
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -141,6 +142,12 @@ def get(obj: bpy.types.Object | None) -> LiveBody | None:
 def at_work() -> bool:
     """Tell whether something runs that nothing may disturb; Esc cancels it."""
     return any(run.kind not in ("poke", "play") for run in runs)
+
+
+def identifying() -> float | None:
+    """Return the share that is done of what is identified in the background, None where nothing is."""
+    identified = sys.modules.get(f"{__package__}.identified")  # with the core: not before it is needed
+    return identified.progress() if identified else None
 
 
 def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:

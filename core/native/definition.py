@@ -25,7 +25,8 @@ class Constants(Structure):
     """The numbers of a body that may change while it lives: dm_constants."""
 
     _fields_ = fields(
-        stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p", drag="p",
+        stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p",
+        drag="p",
         laws="p", materials="n", gravity="d3", ground="d", law_set="i", fill="i", free="i",
     )  # fmt: skip
 

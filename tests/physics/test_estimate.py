@@ -85,7 +85,7 @@ def test_a_point_is_a_patch_that_grows_with_the_body() -> None:
 
 
 def test_the_tension_on_a_model_is_kappa1_times_the_spread_squared() -> None:
-    """On the flat top of a cube the sum of the tensions round a vertex times its neighbours' offsets squared is 4 T A."""
+    """The energy of a displacement with a gradient of 1 on the flat top of a cube is T / 2 times its area."""
     preset = PRESETS[1]
     mesh = cube(8, preset.size)
     model = build_model(mesh, [preset.material])
