@@ -1,8 +1,8 @@
 """What Blender stores: the settings of a material, a body and a scene, and the state of the running session.
 
 Operators read these through RNA only (`obj.dimple.to_params()`), so names and units here are the contract.
-Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. Nothing is animatable: a session reads
-its settings when it starts, so a keyframe would have no effect.
+Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. Nothing is animatable, but what
+runs takes a changed setting at its next step.
 """
 
 import bpy
@@ -40,6 +40,11 @@ _SIZE_MODES = (
 _POKE_ALONG = (
     ("VIEW", "View", "The fingertip moves away from the viewer, into the screen"),
     ("NORMAL", "Surface", "The fingertip moves straight into the surface it touches"),
+)
+
+_PRESS_BY = (
+    ("DEPTH", "Depth", "The fingertip goes as deep as it is told; the force is what the body answers"),
+    ("FORCE", "Force", "The fingertip pushes with a force; the softer the body, the deeper it sinks in"),
 )
 
 
@@ -203,6 +208,18 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     poke_along: EnumProperty(
         name="Poke Along", description="Direction in which the fingertip presses", items=_POKE_ALONG, **FIXED
     )
+    press_by: EnumProperty(
+        name="Press By", description="What a press, the wheel with Ctrl and a pen's pressure mean", items=_PRESS_BY,
+        **FIXED,
+    )  # fmt: skip
+    press_depth_mm: FloatProperty(
+        name="Press Depth (mm)", description="How deep a press goes, by depth",
+        default=15.0, min=0.01, soft_min=0.1, soft_max=200.0, step=10, precision=2, **FIXED,
+    )  # fmt: skip
+    press_force_n: FloatProperty(
+        name="Press Force (N)", description="How strong a press is, by force",
+        default=5.0, min=0.001, soft_min=0.1, soft_max=100.0, step=10, precision=2, **FIXED,
+    )  # fmt: skip
     frame_budget_percent: FloatProperty(
         name="Simulation Share (%)",
         description="Share of the processor time that the simulation of all bodies may use; "

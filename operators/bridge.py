@@ -62,30 +62,18 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
     Raises:
         DimpleError: this object cannot be pressed, with the reason and what to do.
     """
-    from ..core.body.model import build_model
-    from ..core.mesh.surface import base_vertices, mesh_from_triangles
+    from ..core.mesh.surface import mesh_from_triangles
 
     check(body)
     context.view_layer.update()
-    rest, matrix, params = rest_coordinates(body, baked=baked), np.array(body.matrix_world), body.dimple.to_params()
-    scale = _scale(context.scene, body.name, rest, matrix, params["size"])
+    rest, matrix = rest_coordinates(body, baked=baked), np.array(body.matrix_world)
+    scale = _scale(context.scene, body.name, rest, matrix, body.dimple.to_params()["size"])
     triangles, slots = _triangles(body.data)
     if np.linalg.det(matrix[:3, :3]) < 0:  # mirrored: what looked outward looks inward
         triangles = triangles[:, ::-1]
     used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
     try:
         mesh = mesh_from_triangles(to_physical(scale, matrix, rest), triangles, triangle_material=triangle_material)
-        materials, messages = zip(*(_material(body, int(slot), mesh) for slot in used), strict=True)
-        held = base_vertices(mesh) if params["pinned"] == "base" else None
-        if params["pinned"] == "group":
-            held = _pins(body, params["pin_group"])
-        softness = _weights(body, params["softness_group"], "softness") if params["softness_group"] else None
-        surroundings = context.scene.dimple
-        model = build_model(
-            mesh, materials, law_set=params["law_set"], held=held, softness=softness,
-            gravity=gravity(context.scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
-            ground=0.0 if surroundings.use_ground else None,
-        )  # fmt: skip
     except DimpleError as error:
         raise DimpleError(f'"{body.name}": {error}') from error
     resting = mesh.rest_positions[mesh.source].astype(np.float32)
@@ -93,8 +81,43 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting,
         rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()), slots=tuple(map(int, used)),
     )  # fmt: skip
-    notes = (*filter(None, messages), *advice.on_body(body, mesh, context.scene), *advice.on_fill(model))
-    return link, replace(model, notes=(*model.notes, *notes))
+    return link, read_model(context.scene, body, mesh, link.slots)
+
+
+def read_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, slots: tuple[int, ...]) -> Model:
+    """Read the materials and settings of an object into a model on its mesh, whose materials lie in these slots.
+
+    Raises:
+        DimpleError: it cannot be pressed with them, with the reason and what to do.
+    """
+    from ..core.body.model import build_model
+    from ..core.mesh.surface import base_vertices
+
+    params, surroundings = body.dimple.to_params(), scene.dimple
+    try:
+        materials, messages = zip(*(_material(body, slot, mesh) for slot in slots), strict=True)
+        held = base_vertices(mesh) if params["pinned"] == "base" else None
+        if params["pinned"] == "group":
+            held = _pins(body, params["pin_group"])
+        softness = _weights(body, params["softness_group"], "softness") if params["softness_group"] else None
+        model = build_model(
+            mesh, materials, law_set=params["law_set"], held=held, softness=softness,
+            gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
+            ground=0.0 if surroundings.use_ground else None,
+        )  # fmt: skip
+    except DimpleError as error:
+        raise DimpleError(f'"{body.name}": {error}') from error
+    notes = (*filter(None, messages), *advice.on_body(body, mesh, scene), *advice.on_fill(model))
+    return replace(model, notes=(*model.notes, *notes))
+
+
+def scale_of(scene: bpy.types.Scene, body: bpy.types.Object, link: ObjectLink) -> float:
+    """Return physical metres per scene unit of a running body by the settings it has now.
+
+    Raises:
+        DimpleError: it has no size.
+    """
+    return _scale(scene, body.name, link.rest, link.matrix, body.dimple.to_params()["size"])
 
 
 def check(body: bpy.types.Object) -> None:

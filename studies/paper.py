@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.estimate import FINGERTIP
 from core.body.paper import surface_stretch, surface_tension
 from core.calibration.calibrate import Calibration, calibrate
 from core.calibration.export import write_press
@@ -28,7 +27,7 @@ from core.calibration.indent import Indenter, find_site
 from core.calibration.surface import string_balance
 from core.material import PRESETS, Preset
 
-from .assessment import Assessment, assess
+from .assessment import FINGERTIP, Assessment, assess
 from .reconstruct import DEEPEST, write_samples
 from .specimen import cube
 from .virtual_press import identify, press_curve

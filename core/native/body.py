@@ -29,7 +29,7 @@ class NativeError(RuntimeError):
 class Fingertip(Structure):
     """Where one fingertip goes during a call: dm_fingertip."""
 
-    _fields_ = fields(first="d3", last="d3", radius="d", contact_radius="d", down="n", fresh="n")
+    _fields_ = fields(first="d3", last="d3", radius="d", down="n", fresh="n")
     _fields_.insert(0, ("from_", c_double * 3))
 
 
@@ -64,7 +64,7 @@ def _letters(kind: Any) -> str:
 
 # whole structures, written and read as flat numbers: far faster than field by field
 _PACKED_MOTION, _PACKED_FRAME = struct.Struct(_letters(CMotion)), struct.Struct(_letters(CFrame))
-_LIFTED = (*[0.0] * 11, 0, 0)
+_LIFTED = (*[0.0] * 10, 0, 0)
 _NO_PINS = 0, 0, 0.0, 0.0
 _TOUCH_NUMBERS = len(_letters(CTouch))
 
@@ -155,7 +155,7 @@ class Body:
         numbers: list[Any] = [motion.ticks, motion.substeps, motion.tick]
         for tip in motion.fingertips:
             numbers += _LIFTED if tip is None else (
-                *tip.start, *tip.first, *tip.last, tip.radius, tip.contact_radius, True, tip.fresh,
+                *tip.start, *tip.first, *tip.last, tip.radius, True, tip.fresh,
             )  # fmt: skip
         numbers += _LIFTED * (3 - len(motion.fingertips))
         pins = None

@@ -25,7 +25,7 @@ class Constants(Structure):
     """The numbers of a body that may change while it lives: dm_constants."""
 
     _fields_ = fields(
-        stiffness="p", damping="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p", drag="p",
+        stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p", drag="p",
         laws="p", materials="n", gravity="d3", ground="d", law_set="i", fill="i", free="i",
     )  # fmt: skip
 
@@ -102,7 +102,7 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
     """Return the numbers of a model that may change while its body lives."""
     matching = model.matching
     return Constants(
-        stiffness=arrays.double(model.springs.stiffness), damping=arrays.double(model.springs.damping),
+        stiffness=arrays.double(model.springs.stiffness), damping=arrays.double(model.springs.damping), tension=arrays.double(matching.tension),
         mass=arrays.double(matching.mass), inverse_mass=arrays.double(model.inverse_mass),
         friction=arrays.double(model.friction), k1=arrays.double(matching.k1), k2=arrays.double(matching.k2),
         d0=arrays.double(matching.d0), drag=arrays.double(matching.damping),

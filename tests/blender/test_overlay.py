@@ -51,7 +51,7 @@ def entry(bpy: ModuleType) -> Any:
     )  # fmt: skip
     trail = [(i * 1e-3, material.law(i * 1e-3) * 1.02) for i in range(13)]
     return SimpleNamespace(
-        link=SimpleNamespace(slots=(0,)), frame=frame, trail=trail,
+        link=SimpleNamespace(slots=(0,)), frame=frame, trail=trail, refused="",
         fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
         session=SimpleNamespace(tick=1e-3, model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))),
         to_world=lambda point: tuple(12 * c for c in point),

@@ -18,6 +18,7 @@ FLOORS = {
     "core.session": 3,
     "core.poke": 3,
     "core.recording": 3,
+    "core.animation": 3,
     "core.reduction": 3,
     "core.native": 2,
     "core.solver": 2,
