@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .body.model import Model
-from .solver.motion import FingertipMotion, Vector
-from .solver.motion import Touch as TouchMotion
+from .solver.motion import FingertipMotion, Touch, Vector
 from .solver.pushed import Pushed, advance
 
 NOWHERE = (0.0, 0.0, 0.0)
@@ -50,12 +49,16 @@ class FingerOnItsWay:
         """Return the motion of some ticks, as shares of the way that are over at the end of the first and the last."""
         return FingertipMotion(self.here, self._at(first), self._at(last), self.target.radius, self.fresh)
 
-    def push(self, model: Model, touch: TouchMotion | None, seconds: float, tick: float) -> None:
+    def push(self, model: Model, touch: Touch | None, seconds: float, tick: float) -> None:
         """Move one that a force pushes by a tick [s]; touch: of the last ticks, which took so many seconds."""
         if self.pushed and self.target.force is not None:
             reaction = along(touch.impulse, NOWHERE, self.target.inward) / seconds if touch else 0.0
             radius = self.target.radius
             self.pushed = advance(self.pushed, self.target.force, reaction, model=model, radius=radius, tick=tick)
+
+    def finger(self) -> Finger:
+        """Return where it is to be; one that is pushed, where it has been pushed."""
+        return replace(self.target, position=self.here) if self.pushed else self.target
 
     def scale(self, scale: float) -> None:
         """Multiply all lengths, as if it had just been put down."""

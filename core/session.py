@@ -177,10 +177,7 @@ class Session:
     @property
     def placed(self) -> tuple[Finger | None, ...]:
         """Return where the fingertips are: those that a force pushes are where it has pushed them."""
-        return tuple(
-            replace(target, position=here) if target and here and pushed else target
-            for target, here, pushed in zip(self._targets, self._here, self._pushed, strict=True)
-        )
+        return tuple([tip.finger() if tip else None for tip in self._tips])
 
     @property
     def fingers(self) -> tuple[Finger | None, ...]:

@@ -7,6 +7,7 @@ lambda = sqrt(T / kappa). The body is flat and endless.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -28,10 +29,10 @@ def ball_force(depth: float, radius: float, spread: float) -> tuple[float, float
     widest = min(1 - 1e-12, np.sqrt(2 * depth / radius)) * radius
     a = float(brentq(lambda a: a / np.sqrt(radius**2 - a**2) - out(a), 1e-6 * widest, widest))
     under = (depth - radius) * a**2 / 2 + (radius**3 - (radius**2 - a**2) ** 1.5) / 3
-    return 2 * np.pi * (under + spread**2 * a * out(a)), a
+    return 2 * float(np.pi * (under + spread**2 * a * out(a))), a
 
 
-def height(r: Floats | float, radius: float) -> Floats | float:
+def height(r: Any, radius: float) -> Any:
     """Return how high a ball is above its lowest point at r [m]."""
     return radius - np.sqrt(radius**2 - r**2)
 

@@ -25,6 +25,7 @@ STEP_TOLERANCE = 1e-7  # [m] the last Newton step moves nothing further; what it
 NEWTON_STEPS = 25
 SMALLEST_STEP = 2e-5  # [m] of depth: with a smaller one the press has failed
 
+
 @dataclass(frozen=True, slots=True)
 class Tip:
     """A rigid tip on a shaft as wide: a ball, or a flat punch with a rounded edge.
@@ -200,9 +201,7 @@ def _equilibrium(
     return None
 
 
-def contact(
-    solid: Solid, tip: Tip, state: Floats, load: Floats, depth: float
-) -> tuple[Floats, csr_matrix, csr_matrix]:
+def contact(solid: Solid, tip: Tip, state: Floats, load: Floats, depth: float) -> tuple[Floats, csr_matrix, csr_matrix]:
     """Return the gaps (m,), their derivatives (n, m), and their curvature times the load, summed (n, n)."""
     m, at = len(solid.touch), solid.nodes[:, solid.touch]
     r, z = solid.rest[:, solid.touch] + state[at]
@@ -225,4 +224,3 @@ def complementary(compliance: Floats, gaps: Floats) -> Floats | None:
         return np.asarray(nnls(factor.T, -np.linalg.solve(factor, gaps), maxiter=30 * len(gaps))[0])
     except (np.linalg.LinAlgError, RuntimeError):
         return None
-

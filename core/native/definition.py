@@ -102,8 +102,9 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
     """Return the numbers of a model that may change while its body lives."""
     matching = model.matching
     return Constants(
-        stiffness=arrays.double(model.springs.stiffness), damping=arrays.double(model.springs.damping), tension=arrays.double(matching.tension),
-        mass=arrays.double(matching.mass), inverse_mass=arrays.double(model.inverse_mass),
+        stiffness=arrays.double(model.springs.stiffness), damping=arrays.double(model.springs.damping),
+        tension=arrays.double(matching.tension), mass=arrays.double(matching.mass),
+        inverse_mass=arrays.double(model.inverse_mass),
         friction=arrays.double(model.friction), k1=arrays.double(matching.k1), k2=arrays.double(matching.k2),
         d0=arrays.double(matching.d0), drag=arrays.double(matching.damping),
         laws=arrays.double([(m.K1, m.K2, m.x0) for m in surface.materials]), materials=len(surface.materials),

@@ -1,6 +1,5 @@
 """A proxy has the mass, the forces and the shape of its mesh, within what its spacing allows."""
 
-from dataclasses import replace
 
 import numpy as np
 import pytest
