@@ -32,4 +32,10 @@ WORDS = {
     "Paused: Space or Play goes on, Esc ends and puts the rest shape back": (
         "一時停止中です。Space または再生で続け、Esc で終えて元の形に戻します"
     ),
+    "{} is not selected: leave the poke, select it and poke again to press it": (
+        "{} は選択されていません。押すのを終え、選択してからもう一度押してください"
+    ),
+    "The object is linked from another file: make it local first": (
+        "オブジェクトは別のファイルからリンクされています。先にローカル化してください"
+    ),
 }

@@ -85,3 +85,9 @@ def test_the_first_guess_keeps_the_knee_and_the_slopes(preset: object) -> None:
     width = (constants.membrane_scale * material.k * material.x0**2 / (2 * constants.kappa1)) ** 0.25
     area = math.pi * FINGERTIP**2 * (0.4 + 2 * width / material.x0)
     assert constants.kappa1 * area == pytest.approx(material.K1)
+
+
+@pytest.mark.parametrize("value", [1e33, math.inf])
+def test_a_number_beyond_all_measure_is_called_so(value: float) -> None:
+    with pytest.raises(DimpleError, match=r"^K1 is out of range \(it is (1e\+33|inf)\)"):
+        Material(K1=value, K2=1.0, x0=1.0, k=1.0, mass=1.0)
