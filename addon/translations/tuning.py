@@ -38,4 +38,5 @@ WORDS = {
     "The object is linked from another file: make it local first": (
         "オブジェクトは別のファイルからリンクされています。先にローカル化してください"
     ),
+    "Recording": "記録中",
 }
