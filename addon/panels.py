@@ -169,6 +169,9 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         column = layout.column(align=True)
         for number in (1, 2, 3):
             column.prop(settings, f"finger_{number}")
+        tips = [getattr(settings, f"finger_{number}") for number in (1, 2, 3)]
+        if any(tip and tip.type != "EMPTY" for tip in tips):
+            draw_notes(context, layout, ["A fingertip presses as a ball of this radius, whatever its shape."])
         layout.operator(Op.ADD_FINGERTIP, icon="SPHERE")
 
 

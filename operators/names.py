@@ -8,6 +8,7 @@ KEPT_KEY = "Pressed"  # the name of that key once its shape is kept
 BAKED_KEY = "Dimple Frame "  # begins the names of a bake's shape keys, before the number of the frame
 CACHE = "Dimple"  # name of the modifier that plays a bake
 CACHES_OFF = "dimple_caches_off"  # custom property of an object: its bakes that are switched off while it is live
+PAINTING = "WEIGHT_PAINT"  # the mode in which what plays goes on, with the weights that are being painted
 DEAD_MAN = "LEFT_SHIFT"  # the haptic device has force only while this key is held
 
 # the tip that measured a material: the identifiers of the core, in capitals

@@ -107,6 +107,8 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
         if event.type == "TIMER":
             return self._tick(context)
+        if context.mode != "OBJECT" and event.type != "ESC":
+            return {"PASS_THROUGH"}  # weights are painted while fingertips rest
         view = pointer.view_under(context, event)
         meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=self._state.pressing)
         if meant is None:

@@ -39,4 +39,7 @@ WORDS = {
         "オブジェクトは別のファイルからリンクされています。先にローカル化してください"
     ),
     "Recording": "記録中",
+    "A fingertip presses as a ball of this radius, whatever its shape.": (
+        "指先は、どのような形でも、この半径の球として押します。"
+    ),
 }
