@@ -111,6 +111,8 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
         column.scale_y = 1.4
+        if body is not None and body.type == "MESH" and not body.dimple.enabled:
+            column.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
         row = layout.row()
         row.enabled = body is not None and body.type == "MESH"

@@ -12,6 +12,7 @@ from . import (
     device,
     handlers,
     identify,
+    make_soft,
     measure,
     play,
     poke,
@@ -20,6 +21,7 @@ from . import (
 )
 
 PARTS = (
+    make_soft,
     poke,
     play,
     record,
