@@ -111,6 +111,8 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
         column.scale_y = 1.4
+        if body is not None and body.type == "MESH" and not body.dimple.enabled:
+            column.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
         row = layout.row()
         row.enabled = body is not None and body.type == "MESH"
@@ -172,6 +174,9 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         column = layout.column(align=True)
         for number in (1, 2, 3):
             column.prop(settings, f"finger_{number}")
+        tips = [getattr(settings, f"finger_{number}") for number in (1, 2, 3)]
+        if any(tip and tip.type != "EMPTY" for tip in tips):
+            draw_notes(context, layout, ["A fingertip presses as a ball of this radius, whatever its shape."])
         layout.operator(Op.ADD_FINGERTIP, icon="SPHERE")
 
 

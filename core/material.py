@@ -126,10 +126,11 @@ class Preset:
 
 
 def _require(holds: bool, rule: str, value: object) -> None:
-    usable = not isinstance(value, float) or abs(value) <= _LARGEST
-    if not (holds and usable):
-        why = "" if usable else ", out of range"
-        raise DimpleError(f"{rule} (it is {value}{why}). Change it in Material > Dimple.")
+    if isinstance(value, (int, float)) and abs(value) > _LARGEST:
+        name = rule.partition(" must")[0]
+        raise DimpleError(f"{name} is out of range (it is {value:.3g}). Change it in Material > Dimple.")
+    if not holds:
+        raise DimpleError(f"{rule} (it is {value}). Change it in Material > Dimple.")
 
 
 # of a body that has no material, and of a new one in the panel: the vinyl cube, as heavy as foam

@@ -15,6 +15,7 @@ from . import (
     export,
     handlers,
     identify,
+    make_soft,
     measure,
     play,
     poke,
@@ -22,6 +23,7 @@ from . import (
 )
 
 PARTS = (
+    make_soft,
     poke,
     play,
     record,

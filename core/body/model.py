@@ -32,6 +32,7 @@ from .springs import Springs
 LAW_SETS = ("consistent", "paper")
 _ALL_HELD = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
+SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
@@ -87,9 +88,13 @@ class Model:
         # the paper's equations stay literal, with their own limits
         limit = (share if self.law_set == "paper" else min(share, LONGEST_STEP)) / omega
         if not tick <= MAX_SUBSTEPS * limit:
+            todo = "Raise its mass, lower k or K2, or use a coarser mesh."
+            if self.mesh.size < SMALL:
+                size = f"{1e3 * self.mesh.size:.3g} mm"
+                todo = f"The body is only {size} large: give it a Custom Size in Physics > Dimple."
             raise DimpleError(
                 f"The material is so stiff or light on this mesh that a millisecond needs over {MAX_SUBSTEPS} steps. "
-                "Raise its mass, lower k or K2, or use a coarser mesh."
+                + todo
             )
         return math.ceil(tick / limit)
 
