@@ -8,6 +8,7 @@ from . import (
     bake,
     calibrate,
     calibrate_apply,
+    command_line,
     compare_proxies,
     device,
     export,
@@ -33,6 +34,7 @@ PARTS = (
     measure,
     compare_proxies,
     device,
+    command_line,
     handlers,
 )
 
