@@ -108,7 +108,7 @@ def read_back(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path], dict
     def read(path: Path) -> dict[str, np.ndarray]:
         out = tmp_path_factory.mktemp("read") / "out.npz"
         command = [sys.executable, str(ROOT / "tests/blender/export/read_back.py"), str(path), str(out)]
-        done = subprocess.run(command, env={"PYTHONPATH": str(readers)}, capture_output=True, text=True)
+        done = subprocess.run(command, env={"PYTHONPATH": str(readers)}, capture_output=True, text=True, timeout=120)
         assert done.returncode == 0, done.stderr
         with np.load(out) as found:
             return dict(found)
