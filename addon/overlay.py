@@ -120,7 +120,7 @@ def draw_fingers(entry: Any, screen: Screen) -> None:
 def draw_rows(body: bpy.types.Object, entry: Any, corner: Point, scale: float) -> float:
     """Write the numbers of a session upwards from a corner [px] and return where they end."""
     lines = [f"{label}: {value}" for label, value in readout.rows(entry.frame, entry.session.tick)]
-    notes = readout.sentences(entry.session.model.notes, entry.frame)
+    notes = readout.sentences([*entry.session.model.notes, *filter(None, [entry.refused])], entry.frame)
     lines = [body.name, *lines, *(line for sentence in notes for line in readout.wrapped(sentence, 60))]
     height = corner[1]
     for line in reversed(lines):

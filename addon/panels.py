@@ -6,7 +6,7 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 import bpy
 
 from ..operators.names import Op
-from ..operators.sessions import sessions
+from ..operators.sessions import identifying, sessions
 from . import calibration, device, readout
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
@@ -40,14 +40,10 @@ class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
         DIMPLE_PT_material_presets.draw_panel_header(self.layout)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the source, the constants, then what is wrong with them."""
+        """Draw the constants, then their source and what is wrong: no field moves away under the mouse."""
         settings, layout = context.material.dimple, self.layout
         layout.use_property_split = True
-        if settings.provenance:
-            draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
-            if settings.edited:
-                draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
-        for names in (("K1", "K2", "x0"), ("k",)):
+        for names in (("K1", "K2", "x0"), ("k", "spread_mm")):
             column = layout.column(align=True)
             for name in names:
                 column.prop(settings, name)
@@ -58,6 +54,10 @@ class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
         layout.prop(settings, "friction", slider=True)
         layout.prop(settings, "fill")
         draw_notes(context, layout, wrong_with(settings), "ERROR")
+        if settings.provenance:
+            if settings.edited:
+                draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
+            draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
 
 
 class DIMPLE_PT_body(bpy.types.Panel):
@@ -125,6 +125,9 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
             draw_notes(context, layout, ["Select a mesh to press it."])
         elif context.window_manager.dimple.state:
             draw_notes(context, layout, [context.window_manager.dimple.state])
+        share = identifying()
+        if share is not None:
+            layout.progress(factor=share, text=readout.iface_("Identifying: the force is an estimate so far"))
 
 
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
@@ -146,7 +149,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
         for label, value in readout.rows(entry.frame, entry.session.tick):
             labels.label(text=label, translate=False)
             values.label(text=value, translate=False)
-        notes = [*entry.session.model.notes, *filter(None, [entry.session.backend_note])]
+        notes = [*entry.session.model.notes, *filter(None, [entry.session.backend_note, entry.refused])]
         draw_notes(context, layout, readout.sentences(notes, entry.frame))
 
 
@@ -161,6 +164,9 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         settings, layout = context.scene.dimple, self.layout
         layout.use_property_split = True
         layout.prop(settings, "finger_radius_mm", text="Radius (mm)")
+        layout.row().prop(settings, "press_by", expand=True)
+        by_force = settings.press_by == "FORCE"
+        layout.prop(settings, "press_force_n" if by_force else "press_depth_mm")
         layout.prop(settings, "poke_along")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)

@@ -1,8 +1,8 @@
 """What Blender stores: the settings of a material, a body and a scene, and the state of the running session.
 
 Operators read these through RNA only (`obj.dimple.to_params()`), so names and units here are the contract.
-Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. Nothing is animatable: a session reads
-its settings when it starts, so a keyframe would have no effect.
+Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. Nothing is animatable, but what
+runs takes a changed setting at its next step.
 """
 
 import bpy
@@ -42,6 +42,11 @@ _POKE_ALONG = (
     ("NORMAL", "Surface", "The fingertip moves straight into the surface it touches"),
 )
 
+_PRESS_BY = (
+    ("DEPTH", "Depth", "The fingertip goes as deep as it is told; the force is what the body answers"),
+    ("FORCE", "Force", "The fingertip pushes with a force; the softer the body, the deeper it sinks in"),
+)
+
 
 def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     # constants that are changed are no longer what the source measured
@@ -78,6 +83,10 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **FIXED,
     )  # fmt: skip
     k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the surface against stretching")
+    spread_mm: FloatProperty(
+        name="Spread (mm)", description="How far a dent reaches beyond the fingertip",
+        default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **FIXED,
+    )  # fmt: skip
     mass_from: EnumProperty(
         name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED
     )
@@ -122,12 +131,16 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
 
     def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""
+        from ..core.material import Indenter  # not at import: it needs numpy, and enabling must be quick
+
         mass = {"density": exact(self.density)} if self.mass_from == "DENSITY" else {"mass": exact(self.mass_kg)}
         return {
             "K1": exact(self.K1, 1),  # [N/m]
             "K2": exact(self.K2, 1),
             "k": exact(self.k, 1),
             "x0": exact(self.x0, -1),  # [m]
+            "spread": exact(self.spread_mm, -1),
+            "indenter": Indenter(shape=self.tip.lower(), radius=exact(self.tip_radius_mm, -1)),
             **mass,
             "damping_ratio": exact(self.damping_ratio),
             "friction": exact(self.friction),
@@ -140,7 +153,7 @@ def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
     """Return the model constants where there are any; `operators.calibration.changed` says whether they still hold."""
     if not all(getattr(settings, name) > 0 for name in _MODEL_CONSTANTS):
         return {}
-    from ..core.material import ModelConstants  # not at import: it needs numpy, and enabling must be quick
+    from ..core.material import ModelConstants
 
     kappa = {"kappa1": exact(settings.kappa1, 2), "kappa2": exact(settings.kappa2, 2)}  # [N/m3]
     constants = ModelConstants(**kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale))
@@ -203,6 +216,18 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     poke_along: EnumProperty(
         name="Poke Along", description="Direction in which the fingertip presses", items=_POKE_ALONG, **FIXED
     )
+    press_by: EnumProperty(
+        name="Press By", description="What a press, the wheel with Ctrl and a pen's pressure mean", items=_PRESS_BY,
+        **FIXED,
+    )  # fmt: skip
+    press_depth_mm: FloatProperty(
+        name="Press Depth (mm)", description="How deep a press goes, by depth",
+        default=15.0, min=0.01, soft_min=0.1, soft_max=200.0, step=10, precision=2, **FIXED,
+    )  # fmt: skip
+    press_force_n: FloatProperty(
+        name="Press Force (N)", description="How strong a press is, by force",
+        default=5.0, min=0.001, soft_min=0.1, soft_max=100.0, step=10, precision=2, **FIXED,
+    )  # fmt: skip
     frame_budget_percent: FloatProperty(
         name="Simulation Share (%)",
         description="Share of the processor time that the simulation of all bodies may use; "
@@ -233,7 +258,7 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         default=True, **FIXED,
     )  # fmt: skip
     show_chart: BoolProperty(
-        name="Chart", description="Draw force against depth, with the measured curve",
+        name="Chart", description="Draw force against depth, with the material's curve",
         default=True, **FIXED,
     )  # fmt: skip
 

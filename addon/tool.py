@@ -22,6 +22,8 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
         settings = context.scene.dimple
         layout.prop(settings, "active_finger")
         layout.prop(settings, "finger_radius_mm")
+        layout.prop(settings, "press_by", expand=True)
+        layout.prop(settings, "press_force_n" if settings.press_by == "FORCE" else "press_depth_mm")
         layout.prop(settings, "poke_along")
 
 

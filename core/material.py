@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from .base import DimpleError
 
 _LARGEST = 1e12  # in any unit: beyond it sums overflow
 FILLS = ("air", "liquid", "none")
+TIPS = ("point", "punch", "sphere")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Indenter:
+    """A tip that presses: its shape, "point" (a small flat punch), "punch" (flat) or "sphere", and its radius [m]."""
+
+    shape: str = "point"
+    radius: float = 0.002
+
+    def __post_init__(self) -> None:
+        if self.shape not in TIPS:
+            raise DimpleError(f"The tip must be one of {', '.join(TIPS)} (it is {self.shape}).")
+        if not 0 < self.radius < math.inf:
+            raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * self.radius:g}).")
+
+
+POINT = Indenter()  # the paper's sensor "touches at a point"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +60,8 @@ class Material:
         K2: slope beyond the knee [N/m].
         x0: depth of the knee [m].
         k: surface spring constant [N/m], Eq. (4).
+        spread: how far a dent reaches beyond the fingertip [m]; 0: not at all, like a bed of springs.
+        indenter: the tip that measured K1, K2 and x0.
         mass: of a body that is all of this material [kg]; or
         density: [kg/m3], times the volume of the body; a sheet, which encloses none, is taken to be as thick as a
             twentieth of its size. Give exactly one of the two.
@@ -57,6 +78,8 @@ class Material:
     K2: float
     x0: float
     k: float
+    spread: float = 0.02
+    indenter: Indenter = POINT
     mass: float | None = None
     density: float | None = None
     damping_ratio: float = 0.2
@@ -67,6 +90,7 @@ class Material:
     def __post_init__(self) -> None:
         for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):
             _require(getattr(self, name) > 0, f"{name} must be greater than 0 {unit}", getattr(self, name))
+        _require(self.spread >= 0, "The spread must not be negative", self.spread)
         given = "both" if self.mass else "neither"
         _require((self.mass is None) != (self.density is None), "Give either a mass or a density", given)
         if self.mass is not None:
@@ -118,7 +142,7 @@ PRESETS = (
     Preset(
         name="object_1_nylon_air",
         label="Nylon cube, air, 50 mm",
-        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, mass=0.1, fill="air"),
+        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, spread=0.006, mass=0.1, fill="air"),
         size=0.050,
         provenance=_SOURCE,
     ),

@@ -16,9 +16,10 @@ from .mesh.ray import Vector
 from .session import Finger
 
 FINGERS = 3
-WHEEL_STEP = 1.1  # a click of the wheel changes radius or depth by this factor
+WHEEL_STEP = 1.1  # a click of the wheel changes radius, depth or force by this factor
 RADIUS_RANGE = (1e-5, 10.0)  # [m]
 DEPTH_RANGE = (1e-5, 10.0)  # [m]
+FORCE_RANGE = (1e-3, 1e4)  # [N]
 SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
 
 
@@ -29,7 +30,8 @@ class Kind(Enum):
     PRESS = auto()
     RELEASE = auto()
     RADIUS = auto()  # [clicks of the wheel]
-    DEPTH = auto()  # [clicks of the wheel]
+    AMOUNT = auto()  # of depth or force [clicks of the wheel]
+    BY_FORCE = auto()  # or by depth again
     FINGER = auto()  # [1, 2 or 3]
     PAUSE = auto()
     RECORD = auto()
@@ -42,7 +44,6 @@ class Effect(Enum):
     """Name what the caller must do."""
 
     STEP = auto()  # advance the sessions by the event's time
-    PUSH_UNDO = auto()  # a stroke has ended
     RECORD = auto()  # start or stop recording
     KEEP = auto()  # end and keep the shape
     RESTORE = auto()  # end and put the rest shape back
@@ -92,8 +93,9 @@ class PokeTip:
     aim: where it is now.
     goal: where a drag leads it.
     radius: of its sphere [m].
-    depth: wanted [m].
-    reached: so far [m].
+    wanted: depth [m] or force [N].
+    by_force: it is pushed by a force.
+    reached: of what is wanted, so far.
     leaving: it moves out of the body.
     """
 
@@ -101,16 +103,18 @@ class PokeTip:
     aim: Aim
     goal: Aim
     radius: float
-    depth: float
+    wanted: float
+    by_force: bool = False
     reached: float = 0.0
     leaving: bool = False
 
     @property
     def finger(self) -> Finger:
         """Return where the fingertip is, for a session."""
-        return Finger(
-            along(along(self.aim.at, self.aim.outward, self.radius), self.aim.inward, self.reached), self.radius
-        )
+        touching = along(self.aim.at, self.aim.outward, self.radius)
+        if self.by_force:
+            return Finger(touching, self.radius, self.reached, self.aim.inward)
+        return Finger(along(touching, self.aim.inward, self.reached), self.radius)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,6 +122,8 @@ class PokeState:
     """Settings and fingertips of a poke.
 
     radius, depth: of the next press [m].
+    force: of the next press [N].
+    by_force: that force pushes, and the depth is what comes of it.
     press_s, release_s: how long going in and coming out take [s].
     along_normal: press along the surface normal rather than the view.
     active: the finger the pointer moves.
@@ -129,6 +135,8 @@ class PokeState:
 
     radius: float
     depth: float
+    force: float = 5.0
+    by_force: bool = False
     press_s: float = 0.25
     release_s: float = 0.25
     along_normal: bool = False
@@ -150,15 +158,16 @@ def on_event(state: PokeState, event: PokeEvent) -> Result:
         case Kind.PRESS:
             return _press(state, event), ()
         case Kind.RELEASE:
-            return _release(state)
+            return _release(state), ()
         case Kind.RADIUS:
             radius = _clamped(state.radius * WHEEL_STEP**event.amount, RADIUS_RANGE)
             return _reshaped(replace(state, radius=radius), event), ()
-        case Kind.DEPTH:
-            depth = _clamped(state.depth * WHEEL_STEP**event.amount, DEPTH_RANGE)
-            return _reshaped(replace(state, depth=depth), event), ()
+        case Kind.AMOUNT:
+            return _reshaped(_scaled(state, WHEEL_STEP**event.amount), event), ()
+        case Kind.BY_FORCE:
+            return replace(state, by_force=not state.by_force), ()
         case Kind.FINGER:
-            return _choose(state, int(event.amount) - 1)
+            return _choose(state, int(event.amount) - 1), ()
         case Kind.PAUSE:
             return replace(state, paused=not state.paused), ()
         case Kind.RECORD:
@@ -182,6 +191,17 @@ def fingers(state: PokeState, body: int) -> tuple[Finger | None, ...]:
     return tuple(tip.finger if tip and tip.body == body else None for tip in state.tips)
 
 
+def with_settings(state: PokeState, **settings: float | bool) -> PokeState:
+    """Return a state whose settings were changed elsewhere than by an event; a press under way takes them too."""
+    return _reshaped(replace(state, **settings), PokeEvent(kind=Kind.AMOUNT))  # type: ignore[arg-type]
+
+
+def lifted(state: PokeState, body: int) -> PokeState:
+    """Return a state whose fingertips are off a body: it has another size, so they would be elsewhere on it."""
+    tips = tuple(None if tip and tip.body == body else tip for tip in state.tips)
+    return replace(state, tips=tips, pressing=state.pressing and tips[state.active] is not None, hover=None)
+
+
 def along(a: Vector, b: Vector, factor: float) -> Vector:
     """Return a + factor b."""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
@@ -193,40 +213,41 @@ def _move(state: PokeState, event: PokeEvent) -> PokeState:
         return state
     on_body = event.hit and event.hit.body == tip.body
     goal = _aim(state, event.hit, event.view) if event.hit and on_body else tip.goal
-    return _with_tip(state, replace(tip, depth=state.depth * event.pressure, goal=goal))
+    return _with_tip(state, replace(tip, wanted=_amount(state, tip.by_force) * event.pressure, goal=goal))
 
 
 def _press(state: PokeState, event: PokeEvent) -> PokeState:
     if event.hit is None:
         return state
-    aim, depth = _aim(state, event.hit, event.view), state.depth * event.pressure
-    tip = PokeTip(body=event.hit.body, aim=aim, goal=aim, radius=state.radius, depth=depth)
+    aim, wanted = _aim(state, event.hit, event.view), _amount(state, state.by_force) * event.pressure
+    tip = PokeTip(
+        body=event.hit.body, aim=aim, goal=aim, radius=state.radius, wanted=wanted, by_force=state.by_force
+    )  # fmt: skip
     return replace(_with_tip(state, tip), pressing=True, hover=event.hit)
 
 
-def _release(state: PokeState) -> Result:
+def _release(state: PokeState) -> PokeState:
     tip = state.tips[state.active]
     if not (state.pressing and tip):
-        return state, ()
-    return replace(_with_tip(state, _leaving(tip)), pressing=False), (Effect.PUSH_UNDO,)
+        return state
+    return replace(_with_tip(state, _leaving(tip)), pressing=False)
 
 
-def _choose(state: PokeState, chosen: int) -> Result:
+def _choose(state: PokeState, chosen: int) -> PokeState:
     """Choose a finger. One that presses stays, so that a pinch can be set up; chosen again it leaves."""
     if not 0 <= chosen < FINGERS:
-        return state, ()
+        return state
     if chosen == state.active:
         tip = state.tips[chosen]
         if state.pressing or tip is None or tip.leaving:
-            return state, ()
-        return _with_tip(state, _leaving(tip)), ()
-    effects = (Effect.PUSH_UNDO,) if state.pressing else ()
-    return replace(state, active=chosen, pressing=False), effects
+            return state
+        return _with_tip(state, _leaving(tip))
+    return replace(state, active=chosen, pressing=False)
 
 
 def _leaving(tip: PokeTip) -> PokeTip:
-    # from the depth it has reached, so that release_s holds for a press cut short too
-    return replace(tip, leaving=True, depth=tip.reached)
+    # from what it has reached, so that release_s holds for a press cut short too
+    return replace(tip, leaving=True, wanted=tip.reached)
 
 
 def _moved(tip: PokeTip | None, state: PokeState, dt: float) -> PokeTip | None:
@@ -234,12 +255,12 @@ def _moved(tip: PokeTip | None, state: PokeState, dt: float) -> PokeTip | None:
     if tip is None:
         return None
     if tip.leaving:
-        reached = tip.reached - _travel(tip.depth, state.release_s, dt)
+        reached = tip.reached - _travel(tip.wanted, state.release_s, dt)
         if reached <= 1e-9:
             return None
     else:
-        most = _travel(max(tip.depth, state.depth), state.press_s, dt)
-        reached = tip.reached + max(-most, min(most, tip.depth - tip.reached))
+        most = _travel(max(tip.wanted, _amount(state, tip.by_force)), state.press_s, dt)
+        reached = tip.reached + max(-most, min(most, tip.wanted - tip.reached))
     return replace(tip, aim=_slid(tip.aim, tip.goal, -math.expm1(-dt / SLIDE_S)), reached=reached)
 
 
@@ -251,8 +272,18 @@ def _slid(aim: Aim, goal: Aim, share: float) -> Aim:
     )
 
 
-def _travel(depth: float, duration: float, dt: float) -> float:
-    return math.inf if duration <= 0 else depth * dt / duration
+def _travel(whole: float, duration: float, dt: float) -> float:
+    return math.inf if duration <= 0 else whole * dt / duration
+
+
+def _amount(state: PokeState, by_force: bool) -> float:
+    return state.force if by_force else state.depth
+
+
+def _scaled(state: PokeState, factor: float) -> PokeState:
+    if state.by_force:
+        return replace(state, force=_clamped(factor * state.force, FORCE_RANGE))
+    return replace(state, depth=_clamped(factor * state.depth, DEPTH_RANGE))
 
 
 def _aim(state: PokeState, hit: Hit, view: Vector) -> Aim:
@@ -268,7 +299,8 @@ def _reshaped(state: PokeState, event: PokeEvent) -> PokeState:
     tip = state.tips[state.active]
     if not (state.pressing and tip):
         return state
-    return _with_tip(state, replace(tip, radius=state.radius, depth=state.depth * event.pressure))
+    wanted = _amount(state, tip.by_force) * event.pressure
+    return _with_tip(state, replace(tip, radius=state.radius, wanted=wanted))
 
 
 def _clamped(value: float, limits: tuple[float, float]) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from itertools import zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -17,23 +17,17 @@ import numpy.typing as npt
 
 from .base import TICK, DimpleError, Floats
 from .body.model import Model
+from .fingertip import Finger as Finger
+from .fingertip import FingerOnItsWay, between, sent
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
-from .reduction.proxy import Proxy, carry, contact_radius
+from .reduction.proxy import Proxy, carry
 from .solver import motion
 from .solver.backend import choose_backend, create
-from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion, Vector
+from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
-
-
-@dataclass(frozen=True, slots=True)
-class Finger:
-    """A fingertip: the centre (3,) and radius of a sphere [m]."""
-
-    position: Vector
-    radius: float
 
 
 class Frame(NamedTuple):
@@ -87,28 +81,17 @@ class Session:
     def __init__(self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None) -> None:
         if not tick > 0:
             raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
-        self.model, self.proxy, self.tick = model, proxy, tick
-        moves = proxy.model if proxy else model
-        self.substeps = moves.substeps(tick)
+        self.tick = tick
         self.backend, self.backend_note = choose_backend(backend)
+        moves = self._define(model, proxy)
         self.body = create(moves, surface=model, backend=self.backend)
-        self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
-        self._input_of = input_vertices(model.mesh)
-        # the vertices of the mesh whose places are prescribed
-        self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
-        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
-        self._material_of = model.mesh.triangle_material.tolist()
         self.reset()
 
     def reset(self) -> None:
         """Put the body back to rest and let go of it."""
         self.body.set_state(self.body.model.matching.rest)
         self._time, self._ticks, self._cost = 0.0, 0, 0.0
-        self._here: list[Vector | None] = []  # where each fingertip is, None where it is lifted
-        self._origins: list[Vector | None] = []  # where it was at the begin of the step under way
-        self._fresh: list[bool] = []
-        self._targets: list[Finger | None] = []
-        self._radii: list[float] = []  # with which it meets what moves [m]
+        self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
         self._pins_target: Floats | None = None
@@ -127,19 +110,11 @@ class Session:
             if finger and not (
                 finger.radius > 0
                 and len(finger.position) == 3
-                and all(map(math.isfinite, (*finger.position, finger.radius)))
+                and all(map(math.isfinite, (*finger.position, *finger.inward, finger.radius, finger.force or 0.0)))
             ):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
-        self._targets = list(fingers)
-        self._radii = [self._contact_radius(finger.radius) if finger else 0.0 for finger in fingers]
-        missing = len(fingers) - len(self._here)
-        self._here = [*self._here, *[None] * missing][: len(fingers)]
-        self._origins = [*self._origins, *[None] * missing][: len(fingers)]
-        self._fresh = [*self._fresh, *[True] * missing][: len(fingers)]
-        for i, finger in enumerate(fingers):
-            if finger is None or self._here[i] is None:
-                self._here[i] = self._origins[i] = _vector(finger.position) if finger else None
-                self._fresh[i] = True
+        before = [*self._tips, *[None] * len(fingers)]
+        self._tips = [sent(tip, finger) for tip, finger in zip(before, fingers, strict=False)]
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -168,8 +143,10 @@ class Session:
         started = time.perf_counter()
         self._begin, self._end = self._time, self._time + dt
         end, due = self._end, math.floor(self._end / self.tick + 1e-6)
-        impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._targets), 0, ""
+        impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._tips), 0, ""
         most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
+        if any(tip and tip.pushed for tip in self._tips):
+            most = 1  # each tick moves them
         while self._ticks < due:
             result = self._run(min(due - self._ticks, most))
             done += result.ticks
@@ -198,9 +175,14 @@ class Session:
         return self.frame
 
     @property
+    def placed(self) -> tuple[Finger | None, ...]:
+        """Return where the fingertips are: those that a force pushes are where it has pushed them."""
+        return tuple([tip.finger() if tip else None for tip in self._tips])
+
+    @property
     def fingers(self) -> tuple[Finger | None, ...]:
         """Return where the fingertips are to be at the end of the next step."""
-        return tuple(self._targets)
+        return tuple([tip.target if tip else None for tip in self._tips])
 
     def positions(self) -> npt.NDArray[np.float32]:
         """Return where the input vertices (N, 3) [m] are now."""
@@ -218,15 +200,58 @@ class Session:
             for touch in self._last.touches
         )  # fmt: skip
 
+    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
+        """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
+
+        A vertex that is pinned by it stays where it is then, until pins are led elsewhere.
+
+        Args:
+            proxy: what moves in place of the new model, None where it moves itself.
+            scale: by which all lengths of the new model are larger.
+
+        Raises:
+            DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
+        """
+        moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
+        moves.substeps(self.tick)
+        if len(model.matching.rest.T) != len(surface.matching.rest.T):
+            raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
+        skin = scale * self._skin()
+        if model.mesh is surface.mesh and moves.mesh is before.mesh:
+            self.body.set_constants(moves, surface=model)
+        else:
+            at, speed = skin, scale * self._skin_velocities()
+            if proxy:
+                at, speed = at[proxy.seeds], speed[proxy.seeds]
+            self.body = create(moves, surface=model, backend=self.backend)
+            self.body.set_state(at.T, speed.T)
+            for tip in filter(None, self._tips):
+                tip.scale(scale)
+            self._pins_target = None
+        self._define(model, proxy)
+        self._pins_origin = skin.T
+
+    def _define(self, model: Model, proxy: Proxy | None) -> Model:
+        """Set what follows from a model and its proxy; return the one that moves."""
+        moves = proxy.model if proxy else model
+        self.substeps = moves.substeps(self.tick)
+        self.model, self.proxy = model, proxy
+        self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
+        self._input_of = input_vertices(model.mesh)
+        # the vertices of the mesh whose places are prescribed
+        self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
+        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
+        self._material_of = model.mesh.triangle_material.tolist()
+        return moves
+
     def _share(self, time: float) -> float:
         """Return how much of the step under way is over at a time [s]: 0 at its begin, 1 at its end."""
         return min((time - self._begin) / max(self._end - self._begin, 1e-30), 1.0)
 
     def _move_origins(self, share: float) -> None:
-        self._origins = [
-            _between(origin, target.position, share) if origin is not None and target else origin
-            for origin, target in zip(self._origins, self._targets, strict=True)
-        ]
+        for tip in self._tips:
+            if tip:
+                tip.origin = between(tip.origin, tip.target.position, share)
         if self._pins_target is not None:
             whole = share >= 1
             way = self._pins_target - self._pins_origin
@@ -234,6 +259,10 @@ class Session:
 
     def _run(self, ticks: int) -> motion.Frame:
         """Run some ticks of the step under way."""
+        seconds = max(self._last.ticks, 1) * self.tick
+        for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
+            if tip:
+                tip.push(self.body.model, touch, seconds, self.tick)
         first, last = self._share((self._ticks + 1) * self.tick), self._share((self._ticks + ticks) * self.tick)
         pins = self._pins(first, last)
         self._last = result = self.body.step(
@@ -242,28 +271,20 @@ class Session:
         self._ticks += result.ticks
         if pins and pins.last >= 1 and self._pins_target is not None:  # they have arrived
             self._pins_origin, self._pins_target = self._pins_target, None
-        for i, touch in enumerate(result.touches):
-            if touch:
-                self._here[i], self._fresh[i] = touch.centre, False
+        for tip, touch in zip(self._tips, result.touches, strict=True):
+            if tip and touch:
+                tip.here, tip.fresh = touch.centre, False
         return result
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
         result = self.body.step(Motion(0, self.substeps, self.tick, self._fingertips(0.0, 0.0)))
-        self._fresh = [touch is None for touch in result.touches]
+        for tip in filter(None, self._tips):
+            tip.fresh = False
         return result
 
     def _fingertips(self, first: float, last: float) -> tuple[FingertipMotion | None, ...]:
-        return tuple([
-            FingertipMotion(
-                here, _between(origin, target.position, first), _between(origin, target.position, last),
-                target.radius, radius, fresh,
-            )
-            if here is not None and target and origin is not None else None
-            for here, origin, target, radius, fresh in zip(
-                self._here, self._origins, self._targets, self._radii, self._fresh, strict=True
-            )
-        ])  # fmt: skip
+        return tuple([tip.motion(first, last) if tip else None for tip in self._tips])
 
     def _pins(self, first: float, last: float) -> PinMotion | None:
         if self._pins_target is None:
@@ -271,10 +292,6 @@ class Session:
         if self._pins_origin is self._pins_target:  # the step before ended between two ticks
             first = last = 1.0
         return PinMotion(self._pins_origin[:, self._pinned], self._pins_target[:, self._pinned], first, last)
-
-    def _contact_radius(self, radius: float) -> float:
-        """Return the radius [m] with which a fingertip meets what moves."""
-        return contact_radius(self.proxy, radius) if self.proxy else radius
 
     def _skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
@@ -284,6 +301,11 @@ class Session:
         skin, still = carry(self.proxy, x), self.proxy.still
         skin[still] = self._pins_origin.T[still]
         return skin
+
+    def _skin_velocities(self) -> Floats:
+        """Return how fast the vertices (n, 3) [m/s] of the mesh move, about."""
+        v = self.body.velocities().T
+        return v if self.proxy is None else np.einsum("kn,knc->nc", self.proxy.weights, v[self.proxy.followed])
 
     def _show(self, forces: Floats, steps: int, cost: float, note: str) -> Frame:
         self._cost += cost
@@ -305,12 +327,3 @@ class Session:
             not note,
             note,
         )
-
-
-def _vector(a: Sequence[float]) -> Vector:
-    x, y, z = a
-    return float(x), float(y), float(z)
-
-
-def _between(a: Vector, b: Vector, share: float) -> Vector:
-    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])

@@ -5,6 +5,8 @@ objects, live steps it. Nothing heavy is imported here: numpy, trimesh and the c
 """
 
 from . import (
+    add_fingertip,
+    apply_preset,
     bake,
     calibrate,
     calibrate_apply,
@@ -17,7 +19,6 @@ from . import (
     measure,
     play,
     poke,
-    preset,
     record,
 )
 
@@ -27,7 +28,8 @@ PARTS = (
     record,
     bake,
     export,
-    preset,
+    apply_preset,
+    add_fingertip,
     calibrate,
     calibrate_apply,
     identify,

@@ -39,7 +39,7 @@ def borrow(body: bpy.types.Object, link: ObjectLink, *, others: Collection[int] 
     mesh, shared = body.data, None
     if is_shared(mesh) or mesh.session_uid in others:
         shared, body.data = mesh.session_uid, mesh.copy()
-        _remember("Press a copy of a shared mesh")
+        remember("Press a copy of a shared mesh")
     if not body.data.shape_keys:
         carry_rest(body.data, link.rest)
     _switch_caches_off(body)
@@ -129,7 +129,7 @@ def give_back(
     if not undoing and copy.session_uid == borrowed.copy and _exchange(body, borrowed.shared):
         if not copy.users:
             bpy.data.meshes.remove(copy)
-        _remember("Give the shared mesh back")
+        remember("Give the shared mesh back")
 
 
 def keep(body: bpy.types.Object) -> None:
@@ -185,8 +185,11 @@ def _exchange(body: bpy.types.Object, uid: int | None) -> bool:
     return True
 
 
-def _remember(what: str) -> None:
-    """Push an undo step: Blender must know which mesh an object has, or an undo gives it one that is gone."""
+def remember(what: str) -> None:
+    """Push an undo step, where there are any.
+
+    For one, Blender must know which mesh an object has, or an undo gives it one that is gone.
+    """
     if bpy.ops.ed.undo_push.poll():
         bpy.ops.ed.undo_push(message=what)
 

@@ -111,7 +111,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Read and fit; nothing is lost where that fails."""
         from ..core.base import DimpleError
         from ..core.calibration.calibrate import calibrate
-        from ..core.calibration.indent import Indenter
+        from ..core.material import Indenter
         from ..core.calibration.question import Undecided, WrongColumns
 
         try:

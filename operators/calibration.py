@@ -90,7 +90,8 @@ def fingerprint(settings: Any, mesh: Mesh | None = None) -> dict[str, float | st
         settings: of the material: what was measured, with which tip.
         mesh: on which they are identified, wherever it stands; None leaves it out.
     """
-    found = {name: getattr(settings, name) for name in ("K1", "K2", "x0", "k", "fill", "tip", "tip_radius_mm")}
+    names = ("K1", "K2", "x0", "k", "spread_mm", "fill", "tip", "tip_radius_mm")
+    found = {name: getattr(settings, name) for name in names}
     if mesh is not None:
         found["vertices"] = len(mesh.rest_positions)
         found["area"], found["volume"] = float(mesh.triangle_areas.sum()), float(mesh.volume)  # [m2], [m3]

@@ -52,6 +52,8 @@ def _goes_on(obj: bpy.types.Object, body: sessions.LiveBody) -> bool:
 def _on_undo(*_: object) -> None:
     """Go on where the object is still there; an undo may bring back meshes that it caught pressed."""
     sessions.disarm()  # it may put anything under a fingertip of the haptic device at once
+    for run in sessions.runs:
+        run.shown = ("", "")  # an undo takes the text of the status bar away
     if sessions.sessions:
         from . import bridge
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, haptic, sessions, showing
+from . import bridge, haptic, sessions, showing, tuning
+from .messages import Note
 from .sessions import LiveBody, ModalRun
 
 LONGEST_S = 0.1  # after a hiccup of Blender, time is lost rather than jumped over
@@ -80,12 +81,16 @@ def advance(
         obj = bridge.find(uid, body.name)
         assert obj  # else its session has just ended
         try:
-            messages += step(context, obj, body, dt, (pressed or {}).get(uid, ()), share)
+            messages += step(context, obj, body, max(dt - body.lead, 0.0), (pressed or {}).get(uid, ()), share)
+            body.lead += body.frame.steps * body.session.tick
         except DimpleError as error:
             messages += [str(error), *sessions.stop(uid)]
         if body.frame.note:
             sessions.disarm()  # it is back at rest at once, which may be on a fingertip
             messages.append(f'"{body.name}": {body.frame.note}')
+    slowest = min((body.lead for body in sessions.sessions.values()), default=0.0)
+    for body in sessions.sessions.values():
+        body.done, body.lead = body.lead, body.lead - slowest  # the others wait for it: all have one clock
     haptic.write(context.scene)
     return messages
 
@@ -99,6 +104,10 @@ def step(
     budget: float | None,
 ) -> list[str]:
     """Step one session, show and record it; return sentences for the artist."""
+    link, messages = body.link, tuning.follow(context, obj, body)
+    if body.link is not link:
+        pressed = ()  # those were in metres of another size
+        sessions.disarm()  # which may put it under a fingertip of the haptic device at once
     follow(obj, body)
     others = haptic.fingertips(context.scene, body) or fingertips(context.scene, body.link.scale)
     fingers = merged(others, pressed)
@@ -106,8 +115,8 @@ def step(
     # one that goes from hand to hand is lifted: it would fly through the body, and a device would render the flight
     body.session.set_fingers([None if i in before ^ body.poked else finger for i, finger in enumerate(fingers)])
     body.session.set_fingers(fingers)
-    body.fingers = fingers
     frame = body.session.step(dt, budget=budget)
+    body.fingers = merged(body.session.placed, ())
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
         body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
@@ -116,8 +125,9 @@ def step(
         try:
             body.recorder.append(frame.time, local, frame)
         except OSError as error:
-            return [body.recorder.cut_short(body.name, error), *sessions.end_recording(body)]
-    return []
+            ended = body.recorder.cut_short(body.name, error)
+            messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]
+    return messages
 
 
 def follow(obj: bpy.types.Object, body: LiveBody) -> None:
@@ -154,5 +164,5 @@ def ask(scene: bpy.types.Scene, run: ModalRun, wall: float) -> tuple[float, floa
 
 def adapt(run: ModalRun, asked: float) -> None:
     """Set the size of the next step by what the slowest session has just managed."""
-    done = min((body.frame.steps * body.session.tick for body in sessions.sessions.values()), default=asked)
+    done = min((body.done for body in sessions.sessions.values()), default=asked)
     run.step_s = min(max(2 * done, SHORTEST_S), LONGEST_S)

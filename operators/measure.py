@@ -72,7 +72,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; a body is at rest before it is pressed."""
-        from ..core.calibration.indent import Indenter
+        from ..core.material import Indenter
         from . import indentation
 
         sessions.stop_all()

@@ -102,6 +102,20 @@ class Recorder:
     def _between(self, local: Singles, share: float) -> Singles:
         return self._local + (local - self._local) * max(share, 0.0)
 
+    @property
+    def frames(self) -> int:
+        """Return how many frames there are so far."""
+        return self._cache.samples
+
+    def summary(self, name: str, scene_end: int) -> str:
+        """Return the sentence for the artist on a recording of an object that has ended."""
+        last = self._start_frame + self.frames - 1
+        beyond = f", beyond the scene's last frame {scene_end}" if last > scene_end else ""
+        return (
+            f'Recorded {self.frames} frames of "{name}" to {self._path.name}: when its session has ended, it plays '
+            f"them from frame {self._start_frame} to {last}{beyond}."
+        )
+
     def close(self) -> None:
         """Close the files.
 

@@ -7,6 +7,7 @@ import bpy
 from bpy.props import FloatProperty, IntProperty
 
 from . import polls, sessions, showing
+from .messages import report
 from .names import Op
 
 
@@ -52,8 +53,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             steps = chain([0.0] * _at_rest(), looks)  # a fingertip's way begins where it is now
         with sessions.ending_on_error():
             for step_s in steps:
-                for sentence in live.advance(context, step_s):
-                    self.report({"WARNING"}, sentence)
+                report(self, live.advance(context, step_s))
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
@@ -63,8 +63,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
         if sessions.runs:
             run = sessions.runs[0]
-            run.paused = not run.paused
-            sessions.redraw()
+            sessions.pause(context, run, not run.paused)
             return {"FINISHED"}
         try:
             self._report(live.start_all(context))
@@ -81,8 +80,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
-            for sentence in sessions.stop_all():
-                self.report({"WARNING"}, sentence)
+            report(self, sessions.stop_all())
             return {"CANCELLED"}
         if event.type == "TIMER":
             with sessions.ending_on_error():
@@ -107,8 +105,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             asked, budget = live.ask(context.scene, self._run, wall)
             messages = live.advance(context, asked, budget=budget)
             live.adapt(self._run, asked)
-        for sentence in [*messages, *recovery.save_when_due(self._run)]:
-            self.report({"WARNING"}, sentence)
+        report(self, [*messages, *recovery.save_when_due(self._run)])
         sessions.redraw()
         if not sessions.sessions:
             sessions.stop_all()
@@ -136,8 +133,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
     def _report(self, started: tuple[list, list[str], list[str]]) -> None:
         _, messages, wrong = started
-        for sentence in wrong:
-            self.report({"WARNING"}, sentence)
+        report(self, wrong)
         if messages:
             self.report({"INFO"}, " ".join(messages))
 
@@ -162,8 +158,7 @@ class DIMPLE_OT_reset(bpy.types.Operator):
 
     def execute(self, _context: bpy.types.Context) -> set[str]:
         """Put everything back."""
-        for sentence in sessions.stop_all():
-            self.report({"WARNING"}, sentence)
+        report(self, sessions.stop_all())
         return {"FINISHED"}
 
 

@@ -14,7 +14,7 @@ from ..core.poke import Hit, Kind, PokeEvent, Vector
 from .names import DEAD_MAN
 from .sessions import LiveBody
 
-KEYS = {"SPACE": Kind.PAUSE, "R": Kind.RECORD, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
+KEYS = {"SPACE": Kind.PAUSE, "R": Kind.RECORD, "F": Kind.BY_FORCE, "RET": Kind.KEEP, "NUMPAD_ENTER": Kind.KEEP}
 FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
 WHEEL = {"WHEELUPMOUSE": 1, "WHEELDOWNMOUSE": -1}
 NAVIGATION = {"MIDDLEMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "HOME", "ACCENT_GRAVE"}
@@ -72,7 +72,7 @@ def poke_event(
     if kind == "RIGHTMOUSE":
         return PokeEvent(kind=Kind.LEAVE)
     if kind in WHEEL and not (event.shift or event.alt):
-        return PokeEvent(kind=Kind.DEPTH if event.ctrl else Kind.RADIUS, amount=WHEEL[kind], pressure=_pressure(event))
+        return PokeEvent(kind=Kind.AMOUNT if event.ctrl else Kind.RADIUS, amount=WHEEL[kind], pressure=_pressure(event))
     if event.ctrl or event.shift or event.alt or event.oskey:
         return None
     if kind in FINGERS:
@@ -80,14 +80,15 @@ def poke_event(
     return PokeEvent(kind=KEYS[kind]) if kind in KEYS else None
 
 
-def passes(event: bpy.types.Event, view: View | None) -> bool:
+def passes(event: bpy.types.Event, view: View | None, *, undo: bool = False) -> bool:
     """Tell whether Blender may have an event too: navigation, the haptic device's dead-man key, and all that happens
     outside the viewport.
 
-    Undo never: it would replace the data under a running session.
+    Args:
+        undo: there is something to undo that was done since the poke began; what was done before it stays.
     """
     if event.type == "Z" and (event.ctrl or event.oskey):
-        return False
+        return undo
     if view is None or event.type in PASSING or event.type.startswith(("NDOF", "NUMPAD", "TIMER", "WINDOW")):
         return True
     moving = event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"} and event.alt

@@ -1,22 +1,17 @@
 """Press with mouse or pen, live and without the timeline; or, from a script, at a place, a depth and a time."""
 
 import time
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from . import polls, sessions, showing
+from .messages import report
 from .names import Op
 
 if TYPE_CHECKING:
     from ..core.poke import Effect, PokeEvent
-
-KEYS_HELP = (
-    "Left drag: press | Wheel: radius | Ctrl wheel: depth | 1 2 3: finger | Space: pause | R: record | "
-    "Enter: keep | Esc: leave"
-)
 
 
 class DIMPLE_OT_poke(bpy.types.Operator):
@@ -34,6 +29,10 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         subtype="XYZ",
     )  # fmt: skip
     depth_mm: FloatProperty(name="Depth (mm)", description="How deep to press", default=15.0, min=0.01, soft_max=200.0)
+    force_n: FloatProperty(
+        name="Force (N)", description="Force to press with; 0 presses to the depth", default=0.0, min=0.0,
+        soft_max=100.0,
+    )  # fmt: skip
     press_s: FloatProperty(name="Press (s)", description="Time of the way in", default=0.25, min=0.0, soft_max=5.0)
     hold_s: FloatProperty(name="Hold (s)", description="Time at full depth", default=0.25, min=0.0, soft_max=5.0)
     release_s: FloatProperty(
@@ -64,23 +63,25 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Start to press live."""
         from ..core.base import DimpleError
-        from . import live, pointer, press
+        from ..core.poke import PokeState
+        from . import fingertip, live, pointer
 
         try:
-            self._state = replace(press.new_state(context, self), press_s=0.25, release_s=0.25)
+            self._tool = fingertip.settings_of(context.scene)
+            self._state = PokeState(**self._tool)
             _, messages, wrong = live.start_all(context)
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for sentence in wrong:
-            self.report({"WARNING"}, sentence)
+        report(self, wrong)
         if messages:
             self.report({"INFO"}, " ".join(messages))
         self._shapes: dict[int, object] = {}
         self._clock = time.perf_counter()
         self._run = sessions.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set(KEYS_HELP)
+        self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
+        sessions.show_status(context, self._run, fingertip.help_text(self._state))
         # started as a tool the button is down already
         view = pointer.view_under(context, event)
         if view and event.type == "LEFTMOUSE" and event.value in pointer.DOWN:
@@ -108,7 +109,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         view = pointer.view_under(context, event)
         meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=self._state.pressing)
         if meant is None:
-            return {"PASS_THROUGH"} if pointer.passes(event, view) else {"RUNNING_MODAL"}
+            return {"PASS_THROUGH"} if pointer.passes(event, view, undo=self._tuned()) else {"RUNNING_MODAL"}
         result = self._take(context, meant)
         if meant.kind is Kind.MOVE and not self._state.pressing:
             return {"PASS_THROUGH"}
@@ -117,36 +118,39 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""
         from ..core.poke import Kind, PokeEvent
-        from . import live, recovery
+        from . import fingertip, live, recovery
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
         asked, self._budget = live.ask(context.scene, self._run, wall)
+        tool = fingertip.settings_of(context.scene)
+        self._state, self._tool = fingertip.taken(self._state, self._tool, tool), tool
+        sessions.show_status(context, self._run, fingertip.help_text(self._state))
         if self._run.paused != self._state.paused:  # the sidebar's button
             self._take(context, PokeEvent(kind=Kind.PAUSE))
         if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
             return ended
-        for sentence in recovery.save_when_due(self._run):
-            self.report({"WARNING"}, sentence)
+        report(self, recovery.save_when_due(self._run))
         result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
     def _take(self, context: bpy.types.Context, event: "PokeEvent | None") -> set[str]:
         """Let an event change the state, and do what it asks for."""
         from ..core.poke import Kind, on_event
+        from . import fingertip
 
         if event is None:
             return {"RUNNING_MODAL"}
         was_pressing = self._state.pressing
         self._state, effects = on_event(self._state, event)
-        self._run.paused = self._state.paused
+        if self._run.paused != self._state.paused:
+            sessions.pause(context, self._run, self._state.paused)
         if self._state.pressing and not was_pressing:
             # a drag follows the surface as it was: the dent would lead the fingertip deeper and deeper
             self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}
-        if event.kind is Kind.RADIUS:
-            context.scene.dimple.finger_radius_mm = self._state.radius * 1e3
-        elif event.kind is Kind.FINGER:
-            context.scene.dimple.active_finger = self._state.active + 1
+        if event.kind in (Kind.RADIUS, Kind.AMOUNT, Kind.BY_FORCE, Kind.FINGER):
+            self._tool = fingertip.store(context.scene, self._state)
+            sessions.show_status(context, self._run, fingertip.help_text(self._state))
         for effect in effects:
             if result := self._do(context, effect, event.amount):
                 return result
@@ -155,30 +159,34 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
     def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
         """Do what the state machine asks for; return how the operator ends, None when it goes on."""
-        from ..core.poke import Effect, fingers
+        from ..core.poke import Effect, fingers, lifted
         from . import live
 
         match effect:
             case Effect.STEP:
                 pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
+                scales = {uid: body.link.scale for uid, body in sessions.sessions.items()}
                 messages = live.advance(context, amount, budget=self._budget, pressed=pressed)
+                for uid, body in sessions.sessions.items():
+                    if body.link.scale != scales[uid]:
+                        self._state = lifted(self._state, uid)
                 live.adapt(self._run, amount)
                 return self._went_on(messages)
-            case Effect.PUSH_UNDO:
-                with showing.at_rest():
-                    bpy.ops.ed.undo_push(message="Poke")
             case Effect.RECORD:
                 bpy.ops.dimple.record()
             case Effect.KEEP | Effect.RESTORE:
-                for sentence in sessions.stop_all(restore=effect is Effect.RESTORE):
-                    self.report({"WARNING"}, sentence)
+                report(self, sessions.stop_all(restore=effect is Effect.RESTORE))
                 return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
         return None
 
+    def _tuned(self) -> bool:
+        """Tell whether a setting of a body was changed since the poke began, which undo may take back."""
+        bodies = sessions.sessions.items()
+        return not self._state.pressing and any(self._settings.get(uid) != body.seen for uid, body in bodies)
+
     def _went_on(self, messages: list[str]) -> set[str] | None:
         """Report what has happened; return how the operator ends when no session is left."""
-        for sentence in messages:
-            self.report({"WARNING"}, sentence)
+        report(self, messages)
         if sessions.sessions:
             return None
         sessions.stop_all()

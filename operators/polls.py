@@ -9,6 +9,11 @@ from . import sessions
 LARGEST = 1e9  # of a number an operator takes; NaN and infinity are none either
 
 
+def tip_(text: str) -> str:
+    """Translate a sentence of ours into the language of the interface."""
+    return pgettext_tip(text)
+
+
 def refuse(operator: type, sentence: str) -> bool:
     """Say why an operator cannot be used now; Blender does not translate it, so it is looked up when it is shown."""
     operator.poll_message_set(pgettext_tip, sentence)

@@ -12,8 +12,10 @@ from ..core.base import DimpleError
 from ..core.mesh.depth import rest_surface, touching
 from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
 from . import bridge, live, pointer, polls, record, sessions
+from .messages import report
 from .sessions import LiveBody
 
+FORCE_N = 5.0  # of a press by force where none is given
 DOWN: Vector = (0.0, 0.0, -1.0)
 
 
@@ -28,6 +30,7 @@ def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> set[
             bodies = sessions.sessions
             place = tuple(operator.location) if operator.properties.is_property_set("location") else None
             event = aimed(bodies, place, tuple(operator.direction))
+            check_depth(state, event, bodies)
             if operator.record:
                 record.begin(context)
             deepest, strongest = run(context, state, event, operator.hold_s, messages)
@@ -35,8 +38,7 @@ def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> set[
     except DimpleError as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
-    for sentence in [*wrong, *messages]:
-        operator.report({"WARNING"}, sentence)
+    report(operator, [*wrong, *messages])
     operator.report({"INFO"}, f"Pressed {deepest * 1e3:.1f} mm deep with up to {strongest:.2f} N")
     return {"FINISHED"}
 
@@ -47,16 +49,29 @@ def new_state(context: bpy.types.Context, operator: bpy.types.Operator) -> PokeS
     Raises:
         DimpleError: a property is no number that can be used.
     """
-    polls.check_numbers(operator, "radius_mm", "depth_mm", "press_s", "release_s")
-    settings = context.scene.dimple
+    polls.check_numbers(operator, "radius_mm", "depth_mm", "force_n", "press_s", "release_s")
     return PokeState(
-        radius=(operator.radius_mm or settings.finger_radius_mm) / 1e3,
+        radius=(operator.radius_mm or context.scene.dimple.finger_radius_mm) / 1e3,
         depth=operator.depth_mm / 1e3,
+        force=operator.force_n or FORCE_N,
+        by_force=operator.force_n > 0,
         press_s=operator.press_s,
         release_s=operator.release_s,
-        along_normal=settings.poke_along == "NORMAL",
-        active=(operator.finger or settings.active_finger) - 1,
+        along_normal=context.scene.dimple.poke_along == "NORMAL",
+        active=(operator.finger or context.scene.dimple.active_finger) - 1,
     )
+
+
+def check_depth(state: PokeState, event: PokeEvent, bodies: dict[int, LiveBody]) -> None:
+    """Raise a DimpleError where a press would go through the whole body."""
+    assert event.hit
+    body = bodies[event.hit.body]
+    size = body.session.model.mesh.size
+    if not state.by_force and state.depth > size:
+        raise DimpleError(
+            f'"{body.name}" is {1e3 * size:.4g} mm large, so a press of {1e3 * state.depth:.4g} mm would go '
+            "through it. Press less deep."
+        )
 
 
 def aimed(bodies: dict[int, LiveBody], place: Vector | None, direction: Vector) -> PokeEvent:

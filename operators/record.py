@@ -4,6 +4,7 @@ import bpy
 
 from ..core.errors import DimpleError
 from . import polls, sessions
+from .messages import report
 from .names import Op
 
 
@@ -58,9 +59,7 @@ class DIMPLE_OT_record(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Start or stop."""
         if any(body.recording for body in sessions.sessions.values()):
-            for sentence in end():
-                self.report({"WARNING"}, sentence)
-            self.report({"INFO"}, "Recorded. The object plays it when the session ends")
+            report(self, end())
             return {"FINISHED"}
         try:
             begin(context)

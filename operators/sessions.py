@@ -7,6 +7,7 @@ file is loaded, the extension is switched off, an undo takes the object away) al
 
 from __future__ import annotations
 
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -16,6 +17,8 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from .messages import Note
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -23,7 +26,9 @@ if TYPE_CHECKING:
     from .bridge import ObjectLink, Singles
     from .bridge_write import Borrowed
     from .output import Recorder
+    from .settings import Settings
 
+PAUSED = "Paused: Space or Play goes on, Esc ends and puts the rest shape back"
 TRAIL = 4000  # points of force against depth that the chart remembers
 
 
@@ -33,11 +38,17 @@ class LiveBody:
 
     link: the object at rest.
     session: what moves it.
+    settings: what the session was read from.
+    seen: the settings it had when they were looked at last; the session may have refused them.
+    refused: "" or why.
+    changed_at: when they were changed last, None where they were planned for [s].
     borrowed: what of the object was changed.
     matrix: (4, 4) of the object when it was last stepped.
     triangles: (t, 3) of the object's own vertices, outward.
     fingers: the fingertips to be drawn, in the session's space.
     poked: which fingertips are the poke's.
+    lead: simulated time that it is ahead of the slowest of those that run with it [s].
+    done: how far it came in the last step, that lead included [s].
     trail: depth [m] and force [N] of the deepest fingertip.
     recorder: of the recording under way.
     take: path and first frame of the last recording.
@@ -47,11 +58,17 @@ class LiveBody:
 
     link: ObjectLink
     session: Session
+    settings: Settings
+    seen: Settings
     borrowed: Borrowed
     matrix: np.ndarray
     triangles: np.ndarray
+    refused: str = ""
+    changed_at: float | None = None
     fingers: tuple[Finger | None, ...] = (None, None, None)
     poked: frozenset[int] = frozenset()
+    lead: float = 0.0
+    done: float = 0.0
     trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None
@@ -90,6 +107,9 @@ class ModalRun:
 
     kind: "poke", "play", "bake", "compare", "identify" or "measure".
     timer: what wakes it.
+    state: what it does, for the panel.
+    status: for the status bar.
+    shown: the workspace that shows which status.
     paused: time stands still.
     closed: it has ended.
     step_s: simulated time that the next step asks for [s]; it falls when the computer lags.
@@ -99,6 +119,9 @@ class ModalRun:
 
     kind: str
     timer: bpy.types.Timer | None
+    state: str = ""
+    status: str = ""
+    shown: tuple[str, str] = ("", "")
     paused: bool = False
     closed: bool = False
     step_s: float = 0.002
@@ -121,6 +144,12 @@ def at_work() -> bool:
     return any(run.kind not in ("poke", "play") for run in runs)
 
 
+def identifying() -> float | None:
+    """Return the share that is done of what is identified in the background, None where nothing is."""
+    identified = sys.modules.get(f"{__package__}.identified")  # with the core: not before it is needed
+    return identified.progress() if identified else None
+
+
 def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:
     """Return the objects that are fingertips; they press and are not pressed."""
     return {getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)}
@@ -137,6 +166,7 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
     from . import bridge, bridge_write, planning, timeline
+    from .settings import settings_of
 
     bridge.check(obj)
     bridge.check_writable(obj)
@@ -150,8 +180,10 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
         messages.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
     first = input_vertices(model.mesh)
     others = {body.borrowed.shared for body in sessions.values() if body.borrowed.shared is not None}
+    settings = settings_of(context.scene, obj)
     body = sessions[link.uid] = LiveBody(
-        link=link, session=session, matrix=link.matrix, triangles=first[model.mesh.triangles],
+        link=link, session=session, settings=settings, seen=settings,
+        matrix=link.matrix, triangles=first[model.mesh.triangles],
         borrowed=bridge_write.borrow(obj, link, others=others),
     )  # fmt: skip
     obj.dimple.enabled = True
@@ -181,6 +213,8 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     messages = end_recording(body)  # after the mesh: whatever the disk does, that is safe
     if obj and body.take:
         output.attach_cache(obj, *body.take)
+        if not undoing:
+            bridge_write.remember("Record")  # else an undo of what came before would take the take along
     return messages
 
 
@@ -188,7 +222,7 @@ def end_recording(body: LiveBody) -> list[str]:
     """End the recording of a body, if there is one; the object plays it once its session has ended.
 
     Returns:
-        Sentences for the artist: what went wrong.
+        Sentences for the artist: what was recorded, or went wrong.
     """
     if body.recorder is None:
         return []
@@ -198,7 +232,7 @@ def end_recording(body: LiveBody) -> list[str]:
         recorder.close()
     except OSError as error:
         return [recorder.cut_short(body.name, error)]
-    return []
+    return [Note(recorder.summary(body.name, bpy.context.scene.frame_end))]
 
 
 def stop_all(*, restore: bool = True) -> list[str]:
@@ -234,10 +268,25 @@ def open_run(context: bpy.types.Context, kind: str, state: str, *, interval: flo
     for run in list(runs):
         close_run(run)
     manager = context.window_manager
-    run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window))
+    run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window), state=state)
     runs.append(run)
     manager.dimple.state = state
     return run
+
+
+def pause(context: bpy.types.Context, run: ModalRun, paused: bool) -> None:
+    """Let time stand still, or go on, and say so."""
+    run.paused = paused
+    context.window_manager.dimple.state = PAUSED if paused else run.state
+    redraw()
+
+
+def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
+    """Show a text in the status bar: also after an undo and in another workspace, which both forget it."""
+    wanted = (getattr(context.workspace, "name", ""), text)
+    if run.shown != wanted:
+        context.workspace.status_text_set(text)
+        run.status, run.shown = text, wanted
 
 
 def close_run(run: ModalRun) -> None:
@@ -250,7 +299,7 @@ def close_run(run: ModalRun) -> None:
     if run.timer:
         manager.event_timer_remove(run.timer)
         run.timer = None
-    for workspace in {window.workspace for window in manager.windows}:
+    for workspace in bpy.data.workspaces:  # it may have been shown in several
         workspace.status_text_set(None)
     manager.dimple.state = ""
     redraw()

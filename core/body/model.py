@@ -21,6 +21,7 @@ from ..base import (
     sums_at,
 )
 from ..material import Material
+from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, spans_a_plane
 from . import paper, pressure, shape_matching, springs
 from .estimate import estimate
@@ -154,19 +155,21 @@ def build_model(
 
     mass = _mass(mesh, materials)
     rows = np.array([_row(m, mesh.size) for m in materials])  # one line a material
-    kappa1, kappa2, d0, k_scaled, damping, friction, k = rows[which].T
+    kappa1, kappa2, d0, tension, k_scaled, damping, friction, k = rows[which].T
     damping_at, friction_at, d0_at = (_vertex_mean(mesh, c) for c in (damping, friction, d0))
     k1, k2 = (_vertex_sum(mesh, c * mesh.triangle_areas / 3) * factor for c in (kappa1, kappa2))
     if law_set == "paper":
         k1, k2 = np.zeros(n), np.zeros(n)
-        stiffness, ratio = _spring_mean(mesh, k), 0.0
+        stiffness, along, ratio = _spring_mean(mesh, k), np.zeros(len(mesh.springs)), 0.0
     else:
-        stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * factor[mesh.springs].mean(axis=1)
+        factor_along = factor[mesh.springs].mean(axis=1)
+        stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * factor_along
+        along = cotangent_weights(mesh) * _spring_mean(mesh, tension) * factor_along
         ratio = 1.0
     ground, sunk = _ground(mesh, held_here, ground)
     return assemble(
         mesh, materials, law_set=law_set, mass=mass, held=held_here, friction=friction_at, damping=ratio * damping_at,
-        stiffness=stiffness, k1=k1, k2=k2, d0=d0_at,
+        stiffness=stiffness, k1=k1, k2=k2, d0=d0_at, tension=along,
         fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground, notes=sunk,
     )  # fmt: skip
 
@@ -184,6 +187,7 @@ def assemble(
     k1: Floats,
     k2: Floats,
     d0: Floats,
+    tension: Floats,
     fill: str,
     gravity: Sequence[float] | Floats,
     ground: float | None,
@@ -193,10 +197,11 @@ def assemble(
 
     Args:
         mass [kg], friction, damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
-        stiffness: (m,) of the mesh's springs [N/m].
+        stiffness, tension: (m,) along the mesh's edges [N/m].
     """
     n, ends = len(mass), mesh.springs
-    mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + np.maximum(k1, k2), ~mesh.loose)
+    met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + np.maximum(k1, k2)
+    mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + met, ~mesh.loose)
     i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
     dashpots = 2 * damping[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
@@ -204,9 +209,9 @@ def assemble(
     x = np.array(mesh.rest_positions.T, order="C")
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
-    shape = ShapeMatching(
-        rest=x, k1=k1, k2=k2, d0=d0, damping=2 * damping * np.sqrt(k1 * mass),
-        mass=np.where(mesh.loose, LOOSE_MASS * mass, mass),
+    shape = shape_matching.build_shape_matching(
+        mesh, k1=k1, k2=k2, d0=d0, damping=2 * damping * np.sqrt(k1 * mass),
+        mass=np.where(mesh.loose, LOOSE_MASS * mass, mass), tension=tension,
     )  # fmt: skip
     inside = pressure.build_pressure(mesh, fill)
     row_k, row_c = springs.row_bounds(membrane, n)
@@ -216,7 +221,7 @@ def assemble(
         mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, held=held,
         friction=friction, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
-        omega_squared=float(((stretch * row_k + np.maximum(k1, k2)) * inverse_mass).max())
+        omega_squared=float(((stretch * row_k + met) * inverse_mass).max())
         + pressure.omega_squared(inside, x, inverse_mass),
         decay=float(((row_c + shape.damping) * inverse_mass).max()),
         notes=mesh.notes + notes + ((_ALL_HELD,) if held.all() else ()),
@@ -266,7 +271,8 @@ def _ground(mesh: Mesh, held: Bools, ground: float | None) -> tuple[float | None
 def _row(material: Material, size: float) -> tuple[float, ...]:
     constants = estimate(material, size)
     return (
-        constants.kappa1, constants.kappa2, constants.d0, constants.membrane_scale * material.k,
+        constants.kappa1, constants.kappa2, constants.d0, constants.kappa1 * material.spread**2,
+        constants.membrane_scale * material.k,
         material.damping_ratio, material.friction, material.k,
     )  # fmt: skip
 

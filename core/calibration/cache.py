@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 
 from ..base import DimpleError
-from ..material import Material, ModelConstants
+from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
 from .identify import Identification
-from .indent import Indenter, Site
+from .indent import Site
 
-VERSION = 1  # of the method: another one identifies anew
+VERSION = 2  # of the method: another one identifies anew
 
 
 def key(mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float) -> str:

@@ -1,8 +1,8 @@
 """A virtual indentation: a body at rest under a measuring tip, depth by depth.
 
-A flat punch grips: the surface points under it move with it by prescription. The rest of the body goes to its
-equilibrium, and the force on the punch is the sum of the forces on those points. A sphere is a fingertip of a session,
-let down slowly.
+A flat punch grips: the surface points under it are pins that go down with it, and the force on it is the sum of the
+forces on them. A sphere is a fingertip. Either goes down in a session whose body is light and critically damped, so
+that it comes to rest within a few ticks at each depth.
 
 Each depth also yields how the force depends on the constants c. The energy E at rest obeys F = dE/dx, so
 dF/dc = d/dx (dE/dc), with the body left where it is (Hellmann, Feynman). Under a flat punch that is known exactly, knee
@@ -13,42 +13,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import Bools, DimpleError, Floats
+from ..base import FINGER_TRAVEL, Bools, DimpleError, Floats
 from ..body import pressure
+from ..body.estimate import estimate, reach
 from ..body.model import Model, State, build_model, forces, initial_state
-from ..material import Material
+from ..material import Indenter, Material
 from ..mesh.ray import ray_hit
 from ..mesh.surface import Mesh, base_vertices
 from ..session import Finger, Session
-from ..solver.equilibrium import equilibrium
 
-SHAPES = ("point", "punch", "sphere")
-POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point; springs in a flat skin cannot spread it wider
 ROWS = 60  # of a virtual press
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
-SPEED = 0.05  # [m/s] of a sphere between two depths
-SETTLING, LISTENING = 0.1, 0.03  # [s] of waiting at a depth, and of taking the mean of the force
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Indenter:
-    """A tip that presses: its shape, "point" (a small flat punch), "punch" (flat) or "sphere", and its radius [m]."""
-
-    shape: str = "point"
-    radius: float = 0.002
-
-    def __post_init__(self) -> None:
-        if self.shape not in SHAPES:
-            raise DimpleError(f"The tip must be one of {', '.join(SHAPES)} (it is {self.shape}).")
-        if not 0 < self.radius < math.inf:
-            raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * self.radius:g}).")
-
-
-POINT = Indenter()  # the paper's sensor "touches at a point"
+RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
+MOVING, SETTLING = 0.006, 0.01  # [s] between two depths, and of rest there
+LISTENING = 0.005  # [s] of taking the mean of a reaction
+ROUND = 4  # times as slow goes a sphere: what it touches changes, and friction holds on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,8 +59,8 @@ class Station:
     depth: of the tip below the surface at rest [m].
     force: on the tip [N].
     volume_change: as a share.
-    pull: (4,) dE/d log of kappa1, kappa2, d0 and membrane_scale [J], without the shape matching under a flat punch.
-    slope: (4,) what the shape matching under a flat punch adds to their derivatives in depth [N].
+    pull: (3,) dE/d log of kappa1, kappa2 and d0 [J], without the bed under a flat punch.
+    slope: (3,) what the bed under a flat punch adds to their derivatives in depth [N].
     positions: (3, n) [m].
     found: whether there is rest at this depth.
     """
@@ -124,17 +107,12 @@ def find_site(
         stay[mesh.source] = held
     if np.linalg.matrix_rank(x[stay] - x[stay].mean(axis=0) if stay.any() else np.zeros((1, 3)), 1e-3 * mesh.size) < 2:
         stay[mesh.source] = base_vertices(mesh, up=tuple(-way))
-    under = _under(mesh, point, way, reach(mesh, indenter))
+    under = _under(mesh, point, way, reach(indenter, mesh.size))
     if (under & stay).any():
         raise DimpleError("The tip stands on vertices that are pinned. Press elsewhere, or pin fewer.")
     return Site(
         point=point, inward=way, thickness=beyond[0] if beyond else math.inf, under=under, held=stay
     )  # fmt: skip
-
-
-def reach(mesh: Mesh, indenter: Indenter) -> float:
-    """Return the radius [m] of what presses: a point is a patch that the mesh can show."""
-    return max(indenter.radius, POINT_SHARE * mesh.size) if indenter.shape == "point" else indenter.radius
 
 
 def _under(mesh: Mesh, point: Floats, way: Floats, radius: float) -> Bools:
@@ -149,19 +127,18 @@ def _under(mesh: Mesh, point: Floats, way: Floats, radius: float) -> Bools:
 
 
 def press(mesh: Mesh, material: Material, indenter: Indenter, site: Site, depths: Sequence[float]) -> Iterator[Station]:
-    """Press a body to each depth [m] in turn and yield where it rests; the last is where no rest was found, if so.
-
-    Raises:
-        DimpleError: the laws have no energy.
-    """
+    """Press a body to each depth [m] in turn and yield where it rests; the last is where no rest was found, if so."""
     flat = indenter.shape != "sphere"
+    constants = estimate(material, mesh.size)
+    mass = constants.kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
+    light = replace(material, constants=constants, mass=mass, density=None, damping_ratio=1.0)
+    under = site.under if flat else np.zeros_like(site.under)
     model = build_model(
-        mesh,
-        [material] * (int(mesh.triangle_material.max()) + 1),
-        held=(site.held | site.under if flat else site.held)[mesh.source],
+        replace(mesh, loose=mesh.loose | under),  # pins that go down must not carry the shape at rest along
+        [light] * (int(mesh.triangle_material.max()) + 1),
+        held=(site.held | under)[mesh.source],
     )
-    stations = _by_punch(model, site, depths) if flat else _by_sphere(model, indenter.radius, site, depths)
-    for station in stations:
+    for station in _stations(model, indenter, site, under, depths):
         yield station
         if not station.found:
             return
@@ -182,32 +159,30 @@ def press_rows(
             yield station.depth, station.force
 
 
-def _by_punch(model: Model, site: Site, depths: Sequence[float]) -> Iterator[Station]:
-    """Move the vertices under the punch; the rest finds its equilibrium."""
-    x = model.matching.rest
+def _stations(
+    model: Model, indenter: Indenter, site: Site, under: Bools, depths: Sequence[float]
+) -> Iterator[Station]:
+    session, rest = Session(model), model.mesh.rest_positions
+    flat, source = bool(under.any()), model.mesh.source
+    if not flat:
+        session.set_fingers([_finger(site, 0.0, indenter.radius)])
+    at = 0.0
     for depth in depths:
-        moved = x.copy()
-        moved[:, site.under] = model.matching.rest[:, site.under] + depth * site.inward[:, None]
-        found = equilibrium(model, [], start=moved)
-        x = found.positions
-        force = -float(site.inward @ forces(model, _at(model, x))[:, site.under].sum(axis=1))
-        yield _station(model, site.under, depth, force, x, found.converged)
-
-
-def _by_sphere(model: Model, radius: float, site: Site, depths: Sequence[float]) -> Iterator[Station]:
-    """Go down with a fingertip of a running session, slowly, and wait at each depth."""
-    session, at = Session(model), 0.0
-    session.set_fingers([_finger(site, 0.0, radius)])
-    for depth in depths:
-        session.set_fingers([_finger(site, depth, radius)])
-        session.step(abs(depth - at) / SPEED + SETTLING)
-        frame = session.step(LISTENING)
-        force = -float(frame.finger_forces[0] @ site.inward) if len(frame.finger_forces) else math.nan
-        x = np.zeros_like(model.mesh.rest_positions)
-        x[model.mesh.source] = session.positions()
-        whole = frame.finite and math.isfinite(force)
-        yield _station(model, np.zeros_like(site.under), depth, force, np.ascontiguousarray(x.T), whole)
-        at = depth
+        if flat:
+            session.set_held((rest + depth * np.outer(under, site.inward))[source])
+            session.step(MOVING)
+        else:
+            session.set_fingers([_finger(site, depth, indenter.radius)])
+            ticks = abs(depth - at) / (FINGER_TRAVEL * indenter.radius)
+            session.step(max(ROUND * MOVING, 2 * ticks * session.tick))
+        session.step(SETTLING if flat else ROUND * SETTLING)
+        frame, at = session.step(LISTENING), depth
+        x = session.body.positions()
+        if flat:
+            force = -float(site.inward @ forces(model, _at(model, x))[:, under].sum(axis=1))
+        else:
+            force = -float(frame.finger_forces[0] @ site.inward) if len(frame.finger_forces) else math.nan
+        yield _station(model, under, depth, force, x, frame.finite and math.isfinite(force))
 
 
 def _finger(site: Site, depth: float, radius: float) -> Finger:
@@ -231,16 +206,14 @@ def _at(model: Model, positions: Floats) -> State:
 
 
 def _pull(model: Model, under: Bools, x: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the energy's slopes in the logarithms of the constants (4,) [J], and those (4,) [N] under a punch."""
-    law, skin = model.matching, model.springs
+    """Return the energy's slopes in the logarithms of the constants (3,) [J], and those (3,) [N] under a punch."""
+    law = model.matching
     d = np.sqrt(((x - law.rest) ** 2).sum(axis=0))
     over = np.maximum(d - law.d0, 0)
-    i, j = skin.pairs.T
-    stretch = np.sqrt(((x[:, j] - x[:, i]) ** 2).sum(axis=0)) - skin.rest_lengths
+    i, j = law.pairs.T
     k1, k2, knee = law.k1, law.k2, (law.k2 - law.k1) * law.d0
     bed = np.array([k1 * (d * d - over * over) / 2, k2 * over * over / 2, -knee * over])
+    u = x - law.rest
+    joined = float(law.tension @ ((u[:, i] - u[:, j]) ** 2).sum(axis=0)) / 2  # T goes with kappa1
     beneath = np.array([k1 * np.minimum(depth, law.d0), k2 * np.maximum(depth - law.d0, 0), -knee * (depth > law.d0)])
-    return (
-        np.append(bed[:, ~under].sum(axis=1), skin.stiffness @ (stretch * stretch) / 2),
-        np.append(beneath[:, under].sum(axis=1), 0.0),
-    )
+    return bed[:, ~under].sum(axis=1) + [joined, 0, 0], beneath[:, under].sum(axis=1)

@@ -9,31 +9,32 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import Floats
-from ..material import Material, ModelConstants
+from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
-from .indent import Indenter, Site, press
+from .indent import Site, press
 
 STATIONS = 12  # depths of a sweep that is fitted
-CHECKED = 30  # depths of the sweep that checks the result
-SWEEPS = 24  # at most in an identification
-USUAL = 3  # sweeps before that one: more are rare
-SWEEPS_OF_A_FIT = 10
+CHECKED = 20  # depths of the sweep that checks the result
+SWEEPS = 10  # at most in an identification
+USUAL = 4  # sweeps before that one: more are rare
 ALLOWED = 0.10  # of the force, or
 ALLOWED_FORCE = 0.3  # [N] whichever is more: what a depth may be off
 WEAK = 0.02  # of full scale: what a depth of a weak press may be off
 GAIN = 0.05  # of the squared error: a step that brings less is the last of a fit
+GOOD = 0.1  # of what is allowed, at the worst depth: no further fit
 LONGEST = np.array([1.0, 1.0, 0.1])  # step in the logarithms: a knee that passes the deepest depth is lost
-_NAMES = ("kappa1", "kappa2", "d0", "membrane_scale")
+_NAMES = ("kappa1", "kappa2", "d0")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """What is pressed, by what, and where."""
+    """What is pressed, by what, and where; and the factor on k, which is not fitted."""
 
     mesh: Mesh
     material: Material
     indenter: Indenter
     site: Site
+    membrane_scale: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +44,7 @@ class Sweep:
     depths: (m,) that were reached [m].
     wanted: (m,) forces of the measured law there [N].
     simulated: (m,) forces of the simulated press there [N].
-    slopes: (m, 4) derivatives of the latter in the logarithms of the constants [N].
+    slopes: (m, 3) derivatives of the latter in the logarithms of the constants [N].
     volume_change: largest, as a share.
     whole: whether every depth asked for was reached.
     """
@@ -81,18 +82,20 @@ class Sweep:
         return float(np.sqrt(((self.simulated - self.wanted) ** 2).mean()) / self.wanted.max())
 
 
-def constants_of(logs: Floats) -> ModelConstants:
-    """Return the constants with these logarithms (4,)."""
-    return ModelConstants(**dict(zip(_NAMES, np.exp(logs).tolist(), strict=True)))
+def constants_of(task: Task, logs: Floats) -> ModelConstants:
+    """Return the constants with these logarithms (3,)."""
+    return ModelConstants(
+        membrane_scale=task.membrane_scale, **dict(zip(_NAMES, np.exp(logs).tolist(), strict=True))
+    )
 
 
 def fitted(
-    task: Task, logs: Floats, sweep: Sweep, depths: Floats, sweeps: int
+    task: Task, logs: Floats, sweep: Sweep, depths: Floats
 ) -> Generator[float, None, tuple[Floats, Sweep, int]]:
-    """Fit kappa1, kappa2 and d0 with the skin's scale fixed; return the logarithms, their sweep, all sweeps so far."""
-    damping, last = 1e-4, min(sweeps + SWEEPS_OF_A_FIT, SWEEPS)
-    while sweeps < last and sweep.whole:
-        candidate = logs + np.append(_step(sweep, damping), 0.0)
+    """Fit kappa1, kappa2 and d0; return their logarithms, the sweep with them, and how many sweeps there were."""
+    damping, sweeps = 1e-4, 1
+    while sweeps < SWEEPS and sweep.whole and sweep.worst > GOOD:
+        candidate = logs + _step(sweep, damping)
         found = yield from swept(task, candidate, depths, sweeps)
         sweeps += 1
         gain = 1 - found.cost / max(sweep.cost, 1e-30)
@@ -106,7 +109,7 @@ def fitted(
 
 def _step(sweep: Sweep, damping: float) -> Floats:
     """Return the damped Gauss-Newton step (3,)."""
-    jacobian = (sweep.slopes / sweep.allowed[:, None])[:, :3]
+    jacobian = sweep.slopes / sweep.allowed[:, None]
     matrix = jacobian.T @ jacobian
     matrix = matrix + np.diag(damping * np.diag(matrix) + 1e-9)
     return np.clip(-np.linalg.solve(matrix, jacobian.T @ sweep.errors), -LONGEST, LONGEST)
@@ -116,7 +119,7 @@ def swept(
     task: Task, logs: Floats, depths: Floats, sweeps: int, *, last: bool = False
 ) -> Generator[float, None, Sweep]:
     """Press to every depth; yield the share of the identification that is done after each."""
-    material = replace(task.material, constants=constants_of(logs))
+    material = replace(task.material, constants=constants_of(task, logs))
     stations = []
     for station in press(task.mesh, material, task.indenter, task.site, depths.tolist()):
         if not station.found:
@@ -127,13 +130,13 @@ def swept(
         left = 1 + CHECKED - len(stations) if last else CHECKED + max(STATIONS * USUAL - done, 0)
         yield done / (done + left)
     reached = np.array([station.depth for station in stations])
-    pulls = np.array([np.zeros(4), *(station.pull for station in stations)])
+    pulls = np.array([np.zeros(3), *(station.pull for station in stations)])
     # dF/dc = d/dx (dE/dc), from nothing at the touch
-    slopes = np.gradient(pulls, np.append(0.0, reached), axis=0)[1:] if len(stations) > 1 else np.zeros((0, 4))
+    slopes = np.gradient(pulls, np.append(0.0, reached), axis=0)[1:] if len(stations) > 1 else np.zeros((0, 3))
     return Sweep(
         depths=reached, wanted=np.array([task.material.law(depth) for depth in reached.tolist()]),
         simulated=np.array([station.force for station in stations]),
-        slopes=slopes + np.array([station.slope for station in stations]).reshape(-1, 4),
+        slopes=slopes + np.array([station.slope for station in stations]).reshape(-1, 3),
         volume_change=max((abs(station.volume_change) for station in stations), default=0.0),
         whole=len(stations) == len(depths),
     )  # fmt: skip

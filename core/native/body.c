@@ -138,12 +138,27 @@ static void dm_set_springs(dm_state *b, const dm_constants *c) {
     for (int64_t k = 0; k < slots * DM_LANES; k++) {
         int32_t e = b->ring_spring[k];
         dm_slot *s = b->ring.slots + k / DM_LANES;
-        s->stiffness[k % DM_LANES] = e < 0 ? 0 : (dm_real)c->stiffness[e];
+        s->stiffness[k % DM_LANES] = e < 0 ? 0 : (dm_real)(c->stiffness[e] + c->tension[e]);
         s->pull[k % DM_LANES] = e < 0 ? 0 : (dm_real)(c->stiffness[e] * b->rest_length[e]);
         s->damping[k % DM_LANES] = e < 0 ? 0 : (dm_real)c->damping[e];
     }
     for (dm_irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++)
-        s->stiffness = c->stiffness[s->spring], s->damping = c->damping[s->spring];
+        s->stiffness = c->stiffness[s->spring], s->damping = c->damping[s->spring], s->tension = c->tension[s->spring];
+}
+
+/* What the tension of shape matching does in the shape at rest. */
+static void dm_set_pull(dm_state *b, const dm_constants *c) {
+    double *pull = b->pin_room; /* free between ticks; by vertex in memory */
+    memset(pull, 0, (size_t)(3 * b->n) * sizeof *pull);
+    for (int64_t e = 0; e < b->spring_count; e++) {
+        uint32_t i = b->ends[e][0], j = b->ends[e][1];
+        dm_quad q = dm_lane3(&b->matter[i / DM_LANES].rest, i), r = dm_lane3(&b->matter[j / DM_LANES].rest, j);
+        for (int d = 0; d < 3; d++) {
+            double f = c->tension[e] * ((double)r[d] - (double)q[d]);
+            pull[3 * i + (uint32_t)d] += f, pull[3 * j + (uint32_t)d] -= f;
+        }
+    }
+    for (uint32_t i = 0; i < b->n; i++) dm_set_lane3(&b->matter[i / DM_LANES].pull, i, dm_quad_of(pull + 3 * i));
 }
 
 static void dm_set_matter(dm_state *b, const dm_constants *c) {
@@ -223,7 +238,7 @@ static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     if (b->laws && b->free && !c->free) dm_fit_whole(b, b->pose);
     dm_free(b->laws);
     b->laws = laws;
-    dm_set_springs(b, c), dm_set_matter(b, c);
+    dm_set_springs(b, c), dm_set_matter(b, c), dm_set_pull(b, c);
     dm_pin(b, c->inverse_mass);
     if (c->law_set != b->law_set || c->fill != b->fill) dm_forget_pressure(b);
     b->law_set = c->law_set, b->fill = c->fill, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;

@@ -6,7 +6,7 @@ proxy has a triangle. Mass and shape-matching stiffness of a cell go to its seed
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,7 @@ import numpy.typing as npt
 from ..base import Bools, DimpleError, Floats, Ints, sums_at
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
+from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, mesh_from_triangles
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 
@@ -21,7 +22,6 @@ SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
 NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
 NEIGHBOURS = 8  # seeds a fine vertex follows, the last one the distance at which a seed counts no more
-MOST_DIP = 0.5  # of the radius; a proxy so coarse is not chosen
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
@@ -31,6 +31,7 @@ class Proxy:
 
     model: the coarse body that is simulated, m vertices.
     seeds: (m,) the vertex of the fine mesh at which each coarse vertex lies.
+    cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
     rest: (n, 3) rest positions of the fine mesh [m].
     still: (n,) pinned or loose in the fine mesh.
     spacing: mean distance between seeds [m].
@@ -46,6 +47,7 @@ class Proxy:
 
     model: Model
     seeds: Ints
+    cells: Ints
     rest: Floats
     still: Bools
     spacing: float
@@ -87,17 +89,28 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
             raise DimpleError("its pieces are too small for a proxy")
     else:
         raise DimpleError("its pieces are too small for a proxy")
-    coarse = _coarse(model, seeds, cells, triangles)
+    coarse = _constants(model, _coarse_mesh(mesh, seeds, triangles), cells)
     followed, weights = _followed(coarse.mesh, place, seeds, cells)
     middle = np.einsum("kn,knc->nc", weights, mesh.rest_positions[seeds][followed])
     arms, spread, upright = _gradient(coarse.mesh)
     return Proxy(
-        model=coarse, seeds=seeds, rest=mesh.rest_positions, still=model.held | mesh.loose, spacing=spacing,
-        fine_spacing=mean_spacing(mesh, len(used)), followed=followed, weights=weights.astype(np.float32),
-        lever=2 * mesh.rest_positions - mesh.rest_positions.mean(axis=0) - middle,
+        model=coarse, seeds=seeds, cells=cells, rest=mesh.rest_positions, still=model.held | mesh.loose,
+        spacing=spacing, fine_spacing=mean_spacing(mesh, len(used)), followed=followed,
+        weights=weights.astype(np.float32), lever=2 * mesh.rest_positions - mesh.rest_positions.mean(axis=0) - middle,
         arms=arms, spread=spread, upright=upright,
         normals=vertex_normals(coarse.mesh.triangles, coarse.mesh.rest_positions),
     )  # fmt: skip
+
+
+def with_constants(proxy: Proxy, model: Model) -> Proxy:
+    """Return a proxy that moves as another model of the same fine mesh, on the same coarse one.
+
+    Raises:
+        DimpleError: its laws or pins need another proxy.
+    """
+    check(model)
+    coarse = _constants(model, proxy.model.mesh, proxy.cells)
+    return replace(proxy, model=coarse, still=model.held | model.mesh.loose)
 
 
 def mean_spacing(mesh: Mesh, vertices: int) -> float:
@@ -137,16 +150,6 @@ def most_of(model: Model) -> int:
     return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
 
 
-def contact_radius(proxy: Proxy, radius: float) -> float:
-    """Return the radius [m] of the sphere that touches a proxy where the fingertip would touch the fine surface.
-
-    A facet of side h with its corners on a sphere of radius R dips h^2 / (6 R) into it at its middle, and contact
-    keeps the middle out. With a sphere smaller by this the corners lie where the fine surface does.
-    """
-    dip = max(proxy.spacing**2 - proxy.fine_spacing**2, 0.0) / (6 * radius)
-    return radius - min(dip, MOST_DIP * radius)
-
-
 def check(model: Model) -> None:
     """Raise where no proxy of any size can be made.
 
@@ -157,16 +160,20 @@ def check(model: Model) -> None:
         raise DimpleError("the paper's equations depend on the mesh, so they need the full mesh")
 
 
-def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:
-    """Return the model of the proxy."""
-    fine, m = model.mesh, len(seeds)
+def _coarse_mesh(fine: Mesh, seeds: Ints, triangles: Ints) -> Mesh:
     mesh = mesh_from_triangles(fine.rest_positions[seeds], triangles)
-    if len(mesh.rest_positions) != m or mesh.loose.any():
+    if len(mesh.rest_positions) != len(seeds) or mesh.loose.any():
         raise DimpleError("its surface is too crumpled for a proxy of this size")
     if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):
         raise DimpleError("a proxy of this size would have holes")
     if fine.pressurable and not abs(mesh.volume / fine.volume - 1) < VOLUME_SLACK:
         raise DimpleError("a proxy of this size would lose too much of the volume")
+    return mesh
+
+
+def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
+    """Return the model of a proxy on its mesh."""
+    fine, m = model.mesh, len(mesh.rest_positions)
     whole = ~fine.loose
 
     def total(values: Floats) -> Floats:
@@ -180,16 +187,20 @@ def _coarse(model: Model, seeds: Ints, cells: Ints, triangles: Ints) -> Model:
     matching = model.matching
     held = mean(model.held.astype(float)) >= 0.5
     damping = matching.damping / np.maximum(2 * np.sqrt(matching.k1 * model.mass), 1e-30)
-    unit = membrane_stiffness(fine, np.ones(len(fine.springs)))
-    weight = np.where(unit > 0, fine.spring_areas, 0.0)
     ends = cells[fine.springs].ravel()
-    # the material's own k [N/m], as its edges have it
-    k = sums_at(ends, np.repeat(model.springs.stiffness / np.maximum(unit, 1e-30) * weight, 2), m)
-    k /= np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30)
+
+    def of_surface(values: Floats, unit: Floats) -> Floats:
+        """Return the material's own constant [N/m] on the edges of the proxy, from that of fine edges."""
+        weight = np.where(unit > 0, fine.spring_areas, 0.0)
+        sums = sums_at(ends, np.repeat(values / np.maximum(unit, 1e-30) * weight, 2), m)
+        return (sums / np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30))[mesh.springs].mean(axis=1)
+
+    k = of_surface(model.springs.stiffness, membrane_stiffness(fine, np.ones(len(fine.springs))))
+    tension = of_surface(matching.tension, cotangent_weights(fine))
     coarse = assemble(
         mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), held=held,
         friction=mean(model.friction), damping=mean(damping),
-        stiffness=membrane_stiffness(mesh, k[mesh.springs].mean(axis=1)),
+        stiffness=membrane_stiffness(mesh, k), tension=cotangent_weights(mesh) * tension,
         k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0), fill=model.pressure.fill,
         gravity=model.gravity, ground=model.ground,
     )  # fmt: skip

@@ -112,17 +112,19 @@ def _memory(model: Model, state: State, h: float) -> tuple[Product, Floats]:
     law, x = model.matching, state.positions
     pose = shape_matching.pose_of(law, x, state.pose)
     bed, turn, u = shape_matching.stiffness_parts(law, x, pose)
-    level, steep = h * h * bed + h * law.damping, h * h * turn
+    level, steep, tension = h * h * bed + h * law.damping, h * h * turn, h * h * law.tension
 
     def product(s: Floats) -> Floats:
+        if state.pose is None:
+            s = s - shape_matching.rigid_velocity(law.mass, x, s)
+        f = level * s + steep * (u * s).sum(axis=0) * u - shape_matching.tension_force(law.pairs, tension, s)
         if state.pose is not None:
-            return level * s + steep * (u * s).sum(axis=0) * u
-        s = s - shape_matching.rigid_velocity(law.mass, x, s)
-        f = level * s + steep * (u * s).sum(axis=0) * u
+            return f
         return f - law.mass * shape_matching.rigid_velocity(law.mass, x, f / law.mass)
 
     blocks = np.einsum("n,an,bn->nab", steep, u, u)
-    blocks[:, range(3), range(3)] += level[:, None]
+    met = sums_at(law.pairs.ravel(), np.repeat(tension, 2), x.shape[1])
+    blocks[:, range(3), range(3)] += (level + met)[:, None]
     return product, blocks
 
 

@@ -103,6 +103,7 @@ def main() -> None:
 
 
 def _bake(_folder: Path) -> None:
+    bpy.ops.dimple.unbake()
     bpy.ops.dimple.bake(frame_start=1, frame_end=FRAMES)
 
 

@@ -19,7 +19,7 @@ class Layout:
 
     def note(self, text: str, options: dict[str, Any]) -> None:
         assert options.get("icon", "NONE") in self.icons
-        accepted = {"text", "icon", "translate", "slider", "depress", "heading", "align", "factor"}
+        accepted = {"text", "icon", "translate", "slider", "depress", "heading", "align", "factor", "expand"}
         assert options.keys() <= accepted, options
         self.drawn.append(text)
 

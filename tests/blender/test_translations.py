@@ -67,6 +67,8 @@ def drawn_texts() -> Iterator[str]:
     root = Path(dimple.__file__).parent
     for path in [*root.glob("addon/*.py"), *root.glob("operators/*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "PAUSED":
+                yield from (part.value for part in ast.walk(node.value) if isinstance(part, ast.Constant))
             if not isinstance(node, ast.Call):
                 continue
             written = [each.value for each in node.keywords if each.arg in ("text", "heading")]
@@ -77,7 +79,7 @@ def drawn_texts() -> Iterator[str]:
             name = getattr(node.func, "attr", getattr(node.func, "id", ""))
             if name == "open_run":
                 written += node.args[2:]
-            if name == "refuse":
+            if name in ("refuse", "tip_"):
                 written += node.args
             for expression in written:
                 yield from (

@@ -84,7 +84,8 @@ def test_every_instruction_set_gives_the_same_bits_in_double_precision(name: str
     if not native.instructions(native.AVX2):
         pytest.skip("this machine has only one")
     model, _, _ = build(CASES[name])
-    base, avx2 = (native.Body(model, bits=64, instruction_set=which) for which in (native.BASE, native.AVX2))
+    library = native.library()
+    base, avx2 = (native.Body(model, library, bits=64, instruction_set=which) for which in (native.BASE, native.AVX2))
     assert trajectory(model, name, base) == trajectory(model, name, avx2)
 
 
@@ -96,7 +97,7 @@ def test_the_bits_are_those_they_have_always_been(name: str, bits: int, instruct
     if instructions == "AVX2" and "DIMPLE_LIBRARY" in os.environ:
         pytest.skip("another compiler fuses otherwise")
     model = rounded(build(CASES[name])[0])
-    body = native.Body(model, bits=bits, instruction_set=chosen)
+    body = native.Body(model, native.library(), bits=bits, instruction_set=chosen)
     assert trajectory(model, name, body) == GOLDEN[name, bits, instructions]
 
 

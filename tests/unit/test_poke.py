@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.mesh.ray import ray_hit
-from core.poke import Effect, Hit, Kind, PokeEvent, PokeState, Result, fingers, on_event
+from core.poke import Effect, Hit, Kind, PokeEvent, PokeState, Result, fingers, lifted, on_event, with_settings
 from core.session import Finger
 
 TOP = Hit(point=(0.0, 0.0, 0.1), normal=(0.0, 0.0, 1.0), body=7)
@@ -70,14 +70,13 @@ def test_a_press_beside_every_body_does_nothing() -> None:
     assert run(START, press(None), RELEASE) == (START, ())
 
 
-def test_release_takes_the_fingertip_out_and_ends_one_stroke() -> None:
-    state, done = run(START, press(), *ticks(0.3), RELEASE)
-    assert done.count(Effect.PUSH_UNDO) == 1
+def test_release_takes_the_fingertip_out() -> None:
+    state, _ = run(START, press(), *ticks(0.3), RELEASE)
+    assert not state.pressing
     state, _ = run(state, *ticks(0.2))
     assert fingers(state, 7)[0].position[2] > 0.09
     state, done = run(state, *ticks(0.1), RELEASE)
-    assert fingers(state, 7) == (None, None, None)
-    assert Effect.PUSH_UNDO not in done
+    assert fingers(state, 7) == (None, None, None) and set(done) == {Effect.STEP}
 
 
 def test_a_short_press_comes_out_in_the_same_time_as_a_long_one() -> None:
@@ -109,19 +108,53 @@ def test_pen_pressure_is_depth() -> None:
     assert state.tips[0].reached == pytest.approx(0.002)
 
 
-@pytest.mark.parametrize("kind", [Kind.RADIUS, Kind.DEPTH])
-def test_the_wheel_changes_radius_or_depth_also_while_pressing(kind: Kind) -> None:
-    name = kind.name.lower()
-    state, _ = run(START, press(), PokeEvent(kind=kind, amount=2), *ticks(1.0))
+@pytest.mark.parametrize(
+    ("kind", "by_force", "name"),
+    [(Kind.RADIUS, False, "radius"), (Kind.AMOUNT, False, "depth"), (Kind.AMOUNT, True, "force")],
+)
+def test_the_wheel_changes_radius_depth_or_force_also_while_pressing(kind: Kind, by_force: bool, name: str) -> None:
+    start = replace(START, by_force=by_force)
+    state, _ = run(start, press(), PokeEvent(kind=kind, amount=2), *ticks(1.0))
     assert getattr(state, name) == pytest.approx(getattr(START, name) * 1.21)
-    assert getattr(state.tips[0], name) == pytest.approx(getattr(state, name))
+    assert (state.tips[0].radius if name == "radius" else state.tips[0].reached) == pytest.approx(getattr(state, name))
+    others = {"radius", "depth", "force"} - {name}
+    assert all(getattr(state, other) == getattr(START, other) for other in others)
     state, _ = run(state, PokeEvent(kind=kind, amount=-1e4))
     assert getattr(state, name) > 0
 
 
+def test_by_force_the_fingertip_stays_where_it_touches_and_its_force_grows_and_fades() -> None:
+    state, _ = run(START, PokeEvent(kind=Kind.BY_FORCE), press(), *ticks(0.125))
+    half = fingers(state, 7)[0]
+    assert half.force == pytest.approx(START.force / 2) and half.inward == (0.0, 0.0, -1.0)
+    assert half.position == pytest.approx((0.0, 0.0, 0.11))
+    state, _ = run(state, *ticks(0.2))
+    assert fingers(state, 7)[0].force == pytest.approx(START.force)
+    state, _ = run(state, RELEASE, *ticks(0.125))
+    assert fingers(state, 7)[0].force == pytest.approx(START.force / 2)
+    state, _ = run(state, *ticks(0.2), PokeEvent(kind=Kind.BY_FORCE), press(), *ticks(0.3))
+    assert fingers(state, 7)[0].force is None, "by depth again"
+
+
+def test_pen_pressure_is_force_too() -> None:
+    state, _ = run(replace(START, by_force=True), press(pressure=0.5), *ticks(1.0))
+    assert fingers(state, 7)[0].force == pytest.approx(START.force / 2)
+
+
+def test_settings_that_were_changed_in_a_panel_reach_a_press_under_way() -> None:
+    state, _ = run(START, press(), *ticks(1.0))
+    state, _ = run(with_settings(state, radius=0.02, depth=0.01), *ticks(1.0))
+    assert state.tips[0].radius == 0.02 and state.tips[0].reached == pytest.approx(0.01)
+
+
+def test_a_body_of_another_size_is_let_go_of() -> None:
+    state, _ = run(START, press(), *ticks(0.3))
+    assert lifted(state, 8) == replace(state, hover=None)
+    assert lifted(state, 7).tips == (None, None, None) and not lifted(state, 7).pressing
+
+
 def test_choosing_another_finger_leaves_the_first_pressed_so_that_a_pinch_can_be_set_up() -> None:
-    state, done = run(START, press(), *ticks(0.3), finger(2), RELEASE, *ticks(0.5))
-    assert done.count(Effect.PUSH_UNDO) == 1
+    state, _ = run(START, press(), *ticks(0.3), finger(2), RELEASE, *ticks(0.5))
     state, _ = run(state, press(SIDE), *ticks(0.3), RELEASE, *ticks(0.5))
     assert [tip is not None for tip in state.tips] == [True, False, False]
     state, _ = run(state, finger(1), finger(1), *ticks(0.5))

@@ -262,3 +262,13 @@ def test_a_cache_folder_that_cannot_be_made_is_said_and_nothing_changes(
     with pytest.raises(RuntimeError, match="[Cc]ache folder"):
         bpy.ops.dimple.bake(frame_end=3)
     assert not obj.modifiers
+
+
+def test_a_press_that_would_go_through_the_body_is_refused(
+    bpy: ModuleType, add: Callable[..., Any], coordinates: Callable[[Any], bytes]
+) -> None:
+    obj = add()
+    before = coordinates(obj)
+    with pytest.raises(RuntimeError, match="165 mm large, so a press of 1e.09 mm would go through it"):
+        bpy.ops.dimple.poke(**{**QUICK, "depth_mm": 1e9})
+    assert coordinates(obj) == before

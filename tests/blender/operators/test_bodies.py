@@ -301,3 +301,22 @@ def test_a_scripted_press_goes_straight_in_from_outside_wherever_it_is_put(bpy: 
     hit = press.aimed({live.link.uid: live}, None, (0.0, 0.0, 0.0)).hit
     assert live.to_world(hit.point) == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
     sessions.stop_all()
+
+
+def test_a_scripted_press_by_force_is_deeper_on_a_softer_body(bpy: ModuleType, ball: Add) -> None:
+    soft, hard = ball("Soft"), ball("Hard")
+    for obj, factor in ((soft, 1), (hard, 4)):
+        obj.active_material = bpy.data.materials.new(obj.name)
+        for name in ("K1", "K2", "k"):
+            constant = factor * getattr(obj.active_material.dimple, name)
+            setattr(obj.active_material.dimple, name, constant)
+    by_force = {**PRESS, "force_n": 5.0, "hold_s": 0.3}
+    depths = []
+    for obj in (soft, hard):
+        bpy.context.view_layer.objects.active = obj
+        soft.select_set(obj == soft)
+        hard.select_set(obj == hard)
+        top = max(vertex.co.z for vertex in obj.data.vertices)
+        bpy.ops.dimple.poke(**by_force)
+        depths.append(top - max(vertex.co.z for vertex in obj.data.vertices))
+    assert depths[0] > 2 * depths[1] > 0

@@ -63,23 +63,24 @@ def test_enter_keeps_and_one_undo_restores(bpy: ModuleType, hand: Any, rest: byt
     assert coordinates(ball_of(bpy)) == rest
 
 
-def test_each_stroke_is_an_undo_step_that_never_holds_a_pressed_shape(
+def test_a_stroke_leaves_no_undo_step_for_it_has_changed_nothing(
     bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits
 ) -> None:
     bpy.ops.ed.undo_push(message="Before")
+    ball_of(bpy).location.x = 1.0
+    bpy.ops.ed.undo_push(message="The artist's own move")
+    ball_of(bpy).location.x = 0.0
+    bpy.ops.ed.undo_push(message="And another")
     poke = hand("poke")
     poke.invoke()
     for _ in range(2):
         poke.send("LEFTMOUSE")
         poke.ticks(20)
-        before = coordinates(ball_of(bpy))
         poke.send("LEFTMOUSE", "RELEASE")
-        assert coordinates(ball_of(bpy)) == before != rest, "the press goes on as it was"
+        poke.ticks(20)
     poke.send("ESC")
-    for step in (bpy.ops.ed.undo, bpy.ops.ed.undo, bpy.ops.ed.redo, bpy.ops.ed.redo):
-        assert step() == {"FINISHED"}
-        assert coordinates(ball_of(bpy)) == rest
-        assert ".dimple_rest" not in ball_of(bpy).data.attributes
+    bpy.ops.ed.undo()
+    assert ball_of(bpy).location.x == 1.0 and coordinates(ball_of(bpy)) == rest
 
 
 def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: bytes, tmp_path: Path) -> None:
@@ -90,6 +91,15 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
     assert poke.send("WHEELUPMOUSE") == {"RUNNING_MODAL"} and settings.finger_radius_mm == pytest.approx(11)
     poke.send("WHEELDOWNMOUSE", ctrl=True)
     assert poke.operator._state.depth == pytest.approx(0.015 / 1.1)
+    assert settings.press_depth_mm == pytest.approx(15 / 1.1, rel=1e-6) and "13.6 mm" in poke.context.said
+    poke.send("F")
+    poke.send("WHEELUPMOUSE", ctrl=True)
+    assert settings.press_by == "FORCE" and settings.press_force_n == pytest.approx(5.5)
+    poke.ticks(1)
+    assert "5.5 N" in poke.context.said
+    settings.press_by, settings.press_depth_mm, settings.finger_radius_mm = "DEPTH", 12.0, 11.0
+    poke.ticks(1)
+    assert poke.operator._state.depth == pytest.approx(0.012) and "12 mm" in poke.context.said
     poke.send("TWO")
     assert settings.active_finger == 2
     poke.send("LEFTMOUSE")
@@ -102,7 +112,9 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
     paused = body.frame.time
     poke.ticks(3)
     assert body.frame.time == paused and not body.running
+    assert bpy.context.window_manager.dimple.state.startswith("Paused")
     poke.send("SPACE")
+    assert bpy.context.window_manager.dimple.state.startswith("Poking")
     poke.send("R")
     assert body.recording and body.running
     poke.ticks(30)
@@ -121,6 +133,54 @@ def test_a_pen_presses_as_deep_as_it_is_pressed(bpy: ModuleType, hand: Any, rest
     poke.ticks(20)
     assert sessions.get(ball_of(bpy)).frame.depths[0] == pytest.approx(0.4 * 0.015, abs=1e-3)
     poke.send("RIGHTMOUSE")
+
+
+def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleType, hand: Any, rest: bytes) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    bpy.context.scene.dimple.press_by, bpy.context.scene.dimple.press_force_n = "FORCE", 4.0
+    material = bpy.data.materials.new("Tuned")
+    ball_of(bpy).active_material = material
+    poke, depths = hand("poke"), []
+    poke.invoke()
+    poke.send("LEFTMOUSE")
+    for k1 in (0.61, 0.3):
+        material.dimple.K1 = k1
+        poke.ticks(60)
+        body = sessions.get(ball_of(bpy))
+        assert body.frame.finger_forces[0, 2] == pytest.approx(4.0, rel=0.02)
+        depths.append(body.frame.depths[0])
+    centre = body.session.placed[0].position
+    assert body.fingers[0].position == centre, "it is drawn where it is"
+    assert depths[1] > 1.2 * depths[0], "a softer material is pressed deeper"
+    poke.send("LEFTMOUSE", "RELEASE")
+    poke.ticks(40)
+    assert not body.frame.depths.any()
+    poke.send("ESC")
+
+
+def test_undo_takes_a_constant_back_while_poking_but_nothing_from_before(
+    bpy: ModuleType, hand: Any, rest: bytes
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    ball_of(bpy).active_material = bpy.data.materials.new("Tuned")
+    bpy.ops.ed.undo_push(message="Before")
+    poke = hand("poke")
+    poke.invoke()
+    poke.ticks(2)
+    assert poke.send("Z", ctrl=True) == {"RUNNING_MODAL"}
+    ball_of(bpy).active_material.dimple.K1 = 3.0
+    bpy.ops.ed.undo_push(message="K1")
+    poke.ticks(2)
+    body = sessions.get(ball_of(bpy))
+    assert body.session.model.materials[0].K1 == 3000
+    assert poke.send("Z", ctrl=True) == {"PASS_THROUGH"}
+    bpy.ops.ed.undo()  # as Blender does then
+    poke.ticks(2)
+    assert body.session.model.materials[0].K1 == 610 and "Left drag" in poke.context.said
+    assert poke.send("Z", ctrl=True) == {"RUNNING_MODAL"}
+    poke.send("ESC")
 
 
 def test_undo_is_swallowed_and_navigation_is_not(bpy: ModuleType, hand: Any, rest: bytes) -> None:

@@ -111,3 +111,44 @@ def test_caches_of_a_file_without_a_name_outlive_the_extension(bpy: ModuleType, 
     finally:
         path.unlink()
         path.with_suffix(".csv").unlink()
+
+
+def test_bodies_that_play_together_have_one_clock(
+    bpy: ModuleType, scene: Any, ball: Add, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    for name in ("Slow", "Fast"):
+        sessions.start(ball(name), bpy.context)
+    slow, fast = sessions.sessions.values()
+    step = slow.session.step
+    monkeypatch.setattr(slow.session, "step", lambda dt, *, budget=None: step(min(dt, 0.003)))
+    bpy.ops.dimple.record()
+    for _ in range(60):
+        live.advance(bpy.context, 1 / 60)
+    assert slow.frame.time == pytest.approx(60 * 0.003, abs=2e-3)
+    assert fast.frame.time == pytest.approx(slow.frame.time, abs=1 / 60), "the fast one waits"
+    assert slow.recorder.frames == fast.recorder.frames > 3
+    sessions.stop_all()
+
+
+def test_the_end_of_a_recording_is_said_and_undo_takes_only_it_back(
+    bpy: ModuleType, scene: Any, ball: Add
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    obj = ball()
+    obj.location.x = 1.0
+    scene.frame_end = 3
+    bpy.ops.ed.undo_push(message="The artist's own move")
+    bpy.ops.dimple.play(seconds=0.01)
+    bpy.ops.dimple.record()
+    bpy.ops.dimple.play(seconds=0.5)
+    (sentence,) = sessions.stop_all()
+    assert sentence.startswith('Recorded 13 frames of "Ball"') and "beyond the scene's last frame 3" in sentence
+    assert obj.modifiers
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects["Ball"]
+    assert not obj.modifiers and obj.location.x == 1.0
+    bpy.ops.ed.redo()
+    assert bpy.data.objects["Ball"].modifiers["Dimple"].filepath.endswith("take_001.pc2")

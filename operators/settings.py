@@ -1,0 +1,61 @@
+"""What a running body was read from, as it is in the panels: to see when something has changed.
+
+Whatever `to_params` returns belongs to it, so a new constant joins by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any, NamedTuple
+
+import bpy
+
+from ..core.base import DimpleError
+from . import bridge
+
+
+class Settings(NamedTuple):
+    """What a running body was read from.
+
+    body: laws, pins, softness and size.
+    materials: the constants of each slot.
+    surroundings: gravity, ground and the unit of length.
+    plan: how it is to be simulated.
+    """
+
+    body: Hashable
+    materials: tuple[Hashable, ...]
+    surroundings: Hashable
+    plan: Hashable
+
+
+def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:
+    """Return the settings of an object as they are now."""
+    around = scene.dimple
+    return Settings(
+        tuple(obj.dimple.to_params().items()),
+        tuple(_material(slot.material) for slot in obj.material_slots),
+        (
+            identified_revision(), bool(around.use_gravity), bridge.gravity(scene), bool(around.use_ground),
+            scene.unit_settings.scale_length,
+        ),  # fmt: skip
+        tuple(obj.dimple.to_plan().items()),
+    )
+
+
+def identified_revision() -> int:
+    """Return a number that changes when model constants have been identified in the background."""
+    from . import identified
+
+    return identified.revision
+
+
+def _material(material: bpy.types.Material | None) -> Hashable:
+    if material is None:
+        return None
+    settings: Any = material.dimple
+    try:
+        constants: Hashable = tuple(settings.to_params().items())
+    except DimpleError as error:  # the model constants cannot be used
+        constants = str(error)
+    return material.session_uid, constants, settings.identification

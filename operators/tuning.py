@@ -1,0 +1,104 @@
+"""Settings that are changed while a body runs: they act on it at its next step, and nothing jumps.
+
+Weights of vertex groups are read again with any other change.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ..core.base import DimpleError
+from . import bridge, planning
+from .settings import settings_of
+
+if TYPE_CHECKING:
+    from ..core.body.model import Model
+    from ..core.reduction.proxy import Proxy
+    from .sessions import LiveBody
+    from .settings import Settings
+
+UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned anew
+
+
+def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
+    """Let a running body have the settings it has now; return sentences for the artist.
+
+    A change that cannot be simulated is refused: the body keeps what it had, and `refused` says why.
+    """
+    now = settings_of(context.scene, obj)
+    if now == body.seen:
+        return _plan_when_due(context, obj, body)
+    refused_before, body.seen, body.refused = body.refused, now, ""
+    if now == body.settings:
+        return []
+    try:
+        messages = _change(context, obj, body, now)
+    except DimpleError as error:
+        body.refused = f"{error} Until then it goes on as it was."
+        return [] if refused_before else [body.refused]
+    body.settings, body.changed_at = now, body.frame.time
+    return messages
+
+
+def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> list[str]:
+    """Change a body, or raise a DimpleError and leave it as it is."""
+    session, before = body.session, body.settings
+    scale = bridge.scale_of(context.scene, obj, body.link)
+    slots, slots_before = (max(len(each.materials), 1) for each in (now, before))
+    if scale == body.link.scale and slots == slots_before:
+        model = bridge.read_model(context.scene, obj, session.model.mesh, body.link.slots)
+        proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)
+        session.change(model, proxy=proxy)
+        return messages
+    link, model = bridge.read_body(context, obj)
+    proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)
+    session.change(model, proxy=proxy, scale=link.scale / body.link.scale)
+    _define(body, link, model)
+    return messages
+
+
+def _define(body: LiveBody, link: bridge.ObjectLink, model: Model) -> None:
+    """Let a body have another definition than it was started with."""
+    from ..core.mesh.surface import input_vertices
+
+    body.link, body.matrix = link, link.matrix
+    body.triangles = input_vertices(model.mesh)[model.mesh.triangles]
+
+
+def _proxy(
+    context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, model: Model, *, again: bool
+) -> tuple[Proxy | None, list[str]]:
+    """Return what moves in place of another model, and sentences: as much of what there is as can go on."""
+    from ..core.reduction.proxy import build_proxy, with_constants
+
+    old = body.session.proxy
+    if not again and old is None:
+        return None, []
+    if not again and old is not None:
+        try:
+            if model.mesh is body.session.model.mesh:
+                return with_constants(old, model), []
+            return build_proxy(model, len(old.seeds)), []
+        except DimpleError:  # other pins or laws: another choice is made
+            pass
+    proxy, reason = planning.proxy_for(context.scene, obj, model)
+    return proxy, [reason] if reason else []
+
+
+def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
+    """Plan anew for constants that were tuned, once nothing presses: the presses of the planner take some seconds."""
+    session = body.session
+    if body.changed_at is None or body.frame.time < body.changed_at + UNTOUCHED_S:
+        return []
+    if body.recording or body.refused or any(session.fingers):
+        return []
+    body.changed_at = None
+    try:
+        proxy, reason = planning.proxy_for(context.scene, obj, session.model)
+        if (len(proxy.seeds) if proxy else 0) != (len(session.proxy.seeds) if session.proxy else 0):
+            session.change(session.model, proxy=proxy)
+    except DimpleError as error:
+        return [str(error)]
+    return [reason] if reason else []

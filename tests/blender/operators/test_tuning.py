@@ -1,0 +1,166 @@
+"""Constants that are changed in the panels while a body runs act on it, and undo takes them back."""
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+Bits = Callable[[Any], bytes]
+FRAME_S = 1 / 60
+
+
+@pytest.fixture
+def entry(bpy: ModuleType, sessions: Any, vinyl: Any, cube: Any) -> Any:
+    """The session of the vinyl cube, pressed 10 mm deep by a fingertip of 20 mm that rests there."""
+    from bl_ext.user_default.dimple.core.session import Finger
+
+    body, _ = sessions.start(cube, bpy.context)
+    top = body.link.scale
+    for depth in (0.0, 0.01):
+        step(bpy, 0.05, Finger((0.0, 0.0, top + 0.02 - depth), 0.02))
+    step(bpy, 0.3)
+    yield body
+    sessions.stop_all()
+
+
+def step(bpy: ModuleType, seconds: float = FRAME_S, finger: Any = None) -> list[str]:
+    from bl_ext.user_default.dimple.operators import live, sessions
+
+    messages = []
+    for uid, body in list(sessions.sessions.items()):
+        fingers = (finger,) if finger else body.session.fingers
+        messages += live.advance(bpy.context, seconds, pressed={uid: fingers})
+    return messages
+
+
+def force(body: Any) -> float:
+    return float(np.linalg.norm(body.frame.finger_forces[0]))
+
+
+def test_k1_is_changed_while_the_fingertip_rests(bpy: ModuleType, entry: Any, vinyl: Any) -> None:
+    first = force(entry)
+    vinyl.K1 = 3.0
+    assert step(bpy) == []
+    assert entry.frame.law_forces[0] == pytest.approx(30.0, rel=1e-3), "one frame later"
+    step(bpy, 0.5)
+    assert force(entry) > 2 * first
+    vinyl.K1 = 0.61
+    step(bpy, 0.5)
+    assert force(entry) == pytest.approx(first, rel=0.02)
+
+
+def of_material(name: str, value: Any) -> Callable[[ModuleType], None]:
+    return lambda bpy: setattr(bpy.context.object.active_material.dimple, name, value)
+
+
+def of_body(name: str, value: Any) -> Callable[[ModuleType], None]:
+    return lambda bpy: setattr(bpy.context.object.dimple, name, value)
+
+
+def of_scene(name: str) -> Callable[[ModuleType], None]:
+    return lambda bpy: setattr(bpy.context.scene.dimple, name, True)
+
+
+# each changes its setting, and tells whether it has arrived in the model
+CHANGES: dict[str, tuple[Callable[[ModuleType], None], Callable[[Any], bool]]] = {
+    "K2": (of_material("K2", 3.0), lambda model: model.materials[0].K2 == 3000),
+    "x0": (of_material("x0", 5.0), lambda model: model.materials[0].x0 == 0.005),
+    "k": (of_material("k", 2.0), lambda model: model.materials[0].k == 2000),
+    "mass": (of_material("mass_kg", 0.5), lambda model: abs(model.mass.sum() - 0.5) < 1e-9),
+    "density": (of_material("mass_from", "DENSITY"), lambda model: model.materials[0].density == 100),
+    "damping": (of_material("damping_ratio", 1.0), lambda model: model.materials[0].damping_ratio == 1),
+    "friction": (of_material("friction", 0.0), lambda model: not model.friction.any()),
+    "fill": (of_material("fill", "NONE"), lambda model: model.pressure.fill == "none"),
+    "gravity": (of_scene("use_gravity"), lambda model: model.gravity[2] < -9),
+    "ground": (of_scene("use_ground"), lambda model: model.ground is not None),
+    "pins": (of_body("pinned", "NONE"), lambda model: not model.held.any()),
+    "laws": (of_body("law_set", "PAPER"), lambda model: model.law_set == "paper"),
+    "size": (of_body("size_mm", 330.0), lambda model: model.mesh.size > 0.32),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_every_setting_of_a_body_acts_within_a_frame_and_comes_back_by_undo(
+    bpy: ModuleType, entry: Any, cube: Any, name: str
+) -> None:
+    change, arrived = CHANGES[name]
+    name_of, shown = cube.name, seen(cube)
+    bpy.ops.ed.undo_push(message="Before")
+    change(bpy)
+    bpy.ops.ed.undo_push(message="Change")
+    assert not arrived(entry.session.model)
+    assert step(bpy, 0.0) == [] and arrived(entry.session.model)
+    np.testing.assert_allclose(seen(cube), shown, atol=1e-6, err_msg="it has jumped")
+    step(bpy)
+    assert entry.frame.finite and not entry.frame.note
+    bpy.ops.ed.undo()
+    cube = bpy.data.objects[name_of]
+    step(bpy)
+    assert not arrived(entry.session.model), "undo takes it back"
+
+
+def seen(obj: Any) -> np.ndarray:
+    numbers = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", numbers)
+    return numbers.reshape(-1, 3)
+
+
+def test_a_constant_that_cannot_be_is_refused_in_words_and_the_old_one_goes_on(
+    bpy: ModuleType, entry: Any, vinyl: Any
+) -> None:
+    first = force(entry)
+    vinyl.K1 = 0.0
+    messages = step(bpy)
+    assert len(messages) == 1 and "K1 must be greater than 0" in messages[0] and "goes on as it was" in messages[0]
+    assert step(bpy) == [] and entry.refused == messages[0], "it is said once, and shown as long as it is so"
+    assert force(entry) == pytest.approx(first, rel=0.01)
+    vinyl.K1 = 0.61
+    step(bpy)
+    assert not entry.refused
+
+
+def test_another_choice_of_what_is_simulated_is_taken_while_it_runs(bpy: ModuleType, ball: Any, sessions: Any) -> None:
+    obj = ball(subdivisions=4)
+    bpy.context.scene.dimple.use_gravity = True
+    body, _ = sessions.start(obj, bpy.context)
+    step(bpy, 0.05)
+    assert body.session.proxy is None
+    obj.dimple.simulated, obj.dimple.proxy_vertices = "PROXY", 300
+    before = seen(obj)
+    assert any("proxy" in sentence for sentence in step(bpy, 0.001))
+    assert body.session.proxy is not None and body.frame.time == pytest.approx(0.051)
+    assert np.abs(seen(obj) - before).max() < 2e-3
+    sessions.stop_all()
+
+
+def test_tuned_constants_are_planned_for_once_nothing_presses(
+    bpy: ModuleType, entry: Any, cube: Any, vinyl: Any
+) -> None:
+    planned = cube.dimple.plan_key
+    vinyl.K1 = 0.7
+    step(bpy, 1.5)
+    step(bpy)
+    assert cube.dimple.plan_key == planned, "not while a fingertip rests"
+    from bl_ext.user_default.dimple.operators import live
+
+    live.advance(bpy.context, FRAME_S)
+    live.advance(bpy.context, FRAME_S)
+    assert cube.dimple.plan_key != planned
+
+
+def test_another_size_lifts_the_fingertip_of_a_poke(bpy: ModuleType, hand: Any, ball: Any) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    obj, poke = ball(), hand("poke")
+    poke.invoke()
+    poke.send("LEFTMOUSE")
+    poke.ticks(20)
+    body = sessions.get(obj)
+    assert body.frame.depths[0] > 0.01
+    obj.dimple.size_mm = 40.0
+    poke.ticks(60)
+    assert body.session.model.mesh.size == pytest.approx(0.04) and not body.frame.depths.any()
+    assert np.abs(seen(obj) - body.link.rest).max() < 0.05, "it has sprung back"
+    poke.send("ESC")

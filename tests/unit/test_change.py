@@ -1,0 +1,143 @@
+"""A session goes on as another model from where it is: constants are tuned while a fingertip rests in the body."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.base import DimpleError
+from core.body.model import Model, build_model
+from core.material import Material
+from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
+from core.reduction.proxy import build_proxy, with_constants
+from core.session import Finger, Session
+from tests.bodies import backends, ball
+
+SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.5, damping_ratio=0.5, fill="none")
+RADIUS, TIP = 0.08, 0.02
+STIFF = replace(SOFT, K1=1800, K2=6000, k=1800)
+CHANGES = [
+    replace(SOFT, K1=1800), replace(SOFT, K2=9000), replace(SOFT, x0=0.004), replace(SOFT, k=3000),
+    replace(SOFT, mass=2.0), replace(SOFT, damping_ratio=1.5), replace(SOFT, friction=0.0),
+]  # fmt: skip
+
+
+def on_its_base(mesh: Mesh, material: Material = SOFT) -> Model:
+    return build_model(mesh, [material], held=base_vertices(mesh))
+
+
+def pressed(model: Model, depth: float = 0.01, **options: object) -> Session:
+    session = Session(model, **options)  # type: ignore[arg-type]
+    for at in (0.0, depth):
+        session.set_fingers([Finger((0.0, 0.0, RADIUS + TIP - at), TIP)])
+        session.step(0.05)
+    session.step(0.5)
+    return session
+
+
+def force(session: Session) -> float:
+    return float(np.linalg.norm(session.frame.finger_forces[0]))
+
+
+@pytest.mark.parametrize("material", CHANGES)
+def test_a_changed_constant_acts_at_once_and_nothing_jumps(material: Material) -> None:
+    mesh = mesh_from_triangles(*ball(1, RADIUS))
+    session = pressed(on_its_base(mesh))
+    before = session.positions()
+    session.change(on_its_base(mesh, material))
+    np.testing.assert_array_equal(session.positions(), before)
+    session.step(0.001)
+    assert np.abs(session.positions() - before).max() < 0.01 * 0.01, "of the depth, a tick later"
+    session.step(1.0)
+    wanted = pressed(on_its_base(mesh, material))
+    wanted.step(1.0)
+    assert force(session) == pytest.approx(force(wanted), rel=0.02)
+    assert session.frame.law_forces[0] == pytest.approx(material.law(0.01), rel=1e-3)
+
+
+@pytest.mark.parametrize("backend", backends("native", "numpy"))
+def test_a_body_that_is_filled_while_it_is_pressed_takes_its_volume_back(backend: str) -> None:
+    mesh = mesh_from_triangles(*ball(1, RADIUS))
+    session = pressed(on_its_base(mesh), backend=backend)
+    before = session.positions()
+    assert session.frame.volume < 0.993 * session.frame.rest_volume
+    session.change(on_its_base(mesh, replace(SOFT, fill="liquid")))
+    np.testing.assert_array_equal(session.positions(), before)
+    frame = session.step(0.5)
+    assert frame.volume == pytest.approx(frame.rest_volume, rel=1e-3) and frame.pressure > 0
+
+
+def test_a_constant_that_is_changed_back_gives_the_force_back() -> None:
+    mesh = mesh_from_triangles(*ball(1, RADIUS))
+    session = pressed(on_its_base(mesh))
+    first = force(session)
+    session.change(on_its_base(mesh, STIFF))
+    session.step(0.3)
+    assert force(session) > 2 * first
+    session.change(on_its_base(mesh))
+    session.step(1.0)
+    assert force(session) == pytest.approx(first, rel=0.01)
+
+
+def test_a_proxy_takes_other_constants_too() -> None:
+    mesh = mesh_from_triangles(*ball(3, RADIUS))
+    model = on_its_base(mesh)
+    proxy = build_proxy(model, 160)
+    session = pressed(model, proxy=proxy)
+    before, first = session.positions(), force(session)
+    stiff = on_its_base(mesh, STIFF)
+    session.change(stiff, proxy=with_constants(proxy, stiff))
+    np.testing.assert_array_equal(session.positions(), before)
+    session.step(0.5)
+    wanted = pressed(stiff, proxy=build_proxy(stiff, 160))
+    assert force(session) == pytest.approx(force(wanted), rel=0.02) and force(session) > 2 * first
+
+
+@pytest.mark.parametrize("forth", [True, False])
+def test_a_body_goes_on_as_its_proxy_and_back(forth: bool) -> None:
+    mesh = mesh_from_triangles(*ball(3, RADIUS))
+    model = build_model(mesh, [replace(SOFT, damping_ratio=0.05)], gravity=(0.0, 0.0, -9.81))
+    proxy = build_proxy(model, 300)
+    session = Session(model, proxy=None if forth else proxy)
+    session.step(0.1)
+    before = session.positions()
+    session.change(model, proxy=proxy if forth else None)
+    assert np.abs(session.positions() - before).max() < 0.001 * RADIUS
+    session.step(0.1)
+    fallen = (session.positions() - mesh.rest_positions).mean(axis=0)
+    assert fallen == pytest.approx([0, 0, -9.81 / 2 * 0.2**2], rel=0.02, abs=1e-4), "it falls on as fast as it was"
+
+
+def test_a_body_of_another_size_keeps_its_shape_and_its_swing() -> None:
+    mesh, twice = (mesh_from_triangles(*ball(1, factor * RADIUS)) for factor in (1, 2))
+    session = Session(on_its_base(mesh))
+    session.body.set_state(mesh.rest_positions.T, np.where(on_its_base(mesh).held, 0.0, 0.1) * np.ones((3, 1)))
+    session.step(0.01)
+    before, speed = session.positions(), session.body.velocities()
+    session.change(on_its_base(twice), scale=2.0)
+    np.testing.assert_allclose(session.positions(), 2 * before, atol=1e-7)
+    np.testing.assert_allclose(session.body.velocities(), 2 * speed, atol=1e-6)
+
+
+def test_pins_that_come_while_the_body_is_away_hold_it_where_it_is() -> None:
+    mesh = mesh_from_triangles(*ball(1, RADIUS))
+    session = Session(build_model(mesh, [SOFT], gravity=(0.0, 0.0, -9.81)))
+    session.step(0.1)
+    before, base = session.positions(), base_vertices(mesh)[mesh.source]
+    assert before[:, 2].mean() < -0.04
+    session.change(build_model(mesh, [SOFT], held=base_vertices(mesh)))
+    session.step(0.5)
+    np.testing.assert_allclose(session.positions()[base], before[base], atol=1e-7)
+    assert np.abs(session.positions() - before).max() < 0.01 * RADIUS, "it hangs from them without a start"
+
+
+def test_a_change_that_cannot_be_simulated_is_refused_and_the_body_goes_on() -> None:
+    mesh = mesh_from_triangles(*ball(1, RADIUS))
+    session = pressed(on_its_base(mesh))
+    first = force(session)
+    with pytest.raises(DimpleError, match="steps"):
+        session.change(on_its_base(mesh, replace(SOFT, mass=1e-7)))
+    with pytest.raises(DimpleError, match="other vertices"):
+        session.change(on_its_base(mesh_from_triangles(*ball(0, RADIUS))))
+    session.step(0.2)
+    assert force(session) == pytest.approx(first, rel=1e-3) and session.model.materials[0] == SOFT
