@@ -198,6 +198,7 @@ class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.prop(scene.dimple, "cache_dir")
         layout.prop(scene.dimple, "shape_key_step")
+        layout.prop(scene.dimple, "use_curves")
         column = layout.column(align=True)
         _bake_button(column, scene, "MESH_CACHE", text="Bake to Mesh Cache")
         _bake_button(column, scene, "SHAPE_KEYS", text="Bake to Shape Keys")

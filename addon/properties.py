@@ -249,6 +249,10 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         name="Every n Frames", description="Make one shape key for this many frames",
         default=1, min=1, soft_max=25, **FIXED,
     )  # fmt: skip
+    use_curves: BoolProperty(
+        name="Curves", description="Keyframe force, depth and pressure as custom properties, for drivers",
+        default=False, **FIXED,
+    )  # fmt: skip
     show_overlay: BoolProperty(
         name="Fingertips and Forces", description="Draw fingertips, forces and numbers in the viewport",
         default=True, **FIXED,

@@ -10,6 +10,7 @@ from . import (
     bake,
     calibrate,
     calibrate_apply,
+    command_line,
     compare_proxies,
     device,
     export,
@@ -37,6 +38,7 @@ PARTS = (
     measure,
     compare_proxies,
     device,
+    command_line,
     handlers,
 )
 

@@ -208,3 +208,4 @@ def _play(plan: BakePlan, body: Baked) -> None:
     elif plan.target == "SHAPE_KEYS":
         output.detach_cache(obj)
         shape_keys.add(obj, body.link, body.shapes)
+        output.add_curves(obj, body.path)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tools import extension, native
-from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, ROOT, WHEEL_PINS, Stop
+from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, READER_PINS, ROOT, WHEEL_PINS, Stop
 
 # what is read at run time beside Python
 DATA = {"LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml", "addon/poke_tool.dat"}
@@ -91,7 +91,7 @@ def test_the_manifest_names_a_native_core_for_each_platform_it_is_compiled_for()
 
 
 def test_every_pin_is_exact() -> None:
-    for pin in [*pins(DEV_PINS), *pins(native.PINS), *pins(PEER_PINS)]:
+    for pin in [*pins(DEV_PINS), *pins(native.PINS), *pins(PEER_PINS), *pins(READER_PINS)]:
         assert EXACT.fullmatch(pin.partition(";")[0].strip()), pin
     for pin in pins(WHEEL_PINS):
         exact, _, rest = pin.partition(" ")
