@@ -18,6 +18,7 @@ from .strokes import FULL, Cycle, dip, find_cycles, moving, preload_rows, roughn
 
 _AGREE = 0.10  # of full scale, RMS: cycles that differ more are different presses
 _SNAP = 0.10  # of full scale: a fall of the force while the depth grows
+_BEFORE = 20.0  # of the range of depth: a touch given farther before the first row is a slip of the pen
 _MANY = 60  # reversals: rows are not in the order they were measured
 _QUICK = 0.1  # of the rows of the longest press: a press of fewer is a touch in passing
 
@@ -181,7 +182,7 @@ def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers, inward
         before = x < touch
         tare = float(np.median(f[before])) if before.sum() > 2 else 0.0
         free: Free = () if before.sum() > 2 else ("tare",)
-        if not x.min() - np.ptp(x) <= touch < x.max():
+        if not x.min() - _BEFORE * np.ptp(x) <= touch < x.max():
             raise DimpleError(f"The touch at {answers.contact_mm} mm lies outside the depths of the file.")
     else:
         found = find_touch(x, f)

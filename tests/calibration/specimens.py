@@ -78,6 +78,22 @@ def preload(rng: random.Random) -> Specimen:
     return written(p, p.depth - p.depth[0], touch=-p.depth[0])
 
 
+def slight_preload(rng: random.Random) -> Specimen:
+    """Zero the depth at a preload that is hardly a press yet."""
+    p = press(rng, start=rng.uniform(0.002, 0.05))
+    return written(p, p.depth - p.depth[0], touch=-p.depth[0])
+
+
+def begun(rng: random.Random) -> Specimen:
+    """Begin in the middle of the press, at a depth the machine counts from elsewhere; some of a bent curve."""
+    p = press(rng, start=rng.uniform(0.3, 0.85), noise=0.005)
+    zero, power = rng.choice([0.0, 20.0, -7.0]), rng.choice([None, None, 1.5, 0.6])
+    if power is None:
+        return written(p, p.depth - p.depth[0] + zero, touch=zero - p.depth[0])
+    bent = p.full * (p.depth / p.depth[-1]) ** power + p.force - p.law(p.depth)
+    return Specimen(written(p, p.depth - p.depth[0] + zero, bent).content, *[np.nan] * 3, zero - p.depth[0])
+
+
 def preload_doubled(rng: random.Random) -> Specimen:
     """Record the preload in several rows before the crosshead moves."""
     p, times = press(rng, start=rng.uniform(0.05, 0.3)), rng.choice([2, 3, 6, 20])
@@ -104,7 +120,7 @@ def preload_of_a_bent_curve(rng: random.Random) -> Specimen:
 
 def dead_travel(rng: random.Random) -> Specimen:
     """Begin a little before the touch and call that zero."""
-    p = press(rng, approach=rng.uniform(0.02, 0.12), stiff=True)
+    p = press(rng, approach=10 ** rng.uniform(-2.3, -0.9), stiff=rng.random() < 0.8)
     return written(p, p.depth - p.depth[0], touch=-p.depth[0])
 
 
@@ -153,6 +169,15 @@ def torn(rng: random.Random) -> Specimen:
     signs = rng.choice([1, -1]), rng.choice([1, -1])
     zero = rng.choice([0.0, 0.0, 40.0])
     return written(p, signs[0] * depth + zero, signs[1] * force, touch=zero)
+
+
+def torn_at_last(rng: random.Random) -> Specimen:
+    """Press twice, and tear the specimen the second time."""
+    p = press(rng, rows=300)
+    rest = int(rng.uniform(0.05, 0.4) * len(p.depth))
+    further = p.depth[-1] + (p.depth[1] - p.depth[0]) * np.arange(1, rest + 1)
+    depth = np.concatenate([p.depth, p.depth[::-1], p.depth, further])
+    return written(p, depth, np.concatenate([p.force, p.force[::-1], p.force, 0.1 * p.full * np.ones(rest)]))
 
 
 def going_negative(rng: random.Random) -> Specimen:
@@ -269,9 +294,9 @@ def stray_cells(rng: random.Random) -> Specimen:
 
 
 KINDS: tuple[Callable[[random.Random], Specimen], ...] = (
-    preload, preload_doubled, preload_rising, preload_of_a_bent_curve, dead_travel, adhesion, approach, short_travel,
-    few_rows, torn, going_negative, reversed_rows, quick_touch, pages, side_by_side, sparse, japanese_dates,
-    german_dates, unknown_unit, unit_unknown, stray_cells,
+    preload, slight_preload, begun, preload_doubled, preload_rising, preload_of_a_bent_curve, dead_travel, adhesion,
+    approach, short_travel, few_rows, torn, torn_at_last, going_negative, reversed_rows, quick_touch, pages,
+    side_by_side, sparse, japanese_dates, german_dates, unknown_unit, unit_unknown, stray_cells,
 )  # fmt: skip
 
 
