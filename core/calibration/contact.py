@@ -21,6 +21,7 @@ _SURE = 3.5  # standard errors
 _ROWS = 6
 _FEW = 3  # rows
 _RISE = 0.01  # of the range of force: a preload that changes less
+_TRAVEL = 0.05  # of the range of depth: a force over less of it may be a preload
 _STANDS = 0.005  # of the depth of a window: travel that is none
 _BOUNDED = 0.5  # of the range of depth: a touch whose interval reaches farther is not determined
 _FITS = 2.0  # times the noise: residuals of a law that fits
@@ -64,6 +65,9 @@ def find_touch(depth: Floats, force: Floats) -> Touch:
         if pieces is None or not _is_hinge(x, pieces.join, noise, pieces.slope2):
             continue
         before = x < pieces.join
+        loaded = pieces.offset > max(_CLEAR * noise, _RISE * span)
+        if loaded and pieces.join - depth[0] < _TRAVEL * np.ptp(depth):
+            continue  # too little travel to know that what is on the cell is no preload
         if pieces.residual < _CLEARLY * _bent_residual(x, f) and _is_level(x[before], f[before], noise):
             return Touch(depth=pieces.join, tare=pieces.offset, free=("contact", "tare"))
     return _already_touching(depth, force, rest, noise)
@@ -95,7 +99,7 @@ def settle(depth: Floats, force: Floats, free: Free, reading: Reading) -> tuple[
         if abs(fit.contact.value - begins) > _HARMLESS * span:  # the law does not hold near the touch
             fit, _ = _read(depth, force, begins, ())
         return fit, doubt
-    fit, doubt = _likeliest(depth, force, free, reading)
+    fit, doubt = _likeliest(depth, force, free, reading, loaded > 0)
     contact = fit.contact
     asked = pressed_before > 0 and "tare" not in fit.parameters.free
     if asked or contact.value < first - _HARMLESS * span or contact.half_width > _BOUNDED * span:
@@ -119,7 +123,7 @@ def _preload(depth: Floats, force: Floats) -> tuple[float, float]:
     return float(loaded), float(loaded / slope)
 
 
-def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading) -> tuple[Fit, str]:
+def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading, loaded_before: bool) -> tuple[Fit, str]:
     """Return the fit with the likeliest touch, and a message where another is nearly as likely."""
     found = fit_law(depth, force, free=free)
     if len(free) == 2:
@@ -146,7 +150,8 @@ def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading) -> tu
 
     loaded, price = untared[0].tare, math.log(len(x))
     unsure = -late > max(_SURE * begun[0].contact.error, _HARMLESS * span)
-    doubtful = 0.0 if free else _DECISIVE + price  # depth 0 of a file is a touch until the curve decides against it
+    # depth 0 of a file is a touch, and a force where it begins a preload, until the curve decides against it
+    doubtful = 0.0 if free and not loaded_before else _DECISIVE + price
     if gain(hinge) > price + max(gain(untared), 0.0) + doubtful:
         settled, _ = _read(depth, force, hinge[0].contact.value, ("contact", "tare"))
         return settled, _drift(settled, depth, force)

@@ -14,7 +14,7 @@ from .direction import oriented
 from .parameters import Free
 from .question import Answers, Candidate, Question, Undecided
 from .reader import Measurement
-from .strokes import FULL, Cycle, dip, find_cycles, moving, preload_rows, roughness, spikes, tear
+from .strokes import FULL, Cycle, dip, find_cycles, moving, rises, roughness, spikes, standing, tear
 
 _AGREE = 0.10  # of full scale, RMS: cycles that differ more are different presses
 _SNAP = 0.10  # of full scale: a fall of the force while the depth grows
@@ -161,9 +161,13 @@ def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[C
 def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers, inward: int) -> _Stroke:
     rows = slice(cycle.start, cycle.peak + 1)
     x, f, notes = depth[rows], force[rows], []
-    if first := preload_rows(x, f):
-        notes.append(f"The force rises to {f[first]:.4g} N before the depth moves; {first} rows of it were left out.")
-        x, f = x[first:], f[first:]
+    if (still := standing(x)) > 1:  # rows of one depth say one thing: what the force has come to
+        rising = rises(f, f[:still])
+        force_there = float(f[still - 1] if rising else np.median(f[:still]))
+        how = f"the force rises to {force_there:.4g} N" if rising else f"the force is {force_there:.4g} N"
+        notes.append(f"In the first {still} rows, before the depth moves, {how}; they count as one.")
+        x, f = x[still - 1 :].copy(), f[still - 1 :].copy()
+        f[0] = force_there
     keep = moving(x)
     dwelt, x, f = int((~keep).sum()), x[keep], f[keep]
     if len(x) < MIN_ROWS:
