@@ -10,7 +10,7 @@ import numpy as np
 from ..base import DimpleError, Floats
 from .blocks import MIN_ROWS
 from .contact import find_touch
-from .direction import oriented
+from .direction import oriented, which_order
 from .parameters import Free
 from .question import Answers, Candidate, Question, Undecided
 from .reader import Measurement
@@ -19,6 +19,7 @@ from .strokes import FULL, Cycle, dip, find_cycles, moving, rises, roughness, sp
 _AGREE = 0.10  # of full scale, RMS: cycles that differ more are different presses
 _SNAP = 0.10  # of full scale: a fall of the force while the depth grows
 _BEFORE = 20.0  # of the range of depth: a touch given farther before the first row is a slip of the pen
+_GAINED = 0.03  # of the work: what a way back returns beyond it is no error of measurement
 _MANY = 60  # reversals: rows are not in the order they were measured
 _QUICK = 0.1  # of the rows of the longest press: a press of fewer is a touch in passing
 
@@ -84,6 +85,9 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
         raise DimpleError("The depth or the force is the same in every row, so there is no press to fit.")
     depth, force, inward = oriented(measurement, depth, force, answers, notes)
     cycles = find_cycles(depth)
+    unordered = answers.order is None and not measurement.timed
+    if not cycles and unordered:
+        raise Undecided(which_order("The depth only falls, which would be a way back and no press"))
     if not cycles:
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     cycles = _long_enough(cycles, depth, notes)
@@ -103,10 +107,12 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     _look_for_snap(stroke, warnings)
     unloading = slice(cycles[chosen].peak, cycles[chosen].end + 1)
     unloading_depth, unloading_force = depth[unloading] - stroke.touch, force[unloading] - stroke.tare
+    loss = _loss(stroke, unloading_depth, unloading_force)
+    _check_loss(loss, unordered, warnings)
     return LoadingCurve(
         depth=stroke.depth, force=stroke.force, unloading_depth=unloading_depth, unloading_force=unloading_force,
         free=stroke.free, cycle=chosen + 1, cycles=len(cycles), touch=stroke.touch, tare=stroke.tare,
-        inward=inward, loss=_loss(stroke, unloading_depth, unloading_force),
+        inward=inward, loss=None if loss is None else max(loss, 0.0),
         notes=tuple(notes), warnings=tuple(warnings),
     )  # fmt: skip
 
@@ -255,13 +261,26 @@ def _look_for_snap(stroke: _Stroke, warnings: list[str]) -> None:
         )
 
 
+def _check_loss(loss: float | None, unordered: bool, warnings: list[str]) -> None:
+    """Ask for the order of the rows, or warn where it is known, if more work comes back than was put in."""
+    if loss is None or loss >= -_GAINED:
+        return
+    why = f"The way back returns {-100 * loss:.0f} % more work than the press takes"
+    if unordered:
+        raise Undecided(which_order(f"{why}, which no object does"))
+    warnings.append(f"{why}.\nNo object does that: force and depth may not be of one press.")
+
+
 def _loss(stroke: _Stroke, depth: Floats, force: Floats) -> float | None:
-    """Return the share of the work that unloading (m,) [m], [N] does not return, None where it is not complete."""
+    """Return the share of the work that unloading (m,) [m], [N] does not return, None where it is not complete.
+
+    It is negative where more is returned.
+    """
     inside = stroke.depth > 0
     if len(depth) < 8 or depth.min() > 0.2 * stroke.depth.max():
         return None
     spent, returned = _work(stroke.depth[inside], stroke.force[inside]), -_work(depth, np.maximum(force, 0))
-    return min(max(1 - returned / spent, 0.0), 1.0) if spent > 0 else None
+    return min(1 - returned / spent, 1.0) if spent > 0 else None
 
 
 def _work(depth: Floats, force: Floats) -> float:

@@ -25,7 +25,7 @@ ASKED = {
     "preload": {"contact_mm"}, "slight_preload": {"", "contact_mm"}, "begun": {"contact_mm"},
     "preload_doubled": {"contact_mm"}, "preload_rising": {"contact_mm"}, "preload_of_a_bent_curve": {"contact_mm"},
     "torn": {"until_mm"}, "reversed_rows": {"", "order"}, "side_by_side": {"depth_column"},
-    "unit_unknown": {"force_unit"},
+    "unit_unknown": {"force_unit"}, "mixed": {"", "order", "until_mm", "contact_mm", "table"},
 }  # fmt: skip
 # the likeliest answer to which unit it is may be wrong; of these files some begin too late to know
 UNKNOWABLE = {"unit_unknown"}
@@ -212,6 +212,27 @@ def test_a_person_can_cut_the_range_and_turn_the_signs(write):
     assert turned.fit.x0.value == pytest.approx(0.0163, rel=0.01)
     with pytest.raises(DimpleError):  # the other way round there is no press
         calibrate(write(table(depth, law(depth))), Answers(press="positive", inward="negative"))
+
+
+def test_a_loop_that_returns_more_work_than_it_takes_is_asked_about(write):
+    """Its rows stand from the last to the first, and what looks like the press is the way back."""
+    depth = np.concatenate([np.linspace(0, 22, 200), np.linspace(22, 0, 200)])
+    force = law(depth) * np.where(np.arange(400) < 200, 1.0, 0.8)
+    assert by_default(write(table(depth, force)))[0] == []
+    path = write(table(depth[::-1], force[::-1]))
+    asked, done = by_default(path)
+    assert asked == ["order"]
+    assert done.fit.K1.value == pytest.approx(610, rel=0.01)
+    as_written = calibrate(path, Answers(order="written"))
+    assert any("more work" in warning for warning in as_written.warnings) or as_written.loading.loss == 0
+
+
+def test_a_torn_specimen_in_reverse_is_no_wrong_column(write):
+    depth = np.linspace(0, 25, 300)
+    force = np.where(depth < 22, law(depth), 3.0)
+    asked, done = by_default(write(table(depth[::-1], force[::-1])))
+    assert asked == ["order", "until_mm"]
+    assert done.fit.K2.value / 1e3 == pytest.approx(7.23, rel=0.01)
 
 
 def test_rows_before_a_range_are_left_out(write):
