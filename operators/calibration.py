@@ -55,6 +55,11 @@ def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
     return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
+def headline(warning: str) -> str:
+    """Return what a warning says is wrong, without what it means."""
+    return warning.split("\n")[0]
+
+
 def source(record: dict[str, Any], k: str) -> str:
     """Return the line that a material keeps of where its constants come from; k: where its own does, if so."""
     return f"{record['provenance']}, {k}" if k else record["provenance"]
