@@ -8,6 +8,7 @@ runs takes a changed setting at its next step.
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
+from ..operators.calibration import further_constants
 from ..operators.names import PLACES, TIPS
 from .device import DevicePlace
 from .reduction_settings import FIXED, ReductionSettings, exact, kept_text
@@ -109,11 +110,11 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     )  # fmt: skip
     fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, **FIXED)
     tip: EnumProperty(
-        name="Tip", description="What pressed the object when it was measured", items=TIPS, **FIXED
+        name="Tip", description="What pressed the object when it was measured", items=TIPS, default="SPHERE", **FIXED
     )
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of what pressed the object when it was measured",
-        default=2.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
+        default=10.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     provenance: StringProperty(
         name="Source", description="Where these constants were measured; empty when typed in",
@@ -156,7 +157,10 @@ def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
     from ..core.material import ModelConstants
 
     kappa = {"kappa1": exact(settings.kappa1, 2), "kappa2": exact(settings.kappa2, 2)}  # [N/m3]
-    constants = ModelConstants(**kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale))
+    constants = ModelConstants(
+        **kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale),
+        **further_constants(settings.identification),
+    )  # fmt: skip
     return {"constants": constants}
 
 
