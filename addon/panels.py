@@ -145,7 +145,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
         split = layout.split(factor=0.55)
         labels, values = split.column(align=True), split.column(align=True)
         labels.alignment = "RIGHT"
-        for label, value in readout.rows(entry.frame, entry.session.tick):
+        for label, value in readout.rows(entry.frame, entry.session.tick, entry.session.fingers):
             labels.label(text=label, translate=False)
             values.label(text=value, translate=False)
         notes = [*entry.session.model.notes, *filter(None, [entry.session.backend_note, entry.refused])]

@@ -56,4 +56,5 @@ WORDS = {
     "It would show no dent. The mesh can be cut finer, in even parts.": (
         "へこみが見えません。メッシュを均等に細かく分割できます。"
     ),
+    "Push {}": "押す力 {}",
 }
