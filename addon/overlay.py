@@ -135,7 +135,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
     if entry.recorder:
         lines.append((f"● {iface_('Recording')} {entry.recorder.frames}", FORCE))
     if numbers:
-        rows = readout.rows(entry.frame, entry.session.tick, entry.session.fingers)
+        rows = readout.rows(entry.frame, entry.session.tick)
         notes = readout.sentences([*entry.session.model.notes, *filter(None, [entry.refused])], entry.frame)
         lines += [(f"{label}: {value}", TEXT) for label, value in rows]
         lines += [(line, TEXT) for sentence in notes for line in readout.wrapped(sentence, 60)]

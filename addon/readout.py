@@ -35,31 +35,15 @@ def rate_hz(frame: Any) -> float:
     return frame.steps / frame.cost if frame.cost > 0 else 0.0
 
 
-def pushes(frame: Any, fingers: Sequence[Any]) -> dict[int, float]:
-    """Return, by number, the force [N] along its press on every fingertip that a force pushes.
-
-    The whole force is larger where the press is oblique: the surface pushes such a fingertip sideways too.
-    """
-    pairs = zip(frame.finger_forces, fingers, strict=False)
-    return {
-        i: -sum(float(f) * d for f, d in zip(force, finger.inward, strict=True))
-        for i, (force, finger) in enumerate(pairs, start=1)
-        if finger and finger.force is not None
-    }
-
-
-def rows(frame: Any, tick: float, fingers: Sequence[Any] = ()) -> list[tuple[str, str]]:
+def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
     """Return (label, number with unit) of everything in a frame, in the language of the interface.
 
     Args:
         tick: control step of the session [s].
-        fingers: of the session, to show those that are pushed by a force.
     """
     # every value has a row of its own, so that a narrow sidebar does not cut off its unit; + 0.0 turns -0 into 0
-    lines, pushed = [], pushes(frame, fingers)
+    lines = []
     for number, force, depth, law in finger_numbers(frame):
-        if number in pushed:
-            lines.append((iface_("Push {}").format(number), f"{pushed[number]:.2f} N"))
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
         lines.append((iface_("Depth {}").format(number), f"{depth:.2f} mm"))
         lines.append((iface_("Measured Curve {}").format(number), f"{law:.2f} N"))

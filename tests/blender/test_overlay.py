@@ -59,9 +59,7 @@ def entry(bpy: ModuleType) -> Any:
     return SimpleNamespace(
         link=SimpleNamespace(slots=(0,)), frame=frame, trail=trail, refused="", recorder=None,
         fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
-        session=SimpleNamespace(
-            tick=1e-3, fingers=(), model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))
-        ),
+        session=SimpleNamespace(tick=1e-3, model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))),
         to_world=lambda point: tuple(12 * c for c in point),
     )  # fmt: skip
 
@@ -102,19 +100,6 @@ def test_a_computer_too_slow_for_real_time_says_so(entry: Any) -> None:
 
     slow = SimpleNamespace(**{**vars(entry.frame), "steps": 3})
     assert ("Slow Motion", "27%") in readout.rows(slow, 1e-3)
-
-
-def test_a_fingertip_that_is_pushed_shows_depth_and_force_and_how_much_of_it_is_along_its_press(
-    bpy: ModuleType, entry: Any
-) -> None:
-    from bl_ext.user_default.dimple.addon import readout
-    from bl_ext.user_default.dimple.core.session import Finger
-
-    frame = SimpleNamespace(**{**vars(entry.frame), "finger_forces": [(3.0, 0.0, 4.0)]})
-    slanted = Finger((0.0, 0.0, 0.0), 0.01, 4.0, (0.0, 0.0, -1.0))
-    shown = dict(readout.rows(frame, 1e-3, (slanted, None, None)))
-    assert shown["Push 1"] == "4.00 N" and shown["Force 1"] == "5.00 N" and shown["Depth 1"] == "12.00 mm"
-    assert "Push 1" not in dict(readout.rows(frame, 1e-3, (Finger((0.0, 0.0, 0.0), 0.01), None, None)))
 
 
 def test_the_curve_behind_the_chart_is_the_law_of_the_core(shapes: ModuleType, entry: Any) -> None:
