@@ -44,6 +44,7 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
         body.refused = f"{error} Until then it goes on as it was."
         return [] if refused_before else [body.refused]
     body.settings, body.changed_at = now, body.frame.time
+    body.trail.clear()  # the chart is of one material
     return messages
 
 
