@@ -29,7 +29,9 @@ def tune(out: Path, check: Check) -> robot.Waits:
     yield from press_by_force(at, out, check)
     yield from take_it_back(at, out, check)
     yield from search(at, out, check)
-    settings.press_by, settings.finger_radius_mm = "DEPTH", 10.0
+    yield from paint(at, out, check)
+    yield from looks(at, out, check)
+    settings.press_by, settings.finger_radius_mm, settings.active_finger = "DEPTH", 10.0, 1
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.wm.tool_set_by_id(name="builtin.select_box")
     yield from robot.redrawn()
@@ -136,5 +138,77 @@ def search(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from robot.key("RET", *at)
     yield from robot.until(lambda: "DIMPLE_OT_poke" in robot.modal_operators(), "F3 poke starts the poke", 30)
     check("F3 finds the poke", True)
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+
+
+def leave_resting(at: tuple[int, int]) -> robot.Waits:
+    """Press with the tool and choose the next finger, so that the first stays where it is."""
+    bpy.context.scene.dimple.active_finger = 1
+    yield from robot.move(*at)
+    yield from robot.button(*at, "PRESS")
+    yield from robot.until(lambda: body() is not None and abs(push() - FORCE_N) < 0.02 * FORCE_N, "it rests", 120)
+    yield from robot.key("TWO", *at)
+    yield from robot.button(*at, "RELEASE")
+    yield 0.5
+
+
+def paint(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Paint softness where the fingertip rests: it sinks in deeper."""
+    cube = bpy.data.objects["Cube"]
+    group = cube.vertex_groups.new(name="Soft")
+    group.add(range(len(cube.data.vertices)), 0.5, "REPLACE")
+    cube.dimple.softness_group = "Soft"
+    yield from leave_resting(at)
+    before = float(body().frame.depths[0])
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    paint = bpy.context.tool_settings.weight_paint
+    paint.unified_paint_settings.weight, paint.unified_paint_settings.size = 1.0, 80
+    paint.brush.weight, paint.brush.strength = 1.0, 1.0
+    yield from robot.redrawn()
+    beside = at[0] + 45, at[1]
+    yield from robot.move(*beside)
+    yield from robot.button(*beside, "PRESS")
+    for share in range(12):
+        yield from robot.move(beside[0] - 8 * share, beside[1] - 2 * (share % 3))
+    yield from robot.button(beside[0] - 88, beside[1], "RELEASE")
+    yield from robot.until(
+        lambda: body() is None or float(body().frame.depths[0]) > 1.1 * before, "the painted place is softer", 60
+    )
+    running = body() is not None
+    now = float(body().frame.depths[0]) if running else 0.0
+    check("softness is painted while the fingertip rests, and it sinks in", running, f"{1e3 * (now - before):+.2f} mm")
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-painted.png")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.object.mode_set(mode="OBJECT")
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+
+
+def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Photograph the overlay on a light theme, in four views and at twice the scale."""
+    view = bpy.context.preferences.view
+    yield from leave_resting(at)
+    light = next(Path(bpy.utils.resource_path("SYSTEM")).rglob("Blender_Light.xml"))
+    bpy.ops.script.execute_preset(filepath=str(light), menu_idname="USERPREF_MT_interface_theme_presets")
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-light.png")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.screen.region_quadview()
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-four-views.png")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.screen.region_quadview()
+    view.ui_scale = 2.0
+    yield from robot.redrawn()
+    yield 1.0
+    robot.screenshot(out / "0-scale.png")
+    view.ui_scale = 1.0
+    with bpy.context.temp_override(window=robot.window()):
+        bpy.ops.preferences.reset_default_theme()
+    yield from robot.redrawn()
+    check("the overlay goes on in every look", body() is not None)
     yield from robot.key("ESC", *at)
     yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
