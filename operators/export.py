@@ -3,13 +3,13 @@
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import polls, sessions
 from .names import EXPORTS, Op
 from .working import Working
 
-_ASKED = ("formats", "source", "frame_start", "frame_end", "step", "normals", "overwrite")
+_ASKED = ("formats", "source", "frame_start", "frame_end", "step", "key_error", "normals", "overwrite")
 _SOURCES = (
     ("PLAYED", "Bake or Recording", "What the objects play; those that play nothing are simulated"),
     ("SIMULATE", "Simulate Anew", "Simulate the objects as a bake does, whatever they play"),
@@ -35,6 +35,12 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     step: IntProperty(
         name="Every n Frames", description="In glTF and FBX, one shape key for this many frames", default=1, min=1,
         soft_max=25,
+    )  # fmt: skip
+    key_error: FloatProperty(
+        name="Key Error (%)",
+        description="In glTF and FBX, few shape keys with which no vertex is off by more of the object's size. "
+        "0 makes one for each frame",
+        default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
     )  # fmt: skip
     normals: BoolProperty(
         name="Normals", description="Write how the surface is shaded; files are larger", default=True
@@ -108,6 +114,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             first=self.frame_start if given("frame_start") else scene.frame_start,
             last=self.frame_end if given("frame_end") else scene.frame_end,
             step=self.step,
+            key_error=self.key_error / 100,
             simulate=self.source == "SIMULATE",
             overwrite=self.overwrite,
             normals=self.normals,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,8 @@ from . import stage, timeline
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from ..core.animation.basis import Basis
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Clip:
@@ -34,7 +36,9 @@ class Clip:
     samples: (frames, vertices, 3) its own coordinates, in frames first to last.
     first, last: frames.
     step: frames from one shape key to the next.
+    key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for one a frame.
     normals: write how the surface is shaded.
+    found: the few shape keys, once they are known.
     """
 
     obj: bpy.types.Object
@@ -44,7 +48,17 @@ class Clip:
     first: int
     last: int
     step: int
+    key_error: float
     normals: bool
+    found: list[Basis] = field(default_factory=list)
+
+    def basis(self, samples: npt.NDArray[np.float32]) -> Basis:
+        """Return the few shapes that samples are made of; found once."""
+        from ..core.animation.basis import reduce
+
+        if not self.found:
+            self.found.append(reduce(samples, self.key_error * float(np.ptp(samples[0], axis=0).max())))
+        return self.found[0]
 
     @property
     def key_frames(self) -> list[int]:
@@ -196,10 +210,26 @@ def _playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _keyed(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
+    with stage.ranged(context.scene, clip.first, clip.last):
+        with stage.keyed(context, clip.obj, clip.samples[0], shape_keys(clip)):
+            yield
+
+
+def shape_keys(clip: Clip) -> list[stage.KeyedShape]:
+    """Return the shape keys of a clip: one for each frame that has one, or a few that all frames are made of."""
     frames = clip.key_frames
     samples = clip.samples if clip.step == 1 else clip.samples[[frame - clip.first for frame in frames]]
-    with stage.ranged(context.scene, clip.first, clip.last), stage.keyed(context, clip.obj, samples, frames):
-        yield
+    if not clip.key_error:
+        near = [frames[max(at - 1, 0) : at + 2] for at in range(len(frames))]
+        return [
+            stage.KeyedShape(f"Frame {frame:04d}", sample, some, [float(each == frame) for each in some])
+            for frame, sample, some in zip(frames, samples, near, strict=True)
+        ]
+    basis = clip.basis(samples)
+    return [
+        stage.KeyedShape(f"Shape {number:03d}", samples[0] + shape, frames, weights)
+        for number, (shape, weights) in enumerate(zip(basis.shapes, basis.weights.T, strict=True), start=1)
+    ]
 
 
 def _asked(export: Callable[..., set[str]], *, filepath: str, **options: object) -> None:

@@ -79,6 +79,8 @@ def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
         "format": kind.label,
         "coordinates": kind.space,
         "shape_key_frames": clip.key_frames if keyed and clip.step > 1 else None,
+        "shape_keys": len(clip.found[0].shapes) if keyed and clip.found else None,
+        "worst_vertex_error": clip.found[0].error if keyed and clip.found else 0.0,
         "bytes": sum(file.stat().st_size for file in files),
         "sha256": checksum.hexdigest(),
     }

@@ -282,3 +282,28 @@ def test_the_json_says_what_the_files_are(exported: Exported) -> None:
     assert {"Cushion_stl", "Cushion_ply", "Cushion_vat"} < set(said["files"])
     rows = (exported.folder / "Cushion.csv").read_text().splitlines()
     assert len(rows) == 1 + LAST - FIRST + 1 and rows[1].startswith(f"{FIRST},")
+
+
+@pytest.mark.parametrize("percent", [1.0, 0.01])
+def test_few_shape_keys_play_the_press_within_the_error_that_is_said(
+    bpy: ModuleType, exported: Exported, read_back: Any, tmp_path: Path, percent: float
+) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    scene.render.fps = FPS
+    carried(bpy)
+    bpy.ops.dimple.export_animation(
+        directory=str(tmp_path), formats={"GLB", "FBX"}, frame_start=FIRST, frame_end=LAST, key_error=percent
+    )
+    said = json.loads((tmp_path / "Cushion.json").read_text())["files"]["Cushion.glb"]
+    found = read_back(tmp_path / "Cushion.glb")
+    local = found["local"][..., [0, 2, 1]] * (1, -1, 1)
+    which = nearest(local[0], exported.local[0])
+    error = worst(local, exported.local[:, which])
+    assert error <= percent / 100 * exported.size + FINEST * exported.size
+    assert error == pytest.approx(said["worst_vertex_error"], abs=FINEST * exported.size)
+    assert 0 < said["shape_keys"] < (6 if percent == 1 else LAST - FIRST + 1)
+    obj = imported(bpy, lambda: bpy.ops.import_scene.fbx(filepath=str(tmp_path / "Cushion.fbx"), anim_offset=0.0))
+    assert worst(seen(bpy, obj, range(FIRST, LAST + 1)), exported.world) <= 1.3 * (
+        said["worst_vertex_error"] + FINEST * exported.world_size
+    ), "the object is 1.2 times as large in the scene"
