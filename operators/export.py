@@ -96,8 +96,13 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for what is exported starts at rest."""
+        from ..core.base import DimpleError
         from . import exporting
 
+        if not self.directory:
+            raise DimpleError("No folder is chosen. Choose where the files go.")
+        if self.directory.startswith("//") and not bpy.data.filepath:
+            raise DimpleError("The folder is beside the .blend, which has no place yet. Save the file first.")
         sessions.stop_all()
         self._messages: list[str] = []
         self._written: list[Path] = []
@@ -110,7 +115,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         return exporting.ExportPlan(
             objects=[obj for obj in live.candidates(context) if obj.type == "MESH"] or live.candidates(context),
             formats=[key for key, *_ in EXPORTS if key in self.formats],
-            folder=Path(bpy.path.abspath(self.directory or "//")),
+            folder=Path(bpy.path.abspath(self.directory)),
             first=self.frame_start if given("frame_start") else scene.frame_start,
             last=self.frame_end if given("frame_end") else scene.frame_end,
             step=self.step,

@@ -179,7 +179,7 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
 
     frames, vertices, _ = clip.samples.shape
     where = vertex_texture.layout(vertices, frames)
-    picture = vertex_texture.pixels(clip.samples, where)
+    picture = vertex_texture.pixels(clip.samples[..., [0, 2, 1]] * np.float32([1, 1, -1]), where)
     yield 0.2
     path.mkdir()
     vertex_texture.write_exr(path / "offsets.exr", picture)
@@ -189,7 +189,7 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     with stage.mapped(context, clip.obj, clip.samples[0], vertex_texture.uv(vertices, where)):
         _asked(
             bpy.ops.export_scene.gltf, filepath=str(path / "mesh.glb"), check_existing=False, export_format="GLB",
-            use_selection=True, export_animations=False, export_apply=False, export_skins=False, export_yup=False,
+            use_selection=True, export_animations=False, export_apply=False, export_skins=False, export_yup=True,
             export_attributes=False,
         )  # fmt: skip
     words = {
@@ -293,6 +293,7 @@ def _baked(vertices: int, frames: int, corners: int) -> float:
 
 OBJECT = "the object's own coordinates: x, y and z as in Blender, before its modifiers, in its own scale"
 SCENE = "the scene's coordinates: Z up, in scene units, after modifiers"
+TEXTURE = "offsets in the coordinates of mesh.glb: Y up, in scene units, before modifiers; layout.json says how"
 FORMATS = {
     "ALEMBIC": Format("Alembic", ".abc", "Y up, as Alembic has it, in scene units, after modifiers", _alembic, _baked),
     "USD": Format("USD", ".usdc", "Z up, metersPerUnit says the unit, after modifiers", _usd, _baked),
@@ -302,5 +303,5 @@ FORMATS = {
     "MDD": Format("MDD", ".mdd", OBJECT, _mdd, _points),
     "STL": Format("STL", "_stl", SCENE, _stl, lambda vertices, frames, _: 100 * vertices * frames),
     "PLY": Format("PLY", "_ply", SCENE, _ply, _baked),
-    "VAT": Format("Vertex Animation Texture", "_vat", f"offsets in {OBJECT}; see layout.json", _texture, _texels),
+    "VAT": Format("Vertex Animation Texture", "_vat", TEXTURE, _texture, _texels),
 }

@@ -103,7 +103,8 @@ def keyed(
     mesh = obj.data
     copy, name = mesh.copy(), mesh.name
     before = obj.active_shape_key_index, obj.show_only_shape_key
-    mesh.name = f"{name}.dimple"[-60:]
+    if not mesh.library:  # its name goes into the file
+        mesh.name = f"{name[:50]}.dimple"
     copy.name = name
     obj.data = copy
     obj.show_only_shape_key = False
@@ -116,7 +117,8 @@ def keyed(
         obj.data = mesh
         bpy.data.meshes.remove(copy)
         bpy.data.actions.remove(action)
-        mesh.name = name
+        if not mesh.library:
+            mesh.name = name
         obj.active_shape_key_index, obj.show_only_shape_key = before
 
 
