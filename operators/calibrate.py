@@ -133,8 +133,8 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Read and fit; nothing is lost where that fails."""
         from ..core.base import DimpleError
         from ..core.calibration.calibrate import calibrate
-        from ..core.material import Indenter
         from ..core.calibration.question import Undecided, WrongColumns
+        from ..core.material import Indenter
 
         try:
             if not self._take_answers():

@@ -65,6 +65,7 @@ def parser() -> argparse.ArgumentParser:
     bake.add_argument("--format", type=_formats, default=["ALEMBIC"], metavar="abc,usd,glb", help=", ".join(NAMES))
     bake.add_argument("--out", type=Path, required=True, metavar="DIR", help="it is made")
     bake.add_argument("--step", type=int, default=1, metavar="N", help="glTF and FBX: a shape key every N frames")
+    bake.add_argument("--key-error", type=float, default=0.0, metavar="PERCENT", help="glTF and FBX: few shape keys")
     bake.add_argument("--played", action="store_true", help="take the bake or recording that an object plays")
     bake.add_argument("--no-normals", action="store_true", help="smaller files, shaded by who reads them")
     bake.add_argument("--overwrite", action="store_true", help="replace files that are there")
@@ -109,6 +110,7 @@ def _open(options: argparse.Namespace) -> Any:
         last=last,
         begin=options.begin,
         step=max(options.step, 1),
+        key_error=max(options.key_error, 0.0) / 100,
         simulate=not options.played,
         overwrite=options.overwrite,
         normals=not options.no_normals,

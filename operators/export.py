@@ -3,13 +3,13 @@
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import polls, sessions
 from .names import EXPORTS, Op
 from .working import Working
 
-_ASKED = ("formats", "source", "frame_start", "frame_end", "step", "normals", "overwrite")
+_ASKED = ("formats", "source", "frame_start", "frame_end", "step", "key_error", "normals", "overwrite")
 _SOURCES = (
     ("PLAYED", "Bake or Recording", "What the objects play; those that play nothing are simulated"),
     ("SIMULATE", "Simulate Anew", "Simulate the objects as a bake does, whatever they play"),
@@ -35,6 +35,12 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     step: IntProperty(
         name="Every n Frames", description="In glTF and FBX, one shape key for this many frames", default=1, min=1,
         soft_max=25,
+    )  # fmt: skip
+    key_error: FloatProperty(
+        name="Key Error (%)",
+        description="In glTF and FBX, few shape keys with which no vertex is off by more of the object's size. "
+        "0 makes one for each frame",
+        default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
     )  # fmt: skip
     normals: BoolProperty(
         name="Normals", description="Write how the surface is shaded; files are larger", default=True
@@ -90,8 +96,13 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for what is exported starts at rest."""
+        from ..core.base import DimpleError
         from . import exporting
 
+        if not self.directory:
+            raise DimpleError("No folder is chosen. Choose where the files go.")
+        if self.directory.startswith("//") and not bpy.data.filepath:
+            raise DimpleError("The folder is beside the .blend, which has no place yet. Save the file first.")
         sessions.stop_all()
         self._messages: list[str] = []
         self._written: list[Path] = []
@@ -104,10 +115,11 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         return exporting.ExportPlan(
             objects=[obj for obj in live.candidates(context) if obj.type == "MESH"] or live.candidates(context),
             formats=[key for key, *_ in EXPORTS if key in self.formats],
-            folder=Path(bpy.path.abspath(self.directory or "//")),
+            folder=Path(bpy.path.abspath(self.directory)),
             first=self.frame_start if given("frame_start") else scene.frame_start,
             last=self.frame_end if given("frame_end") else scene.frame_end,
             step=self.step,
+            key_error=self.key_error / 100,
             simulate=self.source == "SIMULATE",
             overwrite=self.overwrite,
             normals=self.normals,

@@ -39,6 +39,7 @@ class ExportPlan:
     first, last: frames.
     begin: frame at which the simulation begins at rest; None is the first.
     step: frames from one shape key to the next.
+    key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for one a frame.
     simulate: simulate anew also what plays a bake or a recording.
     overwrite: files that are there.
     normals: write how the surface is shaded.
@@ -51,6 +52,7 @@ class ExportPlan:
     last: int
     begin: int | None = None
     step: int = 1
+    key_error: float = 0.0
     simulate: bool = False
     overwrite: bool = False
     normals: bool = True
@@ -233,7 +235,7 @@ def _clip(obj: bpy.types.Object, source: _Source, plan: ExportPlan) -> Clip:
         begin, end = 0, len(points)
     return Clip(
         obj=obj, cache=source.cache, cache_first=source.first, samples=points[begin:end], first=plan.first,
-        last=plan.last, step=plan.step, normals=plan.normals,
+        last=plan.last, step=plan.step, key_error=plan.key_error, normals=plan.normals,
     )  # fmt: skip
 
 

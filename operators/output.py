@@ -30,7 +30,7 @@ _PACKAGE = (__package__ or "").rpartition(".")[0]
 
 
 class ForceTable:
-    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3]; steps so far."""
+    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3], work of the fingertips [J]; steps."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w", buffering=1, newline="", encoding="utf-8")  # a line is the system's once written
@@ -38,7 +38,7 @@ class ForceTable:
         columns = ["frame", "time_s"]
         for number in range(1, FINGERS + 1):
             columns += [f"force_{number}_n", f"law_force_{number}_n", f"depth_{number}_mm"]
-        self._rows.writerow([*columns, "pressure_pa", "volume_m3", "rest_volume_m3", "steps"])
+        self._rows.writerow([*columns, "pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "steps"])
 
     def append(self, number: float, time_s: float, frame: Frame) -> None:
         """Add the line of one frame of the animation."""
@@ -49,7 +49,7 @@ class ForceTable:
             law, depth = (float(frame.law_forces[i]), float(frame.depths[i])) if down else (0.0, 0.0)
             row += [force, law, depth * 1e3]
         numbers = [
-            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.total_steps
+            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, frame.total_steps
         ]  # fmt: skip
         self._rows.writerow([f"{number:g}", *(f"{value:.9g}" for value in numbers)])
 

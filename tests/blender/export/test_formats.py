@@ -254,10 +254,11 @@ def test_blender_reads_every_vertex_from_the_textures(
     pixels = np.empty(4 * image.size[0] * image.size[1], np.float32)
     image.pixels.foreach_get(pixels)
     pixels = pixels.reshape(layout["height"], layout["width"], 4)[..., :3].astype(np.float64)  # the bottom row first
-    which = nearest(mesh["basis"], exported.local[0])
+    local = exported.local[..., [0, 2, 1]] * (1, 1, -1)  # Y up, as the mesh is
+    which = nearest(mesh["basis"], local[0])
     u, v = mesh["uv"].T.astype(np.float64)  # glTF counts v from the top
     quantum = (layout["most"] - layout["least"]) / 131070 if bits == 16 else 0.0
-    for frame, wanted in enumerate(exported.local):
+    for frame, wanted in enumerate(local):
         column = np.floor(u * layout["width"]).astype(int)
         row = np.floor((1 - v - frame * layout["rows"] / layout["height"]) * layout["height"]).astype(int)
         offset = pixels[row, column]
@@ -282,3 +283,49 @@ def test_the_json_says_what_the_files_are(exported: Exported) -> None:
     assert {"Cushion_stl", "Cushion_ply", "Cushion_vat"} < set(said["files"])
     rows = (exported.folder / "Cushion.csv").read_text().splitlines()
     assert len(rows) == 1 + LAST - FIRST + 1 and rows[1].startswith(f"{FIRST},")
+
+
+@pytest.mark.parametrize("percent", [1.0, 0.01])
+def test_few_shape_keys_play_the_press_within_the_error_that_is_said(
+    bpy: ModuleType, exported: Exported, read_back: Any, tmp_path: Path, percent: float
+) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    scene.render.fps = FPS
+    carried(bpy)
+    bpy.ops.dimple.export_animation(
+        directory=str(tmp_path), formats={"GLB", "FBX"}, frame_start=FIRST, frame_end=LAST, key_error=percent
+    )
+    said = json.loads((tmp_path / "Cushion.json").read_text())["files"]["Cushion.glb"]
+    found = read_back(tmp_path / "Cushion.glb")
+    local = found["local"][..., [0, 2, 1]] * (1, -1, 1)
+    which = nearest(local[0], exported.local[0])
+    error = worst(local, exported.local[:, which])
+    assert error <= percent / 100 * exported.size + FINEST * exported.size
+    assert error == pytest.approx(said["worst_vertex_error"], abs=FINEST * exported.size)
+    assert 0 < said["shape_keys"] < (6 if percent == 1 else LAST - FIRST + 1)
+    obj = imported(bpy, lambda: bpy.ops.import_scene.fbx(filepath=str(tmp_path / "Cushion.fbx"), anim_offset=0.0))
+    assert worst(seen(bpy, obj, range(FIRST, LAST + 1)), exported.world) <= 1.3 * (
+        said["worst_vertex_error"] + FINEST * exported.world_size
+    ), "the object is 1.2 times as large in the scene"
+
+
+@pytest.mark.parametrize("picture", ["offsets.exr", "offsets.png"])
+def test_the_sample_nodes_play_the_texture_in_blender(bpy: ModuleType, exported: Exported, picture: str) -> None:
+    from blend_samples.vertex_texture import play
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    bpy.context.scene.render.fps = FPS
+    folder = exported.folder / "Cushion_vat"
+    obj = play(folder, picture=picture, first=FIRST)
+    layout = json.loads((folder / "layout.json").read_text())
+    quantum = (layout["most"] - layout["least"]) / 131070 if picture.endswith("png") else 0.0
+    # single precision in the nodes, where a number becomes a colour and a length again
+    finest = 4 * FINEST * exported.size + 2 * quantum
+    which: Any = None
+    for frame, wanted in zip(range(FIRST, LAST + 1), exported.local, strict=True):
+        bpy.context.scene.frame_set(frame)
+        evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        found = np.array([vertex.co for vertex in evaluated.vertices])
+        which = nearest(found, wanted) if which is None else which
+        assert worst(found, wanted[which]) <= finest

@@ -130,6 +130,15 @@ def test_a_folder_that_takes_no_files_is_said(
     assert contents(tmp_path)["file"] == b"kept"
 
 
+@pytest.mark.parametrize("folder", ["", "//out"])
+def test_a_folder_that_is_nowhere_is_said(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], folder: str
+) -> None:
+    pressed()
+    with pytest.raises(RuntimeError, match=r"Choose where the files go|Save the file first"):
+        bpy.ops.dimple.export_animation(directory=folder, formats={"PC2"}, frame_start=1, frame_end=3)
+
+
 def test_too_small_a_disk_is_said_before_anything_is_simulated(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -212,6 +221,21 @@ def test_what_plays_is_exported_beyond_its_ends_too(
     bpy.ops.dimple.export_animation(directory=str(tmp_path), formats={"PC2"}, frame_start=1, frame_end=10)
     start, _, found = read_point_cache(tmp_path / "Ball.pc2")
     assert start == 1 and np.array_equal(found, baked[[0, 0, 0, 1, 2, 3, 4, 5, 5, 5]])
+
+
+def test_an_object_that_is_hidden_and_shares_a_linked_mesh_is_exported_and_stays_as_it_is(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
+) -> None:
+    obj = pressed()
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {obj.data})
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_there, here):
+        here.meshes = ["Ball"]
+    obj.data = here.meshes[0]
+    obj.hide_set(True)
+    for _ in steps(bpy, tmp_path / "out", [], last=3):
+        pass
+    assert len(list((tmp_path / "out").iterdir())) == len(ENDINGS) + 2
+    assert obj.data.library and obj.data.name == "Ball" and obj.hide_get() and not obj.select_get()
 
 
 def test_a_bake_that_no_longer_fits_the_mesh_is_said(
