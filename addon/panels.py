@@ -111,8 +111,9 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
         column.scale_y = 1.4
-        if body is not None and body.type == "MESH" and not body.dimple.enabled:
-            column.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
+        row = column.row(align=True)
+        row.enabled = body is not None and body.type == "MESH" and not body.dimple.enabled
+        row.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
         row = layout.row()
         row.enabled = body is not None and body.type == "MESH"
@@ -169,7 +170,9 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         layout.row().prop(settings, "press_by", expand=True)
         by_force = settings.press_by == "FORCE"
         layout.prop(settings, "press_force_n" if by_force else "press_depth_mm")
-        layout.prop(settings, "poke_along")
+        row = layout.row()
+        row.active = not by_force  # a force goes straight into the surface
+        row.prop(settings, "poke_along")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)
         for number in (1, 2, 3):

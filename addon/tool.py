@@ -26,7 +26,9 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
         layout.prop(settings, "finger_radius_mm")
         layout.prop(settings, "press_by", expand=True)
         layout.prop(settings, "press_force_n" if settings.press_by == "FORCE" else "press_depth_mm")
-        layout.prop(settings, "poke_along")
+        along = layout.row()
+        along.active = settings.press_by == "DEPTH"  # a force goes straight into the surface
+        along.prop(settings, "poke_along")
 
 
 class DIMPLE_MT_object(bpy.types.Menu):

@@ -126,7 +126,7 @@ class PokeState:
     force: of the next press [N].
     by_force: that force pushes, and the depth is what comes of it.
     press_s, release_s: how long going in and coming out take [s].
-    along_normal: press along the surface normal rather than the view.
+    along_normal: press along the surface normal rather than the view, as a force always does.
     active: the finger the pointer moves.
     tips: of each finger, None where it is lifted.
     hover: what the pointer is on.
@@ -213,14 +213,15 @@ def _move(state: PokeState, event: PokeEvent) -> PokeState:
     if not (state.pressing and tip):
         return state
     on_body = event.hit and event.hit.body == tip.body
-    goal = _aim(state, event.hit, event.view) if event.hit and on_body else tip.goal
+    goal = _aim(state, event.hit, event.view, by_force=tip.by_force) if event.hit and on_body else tip.goal
     return _pinched(_with_tip(state, replace(tip, wanted=_amount(state, tip.by_force) * event.pressure, goal=goal)))
 
 
 def _press(state: PokeState, event: PokeEvent) -> PokeState:
     if event.hit is None:
         return state
-    aim, wanted = _aim(state, event.hit, event.view), _amount(state, state.by_force) * event.pressure
+    aim = _aim(state, event.hit, event.view, by_force=state.by_force)
+    wanted = _amount(state, state.by_force) * event.pressure
     tip = PokeTip(
         body=event.hit.body, aim=aim, goal=aim, radius=state.radius, wanted=wanted, by_force=state.by_force
     )  # fmt: skip
@@ -308,9 +309,11 @@ def _scaled(state: PokeState, factor: float) -> PokeState:
     return replace(state, depth=_clamped(factor * state.depth, DEPTH_RANGE))
 
 
-def _aim(state: PokeState, hit: Hit, view: Vector) -> Aim:
+def _aim(state: PokeState, hit: Hit, view: Vector, *, by_force: bool) -> Aim:
     x, y, z = hit.normal
-    return Aim(hit.point, hit.normal, (-x, -y, -z) if state.along_normal else view)
+    # pushed askew, a fingertip would jam: it is led sideways, and the surface would hold it with any force there
+    straight = state.along_normal or by_force
+    return Aim(hit.point, hit.normal, (-x, -y, -z) if straight else view)
 
 
 def _with_tip(state: PokeState, tip: PokeTip) -> PokeState:

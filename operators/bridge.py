@@ -280,7 +280,7 @@ def _material(
 
     material = body.material_slots[slot].material if body.material_slots else None
     constants = DEFAULT_MATERIAL if material is None else constants_on(mesh, material)
-    if constants.constants is not None or identify == "NO":
+    if constants.constants is not None or identify == "NO" or calibration.animated(material):
         return constants, ""
     from . import identified
 

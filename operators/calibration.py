@@ -125,6 +125,19 @@ def identification(settings: Any) -> dict[str, Any]:
     return {} if changed(settings) else load(settings.identification)
 
 
+def animated(material: Any) -> bool:
+    """Tell whether the constants of a material are keyframed or driven: then the closed form follows them."""
+    moved = material.animation_data if material else None
+    return bool(moved and (moved.action or moved.drivers))
+
+
+def further_constants(text: str) -> dict[str, Any]:
+    """Return what a material's identification found besides the constants that it shows, for `ModelConstants`."""
+    record = load(text)
+    pieces = tuple((float(knee), float(more)) for knee, more in record.get("pieces", ()))
+    return {"pieces": pieces, "tension": record.get("tension")}
+
+
 def _same(name: str, one: float | str, other: float | str | None) -> bool:
     if name in ("area", "volume") and isinstance(one, float) and isinstance(other, (int, float)):
         return abs(one - other) <= SAME_MESH * abs(one)

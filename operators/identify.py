@@ -79,6 +79,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
             "date": date.today().isoformat(), "rms": found.rms,
             "force_off": float(found.off.max()), "deepest": 1e3 * float(found.depths[-1]),
             "volume_change": found.volume_change, "noticeable": NOTICEABLE_FORCE,
+            "tension": constants.tension, "pieces": constants.pieces,
             "notes": [*found.notes, *bench.notes],
             "points": calibration.thinned(1e3 * found.depths, found.simulated, calibration.SIMULATED),
         }  # fmt: skip

@@ -1,6 +1,7 @@
 """Press with mouse or pen, live and without the timeline; or, from a script, at a place, a depth and a time."""
 
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import bpy
@@ -108,6 +109,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         if event.type == "TIMER":
             return self._tick(context)
         if context.mode != "OBJECT" and event.type != "ESC":
+            self._state = replace(self._state, hover=None)
             return {"PASS_THROUGH"}  # weights are painted while fingertips rest
         view = pointer.view_under(context, event)
         meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=self._state.pressing)

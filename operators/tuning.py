@@ -17,6 +17,7 @@ from .settings import settings_of
 if TYPE_CHECKING:
     from ..core.body.model import Model
     from ..core.reduction.proxy import Proxy
+    from ..core.session import Session
     from .sessions import LiveBody
     from .settings import Settings
 
@@ -42,8 +43,30 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
     except DimpleError as error:
         body.refused = f"{error} Until then it goes on as it was."
         return [] if refused_before else [body.refused]
+    if now != body.settings:
+        body.trail.clear()  # the chart is of one material
     body.settings, body.changed_at = now, body.frame.time
     return messages
+
+
+def follow_keyframes(
+    scene: bpy.types.Scene, obj: bpy.types.Object, session: Session, link: bridge.ObjectLink, before: Settings
+) -> Settings:
+    """Let the session of a bake have the settings of this frame; return them.
+
+    What is simulated stays: the same proxy, with other constants.
+
+    Raises:
+        DimpleError: they cannot be simulated.
+    """
+    from ..core.reduction.proxy import with_constants
+
+    now = settings_of(scene, obj)
+    if now != before:
+        model = bridge.read_model(scene, obj, session.model.mesh, link.slots)
+        proxy = session.proxy and with_constants(session.proxy, model)
+        session.change(model, proxy=proxy)
+    return now
 
 
 def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> list[str]:

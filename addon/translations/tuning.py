@@ -14,8 +14,8 @@ WORDS = {
         "指先は指定した深さまで入ります。力は物体の応答です"
     ),
     "Force": "力",
-    "The fingertip pushes with a force; the softer the body, the deeper it sinks in": (
-        "指先は一定の力で押します。物体が柔らかいほど深く沈みます"
+    "The fingertip pushes straight into the surface with a force; the softer the body, the deeper it sinks in": (
+        "指先は一定の力で面にまっすぐ押します。物体が柔らかいほど深く沈みます"
     ),
     "Press Depth (mm)": "押す深さ (mm)",
     "How deep a press goes, by depth": "深さで押すとき、どこまで押し込むか",

@@ -22,7 +22,7 @@ def drawn(function: Any, *given: Any) -> list[str]:
         names.append(str(arguments[-1]))
         return SimpleNamespace()
 
-    layout = SimpleNamespace(prop=note, operator=note, menu=note, separator=lambda: None)
+    layout = SimpleNamespace(prop=note, operator=note, menu=note, separator=lambda: None, row=lambda: layout)
     function(*[layout if each == "layout" else SimpleNamespace(layout=layout) if each == "self" else each
                for each in given])  # fmt: skip
     return names

@@ -136,6 +136,15 @@ def test_by_force_the_fingertip_stays_where_it_touches_and_its_force_grows_and_f
     assert fingers(state, 7)[0].force is None, "by depth again"
 
 
+def test_a_force_pushes_straight_into_the_surface_however_one_looks_at_it() -> None:
+    slanted = PokeEvent(kind=Kind.PRESS, hit=TOP, view=(0.0, math.sin(1.2), -math.cos(1.2)))
+    state, _ = run(replace(START, by_force=True), slanted, *ticks(1.0))
+    assert fingers(state, 7)[0].inward == pytest.approx((0.0, 0.0, -1.0))
+    moved = PokeEvent(kind=Kind.MOVE, hit=SIDE, view=(-0.6, 0.0, -0.8))
+    state, _ = run(state, moved, *ticks(1.0))
+    assert fingers(state, 7)[0].inward == pytest.approx((-1.0, 0.0, 0.0), abs=1e-6)
+
+
 def test_pen_pressure_is_force_too() -> None:
     state, _ = run(replace(START, by_force=True), press(pressure=0.5), *ticks(1.0))
     assert fingers(state, 7)[0].force == pytest.approx(START.force / 2)

@@ -148,7 +148,8 @@ def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleTyp
         material.dimple.K1 = k1
         poke.ticks(60)
         body = sessions.get(ball_of(bpy))
-        assert body.frame.finger_forces[0, 2] == pytest.approx(4.0, rel=0.02)
+        inward = np.array(body.session.fingers[0].inward)
+        assert -body.frame.finger_forces[0] @ inward == pytest.approx(4.0, rel=0.02)
         depths.append(body.frame.depths[0])
     centre = body.session.placed[0].position
     assert body.fingers[0].position == centre, "it is drawn where it is"

@@ -198,3 +198,15 @@ def test_a_poke_lets_the_brush_have_the_mouse(bpy: ModuleType, hand: Any, ball: 
     finally:
         bpy.ops.object.mode_set(mode="OBJECT")
     assert poke.send("ESC") == {"CANCELLED"}
+
+
+def test_what_plays_follows_a_keyframe_when_the_frame_changes(bpy: ModuleType, entry: Any, vinyl: Any) -> None:
+    for frame, value in ((1, 0.61), (10, 3.0)):
+        vinyl.K1 = value
+        vinyl.keyframe_insert("K1", frame=frame)
+    bpy.context.scene.frame_set(10)
+    step(bpy)
+    assert entry.session.model.materials[0].K1 == 3000 and not entry.frame.note
+    bpy.context.scene.frame_set(1)
+    step(bpy)
+    assert entry.session.model.materials[0].K1 == 610
