@@ -24,8 +24,9 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     verb, stopped = "Exporting", "The export was cancelled; the files that were finished are kept"
 
     directory: StringProperty(
-        name="Folder", description="Where the files go, named after the objects", subtype="DIR_PATH"
-    )
+        name="Folder", description="Where the files go, named after the objects", subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+    )  # fmt: skip
     formats: EnumProperty(
         name="Formats", description="What to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"}
     )

@@ -20,6 +20,8 @@ from ..mesh.surface import Mesh
 from ..session import Session
 from .indent import CLEAR, Site, Station, go_down, press, set_up
 
+AT = 0.6  # of the knee: where the closed form is scaled to the measured force, for it starts too softly with a round tip
+FARTHEST = 10.0  # times the closed form: the most it is scaled
 KNOTS = (0.15, 0.3, 0.5, 0.75, 1.0)  # of the knee of the measured law: where pieces end,
 # times the slope of the closed form, up to the knee: a round tip starts softly whatever the slope is, and what is added
 # for that is too much later; where no knee follows there is room to make up for it
@@ -92,8 +94,8 @@ def identification(
         DimpleError: the body cannot be simulated.
     """
     measured = replace(material, constants=None, indenter=indenter)
-    first = estimate(measured, mesh.size)
     deep, stopped = _deepest(deepest, site)
+    first = yield from _scaled(mesh, measured, site, AT * min(material.x0, deep))
     knots = _knots(material.x0, deep)
     found: list[tuple[Floats, float]] = []  # slopes, and the force at the deepest over the measured one
     for attempt, steepest in enumerate(STEEPEST):
@@ -103,7 +105,7 @@ def identification(
         if reached > SOFT or deep <= material.x0:
             break
     slopes, _ = min(found, key=lambda each: abs(each[1] - 1))
-    constants = _constants(first, measured, knots, slopes)
+    constants = _constants(first, knots, slopes)
     wanted, stations = [], []
     depths = deep * np.arange(1, CHECKED + 1) / CHECKED
     for station in press(mesh, replace(measured, constants=constants), indenter, site, depths.tolist()):
@@ -114,6 +116,21 @@ def identification(
         wanted.append(material.law(station.depth))
         yield 0.7 + 0.3 * len(stations) / (CHECKED + 1)
     return _judged(replace(measured, constants=constants), stations, np.array(wanted), stopped)
+
+
+def _scaled(mesh: Mesh, material: Material, site: Site, depth: float) -> Generator[float, None, ModelConstants]:
+    """Return the closed form, scaled so that a press to a depth [m] answers the measured force on this mesh."""
+    first = estimate(material, mesh.size)
+    first = replace(first, tension=first.kappa1 * material.spread**2)
+    session = set_up(mesh, replace(material, constants=first), material.indenter, site)
+    station = go_down(session, material.indenter, site, 0.0, depth)
+    yield 0.05
+    if not (station.found and station.force > 0):
+        return first
+    scale = min(max(material.law(depth) / station.force, 1 / FARTHEST), FARTHEST)
+    return replace(
+        first, kappa1=scale * first.kappa1, kappa2=scale * first.kappa2, tension=scale * (first.tension or 0.0)
+    )
 
 
 def _found_slopes(
@@ -137,7 +154,7 @@ def _found_slopes(
     steepest *= max(first.kappa1, first.kappa2)
     early = EARLY if knots[-1] > material.x0 else EARLY_ALONE
     slopes = np.append(first.kappa1, np.full(len(knots) - 1, steepest))  # so its steps are short enough for all of it
-    constants = _constants(first, material, knots, slopes)
+    constants = _constants(first, knots, slopes)
     session = set_up(mesh, replace(material, constants=constants), material.indenter, site)
     model, area = session.model, session.model.matching.k1 / first.kappa1
     before = 0.0
@@ -194,13 +211,12 @@ def _knots(x0: float, deepest: float) -> Floats:
     return np.concatenate([knots, x0 + (deepest - x0) * np.arange(1, BEYOND + 1) / BEYOND])
 
 
-def _constants(first: ModelConstants, material: Material, knots: Floats, slopes: Floats) -> ModelConstants:
+def _constants(first: ModelConstants, knots: Floats, slopes: Floats) -> ModelConstants:
     """Return the constants of a bed's law in pieces; a slope of 0 to begin with is one hardly above it."""
     slopes = np.maximum(slopes, 1e-6 * first.kappa1)
     pieces = tuple(zip(knots[: len(slopes) - 1].tolist(), np.diff(slopes).tolist(), strict=True))
     return replace(
-        first, kappa1=float(slopes[0]), kappa2=float(slopes[0]), pieces=pieces,
-        tension=first.kappa1 * material.spread**2,
+        first, kappa1=float(slopes[0]), kappa2=float(slopes[0]), pieces=pieces
     )
 
 
