@@ -6,7 +6,7 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 import bpy
 
 from ..operators.names import Op
-from ..operators.sessions import sessions
+from ..operators.sessions import identifying, sessions
 from . import calibration, device, readout
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
@@ -43,7 +43,7 @@ class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
         """Draw the constants, then their source and what is wrong: no field moves away under the mouse."""
         settings, layout = context.material.dimple, self.layout
         layout.use_property_split = True
-        for names in (("K1", "K2", "x0"), ("k",)):
+        for names in (("K1", "K2", "x0"), ("k", "spread_mm")):
             column = layout.column(align=True)
             for name in names:
                 column.prop(settings, name)
@@ -111,6 +111,8 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
         column.scale_y = 1.4
+        if body is not None and body.type == "MESH" and not body.dimple.enabled:
+            column.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
         row = layout.row()
         row.enabled = body is not None and body.type == "MESH"
@@ -125,6 +127,9 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
             draw_notes(context, layout, ["Select a mesh to press it."])
         elif context.window_manager.dimple.state:
             draw_notes(context, layout, [context.window_manager.dimple.state])
+        share = identifying()
+        if share is not None:
+            layout.progress(factor=share, text=readout.iface_("Identifying: the force is an estimate so far"))
 
 
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
@@ -169,6 +174,9 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         column = layout.column(align=True)
         for number in (1, 2, 3):
             column.prop(settings, f"finger_{number}")
+        tips = [getattr(settings, f"finger_{number}") for number in (1, 2, 3)]
+        if any(tip and tip.type != "EMPTY" for tip in tips):
+            draw_notes(context, layout, ["A fingertip presses as a ball of this radius, whatever its shape."])
         layout.operator(Op.ADD_FINGERTIP, icon="SPHERE")
 
 
@@ -190,6 +198,7 @@ class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.prop(scene.dimple, "cache_dir")
         layout.prop(scene.dimple, "shape_key_step")
+        layout.prop(scene.dimple, "use_curves")
         column = layout.column(align=True)
         _bake_button(column, scene, "MESH_CACHE", text="Bake to Mesh Cache")
         _bake_button(column, scene, "SHAPE_KEYS", text="Bake to Shape Keys")

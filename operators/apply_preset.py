@@ -25,8 +25,8 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a mesh."""
-        return polls.needs_mesh(cls, context)
+        """Need a mesh whose settings stay: those of linked data are lost with the file."""
+        return polls.needs_mesh(cls, context) and polls.is_own(cls, context.object)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set material, size and source."""
@@ -39,14 +39,15 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
             return {"CANCELLED"}
         constants, settings = preset.material, material_of(context.object, preset.label).dimple
         settings.K1, settings.K2, settings.k = constants.K1 / 1e3, constants.K2 / 1e3, constants.k / 1e3
-        settings.x0 = constants.x0 * 1e3
+        settings.x0, settings.spread_mm = constants.x0 * 1e3, constants.spread * 1e3
         if constants.mass is not None:
             settings.mass_from, settings.mass_kg = "MASS", constants.mass
         else:
             settings.mass_from, settings.density = "DENSITY", constants.density
         settings.damping_ratio, settings.friction = constants.damping_ratio, constants.friction
         settings.fill = constants.fill.upper()
-        settings.tip, settings.tip_radius_mm, settings.calibration = "POINT", 2.0, ""
+        tip = constants.indenter
+        settings.tip, settings.tip_radius_mm, settings.calibration = tip.shape.upper(), tip.radius * 1e3, ""
         settings.provenance = preset.provenance  # last: a constant that is set marks the material as edited
         body = context.object.dimple
         body.enabled, body.size_mode, body.size_mm = True, "CUSTOM", preset.size * 1e3

@@ -130,7 +130,7 @@ def _open(
     context: bpy.types.Context, plan: BakePlan, obj: bpy.types.Object, messages: list[str], files: contextlib.ExitStack
 ) -> Baked:
     """Return an object ready to be baked; its files are deleted with `files`, until they have their own names."""
-    link, model = bridge.read_body(context, obj, baked=False)
+    link, model = bridge.read_body(context, obj, baked=False, identify="WAIT")
     proxy, reason = planning.proxy_for(context.scene, obj, model)
     session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
@@ -208,3 +208,4 @@ def _play(plan: BakePlan, body: Baked) -> None:
     elif plan.target == "SHAPE_KEYS":
         output.detach_cache(obj)
         shape_keys.add(obj, body.link, body.shapes)
+        output.add_curves(obj, body.path)

@@ -26,7 +26,6 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     directory: StringProperty(
         name="Folder", description="Where the files go, named after the objects", subtype="DIR_PATH"
     )
-    filter_folder: BoolProperty(default=True, options={"HIDDEN"})
     formats: EnumProperty(
         name="Formats", description="What to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"}
     )
@@ -83,7 +82,8 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         except DimpleError as error:
             layout.label(text=str(error), translate=False, icon="ERROR")
         else:
-            layout.label(text=iface_("About {} MB").format(f"{size / 1e6:.0f}"), translate=False)
+            megabytes = round(size / 1e6)
+            layout.label(text=iface_("About {} MB").format(megabytes), translate=False)
 
     def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
         return sessions.open_run(context, "export", "Exporting: Esc cancels", interval=0.01)

@@ -16,6 +16,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.recording import PointCache
+from . import curves
 from .bridge_write import is_cache
 from .names import CACHE
 
@@ -273,8 +274,12 @@ def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
 
 
 def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.types.Modifier:
-    """Let an object play a PC2 file, first of its modifiers; an earlier bake makes room."""
+    """Let an object play a PC2 file, first of its modifiers; an earlier bake makes room.
+
+    Where the scene asks for curves it has those of the table beside the file too.
+    """
     detach_cache(obj)
+    add_curves(obj, Path(path))
     modifier = obj.modifiers.new(CACHE, "MESH_CACHE")
     modifier.cache_format = "PC2"
     modifier.filepath = _stored(path)
@@ -283,8 +288,16 @@ def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.type
     return modifier
 
 
+def add_curves(obj: bpy.types.Object, cache: Path) -> None:
+    """Give an object the curves of the table beside a PC2 file, where the scene asks for curves."""
+    if bpy.context.scene.dimple.use_curves:
+        with contextlib.suppress(OSError):  # a recording of which the disk has taken no table still plays
+            curves.add(obj, cache.with_suffix(".csv"))
+
+
 def detach_cache(obj: bpy.types.Object) -> int:
-    """Take our Mesh Cache modifiers off an object; return how many there were."""
+    """Take our Mesh Cache modifiers and curves off an object; return how many modifiers there were."""
+    curves.remove(obj)
     caches = [modifier for modifier in obj.modifiers if is_cache(modifier)]
     for modifier in caches:
         obj.modifiers.remove(modifier)

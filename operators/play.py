@@ -93,7 +93,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             sessions.stop_all()
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
-        from . import live, recovery, timeline
+        from . import live, recovery_copy, timeline
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
@@ -105,7 +105,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             asked, budget = live.ask(context.scene, self._run, wall)
             messages = live.advance(context, asked, budget=budget)
             live.adapt(self._run, asked)
-        report(self, [*messages, *recovery.save_when_due(self._run)])
+        report(self, [*messages, *recovery_copy.save_when_due(self._run)])
         sessions.redraw()
         if not sessions.sessions:
             sessions.stop_all()

@@ -12,6 +12,7 @@ from .names import Op
 
 if TYPE_CHECKING:
     from ..core.poke import Effect, PokeEvent
+    from .pointer import View
 
 
 class DIMPLE_OT_poke(bpy.types.Operator):
@@ -106,10 +107,14 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
         if event.type == "TIMER":
             return self._tick(context)
+        if context.mode != "OBJECT" and event.type != "ESC":
+            return {"PASS_THROUGH"}  # weights are painted while fingertips rest
         view = pointer.view_under(context, event)
         meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=self._state.pressing)
         if meant is None:
             return {"PASS_THROUGH"} if pointer.passes(event, view, undo=self._tuned()) else {"RUNNING_MODAL"}
+        if view and meant.kind is Kind.PRESS and meant.hit is None:
+            meant = self._joined(context, event, view) or meant
         result = self._take(context, meant)
         if meant.kind is Kind.MOVE and not self._state.pressing:
             return {"PASS_THROUGH"}
@@ -118,7 +123,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""
         from ..core.poke import Kind, PokeEvent
-        from . import fingertip, live, recovery
+        from . import fingertip, live, recovery_copy
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
@@ -130,7 +135,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             self._take(context, PokeEvent(kind=Kind.PAUSE))
         if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
             return ended
-        report(self, recovery.save_when_due(self._run))
+        report(self, recovery_copy.save_when_due(self._run))
         result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 
@@ -178,6 +183,27 @@ class DIMPLE_OT_poke(bpy.types.Operator):
                 report(self, sessions.stop_all(restore=effect is Effect.RESTORE))
                 return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
         return None
+
+    def _joined(self, context: bpy.types.Context, event: bpy.types.Event, view: "View") -> "PokeEvent | None":
+        """Let a soft body that was not selected join when it is pressed; return the press, None where there is none."""
+        from ..core.base import DimpleError
+        from . import pointer
+
+        other = pointer.unselected(context, view, sessions.sessions)
+        if other is None:
+            return None
+        if not other.dimple.enabled:
+            text = polls.tip_("{} is not selected: leave the poke, select it and poke again to press it")
+            self.report({"INFO"}, text.format(f'"{other.name}"'))
+            return None
+        try:
+            body, messages = sessions.start(other, context)
+        except DimpleError as error:
+            self.report({"WARNING"}, str(error))
+            return None
+        self._settings[body.link.uid] = body.settings
+        report(self, messages)
+        return pointer.poke_event(event, view, sessions.sessions, {}, pressing=False)
 
     def _tuned(self) -> bool:
         """Tell whether a setting of a body was changed since the poke began, which undo may take back."""

@@ -7,6 +7,7 @@ file is loaded, the extension is switched off, an undo takes the object away) al
 
 from __future__ import annotations
 
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -44,6 +45,7 @@ class LiveBody:
     borrowed: what of the object was changed.
     matrix: (4, 4) of the object when it was last stepped.
     triangles: (t, 3) of the object's own vertices, outward.
+    painted_at: when weights that are painted were read last [s].
     fingers: the fingertips to be drawn, in the session's space.
     poked: which fingertips are the poke's.
     lead: simulated time that it is ahead of the slowest of those that run with it [s].
@@ -64,6 +66,7 @@ class LiveBody:
     triangles: np.ndarray
     refused: str = ""
     changed_at: float | None = None
+    painted_at: float = 0.0
     fingers: tuple[Finger | None, ...] = (None, None, None)
     poked: frozenset[int] = frozenset()
     lead: float = 0.0
@@ -141,6 +144,12 @@ def get(obj: bpy.types.Object | None) -> LiveBody | None:
 def at_work() -> bool:
     """Tell whether something runs that nothing may disturb; Esc cancels it."""
     return any(run.kind not in ("poke", "play") for run in runs)
+
+
+def identifying() -> float | None:
+    """Return the share that is done of what is identified in the background, None where nothing is."""
+    identified = sys.modules.get(f"{__package__}.identified")  # with the core: not before it is needed
+    return identified.progress() if identified else None
 
 
 def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:

@@ -1,6 +1,6 @@
 """Settings that are changed while a body runs: they act on it at its next step, and nothing jumps.
 
-Weights of vertex groups are read again with any other change.
+Weights of vertex groups are read again with any other change, and all the time while they are painted.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import bpy
 
 from ..core.base import DimpleError
 from . import bridge, planning
+from .names import PAINTING
 from .settings import settings_of
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from .sessions import LiveBody
     from .settings import Settings
 
+PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
 UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned anew
 
 
@@ -28,10 +30,12 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
     A change that cannot be simulated is refused: the body keeps what it had, and `refused` says why.
     """
     now = settings_of(context.scene, obj)
-    if now == body.seen:
+    painting = obj.mode == PAINTING and body.frame.time >= body.painted_at + PAINTED_S
+    if now == body.seen and not painting:
         return _plan_when_due(context, obj, body)
+    body.painted_at = body.frame.time
     refused_before, body.seen, body.refused = body.refused, now, ""
-    if now == body.settings:
+    if now == body.settings and not painting:
         return []
     try:
         messages = _change(context, obj, body, now)

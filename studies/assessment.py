@@ -13,7 +13,7 @@ import numpy as np
 from core.base import Floats
 from core.body.estimate import reach
 from core.calibration.calibrate import Calibration
-from core.calibration.identify import NOTICEABLE_FORCE, TIP_REACH, Identification
+from core.calibration.identify import NOTICEABLE_FORCE, Identification
 from core.calibration.indent import Site
 from core.calibration.misfit import Miss, largest_miss
 from core.material import Indenter
@@ -24,10 +24,7 @@ from .virtual_press import press_curve
 NOTICEABLE_STIFFNESS = (0.08, 0.22)  # just-noticeable difference of a stiffness, as a share of it: from, to
 FINGERTIP = 0.010  # [m] radius of the fingertip whose press is predicted
 ROWS = 25  # of a predicted press
-_TIP_NOTE = (
-    "This is a prediction, not a fit, and one for this mesh: a coarse one answers too much. It ends at two thirds of "
-    "the tip's radius: deeper, so small a tip parts a skin as slack as this, the more easily the finer the mesh."
-)
+_TIP_NOTE = "This is a prediction, not a fit."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +60,7 @@ def assess(calibration: Calibration, found: Identification, mesh: Mesh, indenter
     depth, force = calibration.loading.depth, calibration.loading.force
     here = (depth >= 0) & (depth <= found.depths[-1])
     simulated = np.interp(depth[here], np.append(0.0, found.depths), np.append(0.0, found.simulated))
-    deepest = min(float(found.depths[-1]), TIP_REACH * FINGERTIP)
+    deepest = min(float(found.depths[-1]), FINGERTIP)
     fingertip = Indenter(shape="sphere", radius=FINGERTIP)
     tip_depth, tip_force = press_curve(mesh, found.material, fingertip, site, deepest, rows=ROWS)
     return Assessment(

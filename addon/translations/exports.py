@@ -54,6 +54,10 @@ WORDS = {
     "Write how the surface is shaded; files are larger": "表面の陰影も書き出します。ファイルは大きくなります",
     "Overwrite": "上書き",
     "Replace files that are there already": "すでにあるファイルを置き換えます",
+    "Curves": "カーブ",
+    "Keyframe force, depth and pressure as custom properties, for drivers": (
+        "力、深さ、圧力をドライバー用のカスタムプロパティとしてキーフレームにします"
+    ),
     "About {} MB": "約 {} MB",
     "Exporting: Esc cancels": "エクスポート中：Esc で中止",
     "Go back to Object Mode to export": "エクスポートするにはオブジェクトモードに戻ってください",

@@ -1,13 +1,14 @@
-"""From object constants to model constants, in closed form: where identification starts, and what holds until it is done.
+"""From object constants to model constants, in closed form: where identification starts, and what holds until then.
 
 Shape matching with a tension is a membrane on a bed of springs. Pressed by x, its dent falls off as the modified Bessel
 function K0(r / lambda) beyond the radius a of contact, lambda being the spread. With s(a) = lambda K1(a / lambda) /
 K0(a / lambda), the length in which it falls off there, a bed of stiffness kappa answers
 
     a flat punch of radius a   F = kappa x (pi a^2 + 2 pi a s)
-    a sphere of radius R       F = kappa (integral of w over pi a^2 + 2 pi a s w(a)),  lambda^2 |w'(a)| = s w(a)
+    a sphere of radius R       F = kappa (integral of w over pi a^2 + 2 pi a s w(a)),  lambda^2 |w'| = s w at a
 
-with w(r) = x - R + (R^2 - r^2)^(1/2), on a flat surface that is thick and wide beside the spread. tests/physics/test_estimate.py says how far it is off.
+with w(r) = x - R + (R^2 - r^2)^(1/2), on a flat surface that is thick and wide beside the spread.
+tests/physics/test_estimate.py says how far it is off.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tu
 
 
 def falloff(radius: float, spread: float) -> float:
-    """Return s = lambda K1(a / lambda) / K0(a / lambda) [m] from integrals of exp(-z cosh t), cosh(t) exp(-z cosh t)."""
+    """Return s = lambda K1(a / lambda) / K0(a / lambda) [m], from the integrals of exp(-z cosh t) and its moment."""
     z = radius / max(spread, 1e-3 * radius)
     t = np.linspace(0, math.acosh(1 + 40 / z), 400)  # beyond it nothing is left; the trapezoids are exact to 1e-9
     weight = np.exp(-z * (np.cosh(t) - 1))

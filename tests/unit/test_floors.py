@@ -17,6 +17,7 @@ FLOORS = {
     "core.haptics": 4,
     "core.session": 3,
     "core.poke": 3,
+    "core.fingertip": 3,
     "core.recording": 3,
     "core.animation": 3,
     "core.reduction": 3,

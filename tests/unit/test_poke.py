@@ -238,3 +238,33 @@ def test_no_ray_slips_through_a_corner_or_an_edge_of_a_closed_body() -> None:
         assert hit is not None
         assert hit[0] == pytest.approx(np.linalg.norm(aim - origin))
         assert np.dot(hit[2], direction) < 0
+
+
+LEFT = Hit(point=(-0.08, 0.0, 0.06), normal=(-0.8, 0.0, 0.6), body=7)
+RIGHT = Hit(point=(0.08, 0.0, 0.06), normal=(0.8, 0.0, 0.6), body=7)
+PINCH = [press(LEFT), *ticks(0.3), finger(2), press(RIGHT), *ticks(1.0)]
+
+
+def test_two_fingertips_on_opposite_sides_pinch_towards_each_other() -> None:
+    state, _ = run(START, *PINCH)
+    left, right = fingers(state, 7)[:2]
+    for one, hit, way in ((left, LEFT, 1.0), (right, RIGHT, -1.0)):
+        touching = np.array(hit.point) + START.radius * np.array(hit.normal)
+        assert one.position == pytest.approx(touching + START.depth * np.array([way, 0, 0]), abs=1e-5)
+
+
+def test_the_first_fingertip_of_a_pinch_turns_without_a_jump() -> None:
+    state, _ = run(START, *PINCH[:-1000])
+    before = np.array(fingers(state, 7)[0].position)
+    for _ in range(100):
+        state, _ = run(state, *ticks(0.001))
+        after = np.array(fingers(state, 7)[0].position)
+        assert np.linalg.norm(after - before) < 0.05 * START.depth
+        before = after
+
+
+def test_two_fingertips_on_one_side_or_on_two_bodies_press_as_they_are_told() -> None:
+    near = Hit(point=(-0.02, 0.0, 0.1), normal=(0.0, 0.0, 1.0), body=7)
+    for second in (near, replace(RIGHT, body=8)):
+        state, _ = run(START, press(LEFT), *ticks(0.3), finger(2), press(second), *ticks(0.5))
+        assert all(tip.aim.inward == pytest.approx((0.0, 0.0, -1.0)) for tip in state.tips[:2])
