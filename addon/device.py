@@ -83,7 +83,7 @@ def state(report: object) -> str:
     """Return a word for the state of the device."""
     if report.link.name == "READY":
         words = {
-            "OFF": iface_("Ready, no force"), "WAITING": iface_("Hold Shift, touch nothing"),
+            "OFF": iface_("Ready, no force"), "WAITING": iface_("Hold Shift"),
             "ASKED": iface_("Arming"), "RAMP": iface_("Arming"), "ON": iface_("Armed"),
         }  # fmt: skip
         return words[report.arming.name]
@@ -126,6 +126,8 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
         sentences.append(iface_("K1 is not renderable: so stiff a wall shakes the device. It is rendered softer."))
     if material and knee_force(material) > report.peak:
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
+    if report.arming.name == "WAITING":
+        sentences.append(iface_("The force comes on once Shift is held and the fingertips touch nothing."))
     if not haptic.sessions.sessions:
         sentences.append(iface_("Press Play to feel the selected object."))
     return sentences

@@ -6,7 +6,7 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 import bpy
 
 from ..operators.names import Op
-from ..operators.sessions import sessions
+from ..operators.sessions import identifying, sessions
 from . import calibration, device, readout
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
@@ -43,7 +43,7 @@ class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
         """Draw the constants, then their source and what is wrong: no field moves away under the mouse."""
         settings, layout = context.material.dimple, self.layout
         layout.use_property_split = True
-        for names in (("K1", "K2", "x0"), ("k",)):
+        for names in (("K1", "K2", "x0"), ("k", "spread_mm")):
             column = layout.column(align=True)
             for name in names:
                 column.prop(settings, name)
@@ -128,6 +128,9 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
             draw_notes(context, layout, ["Select a mesh to press it."])
         elif context.window_manager.dimple.state:
             draw_notes(context, layout, [context.window_manager.dimple.state])
+        share = identifying()
+        if share is not None:
+            layout.progress(factor=share, text=readout.iface_("Identifying: the force is an estimate so far"))
 
 
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
@@ -198,9 +201,11 @@ class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.prop(scene.dimple, "cache_dir")
         layout.prop(scene.dimple, "shape_key_step")
+        layout.prop(scene.dimple, "use_curves")
         column = layout.column(align=True)
         _bake_button(column, scene, "MESH_CACHE", text="Bake to Mesh Cache")
         _bake_button(column, scene, "SHAPE_KEYS", text="Bake to Shape Keys")
+        layout.operator(Op.EXPORT, text="Export Animation", icon="EXPORT")
         layout.operator(Op.UNBAKE, icon="TRASH")
 
 

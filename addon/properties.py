@@ -8,6 +8,7 @@ at its next step, and follows the keyframes of those that can be animated: const
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
+from ..operators.calibration import further_constants
 from ..operators.names import PLACES, TIPS
 from .device import DevicePlace
 from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
@@ -86,6 +87,10 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **KEYED,
     )  # fmt: skip
     k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the surface against stretching")
+    spread_mm: FloatProperty(
+        name="Spread (mm)", description="How far a dent reaches beyond the fingertip",
+        default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **FIXED,
+    )  # fmt: skip
     mass_from: EnumProperty(
         name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED
     )
@@ -108,11 +113,11 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     )  # fmt: skip
     fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, **KEYED)
     tip: EnumProperty(
-        name="Tip", description="What pressed the object when it was measured", items=TIPS, **FIXED
+        name="Tip", description="What pressed the object when it was measured", items=TIPS, default="SPHERE", **FIXED
     )
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of what pressed the object when it was measured",
-        default=2.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
+        default=10.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     provenance: StringProperty(
         name="Source", description="Where these constants were measured; empty when typed in",
@@ -130,12 +135,16 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
 
     def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""
+        from ..core.material import Indenter  # not at import: it needs numpy, and enabling must be quick
+
         mass = {"density": exact(self.density)} if self.mass_from == "DENSITY" else {"mass": exact(self.mass_kg)}
         return {
             "K1": exact(self.K1, 1),  # [N/m]
             "K2": exact(self.K2, 1),
             "k": exact(self.k, 1),
             "x0": exact(self.x0, -1),  # [m]
+            "spread": exact(self.spread_mm, -1),
+            "indenter": Indenter(shape=self.tip.lower(), radius=exact(self.tip_radius_mm, -1)),
             **mass,
             "damping_ratio": exact(self.damping_ratio),
             "friction": exact(self.friction),
@@ -148,10 +157,13 @@ def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
     """Return the model constants where there are any; `operators.calibration.changed` says whether they still hold."""
     if not all(getattr(settings, name) > 0 for name in _MODEL_CONSTANTS):
         return {}
-    from ..core.material import ModelConstants  # not at import: it needs numpy, and enabling must be quick
+    from ..core.material import ModelConstants
 
     kappa = {"kappa1": exact(settings.kappa1, 2), "kappa2": exact(settings.kappa2, 2)}  # [N/m3]
-    constants = ModelConstants(**kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale))
+    constants = ModelConstants(
+        **kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale),
+        **further_constants(settings.identification),
+    )  # fmt: skip
     return {"constants": constants}
 
 
@@ -244,12 +256,16 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         name="Every n Frames", description="Make one shape key for this many frames",
         default=1, min=1, soft_max=25, **FIXED,
     )  # fmt: skip
+    use_curves: BoolProperty(
+        name="Curves", description="Keyframe force, depth and pressure as custom properties, for drivers",
+        default=False, **FIXED,
+    )  # fmt: skip
     show_overlay: BoolProperty(
         name="Fingertips and Forces", description="Draw fingertips, forces and numbers in the viewport",
         default=True, **FIXED,
     )  # fmt: skip
     show_chart: BoolProperty(
-        name="Chart", description="Draw force against depth, with the measured curve",
+        name="Chart", description="Draw force against depth, with the material's curve",
         default=True, **FIXED,
     )  # fmt: skip
 

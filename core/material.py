@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from .base import DimpleError
 
 _LARGEST = 1e12  # in any unit: beyond it sums overflow
 FILLS = ("air", "liquid", "none")
+TIPS = ("point", "punch", "sphere")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Indenter:
+    """A tip that presses: its shape, "point" (a small flat punch), "punch" (flat) or "sphere", and its radius [m]."""
+
+    shape: str = "point"
+    radius: float = 0.002
+
+    def __post_init__(self) -> None:
+        if self.shape not in TIPS:
+            raise DimpleError(f"The tip must be one of {', '.join(TIPS)} (it is {self.shape}).")
+        if not 0 < self.radius < math.inf:
+            raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * self.radius:g}).")
+
+
+POINT = Indenter()  # the paper's sensor "touches at a point"
+FINGERTIP = Indenter(shape="sphere", radius=0.010)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -17,17 +37,25 @@ class ModelConstants:
     kappa1, kappa2: stiffness of shape matching per area, up to the knee and beyond it [N/m3].
     d0: displacement at the knee [m].
     membrane_scale: factor on the surface spring constant k.
+    tension: between the displacements of neighbours [N/m]; None: kappa1 times the spread squared.
+    pieces: (p, 2) further knees [m] and the stiffness that shape matching has more beyond each [N/m3].
 
     Raises:
-        DimpleError: one of them is not greater than 0.
+        DimpleError: one of them is not greater than 0, or a piece is no pair of numbers.
     """
 
     kappa1: float
     kappa2: float
     d0: float
     membrane_scale: float
+    tension: float | None = None
+    pieces: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
+        if self.tension is not None:
+            _require(self.tension >= 0, "The tension must not be negative", self.tension)
+        for knee, more in self.pieces:
+            _require(knee > 0 and abs(more) < _LARGEST, "A piece needs a knee greater than 0", knee)
         for name in ("kappa1", "kappa2", "d0", "membrane_scale"):
             _require(getattr(self, name) > 0, f"The model constant {name} must be greater than 0", getattr(self, name))
 
@@ -41,6 +69,8 @@ class Material:
         K2: slope beyond the knee [N/m].
         x0: depth of the knee [m].
         k: surface spring constant [N/m], Eq. (4).
+        spread: how far a dent reaches beyond the fingertip [m]; 0: not at all, like a bed of springs.
+        indenter: the tip that measured K1, K2 and x0.
         mass: of a body that is all of this material [kg]; or
         density: [kg/m3], times the volume of the body; a sheet, which encloses none, is taken to be as thick as a
             twentieth of its size. Give exactly one of the two.
@@ -57,6 +87,8 @@ class Material:
     K2: float
     x0: float
     k: float
+    spread: float = 0.02
+    indenter: Indenter = POINT
     mass: float | None = None
     density: float | None = None
     damping_ratio: float = 0.2
@@ -67,6 +99,7 @@ class Material:
     def __post_init__(self) -> None:
         for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):
             _require(getattr(self, name) > 0, f"{name} must be greater than 0 {unit}", getattr(self, name))
+        _require(self.spread >= 0, "The spread must not be negative", self.spread)
         given = "both" if self.mass else "neither"
         _require((self.mass is None) != (self.density is None), "Give either a mass or a density", given)
         if self.mass is not None:
@@ -110,30 +143,33 @@ def _require(holds: bool, rule: str, value: object) -> None:
 
 
 # of a body that has no material, and of a new one in the panel: the vinyl cube, as heavy as foam
-DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, density=100)
+DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, density=100, indenter=FINGERTIP)
 
-_SOURCE = "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there"
+_SOURCE = (
+    "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there, and the tip is "
+    "taken to be a fingertip of 10 mm"
+)
 
 # masses: a nylon pouch and a vinyl bag weigh little; the water of a 165 mm cube weighs 4.5 kg
 PRESETS = (
     Preset(
         name="object_1_nylon_air",
         label="Nylon cube, air, 50 mm",
-        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, mass=0.1, fill="air"),
+        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, mass=0.1, fill="air", indenter=FINGERTIP),
         size=0.050,
         provenance=_SOURCE,
     ),
     Preset(
         name="object_2_vinyl_air",
         label="Vinyl cube, air, 165 mm",
-        material=Material(K1=610, K2=7230, x0=0.0163, k=9_200, mass=0.2, fill="air"),
+        material=Material(K1=610, K2=7230, x0=0.0163, k=9_200, mass=0.2, fill="air", indenter=FINGERTIP),
         size=0.165,
         provenance=_SOURCE,
     ),
     Preset(
         name="object_3_vinyl_water",
         label="Vinyl cube, water, 165 mm",
-        material=Material(K1=620, K2=9130, x0=0.0137, k=9_200, density=1000, fill="liquid"),
+        material=Material(K1=620, K2=9130, x0=0.0137, k=9_200, density=1000, fill="liquid", indenter=FINGERTIP),
         size=0.165,
         provenance=_SOURCE,
     ),

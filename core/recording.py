@@ -93,6 +93,30 @@ class PointCache:
             left = left[self._file.write(left) :]
 
 
+def open_point_cache(path: str | os.PathLike[str]) -> tuple[float, npt.NDArray[np.float32]]:
+    """Open a PC2 file without reading it whole.
+
+    Returns:
+        start frame, positions (samples, vertices, 3) that are read from the disk as they are asked for.
+
+    Raises:
+        DimpleError: not a PC2 file, one cut short, or one that is not sampled once a frame.
+        OSError: it cannot be read.
+    """
+    name = Path(path).name
+    with Path(path).open("rb") as file:
+        header = file.read(_HEADER.size)
+        size = os.fstat(file.fileno()).st_size
+    if len(header) < _HEADER.size or header[:12] != _MAGIC:
+        raise DimpleError(f"{name} is not a PC2 point cache.")
+    _, _, vertices, start, rate, samples = _HEADER.unpack(header)
+    if vertices < 1 or samples < 1 or size < _HEADER.size + 12 * vertices * samples or not math.isfinite(start):
+        raise DimpleError(f"{name} is a PC2 point cache that was cut short. Bake again.")
+    if rate != 1:
+        raise DimpleError(f"{name} has a sample every {rate:g} frames, not one a frame. Bake again.")
+    return start, np.memmap(path, "<f4", "r", _HEADER.size, (samples, vertices, 3))
+
+
 def read_point_cache(path: str | os.PathLike[str]) -> tuple[float, float, npt.NDArray[np.float32]]:
     """Read a PC2 file.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -17,32 +17,17 @@ import numpy.typing as npt
 
 from .base import TICK, DimpleError, Floats
 from .body.model import Model
+from .fingertip import Finger as Finger
+from .fingertip import FingerOnItsWay, between, sent
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
-from .reduction.proxy import Proxy, carry, contact_radius
+from .reduction.proxy import Proxy, carry
 from .solver import motion
 from .solver.backend import choose_backend, create
-from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion, Vector
-from .solver.pushed import Pushed, advance
+from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
-
-
-@dataclass(frozen=True, slots=True)
-class Finger:
-    """A fingertip: a sphere that goes where it is told, or is pushed by a force.
-
-    position: of its centre (3,) [m]; of one that is pushed, where it touches before it goes in.
-    radius: [m].
-    force: that pushes it from there [N], None where its place is prescribed.
-    inward: unit vector (3,) of that force.
-    """
-
-    position: Vector
-    radius: float
-    force: float | None = None
-    inward: Vector = (0.0, 0.0, -1.0)
 
 
 class Frame(NamedTuple):
@@ -106,12 +91,7 @@ class Session:
         """Put the body back to rest and let go of it."""
         self.body.set_state(self.body.model.matching.rest)
         self._time, self._ticks, self._cost = 0.0, 0, 0.0
-        self._here: list[Vector | None] = []  # where each fingertip is, None where it is lifted
-        self._origins: list[Vector | None] = []  # where it was at the begin of the step under way
-        self._fresh: list[bool] = []
-        self._targets: list[Finger | None] = []
-        self._pushed: list[Pushed | None] = []  # those that a force pushes
-        self._radii: list[float] = []  # with which it meets what moves [m]
+        self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
         self._pins_target: Floats | None = None
@@ -133,17 +113,8 @@ class Session:
                 and all(map(math.isfinite, (*finger.position, *finger.inward, finger.radius, finger.force or 0.0)))
             ):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
-        self._targets = list(fingers)
-        self._radii = [self._contact_radius(finger.radius) if finger else 0.0 for finger in fingers]
-        missing = len(fingers) - len(self._here)
-        self._here = [*self._here, *[None] * missing][: len(fingers)]
-        self._origins = [*self._origins, *[None] * missing][: len(fingers)]
-        self._fresh = [*self._fresh, *[True] * missing][: len(fingers)]
-        for i, finger in enumerate(fingers):
-            if finger is None or self._here[i] is None:
-                self._here[i] = self._origins[i] = _vector(finger.position) if finger else None
-                self._fresh[i] = True
-        self._pushed = [self._push(i, finger) for i, finger in enumerate(fingers)]
+        before = [*self._tips, *[None] * len(fingers)]
+        self._tips = [sent(tip, finger) for tip, finger in zip(before, fingers, strict=False)]
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -172,9 +143,9 @@ class Session:
         started = time.perf_counter()
         self._begin, self._end = self._time, self._time + dt
         end, due = self._end, math.floor(self._end / self.tick + 1e-6)
-        impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._targets), 0, ""
+        impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._tips), 0, ""
         most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
-        if any(self._pushed):
+        if any(tip and tip.pushed for tip in self._tips):
             most = 1  # each tick moves them
         while self._ticks < due:
             result = self._run(min(due - self._ticks, most))
@@ -206,15 +177,12 @@ class Session:
     @property
     def placed(self) -> tuple[Finger | None, ...]:
         """Return where the fingertips are: those that a force pushes are where it has pushed them."""
-        return tuple(
-            replace(target, position=here) if target and here and pushed else target
-            for target, here, pushed in zip(self._targets, self._here, self._pushed, strict=True)
-        )
+        return tuple([tip.finger() if tip else None for tip in self._tips])
 
     @property
     def fingers(self) -> tuple[Finger | None, ...]:
         """Return where the fingertips are to be at the end of the next step."""
-        return tuple(self._targets)
+        return tuple([tip.target if tip else None for tip in self._tips])
 
     def positions(self) -> npt.NDArray[np.float32]:
         """Return where the input vertices (N, 3) [m] are now."""
@@ -257,9 +225,8 @@ class Session:
                 at, speed = at[proxy.seeds], speed[proxy.seeds]
             self.body = create(moves, surface=model, backend=self.backend)
             self.body.set_state(at.T, speed.T)
-            self._here, self._origins = _scaled(self._here, scale), _scaled(self._origins, scale)
-            self._fresh = [True] * len(self._here)
-            self._pushed = [each and Pushed(way=scale * each.way) for each in self._pushed]
+            for tip in filter(None, self._tips):
+                tip.scale(scale)
             self._pins_target = None
         self._define(model, proxy)
         self._pins_origin = skin.T
@@ -282,10 +249,9 @@ class Session:
         return min((time - self._begin) / max(self._end - self._begin, 1e-30), 1.0)
 
     def _move_origins(self, share: float) -> None:
-        self._origins = [
-            _between(origin, target.position, share) if origin is not None and target else origin
-            for origin, target in zip(self._origins, self._targets, strict=True)
-        ]
+        for tip in self._tips:
+            if tip:
+                tip.origin = between(tip.origin, tip.target.position, share)
         if self._pins_target is not None:
             whole = share >= 1
             way = self._pins_target - self._pins_origin
@@ -293,7 +259,10 @@ class Session:
 
     def _run(self, ticks: int) -> motion.Frame:
         """Run some ticks of the step under way."""
-        self._pushed = [self._advanced(i) for i in range(len(self._pushed))]
+        seconds = max(self._last.ticks, 1) * self.tick
+        for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
+            if tip:
+                tip.push(self.body.model, touch, seconds, self.tick)
         first, last = self._share((self._ticks + 1) * self.tick), self._share((self._ticks + ticks) * self.tick)
         pins = self._pins(first, last)
         self._last = result = self.body.step(
@@ -302,48 +271,20 @@ class Session:
         self._ticks += result.ticks
         if pins and pins.last >= 1 and self._pins_target is not None:  # they have arrived
             self._pins_origin, self._pins_target = self._pins_target, None
-        for i, touch in enumerate(result.touches):
-            if touch:
-                self._here[i], self._fresh[i] = touch.centre, False
+        for tip, touch in zip(self._tips, result.touches, strict=True):
+            if tip and touch:
+                tip.here, tip.fresh = touch.centre, False
         return result
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
         result = self.body.step(Motion(0, self.substeps, self.tick, self._fingertips(0.0, 0.0)))
-        self._fresh = [touch is None for touch in result.touches]
+        for tip in filter(None, self._tips):
+            tip.fresh = False
         return result
 
     def _fingertips(self, first: float, last: float) -> tuple[FingertipMotion | None, ...]:
-        return tuple([
-            FingertipMotion(
-                here, _placed(origin, target, pushed, first), _placed(origin, target, pushed, last),
-                target.radius, radius, fresh,
-            )
-            if here is not None and target and origin is not None else None
-            for here, origin, target, pushed, radius, fresh in zip(
-                self._here, self._origins, self._targets, self._pushed, self._radii, self._fresh, strict=True
-            )
-        ])  # fmt: skip
-
-    def _push(self, i: int, finger: Finger | None) -> Pushed | None:
-        """Return where a fingertip that is pushed starts, or goes on."""
-        here, origin = self._here[i], self._origins[i]
-        if finger is None or finger.force is None or here is None or origin is None:
-            return None
-        before = self._pushed[i] if i < len(self._pushed) and not self._fresh[i] else None
-        return before or Pushed(way=_along(here, origin, finger.inward))
-
-    def _advanced(self, i: int) -> Pushed | None:
-        """Return where a fingertip that is pushed is a tick later."""
-        pushed, target, touches = self._pushed[i], self._targets[i], self._last.touches
-        if pushed is None or target is None or target.force is None:
-            return None
-        touch = touches[i] if i < len(touches) and self._last.ticks else None
-        impulse = touch.impulse if touch else (0.0, 0.0, 0.0)
-        reaction = _along(impulse, (0.0, 0.0, 0.0), target.inward) / (max(self._last.ticks, 1) * self.tick)
-        return advance(
-            pushed, target.force, reaction, model=self.body.model, radius=self._radii[i], tick=self.tick
-        )
+        return tuple([tip.motion(first, last) if tip else None for tip in self._tips])
 
     def _pins(self, first: float, last: float) -> PinMotion | None:
         if self._pins_target is None:
@@ -351,10 +292,6 @@ class Session:
         if self._pins_origin is self._pins_target:  # the step before ended between two ticks
             first = last = 1.0
         return PinMotion(self._pins_origin[:, self._pinned], self._pins_target[:, self._pinned], first, last)
-
-    def _contact_radius(self, radius: float) -> float:
-        """Return the radius [m] with which a fingertip meets what moves."""
-        return contact_radius(self.proxy, radius) if self.proxy else radius
 
     def _skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
@@ -390,28 +327,3 @@ class Session:
             not note,
             note,
         )
-
-
-def _placed(origin: Vector, target: Finger, pushed: Pushed | None, share: float) -> Vector:
-    """Return the centre [m] of a fingertip at a share of its step: on its way, and pushed away from it."""
-    at, (x, y, z) = _between(origin, target.position, share), target.inward
-    way = pushed.way if pushed else 0.0
-    return at[0] + way * x, at[1] + way * y, at[2] + way * z
-
-
-def _along(a: Vector, b: Vector, direction: Vector) -> float:
-    """Return how far a is from b along a direction."""
-    return sum((p - q) * d for p, q, d in zip(a, b, direction, strict=True))
-
-
-def _vector(a: Sequence[float]) -> Vector:
-    x, y, z = a
-    return float(x), float(y), float(z)
-
-
-def _scaled(points: Sequence[Vector | None], scale: float) -> list[Vector | None]:
-    return [point and (scale * point[0], scale * point[1], scale * point[2]) for point in points]
-
-
-def _between(a: Vector, b: Vector, share: float) -> Vector:
-    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])

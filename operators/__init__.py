@@ -5,18 +5,21 @@ objects, live steps it. Nothing heavy is imported here: numpy, trimesh and the c
 """
 
 from . import (
+    add_fingertip,
+    apply_preset,
     bake,
     calibrate,
     calibrate_apply,
+    command_line,
     compare_proxies,
     device,
+    export,
     handlers,
     identify,
     make_soft,
     measure,
     play,
     poke,
-    preset,
     record,
 )
 
@@ -26,13 +29,16 @@ PARTS = (
     play,
     record,
     bake,
-    preset,
+    export,
+    apply_preset,
+    add_fingertip,
     calibrate,
     calibrate_apply,
     identify,
     measure,
     compare_proxies,
     device,
+    command_line,
     handlers,
 )
 

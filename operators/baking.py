@@ -1,15 +1,13 @@
 """Simulate bodies over a range of frames and write what they do; all of it, or nothing.
 
-The scene is evaluated at least 120 times a second of animation, so that a keyframed fingertip presses the same at
-24 and at 120 frames a second. Files are written beside their final name and take it at the end.
+Files are written beside their final name and take it at the end.
 """
 
 from __future__ import annotations
 
 import contextlib
-import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,17 +15,16 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ..core.base import TICK, DimpleError
+from ..core.base import DimpleError
 from ..core.recording import PointCache
 from ..core.session import Session
-from . import bridge, bridge_write, live, output, planning, shape_keys, tuning
+from . import bridge, bridge_write, live, output, planning, shape_keys, timeline, tuning
 from .settings import settings_of
 
 if TYPE_CHECKING:
     from .bridge import ObjectLink, Singles
     from .settings import Settings
 
-MOTION_HZ = 120  # how often keyframed motion is looked at
 PART = ".part"  # ends the names of files that are being written
 
 
@@ -61,8 +58,9 @@ class BakePlan:
 
     objects: the bodies.
     first, last: frames.
-    target: "MESH_CACHE" or "SHAPE_KEYS".
+    target: "MESH_CACHE", "SHAPE_KEYS", or "FILES": nothing plays it.
     step: frames from one shape key to the next.
+    folder: where the files go; None is where bakes of the scene go.
     """
 
     objects: Sequence[bpy.types.Object]
@@ -70,6 +68,7 @@ class BakePlan:
     last: int
     target: str
     step: int = 1
+    folder: Path | None = None
 
 
 def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Iterator[float]:
@@ -81,11 +80,25 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
     Raises:
         DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
     """
+    bodies = yield from simulate(context, plan, messages)
+    with output.plain_os_errors("The bake"):
+        for body in bodies:
+            _play(plan, body)
+
+
+def simulate(
+    context: bpy.types.Context, plan: BakePlan, messages: list[str]
+) -> Generator[float, None, Sequence[Baked]]:
+    """Simulate and write the files; yield the share that is done, and return what was simulated.
+
+    Raises:
+        DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
+    """
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
     with contextlib.ExitStack() as files, output.plain_os_errors("The bake"):
         _check(plan)
-        files.callback(_go_to, scene, before)
+        files.callback(go_to, scene, before)
         scene.frame_set(plan.first)
         bodies = [_open(context, plan, obj, messages, files) for obj in plan.objects]
         _write(plan, bodies, plan.first)
@@ -94,11 +107,14 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
             _write(plan, bodies, frame)
             yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
         _close(bodies)
-        _go_to(scene, before)
-        _finish(plan, bodies)
+        for body in bodies:
+            for path in _files(body):
+                os.replace(f"{path}{PART}", path)
+    return bodies
 
 
-def _go_to(scene: bpy.types.Scene, frame: tuple[int, float]) -> None:
+def go_to(scene: bpy.types.Scene, frame: tuple[int, float]) -> None:
+    """Show a frame and its share, unless they show already."""
     if (scene.frame_current, scene.frame_subframe) != frame:
         scene.frame_set(frame[0], subframe=frame[1])
 
@@ -118,11 +134,9 @@ def _open(
     context: bpy.types.Context, plan: BakePlan, obj: bpy.types.Object, messages: list[str], files: contextlib.ExitStack
 ) -> Baked:
     """Return an object ready to be baked; its files are deleted with `files`, until they have their own names."""
-    link, model = bridge.read_body(context, obj, baked=False)
-    look_s = _look_s(context.scene)
-    # whole ticks between two looks, so that on every frame a body is where its object is
+    link, model = bridge.read_body(context, obj, baked=False, identify="WAIT")
     proxy, reason = planning.proxy_for(context.scene, obj, model)
-    session = Session(model, tick=look_s / math.ceil(look_s / TICK - 1e-9), proxy=proxy)
+    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
@@ -131,26 +145,23 @@ def _open(
         messages.append(f'"{obj.name}" has animated shape keys: it is baked in the shape of frame {plan.first}.')
         if plan.target == "SHAPE_KEYS":
             messages.append("Their animation adds to the bake: mute those keys, or bake to a Mesh Cache.")
-    path, cache = output.bake_path(context, obj), None
-    if plan.target == "MESH_CACHE":
+    path, cache = output.bake_path(context, obj, plan.folder), None
+    if plan.target != "SHAPE_KEYS":
         part = Path(f"{path}{PART}")
         cache = output.open_file(files, part, lambda name: PointCache(name, len(link.rest), plan.first))
     table = output.open_file(files, Path(f"{path.with_suffix('.csv')}{PART}"), output.ForceTable)
     session.set_fingers(live.fingertips(context.scene, link.scale))
-    settings = settings_of(context.scene, obj)
+    session.step(0.0)  # the first frame shows what touches already
     return Baked(
-        link=link, session=session, settings=settings, matrix=link.matrix, path=path, cache=cache, table=table
+        link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, path=path,
+        cache=cache, table=table,
     )  # fmt: skip
 
 
 def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> None:
     """Bring every body from the frame before to this one."""
     scene = context.scene
-    look_s = _look_s(scene)
-    count = round(scene.render.fps_base / scene.render.fps / look_s)
-    for look in range(1, count + 1):
-        at = frame - 1 + look / count
-        scene.frame_set(math.floor(at), subframe=at - math.floor(at))
+    for look_s in timeline.looks(scene, frame):
         for body in bodies:
             obj, matrix = _object(body), _matrix(body)
             body.settings = tuning.follow_keyframes(scene, obj, body.session, body.link, body.settings)
@@ -161,12 +172,6 @@ def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> No
             shown = body.session.step(look_s)
             if shown.note:
                 raise DimpleError(f'"{body.link.name}", frame {frame}: {shown.note}')
-
-
-def _look_s(scene: bpy.types.Scene) -> float:
-    """Return the time [s] between two looks at the scene: a frame, or an even part of it."""
-    frame_s = scene.render.fps_base / scene.render.fps
-    return frame_s / math.ceil(MOTION_HZ * frame_s - 1e-9)
 
 
 def _object(body: Baked) -> bpy.types.Object:
@@ -205,18 +210,15 @@ def _close(bodies: Sequence[Baked]) -> None:
         body.table.close()
 
 
-def _finish(plan: BakePlan, bodies: Sequence[Baked]) -> None:
-    """Let the files take their names and the objects play them."""
-    for body in bodies:
-        for path in _files(body):
-            os.replace(f"{path}{PART}", path)
-    for body in bodies:
-        obj = bridge.find(body.link.uid, body.link.name)
-        if obj is None:
-            continue
-        if plan.target == "MESH_CACHE":
-            shape_keys.remove(obj)
-            output.attach_cache(obj, str(body.path), plan.first)
-        else:
-            output.detach_cache(obj)
-            shape_keys.add(obj, body.link, body.shapes)
+def _play(plan: BakePlan, body: Baked) -> None:
+    """Let an object play its files."""
+    obj = bridge.find(body.link.uid, body.link.name)
+    if obj is None:
+        return
+    if plan.target == "MESH_CACHE":
+        shape_keys.remove(obj)
+        output.attach_cache(obj, str(body.path), plan.first)
+    elif plan.target == "SHAPE_KEYS":
+        output.detach_cache(obj)
+        shape_keys.add(obj, body.link, body.shapes)
+        output.add_curves(obj, body.path)

@@ -53,11 +53,15 @@ class ObjectLink:
     slots: tuple[int, ...]
 
 
-def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True) -> tuple[ObjectLink, Model]:
+def read_body(
+    context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True, identify: str = "BACKGROUND"
+) -> tuple[ObjectLink, Model]:
     """Read a mesh object with its materials and settings into a model; change nothing.
 
     Args:
         baked: take the shape keys of an earlier bake as part of the rest shape.
+        identify: what is done about model constants that are not known yet: "BACKGROUND" (they come later), "WAIT"
+            (they are found now) or "NO" (the closed form takes their place).
 
     Raises:
         DimpleError: this object cannot be pressed, with the reason and what to do.
@@ -81,11 +85,16 @@ def read_body(context: bpy.types.Context, body: bpy.types.Object, *, baked: bool
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting,
         rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()), slots=tuple(map(int, used)),
     )  # fmt: skip
-    return link, read_model(context.scene, body, mesh, link.slots)
+    return link, read_model(context.scene, body, mesh, link.slots, identify=identify)
 
 
-def read_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, slots: tuple[int, ...]) -> Model:
+def read_model(
+    scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, slots: tuple[int, ...], *, identify: str = "BACKGROUND"
+) -> Model:
     """Read the materials and settings of an object into a model on its mesh, whose materials lie in these slots.
+
+    Args:
+        identify: as for `read_body`.
 
     Raises:
         DimpleError: it cannot be pressed with them, with the reason and what to do.
@@ -95,10 +104,13 @@ def read_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, slots
 
     params, surroundings = body.dimple.to_params(), scene.dimple
     try:
-        materials, messages = zip(*(_material(body, slot, mesh) for slot in slots), strict=True)
         held = base_vertices(mesh) if params["pinned"] == "base" else None
         if params["pinned"] == "group":
             held = _pins(body, params["pin_group"])
+        if params["law_set"] == "paper":  # its equations have no model constants
+            identify = "NO"
+        found = [_material(body, slot, mesh, held, identify) for slot in slots]
+        materials, messages = zip(*found, strict=True)
         softness = _weights(body, params["softness_group"], "softness") if params["softness_group"] else None
         model = build_model(
             mesh, materials, law_set=params["law_set"], held=held, softness=softness,
@@ -260,15 +272,29 @@ def _triangles(mesh: bpy.types.Mesh) -> tuple[npt.NDArray[np.int32], npt.NDArray
     return corners.reshape(-1, 3), slots[polygons]
 
 
-def _material(body: bpy.types.Object, slot: int, mesh: Mesh) -> tuple[Material, str]:
+def _material(
+    body: bpy.types.Object, slot: int, mesh: Mesh, held: Floats | None, identify: str
+) -> tuple[Material, str]:
+    """Return the constants of a body's material with those of its model, where they are known, and a note."""
     from ..core.material import DEFAULT_MATERIAL
 
     material = body.material_slots[slot].material if body.material_slots else None
-    return (DEFAULT_MATERIAL, "") if material is None else constants_on(mesh, material)
+    constants = DEFAULT_MATERIAL if material is None else constants_on(mesh, material)
+    if constants.constants is not None or identify == "NO" or calibration.animated(material):
+        return constants, ""
+    from . import identified
+
+    deepest = calibration.BEYOND * constants.x0 if material is None else calibration.deepest_mm(material.dimple) / 1e3
+    wait = identify == "WAIT" or bpy.app.background
+    pins = None if held is None else np.asarray(held) >= 0.5
+    found, note = identified.model_constants(
+        (body.session_uid, slot), mesh, constants, deepest, held=pins, wait=wait
+    )
+    return replace(constants, constants=found), note
 
 
-def constants_on(mesh: Mesh, material: bpy.types.Material) -> tuple[Material, str]:
-    """Return the constants of a material on a mesh; without its model constants where they do not hold, and a note.
+def constants_on(mesh: Mesh, material: bpy.types.Material) -> Material:
+    """Return the constants of a material on a mesh; without its model constants where they do not hold there.
 
     Raises:
         DimpleError: a constant is out of its range.
@@ -279,17 +305,9 @@ def constants_on(mesh: Mesh, material: bpy.types.Material) -> tuple[Material, st
         constants = Material(**material.dimple.to_params())
     except DimpleError as error:
         raise DimpleError(f'material "{material.name}": {error}') from error
-    if constants.constants is None or not calibration.changed(material.dimple, mesh):
-        return constants, ""
-    if calibration.changed(material.dimple):
-        why = f'"{material.name}" was changed since it was identified: an estimate is used. Identify it again.'
-    else:
-        record = calibration.load(material.dimple.identification)
-        why = (
-            f'The model constants of "{material.name}" were identified on another mesh or size ({record["object"]}, '
-            f"{record['size']:.4g} mm): an estimate is used. Identify it on this one."
-        )
-    return replace(constants, constants=None), why
+    if constants.constants is not None and calibration.changed(material.dimple, mesh):
+        return replace(constants, constants=None)
+    return constants
 
 
 def _pins(body: bpy.types.Object, group: str) -> Floats:

@@ -6,8 +6,8 @@ import bpy
 from bpy.props import BoolProperty
 
 from . import calibration, polls
+from .apply_preset import material_of
 from .names import Op
-from .preset import material_of
 
 
 class DIMPLE_OT_apply_calibration(bpy.types.Operator):

@@ -55,6 +55,11 @@ def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
     return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
+def headline(warning: str) -> str:
+    """Return what a warning says is wrong, without what it means."""
+    return warning.split("\n")[0]
+
+
 def source(record: dict[str, Any], k: str) -> str:
     """Return the line that a material keeps of where its constants come from; k: where its own does, if so."""
     return f"{record['provenance']}, {k}" if k else record["provenance"]
@@ -90,7 +95,8 @@ def fingerprint(settings: Any, mesh: Mesh | None = None) -> dict[str, float | st
         settings: of the material: what was measured, with which tip.
         mesh: on which they are identified, wherever it stands; None leaves it out.
     """
-    found = {name: getattr(settings, name) for name in ("K1", "K2", "x0", "k", "fill", "tip", "tip_radius_mm")}
+    names = ("K1", "K2", "x0", "k", "spread_mm", "fill", "tip", "tip_radius_mm")
+    found = {name: getattr(settings, name) for name in names}
     if mesh is not None:
         found["vertices"] = len(mesh.rest_positions)
         found["area"], found["volume"] = float(mesh.triangle_areas.sum()), float(mesh.volume)  # [m2], [m3]
@@ -117,6 +123,19 @@ def changed(settings: Any, mesh: Mesh | None = None) -> list[str]:
 def identification(settings: Any) -> dict[str, Any]:
     """Return the record of a material's identification, empty where there is none or the material has changed."""
     return {} if changed(settings) else load(settings.identification)
+
+
+def animated(material: Any) -> bool:
+    """Tell whether the constants of a material are keyframed or driven: then the closed form follows them."""
+    moved = material.animation_data if material else None
+    return bool(moved and (moved.action or moved.drivers))
+
+
+def further_constants(text: str) -> dict[str, Any]:
+    """Return what a material's identification found besides the constants that it shows, for `ModelConstants`."""
+    record = load(text)
+    pieces = tuple((float(knee), float(more)) for knee, more in record.get("pieces", ()))
+    return {"pieces": pieces, "tension": record.get("tension")}
 
 
 def _same(name: str, one: float | str, other: float | str | None) -> bool:

@@ -41,7 +41,9 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         from . import indentation
 
         sessions.stop_all()
-        self._bench = indentation.set_up(context, context.object, place_of(self, context), self.depth_mm)
+        self._bench = indentation.set_up(
+            context, context.object, place_of(self, context), self.depth_mm, identify="NO"
+        )
         return self._steps_of(self._bench)
 
     def _steps_of(self, bench):
@@ -77,7 +79,8 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
             "date": date.today().isoformat(), "rms": found.rms,
             "force_off": float(found.off.max()), "deepest": 1e3 * float(found.depths[-1]),
             "volume_change": found.volume_change, "noticeable": NOTICEABLE_FORCE,
-            "notes": [*found.notes, _reach(context.scene), *bench.notes],
+            "tension": constants.tension, "pieces": constants.pieces,
+            "notes": [*found.notes, *bench.notes],
             "points": calibration.thinned(1e3 * found.depths, found.simulated, calibration.SIMULATED),
         }  # fmt: skip
         settings.identification = json.dumps(record, ensure_ascii=False)
@@ -89,17 +92,6 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
             except DimpleError as error:
                 self.report({"WARNING"}, f"It was not remembered, so another time it is worked out again: {error}")
         return {"FINISHED"}
-
-
-def _reach(scene: bpy.types.Scene) -> str:
-    """Return how deep a fingertip may go into what was identified."""
-    from ..core.calibration.identify import TIP_REACH
-
-    radius = scene.dimple.finger_radius_mm
-    return (
-        f"A fingertip of {radius:.3g} mm may go about {TIP_REACH * radius:.2g} mm deep, two thirds of its radius: "
-        "deeper, it parts a skin as slack as this. Take a larger fingertip, or Undo for the estimate."
-    )
 
 
 def place_of(operator: bpy.types.Operator, context: bpy.types.Context) -> str:

@@ -9,7 +9,8 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
-from ..core.calibration.indent import Indenter, Site, find_site
+from ..core.calibration.indent import Site, find_site
+from ..core.material import Indenter
 from . import bridge, calibration
 
 if TYPE_CHECKING:
@@ -47,7 +48,13 @@ class Bench:
 
 
 def set_up(
-    context: bpy.types.Context, body: bpy.types.Object, place: str, depth_mm: float, tip: Indenter | None = None
+    context: bpy.types.Context,
+    body: bpy.types.Object,
+    place: str,
+    depth_mm: float,
+    tip: Indenter | None = None,
+    *,
+    identify: str = "WAIT",
 ) -> Bench:
     """Prepare a body to be pressed; change nothing.
 
@@ -56,6 +63,7 @@ def set_up(
         place: "TOP", straight down on the middle, or "CURSOR", where the 3D cursor is nearest to the surface.
         depth_mm: 0 is as deep as the material was measured.
         tip: None is the one that measured the material.
+        identify: as for `bridge.read_body`.
 
     Raises:
         DimpleError: it cannot be pressed there, with the reason and what to do.
@@ -65,7 +73,7 @@ def set_up(
         raise DimpleError(f'"{body.name}" has no material. Give it one: calibrate, or choose one of the presets.')
     if body.dimple.to_params()["law_set"] != "consistent":
         raise DimpleError("The paper's literal laws have no model constants. Choose Consistent in Physics > Dimple.")
-    link, model = bridge.read_body(context, body, baked=False)
+    link, model = bridge.read_body(context, body, baked=False, identify=identify)
     settings, mesh = material.dimple, model.mesh
     tip = tip or Indenter(shape=settings.tip.lower(), radius=settings.tip_radius_mm / 1e3)
     above, inward = (None, DOWN) if place == "TOP" else _at_cursor(context, link, mesh)
@@ -74,7 +82,8 @@ def set_up(
     except DimpleError as error:
         elsewhere = " Press At: 3D Cursor puts the tip elsewhere." if place == "TOP" else ""
         raise DimpleError(f'"{body.name}": {error}{elsewhere}') from error
-    constants, note = bridge.constants_on(mesh, material)
+    slot = link.slots.index(body.active_material_index) if body.active_material_index in link.slots else None
+    constants = bridge.constants_on(mesh, material) if slot is None else model.materials[slot]
     return Bench(
         link=link,
         mesh=mesh,
@@ -84,7 +93,7 @@ def set_up(
         indenter=tip,
         site=site,
         deepest=(depth_mm or calibration.deepest_mm(settings)) / 1e3,
-        notes=(*_notes(body), *filter(None, [note])),
+        notes=_notes(body),
     )
 
 

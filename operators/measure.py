@@ -73,7 +73,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
     def _begin(self, context: bpy.types.Context):
         """Return the steps; a body is at rest before it is pressed."""
         from ..core.base import DimpleError
-        from ..core.calibration.indent import Indenter
+        from ..core.material import Indenter
         from . import indentation
 
         if not self.filepath:

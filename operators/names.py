@@ -18,6 +18,18 @@ TIPS = (
     ("PUNCH", "Flat Punch", "A flat, round face that goes in as one"),
     ("SPHERE", "Ball", "A round tip, like a fingertip"),
 )
+# what an animation is exported to; `formats` writes them
+EXPORTS = (
+    ("ALEMBIC", "Alembic (.abc)", "For other 3D programs and renderers", 1),
+    ("USD", "USD (.usdc)", "For other 3D programs, renderers and pipelines", 2),
+    ("GLB", "glTF Binary (.glb)", "For game engines and the web, with a morph target for each frame", 4),
+    ("FBX", "FBX (.fbx)", "For game engines, with a shape key for each frame", 8),
+    ("PC2", "PC2 Point Cache (.pc2)", "For 3ds Max, and Blender's Mesh Cache modifier", 16),
+    ("MDD", "MDD Point Cache (.mdd)", "For LightWave, Cinema 4D, Houdini, and Blender's Mesh Cache modifier", 32),
+    ("STL", "STL Sequence", "A folder with a file for each frame, for printing and simulation", 64),
+    ("PLY", "PLY Sequence", "A folder with a file for each frame, for scanning tools and numpy", 128),
+    ("VAT", "Vertex Animation Texture", "EXR and 16-bit PNG for shaders, and the mesh with its second UV map", 256),
+)
 PLACES = (
     ("TOP", "Top Middle", "Straight down on the middle of the body"),
     ("CURSOR", "3D Cursor", "Straight into the surface, where the 3D cursor is nearest to it"),
@@ -34,6 +46,7 @@ class Op(StrEnum):
     RECORD = "dimple.record"
     BAKE = "dimple.bake"
     UNBAKE = "dimple.unbake"
+    EXPORT = "dimple.export_animation"
     APPLY_PRESET = "dimple.apply_preset"
     ADD_FINGERTIP = "dimple.add_fingertip"
     CALIBRATE = "dimple.calibrate"

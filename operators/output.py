@@ -6,6 +6,7 @@ import contextlib
 import csv
 import itertools
 import os
+import tomllib
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,6 +16,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.recording import PointCache
+from . import curves
 from .bridge_write import is_cache
 from .names import CACHE
 
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from .bridge import Singles
 
 FINGERS = 3
+LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
 _PACKAGE = (__package__ or "").rpartition(".")[0]
 
 
@@ -90,12 +93,14 @@ class Recorder:
         if time < self._time:  # the session was put back to rest: its clock began anew
             self._began -= self._time - time
             self._time = time
+        span = time - self._time
         while (due := self._began + self._cache.samples / self._fps) <= time + 1e-9:
-            span = time - self._time
-            share = 1.0 if span <= 0 else min(max((due - self._time) / span, 0.0), 1.0)
             self._table.append(self._start_frame + self._cache.samples, due - self._began, frame)
-            self._cache.append(self._local + (local - self._local) * share)
+            self._cache.append(local if time - due < 1e-9 else self._between(local, (due - self._time) / span))
         self._time, self._local = time, local
+
+    def _between(self, local: Singles, share: float) -> Singles:
+        return self._local + (local - self._local) * max(share, 0.0)
 
     @property
     def frames(self) -> int:
@@ -170,12 +175,17 @@ def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
     return next(path for path in _numbered(context, obj, "take") if not _exists(path))
 
 
-def bake_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:
+def bake_path(context: bpy.types.Context, obj: bpy.types.Object, folder: Path | None = None) -> Path:
     """Return where the bake of an object goes: over its last one; in a file without a name only if it plays that.
+
+    Args:
+        folder: where it goes anyway, under the name of the object.
 
     Raises:
         DimpleError: the folder cannot be made.
     """
+    if folder:
+        return folder / f"{file_name(obj.name)}.pc2"
     if bpy.data.filepath:
         return Path(f"{_stem(context, obj, 'bake')}.pc2")
     playing = {Path(bpy.path.abspath(modifier.filepath)) for modifier in obj.modifiers if is_cache(modifier)}
@@ -211,10 +221,18 @@ def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
     except OSError as error:
         raise DimpleError(f"Cannot make the cache folder {folder}: {error.strerror}. Choose another.") from error
     stem = Path(bpy.data.filepath).stem or "untitled"
-    name = bpy.path.clean_name(obj.name)
-    # two names may come out alike once cleaned
-    twin = "" if name == obj.name else f"_{zlib.crc32(obj.name.encode()):08x}"
-    return folder / f"{stem}_{name}{twin}_{kind}"
+    return folder / f"{_shortened(stem, stem)}_{file_name(obj.name)}_{kind}"
+
+
+def file_name(name: str) -> str:
+    """Return a name that every disk takes: without what a path means something by, at most 100 bytes long."""
+    return _shortened(bpy.path.clean_name(name), name)
+
+
+def _shortened(clean: str, name: str) -> str:
+    short = clean.encode()[:LONGEST_NAME].decode(errors="ignore")
+    # two names may come out alike once cleaned and cut
+    return short if short == name else f"{short}_{zlib.crc32(name.encode()):08x}"
 
 
 def own_folder(name: str) -> Path:
@@ -222,6 +240,12 @@ def own_folder(name: str) -> Path:
     if _PACKAGE.startswith("bl_ext."):
         return Path(bpy.utils.extension_path_user(_PACKAGE, path=name))
     return Path(bpy.app.tempdir)
+
+
+def version() -> str:
+    """Return the version of the extension."""
+    manifest = Path(__file__).parent.parent / "blender_manifest.toml"
+    return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])
 
 
 def _preferred_folder() -> Path:
@@ -233,8 +257,11 @@ def _preferred_folder() -> Path:
 
 
 @contextlib.contextmanager
-def plain_os_errors(doing: str) -> Iterator[None]:
+def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
     """Turn what the disk refuses into a sentence for the artist.
+
+    Args:
+        folder: what it was to be written to.
 
     Raises:
         DimpleError: with what was being done, where, and why it failed.
@@ -243,12 +270,16 @@ def plain_os_errors(doing: str) -> Iterator[None]:
         yield
     except OSError as error:
         where = error.filename or "the disk"
-        raise DimpleError(f"{doing} failed at {where}: {error.strerror}. Choose another cache folder.") from error
+        raise DimpleError(f"{doing} failed at {where}: {error.strerror}. Choose another {folder}.") from error
 
 
 def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.types.Modifier:
-    """Let an object play a PC2 file, first of its modifiers; an earlier bake makes room."""
+    """Let an object play a PC2 file, first of its modifiers; an earlier bake makes room.
+
+    Where the scene asks for curves it has those of the table beside the file too.
+    """
     detach_cache(obj)
+    add_curves(obj, Path(path))
     modifier = obj.modifiers.new(CACHE, "MESH_CACHE")
     modifier.cache_format = "PC2"
     modifier.filepath = _stored(path)
@@ -257,8 +288,16 @@ def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.type
     return modifier
 
 
+def add_curves(obj: bpy.types.Object, cache: Path) -> None:
+    """Give an object the curves of the table beside a PC2 file, where the scene asks for curves."""
+    if bpy.context.scene.dimple.use_curves:
+        with contextlib.suppress(OSError):  # a recording of which the disk has taken no table still plays
+            curves.add(obj, cache.with_suffix(".csv"))
+
+
 def detach_cache(obj: bpy.types.Object) -> int:
-    """Take our Mesh Cache modifiers off an object; return how many there were."""
+    """Take our Mesh Cache modifiers and curves off an object; return how many modifiers there were."""
+    curves.remove(obj)
     caches = [modifier for modifier in obj.modifiers if is_cache(modifier)]
     for modifier in caches:
         obj.modifiers.remove(modifier)

@@ -1,9 +1,10 @@
-"""Let time run without the timeline: fingertip objects press, bodies swing, fall and come to rest."""
+"""Let time run, along the timeline while that plays: fingertip objects press, bodies swing, fall and come to rest."""
 
 import time
+from itertools import chain
 
 import bpy
-from bpy.props import FloatProperty
+from bpy.props import FloatProperty, IntProperty
 
 from . import polls, sessions, showing
 from .messages import report
@@ -11,13 +12,19 @@ from .names import Op
 
 
 class DIMPLE_OT_play(bpy.types.Operator):
-    """Run or pause the selected bodies without the timeline; fingertip objects press them. Esc ends and restores"""
+    """Run or pause the selected bodies; fingertip objects press them. Esc ends and restores"""
 
     bl_idname = Op.PLAY
     bl_label = "Play"
 
     seconds: FloatProperty(
         name="Seconds", description="From a script: how long to run", default=1.0, min=0.0, soft_max=60.0
+    )
+    frames: IntProperty(
+        name="Frames",
+        description="From a script: go on by so many frames of the timeline as a bake does, instead of the seconds",
+        default=0,
+        min=0,
     )
 
     @classmethod
@@ -28,9 +35,9 @@ class DIMPLE_OT_play(bpy.types.Operator):
         return polls.is_free(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Run for some seconds at once, frame by frame of the scene."""
+        """Run for some seconds or along the timeline at once, frame by frame of the scene."""
         from ..core.base import DimpleError
-        from . import live
+        from . import live, timeline
 
         try:
             polls.check_numbers(self, "seconds")
@@ -38,11 +45,15 @@ class DIMPLE_OT_play(bpy.types.Operator):
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        render = context.scene.render
-        frames = max(round(self.seconds * render.fps / render.fps_base), 1)
+        scene = context.scene
+        now, count = scene.frame_current, max(round(self.seconds / timeline.frame_s(scene)), 1)
+        steps = [self.seconds / count] * count
+        if self.frames:
+            looks = (look for frame in range(now, now + self.frames) for look in timeline.looks(scene, frame + 1))
+            steps = chain([0.0] * _at_rest(), looks)  # a fingertip's way begins where it is now
         with sessions.ending_on_error():
-            for _ in range(frames):
-                report(self, live.advance(context, self.seconds / frames))
+            for step_s in steps:
+                report(self, live.advance(context, step_s))
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
@@ -60,12 +71,12 @@ class DIMPLE_OT_play(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._run = sessions.open_run(context, "play", "Playing: Esc ends and puts the rest shape back")
-        self._clock = time.perf_counter()
+        self._clock, self._frame = time.perf_counter(), context.scene.frame_current
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Step by the clock; everything but Esc is Blender's."""
+        """Step by the clock, or along the timeline while that plays; everything but Esc is Blender's."""
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
@@ -82,28 +93,54 @@ class DIMPLE_OT_play(bpy.types.Operator):
             sessions.stop_all()
 
     def _tick(self, context: bpy.types.Context) -> set[str]:
-        from . import live, recovery
+        from . import live, recovery_copy, timeline
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
         if self._run.paused:
             messages = showing.end_changed(context.view_layer)
+        elif timeline.is_playing(context):
+            messages = self._follow(context)
         else:
             asked, budget = live.ask(context.scene, self._run, wall)
             messages = live.advance(context, asked, budget=budget)
             live.adapt(self._run, asked)
-        report(self, [*messages, *recovery.save_when_due(self._run)])
+        report(self, [*messages, *recovery_copy.save_when_due(self._run)])
         sessions.redraw()
         if not sessions.sessions:
             sessions.stop_all()
             return {"CANCELLED"}
         return {"PASS_THROUGH"}
 
+    def _follow(self, context: bpy.types.Context) -> list[str]:
+        """Go on with the timeline by one frame, as a bake does; the timeline waits where that takes long.
+
+        Wound back, it begins anew at rest.
+        """
+        from . import live, timeline
+
+        scene, before = context.scene, self._frame
+        if scene.frame_current > before:
+            self._frame += 1
+            return [each for step_s in timeline.looks(scene, before + 1) for each in live.advance(context, step_s)]
+        self._frame = scene.frame_current
+        if self._frame == before and not _at_rest():
+            return showing.end_changed(context.view_layer)
+        for body in sessions.sessions.values():
+            body.session.reset()
+            body.matrix = body.link.matrix
+        return live.advance(context, 0.0)
+
     def _report(self, started: tuple[list, list[str], list[str]]) -> None:
         _, messages, wrong = started
         report(self, wrong)
         if messages:
             self.report({"INFO"}, " ".join(messages))
+
+
+def _at_rest() -> bool:
+    """Tell whether no time has run yet."""
+    return not any(body.frame.time for body in sessions.sessions.values())
 
 
 class DIMPLE_OT_reset(bpy.types.Operator):

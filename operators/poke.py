@@ -125,7 +125,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def _tick(self, context: bpy.types.Context) -> set[str]:
         """Let as much time pass as did since the last tick, or as this computer manages."""
         from ..core.poke import Kind, PokeEvent
-        from . import fingertip, live, recovery
+        from . import fingertip, live, recovery_copy
 
         now = time.perf_counter()
         wall, self._clock = now - self._clock, now
@@ -137,7 +137,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             self._take(context, PokeEvent(kind=Kind.PAUSE))
         if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
             return ended
-        report(self, recovery.save_when_due(self._run))
+        report(self, recovery_copy.save_when_due(self._run))
         result = self._take(context, PokeEvent(kind=Kind.TICK, amount=asked))
         return {"PASS_THROUGH"} if result == {"RUNNING_MODAL"} else result
 

@@ -7,6 +7,7 @@ file is loaded, the extension is switched off, an undo takes the object away) al
 
 from __future__ import annotations
 
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -145,6 +146,12 @@ def at_work() -> bool:
     return any(run.kind not in ("poke", "play") for run in runs)
 
 
+def identifying() -> float | None:
+    """Return the share that is done of what is identified in the background, None where nothing is."""
+    identified = sys.modules.get(f"{__package__}.identified")  # with the core: not before it is needed
+    return identified.progress() if identified else None
+
+
 def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:
     """Return the objects that are fingertips; they press and are not pressed."""
     return {getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)}
@@ -160,7 +167,7 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
         return body, []
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
-    from . import bridge, bridge_write, planning
+    from . import bridge, bridge_write, planning, timeline
     from .settings import settings_of
 
     bridge.check(obj)
@@ -168,7 +175,8 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
     bridge_write.rescue(sessions)  # a duplicate of a body that is live is pressed from its rest shape
     link, model = bridge.read_body(context, obj)
     proxy, reason = planning.proxy_for(context.scene, obj, model)
-    session = Session(model, proxy=proxy)  # may refuse too, so before the mesh is touched
+    # may refuse too, so before the mesh is touched
+    session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
     messages = [*([reason] if reason else []), *(f'"{obj.name}": {note}' for note in model.notes)]
     if bridge_write.is_shared(obj.data):
         messages.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')

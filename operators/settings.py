@@ -35,9 +35,19 @@ def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:
     return Settings(
         tuple(obj.dimple.to_params().items()),
         tuple(_material(slot.material) for slot in obj.material_slots),
-        (bool(around.use_gravity), bridge.gravity(scene), bool(around.use_ground), scene.unit_settings.scale_length),
+        (
+            identified_revision(), bool(around.use_gravity), bridge.gravity(scene), bool(around.use_ground),
+            scene.unit_settings.scale_length,
+        ),  # fmt: skip
         tuple(obj.dimple.to_plan().items()),
     )
+
+
+def identified_revision() -> int:
+    """Return a number that changes when model constants have been identified in the background."""
+    from . import identified
+
+    return identified.revision
 
 
 def _material(material: bpy.types.Material | None) -> Hashable:

@@ -11,20 +11,20 @@ from typing import Any
 import numpy as np
 
 from core.base import Floats
-from core.body.estimate import FINGERTIP
+from core.body.estimate import reach
 from core.calibration.calibrate import Calibration
-from core.calibration.identify import NOTICEABLE_FORCE, TIP_REACH, Identification
-from core.calibration.indent import Indenter, Site, reach
+from core.calibration.identify import NOTICEABLE_FORCE, Identification
+from core.calibration.indent import Site
+from core.calibration.misfit import Miss, largest_miss
+from core.material import Indenter
 from core.mesh.surface import Mesh
 
 from .virtual_press import press_curve
 
 NOTICEABLE_STIFFNESS = (0.08, 0.22)  # just-noticeable difference of a stiffness, as a share of it: from, to
+FINGERTIP = 0.010  # [m] radius of the fingertip whose press is predicted
 ROWS = 25  # of a predicted press
-_TIP_NOTE = (
-    "This is a prediction, not a fit, and one for this mesh: a coarse one answers too much. It ends at two thirds of "
-    "the tip's radius: deeper, so small a tip parts a skin as slack as this, the more easily the finer the mesh."
-)
+_TIP_NOTE = "This is a prediction, not a fit."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +35,8 @@ class Assessment:
     indenter: the tip that measured.
     mesh: what was pressed.
     patch: radius [m] of what pressed, and how many vertices were under it if it is flat.
-    force_error: the largest error of a force, as a share of it.
+    force_error: the largest error of a force against the law, as a share of it.
+    measured_miss: the largest error of a force against the measured points, None where there are none.
     stiffness_errors: of K1 and K2, as shares; None where there are too few rows.
     measured_rms: RMS distance to the measured points, as a share of full scale.
     tip_depth: (m,) of the predicted press with a fingertip [m].
@@ -47,6 +48,7 @@ class Assessment:
     mesh: Mesh
     patch: tuple[float, int]
     force_error: float
+    measured_miss: Miss | None
     stiffness_errors: tuple[float | None, float | None]
     measured_rms: float
     tip_depth: Floats
@@ -58,12 +60,13 @@ def assess(calibration: Calibration, found: Identification, mesh: Mesh, indenter
     depth, force = calibration.loading.depth, calibration.loading.force
     here = (depth >= 0) & (depth <= found.depths[-1])
     simulated = np.interp(depth[here], np.append(0.0, found.depths), np.append(0.0, found.simulated))
-    deepest = min(float(found.depths[-1]), TIP_REACH * FINGERTIP)
+    deepest = min(float(found.depths[-1]), FINGERTIP)
     fingertip = Indenter(shape="sphere", radius=FINGERTIP)
     tip_depth, tip_force = press_curve(mesh, found.material, fingertip, site, deepest, rows=ROWS)
     return Assessment(
         found=found, indenter=indenter, mesh=mesh, patch=(reach(mesh, indenter), int(site.under.sum())),
-        force_error=float(found.off.max()), stiffness_errors=_slope_errors(found),
+        force_error=float(found.off.max()), measured_miss=largest_miss(depth[here], force[here], simulated),
+        stiffness_errors=_slope_errors(found),
         measured_rms=float(np.sqrt(((simulated - force[here]) ** 2).mean()) / force.max()),
         tip_depth=tip_depth, tip_force=tip_force,
     )  # fmt: skip
@@ -88,6 +91,7 @@ def assessment_json(assessment: Assessment) -> dict[str, Any]:
         "rms_percent": 100 * found.rms,
         "measured_rms_percent": 100 * assessment.measured_rms,
         "force_off_percent": 100 * assessment.force_error,
+        "force_off_points_percent": None if assessment.measured_miss is None else 100 * assessment.measured_miss.share,
         "stiffness_off_percent": [None if off is None else 100 * off for off in assessment.stiffness_errors],
         "noticeable_force_percent": [100 * share for share in NOTICEABLE_FORCE],
         "noticeable_stiffness_percent": [100 * share for share in NOTICEABLE_STIFFNESS],
@@ -131,12 +135,17 @@ def assessment_lines(assessment: Assessment) -> list[str]:
         f"d0 = {1e3 * constants.d0:.4g} mm, scale on k {constants.membrane_scale:.2g}",
         f"    RMS error {100 * found.rms:.2f} % of full scale from the law, {100 * assessment.measured_rms:.2f} % from "
         f"the points; volume {100 * found.volume_change:.3f} %",
-        f"    largest force error {100 * assessment.force_error:.1f} %, at "
-        f"{1e3 * found.depths[found.off.argmax()]:.3g} mm (just noticeable: {_range(NOTICEABLE_FORCE)}), "
+        f"    largest force error {100 * assessment.force_error:.1f} % from the law, at "
+        f"{1e3 * found.depths[found.off.argmax()]:.3g} mm{_from_points(assessment.measured_miss)} "
+        f"(just noticeable: {_range(NOTICEABLE_FORCE)}), "
         f"{slopes} (just noticeable: {_range(NOTICEABLE_STIFFNESS)})",
         *(f"    {note}" for note in found.notes),
         f"    A {1e3 * FINGERTIP:.3g} mm fingertip would meet {pairs}. {_TIP_NOTE}",
     ]
+
+
+def _from_points(miss: Miss | None) -> str:
+    return "" if miss is None else f", {100 * miss.share:.1f} % from the points, at {1e3 * miss.depth:.3g} mm"
 
 
 def _slope_errors(found: Identification) -> tuple[float | None, float | None]:

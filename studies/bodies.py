@@ -222,28 +222,28 @@ _NAMES = {
     BALL: "light liquid", NYLON: "nylon", VINYL: "vinyl", WATER: "water", GEL: "gel", FOAM: "foam", DOUGH: "dough",
 }  # fmt: skip
 
-FITTED = tuple(
-    BodyCase(shape=shape, size=size, material=material, radius=radius, pins=pins)
-    for shape, size, material, radius, pins in (
-        (ball, 0.16, BALL, 0.020, "base"), (ball, 0.16, VINYL, 0.030, "ends"), (ball, 0.16, WATER, 0.012, "base"),
-        (ball, 0.06, NYLON, 0.008, "side"), (box, 0.05, NYLON, 0.010, "base"), (box, 0.05, NYLON, 0.006, "side"),
-        (box, 0.165, WATER, 0.020, "base"), (box, 0.165, VINYL, 0.030, "ends"), (torus, 0.17, VINYL, 0.015, "base"),
-        (torus, 0.17, BALL, 0.012, "ends"), (torus, 0.17, WATER, 0.018, "side"), (torus, 0.10, NYLON, 0.008, "base"),
+
+def _cases(*rows: tuple[Callable[[int, float], Mesh], float, Material, float, str]) -> tuple[BodyCase, ...]:
+    """Return the cases of rows of shape, size, material, radius and pins."""
+    return tuple(
+        BodyCase(shape=shape, size=size, material=material, radius=radius, pins=pins)
+        for shape, size, material, radius, pins in rows
     )
+
+
+FITTED = _cases(
+    (ball, 0.16, BALL, 0.020, "base"), (ball, 0.16, VINYL, 0.030, "ends"), (ball, 0.16, WATER, 0.012, "base"),
+    (ball, 0.06, NYLON, 0.008, "side"), (box, 0.05, NYLON, 0.010, "base"), (box, 0.05, NYLON, 0.006, "side"),
+    (box, 0.165, WATER, 0.020, "base"), (box, 0.165, VINYL, 0.030, "ends"), (torus, 0.17, VINYL, 0.015, "base"),
+    (torus, 0.17, BALL, 0.012, "ends"), (torus, 0.17, WATER, 0.018, "side"), (torus, 0.10, NYLON, 0.008, "base"),
 )  # fmt: skip
-UNSEEN = tuple(
-    BodyCase(shape=shape, size=size, material=material, radius=radius, pins=pins)
-    for shape, size, material, radius, pins in (
-        (capsule, 0.19, BALL, 0.015, "base"), (capsule, 0.12, FOAM, 0.008, "ends"), (blob, 0.15, GEL, 0.018, "base"),
-        (blob, 0.15, VINYL, 0.025, "side"), (head, 0.20, GEL, 0.016, "base"), (head, 0.20, FOAM, 0.020, "side"),
-        (slab, 0.16, WATER, 0.018, "ends"), (slab, 0.16, GEL, 0.022, "base"), (cup, 0.12, FOAM, 0.010, "base"),
-        (cup, 0.12, NYLON, 0.014, "base"), (scan, 0.18, WATER, 0.015, "base"), (scan, 0.18, VINYL, 0.022, "ends"),
-    )
+UNSEEN = _cases(
+    (capsule, 0.19, BALL, 0.015, "base"), (capsule, 0.12, FOAM, 0.008, "ends"), (blob, 0.15, GEL, 0.018, "base"),
+    (blob, 0.15, VINYL, 0.025, "side"), (head, 0.20, GEL, 0.016, "base"), (head, 0.20, FOAM, 0.020, "side"),
+    (slab, 0.16, WATER, 0.018, "ends"), (slab, 0.16, GEL, 0.022, "base"), (cup, 0.12, FOAM, 0.010, "base"),
+    (cup, 0.12, NYLON, 0.014, "base"), (scan, 0.18, WATER, 0.015, "base"), (scan, 0.18, VINYL, 0.022, "ends"),
 )  # fmt: skip
-FRESH = tuple(
-    BodyCase(shape=shape, size=size, material=material, radius=radius, pins=pins)
-    for shape, size, material, radius, pins in (
-        (star, 0.18, DOUGH, 0.014, "base"), (cone, 0.15, GEL, 0.016, "base"), (dumbbell, 0.20, WATER, 0.013, "belt"),
-        (wedge, 0.14, FOAM, 0.012, "side"), (cushion, 0.16, VINYL, 0.020, "belt"), (banana, 0.20, DOUGH, 0.012, "ends"),
-    )
+FRESH = _cases(
+    (star, 0.18, DOUGH, 0.014, "base"), (cone, 0.15, GEL, 0.016, "base"), (dumbbell, 0.20, WATER, 0.013, "belt"),
+    (wedge, 0.14, FOAM, 0.012, "side"), (cushion, 0.16, VINYL, 0.020, "belt"), (banana, 0.20, DOUGH, 0.012, "ends"),
 )  # fmt: skip

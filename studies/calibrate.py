@@ -13,6 +13,7 @@ from typing import Any
 from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate
 from core.calibration.indent import POINT, SHAPES, Indenter, find_site
+from core.calibration.misfit import Miss
 from core.calibration.question import Answers, Undecided, WrongColumns
 from core.calibration.record import to_record
 from core.calibration.surface import BALANCE_ASSUMES, PAPER_ASSUMES
@@ -50,8 +51,12 @@ def add_command(command: argparse.ArgumentParser) -> None:
         ("decimal", str, "the decimal mark, . or ,"),
         ("table", int, "which of several tables, counted from 1"),
         ("press", str, "sign of a pressing force, positive or negative"),
+        ("inward", str, "sign of a depth that grows as the tip goes in, positive or negative"),
+        ("order", str, "whether the rows stand as they were written or are reversed: written or reversed"),
         ("cycle", int, "which of several presses, counted from 1"),
         ("contact_mm", float, "reading of the depth at first touch"),
+        ("from_mm", float, "reading of the depth before which rows are left out"),
+        ("until_mm", float, "reading of the depth beyond which rows are left out, of a torn specimen"),
     ):
         answers.add_argument(option(name), type=kind, help=text)
 
@@ -63,9 +68,9 @@ def option(name: str) -> str:
 
 def run(options: argparse.Namespace) -> int:
     """Calibrate and print the result; return OPEN where the file leaves something open."""
-    answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
     tip = Indenter(shape=options.indenter, radius=1e-3 * options.tip_radius_mm)
     try:
+        answers = Answers(**{field.name: getattr(options, field.name) for field in fields(Answers)})
         calibration = calibrate(
             options.file, answers, length=_scaled(options.length_mm, 1e-3), tip=tip,
             section=_scaled(options.section_mm2, 1e-6), youngs_modulus=_scaled(options.youngs_modulus_mpa, 1e6),
@@ -108,7 +113,7 @@ def to_lines(calibration: Calibration) -> list[str]:
     lines.append(f"  K1 = {fit.K1.text(1e3)} N/mm (95 %)")
     lines.append(f"  K2 = {fit.K2.text(1e3)} N/mm")
     lines.append(f"  x0 = {fit.x0.text(1e-3)} mm")
-    lines.append(f"  residual {100 * fit.misfit:.2f} % of full scale (RMS)")
+    lines.append(f"  residual {100 * fit.misfit:.2f} % of full scale (RMS){_miss_text(c.miss)}")
     if loading.damping_ratio is not None:
         lost = 100 * (loading.loss or 0)
         lines.append(f"  {lost:.0f} % of the work is lost: damping ratio about {loading.damping_ratio:.2f}")
@@ -121,10 +126,18 @@ def to_lines(calibration: Calibration) -> list[str]:
             k = f"{c.surface.balance_k.text(1e3)} N/mm over {c.surface.pretension:.3g} N of tension"
             lines.append(f"  k = {k}. {BALANCE_ASSUMES}")
     lines += [f"  Note: {note}" for note in c.notes]
-    lines += [f"  Warning: {warning}" for warning in c.warnings]
+    lines += ["  Warning: " + warning.replace("\n", "\n    ") for warning in c.warnings]
     if c.unsure:
         lines.append(f"  If it is known, give {_options(c.unsure)}.")
     return lines
+
+
+def _miss_text(miss: Miss | None) -> str:
+    """Return how far the law is from the measured points where it is farthest."""
+    if miss is None:
+        return ""
+    where = f"{miss.error:+.3g} N at {1e3 * miss.depth:.3g} mm"
+    return f"; off the points by up to {100 * miss.share:.1f} % of the force ({where})"
 
 
 def question_lines(undecided: Undecided) -> list[str]:
@@ -133,7 +146,7 @@ def question_lines(undecided: Undecided) -> list[str]:
     for question in undecided.questions:
         answer = option(question.name)
         lines.append(f"{question.text} Answer with {answer}:")
-        lines += [f"  {answer} {candidate.value}   {candidate.label}" for candidate in question.candidates]
+        lines += [f"  {answer} {c.value}   {c.label}{question.mark(c)}" for c in question.candidates]
     return lines
 
 
@@ -151,7 +164,8 @@ def _identified(options: argparse.Namespace, calibration: Calibration) -> Assess
     if length is None:
         raise DimpleError("How large is the object? Give --length-mm: a cube's edge, or a mesh's longest side.")
     mesh = load_mesh(options.mesh, length) if options.mesh else cube(CELLS, length)
-    template = next(preset.material for preset in PRESETS if preset.material.fill == options.fill)
+    alike = (preset.material for preset in PRESETS if preset.material.fill == options.fill)
+    template = next(alike, replace(PRESETS[0].material, fill=options.fill))  # the rest is fitted, or does not matter
     material = fitted_material(calibration, template)
     indenter = calibration.tip
     site = find_site(mesh, indenter)

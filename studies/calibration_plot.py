@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from core.base import DimpleError
-from core.body.estimate import FINGERTIP
 from core.calibration.calibrate import Calibration
 
-from .assessment import Assessment
+from .assessment import FINGERTIP, Assessment
 
 
 def save_plot(calibration: Calibration, path: str | Path, assessment: Assessment | None = None) -> None:

@@ -19,16 +19,14 @@ from typing import Any
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.estimate import FINGERTIP
 from core.body.paper import surface_stretch, surface_tension
 from core.calibration.calibrate import Calibration, calibrate
 from core.calibration.export import write_press
-from core.calibration.identify import TIP_REACH
 from core.calibration.indent import Indenter, find_site
 from core.calibration.surface import string_balance
 from core.material import PRESETS, Preset
 
-from .assessment import Assessment, assess
+from .assessment import FINGERTIP, Assessment, assess
 from .reconstruct import DEEPEST, write_samples
 from .specimen import cube
 from .virtual_press import identify, press_curve
@@ -196,7 +194,7 @@ def identification_lines(pressed: Sequence[Identified]) -> list[str]:
     lines = [
         "Identification on cubes, pressed by a point: off by RMS of full scale, at the worst depth as a share of what",
         f"is allowed (10 % or 0.3 N), volume, processor time, scale on k; a 10 mm fingertip at 5 and "
-        f"{1e3 * TIP_REACH * FINGERTIP:.2g} mm, predicted",
+        f"{1e3 * FINGERTIP:.2g} mm, predicted",
         f"{'object':>6} {'vertices':>8} {'rms':>7} {'worst':>6} {'volume':>8} {'time':>7} {'scale':>8} {'deepest':>8}",
     ]
     for one in pressed:

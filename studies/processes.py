@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Final
 
-from core.errors import DimpleError
+from core.haptics.command import run
 from core.haptics.device import Emulated
 from core.haptics.process import start
 
@@ -22,16 +20,7 @@ START: Final = Path(__file__).with_name("start.py")
 
 def main(words: list[str]) -> int:
     """Run one of the two; return its exit code."""
-    parser = argparse.ArgumentParser(prog="start.py")
-    commands = parser.add_subparsers(required=True)
-    add_logged_servo(commands.add_parser("servo"))
-    add_emulator(commands.add_parser("emulator"))
-    options = parser.parse_args(words)
-    try:
-        return int(options.run(options))
-    except DimpleError as error:
-        print(error, file=sys.stderr)
-        return 2
+    return run(words, servo=add_logged_servo, emulator=add_emulator)
 
 
 def start_emulator(words: Sequence[str], errors: IO[bytes] | None = None) -> subprocess.Popen[bytes]:

@@ -23,7 +23,7 @@ from core.material import PRESETS
 from core.mesh.surface import Mesh, base_vertices
 from core.reduction.benchmark import dent_error
 from core.reduction.planner import BUDGET, FORCE_TOLERANCE, TOLERANCE, plan
-from core.reduction.proxy import Proxy, build_proxy, carry, contact_radius
+from core.reduction.proxy import Proxy, build_proxy, carry
 from core.solver.backend import choose_backend
 from core.solver.path import FingerPath
 
@@ -124,8 +124,7 @@ def outcomes(cells: int, *, whole: bool, slow: bool) -> Iterator[Outcome]:
 
 
 def _proxy_pressed(proxy: Proxy, run: Run, substeps: int) -> Pressed:
-    radius = contact_radius(proxy, FINGERTIP)
-    return pressed(proxy.model, run, substeps, radius=radius, show=partial(carry, proxy))
+    return pressed(proxy.model, run, substeps, show=partial(carry, proxy))
 
 
 def errors(
@@ -148,17 +147,16 @@ def pressed(
     run: Run,
     substeps: int,
     *,
-    radius: float = FINGERTIP,
     show: Callable[[Floats], Floats] = np.transpose,
 ) -> Pressed:
     """Press a body and sample it SAMPLES times."""
     state = copy.deepcopy(initial_state(model))
     z = float(state.positions[2].max()) + FINGERTIP - DEPTH * np.minimum(np.arange(TICKS + 1) / DOWN, 1)
-    centres = np.stack([0 * z, 0 * z, z - FINGERTIP + radius], axis=1)[None]
+    centres = np.stack([0 * z, 0 * z, z], axis=1)[None]
     piece, skins, forces = TICKS // SAMPLES, [], []
     cost = 0.0
     for i in range(SAMPLES):
-        path = FingerPath(centres=centres[:, i * piece : (i + 1) * piece + 1], radii=np.array([radius]))
+        path = FingerPath(centres=centres[:, i * piece : (i + 1) * piece + 1], radii=np.array([FINGERTIP]))
         started = time.process_time()
         with np.errstate(all="ignore"):
             impulse = run(model, state, path, tick=TICK, substeps=substeps)

@@ -38,7 +38,10 @@ WORDS = {
     "Haptic Device": "力覚デバイス",
     "Disconnect": "切断",
     "Ready, no force": "準備完了、力なし",
-    "Hold Shift, touch nothing": "触れずに Shift を押す",
+    "Hold Shift": "Shift を押す",
+    "The force comes on once Shift is held and the fingertips touch nothing.": (
+        "Shift を押している間、指先が何にも触れていなければ力がオンになります。"
+    ),
     "Arming": "力をオンにしています",
     "Armed": "力がオンです",
     "Connecting": "接続中",

@@ -12,6 +12,9 @@ OPERATORS = {
     "Bake to Mesh Cache": "メッシュキャッシュにベイク",
     "Bake to Shape Keys": "シェイプキーにベイク",
     "Remove Bake": "ベイクを外す",
+    "Export Dimple Animation": "Dimple アニメーションをエクスポート",
+    "Dimple Animation...": "Dimple アニメーション...",
+    "Export Animation": "アニメーションをエクスポート",
     "Apply Preset": "プリセットを適用",
     "Add Fingertip": "指先を追加",
     "Add Material Preset": "マテリアルプリセットを追加",
@@ -145,7 +148,7 @@ SESSION = {
     "Fingertips and Forces": "指先と力",
     "Draw fingertips, forces and numbers in the viewport": "指先、力、数値をビューポートに描きます",
     "Chart": "グラフ",
-    "Draw force against depth, with the measured curve": "深さに対する力を、測定曲線に重ねて描きます",
+    "Draw force against depth, with the material's curve": "深さに対する力を、マテリアルの曲線に重ねて描きます",
     "State": "状態",
     "What the session is doing": "セッションが今していること",
     "Sidebar Tab": "サイドバーのタブ",
@@ -176,7 +179,7 @@ PANELS = {
     ),
     "Force {}": "力 {}",
     "Depth {}": "深さ {}",
-    "Measured Curve {}": "測定曲線 {}",
+    "Material Curve {}": "マテリアルの曲線 {}",
     "Pressure": "圧力",
     "Volume": "体積",
     "Change of Volume": "体積の変化",
@@ -210,11 +213,15 @@ VERBS = {
     "Keep": "形を残す",
     "Keep the shape at the end rather than put the rest shape back": "終わったときに元の形へ戻さず、その形を残します",
     "Record the press and let the object play it": "押した動きを記録し、オブジェクトに再生させます",
-    "Run or pause the selected bodies without the timeline; fingertip objects press them. Esc ends and restores": (
-        "選択した物体をタイムラインなしで動かす、または止めます。指先オブジェクトが押します。Esc で終えて元に戻します"
+    "Run or pause the selected bodies; fingertip objects press them. Esc ends and restores": (
+        "選択した物体を動かす、または止めます。指先オブジェクトが押します。Esc で終えて元に戻します"
     ),
     "Seconds": "秒数",
     "From a script: how long to run": "スクリプトから使うとき、何秒動かすか",
+    "Frames": "フレーム数",
+    "From a script: go on by so many frames of the timeline as a bake does, instead of the seconds": (
+        "スクリプトから使うとき、秒数の代わりに、ベイクと同じようにタイムラインを何フレーム進めるか"
+    ),
     "End every session and put the rest shapes back exactly": "すべてのセッションを終え、元の形に正確に戻します",
     "Record what is being pressed, or stop; the object plays it once its session has ended": (
         "押している動きの記録を始める、または止めます。セッションが終わるとオブジェクトが再生します"

@@ -2,6 +2,9 @@
 
 OPERATORS = {"Make Soft": "柔らかくする"}
 WORDS = {
+    "Spread (mm)": "広がり (mm)",
+    "How far a dent reaches beyond the fingertip": "くぼみが指先の外へどこまで広がるか",
+    "Identifying: the force is an estimate so far": "同定中：力はまだ推定値です",
     "Press By": "押し方",
     "What a press, the wheel with Ctrl and a pen's pressure mean": (
         "押すとき、Ctrl とホイール、ペンの筆圧が何を表すか"

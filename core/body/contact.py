@@ -6,7 +6,13 @@ summed, are the reaction on the fingertip (Newton's third law holds to rounding)
 Positions second: what is inside is moved out without adding speed, and friction takes back the slip of the step. A
 point whose velocity alone is stopped would still creep by dt^2 a in each step, and friction would be viscous.
 
-Faces keep a fingertip smaller than an edge from slipping through. Where several faces share a vertex, each moves its
+Faces keep a fingertip smaller than an edge from slipping through. A facet stands for a surface that bends round the
+fingertip: where its corners lie on the sphere, its inside would lie deeper by the sagitta, and keeping that out as well
+would push the corners too far. So at a point of weights w a facet with edges e meets a sphere smaller by
+
+    s = (w_1 w_2 |e_12|^2 + w_2 w_3 |e_23|^2 + w_3 w_1 |e_31|^2) / 2 R
+
+0 at a corner, and as small as the facets are. Where several faces share a vertex, each moves its
 share of the vertex's mass (Tonge's mass splitting), so that the result does not depend on an order.
 """
 
@@ -24,6 +30,7 @@ LEAST_SWEEPS = 2  # where faces are touched: the second stops what slides on aft
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
+MOST_SAGITTA = 0.125  # of the radius: a facet far larger than the fingertip does not bend round it
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
 
@@ -124,11 +131,12 @@ def _push(
         the impulse (3,) [N s] on the fingertip and how deep [m] the deepest point was.
     """
     offset = (x[:, members] * weights).sum(axis=2) - touch.centre[:, None]
-    distance = np.sqrt((offset**2).sum(axis=0))
-    hit = distance < touch.radius * (1 - ROUNDING)
+    distance, radius = np.sqrt((offset**2).sum(axis=0)), touch.radius - sagitta(x[:, members], weights, touch.radius)
+    hit = distance < radius * (1 - ROUNDING)
     if not hit.any():
         return np.zeros(3), 0.0
-    members, weights, distance = members[hit], weights[hit], np.maximum(distance[hit], _TINY)
+    members, weights, depth = members[hit], weights[hit], (radius - distance)[hit]
+    distance = np.maximum(distance[hit], _TINY)
     normal = offset[:, hit] / distance
     at_centre = distance < TOO_NEAR * touch.radius
     if at_centre.any():
@@ -151,12 +159,22 @@ def _push(
     drag = np.minimum(mu * push, speed / give) / np.maximum(speed, _TINY)
     impulse = push * normal - drag * slide
     slip = step.slip(np.sqrt((relative**2).sum(axis=0)))
-    out = (touch.radius - distance) / give * normal - slip * drag * slide
+    out = depth / give * normal - slip * drag * slide
     for c in range(3):
         flat = members.ravel()
         np.add.at(v[c], flat, (impulse[c, :, None] * mobility).ravel())
         np.add.at(x[c], flat, (out[c, :, None] * mobility).ravel())
-    return -impulse.sum(axis=1), float(touch.radius - distance.min())
+    return -impulse.sum(axis=1), float(depth.max())
+
+
+def sagitta(corners: Floats, weights: Floats, radius: float) -> Floats:
+    """Return how much smaller (c,) [m] a sphere meets facets (3, c, 3) at points of weights (c, 3); a vertex: 0."""
+    total = np.zeros(len(weights))
+    if weights.shape[1] == 3:
+        for i in range(3):
+            edge = corners[:, :, i] - corners[:, :, i - 1]
+            total += weights[:, i] * weights[:, i - 1] * (edge * edge).sum(axis=0)
+    return np.minimum(total / (2 * radius), MOST_SAGITTA * radius)
 
 
 def _inward(corners: Floats) -> Floats:

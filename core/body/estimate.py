@@ -1,41 +1,86 @@
-"""From object constants to model constants, in closed form: the first guess that needs no simulated press.
+"""From object constants to model constants, in closed form: where identification starts, and what holds until then.
 
-Identification (core.calibration) replaces it where the material was calibrated on the mesh.
+Shape matching with a tension is a membrane on a bed of springs. Pressed by x, its dent falls off as the modified Bessel
+function K0(r / lambda) beyond the radius a of contact, lambda being the spread. With s(a) = lambda K1(a / lambda) /
+K0(a / lambda), the length in which it falls off there, a bed of stiffness kappa answers
+
+    a flat punch of radius a   F = kappa x (pi a^2 + 2 pi a s)
+    a sphere of radius R       F = kappa (integral of w over pi a^2 + 2 pi a s w(a)),  lambda^2 |w'| = s w at a
+
+with w(r) = x - R + (R^2 - r^2)^(1/2), on a flat surface that is thick and wide beside the spread.
+tests/physics/test_estimate.py says how far it is off.
 """
 
 from __future__ import annotations
 
 import math
 
-from ..material import Material, ModelConstants
+import numpy as np
 
-FINGERTIP = 0.010  # [m] radius the guess is made for
-MEMBRANE_SHARE = 0.25  # of the force at the knee: what the skin's own tension may answer
+from ..material import Indenter, Material, ModelConstants
+
+POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
+MEMBRANE_SHARE = 0.05  # of the force at the knee: what the surface's own springs may answer
+LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they are compressed, and keep the dent
+BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
+
+
+def reach(indenter: Indenter, size: float) -> float:
+    """Return the radius [m] of what presses: a point is a patch that the mesh can show."""
+    return max(indenter.radius, POINT_SHARE * size) if indenter.shape == "point" else indenter.radius
+
+
+def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tuple[float, float]:
+    """Return the area A [m2] in F = kappa A depth, and the radius of contact [m], of an indenter on a flat surface."""
+    radius = reach(indenter, size)
+    if indenter.shape != "sphere":
+        return math.pi * radius**2 + 2 * math.pi * radius * falloff(radius, spread), radius
+    low, high = 0.0, radius * (1 - 1e-9)
+    for _ in range(60):
+        a = (low + high) / 2
+        rise = math.sqrt(radius**2 - a**2)
+        if spread**2 * a > falloff(a, spread) * rise * (depth - radius + rise):
+            high = a
+        else:
+            low = a
+    bed = math.pi * a**2 * (depth - radius) + 2 * math.pi / 3 * (radius**3 - rise**3)
+    return (bed + 2 * math.pi * a * falloff(a, spread) * (depth - radius + rise)) / depth, a
+
+
+def falloff(radius: float, spread: float) -> float:
+    """Return s = lambda K1(a / lambda) / K0(a / lambda) [m], from the integrals of exp(-z cosh t) and its moment."""
+    z = radius / max(spread, 1e-3 * radius)
+    t = np.linspace(0, math.acosh(1 + 40 / z), 400)  # beyond it nothing is left; the trapezoids are exact to 1e-9
+    weight = np.exp(-z * (np.cosh(t) - 1))
+    weight[0] /= 2
+    return spread * float(weight @ np.cosh(t)) / float(weight.sum())
 
 
 def estimate(material: Material, size: float) -> ModelConstants:
-    """Return the model constants of a material on a body: those identified, else a guess.
+    """Return the model constants of a material on a body: those identified, else those of the closed form.
 
-    The skin across the face, a string of length l = size and stiffness k pressed in its middle, answers
-    F = 2 k (2 h - l) x / h, h = sqrt((l/2)^2 + x^2): the force balance behind Eq. (9). k is scaled down where that
-    alone takes more than its share of K1 x0. The rest is a bed of springs under the tip, K1 = kappa1 pi rho^2, widened
-    by the skin: over r = (k x0^2 / (2 kappa1))^(1/4), where its pull balances the bed. rho^2 = R^2 (0.4 + 2 r / x0) is
-    fitted to simulated presses of Table 2's cubes, and right within a factor of two there from half the knee to just
-    short of it; below that a round tip starts softer than the point that measured (tests/physics/test_estimate.py).
+    kappa1 is that with which the measuring tip answers K1 x0 at the knee. Beyond it only what lies under the tip and a
+    rim of width sqrt(T / kappa2) is displaced far enough to be stiffer: (K2 - K1) = kappa pi a^2 + BEYOND 2 pi a
+    sqrt(kappa T), kappa = kappa2 - kappa1. Springs stretched over a dent of width lambda answer about pi/2 k x^3 /
+    lambda^2; k is scaled down where that would be more than their share, or where they could buckle.
 
     Args:
         size: longest side of the body [m].
     """
     if material.constants is not None:
         return material.constants
-    knee = material.K1 * material.x0
-    h = math.hypot(size / 2, material.x0)
-    skin = 2 * material.k * (2 * h - size) * material.x0 / h
-    scale = min(1.0, MEMBRANE_SHARE * knee / max(skin, 1e-30))
-    kappa1 = material.K1 / (math.pi * FINGERTIP**2)
-    for _ in range(20):  # a fixed point: the width depends on kappa1 by its fourth root
-        width = (scale * material.k * material.x0**2 / (2 * kappa1)) ** 0.25
-        kappa1 = material.K1 / (math.pi * FINGERTIP**2 * (0.4 + 2 * width / material.x0))
+    spread, knee = material.spread, material.x0
+    area, radius = bed_area(material.indenter, size, spread, knee)
+    kappa1 = material.K1 / area
+    tension = kappa1 * spread**2
+    # a quadratic in the root of kappa
+    bed, rim = math.pi * radius**2, BEYOND * math.pi * radius * math.sqrt(tension)
+    more = max(material.K2 - material.K1, 0.0)
+    root = (math.sqrt(rim**2 + bed * more) - rim) / bed
+    width = max(spread, radius)
+    skin = math.pi / 2 * material.k * knee**3 / width**2
+    scale = min(MEMBRANE_SHARE * material.K1 * knee / skin, LEAST_TENSION * (tension + kappa1 * radius**2) / material.k)
     return ModelConstants(
-        kappa1=kappa1, kappa2=kappa1 * material.K2 / material.K1, d0=material.x0, membrane_scale=scale
-    )
+        kappa1=kappa1, kappa2=max(kappa1 + root**2, kappa1 * min(material.K2 / material.K1, 1.0)), d0=knee,
+        membrane_scale=min(scale, 1.0),
+    )  # fmt: skip

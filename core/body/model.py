@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from ..base import (
     sums_at,
 )
 from ..material import Material
+from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, spans_a_plane
 from . import paper, pressure, shape_matching, springs
 from .estimate import estimate
@@ -159,19 +160,24 @@ def build_model(
 
     mass = _mass(mesh, materials)
     rows = np.array([_row(m, mesh.size) for m in materials])  # one line a material
-    kappa1, kappa2, d0, k_scaled, damping, friction, k = rows[which].T
+    kappa1, kappa2, d0, tension, k_scaled, damping, friction, k = rows[which].T
+    pieces = _pieces(materials, mesh)[:, :, which]  # knee and stiffness of the further pieces of each material
     damping_at, friction_at, d0_at = (_vertex_mean(mesh, c) for c in (damping, friction, d0))
-    k1, k2 = (_vertex_sum(mesh, c * mesh.triangle_areas / 3) * factor for c in (kappa1, kappa2))
+    k1, k2, *more = (_vertex_sum(mesh, c * mesh.triangle_areas / 3) * factor for c in (kappa1, kappa2, *pieces[:, 1]))
     if law_set == "paper":
-        k1, k2 = np.zeros(n), np.zeros(n)
-        stiffness, ratio = _spring_mean(mesh, k), 0.0
+        k1, k2, more = np.zeros(n), np.zeros(n), []
+        stiffness, along, ratio = _spring_mean(mesh, k), np.zeros(len(mesh.springs)), 0.0
     else:
-        stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * factor[mesh.springs].mean(axis=1)
+        factor_along = factor[mesh.springs].mean(axis=1)
+        stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * factor_along
+        along = cotangent_weights(mesh) * _spring_mean(mesh, tension) * factor_along
         ratio = 1.0
     ground, sunk = _ground(mesh, held_here, ground)
     return assemble(
         mesh, materials, law_set=law_set, mass=mass, held=held_here, friction=friction_at, damping=ratio * damping_at,
-        stiffness=stiffness, k1=k1, k2=k2, d0=d0_at,
+        stiffness=stiffness, k1=k1, k2=k2, d0=d0_at, tension=along,
+        more=np.reshape(more, (-1, n)),
+        knees=np.reshape([_vertex_mean(mesh, c) for c in pieces[: len(more), 0]], (-1, n)),
         fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground, notes=sunk,
     )  # fmt: skip
 
@@ -189,6 +195,9 @@ def assemble(
     k1: Floats,
     k2: Floats,
     d0: Floats,
+    tension: Floats,
+    more: Floats,
+    knees: Floats,
     fill: str,
     gravity: Sequence[float] | Floats,
     ground: float | None,
@@ -198,10 +207,15 @@ def assemble(
 
     Args:
         mass [kg], friction, damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
-        stiffness: (m,) of the mesh's springs [N/m].
+        more [N/m], knees [m]: (p, n) of further pieces of shape matching.
+        stiffness, tension: (m,) along the mesh's edges [N/m].
     """
     n, ends = len(mass), mesh.springs
-    mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + np.maximum(k1, k2), ~mesh.loose)
+    shape = shape_matching.build_shape_matching(
+        mesh, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, tension=tension, more=more, knees=knees
+    )
+    met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + shape_matching.stiffest(shape)
+    mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + met, ~mesh.loose)
     i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
     dashpots = 2 * damping[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
@@ -209,10 +223,9 @@ def assemble(
     x = np.array(mesh.rest_positions.T, order="C")
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
-    shape = ShapeMatching(
-        rest=x, k1=k1, k2=k2, d0=d0, damping=2 * damping * np.sqrt(k1 * mass),
-        mass=np.where(mesh.loose, LOOSE_MASS * mass, mass),
-    )  # fmt: skip
+    shape = replace(
+        shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, LOOSE_MASS * mass, mass)
+    )
     inside = pressure.build_pressure(mesh, fill)
     row_k, row_c = springs.row_bounds(membrane, n)
     # Eq. (4) stiffens with stretch: k (2 |l| / |l0| - 1); allow for twice the rest length
@@ -221,7 +234,7 @@ def assemble(
         mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, held=held,
         friction=friction, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
-        omega_squared=float(((stretch * row_k + np.maximum(k1, k2)) * inverse_mass).max())
+        omega_squared=float(((stretch * row_k + met) * inverse_mass).max())
         + pressure.omega_squared(inside, x, inverse_mass),
         decay=float(((row_c + shape.damping) * inverse_mass).max()),
         notes=mesh.notes + notes + ((_ALL_HELD,) if held.all() else ()),
@@ -270,10 +283,21 @@ def _ground(mesh: Mesh, held: Bools, ground: float | None) -> tuple[float | None
 
 def _row(material: Material, size: float) -> tuple[float, ...]:
     constants = estimate(material, size)
+    tension = constants.kappa1 * material.spread**2 if constants.tension is None else constants.tension
     return (
-        constants.kappa1, constants.kappa2, constants.d0, constants.membrane_scale * material.k,
+        constants.kappa1, constants.kappa2, constants.d0, tension,
+        constants.membrane_scale * material.k,
         material.damping_ratio, material.friction, material.k,
     )  # fmt: skip
+
+
+def _pieces(materials: Sequence[Material], mesh: Mesh) -> Floats:
+    """Return the knee [m] and the stiffness [N/m3] of the further pieces (p, 2, m) of each material."""
+    found = [estimate(material, mesh.size).pieces for material in materials]
+    table = np.zeros((max(map(len, found)), 2, len(found)))
+    for column, pieces in enumerate(found):
+        table[: len(pieces), :, column] = np.reshape(pieces, (-1, 2))
+    return table
 
 
 def _mass(mesh: Mesh, materials: Sequence[Material]) -> Floats:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Floats, Ints, sums_at
-from .contact import Touch, nearest_on_triangles
+from .contact import Touch, nearest_on_triangles, sagitta
 
 _TINY = 1e-30
 
@@ -42,11 +42,12 @@ def meeting(x: Floats, touch: Touch, stiffness: Floats) -> Meeting:
     weights = nearest_on_triangles(corners, touch.centre)
     offset = (corners * weights).sum(axis=2) - touch.centre[:, None]
     distance = np.sqrt((offset**2).sum(axis=0))
-    hit = distance < touch.radius
+    radius = touch.radius - sagitta(corners, weights, touch.radius)
+    hit = distance < radius
     members = touch.triangles[hit]
     return Meeting(
         corners=members, weights=weights[hit], normals=offset[:, hit] / np.maximum(distance[hit], _TINY),
-        depths=touch.radius - distance[hit], stiffness=stiffness[members].mean(axis=1),
+        depths=(radius - distance)[hit], stiffness=stiffness[members].mean(axis=1),
     )  # fmt: skip
 
 

@@ -1,11 +1,19 @@
 """Shape matching: Eq. (1) spread over the surface.
 
-Each vertex is held to its place in the shape at rest by a two-piece law in its displacement d:
+Each vertex is held to its place in the shape at rest by a two-piece law in its displacement u, |u| = d:
 
     f = k1 d up to d0, then k1 d0 + k2 (d - d0),   E = k1 d^2 / 2 + (k2 - k1) max(d - d0, 0)^2 / 2
 
-The shape at rest follows the best-fit rigid motion of the body (polar decomposition, weighted by k1), or the pins.
-For the linear part the best fit is the minimum of the energy, so net force and torque vanish by themselves; what
+and as many further pieces as an identification found, each of which adds its stiffness beyond its knee. Then
+a tension t joins the displacements of neighbours, so that a dent has a width (the spread) of its own:
+
+    f_i = sum_j t_ij (u_j - u_i),   E = sum over edges of t |u_i - u_j|^2 / 2
+
+t = T w, w the cotangent weights of the surface at rest: the energy T/2 of the squared gradient of u, on any mesh.
+Source: Pinkall and Polthier 1993.
+
+The shape at rest follows the best-fit rigid motion of the body (polar decomposition, weighted by k1 and t), or the
+pins. For the linear part the best fit is the minimum of the energy, so net force and torque vanish by themselves; what
 the second piece and the damping add is removed exactly.
 """
 
@@ -15,7 +23,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Floats
+from ..base import Floats, Ints, sums_at
+from ..mesh.surface import Mesh
 
 _TINY = 1e-30
 Pose = tuple[Floats, Floats]  # rotation (3, 3), translation (3,)
@@ -30,6 +39,11 @@ class ShapeMatching:
     d0: displacement at the knee (n,) [m].
     damping: (n,) [N s/m].
     mass: (n,) [kg], for rigid motion.
+    pairs: (m, 2) neighbours that a tension joins.
+    tension: (m,) t of theirs [N/m].
+    pull: (3, n) sum_j t_ij (r_j - r_i) over the places at rest [N].
+    more: (p, n) stiffness that further pieces add [N/m], beyond
+    knees: (p, n) their knees [m].
     """
 
     rest: Floats
@@ -38,13 +52,52 @@ class ShapeMatching:
     d0: Floats
     damping: Floats
     mass: Floats
+    pairs: Ints
+    tension: Floats
+    pull: Floats
+    more: Floats
+    knees: Floats
 
 
-def fit_pose(rest: Floats, x: Floats, weight: Floats) -> Pose:
-    """Return the rigid motion that brings rest (3, n) nearest to x (3, n) in weighted least squares (Kabsch)."""
+def build_shape_matching(
+    mesh: Mesh,
+    *,
+    k1: Floats,
+    k2: Floats,
+    d0: Floats,
+    damping: Floats,
+    mass: Floats,
+    tension: Floats,
+    more: Floats | None = None,
+    knees: Floats | None = None,
+) -> ShapeMatching:
+    """Hold the vertices of a mesh to their places at rest; the arguments are the fields of ShapeMatching."""
+    x, none = np.array(mesh.rest_positions.T, order="C"), np.zeros((0, len(k1)))
+    return ShapeMatching(
+        rest=x, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, pairs=mesh.springs, tension=tension,
+        pull=tension_force(mesh.springs, tension, x),
+        more=none if more is None else more, knees=none if knees is None else knees,
+    )  # fmt: skip
+
+
+def tension_force(pairs: Ints, tension: Floats, u: Floats) -> Floats:
+    """Return sum_j t_ij (u_j - u_i), (3, n) [N], for displacements (3, n) [m]."""
+    i, j = pairs.T
+    pull = tension * (u[:, j] - u[:, i])
+    return np.stack([sums_at(i, p, u.shape[1]) - sums_at(j, p, u.shape[1]) for p in pull])
+
+
+def fit_pose(rest: Floats, x: Floats, weight: Floats, pull: Floats | None = None) -> Pose:
+    """Return the rigid motion that brings rest (3, n) nearest to x (3, n) in weighted least squares (Kabsch).
+
+    Args:
+        pull: of a tension, (3, n) [N], where the differences between neighbours count as well.
+    """
     total = weight.sum()
     c0, c1 = rest @ weight / total, x @ weight / total
     spread = ((x - c1[:, None]) * weight) @ (rest - c0[:, None]).T
+    if pull is not None:
+        spread -= (x - c1[:, None]) @ pull.T
     if not np.isfinite(spread).all():  # blown up: the session looks after that
         return np.full((3, 3), np.nan), np.full(3, np.nan)
     u, _, vt = np.linalg.svd(spread)
@@ -54,7 +107,7 @@ def fit_pose(rest: Floats, x: Floats, weight: Floats) -> Pose:
 
 def pose_of(law: ShapeMatching, x: Floats, pose: Pose | None) -> Pose:
     """Return the pose of the shape at rest: the given one, or the best fit to x."""
-    return fit_pose(law.rest, x, law.k1) if pose is None else pose
+    return fit_pose(law.rest, x, law.k1, law.pull) if pose is None else pose
 
 
 def carried_pose(rest: Floats, here: Floats, there: Floats, *, tick: float, substeps: int) -> tuple[Pose, Pose]:
@@ -71,8 +124,11 @@ def carried_pose(rest: Floats, here: Floats, there: Floats, *, tick: float, subs
 def energy(law: ShapeMatching, x: Floats, pose: Pose | None = None) -> float:
     """Return the energy [J] at positions (3, n)."""
     rotation, translation = pose_of(law, x, pose)
-    d = np.linalg.norm(x - rotation @ law.rest - translation[:, None], axis=0)
-    return float((law.k1 * d**2 + (law.k2 - law.k1) * np.maximum(d - law.d0, 0) ** 2).sum()) / 2
+    u = x - rotation @ law.rest - translation[:, None]
+    d, (i, j) = np.linalg.norm(u, axis=0), law.pairs.T
+    bed = float((law.k1 * d**2 + (law.k2 - law.k1) * np.maximum(d - law.d0, 0) ** 2).sum())
+    bed += float((law.more * np.maximum(d - law.knees, 0) ** 2).sum())
+    return (bed + float(law.tension @ ((u[:, i] - u[:, j]) ** 2).sum(axis=0))) / 2
 
 
 def force(
@@ -85,7 +141,7 @@ def force(
     """
     rotation, translation = pose_of(law, x, pose)
     u = x - rotation @ law.rest - translation[:, None]
-    f = -_secant(law, u) * u
+    f = tension_force(law.pairs, law.tension, u) - _secant(law, u) * u
     if v is not None:
         moving = shape_velocity(law, pose_rate) if pose is not None else rigid_velocity(law.mass, x, v)
         f -= law.damping * (v - moving)
@@ -95,11 +151,21 @@ def force(
 
 
 def stiffness_parts(law: ShapeMatching, x: Floats, pose: Pose) -> tuple[Floats, Floats, Floats]:
-    """Return a (n,) [N/m], b (n,) [N/m3] and u (3, n) [m] of K = a + b u u^T, vertex by vertex."""
+    """Return a (n,) [N/m], b (n,) [N/m3] and u (3, n) [m] of K = a + b u u^T, vertex by vertex, without the tension."""
     rotation, translation = pose
     u = x - rotation @ law.rest - translation[:, None]
     d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
-    return _secant(law, u), np.where(d > law.d0, (law.k2 - law.k1) * law.d0 / d**3, 0.0), u
+    turn = np.where(d > law.d0, (law.k2 - law.k1) * law.d0, 0.0)
+    turn += np.where(d > law.knees, law.more * law.knees, 0.0).sum(axis=0)
+    return _secant(law, u), turn / d**3, u
+
+
+def stiffest(law: ShapeMatching) -> Floats:
+    """Return the greatest stiffness (n,) [N/m] that a vertex meets at any displacement."""
+    steps = np.concatenate([(law.k2 - law.k1)[None], law.more])
+    order = np.argsort(np.concatenate([law.d0[None], law.knees]), axis=0, kind="stable")
+    pieces = law.k1 + np.cumsum(np.take_along_axis(steps, order, axis=0), axis=0)
+    return np.maximum(law.k1, pieces.max(axis=0))
 
 
 def shape_velocity(law: ShapeMatching, pose_rate: Pose | None) -> Floats | float:
@@ -121,4 +187,5 @@ def rigid_velocity(mass: Floats, x: Floats, v: Floats) -> Floats:
 
 def _secant(law: ShapeMatching, u: Floats) -> Floats:
     d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
-    return law.k1 + (law.k2 - law.k1) * np.maximum(1 - law.d0 / d, 0)
+    k: Floats = law.k1 + (law.k2 - law.k1) * np.maximum(1 - law.d0 / d, 0)
+    return k + (law.more * np.maximum(1 - law.knees / d, 0)).sum(axis=0) if len(law.more) else k

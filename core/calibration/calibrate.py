@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ..base import DimpleError
+from ..material import POINT, Indenter
 from .contact import settle
+from .doubts import doubts
 from .fit import Fit, fit_law
-from .indent import POINT, Indenter
+from .misfit import Miss, largest_miss
 from .prepare import LoadingCurve, prepare
 from .question import Answers
 from .reader import Measurement, read_measurement
 from .surface import Surface, surface_constants
-
-_POOR = 0.05  # of full scale, RMS: a law that misses the curve by more gets a warning
-_WIDENED = 2.0  # times wider intervals are explained
-_DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N]: presses outside have the wrong unit more often than not
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,8 +28,9 @@ class Calibration:
     length: edge of the object [m], None where it is not known.
     tip: what pressed it.
     surface: k both ways, None without a length.
+    miss: where the law is farthest from the measured points, None where there is no force.
     notes: messages about how the file was read.
-    warnings: messages about what may be wrong.
+    warnings: messages about what may be wrong: a headline, and after a line break what it means.
     unsure: fields of Answers that were found, but might be otherwise.
     """
 
@@ -39,6 +40,7 @@ class Calibration:
     length: float | None
     tip: Indenter
     surface: Surface | None
+    miss: Miss | None
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
     unsure: tuple[str, ...]
@@ -67,13 +69,18 @@ def calibrate(
         Undecided: the file leaves something open; its questions say what.
         DimpleError: the file cannot be used.
     """
+    for name, value in (("length", length), ("section", section), ("Young's modulus", youngs_modulus)):
+        if value is not None and not 0 < value < math.inf:
+            raise DimpleError(f"The {name} of the object must be a number greater than 0.")
     measurement = read_measurement(path, answers)
     loading, doubt = prepare(measurement, answers), ""
     if answers and answers.contact_mm is not None:
         fit = fit_law(loading.depth, loading.force, free=loading.free)
     else:
-        fit, doubt = settle(loading.depth, loading.force, loading.free, loading.touch)
+        fit, doubt = settle(loading.depth, loading.force, loading.free, loading.reading)
     loading = _from_the_touch(loading, fit)
+    miss = largest_miss(loading.depth, loading.force, fit.law(loading.depth))
+    notes = (_columns(measurement), *measurement.notes, *loading.notes, _touch(loading, fit, answers))
     surface = None
     if length is not None:
         surface = surface_constants(
@@ -86,8 +93,14 @@ def calibrate(
         length=length,
         tip=tip,
         surface=surface,
-        notes=measurement.notes + loading.notes,
-        warnings=(*measurement.warnings, *loading.warnings, *_doubts(fit, loading, length), *filter(None, [doubt])),
+        miss=miss,
+        notes=notes,
+        warnings=(
+            *measurement.warnings,
+            *loading.warnings,
+            *doubts(fit, loading, length, miss),
+            *filter(None, [doubt]),
+        ),
         unsure=("contact_mm",) if doubt else (),
     )
 
@@ -113,6 +126,28 @@ def source_of_k(calibration: Calibration) -> str:
     return f"k {surface.k.text(1e3)} N/mm (95 %) by the force balance"
 
 
+def _columns(measurement: Measurement) -> str:
+    """Return a message about the columns and units that were taken."""
+    m = measurement
+    named = (m.depth_header, m.force_header)
+    depth, force = (
+        f"“{name}” (column {number}) in {unit}" for name, number, unit in zip(named, m.columns, m.units, strict=True)
+    )
+    return f"The depth is {depth}, the force {force}."
+
+
+def _touch(loading: LoadingCurve, fit: Fit, answers: Answers | None) -> str:
+    """Return a message about the touch that was taken."""
+    if answers and answers.contact_mm is not None:
+        return "The touch is as given."
+    at, free = loading.reading(0.0), fit.parameters.free
+    if "tare" in free:
+        return f"First touch at {at:.3f} mm of the file; {loading.tare:+.4g} N there is no load."
+    if free:
+        return f"The file begins in contact or near it; the touch is taken at {at:.3f} mm."
+    return "The file begins at the touch: depth 0 as the file has it."
+
+
 def _from_the_touch(loading: LoadingCurve, fit: Fit) -> LoadingCurve:
     """Return a loading curve whose depth and force begin at the first touch as fitted."""
     contact, tare = fit.contact.value, fit.tare
@@ -125,44 +160,3 @@ def _from_the_touch(loading: LoadingCurve, fit: Fit) -> LoadingCurve:
         touch=loading.touch + contact,
         tare=loading.tare + tare,
     )
-
-
-def _doubts(fit: Fit, loading: LoadingCurve, length: float | None) -> tuple[str, ...]:
-    found = []
-    deepest = float(loading.depth.max())
-    if fit.model == "one":
-        found.append(
-            f"One slope says as much as two (F test p = {fit.knee_p:.2g}): no knee was found down to "
-            f"{1e3 * deepest:.3g} mm. K2 equals K1 and x0 is the deepest row."
-        )
-    elif fit.falls:
-        found.append("The best two pieces would fall; these are the best that rise, as a body of the model must.")
-    elif fit.K2.value < fit.K1.value:
-        found.append(
-            "The object softens beyond the knee (K2 < K1). That is unusual: see whether it buckles, and whether the "
-            "columns of depth and force are exchanged."
-        )
-    if fit.misfit > _POOR:
-        residual, where = fit.worst
-        found.append(
-            f"The two-piece law misses the curve by {100 * fit.misfit:.0f} % of full scale (RMS), "
-            f"at worst {residual:+.3g} N at {1e3 * where:.3g} mm: the curve has another shape."
-        )
-    if fit.widened > _WIDENED:
-        found.append(
-            f"Neighbouring residuals agree with each other (r = {fit.correlation:.2f}): the curve bends where the law "
-            f"is straight, by {100 * fit.misfit_before:.0f} % of the force before the knee. The 95 % intervals are "
-            f"{fit.widened:.1f} times wider than independent rows would give."
-        )
-    unknown = [name for name in ("K1", "K2", "x0") if (c := getattr(fit, name)).half_width >= abs(c.value)]
-    if unknown:
-        found.append(f"The curve does not determine {', '.join(unknown)}: 0 lies within the 95 % interval.")
-    if not _DEPTHS[0] < deepest < _DEPTHS[1] or not _FORCES[0] < fit.full_scale < _FORCES[1]:
-        found.append(f"{1e3 * deepest:.3g} mm and {fit.full_scale:.3g} N are unlikely for a press: check the units.")
-    if length is not None and deepest > length:
-        found.append(
-            f"The press is {1e3 * deepest:.3g} mm deep, more than the object's {1e3 * length:.3g} mm: check the units."
-        )
-    if fit.K1.value <= 0:
-        found.append("The force does not grow with the depth: there is no material with these constants.")
-    return tuple(found)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import Floats
-from .fit import Fit, Free, fit_law, independent_rows
+from ..base import DimpleError, Floats
+from .fit import Fit, fit_law, independent_rows
+from .parameters import Free
 from .question import Candidate, Question, Undecided
 from .segments import two_pieces
 from .strokes import roughness
@@ -17,6 +19,11 @@ _SHARES = (0.10, 0.05, 0.025, 0.0125)  # of the force: windows in which the pres
 _CLEAR = 5.0  # times the noise: a force that is no longer the load cell's own
 _SURE = 3.5  # standard errors
 _ROWS = 6
+_FEW = 3  # rows
+_RISE = 0.01  # of the range of force: a preload that changes less
+_TRAVEL = 0.05  # of the range of depth: a force over less of it may be a preload
+_STANDS = 0.005  # of the depth of a window: travel that is none
+_BOUNDED = 0.5  # of the range of depth: a touch whose interval reaches farther is not determined
 _FITS = 2.0  # times the noise: residuals of a law that fits
 _HARMLESS = 0.02  # of the range of depth: touches that differ by less
 _CLEARLY = 0.8  # a hinge with this share of a parabola's residuals, or the reverse, is clear
@@ -28,6 +35,9 @@ _NEARER = np.linspace(0.8, 1.25, 10)
 _ENOUGH = 1000  # rows to compare touches by
 
 
+Reading = Callable[[float], float]  # what the file calls a depth [m], in mm
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touch:
     """The first touch of a press.
@@ -35,13 +45,11 @@ class Touch:
     depth: where it is [m].
     tare: the force there [N].
     free: which of both are estimates; see fit_law.
-    note: a message about how it was found.
     """
 
     depth: float
     tare: float
     free: Free
-    note: str
 
 
 def find_touch(depth: Floats, force: Floats) -> Touch:
@@ -57,23 +65,24 @@ def find_touch(depth: Floats, force: Floats) -> Touch:
         if pieces is None or not _is_hinge(x, pieces.join, noise, pieces.slope2):
             continue
         before = x < pieces.join
+        loaded = pieces.offset > max(_CLEAR * noise, _RISE * span)
+        if loaded and pieces.join - depth[0] < _TRAVEL * np.ptp(depth):
+            continue  # too little travel to know that what is on the cell is no preload
         if pieces.residual < _CLEARLY * _bent_residual(x, f) and _is_level(x[before], f[before], noise):
-            note = (
-                f"First touch at {1e3 * pieces.join:.3f} mm of the file; {pieces.offset:+.4g} N before it is no load."
-            )
-            return Touch(depth=pieces.join, tare=pieces.offset, free=("contact", "tare"), note=note)
+            return Touch(depth=pieces.join, tare=pieces.offset, free=("contact", "tare"))
     return _already_touching(depth, force, rest, noise)
 
 
-def settle(depth: Floats, force: Floats, free: Free, touch: float) -> tuple[Fit, str]:
+def settle(depth: Floats, force: Floats, free: Free, reading: Reading) -> tuple[Fit, str]:
     """Fit the law with the touch as it was found, or as the whole curve would rather have it.
 
     Where the noise hides the touch, or the file begins with a force on the cell, several readings answer the curve as
-    well. Then the fit comes with a message about what they change; where none is more likely, it is asked.
+    well. Then the fit comes with a message about what they change; where none is more likely, it is asked. A touch
+    before the file begins, or one that nothing determines, is asked too.
 
     Args:
         depth: (n,) [m] from the touch that was found.  force: (n,) [N].  free: see fit_law.
-        touch: depth 0 in the file's own depth [m], for the messages.
+        reading: what the file calls a depth [mm], for the messages.
 
     Returns:
         the fit, its contact from depth 0, and a message where the touch is uncertain, else "".
@@ -81,18 +90,57 @@ def settle(depth: Floats, force: Floats, free: Free, touch: float) -> tuple[Fit,
     Raises:
         Undecided: whether the press began before the file, or the load cell was not tared.
     """
+    first, span = float(depth[0]), float(np.ptp(depth))
+    loaded, pressed_before = _preload(depth, force) if len(free) < 2 else (0.0, 0.0)
+    begins = first - pressed_before
+    nearly = pressed_before <= _HARMLESS * span or abs(reading(begins)) < 1e3 * _HARMLESS * span  # or the file's own 0
+    if pressed_before > 0 and nearly:
+        fit, doubt = _read(depth, force, begins, ("contact",))[0], ""
+        if abs(fit.contact.value - begins) > _HARMLESS * span:  # the law does not hold near the touch
+            fit, _ = _read(depth, force, begins, ())
+        return fit, doubt
+    fit, doubt = _likeliest(depth, force, free, reading, loaded > 0)
+    contact = fit.contact
+    asked = pressed_before > 0 and "tare" not in fit.parameters.free
+    if asked or contact.value < first - _HARMLESS * span or contact.half_width > _BOUNDED * span:
+        before = begins if pressed_before > 0 else first - min(max(first - contact.value, 0.0), span)
+        raise Undecided(_begun(reading(first), reading(before), loaded or float(np.median(force[:_FEW]))))
+    return fit, doubt
+
+
+def _preload(depth: Floats, force: Floats) -> tuple[float, float]:
+    """Return the force [N] with which a stroke begins and how far it was pressed by then [m]; 0, 0 for none."""
+    first, span = float(np.median(force[:_FEW])), float(np.ptp(force))
+    end = max(_sustained(force > first + _SHARES[0] * span), max(_FEW, min(2 * _FEW, len(force) // 4)))
+    x, f = depth[:end] - depth[0], force[:end]
+    if np.ptp(x) == 0:
+        return 0.0, 0.0
+    slope, loaded = np.polyfit(x, f, 1)
+    residual = float(np.std(f - loaded - slope * x, ddof=2))
+    error = residual * math.sqrt(1 / len(x) + x.mean() ** 2 / ((x - x.mean()) ** 2).sum())
+    if loaded < max(_SURE * error, _RISE * span) or slope <= 0:
+        return 0.0, 0.0
+    return float(loaded), float(loaded / slope)
+
+
+def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading, loaded_before: bool) -> tuple[Fit, str]:
+    """Return the fit with the likeliest touch, and a message where another is nearly as likely."""
     found = fit_law(depth, force, free=free)
     if len(free) == 2:
         return found, _drift(found, depth, force)
     step = -(-len(depth) // _ENOUGH)
     x, f = depth[::step], force[::step]
     first, span = float(x[0]), float(np.ptp(x))
-    begun = [_read(x, f, first, (name,)) for name in ("tare", "contact")]
-    hinge = _read(x, f, _likely_touch(x, f), ("contact", "tare"))
+    readings = [_try(x, f, first, (name,)) for name in ("tare", "contact")]
+    readings.append(_try(x, f, _likely_touch(x, f), ("contact", "tare")))
+    if None in readings:  # too few rows to compare
+        return found, ""
+    untared, begun, hinge = (each for each in readings if each is not None)
     if free:  # steps from where the file begins may end before the touch
-        again, _ = _read(depth, force, hinge[0].contact.value, free)
-        found = min(found, again, key=lambda fit: _loss(fit, x, f))
-    loss, least = _loss(found, x, f), min(begun[0][1], hinge[1])
+        again = _try(depth, force, hinge[0].contact.value, free)
+        found = min(found, *([again[0]] if again else []), key=lambda fit: _loss(fit, x, f))
+    late = begun[0].contact.value - first  # travel before the touch
+    loss, least = _loss(found, x, f), min(untared[1], hinge[1], *([begun[1]] if late > 0 else []))
     if least > len(x) * (_FITS * roughness(f)) ** 2:  # the law does not fit: it cannot tell touches apart
         return found, _drift(found, depth, force)
     count = independent_rows(len(x), hinge[0].correlation)
@@ -100,27 +148,30 @@ def settle(depth: Floats, force: Floats, free: Free, touch: float) -> tuple[Fit,
     def gain(one: tuple[Fit, float]) -> float:
         return count * math.log(max(loss, 1e-300) / max(one[1], 1e-300))
 
-    loaded, price = begun[0][0].tare, math.log(len(x))
-    pressed_before = first - begun[1][0].contact.value  # how far the press is when the file begins
-    unsure = pressed_before > max(_SURE * begun[1][0].contact.error, _HARMLESS * span)
-    doubtful = 0.0 if free else _DECISIVE + price  # depth 0 of a file is a touch until the curve decides against it
-    if gain(hinge) > price + max(gain(begun[0]), 0.0) + doubtful:
+    loaded, price = untared[0].tare, math.log(len(x))
+    unsure = -late > max(_SURE * begun[0].contact.error, _HARMLESS * span)
+    # depth 0 of a file is a touch, and a force where it begins a preload, until the curve decides against it
+    doubtful = 0.0 if free and not loaded_before else _DECISIVE + price
+    if gain(hinge) > price + max(gain(untared), 0.0) + doubtful:
         settled, _ = _read(depth, force, hinge[0].contact.value, ("contact", "tare"))
         return settled, _drift(settled, depth, force)
-    if loaded < 0 and gain(begun[0]) > price + doubtful:  # what is pressed does not pull
+    if not free and late > _SURE * begun[0].contact.error and gain(begun) > price + doubtful:
+        settled, _ = _read(depth, force, begun[0].contact.value, ("contact",))  # too few rows before for a hinge
+        return settled, ""
+    if loaded < 0 and gain(untared) > price + doubtful:  # what is pressed does not pull
         settled, _ = _read(depth, force, first, ("tare",))
         return settled, f"The force is {loaded:.3g} N where the file begins: it was taken for no load."
-    if unsure and (free or gain(begun[0]) > _DECISIVE + price):
-        raise Undecided(_begun(touch + first, touch + begun[1][0].contact.value, loaded))
+    if unsure and (free or gain(untared) > _DECISIVE + price):
+        raise Undecided(_begun(reading(first), reading(begun[0].contact.value), loaded))
     if gain(hinge) > _LIKELY and _differs(found, hinge[0]):
-        return found, _hidden(touch, found, hinge[0])
+        return found, _hidden(reading, found, hinge[0])
     return found, ""
 
 
-def _hidden(touch: float, found: Fit, other: Fit) -> str:
+def _hidden(reading: Reading, found: Fit, other: Fit) -> str:
     return (
-        f"The noise hides the first touch: it was taken at {1e3 * (touch + found.contact.value):.3g} mm, but "
-        f"{1e3 * (touch + other.contact.value):.3g} mm is as likely, with K1 {other.K1.text(1e3)} N/mm and "
+        f"The noise hides the first touch.\nIt was taken at {reading(found.contact.value):.3g} mm, but "
+        f"{reading(other.contact.value):.3g} mm is as likely, with K1 {other.K1.text(1e3)} N/mm and "
         f"x0 {other.x0.text(1e-3)} mm."
     )
 
@@ -133,7 +184,7 @@ def _drift(fit: Fit, depth: Floats, force: Floats) -> str:
         return ""
     slope = float(np.polyfit(x, f, 1)[0])
     return (
-        f"The force changes by {slope * float(np.ptp(x)):+.2g} N before the touch: the load cell drifts, and the "
+        f"The force changes by {slope * float(np.ptp(x)):+.2g} N before the touch.\nThe load cell drifts, and the "
         f"slopes are off by {slope / 1e3:+.2g} N/mm, or the touch is earlier."
     )
 
@@ -160,6 +211,14 @@ def _read(x: Floats, f: Floats, start: float, free: Free) -> tuple[Fit, float]:
     return fit, _loss(fit, x, f)
 
 
+def _try(x: Floats, f: Floats, start: float, free: Free) -> tuple[Fit, float] | None:
+    """Do as _read; None where too few rows lie beyond the touch."""
+    try:
+        return _read(x, f, start, free)
+    except DimpleError:
+        return None
+
+
 def _loss(fit: Fit, x: Floats, f: Floats) -> float:
     return float(((f - fit.tare - fit.law(x - fit.contact.value)) ** 2).sum())
 
@@ -170,14 +229,16 @@ def _differs(one: Fit, other: Fit) -> bool:
 
 
 def _begun(first: float, before: float, loaded: float) -> Question:
+    """Ask for the touch of a press that begins loaded [N] at a reading [mm]."""
     return Question(
         name="contact_mm",
-        text=f"The force is {loaded:.3g} N where the file begins, at {1e3 * first:.4g} mm. "
+        text=f"The force is {loaded:.3g} N where the file begins, at {first:.4g} mm. "
         "At which depth was the first touch?",
         candidates=(
-            Candidate(value=f"{1e3 * first:.3f}", label="where the file begins: the load cell was not tared"),
-            Candidate(value=f"{1e3 * before:.3f}", label="before the file begins: the object was pressed already"),
+            Candidate(value=f"{before:.6g}", label="before the file begins: the object was pressed already"),
+            Candidate(value=f"{first:.6g}", label="where the file begins: the load cell was not tared"),
         ),
+        default=f"{before:.6g}",
     )
 
 
@@ -185,12 +246,11 @@ def _already_touching(depth: Floats, force: Floats, rest: float, noise: float) -
     """Return the touch of a file that begins in contact: at depth 0, or where the first rows point back to."""
     span, first = float(np.ptp(depth)), float(depth[0])
     if abs(first) < 0.02 * span:
-        return Touch(depth=0.0, tare=0.0, free=(), note="The file begins at the touch: depth 0 as the file has it.")
+        return Touch(depth=0.0, tare=0.0, free=())
     end = max(_sustained(force > rest + 0.1 * (force.max() - rest)), 2 * _ROWS)
     slope, _ = np.polyfit(depth[:end] - first, force[:end], 1)
     back = rest / slope if slope > 0 and abs(rest) > _CLEAR * noise else 0.0
-    note = f"The file begins in contact; the touch is taken at {1e3 * (first - back):.3f} mm."
-    return Touch(depth=first - back, tare=0.0, free=("contact",), note=note)
+    return Touch(depth=first - back, tare=0.0, free=("contact",))
 
 
 def _sustained(above: np.ndarray) -> int:
@@ -220,7 +280,7 @@ def _bent_residual(x: Floats, f: Floats) -> float:
 def _is_hinge(x: Floats, join: float, noise: float, slope: float) -> bool:
     """Return whether the rows before a hinge are enough to know it is not the first row."""
     before, after = x[x < join], x[x >= join]
-    if len(before) < 3 or slope <= 0:
-        return False
+    if len(np.unique(before)) < _FEW or join - x[0] < _STANDS * np.ptp(x) or slope <= 0:
+        return False  # rows of one depth are a preload
     error = noise / slope * np.sqrt(1 / len(before) + 1 / max(len(after), 1))
     return join - float(x[0]) > _SURE * error

@@ -9,9 +9,8 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from .distributions import f_above, t_quantile
+from .parameters import Free, Parameters, jacobian_of, law, pressed_residual, residual_of, sum_of_squares
 from .segments import MIN_PIECE, two_pieces
-
-Free = tuple[str, ...]  # of "contact" and "tare", in this order
 
 CONFIDENCE = 0.95
 _EXACT = 1e-9  # of the largest force: residuals below are rounding, not noise
@@ -58,7 +57,6 @@ class Fit:
     tare: force at the first touch [N], 0 where it is known.
     noise: standard deviation of the residuals [N].
     correlation: of neighbouring residuals.
-    worst: the largest residual [N] and its depth [m].
     full_scale: largest force [N].
     knee_p: probability, by the F test, of so much gain by a knee where there is none.
     knee_bic: by how much a knee lowers the Bayesian information criterion.
@@ -66,7 +64,6 @@ class Fit:
     parameters: constants, contact and tare as they were fitted.
     spread: (p, p) covariance of the parameters, stretched to 95 %.
     widened: how many times wider the intervals are because neighbouring residuals agree.
-    misfit_before: RMS of the residuals up to the knee, as a share of the RMS of the force there.
     falls: the best two pieces would fall, and the constants are the best of those that rise.
     """
 
@@ -78,15 +75,13 @@ class Fit:
     tare: float
     noise: float
     correlation: float
-    worst: tuple[float, float]
     full_scale: float
     knee_p: float
     knee_bic: float
     rows: int
-    parameters: _Parameters
+    parameters: Parameters
     spread: Floats
     widened: float
-    misfit_before: float
     falls: bool = False
 
     @property
@@ -96,11 +91,11 @@ class Fit:
 
     def law(self, x: Floats) -> Floats:
         """Return K(x) [N] at depths [m] below the contact."""
-        return _law(np.asarray(x, np.float64), self.K1.value, self.K2.value, self.x0.value)
+        return law(np.asarray(x, np.float64), self.K1.value, self.K2.value, self.x0.value)
 
     def band(self, x: Floats) -> Floats:
         """Return half the width [N] of the law's 95 % interval at depths [m] below the contact."""
-        slopes = _jacobian(self.parameters, np.asarray(x, np.float64) + self.parameters.parts(x)[3])
+        slopes = jacobian_of(self.parameters, np.asarray(x, np.float64) + self.parameters.parts(x)[3])
         return np.sqrt(np.maximum(((slopes @ self.spread) * slopes).sum(axis=1), 0))
 
 
@@ -116,6 +111,8 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
     Raises:
         DimpleError: too few rows.
     """
+    if len(free) == 2 and len(np.unique(depth[depth <= 0])) < MIN_PIECE:  # nothing tells one from the other
+        free = ("contact",)
     pressed = np.ones(len(depth), bool) if free else depth > 0
     x, f = np.asarray(depth, np.float64)[pressed], np.asarray(force, np.float64)[pressed]
     inside = x > 0
@@ -123,109 +120,69 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
         raise _too_few(int(inside.sum()))
     # without rows before the touch the first piece need not begin at 0, 0: either may be off, not both
     left = "line" if len(free) == 1 and inside.sum() > len(x) - MIN_PIECE else "origin"
-    slope, offset = np.polyfit(x[inside], f[inside], 1) if left == "line" else (_slope(x[inside], f[inside]), 0.0)
+    u, v = x[inside], f[inside]
+    slope, offset = np.polyfit(u, v, 1) if left == "line" else (u @ v / (u @ u), 0.0)
     start = _start([float(slope)], float(offset), free)
+    if not _has_rows(start, x) or (free == ("contact",) and slope <= 0):  # no line through the curve begins at a touch
+        start = _start([float(u @ v / (u @ u))], 0.0, free)
     if not _has_rows(start, x):
         raise _too_few(int((x > start.parts(x)[3]).sum()))
     one = _settled(start, x, f)
-    pieces, falls = two_pieces(x[inside], f[inside], left=left), False
+    pieces, falls = two_pieces(u, v, left=left), False
     if pieces is not None and min(pieces.slope1, pieces.slope2) <= 0:  # no body of the model falls: take the best rise
-        pieces, falls = two_pieces(x[inside], f[inside], left=left, rising=True), True
+        pieces, falls = two_pieces(u, v, left=left, rising=True), True
     if pieces is not None:
         start = _start([pieces.slope1, pieces.slope2, pieces.join], pieces.offset, free)
     if pieces is None or not _has_rows(start, x):
         return _result(one, x, f, 1.0, 0.0)
     two = _settled(start, x, f)
     p, bic = _compare(one, two, x, f)
-    return replace(_result(two if bic > 0 else one, x, f, p, bic), falls=falls)
+    return replace(_result(two if bic > 0 else one, x, f, p, bic), falls=falls and bic > 0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Parameters:
-    """What is fitted: K1; K2 and x0 where there is a knee; then contact and tare where they are free.
-
-    knee: whether there is one.
-    free: of "contact" and "tare".
-    values: (p,) [N/m], [N/m], [m], [m], [N].
-    """
-
-    knee: bool
-    free: Free
-    values: Floats
-
-    def parts(self, x: Floats) -> tuple[float, float, float, float, float]:
-        """Return K1, K2, x0, contact, tare."""
-        v = [float(value) for value in self.values]
-        known = {"contact": 0.0, "tare": 0.0} | dict(zip(self.free, v[3 if self.knee else 1 :], strict=True))
-        contact, tare = known["contact"], known["tare"]
-        return (v[0], v[1], v[2], contact, tare) if self.knee else (v[0], v[0], float(x.max()) - contact, contact, tare)
-
-    def index(self, name: str) -> int | None:
-        """Return where the values hold "contact" or "tare", None where it is known."""
-        return len(self.values) - len(self.free) + self.free.index(name) if name in self.free else None
-
-
-def _start(values: list[float], offset: float, free: Free) -> _Parameters:
+def _start(values: list[float], offset: float, free: Free) -> Parameters:
     """Return parameters whose first piece begins with an offset [N] at depth 0."""
     contact = -offset / values[0] if free == ("contact",) and values[0] > 0 else 0.0
     if len(values) > 1:
         values = [*values[:2], values[2] - contact]
     known = {"contact": contact, "tare": offset}
-    return _Parameters(knee=len(values) > 1, free=free, values=np.array([*values, *(known[name] for name in free)]))
+    return Parameters(knee=len(values) > 1, free=free, values=np.array([*values, *(known[name] for name in free)]))
 
 
-def _has_rows(parameters: _Parameters, x: Floats) -> bool:
+def _has_rows(parameters: Parameters, x: Floats) -> bool:
     """Return whether enough rows lie on each piece; a touch or a knee may come to lie beyond them."""
     _, _, x0, contact, _ = parameters.parts(x)
     pressed, beyond = int((x > contact).sum()), int((x > contact + x0).sum())
     return min(pressed - beyond, beyond) >= _ON_A_PIECE if parameters.knee else pressed >= _ROWS
 
 
+def _holds(parameters: Parameters, start: Parameters, x: Floats) -> bool:
+    """Return whether slopes that rose at the start still do, and contact and tare can still be told apart."""
+    slopes, before = slice(2 if start.knee else 1), x[x <= parameters.parts(x)[3]]
+    rises = parameters.values[slopes].min() > 0 or start.values[slopes].min() <= 0
+    return bool(rises and (len(start.free) < 2 or len(np.unique(before)) >= MIN_PIECE))
+
+
 def _too_few(rows: int) -> DimpleError:
     return DimpleError(f"Only {rows} rows lie beyond the first touch; a fit needs at least {_ROWS}.")
 
 
-def _slope(x: Floats, f: Floats) -> float:
-    return float(x @ f / (x @ x))
-
-
-def _law(x: Floats, K1: float, K2: float, x0: float) -> Floats:
-    x = np.maximum(x, 0)
-    return K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0)
-
-
-def _residual(parameters: _Parameters, x: Floats, f: Floats) -> Floats:
-    K1, K2, x0, contact, tare = parameters.parts(x)
-    return f - tare - _law(x - contact, K1, K2, x0)
-
-
-def _jacobian(parameters: _Parameters, x: Floats) -> Floats:
-    """Return the slopes (n, p) of the law in each parameter."""
-    K1, K2, x0, contact, _ = parameters.parts(x)
-    y = np.maximum(x - contact, 0)
-    beyond = y > x0
-    columns = [np.minimum(y, x0), np.maximum(y - x0, 0), (K1 - K2) * beyond] if parameters.knee else [y]
-    of = {"contact": -np.where(beyond, K2, K1) * (y > 0), "tare": np.ones_like(x)}
-    columns += [of[name] for name in parameters.free]
-    return np.stack([np.asarray(column, np.float64) for column in columns], axis=1)
-
-
-def _settled(start: _Parameters, x: Floats, f: Floats) -> _Parameters:
+def _settled(start: Parameters, x: Floats, f: Floats) -> Parameters:
     """Move contact, tare and constants together to the least squares of all rows (Gauss-Newton).
 
     The start is kept where that would lead the contact away from it: then the law does not hold near the touch.
     """
     if not start.free:
         return start
-    best, least = start, _sum_of_squares(start, x, f)
+    best, least = start, sum_of_squares(start, x, f)
     for _ in range(_STEPS):
-        jacobian = _jacobian(best, x)
+        jacobian = jacobian_of(best, x)
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
-        step = np.linalg.lstsq(jacobian / scale, _residual(best, x, f), rcond=None)[0] / scale
+        step = np.linalg.lstsq(jacobian / scale, residual_of(best, x, f), rcond=None)[0] / scale
         candidates = [replace(best, values=best.values + share * step) for share in (1.0, 0.5, 0.2, 0.05)]
-        candidate = min(candidates, key=lambda each: _sum_of_squares(each, x, f))
-        total = _sum_of_squares(candidate, x, f)
-        if not total < least or not _has_rows(candidate, x):
+        candidate = min(candidates, key=lambda each: sum_of_squares(each, x, f))
+        total = sum_of_squares(candidate, x, f)
+        if not total < least or not _has_rows(candidate, x) or not _holds(candidate, start, x):
             break
         settled = least - total < 1e-14 * least
         best, least = candidate, total
@@ -238,30 +195,14 @@ def _settled(start: _Parameters, x: Floats, f: Floats) -> _Parameters:
     return best if abs(moved) <= _STRAY * error else start
 
 
-def _misfit_before(parameters: _Parameters, x: Floats, f: Floats) -> float:
-    K1, _, x0, contact, _ = parameters.parts(x)
-    before = (x > contact) & (x <= contact + x0)
-    force = K1 * (x[before] - contact)
-    return float(np.linalg.norm(_residual(parameters, x, f)[before])) / max(float(np.linalg.norm(force)), 1e-300)
-
-
-def _sum_of_squares(parameters: _Parameters, x: Floats, f: Floats) -> float:
-    return float((_residual(parameters, x, f) ** 2).sum())
-
-
-def _pressed_residual(parameters: _Parameters, x: Floats, f: Floats) -> Floats:
-    """Return the residuals of the rows in contact: those before it may be many, and quieter."""
-    return _residual(parameters, x, f)[x > parameters.parts(x)[3]]
-
-
-def _variance(parameters: _Parameters, x: Floats, f: Floats) -> float:
-    residual = _pressed_residual(parameters, x, f)
+def _variance(parameters: Parameters, x: Floats, f: Floats) -> float:
+    residual = pressed_residual(parameters, x, f)
     return float((residual**2).sum()) / max(len(residual) - len(parameters.values), 1)
 
 
-def _covariance(parameters: _Parameters, x: Floats, f: Floats) -> Floats:
+def _covariance(parameters: Parameters, x: Floats, f: Floats) -> Floats:
     """Return the covariance (p, p) of the parameters: s^2 (J^T J)^-1."""
-    jacobian = _jacobian(parameters, x)
+    jacobian = jacobian_of(parameters, x)
     scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
     inverse = np.linalg.pinv(jacobian / scale) / scale[:, None]
     return np.asarray(_variance(parameters, x, f) * inverse @ inverse.T)
@@ -279,13 +220,13 @@ def independent_rows(n: int, correlation: float) -> float:
     return min(float(n), max(n * (1 - correlation) / (1 + correlation), _LEAST))
 
 
-def _compare(one: _Parameters, two: _Parameters, x: Floats, f: Floats) -> tuple[float, float]:
+def _compare(one: Parameters, two: Parameters, x: Floats, f: Floats) -> tuple[float, float]:
     """Weigh one slope against two: the F test's probability of so much gain by chance, and the gain in BIC.
 
     A knee costs 3 log n: a slope, and a place that is searched for, which weighs as two (Zhang and Siegmund,
     Biometrics 63, 2007).
     """
-    before, after = _pressed_residual(one, x, f), _pressed_residual(two, x, f)
+    before, after = pressed_residual(one, x, f), pressed_residual(two, x, f)
     n = independent_rows(len(after), _correlation(after))
     floor = (_EXACT * float(np.abs(f).max())) ** 2
     s1, s2 = max(float((before**2).mean()), floor), max(float((after**2).mean()), floor)
@@ -294,9 +235,9 @@ def _compare(one: _Parameters, two: _Parameters, x: Floats, f: Floats) -> tuple[
     return p, n * math.log(s1 / s2) - 3 * math.log(max(n, 2.0))
 
 
-def _result(parameters: _Parameters, x: Floats, f: Floats, p: float, bic: float) -> Fit:
+def _result(parameters: Parameters, x: Floats, f: Floats, p: float, bic: float) -> Fit:
     K1, K2, x0, contact, tare = parameters.parts(x)
-    residual = _pressed_residual(parameters, x, f)
+    residual = pressed_residual(parameters, x, f)
     r = _correlation(residual)
     count = independent_rows(len(residual), r)
     covariance = _covariance(parameters, x, f)
@@ -308,7 +249,7 @@ def _result(parameters: _Parameters, x: Floats, f: Floats, p: float, bic: float)
         error = 0.0 if at is None else float(errors[at])
         return Constant(value=value, error=error, half_width=reach * error)
 
-    knee, worst = parameters.knee, int(np.abs(residual).argmax())
+    knee = parameters.knee
     return Fit(
         model="two" if knee else "one",
         K1=constant(K1, 0),
@@ -318,7 +259,6 @@ def _result(parameters: _Parameters, x: Floats, f: Floats, p: float, bic: float)
         tare=tare,
         noise=math.sqrt(_variance(parameters, x, f)),
         correlation=r,
-        worst=(float(residual[worst]), float(x[x > contact][worst] - contact)),
         full_scale=float(np.abs(f - tare).max()),
         knee_p=p,
         knee_bic=bic,
@@ -326,5 +266,4 @@ def _result(parameters: _Parameters, x: Floats, f: Floats, p: float, bic: float)
         parameters=parameters,
         spread=reach**2 * covariance,
         widened=wider,
-        misfit_before=_misfit_before(parameters, x, f),
     )

@@ -1,54 +1,33 @@
 """A virtual indentation: a body at rest under a measuring tip, depth by depth.
 
-A flat punch grips: the surface points under it move with it by prescription. The rest of the body goes to its
-equilibrium, and the force on the punch is the sum of the forces on those points. A sphere is a fingertip of a session,
-let down slowly.
-
-Each depth also yields how the force depends on the constants c. The energy E at rest obeys F = dE/dx, so
-dF/dc = d/dx (dE/dc), with the body left where it is (Hellmann, Feynman). Under a flat punch that is known exactly, knee
-and all; elsewhere the energy's slopes dE/dc are smooth, and the difference between two depths will do.
+A flat punch grips: the surface points under it are pins that go down with it, and the force on it is the sum of the
+forces on them. A sphere is a fingertip. Either goes down in a session whose body is light and critically damped, so
+that it comes to rest within a few ticks at each depth.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import Bools, DimpleError, Floats
+from ..base import FINGER_TRAVEL, Bools, DimpleError, Floats
 from ..body import pressure
+from ..body.estimate import estimate, reach
 from ..body.model import Model, State, build_model, forces, initial_state
-from ..material import Material
+from ..material import Indenter, Material
 from ..mesh.ray import ray_hit
 from ..mesh.surface import Mesh, base_vertices
 from ..session import Finger, Session
-from ..solver.equilibrium import equilibrium
 
-SHAPES = ("point", "punch", "sphere")
-POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point; springs in a flat skin cannot spread it wider
 ROWS = 60  # of a virtual press
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
-SPEED = 0.05  # [m/s] of a sphere between two depths
-SETTLING, LISTENING = 0.1, 0.03  # [s] of waiting at a depth, and of taking the mean of the force
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Indenter:
-    """A tip that presses: its shape, "point" (a small flat punch), "punch" (flat) or "sphere", and its radius [m]."""
-
-    shape: str = "point"
-    radius: float = 0.002
-
-    def __post_init__(self) -> None:
-        if self.shape not in SHAPES:
-            raise DimpleError(f"The tip must be one of {', '.join(SHAPES)} (it is {self.shape}).")
-        if not 0 < self.radius < math.inf:
-            raise DimpleError(f"The radius of the tip must be greater than 0 mm (it is {1e3 * self.radius:g}).")
-
-
-POINT = Indenter()  # the paper's sensor "touches at a point"
+RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
+MOVING, SETTLING = 0.006, 0.01  # [s] between two depths, and of rest there
+LISTENING = 0.005  # [s] of taking the mean of a reaction
+ROUND = 4  # times as slow goes a sphere: what it touches changes, and friction holds on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,8 +55,6 @@ class Station:
     depth: of the tip below the surface at rest [m].
     force: on the tip [N].
     volume_change: as a share.
-    pull: (4,) dE/d log of kappa1, kappa2, d0 and membrane_scale [J], without the shape matching under a flat punch.
-    slope: (4,) what the shape matching under a flat punch adds to their derivatives in depth [N].
     positions: (3, n) [m].
     found: whether there is rest at this depth.
     """
@@ -85,8 +62,6 @@ class Station:
     depth: float
     force: float
     volume_change: float
-    pull: Floats
-    slope: Floats
     positions: Floats
     found: bool
 
@@ -124,17 +99,12 @@ def find_site(
         stay[mesh.source] = held
     if np.linalg.matrix_rank(x[stay] - x[stay].mean(axis=0) if stay.any() else np.zeros((1, 3)), 1e-3 * mesh.size) < 2:
         stay[mesh.source] = base_vertices(mesh, up=tuple(-way))
-    under = _under(mesh, point, way, reach(mesh, indenter))
+    under = _under(mesh, point, way, reach(indenter, mesh.size))
     if (under & stay).any():
         raise DimpleError("The tip stands on vertices that are pinned. Press elsewhere, or pin fewer.")
     return Site(
         point=point, inward=way, thickness=beyond[0] if beyond else math.inf, under=under, held=stay
     )  # fmt: skip
-
-
-def reach(mesh: Mesh, indenter: Indenter) -> float:
-    """Return the radius [m] of what presses: a point is a patch that the mesh can show."""
-    return max(indenter.radius, POINT_SHARE * mesh.size) if indenter.shape == "point" else indenter.radius
 
 
 def _under(mesh: Mesh, point: Floats, way: Floats, radius: float) -> Bools:
@@ -149,22 +119,58 @@ def _under(mesh: Mesh, point: Floats, way: Floats, radius: float) -> Bools:
 
 
 def press(mesh: Mesh, material: Material, indenter: Indenter, site: Site, depths: Sequence[float]) -> Iterator[Station]:
-    """Press a body to each depth [m] in turn and yield where it rests; the last is where no rest was found, if so.
-
-    Raises:
-        DimpleError: the laws have no energy.
-    """
-    flat = indenter.shape != "sphere"
-    model = build_model(
-        mesh,
-        [material] * (int(mesh.triangle_material.max()) + 1),
-        held=(site.held | site.under if flat else site.held)[mesh.source],
-    )
-    stations = _by_punch(model, site, depths) if flat else _by_sphere(model, indenter.radius, site, depths)
-    for station in stations:
+    """Press a body to each depth [m] in turn and yield where it rests; the last is where no rest was found, if so."""
+    session = set_up(mesh, material, indenter, site)
+    before = 0.0
+    for depth in depths:
+        station = go_down(session, indenter, site, before, depth)
         yield station
         if not station.found:
             return
+        before = depth
+
+
+def set_up(mesh: Mesh, material: Material, indenter: Indenter, site: Site) -> Session:
+    """Return a session of a body under a tip that just touches it."""
+    constants = estimate(material, mesh.size)
+    mass = constants.kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
+    light = replace(material, constants=constants, mass=mass, density=None, damping_ratio=1.0)
+    under = _gripped(indenter, site)
+    model = build_model(
+        replace(mesh, loose=mesh.loose | under),  # pins that go down must not carry the shape at rest along
+        [light] * (int(mesh.triangle_material.max()) + 1),
+        held=(site.held | under)[mesh.source],
+    )
+    session = Session(model)
+    if not under.any():
+        session.set_fingers([_finger(site, 0.0, indenter.radius)])
+    return session
+
+
+def go_down(session: Session, indenter: Indenter, site: Site, before: float, depth: float) -> Station:
+    """Bring a tip from one depth [m] to another, or to the same to wait for rest once more."""
+    model, under = session.model, _gripped(indenter, site)
+    slow = 1 if under.any() else ROUND
+    if depth != before:
+        if under.any():
+            places = model.mesh.rest_positions + depth * np.outer(under, site.inward)
+            session.set_held(places[model.mesh.source])
+        else:
+            session.set_fingers([_finger(site, depth, indenter.radius)])
+        ticks = abs(depth - before) / (FINGER_TRAVEL * indenter.radius)
+        session.step(max(slow * MOVING, 2 * ticks * session.tick))
+    session.step(slow * SETTLING)
+    frame = session.step(LISTENING)
+    x = session.body.positions()
+    if under.any():
+        force = -float(site.inward @ forces(model, _at(model, x))[:, under].sum(axis=1))
+    else:
+        force = -float(frame.finger_forces[0] @ site.inward) if len(frame.finger_forces) else math.nan
+    volume = pressure.volume(model.pressure, x) if model.mesh.pressurable else 0.0
+    return Station(
+        depth=depth, force=force, volume_change=volume / model.mesh.volume - 1 if model.mesh.pressurable else 0.0,
+        positions=x, found=frame.finite and math.isfinite(force),
+    )  # fmt: skip
 
 
 def press_rows(
@@ -182,32 +188,9 @@ def press_rows(
             yield station.depth, station.force
 
 
-def _by_punch(model: Model, site: Site, depths: Sequence[float]) -> Iterator[Station]:
-    """Move the vertices under the punch; the rest finds its equilibrium."""
-    x = model.matching.rest
-    for depth in depths:
-        moved = x.copy()
-        moved[:, site.under] = model.matching.rest[:, site.under] + depth * site.inward[:, None]
-        found = equilibrium(model, [], start=moved)
-        x = found.positions
-        force = -float(site.inward @ forces(model, _at(model, x))[:, site.under].sum(axis=1))
-        yield _station(model, site.under, depth, force, x, found.converged)
-
-
-def _by_sphere(model: Model, radius: float, site: Site, depths: Sequence[float]) -> Iterator[Station]:
-    """Go down with a fingertip of a running session, slowly, and wait at each depth."""
-    session, at = Session(model), 0.0
-    session.set_fingers([_finger(site, 0.0, radius)])
-    for depth in depths:
-        session.set_fingers([_finger(site, depth, radius)])
-        session.step(abs(depth - at) / SPEED + SETTLING)
-        frame = session.step(LISTENING)
-        force = -float(frame.finger_forces[0] @ site.inward) if len(frame.finger_forces) else math.nan
-        x = np.zeros_like(model.mesh.rest_positions)
-        x[model.mesh.source] = session.positions()
-        whole = frame.finite and math.isfinite(force)
-        yield _station(model, np.zeros_like(site.under), depth, force, np.ascontiguousarray(x.T), whole)
-        at = depth
+def _gripped(indenter: Indenter, site: Site) -> Bools:
+    """Return the vertices (n,) that go down with the tip: none with a sphere."""
+    return site.under if indenter.shape != "sphere" else np.zeros_like(site.under)
 
 
 def _finger(site: Site, depth: float, radius: float) -> Finger:
@@ -215,32 +198,7 @@ def _finger(site: Site, depth: float, radius: float) -> Finger:
     return Finger((x, y, z), radius)
 
 
-def _station(model: Model, under: Bools, depth: float, force: float, x: Floats, found: bool) -> Station:
-    volume, _ = pressure.volume_and_gradient(model.pressure, x)
-    change = volume / model.mesh.volume - 1 if model.mesh.pressurable else 0.0
-    pull, slope = _pull(model, under, x, depth)
-    return Station(
-        depth=depth, force=force, volume_change=change, pull=pull, slope=slope, positions=x, found=found
-    )  # fmt: skip
-
-
 def _at(model: Model, positions: Floats) -> State:
     state = initial_state(model)
     state.positions[:] = positions
     return state
-
-
-def _pull(model: Model, under: Bools, x: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the energy's slopes in the logarithms of the constants (4,) [J], and those (4,) [N] under a punch."""
-    law, skin = model.matching, model.springs
-    d = np.sqrt(((x - law.rest) ** 2).sum(axis=0))
-    over = np.maximum(d - law.d0, 0)
-    i, j = skin.pairs.T
-    stretch = np.sqrt(((x[:, j] - x[:, i]) ** 2).sum(axis=0)) - skin.rest_lengths
-    k1, k2, knee = law.k1, law.k2, (law.k2 - law.k1) * law.d0
-    bed = np.array([k1 * (d * d - over * over) / 2, k2 * over * over / 2, -knee * over])
-    beneath = np.array([k1 * np.minimum(depth, law.d0), k2 * np.maximum(depth - law.d0, 0), -knee * (depth > law.d0)])
-    return (
-        np.append(bed[:, ~under].sum(axis=1), skin.stiffness @ (stretch * stretch) / 2),
-        np.append(beneath[:, under].sum(axis=1), 0.0),
-    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import stat
 from pathlib import Path
 
@@ -12,6 +13,15 @@ MAX_BYTES = 64 * 2**20  # a million rows: far more than an instrument writes
 MAX_LINE = 20_000  # characters
 _NARROW = dict.fromkeys(map(ord, "\u2009\u202f\u2007"), "\u00a0")  # spaces between groups of thousands
 _SNIFFED = 64 * 2**10  # bytes looked at to tell encodings apart
+# what a code page makes of the bytes of another: signs of printers within words; a lone half-width katakana, a
+# character for private use, a kanji between Latin letters
+_ODD = {
+    "cp1252": re.compile("[\u0081\u008d\u008f\u0090\u009d‚ƒ†‡ˆ‰‹Œ•˜›œŽž\ufffd]"),
+    "cp932": re.compile(
+        "(?<![\uff61-\uff9f])[\uff61-\uff9f](?![\uff61-\uff9f])|[\ue000-\uf8ff\ufffd]|[A-Za-z][\u3400-\u9fff][a-z]"
+    ),
+    "utf-8": re.compile("\ufffd"),
+}
 
 # how other files begin: what they are
 _MAGIC = {
@@ -85,7 +95,7 @@ def decode(data: bytes) -> tuple[str, str]:
             return data[: error.start].decode("utf-8"), "utf-8"
     return max(
         ((data.decode(encoding, errors="replace"), encoding) for encoding in ("cp1252", "cp932", "utf-8")),
-        key=lambda pair: _plausibility(pair[0][:_SNIFFED]),
+        key=lambda pair: _plausibility(pair[0][:_SNIFFED], pair[1]),
     )
 
 
@@ -115,9 +125,11 @@ def _looks_cut(lines: list[str]) -> bool:
     return shape not in shapes or len(last) < min(map(len, before))
 
 
-def _plausibility(text: str) -> float:
-    cells = [cell for line in text.split("\n")[:200] for cell in _cells(line)]
-    return sum(map(is_known, cells)) - 0.01 * text.count("\ufffd")
+def _plausibility(text: str, encoding: str) -> float:
+    """Return how much a text looks like words of an instrument: known words, less characters that nobody writes."""
+    near = text.split("\n")[:200]
+    known = sum(is_known(cell) for line in near for cell in _cells(line))
+    return known - sum(len(_ODD[encoding].findall(line)) for line in near) - 0.01 * text.count("\ufffd")
 
 
 def _cells(line: str) -> list[str]:

@@ -8,17 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import DimpleError, Floats
+from .blocks import MIN_ROWS
 from .contact import find_touch
-from .fit import Free
-from .question import Answers, Candidate, Question, Undecided, WrongColumns
+from .direction import oriented, which_order
+from .parameters import Free
+from .question import Answers, Candidate, Question, Undecided
 from .reader import Measurement
-from .strokes import FULL, Cycle, find_cycles, moving, roughness, spikes
-from .table import MIN_ROWS
+from .strokes import FULL, Cycle, dip, find_cycles, moving, rises, roughness, spikes, standing, tear
 
 _AGREE = 0.10  # of full scale, RMS: cycles that differ more are different presses
 _SNAP = 0.10  # of full scale: a fall of the force while the depth grows
+_BEFORE = 20.0  # of the range of depth: a touch given farther before the first row is a slip of the pen
+_GAINED = 0.03  # of the work: what a way back returns beyond it is no error of measurement
 _MANY = 60  # reversals: rows are not in the order they were measured
-_EVEN, _UNEVEN = 0.05, 0.35  # scatter of the steps of a driven axis, and of what cannot be one
+_QUICK = 0.1  # of the rows of the longest press: a press of fewer is a touch in passing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,8 +35,9 @@ class LoadingCurve:
     free: which of the touch and the tare are estimates; see fit.fit_law.
     cycle: which press it is, counted from 1.
     cycles: how many there are.
-    touch: of the first touch, in the file's own depth [m].
+    touch: of the first touch, in the file's own depth but growing inward [m].
     tare: force at the first touch [N].
+    inward: sign of the file's own depth where it grows inward.
     loss: share of the work that unloading does not return, None where it is not known.
     notes: messages about how the press was prepared.
     warnings: messages about what may be wrong.
@@ -48,9 +52,14 @@ class LoadingCurve:
     cycles: int
     touch: float
     tare: float
+    inward: int
     loss: float | None
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
+
+    def reading(self, depth: float) -> float:
+        """Return what the file calls a depth [m] from the first touch [mm]."""
+        return 1e3 * self.inward * (self.touch + depth)
 
     @property
     def damping_ratio(self) -> float | None:
@@ -74,10 +83,11 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     depth, force = _without_spikes(measurement, warnings)
     if np.ptp(depth) == 0 or np.ptp(force) == 0:
         raise DimpleError("The depth or the force is the same in every row, so there is no press to fit.")
-    force = _pressing_sign(force, answers, notes)
-    depth = _inward_sign(depth, force, notes)
-    _check_columns(measurement, depth, force, answers)
+    depth, force, inward = oriented(measurement, depth, force, answers, notes)
     cycles = find_cycles(depth)
+    unordered = answers.order is None and not measurement.timed
+    if not cycles and unordered:
+        raise Undecided(which_order("The depth only falls, which would be a way back and no press"))
     if not cycles:
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     cycles = _long_enough(cycles, depth, notes)
@@ -86,19 +96,24 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
             f"The depth turns back {len(cycles)} times in {len(depth)} rows: they are not in the order measured, "
             "or the depth is not the column taken."
         )
-    strokes = [_stroke(depth, force, cycle, answers) for cycle in cycles]
+    strokes = [_stroke(depth, force, cycle, answers, inward) for cycle in cycles]
     chosen = _choose(strokes, answers, notes)
     stroke = strokes[chosen]
-    notes.append(stroke.note)
+    notes += stroke.notes
+    if stroke.torn and answers.until_mm is None:
+        raise Undecided(_torn(stroke, inward))
     if stroke.dwelt:
         notes.append(f"{stroke.dwelt} rows in which the depth stood still were left out.")
     _look_for_snap(stroke, warnings)
     unloading = slice(cycles[chosen].peak, cycles[chosen].end + 1)
     unloading_depth, unloading_force = depth[unloading] - stroke.touch, force[unloading] - stroke.tare
+    loss = _loss(stroke, unloading_depth, unloading_force)
+    _check_loss(loss, unordered, warnings)
     return LoadingCurve(
         depth=stroke.depth, force=stroke.force, unloading_depth=unloading_depth, unloading_force=unloading_force,
         free=stroke.free, cycle=chosen + 1, cycles=len(cycles), touch=stroke.touch, tare=stroke.tare,
-        loss=_loss(stroke, unloading_depth, unloading_force), notes=tuple(notes), warnings=tuple(warnings),
+        inward=inward, loss=None if loss is None else max(loss, 0.0),
+        notes=tuple(notes), warnings=tuple(warnings),
     )  # fmt: skip
 
 
@@ -112,7 +127,8 @@ class _Stroke:
     tare: force at the touch [N].
     free: which of both are estimates.
     dwelt: number of rows that were left out because the depth stood still.
-    note: a message about how the touch was found.
+    torn: depths [m] and force [N]: where the force falls for good, how deep it goes on, and from what force.
+    notes: messages about how it was read.
     """
 
     depth: Floats
@@ -121,7 +137,8 @@ class _Stroke:
     tare: float
     free: Free
     dwelt: int
-    note: str
+    torn: tuple[float, float, float] | None
+    notes: tuple[str, ...]
 
 
 def _without_spikes(measurement: Measurement, warnings: list[str]) -> tuple[Floats, Floats]:
@@ -134,103 +151,69 @@ def _without_spikes(measurement: Measurement, warnings: list[str]) -> tuple[Floa
     return depth[~wrong], force[~wrong]
 
 
-def _pressing_sign(force: Floats, answers: Answers, notes: list[str]) -> Floats:
-    """Return the force with pressing positive."""
-    if answers.press not in (None, "positive", "negative"):
-        raise DimpleError(f"The sign of a press is positive or negative (it is {answers.press}).")
-    start = float(np.median(force[: max(3, min(20, len(force) // 50))]))
-    up, down = float(force.max()) - start, start - float(force.min())
-    largest = force[np.abs(force).argmax()]
-    negative = down > up
-    unsure = min(up, down) > 0.5 * max(up, down) or negative != (largest < 0)
-    if answers.press is None and unsure:
-        raise Undecided(
-            Question(
-                name="press",
-                text="The force goes both ways from where it begins. Which sign is a press?",
-                candidates=(
-                    Candidate(value="positive", label=f"from {start:.4g} N up to {force.max():.4g} N"),
-                    Candidate(value="negative", label=f"from {start:.4g} N down to {force.min():.4g} N"),
-                ),
-            )
-        )
-    if answers.press == "negative" or (answers.press is None and negative):
-        notes.append("The force is negative where it presses and was turned round.")
-        return -force
-    return force
-
-
-def _inward_sign(depth: Floats, force: Floats, notes: list[str]) -> Floats:
-    """Return the depth growing inward: with the force."""
-    low, high = np.quantile(depth, [0.05, 0.95])
-    agreement = float((force[depth >= high].mean() - force[depth <= low].mean()) / np.ptp(force))
-    if abs(agreement) < 0.1:
-        raise WrongColumns(
-            "The force is no greater at the deepest rows than at the shallowest: these are not a press, or not the "
-            "right columns."
-        )
-    if agreement < 0:
-        notes.append("The depth falls as the force grows and was turned round.")
-        return -depth
-    return depth
-
-
-def _check_columns(measurement: Measurement, depth: Floats, force: Floats, answers: Answers) -> None:
-    """Ask where the force advances like a driven axis and the depth does not: the headers may be exchanged."""
-    if answers.depth_column or answers.force_column:
-        return
-    if _scatter(force) < _EVEN and _scatter(depth) > _UNEVEN:
-        (depth_at, force_at), d, f = measurement.columns, measurement.depth_header, measurement.force_header
-        raise Undecided(
-            Question(
-                name="depth_column",
-                text=f"“{f}” advances evenly like a driven depth and “{d}” does not: are they exchanged? "
-                "Which is the depth?",
-                candidates=(
-                    Candidate(value=str(depth_at), label=f"{d}, as the header says (a press driven by its force)"),
-                    Candidate(value=str(force_at), label=f"{f}, for they are exchanged"),
-                ),
-            )
-        )
-
-
-def _scatter(values: Floats) -> float:
-    """Return the scatter of the steps of a column against their mean."""
-    steps = np.abs(np.diff(values))
-    steps = steps[steps > 0]
-    return float(steps.std() / steps.mean()) if len(steps) > 3 else 0.0
-
-
 def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[Cycle]:
     """Leave out presses that are no more than a few stray rows, and those that are much less deep than the rest."""
     deepest = max(float(depth[cycle.peak]) for cycle in cycles)
     deep = [cycle for cycle in cycles if depth[cycle.peak] - depth.min() >= FULL * (deepest - depth.min())]
-    whole = [cycle for cycle in deep if cycle.peak - cycle.start + 1 >= MIN_ROWS] or deep
+    rows = [cycle.peak - cycle.start + 1 for cycle in deep]
+    least = max(MIN_ROWS, _QUICK * max(rows))
+    whole = [cycle for cycle, count in zip(deep, rows, strict=True) if count >= least] or deep
     if len(whole) < len(cycles):
         peaks = ", ".join(f"{1e3 * depth[cycle.peak]:.4g}" for cycle in cycles if cycle not in whole)
         notes.append(f"Touches to {peaks} mm, less deep or of a few rows only, were left out.")
     return whole
 
 
-def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers) -> _Stroke:
+def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers, inward: int) -> _Stroke:
     rows = slice(cycle.start, cycle.peak + 1)
-    keep = moving(depth[rows])
-    x, f = depth[rows][keep], force[rows][keep]
+    x, f, notes = depth[rows], force[rows], []
+    if (still := standing(x)) > 1:  # rows of one depth say one thing: what the force has come to
+        rising = rises(f, f[:still])
+        force_there = float(f[still - 1] if rising else np.median(f[:still]))
+        how = f"the force rises to {force_there:.4g} N" if rising else f"the force is {force_there:.4g} N"
+        notes.append(f"In the first {still} rows, before the depth moves, {how}; they count as one.")
+        x, f = x[still - 1 :].copy(), f[still - 1 :].copy()
+        f[0] = force_there
+    keep = moving(x)
+    dwelt, x, f = int((~keep).sum()), x[keep], f[keep]
     if len(x) < MIN_ROWS:
         raise DimpleError(f"A press has {len(x)} rows; a fit needs at least {MIN_ROWS}.")
+    at = tear(f)
+    torn = None if at is None else (float(x[at] + x[at + 1]) / 2, float(x[-1]), float(f[at]))
+    pulled = dip(x, f)
+    if pulled.any():
+        notes.append(
+            f"The force dips by {f[~pulled][0] - f.min():.3g} N before the press, as where a tip sticks; "
+            f"{int(pulled.sum())} rows of it were left out."
+        )
+        x, f = x[~pulled], f[~pulled]
     if answers.contact_mm is not None:
-        touch, before = answers.contact_mm / 1e3, x < answers.contact_mm / 1e3
+        touch = inward * answers.contact_mm / 1e3
+        before = x < touch
         tare = float(np.median(f[before])) if before.sum() > 2 else 0.0
         free: Free = () if before.sum() > 2 else ("tare",)
-        note = "The touch is as given."
-        if not x.min() - np.ptp(x) <= touch < x.max():
+        if not x.min() - _BEFORE * np.ptp(x) <= touch < x.max():
             raise DimpleError(f"The touch at {answers.contact_mm} mm lies outside the depths of the file.")
     else:
         found = find_touch(x, f)
-        touch, tare, free, note = found.depth, found.tare, found.free, found.note
+        touch, tare, free = found.depth, found.tare, found.free
     return _Stroke(
-        depth=x - touch, force=f - tare, touch=touch, tare=tare, free=free, dwelt=int((~keep).sum()), note=note
-    )  # fmt: skip
+        depth=x - touch, force=f - tare, touch=touch, tare=tare, free=free, dwelt=dwelt, torn=torn, notes=tuple(notes)
+    )
+
+
+def _torn(stroke: _Stroke, inward: int) -> Question:
+    at, deepest, force = stroke.torn or (0.0, 0.0, 0.0)
+    return Question(
+        name="until_mm",
+        text=f"The force falls for good from {force:.4g} N at {1e3 * inward * at:.4g} mm: was the specimen torn? "
+        "Down to which depth is it fitted?",
+        candidates=(
+            Candidate(value=f"{1e3 * inward * at:.7g}", label="where the force begins to fall"),
+            Candidate(value=f"{1e3 * inward * deepest:.7g}", label="the deepest row: no tear, it answers like this"),
+        ),
+        default=f"{1e3 * inward * at:.7g}",
+    )
 
 
 def _choose(strokes: list[_Stroke], answers: Answers, notes: list[str]) -> int:
@@ -278,13 +261,26 @@ def _look_for_snap(stroke: _Stroke, warnings: list[str]) -> None:
         )
 
 
+def _check_loss(loss: float | None, unordered: bool, warnings: list[str]) -> None:
+    """Ask for the order of the rows, or warn where it is known, if more work comes back than was put in."""
+    if loss is None or loss >= -_GAINED:
+        return
+    why = f"The way back returns {-100 * loss:.0f} % more work than the press takes"
+    if unordered:
+        raise Undecided(which_order(f"{why}, which no object does"))
+    warnings.append(f"{why}.\nNo object does that: force and depth may not be of one press.")
+
+
 def _loss(stroke: _Stroke, depth: Floats, force: Floats) -> float | None:
-    """Return the share of the work that unloading (m,) [m], [N] does not return, None where it is not complete."""
+    """Return the share of the work that unloading (m,) [m], [N] does not return, None where it is not complete.
+
+    It is negative where more is returned.
+    """
     inside = stroke.depth > 0
     if len(depth) < 8 or depth.min() > 0.2 * stroke.depth.max():
         return None
     spent, returned = _work(stroke.depth[inside], stroke.force[inside]), -_work(depth, np.maximum(force, 0))
-    return min(max(1 - returned / spent, 0.0), 1.0) if spent > 0 else None
+    return min(1 - returned / spent, 1.0) if spent > 0 else None
 
 
 def _work(depth: Floats, force: Floats) -> float:

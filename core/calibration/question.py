@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 from ..base import DimpleError
+
+_ALLOWED = {
+    "decimal": (".", ","), "press": ("positive", "negative"), "inward": ("positive", "negative"),
+    "order": ("written", "reversed"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,8 +25,12 @@ class Answers:
     decimal: the decimal mark, "." or ",".
     table: which of several tables in the file, counted from 1.
     press: sign of a pressing force, "positive" or "negative".
+    inward: sign of a depth that grows as the tip goes in, "positive" or "negative".
+    order: whether the rows stand as they were measured, "written", or from the last to the first, "reversed".
     cycle: which of several presses, counted from 1.
     contact_mm: reading of the depth at first touch [mm].
+    from_mm: reading of the depth before which rows are left out [mm].
+    until_mm: reading of the depth beyond which rows are left out [mm].
     """
 
     depth_column: str | None = None
@@ -30,8 +40,24 @@ class Answers:
     decimal: str | None = None
     table: int | None = None
     press: str | None = None
+    inward: str | None = None
+    order: str | None = None
     cycle: int | None = None
     contact_mm: float | None = None
+    from_mm: float | None = None
+    until_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what is no answer."""
+        for name, allowed in _ALLOWED.items():
+            if (given := getattr(self, name)) not in (None, *allowed):
+                raise DimpleError(f"The answer to “{name}” is {allowed[0]} or {allowed[1]} (it is {given}).")
+        for name in ("table", "cycle"):
+            if (number := getattr(self, name)) is not None and number < 1:
+                raise DimpleError(f"The answer to “{name}” is counted from 1 (it is {number}).")
+        for name in ("contact_mm", "from_mm", "until_mm"):
+            if (depth := getattr(self, name)) is not None and not math.isfinite(depth):
+                raise DimpleError(f"The answer to “{name}” is a depth in mm (it is {depth}).")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,11 +75,17 @@ class Question:
     name: the field.
     text: the question as a sentence.
     candidates: the answers that are possible.
+    default: the value of the likeliest, "" where none is likelier.
     """
 
     name: str
     text: str
     candidates: tuple[Candidate, ...]
+    default: str = ""
+
+    def mark(self, candidate: Candidate) -> str:
+        """Return what stands behind the likeliest answer, "" behind the others."""
+        return " (the likeliest)" if candidate.value == self.default else ""
 
 
 class Undecided(DimpleError):
@@ -64,7 +96,7 @@ class Undecided(DimpleError):
         lines = []
         for question in questions:
             lines.append(question.text)
-            lines += [f"  {c.value}   {c.label}" for c in question.candidates]
+            lines += [f"  {c.value}   {c.label}{question.mark(c)}" for c in question.candidates]
         super().__init__("\n".join(lines))
 
     def to_record(self) -> dict[str, Any]:
@@ -72,7 +104,7 @@ class Undecided(DimpleError):
         return {
             "questions": [
                 {
-                    "name": question.name, "text": question.text,
+                    "name": question.name, "text": question.text, "default": question.default,
                     "candidates": [{"value": c.value, "label": c.label} for c in question.candidates],
                 }
                 for question in self.questions

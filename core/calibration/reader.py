@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from ..base import DimpleError, Floats
+from .blocks import MIN_ROWS
 from .dialect import find_dialect
 from .load import load_lines
 from .question import Answers
 from .roles import find_columns
-from .table import MIN_ROWS, find_table
+from .table import find_table
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +26,8 @@ class Measurement:
     depth_header: of the column the depth is from.
     force_header: of the column the force is from.
     columns: numbers of both columns, counted from 1.
+    units: of depth and force, as they were taken.
+    timed: a clock or a count of rows says that the rows stand in the order they were measured.
     notes: messages about how the file was read.
     warnings: messages about what may be wrong.
     """
@@ -35,6 +38,8 @@ class Measurement:
     depth_header: str
     force_header: str
     columns: tuple[int, int] = (1, 2)
+    units: tuple[str, str] = ("m", "N")
+    timed: bool = False
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
@@ -51,8 +56,6 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
     """
     answers = answers or Answers()
     lines, encoding, notes = load_lines(path)
-    if answers.decimal not in (None, ".", ","):
-        raise DimpleError(f"The decimal mark must be . or , (it is {answers.decimal}).")
     table = find_table(lines, find_dialect(lines, answers.decimal), answers)
     columns = find_columns(table, answers)
     if encoding not in ("utf-8", "utf-8-sig"):
@@ -60,6 +63,7 @@ def read_measurement(path: str | Path, answers: Answers | None = None) -> Measur
     measurement = Measurement(
         source=Path(path).name, depth=columns.depth, force=columns.force,
         depth_header=columns.depth_header, force_header=columns.force_header, columns=columns.numbers,
+        units=columns.units, timed=columns.timed,
         notes=(*notes, *table.notes, *columns.notes), warnings=table.warnings,
     )  # fmt: skip
     return _whole_rows(measurement)
@@ -74,7 +78,7 @@ def _whole_rows(measurement: Measurement) -> Measurement:
     if not missing:
         return measurement
     text = f"{missing} of {n} rows have no depth or no force and were left out."
-    serious = missing > 0.05 * n
+    serious = missing > 0.05 * n and not whole[: n - missing].all()  # beside a longer test a column just ends
     return replace(
         measurement,
         depth=measurement.depth[whole],

@@ -6,6 +6,7 @@ from typing import Any
 
 from .calibrate import Calibration, provenance, source_of_k
 from .fit import Constant
+from .misfit import Miss
 from .surface import BALANCE_ASSUMES, PAPER_ASSUMES
 
 
@@ -33,7 +34,8 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "full_scale": fit.full_scale,
         "deepest": loading.depth.max() * 1e3,
         "rows": fit.rows,
-        "contact": loading.touch * 1e3,
+        "largest_error": _miss(c.miss),
+        "contact": loading.reading(0.0),
         "contact_se": fit.contact.error * 1e3 or None,
         "tare": loading.tare,
         "cycle": loading.cycle,
@@ -41,6 +43,8 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "loss": loading.loss,
         "damping_ratio_hint": loading.damping_ratio,
         "columns": {"depth": c.measurement.depth_header, "force": c.measurement.force_header},
+        "column_numbers": {"depth": c.measurement.columns[0], "force": c.measurement.columns[1]},
+        "column_units": {"depth": c.measurement.units[0], "force": c.measurement.units[1]},
         "tip": c.tip.shape,
         "tip_radius": c.tip.radius * 1e3,
         "length": None if c.length is None else c.length * 1e3,
@@ -50,6 +54,11 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "notes": list(c.notes),
         "warnings": list(c.warnings),
     }
+
+
+def _miss(miss: Miss | None) -> dict[str, float] | None:
+    """Return the largest error of the law against the measured points: a share of the force, [N], [mm]."""
+    return None if miss is None else {"share": miss.share, "error": miss.error, "depth": 1e3 * miss.depth}
 
 
 def _surface(c: Calibration) -> dict[str, Any] | None:

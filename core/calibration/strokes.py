@@ -12,6 +12,9 @@ TURN = 0.1  # of the range of depth: a reversal smaller than this is a tremor
 FULL = 0.5  # of the greatest depth: a press less deep is a touch, not a cycle
 _BINS = 400  # of the range of depth, for finding dwells
 _DWELL = 5  # times the usual rows per bin
+_FEW = 3  # rows
+_TORN = 0.5  # of the largest force: what is left when it is torn, at most
+_RISE = 0.01  # of the range of force: less is no preload and no adhesion
 _SPIKE = 12.0  # times the usual difference from the neighbours
 
 
@@ -26,18 +29,18 @@ class Cycle:
 
 def find_cycles(depth: Floats) -> list[Cycle]:
     """Return the presses in a depth that grows inward (n,)."""
-    turns = _turns(depth, TURN * float(np.ptp(depth)))
+    found = turns(depth, TURN)
     cycles = []
-    for i in range(len(turns) - 1):
-        start, peak = turns[i], turns[i + 1]
+    for i in range(len(found) - 1):
+        start, peak = found[i], found[i + 1]
         if depth[peak] > depth[start]:
-            cycles.append(Cycle(start, peak, turns[i + 2] if i + 2 < len(turns) else peak))
+            cycles.append(Cycle(start, peak, found[i + 2] if i + 2 < len(found) else peak))
     return cycles
 
 
-def _turns(depth: Floats, threshold: float) -> list[int]:
-    """Return the rows at which the depth turns by more than a threshold, the first and last row included."""
-    turns, best, rising = [0], 0, 0
+def turns(depth: Floats, share: float) -> list[int]:
+    """Return the rows at which the depth turns by more than a share of its range, the first and last row included."""
+    found, best, rising, threshold = [0], 0, 0, share * float(np.ptp(depth))
     for i, value in enumerate(depth.tolist()):
         if rising >= 0 and value > depth[best] or rising <= 0 and value < depth[best]:
             if rising == 0 and abs(value - depth[0]) > threshold:
@@ -46,9 +49,9 @@ def _turns(depth: Floats, threshold: float) -> list[int]:
             elif rising:
                 best = i
         elif rising and abs(value - depth[best]) > threshold:
-            turns.append(best)
+            found.append(best)
             rising, best = -rising, i
-    return [*turns, best] if best != turns[-1] else turns
+    return [*found, best] if best != found[-1] else found
 
 
 def moving(depth: Floats) -> Bools:
@@ -74,6 +77,45 @@ def spikes(values: Floats) -> Bools:
     # the ends have one neighbour: go on from the next two
     found[0] = abs(values[0] - 2 * values[1] + values[2]) > 2 * least and not found[1:3].any()
     found[-1] = abs(values[-1] - 2 * values[-2] + values[-3]) > 2 * least and not found[-3:-1].any()
+    return found
+
+
+def tear(force: Floats) -> int | None:
+    """Return the row of the largest force (n,) of a stroke that stays below half of it from soon after on, or None."""
+    peak = int(force.argmax())
+    tail = force[peak + 1 :]
+    first = float(np.median(force[:_FEW]))
+    if len(tail) < _FEW or tail[len(tail) // 2 :].max() - first > _TORN * (force[peak] - first):
+        return None
+    return peak
+
+
+def standing(depth: Floats) -> int:
+    """Return how many rows (n,) of a stroke stand at its beginning before the depth moves."""
+    steps = np.diff(depth)
+    least = 0.2 * float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    return int((depth > depth[0] + least).argmax())
+
+
+def rises(force: Floats, first: Floats) -> bool:
+    """Return whether the force rises within the first rows of a stroke by more than noise."""
+    return bool(first[-1] - first[0] > max(8 * roughness(force), _RISE * float(np.ptp(force))))
+
+
+def dip(depth: Floats, force: Floats) -> Bools:
+    """Return which rows (n,) of a stroke are pulled at before they are pressed: a tip that the object sticks to."""
+    noise, span = roughness(force), float(np.ptp(force))
+    lowest = int(force.argmin())
+    rest = float(np.median(force[: max(_FEW, lowest // 4)]))
+    depressed = rest - float(force[lowest])
+    found = np.zeros(len(force), bool)
+    if lowest < 2 * _FEW or depressed < max(8 * noise, _RISE * span) or depth[lowest] <= depth[0]:
+        return found
+    level = force > rest - max(3 * noise, 0.02 * depressed)
+    before, after = np.flatnonzero(level[:lowest]), np.flatnonzero(level[lowest:])
+    if len(before) < _FEW or not len(after):
+        return found
+    found[before[-1] + 1 : lowest + after[0]] = True
     return found
 
 

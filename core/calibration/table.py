@@ -10,14 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import DimpleError, Floats
-from .dialect import Dialect, is_row, number, number_and_unit, split
-from .question import Answers, Candidate, Question, Undecided
-from .vocabulary import is_known, role_of, split_unit, unit_of
+from .blocks import MAX_ROWS, MIN_ROWS, find_blocks, which_table
+from .dialect import Dialect, number, number_and_unit, split
+from .question import Answers, Undecided
+from .vocabulary import role_of, split_unit, unit_of
 
-MAX_ROWS = 100_000  # rows kept of a table; of more, every n-th
-MIN_ROWS = 8
-_PREAMBLE = 2000  # lines in which a table must have begun
 _HEADER = 6  # lines above a table that may name its columns
+_NOTHING = frozenset(("", "-", "--", "---", "----", "nan", "n/a", "na", "null", "none"))  # cells left empty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,67 +50,26 @@ def find_table(lines: Sequence[str], dialect: Dialect, answers: Answers) -> Tabl
         DimpleError: no table, or too few rows.
         Undecided: several tables.
     """
-    blocks = _blocks(lines, dialect)
+    blocks = find_blocks(lines, dialect)
     if not blocks:
         raise DimpleError("There is no table in this file: no run of rows with two or more numbers.")
     if len(blocks) > 1 and answers.table is None:
-        raise Undecided(_which_table(lines, blocks, dialect))
-    chosen = (answers.table or 1) - 1
+        raise Undecided(which_table(lines, blocks))
+    chosen = 0 if answers.table is None else answers.table - 1
     if not 0 <= chosen < len(blocks):
         raise DimpleError(f"There is no table {chosen + 1} in this file: it has {len(blocks)}.")
-    start, end, width = blocks[chosen]
-    above = lines[blocks[chosen - 1][1] if chosen else 0 : start]
-    return _table(lines[start:end], width, above, dialect)
+    above = lines[blocks[chosen - 1].end if chosen else 0 : blocks[chosen].start]
+    return _table(blocks[chosen].lines, above, dialect)
 
 
-def _blocks(lines: Sequence[str], dialect: Dialect) -> list[tuple[int, int, int]]:
-    """Return (start, end, width) of every run of rows; a few lines that are none do not end it, a header does."""
-    blocks: list[tuple[int, int, int]] = []
-    start, end, width = -1, -1, 0
-    for i, line in enumerate(lines):
-        if start < 0 and i > _PREAMBLE and not blocks:
-            break
-        if start >= 0 and line[:1].isdigit() and end == i and len(lines) > MAX_ROWS:
-            end = i + 1  # a huge file: what begins like a row is one until its numbers are read
-            continue
-        cells = split(line, dialect.delimiter)
-        if is_row(cells, dialect):
-            if start < 0:
-                start, width = i, len(cells)
-            end = i + 1
-        elif start >= 0 and line.strip() and _is_header(cells):
-            blocks.append((start, end, width))
-            start = -1
-    if start >= 0:
-        blocks.append((start, end, width))
-    return [block for block in blocks if block[1] - block[0] >= MIN_ROWS] or blocks[:1]
-
-
-def _is_header(cells: Sequence[str]) -> bool:
-    named = [cell for cell in cells if cell and any(c.isalpha() for c in cell)]
-    return len(named) >= 2 and sum(map(is_known, named)) >= 2
-
-
-def _which_table(lines: Sequence[str], blocks: Sequence[tuple[int, int, int]], dialect: Dialect) -> Question:
-    def label(start: int, end: int) -> str:
-        above = next((lines[i].strip() for i in range(start - 1, -1, -1) if lines[i].strip()), "")
-        return f"lines {start + 1} to {end}, under “{above[:60]}”"
-
-    return Question(
-        name="table",
-        text=f"The file holds {len(blocks)} tables. Which one is the measurement?",
-        candidates=tuple(Candidate(value=str(i + 1), label=label(b[0], b[1])) for i, b in enumerate(blocks)),
-    )
-
-
-def _table(lines: Sequence[str], width: int, above: Sequence[str], dialect: Dialect) -> Table:
+def _table(lines: Sequence[str], above: Sequence[str], dialect: Dialect) -> Table:
     notes: list[str] = []
     warnings: list[str] = []
     stride = -(-len(lines) // MAX_ROWS)
     if stride > 1:
         notes.append(f"Of {len(lines):,} rows one in {stride} was read.")
         lines = lines[::stride]
-    rows = [split(line, dialect.delimiter) for line in lines if line.strip()]
+    rows = _filled([split(line, dialect.delimiter) for line in lines if line.strip()])
     width = Counter(map(len, rows)).most_common(1)[0][0]
     whole = [row for row in rows if len(row) == width]
     if len(whole) < len(rows):
@@ -129,11 +87,25 @@ def _table(lines: Sequence[str], width: int, above: Sequence[str], dialect: Dial
         units=tuple(in_cell or in_header for in_cell, in_header in zip(units, header_units, strict=True)),
         cells=tuple(columns),
         numbers=np.stack(numbers, axis=1),
-        numeric=tuple(bool(np.isfinite(column).mean() > 0.5) for column in numbers),
+        numeric=tuple(_is_numeric(*pair) for pair in zip(columns, numbers, strict=True)),
         values=values,
         notes=tuple(notes),
         warnings=tuple(warnings),
     )
+
+
+def _filled(rows: list[list[str]]) -> list[list[str]]:
+    """Fill up rows that grow shorter towards the end: tests side by side, of which one has ended."""
+    widths = [len(row) for row in rows]
+    if widths != sorted(widths, reverse=True) or widths.count(widths[0]) < MIN_ROWS or widths[-MIN_ROWS] == widths[0]:
+        return rows
+    return [row + [""] * (widths[0] - len(row)) for row in rows]
+
+
+def _is_numeric(cells: Sequence[str], numbers: Floats) -> bool:
+    """Return whether a column holds numbers, in all rows or in enough of them with nothing in between."""
+    count, filled = int(np.isfinite(numbers).sum()), sum(cell.strip().lower() not in _NOTHING for cell in cells)
+    return count > 0.5 * len(cells) or (count >= MIN_ROWS and count > 0.5 * filled)
 
 
 def _column(cells: Sequence[str], decimal: str) -> tuple[Floats, str]:
@@ -161,7 +133,7 @@ def _header(
     for line in reversed(near):
         cells = _fitted(line, width, dialect)
         filled = [cell for cell in cells if cell]
-        if len(filled) >= 2 and not any(units) and not any(names) and all(map(unit_of, filled)):
+        if filled and not any(units) and not any(names) and _are_units(filled):
             units = cells
         elif len(filled) >= 2 and any(role_of(split_unit(cell)[0]) for cell in filled):
             names = cells
@@ -176,14 +148,23 @@ def _header(
     )
 
 
+def _are_units(cells: Sequence[str]) -> bool:
+    """Return whether cells are a row of units, of which one may be unknown."""
+    unknown = [cell for cell in cells if not unit_of(cell)]
+    bare = all(len(cell) <= 8 and not role_of(cell) for cell in unknown)
+    return not unknown or (len(unknown) == 1 and bare)
+
+
 def _fitted(line: str, width: int, dialect: Dialect) -> list[str]:
     """Split a header line into as many cells as the table is wide."""
     text = line.strip().lstrip("#%").strip() if dialect.delimiter == " " else line.lstrip("#% ")
     cells = split(text, dialect.delimiter)
     if dialect.delimiter == " " and len(cells) != width:
         cells = re.split(r"\s{2,}|\t", text)
-    if len(cells) > width and any(cells[width:]):
-        return [""] * width if len(cells) > width + 1 else cells[:width]
+    if len(cells) > width + 1 and any(cells[width:]):
+        named, stray = ([role_of(split_unit(cell)[0]) for cell in part] for part in (cells[:width], cells[width:]))
+        beside = {"depth", "force"} <= set(named) and not {"depth", "force"} & set(stray)  # notes beside a header
+        return cells[:width] if beside else [""] * width
     if len(cells) < width:  # as R writes it, without a name for the first column, or for the last: not known which
         return [""] * width
     return cells[:width]

@@ -43,7 +43,7 @@ _ROLES = {
     "other": "stress strain spannung dehnung stauchung torque moment drehmoment energy energie temperature temperatur "
     "speed velocity geschwindigkeit rate raw counts steps judge no nr number index sample cycle zyklus unit einheit "
     "rohwert status sequence error date datum tx ty tz 応力 ひずみ 歪 歪み トルク エネルギー 温度 速度 番号 単位 "
-    "判定 回数 サイクル",
+    "判定 回数 サイクル 日付 日時 年月日",
 }
 _WORDS = {word: role for role, words in _ROLES.items() for word in words.split()}
 # a header that scales its numbers ("Force (x10 N)", "10^-3 N"): which way is not known, so it has no unit

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from ..errors import DimpleError
@@ -17,10 +18,15 @@ from .spec import load_spec
 
 def main(words: list[str]) -> int:
     """Run one of the two until standard input closes; return its exit code."""
+    return run(words, servo=add_servo, emulator=add_emulator)
+
+
+def run(words: list[str], **processes: Callable[[argparse.ArgumentParser], None]) -> int:
+    """Run the process that the first word names and return its exit code; processes: what adds the options of each."""
     parser = argparse.ArgumentParser(prog="start.py")
     commands = parser.add_subparsers(required=True)
-    add_servo(commands.add_parser("servo"))
-    add_emulator(commands.add_parser("emulator"))
+    for name, add_options in processes.items():
+        add_options(commands.add_parser(name))
     options = parser.parse_args(words)
     try:
         return int(options.run(options))

@@ -134,8 +134,12 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
         DM_CHECK(DM_ARRAY(vertices, of_vertices[k]));
         DM_CHECK(dm_check_numbers(vertices, of_vertices[k], 1));
     }
-    DM_CHECK(DM_ARRAY(springs, c->stiffness) | DM_ARRAY(springs, c->damping));
+    if (c->pieces < 0 || c->pieces > DM_MAX_PIECES) return DM_SIZE;
+    DM_CHECK(DM_ARRAY(c->pieces, c->more) | DM_ARRAY(c->pieces, c->knees));
+    DM_CHECK(dm_check_numbers(c->pieces * vertices, c->more, 0) | dm_check_numbers(c->pieces * vertices, c->knees, 1));
+    DM_CHECK(DM_ARRAY(springs, c->stiffness) | DM_ARRAY(springs, c->damping) | DM_ARRAY(springs, c->tension));
     DM_CHECK(dm_check_numbers(springs, c->stiffness, 1) | dm_check_numbers(springs, c->damping, 1));
+    DM_CHECK(dm_check_numbers(springs, c->tension, 1));
     DM_CHECK(DM_COUNT(c->materials) | DM_ARRAY(c->materials, c->laws));
     if (c->materials < materials) return DM_INDEX;
     DM_CHECK(dm_check_numbers(3 * c->materials, c->laws, 1) | dm_check_numbers(3, c->gravity, 0));
@@ -228,7 +232,6 @@ int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
         if (!f->down) continue;
         DM_CHECK(dm_check_numbers(3, f->from, 0) | dm_check_numbers(3, f->first, 0) | dm_check_numbers(3, f->last, 0));
         if (!(f->radius > 0 && f->radius < INFINITY)) return DM_NUMBER;
-        if (!(f->contact_radius > 0 && f->contact_radius < INFINITY)) return DM_NUMBER;
     }
     if (m->pins_from || m->pins_to) {
         int64_t count = 3 * body->does->pinned(body->state);

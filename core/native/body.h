@@ -15,6 +15,7 @@
 #define DM_ROUNDING 1e-6
 #define DM_TOO_NEAR 1e-5
 #define DM_WEIGHT_FLOOR 1e-6
+#define DM_MOST_SAGITTA 0.125
 #define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the four below */
 #define DM_FINGER_TRAVEL 0.25
 #define DM_LARGEST_GROWTH 100.0
@@ -28,9 +29,13 @@ typedef struct {
 } dm_group_state;
 
 typedef struct { /* what does not change within a step; rest from its own centre, k_more = k2 - k1 */
-    dm_vec3 rest;
-    dm_lanes k1, k_more, d0, damping, mass, inverse_mass;
+    dm_vec3 rest, pull; /* pull: sum of the tensions t (r_j - r_i) of the shape at rest */
+    dm_lanes k1, k_more, d0, first_knee, damping, mass, inverse_mass;
 } dm_group_matter;
+
+typedef struct { /* a further piece of shape matching */
+    dm_lanes more, knee;
+} dm_piece;
 
 typedef struct { /* velocities after a step but for the pressure, and what a pascal adds to them */
     dm_vec3 v, per_pascal;
@@ -44,7 +49,9 @@ typedef struct { /* of the mass: its centre, and the inverse of its moments abou
     double centre[3], inverse[9];
 } dm_inertia;
 
-typedef struct { /* the springs to one neighbour of each vertex of a group; pull = stiffness * rest length */
+/* the springs to one neighbour of each vertex of a group: with k of the spring and t of shape matching's tension,
+ * stiffness = k + t, pull = k * rest length */
+typedef struct {
     dm_lanes stiffness, pull, damping;
     uint32_t at[DM_LANES]; /* byte offset of the neighbour's record */
 } dm_slot;
@@ -58,12 +65,12 @@ typedef struct { /* a spring summed by itself, on the ends that say so */
     uint32_t i, j;
     int64_t spring;
     uint8_t on_i, on_j;
-    double rest, stiffness, damping;
+    double rest, stiffness, damping, tension;
 } dm_irregular_spring;
 
 typedef struct { /* a point on a face, or a vertex, inside a fingertip */
     uint32_t corner[3];
-    dm_real weight[3], mobility[3], distance;
+    dm_real weight[3], mobility[3], distance, radius; /* of the sphere there: less than the fingertip's by the sagitta */
     dm_quad normal, impulse, out;
 } dm_contact;
 
@@ -93,6 +100,8 @@ struct dm_state {
     dm_record *records;
     dm_group_state *state;
     dm_group_matter *matter;
+    dm_piece *pieces; /* (groups, piece_count) */
+    int64_t piece_count;
     dm_group_next *next;
 
     dm_rows ring;
@@ -141,6 +150,10 @@ struct dm_state {
 /* one vertex of the vectors of its group */
 DM_INLINE void dm_set_lane3(dm_vec3 *a, uint32_t i, dm_quad b) {
     a->x[i % DM_LANES] = b[0], a->y[i % DM_LANES] = b[1], a->z[i % DM_LANES] = b[2];
+}
+
+DM_INLINE dm_quad dm_lane3(const dm_vec3 *a, uint32_t i) {
+    return (dm_quad){a->x[i % DM_LANES], a->y[i % DM_LANES], a->z[i % DM_LANES], 0};
 }
 
 DM_INLINE void dm_add_lane3(dm_vec3 *a, uint32_t i, const double *b, double by) {

@@ -79,6 +79,16 @@ DM_INLINE dm_quad dm_inward_normal(const dm_state *b, const uint32_t *corner) {
     return normal / (size > DM_TINY ? size : DM_TINY);
 }
 
+/* How far the fingertip bulges beyond a facet whose corners lie on it, at a point of the facet, squared lengths of
+ * edges given: sum of w_i w_j |e_ij|^2 / 2R. */
+DM_INLINE dm_lanes dm_sagitta(dm_vec3 weight, dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_real radius) {
+    dm_vec3 a = dm_sub(p, q), b = dm_sub(q, r), c = dm_sub(r, p);
+    dm_lanes sum = weight.x * weight.y * dm_dot(a, a) + weight.y * weight.z * dm_dot(b, b);
+    sum = (sum + weight.z * weight.x * dm_dot(c, c)) * dm_splat((dm_real)0.5 / radius);
+    dm_lanes most = dm_splat((dm_real)DM_MOST_SAGITTA * radius);
+    return dm_blend((dm_mask)(sum < most), sum, most);
+}
+
 /* List the faces inside a sphere with their nearest points, and count the contacts at each corner. */
 static int64_t dm_find_contacts(dm_state *b, const dm_near *t) {
     dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
@@ -93,14 +103,15 @@ static int64_t dm_find_contacts(dm_state *b, const dm_near *t) {
             weight.x * p.z + weight.y * q.z + weight.z * r.z,
         };
         dm_lanes distance = dm_vsqrt(dm_dot(at, at));
-        dm_mask inside = (dm_mask)(distance < dm_splat(t->radius * (dm_real)(1 - DM_ROUNDING)));
+        dm_lanes radius = dm_splat(t->radius) - dm_sagitta(weight, p, q, r, t->radius);
+        dm_mask inside = (dm_mask)(distance < radius * dm_splat((dm_real)(1 - DM_ROUNDING)));
         if (!dm_any_of(inside)) continue;
         for (int l = 0; l < DM_LANES && k + l < t->face_count; l++) {
             if (!inside[l]) continue;
             dm_contact *h = b->hits + count++;
             memcpy(h->corner, face[l], sizeof h->corner);
             h->weight[0] = weight.x[l], h->weight[1] = weight.y[l], h->weight[2] = weight.z[l];
-            h->distance = distance[l] > DM_TINY ? distance[l] : DM_TINY;
+            h->distance = distance[l] > DM_TINY ? distance[l] : DM_TINY, h->radius = radius[l];
             h->normal = (dm_quad){at.x[l], at.y[l], at.z[l], 0} / h->distance;
             if (h->distance < t->radius * (dm_real)DM_TOO_NEAR) h->normal = dm_inward_normal(b, h->corner);
             for (int j = 0; j < 3; j++) b->shares[h->corner[j]] += h->weight[j] > (dm_real)DM_WEIGHT_FLOOR;
@@ -132,7 +143,7 @@ DM_INLINE dm_real dm_compliance_of(const dm_state *b, const dm_contact *h, dm_re
 /* One sweep over the faces, all from the same state; return how deep the deepest was. */
 static dm_real dm_resolve_faces(dm_state *b, const dm_near *t, double *impulse, uint32_t *moved) {
     int64_t count = dm_find_contacts(b, t);
-    dm_real nearest_at = t->radius;
+    dm_real deepest = 0;
     for (dm_contact *h = b->hits; h < b->hits + count; h++) {
         const uint32_t *at = h->corner;
         dm_real mu = 0, give = dm_compliance_of(b, h, h->mobility);
@@ -145,8 +156,9 @@ static dm_real dm_resolve_faces(dm_state *b, const dm_near *t, double *impulse, 
         drag = (drag < most ? drag : most) / (speed > DM_TINY ? speed : DM_TINY);
         h->impulse = push * h->normal - drag * slide;
         drag *= dm_slip_time(b, DM_SQRT(dm_dot3(relative, relative)));
-        h->out = (t->radius - h->distance) / give * h->normal - drag * slide;
-        nearest_at = h->distance < nearest_at ? h->distance : nearest_at;
+        dm_real depth = h->radius - h->distance;
+        h->out = depth / give * h->normal - drag * slide;
+        deepest = depth > deepest ? depth : deepest;
     }
     for (const dm_contact *h = b->hits; h < b->hits + count; h++) {
         for (int j = 0; j < 3; j++) {
@@ -157,7 +169,7 @@ static dm_real dm_resolve_faces(dm_state *b, const dm_near *t, double *impulse, 
         }
         for (int c = 0; c < 3; c++) impulse[c] -= h->impulse[c];
     }
-    return t->radius - nearest_at;
+    return deepest;
 }
 
 /* Bring the vertices that contacts moved back into the groups. */

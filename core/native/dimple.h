@@ -19,10 +19,11 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 3 /* changes with anything below */
+#define DM_ABI 5 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
+#define DM_MAX_PIECES 32
 #define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
 
 typedef struct dm_body dm_body;
@@ -44,12 +45,16 @@ enum { DM_SET_BEST, DM_SET_BASE, DM_SET_AVX2 }; /* base: SSE2 on x86-64, NEON on
 typedef struct {
     const double *stiffness;    /* (springs,) [N/m] */
     const double *damping;      /* (springs,) of their dashpots [N s/m] */
+    const double *tension;      /* (springs,) between the displacements of their ends, of shape matching [N/m] */
     const double *mass;         /* (vertices,) [kg] for rigid motion: that of loose vertices does not count */
     const double *inverse_mass; /* (vertices,) [1/kg], 0 where pinned */
     const double *friction;     /* (vertices,) coefficient */
     const double *k1;           /* (vertices,) shape matching up to the knee [N/m] */
     const double *k2;           /* (vertices,) beyond the knee [N/m] */
     const double *d0;           /* (vertices,) displacement at the knee [m] */
+    int64_t pieces;             /* further ones of shape matching */
+    const double *more;         /* (pieces, vertices) stiffness that they add [N/m], beyond */
+    const double *knees;        /* (pieces, vertices) their knees [m] */
     const double *drag;         /* (vertices,) damping of shape matching [N s/m] */
     const double *laws;         /* (materials, 3) K1, K2 [N/m] and x0 [m] of Eq. (1) */
     int64_t materials;
@@ -96,7 +101,6 @@ typedef struct {
 typedef struct {
     double from[3], first[3], last[3]; /* centres [m] */
     double radius;                     /* [m] */
-    double contact_radius;             /* [m] of the sphere that meets the body; smaller on a proxy */
     int64_t down;                      /* 0: this one is lifted and the rest does not count */
     int64_t fresh;                     /* it was not down before, or elsewhere */
 } dm_fingertip;

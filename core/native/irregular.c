@@ -22,7 +22,7 @@ static void dm_add_irregular_forces(dm_state *b) {
             square += xj[c] * xj[c], growth += xj[c] * (vj[c] - vi[c]);
         }
         square = square > 1e-30 ? square : 1e-30;
-        double tension = s->stiffness * (1 - s->rest / sqrt(square)) + s->damping * growth / square;
+        double tension = s->stiffness * (1 - s->rest / sqrt(square)) + s->tension + s->damping * growth / square;
         for (int c = 0; c < 3; c++) xj[c] *= tension;
         if (s->on_i) dm_add_force(b, s->i, xj, 1);
         if (s->on_j) dm_add_force(b, s->j, xj, -1);

@@ -85,19 +85,24 @@ static dm_rigid dm_rigid_part(const dm_state *b, const dm_inertia *at, const dou
     return r;
 }
 
-/* The moments that both fits ask for, in one pass. With q the place at rest from its centre, sum k1 q = 0. */
+/* The moments that both fits ask for, in one pass. With q the place at rest from its centre, sum k1 q = 0; the tension
+ * takes part by its pull p, sum p = 0. */
 enum { DM_K_X = 0, DM_K_XQ = 3, DM_M_X = 12, DM_M_XX = 15, DM_M_V = 21, DM_M_XV = 24, DM_MOMENTS = 27 };
 
 static void dm_sum_moments(const dm_state *b, double *sums) {
     dm_wide sum[DM_MOMENTS] = {{0}};
     dm_lanes part[DM_MOMENTS] = {{0}};
     for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 x = b->state[g].x, v = b->state[g].v, q = b->matter[g].rest;
-        dm_lanes k = b->matter[g].k1, kx[3] = {k * x.x, k * x.y, k * x.z}, m = b->matter[g].mass;
+        dm_vec3 x = b->state[g].x, v = b->state[g].v, q = b->matter[g].rest, p = b->matter[g].pull;
+        dm_lanes k = b->matter[g].k1, at[3] = {x.x, x.y, x.z}, m = b->matter[g].mass;
+        dm_lanes kx[3] = {k * x.x, k * x.y, k * x.z};
         dm_vec3 mx = {m * x.x, m * x.y, m * x.z}, turning = dm_cross(mx, v);
         for (int c = 0; c < 3; c++) {
             dm_lanes *row = part + DM_K_XQ + 3 * c;
-            part[DM_K_X + c] += kx[c], row[0] += kx[c] * q.x, row[1] += kx[c] * q.y, row[2] += kx[c] * q.z;
+            part[DM_K_X + c] += kx[c];
+            row[0] += kx[c] * q.x - at[c] * p.x;
+            row[1] += kx[c] * q.y - at[c] * p.y;
+            row[2] += kx[c] * q.z - at[c] * p.z;
         }
         part[DM_M_X] += mx.x, part[DM_M_X + 1] += mx.y, part[DM_M_X + 2] += mx.z;
         part[DM_M_XX] += mx.x * x.x, part[DM_M_XX + 1] += mx.y * x.y, part[DM_M_XX + 2] += mx.z * x.z;
@@ -110,7 +115,7 @@ static void dm_sum_moments(const dm_state *b, double *sums) {
     for (int k = 0; k < DM_MOMENTS; k++) sums[k] = dm_sum_of(sum[k]);
 }
 
-/* Fit the shape at rest to the body: least squares weighted by k1. */
+/* Fit the shape at rest to the body: least squares weighted by k1 and the tension. */
 static void dm_fit_pose(dm_state *b, const double *sums) {
     /* from the last rotation it is a small way, so few sweeps are needed: r = r0 fit(r0^T h) */
     const double *t = b->turned;
@@ -146,7 +151,8 @@ static void dm_fit_points(int64_t count, const double *rest, const double *point
     for (int c = 0; c < 3; c++) pose[9 + c] = to[c] - dm_inner3(pose + 3 * c, from);
 }
 
-/* Where the shape at rest is: with the pins, or the best fit to the body, by k1 or, where that is 0, by mass. */
+/* Where the shape at rest is: with the pins, or the best fit to the body, by k1 and the tension or, where k1 is 0,
+ * by mass. */
 static void dm_fit_whole(const dm_state *b, double *pose) {
     if (!b->free) {
         memcpy(pose, b->pose, sizeof b->pose);
@@ -158,12 +164,12 @@ static void dm_fit_whole(const dm_state *b, double *pose) {
     dm_lanes part[16] = {{0}};
     for (int64_t g = 0; g < b->groups; g++) {
         const dm_group_matter *m = b->matter + g;
-        dm_vec3 x = b->state[g].x, q = m->rest;
-        dm_lanes w = by_mass ? m->mass : m->k1, wx[3] = {w * x.x, w * x.y, w * x.z};
+        dm_vec3 x = b->state[g].x, q = m->rest, p = m->pull;
+        dm_lanes w = by_mass ? m->mass : m->k1, at[3] = {x.x, x.y, x.z}, wx[3] = {w * x.x, w * x.y, w * x.z};
         part[15] += w, part[12] += w * q.x, part[13] += w * q.y, part[14] += w * q.z;
         for (int c = 0; c < 3; c++) {
-            part[9 + c] += wx[c], part[3 * c] += wx[c] * q.x;
-            part[3 * c + 1] += wx[c] * q.y, part[3 * c + 2] += wx[c] * q.z;
+            part[9 + c] += wx[c], part[3 * c] += wx[c] * q.x - at[c] * p.x;
+            part[3 * c + 1] += wx[c] * q.y - at[c] * p.y, part[3 * c + 2] += wx[c] * q.z - at[c] * p.z;
         }
         if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 16);
     }

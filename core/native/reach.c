@@ -85,12 +85,12 @@ static void dm_move_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
             way[c] *= slow, here[c] += way[c];
             at[c] = here[c] - b->origin[c], way[c] /= m->tick;
         }
-        to->finger = k, to->radius = (dm_real)f->contact_radius;
+        to->finger = k, to->radius = (dm_real)f->radius;
         to->centre = dm_quad_of(at), to->velocity = dm_quad_of(way);
-        dm_real reach = (dm_real)(f->contact_radius + 2 * slow * sqrt(far) + 2 * (double)speed * m->tick);
+        dm_real reach = (dm_real)(f->radius + 2 * slow * sqrt(far) + 2 * (double)speed * m->tick);
         dm_find_near_vertices(b, to, reach);
         dm_find_near_faces(b, to, reach);
-        double travel = DM_SKIN_TRAVEL * f->contact_radius;
+        double travel = DM_SKIN_TRAVEL * f->radius;
         if (to->vertex_count + to->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
             b->skin_travel = travel;
     }

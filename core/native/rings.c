@@ -18,7 +18,7 @@ DM_INLINE dm_strain dm_strain_of(dm_vec3 d, dm_vec3 w) {
     return (dm_strain){dm_vsqrt(square), dm_splat(1) / square, dm_dot(d, w)};
 }
 
-/* f = (k (1 - l0 / |d|) + c d.w / d^2) d, with one division: 1 / |d| = |d| / d^2 */
+/* f = (k (1 - l0 / |d|) + t + c d.w / d^2) d, with one division: 1 / |d| = |d| / d^2 */
 DM_INLINE void dm_add_spring_force(const dm_slot *s, dm_vec3 d, dm_strain e, dm_vec3 *force) {
     dm_lanes tension = s->stiffness + (s->damping * e.closing - s->pull * e.root) * e.inverse;
     force->x += tension * d.x, force->y += tension * d.y, force->z += tension * d.z;
@@ -36,11 +36,15 @@ DM_INLINE dm_vec3 dm_rotated(const dm_vec3 *rows, dm_vec3 q, dm_vec3 offset) {
     return (dm_vec3){dm_dot(rows[0], q) + offset.x, dm_dot(rows[1], q) + offset.y, dm_dot(rows[2], q) + offset.z};
 }
 
-/* -(k1 + (k2 - k1) max(1 - d0 / |u|, 0)) u - c w: a spring of two slopes to the place in the shape at rest */
-DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, dm_vec3 u, dm_vec3 w) {
-    dm_lanes k = m->k1, square = dm_dot(u, u);
-    if (dm_any_of((dm_mask)(square > m->d0 * m->d0))) /* few vertices are that far from home */
-        k += m->k_more * dm_vmax(dm_splat(1) - m->d0 / dm_vsqrt(dm_vmax(square, dm_splat(DM_TINY))), dm_splat(0));
+/* -(k1 + (k2 - k1) max(1 - d0 / |u|, 0) + ...) u - c w: a spring of two slopes or more to the place at rest */
+DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, const dm_piece *piece, int64_t count, dm_vec3 u,
+                                    dm_vec3 w) {
+    dm_lanes k = m->k1, square = dm_dot(u, u), none = dm_splat(0), one = dm_splat(1);
+    if (dm_any_of((dm_mask)(square > m->first_knee * m->first_knee))) { /* few vertices are that far from home */
+        dm_lanes inverse = one / dm_vsqrt(dm_vmax(square, dm_splat(DM_TINY)));
+        k += m->k_more * dm_vmax(one - m->d0 * inverse, none);
+        for (int64_t p = 0; p < count; p++) k += piece[p].more * dm_vmax(one - piece[p].knee * inverse, none);
+    }
     return (dm_vec3){-(k * u.x + m->damping * w.x), -(k * u.y + m->damping * w.y), -(k * u.z + m->damping * w.z)};
 }
 
@@ -49,7 +53,7 @@ DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, dm_vec3 u, dm_vec3
 DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
     dm_wide volume = {0}, sum[6] = {{0}};
     dm_lanes part[6] = {{0}}, dt = dm_splat((dm_real)b->dt), sixth = dm_splat((dm_real)1 / 6);
-    dm_vec3 offset = dm_splat3(b->translation);
+    dm_vec3 offset = dm_splat3(b->translation), none = {dm_splat(0), dm_splat(0), dm_splat(0)};
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
     dm_vec3 gravity = dm_splat3(b->gravity), arm[DM_MAX_NEIGHBOURS + 2];
     dm_strain strains[DM_MAX_NEIGHBOURS];
@@ -58,14 +62,17 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
     dm_vec3 shifting = dm_splat3(b->turning + 9);
     for (int64_t g = 0; g < b->groups; g++) {
         const dm_group_matter *m = b->matter + g;
-        dm_vec3 x = b->state[g].x, v = b->state[g].v, w = v, normal = {dm_splat(0), dm_splat(0), dm_splat(0)};
+        dm_vec3 x = b->state[g].x, v = b->state[g].v, w = v, normal = none;
         /* damping is against the shape at rest as it moves */
         if (b->carried) w = dm_sub(v, dm_rotated(turning, m->rest, shifting));
         if (fitted) {
             dm_vec3 spin = dm_cross(angular, x);
             w = (dm_vec3){v.x - linear.x - spin.x, v.y - linear.y - spin.y, v.z - linear.z - spin.z};
         }
-        dm_vec3 force = dm_matching_force(m, dm_sub(x, dm_rotated(rows, m->rest, offset)), w);
+        const dm_piece *piece = b->pieces + g * b->piece_count;
+        dm_vec3 force = dm_matching_force(m, piece, b->piece_count, dm_sub(x, dm_rotated(rows, m->rest, offset)), w);
+        /* the tension between displacements is that of the arms, in the springs, less that of the shape at rest */
+        force = dm_sub(force, dm_rotated(rows, m->pull, none));
         if (fitted) {
             dm_vec3 torque = dm_cross(x, force);
             part[0] += force.x, part[1] += force.y, part[2] += force.z;
@@ -82,7 +89,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
             }
             for (int64_t k = 0; k < count; k++) dm_add_spring_force(s + k, arm[k], strains[k], &force);
             /* the fan closes; where its triangles are odd in number, the last is turned alone */
-            arm[count] = arm[0], arm[count + 1] = (dm_vec3){dm_splat(0), dm_splat(0), dm_splat(0)};
+            arm[count] = arm[0], arm[count + 1] = none;
             for (int64_t k = 0; k < count; k += 2) dm_add_fan_normal(arm + k, &normal);
             volume += dm_widen(dm_dot(x, normal));
         }

@@ -19,7 +19,7 @@ from ..mesh.surface import Mesh
 from ..solver.backend import Body, create
 from ..solver.motion import FingertipMotion, Motion
 from .cells import vertex_normals
-from .proxy import Proxy, build_proxy, carry, contact_radius
+from .proxy import Proxy, build_proxy, carry
 
 DOWN, HOLD, MEAN = 0.15, 0.1, 0.05  # [s]; the force is the mean over the last part of the hold
 DEPTH = 0.5  # of the fingertip's radius
@@ -131,19 +131,15 @@ def _distance(points: Floats, place: Floats) -> float:
 
 
 def press_body(
-    body: Body, press: BenchmarkPress, *, radius: float, substeps: int, chunk: int = 10
+    body: Body, press: BenchmarkPress, *, substeps: int, chunk: int = 10
 ) -> Iterator[tuple[float, PressResult]]:
-    """Press a body; yield the share that is done and the result so far after every `chunk` ticks.
-
-    Args:
-        radius: of the sphere in contact [m]: the fingertip's, or a smaller one on a proxy (`contact_radius`).
-    """
+    """Press a body; yield the share that is done and the result so far after every `chunk` ticks."""
     ticks, last = round((DOWN + HOLD) / TICK), round(MEAN / TICK)
     down = np.minimum(np.arange(0, ticks + 1, chunk) * TICK / DOWN, 1) * press.depth
     centres = [(press.at + press.outward * (press.radius - depth)).tolist() for depth in down]
     done, impulse = PressResult(positions=body.positions()), 0.0
     for part, (start, end) in enumerate(zip(centres, centres[1:], strict=False), 1):
-        tip = FingertipMotion.straight(start, end, ticks=chunk, radius=radius, fresh=part == 1)
+        tip = FingertipMotion.straight(start, end, ticks=chunk, radius=press.radius, fresh=part == 1)
         started = time.process_time()
         frame = body.step(Motion(chunk, substeps, TICK, (tip,)))
         done.cost += time.process_time() - started
@@ -216,9 +212,8 @@ def press_variant(
     steps, ends, body = moves.substeps(TICK), [], create(moves)
     for k, press in enumerate(presses):
         ends.append(PressResult())
-        radius = contact_radius(proxy, press.radius) if proxy else press.radius
         body.set_state(moves.matching.rest)
-        for part, ends[k] in press_body(body, press, radius=radius, substeps=steps):
+        for part, ends[k] in press_body(body, press, substeps=steps):
             yield (k + part) / len(presses)
     return proxy, steps, ends
 

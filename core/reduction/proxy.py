@@ -14,6 +14,7 @@ import numpy.typing as npt
 from ..base import Bools, DimpleError, Floats, Ints, sums_at
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
+from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, mesh_from_triangles
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 
@@ -21,7 +22,6 @@ SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
 NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
 NEIGHBOURS = 8  # seeds a fine vertex follows, the last one the distance at which a seed counts no more
-MOST_DIP = 0.5  # of the radius; a proxy so coarse is not chosen
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
@@ -150,16 +150,6 @@ def most_of(model: Model) -> int:
     return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
 
 
-def contact_radius(proxy: Proxy, radius: float) -> float:
-    """Return the radius [m] of the sphere that touches a proxy where the fingertip would touch the fine surface.
-
-    A facet of side h with its corners on a sphere of radius R dips h^2 / (6 R) into it at its middle, and contact
-    keeps the middle out. With a sphere smaller by this the corners lie where the fine surface does.
-    """
-    dip = max(proxy.spacing**2 - proxy.fine_spacing**2, 0.0) / (6 * radius)
-    return radius - min(dip, MOST_DIP * radius)
-
-
 def check(model: Model) -> None:
     """Raise where no proxy of any size can be made.
 
@@ -197,17 +187,23 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
     matching = model.matching
     held = mean(model.held.astype(float)) >= 0.5
     damping = matching.damping / np.maximum(2 * np.sqrt(matching.k1 * model.mass), 1e-30)
-    unit = membrane_stiffness(fine, np.ones(len(fine.springs)))
-    weight = np.where(unit > 0, fine.spring_areas, 0.0)
     ends = cells[fine.springs].ravel()
-    # the material's own k [N/m], as its edges have it
-    k = sums_at(ends, np.repeat(model.springs.stiffness / np.maximum(unit, 1e-30) * weight, 2), m)
-    k /= np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30)
+
+    def of_surface(values: Floats, unit: Floats) -> Floats:
+        """Return the material's own constant [N/m] on the edges of the proxy, from that of fine edges."""
+        weight = np.where(unit > 0, fine.spring_areas, 0.0)
+        sums = sums_at(ends, np.repeat(values / np.maximum(unit, 1e-30) * weight, 2), m)
+        return (sums / np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30))[mesh.springs].mean(axis=1)
+
+    k = of_surface(model.springs.stiffness, membrane_stiffness(fine, np.ones(len(fine.springs))))
+    tension = of_surface(matching.tension, cotangent_weights(fine))
     coarse = assemble(
         mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), held=held,
         friction=mean(model.friction), damping=mean(damping),
-        stiffness=membrane_stiffness(mesh, k[mesh.springs].mean(axis=1)),
-        k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0), fill=model.pressure.fill,
+        stiffness=membrane_stiffness(mesh, k), tension=cotangent_weights(mesh) * tension,
+        k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0),
+        more=np.reshape([total(k) for k in matching.more], (-1, m)),
+        knees=np.reshape([mean(knee) for knee in matching.knees], (-1, m)), fill=model.pressure.fill,
         gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
     if coarse.free != model.free or held.all():

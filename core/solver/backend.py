@@ -53,4 +53,4 @@ def create(model: Model, *, surface: Model | None = None, backend: str = "auto")
     name, _ = choose_backend(backend)
     if name == "numpy":
         return Twin(model, surface=surface)
-    return native.Body(model, surface=surface, bits=64 if name == "native64" else 32)
+    return native.Body(model, native.library(), surface=surface, bits=64 if name == "native64" else 32)

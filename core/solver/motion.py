@@ -16,7 +16,6 @@ class FingertipMotion(NamedTuple):
 
     start, first, last: centres (3,) [m].
     radius: of the fingertip [m].
-    contact_radius: of the sphere that meets the body [m], smaller on a proxy.
     fresh: it was not down before, or elsewhere.
     """
 
@@ -24,14 +23,13 @@ class FingertipMotion(NamedTuple):
     first: Vector
     last: Vector
     radius: float
-    contact_radius: float
     fresh: bool = False
 
     @staticmethod
     def straight(start: Vector, end: Vector, *, ticks: int, radius: float, fresh: bool = False) -> FingertipMotion:
         """Return an even motion from start to end."""
         x, y, z = ((a + (b - a) / ticks) if ticks else b for a, b in zip(start, end, strict=True))
-        return FingertipMotion(start, (x, y, z), end, radius, radius, fresh)
+        return FingertipMotion(start, (x, y, z), end, radius, fresh)
 
 
 class PinMotion(NamedTuple):

@@ -64,7 +64,7 @@ class Twin:
             self._rest_pins(model.held)
         here = {i: np.array(tips[i].start) for i in down}  # type: ignore[union-attr]
         impulses, ticks, finite = np.zeros((len(tips), 3)), 0, True
-        radii = np.array([tips[i].contact_radius for i in down])  # type: ignore[union-attr]
+        radii = np.array([tips[i].radius for i in down])  # type: ignore[union-attr]
         while ticks < motion.ticks and finite:
             share = ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
             if motion.pins:
@@ -104,7 +104,7 @@ class Twin:
         """Return where the shape at rest is now."""
         matching = self.model.matching
         weight = matching.k1 if matching.k1.any() else matching.mass
-        return self._state.pose or fit_pose(matching.rest, self._state.positions, weight)
+        return self._state.pose or fit_pose(matching.rest, self._state.positions, weight, matching.pull)
 
     def _touching(self, tips: tuple[FingertipMotion | None, ...], i: int, centre: Floats) -> Touching:
         """Return how a fingertip meets the surface at rest, and remember by which side it came in."""

@@ -40,7 +40,7 @@ def body_of(model: Model, bits: int) -> native.Body:
     if key not in _bodies:
         while len(_bodies) >= KEPT:
             del _bodies[next(iter(_bodies))]
-        _bodies[key] = native.Body(model, bits=bits)
+        _bodies[key] = native.Body(model, native.library(), bits=bits)
     return _bodies[key]
 
 

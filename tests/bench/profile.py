@@ -23,7 +23,7 @@ def measured(library: ctypes.CDLL, scene: str, size: int) -> tuple[int, list[flo
     """Return the number of vertices and [ns per vertex and step] of each part and of the whole."""
     model, fingers, top = bench.scene_of(scene, size)
     n, substeps = len(model.mass), model.substeps(bench.TICK)
-    body = native.Body(model, using=library)
+    body = native.Body(model, library)
     kind = {"SSE2": "base", "NEON": "base", "AVX2": "avx2"}[library.dm_instructions(native.BEST).decode()]
     spent = np.ctypeslib.as_array((ctypes.c_double * len(PARTS)).in_dll(library, f"dm_seconds_{kind}_32"))
     down = bench.straight(top, top - bench.DEPTH, bench.PRESS_TICKS, fingers)

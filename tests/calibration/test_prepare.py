@@ -108,12 +108,11 @@ def test_single_rows_that_are_wrong_are_left_out_with_a_warning():
     assert constants(broken) == TRUTH
 
 
-def test_a_file_that_begins_in_contact_says_so():
+def test_a_file_that_begins_in_contact_has_its_touch_where_its_first_rows_point_back_to():
     depth = np.linspace(2, 22, 300)
     press = prepare(recording(depth, law(depth), noise=0.001))
-    assert not press.tare
+    assert not press.tare and press.free == ("contact",)
     assert press.touch == pytest.approx(0, abs=2e-4)
-    assert "begins in contact" in " ".join(press.notes)
 
 
 def test_a_given_touch_is_taken():
@@ -139,10 +138,13 @@ def test_a_force_that_goes_both_ways_is_asked():
 
 def test_a_file_with_only_the_way_back_is_asked_about_and_refused():
     depth = np.linspace(22, 0, 300)
-    with pytest.raises(Undecided, match="both ways"):
+    with pytest.raises(Undecided, match="In what order do its rows stand"):
         prepare(recording(depth, law(depth)))
     with pytest.raises(DimpleError, match="never grows"):
-        prepare(recording(depth, law(depth)), Answers(press="positive"))
+        prepare(recording(depth, law(depth)), Answers(order="written"))
+    with pytest.raises(DimpleError, match="never grows"):  # a clock says it
+        prepare(replace(recording(depth, law(depth)), timed=True))
+    assert constants(recording(depth, law(depth)), Answers(order="reversed")) == TRUTH
 
 
 def test_a_snap_is_warned_of():

@@ -87,7 +87,7 @@ PRESSES: dict[str, Callable] = {
     "cycle": two_presses,
     "table": lambda curve: table(curve.depth, curve.force) + table(curve.depth, 0.4 * curve.force),
     "press": both_ways,
-    "press, of a way back": lambda curve: table(curve.depth[::-1], curve.force[::-1]),
+    "order": lambda curve: table(curve.depth[::-1], curve.force[::-1]),
     "contact_mm": lambda curve: table(curve.depth[60:] - curve.depth[60], curve.force[60:]),
 }
 

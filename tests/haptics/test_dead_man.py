@@ -157,7 +157,7 @@ def test_a_time_that_is_none_of_this_clock_holds_nothing(until: float) -> None:
 
 
 def test_no_order_holds_the_key_for_longer_than_it_was_set() -> None:
-    """Frames are written at their own pace; they renew the lease, but only until the time that was given."""
+    """Frames are written at their own rate; they renew the lease, but only until the time that was given."""
     device, box = HapticMaster("nowhere"), Mailbox()
     device._box = box
 

@@ -1,4 +1,4 @@
-"""Call the native core at random, by itself in a process: `fuzz.py SEED`. Every array is longer than what is told."""
+"""Call the native core at random, by itself in a process: `fuzz.py SEED`. Every array is longer than its count."""
 
 import ctypes
 import os
@@ -11,7 +11,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from core import native
-from core.native import BodyDef, CFrame, CMotion, Constants
+from core.native.body import CFrame, CMotion
+from core.native.definition import BodyDef, Constants
 
 CALLS = 4000
 BODIES = 12

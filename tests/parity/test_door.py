@@ -4,6 +4,7 @@ import ctypes
 import re
 import subprocess
 import sys
+import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ import pytest
 from core import base, native
 from core.body import contact
 from core.mesh import depth
+from core.native.body import CFrame, CMotion, CTouch, Fingertip
+from core.native.definition import Arrays, BodyDef, Constants, define
 from core.session import Session
 from core.solver import motion
 from core.solver.motion import FingertipMotion, Motion
@@ -26,8 +29,8 @@ HERE = Path(__file__).parent
 SIZE, INDEX, NUMBER, OPTION = 1, 2, 3, 5  # dimple.h
 HEADER = (SOURCES / "dimple.h").read_text()
 STRUCTURES = {
-    "dm_constants": native.Constants, "dm_body_def": native.BodyDef, "dm_fingertip": native.Fingertip,
-    "dm_motion": native.CMotion, "dm_touch": native.CTouch, "dm_frame": native.CFrame,
+    "dm_constants": Constants, "dm_body_def": BodyDef, "dm_fingertip": Fingertip,
+    "dm_motion": CMotion, "dm_touch": CTouch, "dm_frame": CFrame,
 }  # fmt: skip
 C_TYPES = {"double": "c_double", "int64_t": "c_int64", "int32_t": "c_int32"}
 
@@ -71,7 +74,8 @@ def test_the_constants_of_c_are_those_of_python() -> None:
     shared = {
         "FACE_SWEEPS": contact.FACE_SWEEPS, "FACE_SLACK": contact.FACE_SLACK, "LEAST_SWEEPS": contact.LEAST_SWEEPS,
         "PINNED_GIVE": contact.HELD_GIVE, "ROUNDING": contact.ROUNDING, "TOO_NEAR": contact.TOO_NEAR,
-        "WEIGHT_FLOOR": contact.WEIGHT_FLOOR, "SKIN_TRAVEL": base.SKIN_TRAVEL, "FINGER_TRAVEL": base.FINGER_TRAVEL,
+        "WEIGHT_FLOOR": contact.WEIGHT_FLOOR, "MOST_SAGITTA": contact.MOST_SAGITTA,
+        "SKIN_TRAVEL": base.SKIN_TRAVEL, "FINGER_TRAVEL": base.FINGER_TRAVEL,
         "LARGEST_GROWTH": base.LARGEST_GROWTH, "FASTEST": base.FASTEST, "SAME_SIDE": depth.SAME_SIDE,
         "AIR_PRESSURE": base.AIR_PRESSURE, "AIR_EXPONENT": base.AIR_EXPONENT, "ABI": native.ABI,
         "LIQUID_BULK_MODULUS": base.LIQUID_BULK_MODULUS, "MAX_STEPS": motion.MAX_STEPS,
@@ -86,11 +90,11 @@ def code_of(call: Callable[[], Any]) -> int:
     return caught.value.code
 
 
-def created(change: Callable[[native.BodyDef], None], bits: int = 32, instruction_set: int = native.BEST) -> int:
+def created(change: Callable[[BodyDef], None], bits: int = 32, instruction_set: int = native.BEST) -> int:
     """Return the code of creating a sound body whose definition was changed."""
     sound, _, _ = build(CASES["liquid"])
-    with native._Arrays() as arrays:
-        definition = native._definition(native.library(), sound, sound, arrays)
+    with Arrays() as arrays:
+        definition = define(native.library(), sound, sound, arrays)
         change(definition)
         handle = ctypes.c_void_p()
         code = native.library().dm_create(ctypes.byref(handle), ctypes.byref(definition), bits, instruction_set)
@@ -102,7 +106,7 @@ def created(change: Callable[[native.BodyDef], None], bits: int = 32, instructio
 @pytest.fixture
 def body() -> native.Body:
     sound, _, _ = build(CASES["liquid"])
-    return native.Body(sound)
+    return native.Body(sound, native.library())
 
 
 def test_a_sound_definition_is_taken() -> None:
@@ -137,7 +141,7 @@ def test_constants_that_are_none_are_refused(body: native.Body, wrong: float) ->
         changed = replace(body.model, **{name: broken})
         if name != "mass":
             assert code_of(lambda: body.set_constants(changed)) == NUMBER  # noqa: B023
-            assert code_of(lambda: native.Body(changed)) == NUMBER  # noqa: B023
+            assert code_of(lambda: native.Body(changed, native.library())) == NUMBER  # noqa: B023
     stiffness = np.array(body.model.springs.stiffness)
     stiffness[3] = wrong
     changed = replace(body.model, springs=replace(body.model.springs, stiffness=stiffness))
@@ -186,10 +190,10 @@ def test_an_unknown_precision_fill_or_law_set_is_refused() -> None:
 
 def test_a_null_body_is_refused_by_every_call() -> None:
     library, x = native.library(), np.zeros(3)
-    assert library.dm_step(None, ctypes.byref(native.CMotion()), ctypes.byref(native.CFrame())) == SIZE
+    assert library.dm_step(None, ctypes.byref(CMotion()), ctypes.byref(CFrame())) == SIZE
     assert library.dm_set_state(None, x.ctypes.data, None) == SIZE
     assert library.dm_get_state(None, x.ctypes.data, None) == SIZE
-    assert library.dm_set_constants(None, ctypes.byref(native.Constants())) == SIZE
+    assert library.dm_set_constants(None, ctypes.byref(Constants())) == SIZE
     library.dm_destroy(None)
 
 
@@ -198,13 +202,13 @@ def test_a_body_is_freed_with_its_object(monkeypatch: pytest.MonkeyPatch) -> Non
 
     freed: list[int] = []
     library = native.library()
-    monkeypatch.setattr(native.weakref, "finalize", lambda owner, free, handle: freed.append(handle))
-    made = native.Body(build(CASES["liquid"])[0])
+    monkeypatch.setattr(weakref, "finalize", lambda owner, free, handle: freed.append(handle))
+    made = native.Body(build(CASES["liquid"])[0], native.library())
     assert freed == [made._handle.value]
     library.dm_destroy(freed[0])
     monkeypatch.undo()
-    kept = native.Body(build(CASES["liquid"])[0])
-    alive = native.weakref.ref(kept)
+    kept = native.Body(build(CASES["liquid"])[0], native.library())
+    alive = weakref.ref(kept)
     del kept
     gc.collect()
     assert alive() is None

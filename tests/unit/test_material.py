@@ -6,7 +6,6 @@ from dataclasses import replace
 import pytest
 
 from core.base import DimpleError
-from core.body.estimate import FINGERTIP, MEMBRANE_SHARE, estimate
 from core.material import PRESETS, Material
 
 SOFT = Material(K1=600.0, K2=2000.0, x0=0.01, k=5000.0, mass=0.1)
@@ -62,29 +61,6 @@ def test_the_presets_are_table_2() -> None:
         found = (preset.size * 1e3, m.K1 / 1e3, m.K2 / 1e3, m.x0 * 1e3, m.k / 1e3)
         assert found == pytest.approx(table[preset.name][:5]) and m.fill == table[preset.name][5]
         assert preset.provenance and preset.label
-
-
-@pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)
-def test_the_skin_alone_takes_its_share_at_the_knee_or_all_it_has(preset: object) -> None:
-    material, size = preset.material, preset.size  # type: ignore[attr-defined]
-    constants = estimate(material, size)
-    # a string of length l pulled by x in its middle: twice its tension times the sine of its slope
-    half = math.sqrt((size / 2) ** 2 + material.x0**2)
-    pull = 2 * material.k * (2 * half - size) * material.x0 / half
-    share = MEMBRANE_SHARE * material.K1 * material.x0
-    assert pull * constants.membrane_scale == pytest.approx(min(pull, share))
-
-
-@pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)
-def test_the_first_guess_keeps_the_knee_and_the_slopes(preset: object) -> None:
-    material, size = preset.material, preset.size  # type: ignore[attr-defined]
-    constants = estimate(material, size)
-    assert constants.d0 == material.x0
-    assert constants.kappa2 / constants.kappa1 == pytest.approx(material.K2 / material.K1)
-    # the bed under the tip: as wide as where the skin's pull balances it
-    width = (constants.membrane_scale * material.k * material.x0**2 / (2 * constants.kappa1)) ** 0.25
-    area = math.pi * FINGERTIP**2 * (0.4 + 2 * width / material.x0)
-    assert constants.kappa1 * area == pytest.approx(material.K1)
 
 
 @pytest.mark.parametrize("value", [1e33, math.inf])

@@ -46,7 +46,7 @@ def icosphere(mesh: Any, subdivisions: int) -> None:
 
 @pytest.fixture
 def ball(add: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that adds a ball of radius 1 that stands for one of 165 mm; of 42 vertices unless told."""
+    """Return a function that adds a ball of radius 1 that stands for one of 165 mm; of 42 vertices by default."""
 
     def add_ball(name: str = "Ball", subdivisions: int = 2) -> Any:
         obj = add([], [], name)

@@ -1,6 +1,8 @@
 """What a bake leaves on the disk: a cache and a table, all of it or nothing, found again when the project moves."""
 
+import importlib
 import shutil
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.blender.operators.test_bake import table
+from tools.environment import ROOT
 
 Add = Callable[..., Any]
 Bits = Callable[[Any], bytes]
@@ -29,6 +32,20 @@ def test_the_table_beside_the_cache_has_force_depth_pressure_and_volume(
     assert held["force_1_n"] > 1 and held["pressure_pa"] > 0
     assert 0.9 < held["volume_m3"] / held["rest_volume_m3"] < 1
     assert rows[0]["force_1_n"] == 0 and held["force_2_n"] == 0
+
+
+def test_the_demo_sums_up_the_table_that_a_bake_writes(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("matplotlib", "PIL"):  # hidden from the extension, but the demo draws with them
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.syspath_prepend(ROOT / "blend_samples")
+    demo = importlib.import_module("demo")
+    obj = pressed()
+    bpy.ops.dimple.bake(frame_start=1, frame_end=demo.HELD)
+    row = demo.summary_row(obj, table(obj, scene))
+    assert row["finite"] and row["steps"] > 0 and row["vertices"] == row["moving_vertices"] == len(obj.data.vertices)
+    assert row["max_depth_mm"] == pytest.approx(20, abs=1.5) and row["volume_error"] < 0.1
 
 
 def test_several_objects_are_baked_in_one_pass(bpy: ModuleType, scene: Any, ball: Add) -> None:

@@ -1,0 +1,146 @@
+"""Which way a recording goes: the order of its rows, the sign of a press, the sign of a depth, and its range."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base import DimpleError, Floats
+from .blocks import MIN_ROWS
+from .question import Answers, Candidate, Question, Undecided, WrongColumns
+from .reader import Measurement
+from .strokes import TURN, turns
+
+_EVEN, _UNEVEN = 0.05, 0.35  # scatter of the steps of a driven axis, and of what cannot be one
+_FIRST = 5  # rows at either end that tell the force there
+_TREND = 0.5  # correlation of depth and force up to the largest force that tells a direction
+_LEAST = 0.05  # of the rows: fewer up to the largest force tell nothing
+
+
+def oriented(
+    measurement: Measurement, depth: Floats, force: Floats, answers: Answers, notes: list[str]
+) -> tuple[Floats, Floats, int]:
+    """Return depth (n,) growing inward [m], force (n,) growing with a press [N], and the sign of the file's depth.
+
+    Raises:
+        Undecided: the order of the rows, the sign of a press, or which column is which, is open.
+        DimpleError: there is no press in it.
+    """
+    depth, force = _in_order(depth, force, measurement.timed, answers, notes)
+    force = _pressing_sign(force, answers, notes)
+    inward = _inward(depth, force, answers)
+    if inward < 0:
+        notes.append("The depth falls as the force grows and was turned round.")
+    depth = inward * depth
+    _check_columns(measurement, depth, force, answers)
+    keep = np.ones(len(depth), bool)
+    if answers.from_mm is not None:
+        keep &= depth >= inward * answers.from_mm / 1e3
+    if answers.until_mm is not None:
+        keep &= depth <= inward * answers.until_mm / 1e3
+    if keep.sum() < MIN_ROWS:
+        raise DimpleError(f"Only {int(keep.sum())} rows lie in the range that was given; a fit needs {MIN_ROWS}.")
+    if not keep.all():
+        notes.append(f"{int((~keep).sum())} rows outside the range that was given were left out.")
+    return depth[keep], force[keep], inward
+
+
+def _in_order(depth: Floats, force: Floats, timed: bool, answers: Answers, notes: list[str]) -> tuple[Floats, Floats]:
+    """Return the rows in the order they were measured; ask where they seem to stand from the last to the first."""
+    if answers.order == "reversed":
+        notes.append("The rows were turned round, from the last to the first.")
+        return depth[::-1], force[::-1]
+    if not _begins_deepest(depth, force):
+        return depth, force
+    if timed or answers.order == "written":
+        raise DimpleError("The depth never grows: the file holds unloading only, no press.")
+    raise Undecided(which_order(f"The file begins with its largest force, {force[0]:.4g} N, and ends with little"))
+
+
+def which_order(why: str) -> Question:
+    """Ask in what order the rows stand, with the reason for asking."""
+    return Question(
+        name="order",
+        text=f"{why}. In what order do its rows stand?",
+        candidates=(
+            Candidate(value="reversed", label="from the last to the first"),
+            Candidate(value="written", label="as they were measured"),
+        ),
+        default="reversed",
+    )
+
+
+def _begins_deepest(depth: Floats, force: Floats) -> bool:
+    """Return whether a recording of one stroke begins with its largest force and ends with little."""
+    first, last = (float(np.median(np.abs(part))) for part in (force[:_FIRST], force[-_FIRST:]))
+    return first > 0.8 * float(np.abs(force).max()) and first > 2 * last and len(turns(depth, TURN)) == 2
+
+
+def _pressing_sign(force: Floats, answers: Answers, notes: list[str]) -> Floats:
+    """Return the force with pressing positive."""
+    start = float(np.median(force[:_FIRST]))
+    up, down = float(force.max()) - start, start - float(force.min())
+    largest = force[np.abs(force).argmax()]
+    negative = down > up
+    unsure = min(up, down) > 0.5 * max(up, down) or negative != (largest < 0)
+    if answers.press is None and unsure:
+        raise Undecided(
+            Question(
+                name="press",
+                text="The force goes both ways from where it begins. Which sign is a press?",
+                candidates=(
+                    Candidate(value="positive", label=f"from {start:.4g} N up to {force.max():.4g} N"),
+                    Candidate(value="negative", label=f"from {start:.4g} N down to {force.min():.4g} N"),
+                ),
+            )
+        )
+    if answers.press == "negative" or (answers.press is None and negative):
+        notes.append("The force is negative where it presses and was turned round.")
+        return -force
+    return force
+
+
+def _inward(depth: Floats, force: Floats, answers: Answers) -> int:
+    """Return the sign of a depth that grows inward: with the force, up to the largest of it."""
+    if answers.inward is not None:
+        return 1 if answers.inward == "positive" else -1
+    peak = int(force.argmax())
+    for side in (slice(peak + 1), slice(peak, None)):  # beyond it the specimen may be torn
+        x, f = depth[side], force[side]
+        if len(x) >= max(2 * MIN_ROWS, _LEAST * len(force)) and min(np.ptp(x), np.ptp(f)) > 0:
+            trend = float(np.corrcoef(x, f)[0, 1])
+            if abs(trend) > _TREND:
+                return 1 if trend > 0 else -1
+    low, high = np.quantile(depth, [0.05, 0.95])
+    agreement = float((force[depth >= high].mean() - force[depth <= low].mean()) / np.ptp(force))
+    if abs(agreement) < 0.1:
+        raise WrongColumns(
+            "The force is no greater at the deepest rows than at the shallowest: these are not a press, or not the "
+            "right columns."
+        )
+    return 1 if agreement > 0 else -1
+
+
+def _check_columns(measurement: Measurement, depth: Floats, force: Floats, answers: Answers) -> None:
+    """Ask where the force advances like a driven axis and the depth does not: the headers may be exchanged."""
+    if answers.depth_column or answers.force_column:
+        return
+    if _scatter(force) < _EVEN and _scatter(depth) > _UNEVEN:
+        (depth_at, force_at), d, f = measurement.columns, measurement.depth_header, measurement.force_header
+        raise Undecided(
+            Question(
+                name="depth_column",
+                text=f"“{f}” advances evenly like a driven depth and “{d}” does not: are they exchanged? "
+                "Which is the depth?",
+                candidates=(
+                    Candidate(value=str(depth_at), label=f"{d}, as the header says (a press driven by its force)"),
+                    Candidate(value=str(force_at), label=f"{f}, for they are exchanged"),
+                ),
+            )
+        )
+
+
+def _scatter(values: Floats) -> float:
+    """Return the scatter of the steps of a column against their mean."""
+    steps = np.abs(np.diff(values))
+    steps = steps[steps > 0]
+    return float(steps.std() / steps.mean()) if len(steps) > 3 else 0.0

@@ -1,0 +1,64 @@
+"""What may be wrong with a calibration, in words: a headline, and after a line break what it means."""
+
+from __future__ import annotations
+
+from .fit import Fit
+from .misfit import Miss
+from .prepare import LoadingCurve
+
+_POOR = 0.05  # of full scale, RMS: a law that misses the curve by more gets a warning
+_FAR = 0.25  # of the force: points that the law misses by more get one too
+_LATE = 0.2  # of the depth: a press whose first row lies deeper has begun before
+_WIDENED = 2.0  # times wider intervals are explained
+_DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N]: presses outside have the wrong unit more often than not
+
+
+def doubts(fit: Fit, loading: LoadingCurve, length: float | None, miss: Miss | None) -> tuple[str, ...]:
+    """Return what a reader of the constants should know: of the knee, the shape, the intervals and the units."""
+    found = []
+    deepest = float(loading.depth.max())
+    if fit.model == "one":
+        found.append(
+            f"No knee was found down to {1e3 * deepest:.3g} mm.\nOne slope says as much as two (F test "
+            f"p = {fit.knee_p:.2g}): K2 equals K1 and x0 is the deepest row."
+        )
+    elif fit.falls:
+        found.append(
+            "The force falls while the depth grows.\nThe best two pieces would fall; these are the best of those that "
+            "rise, as a body of the model must."
+        )
+    elif fit.K2.value < fit.K1.value:
+        found.append(
+            "The object softens beyond the knee (K2 < K1).\nThat is unusual: see whether it buckles or is torn, and "
+            "whether the columns of depth and force are exchanged."
+        )
+    first = float(loading.depth[loading.depth > 0].min())
+    if first > _LATE * deepest:
+        found.append(
+            f"The file begins {1e3 * first:.3g} mm after the first touch.\nWhat the object answers before that was not "
+            "measured: K1 and x0 hold only if it is straight down to the touch."
+        )
+    if miss and (fit.misfit > _POOR or miss.share > _FAR):
+        found.append(
+            f"The law misses the measured points by up to {100 * miss.share:.0f} % of the force.\nThat is "
+            f"{miss.error:+.3g} N at {1e3 * miss.depth:.3g} mm, and {100 * fit.misfit:.1f} % of full scale (RMS) over "
+            "all: the curve has another shape than two straight slopes."
+        )
+    if fit.widened > _WIDENED:
+        found.append(
+            f"The curve bends where the law is straight.\nNeighbouring residuals agree with each other "
+            f"(r = {fit.correlation:.2f}), so the 95 % intervals are {fit.widened:.1f} times wider than independent "
+            "rows would give."
+        )
+    unknown = [name for name in ("K1", "K2", "x0") if (c := getattr(fit, name)).half_width >= abs(c.value)]
+    if unknown:
+        found.append(f"The curve does not determine {', '.join(unknown)}.\n0 lies within the 95 % interval.")
+    if not _DEPTHS[0] < deepest < _DEPTHS[1] or not _FORCES[0] < fit.full_scale < _FORCES[1]:
+        found.append(f"{1e3 * deepest:.3g} mm and {fit.full_scale:.3g} N are unlikely for a press: check the units.")
+    if length is not None and deepest > length:
+        found.append(
+            f"The press is {1e3 * deepest:.3g} mm deep, more than the object's {1e3 * length:.3g} mm: check the units."
+        )
+    if fit.K1.value <= 0:
+        found.append("The force does not grow with the depth.\nThere is no material with these constants.")
+    return tuple(found)

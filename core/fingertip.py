@@ -1,0 +1,107 @@
+"""A fingertip of a session: where it is to be, or what pushes it, and its way there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from .body.model import Model
+from .solver.motion import FingertipMotion, Touch, Vector
+from .solver.pushed import Pushed, advance
+
+NOWHERE = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Finger:
+    """A fingertip: a sphere that goes where it is told, or is pushed by a force.
+
+    position: of its centre (3,) [m]; of one that is pushed, where it touches before it goes in.
+    radius: [m].
+    force: that pushes it from there [N], None where its place is prescribed.
+    inward: unit vector (3,) of that force.
+    """
+
+    position: Vector
+    radius: float
+    force: float | None = None
+    inward: Vector = (0.0, 0.0, -1.0)
+
+
+@dataclass(slots=True)
+class FingerOnItsWay:
+    """A fingertip that is down, during a step: it moves linearly from the step's begin to its end.
+
+    target: where it is to be at the end.
+    origin: where it was at the begin [m]; of one that is pushed, where it would be without the force.
+    here: where it is [m].
+    fresh: no tick has moved it since it was put down.
+    pushed: how far the force has pushed it, None where its place is prescribed.
+    """
+
+    target: Finger
+    origin: Vector
+    here: Vector
+    fresh: bool = True
+    pushed: Pushed | None = None
+
+    def motion(self, first: float, last: float) -> FingertipMotion:
+        """Return the motion of some ticks, as shares of the way that are over at the end of the first and the last."""
+        return FingertipMotion(self.here, self._at(first), self._at(last), self.target.radius, self.fresh)
+
+    def push(self, model: Model, touch: Touch | None, seconds: float, tick: float) -> None:
+        """Move one that a force pushes by a tick [s]; touch: of the last ticks, which took so many seconds."""
+        if self.pushed and self.target.force is not None:
+            reaction = along(touch.impulse, NOWHERE, self.target.inward) / seconds if touch else 0.0
+            radius = self.target.radius
+            self.pushed = advance(self.pushed, self.target.force, reaction, model=model, radius=radius, tick=tick)
+
+    def finger(self) -> Finger:
+        """Return where it is to be; one that is pushed, where it has been pushed."""
+        return replace(self.target, position=self.here) if self.pushed else self.target
+
+    def scale(self, scale: float) -> None:
+        """Multiply all lengths, as if it had just been put down."""
+        self.origin, self.here, self.fresh = scaled(self.origin, scale), scaled(self.here, scale), True
+        self.pushed = self.pushed and Pushed(way=scale * self.pushed.way)
+
+    def _at(self, share: float) -> Vector:
+        at, (x, y, z) = between(self.origin, self.target.position, share), self.target.inward
+        way = self.pushed.way if self.pushed else 0.0
+        return at[0] + way * x, at[1] + way * y, at[2] + way * z
+
+
+def sent(tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | None:
+    """Return a fingertip on its way to another place, one that has just come down there, or None for a lifted one."""
+    if finger is None:
+        return None
+    if tip is None:
+        place = vector(finger.position)
+        tip = FingerOnItsWay(finger, place, place)
+    tip.target = finger
+    if finger.force is None:
+        tip.pushed = None
+    elif tip.pushed is None or tip.fresh:
+        tip.pushed = Pushed(way=along(tip.here, tip.origin, finger.inward))
+    return tip
+
+
+def vector(a: Sequence[float]) -> Vector:
+    """Return three numbers as Python's own."""
+    x, y, z = a
+    return float(x), float(y), float(z)
+
+
+def scaled(a: Vector, scale: float) -> Vector:
+    """Return a vector of another length."""
+    return scale * a[0], scale * a[1], scale * a[2]
+
+
+def along(a: Vector, b: Vector, direction: Vector) -> float:
+    """Return how far a is from b along a direction."""
+    return (a[0] - b[0]) * direction[0] + (a[1] - b[1]) * direction[1] + (a[2] - b[2]) * direction[2]
+
+
+def between(a: Vector, b: Vector, share: float) -> Vector:
+    """Return the point at a share of the way from a to b."""
+    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])

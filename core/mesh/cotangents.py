@@ -1,0 +1,28 @@
+"""The cotangent weights of a surface at rest: what turns differences along edges into a gradient on the surface."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base import Floats, sums_at
+from .surface import Mesh
+
+LARGEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no better
+
+
+def cotangent_weights(mesh: Mesh) -> Floats:
+    """Return w (m,) of every spring of a mesh: half the sum of the cotangents of the angles opposite the edge.
+
+    The sum over edges of w |u_i - u_j|^2 is the integral of |grad u|^2. Where angles are so blunt that w would be
+    negative it is 0, so that no energy is.
+    """
+    x, corners, n = mesh.rest_positions, mesh.triangles, len(mesh.rest_positions)
+    total = np.zeros(len(mesh.springs))
+    order = mesh.springs[:, 0] * n + mesh.springs[:, 1]  # sorted, as springs are
+    for c in range(3):
+        at, low, high = corners[:, c], corners[:, c - 1], corners[:, c - 2]
+        a, b = x[low] - x[at], x[high] - x[at]
+        cotangent = (a * b).sum(axis=1) / np.maximum(2 * mesh.triangle_areas, 1e-12 * mesh.size**2)
+        edge = np.searchsorted(order, np.minimum(low, high) * n + np.maximum(low, high))
+        total += sums_at(edge, cotangent, len(total)) / 2
+    return np.clip(total, 0, LARGEST)

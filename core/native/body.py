@@ -1,0 +1,192 @@
+"""A body that owns its state in the library, and the structures of dimple.h by which it is moved and read."""
+
+from __future__ import annotations
+
+import ctypes
+import struct
+import weakref
+from ctypes import Structure, byref, c_double, c_void_p
+from typing import Any
+
+import numpy as np
+
+from ..base import Floats
+from ..body.model import Model
+from ..solver.motion import Frame, Motion, PinMotion, Touch
+from .definition import Arrays, constants, define, fields
+
+BEST, BASE, AVX2 = 0, 1, 2  # instruction sets
+
+
+class NativeError(RuntimeError):
+    """A call that the library refused, and why. code: its number in dimple.h, 0 for reasons of Python's."""
+
+    def __init__(self, reason: str, code: int = 0) -> None:
+        super().__init__(reason)
+        self.code = code
+
+
+class Fingertip(Structure):
+    """Where one fingertip goes during a call: dm_fingertip."""
+
+    _fields_ = fields(first="d3", last="d3", radius="d", down="n", fresh="n")
+    _fields_.insert(0, ("from_", c_double * 3))
+
+
+class CMotion(Structure):
+    """What happens to a body during a call: dm_motion."""
+
+    _fields_ = [
+        *fields(ticks="n", substeps="n", tick="d"),
+        ("fingertips", Fingertip * 3),
+        *fields(pins_from="p", pins_to="p", pins_first="d", pins_last="d"),
+    ]
+
+
+class CTouch(Structure):
+    """How a fingertip meets a body: dm_touch."""
+
+    _fields_ = fields(impulse="d3", centre="d3", depth="d", outward="d3", law_force="d", triangle="n")
+
+
+class CFrame(Structure):
+    """What a call came to: dm_frame."""
+
+    _fields_ = [("touches", CTouch * 3), *fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n")]
+
+
+def _letters(kind: Any) -> str:
+    """Return the letters by which the module struct names the numbers of a ctypes type."""
+    if issubclass(kind, Structure):
+        return "".join(_letters(each) for _, each, *_ in kind._fields_)
+    return _letters(kind._type_) * kind._length_ if issubclass(kind, ctypes.Array) else kind._type_
+
+
+# whole structures, written and read as flat numbers: far faster than field by field
+_PACKED_MOTION, _PACKED_FRAME = struct.Struct(_letters(CMotion)), struct.Struct(_letters(CFrame))
+_LIFTED = (*[0.0] * 10, 0, 0)
+_NO_PINS = 0, 0, 0.0, 0.0
+_TOUCH_NUMBERS = len(_letters(CTouch))
+
+
+class Body:
+    """A body in the library, which owns its state; freed with this object. Its twin is `solver.twin.Twin`.
+
+    Args:
+        model: what moves.
+        library: that runs it.
+        surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
+        bits: 32 or 64, of the state.
+        instruction_set: BEST, or another where a test compares them.
+
+    Raises:
+        NativeError: the library refused it.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        library: ctypes.CDLL,
+        *,
+        surface: Model | None = None,
+        bits: int = 32,
+        instruction_set: int = BEST,
+    ) -> None:
+        self.library = library
+        self.model, self._surface = model, surface or model
+        self._shape = model.matching.rest.shape
+        self._placed: Floats | None = model.matching.rest  # what has not been stepped since keeps its digits
+        self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
+        with Arrays() as arrays:
+            definition = define(self.library, model, self._surface, arrays)
+            self._call("dm_create", byref(self._handle), byref(definition), bits, instruction_set)
+        weakref.finalize(self, self.library.dm_destroy, self._handle.value)
+        # what every step hands over: made once
+        self._step = self.library.dm_step
+        self._step_arguments = self._handle, byref(self._motion), byref(self._frame)
+
+    def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
+        """Give the living body the numbers of other models of the same meshes.
+
+        Args:
+            surface: as at the start; left out, a proxy keeps the one it has.
+
+        Raises:
+            NativeError: a number that is none, or another mesh.
+        """
+        surface = surface or (model if self._surface is self.model else self._surface)
+        if model.mesh is not self.model.mesh or surface.mesh is not self._surface.mesh:
+            raise NativeError("the model is of another mesh")
+        with Arrays() as arrays:
+            self._call("dm_set_constants", self._handle, byref(constants(model, surface, arrays)))
+        self.model, self._surface = model, surface
+
+    def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
+        """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
+        with Arrays() as arrays:
+            at, speed = (arrays.double(a) for a in (positions, velocities))
+            if np.shape(positions) != self._shape or (velocities is not None and np.shape(velocities) != self._shape):
+                raise NativeError(f"the state must have the shape {self._shape}")
+            self._call("dm_set_state", self._handle, at, speed)
+        self._placed = np.array(positions, np.float64)
+
+    def positions(self) -> Floats:
+        """Return where the vertices are, (3, n) [m]."""
+        if self._placed is not None:
+            return self._placed.copy()
+        x = np.empty(self._shape)
+        self._call("dm_get_state", self._handle, x.ctypes.data, None)
+        return x
+
+    def velocities(self) -> Floats:
+        """Return how fast the vertices move, (3, n) [m/s]."""
+        v = np.empty(self._shape)
+        self._call("dm_get_state", self._handle, None, v.ctypes.data)
+        return v
+
+    def step(self, motion: Motion) -> Frame:
+        """Run the ticks of a motion.
+
+        Raises:
+            NativeError: the motion has a number that is none.
+        """
+        if motion.ticks:
+            self._placed = None
+        numbers: list[Any] = [motion.ticks, motion.substeps, motion.tick]
+        for tip in motion.fingertips:
+            numbers += _LIFTED if tip is None else (
+                *tip.start, *tip.first, *tip.last, tip.radius, True, tip.fresh,
+            )  # fmt: skip
+        numbers += _LIFTED * (3 - len(motion.fingertips))
+        pins = None
+        if motion.pins is None:
+            numbers += _NO_PINS
+        else:
+            pins = self._places(motion.pins)  # they live until the call is over
+            numbers += (*(a.ctypes.data for a in pins), motion.pins.first, motion.pins.last)
+        _PACKED_MOTION.pack_into(self._motion, 0, *numbers)
+        code = self._step(*self._step_arguments)
+        if code:
+            raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
+        found = _PACKED_FRAME.unpack_from(self._frame)
+        touches = tuple([_touch(found, i * _TOUCH_NUMBERS) if tip else None for i, tip in enumerate(motion.fingertips)])
+        volume, pressure, ticks, finite = found[-4:]
+        return Frame(touches, found[-16:-4], volume, pressure, ticks, bool(finite))
+
+    def _places(self, pins: PinMotion) -> list[Floats]:
+        """Return where pins start and end, as the library reads it."""
+        shape = 3, int(self.model.held.sum())
+        arrays = [np.ascontiguousarray(a, np.float64) for a in (pins.start, pins.end)]
+        if arrays[0].shape != shape or arrays[1].shape != shape:
+            raise NativeError(f"the places of the pins must have the shape {shape}")
+        return arrays
+
+    def _call(self, name: str, *values: Any) -> None:
+        code = getattr(self.library, name)(*values)
+        if code:
+            raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
+
+
+def _touch(a: tuple[Any, ...], i: int) -> Touch:
+    """Return the touch whose numbers begin at i."""
+    return Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11])

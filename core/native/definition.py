@@ -1,0 +1,115 @@
+"""A model as the library asks for it: the structures dm_body_def and dm_constants of dimple.h, field by field."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import Structure, byref, c_double, c_int32, c_int64, c_void_p
+from typing import Any
+
+import numpy as np
+
+from ..body.model import Model
+
+FILLS = {"none": 0, "air": 1, "liquid": 2}
+LAW_SETS = {"consistent": 0, "paper": 1}
+
+_TYPES: dict[str, Any] = {"p": c_void_p, "n": c_int64, "i": c_int32, "d": c_double}
+
+
+def fields(**kinds: str) -> list[tuple[str, Any]]:
+    """Return the fields of a structure: p array, n int64, i int32, d double, d3 three of them..."""
+    return [(name, _TYPES[kind[0]] * int(kind[1:]) if kind[1:] else _TYPES[kind]) for name, kind in kinds.items()]
+
+
+class Constants(Structure):
+    """The numbers of a body that may change while it lives: dm_constants."""
+
+    _fields_ = fields(
+        stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p",
+        pieces="n", more="p", knees="p", drag="p",
+        laws="p", materials="n", gravity="d3", ground="d", law_set="i", fill="i", free="i",
+    )  # fmt: skip
+
+
+class BodyDef(Structure):
+    """What a body is: dm_body_def."""
+
+    _fields_ = fields(
+        vertices="n", rest="p", loose="p", width="n", ring="p", ring_spring="p", springs="n", ends="p",
+        rest_length="p", irregular="n", irregular_spring="p", irregular_end="p", triangles="n", corners="p",
+        fans="n", fan="p", cap_edges="n", cap_edge="p", cap_hole="p", rest_volume="d", rest_area="d", size="d",
+        surface_vertices="n", surface_rest="p", surface_triangles="n", surface_corners="p", surface_material="p",
+    ) + [("constants", Constants)]  # fmt: skip
+
+
+class Arrays:
+    """Keep arrays alive, contiguous and of the right type, while the library reads them."""
+
+    def __init__(self) -> None:
+        self._kept: list[Any] = []
+
+    def __enter__(self) -> Arrays:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._kept.clear()
+
+    def of(self, array: Any, dtype: Any) -> int:
+        """Return the address of an array."""
+        array = np.ascontiguousarray(array, dtype)
+        self._kept.append(array)
+        return int(array.ctypes.data)
+
+    def double(self, array: Any) -> int | None:
+        """Return the address of an array of doubles, None for None."""
+        return None if array is None else self.of(array, np.float64)
+
+    def index(self, array: Any) -> int:
+        """Return the address of an array of indices."""
+        return self.of(array, np.int64)
+
+
+def define(library: ctypes.CDLL, model: Model, surface: Model, arrays: Arrays) -> BodyDef:
+    """Return what the library asks for of a model, and of the one below whose surface fingertips are measured."""
+    definition, mesh, springs = BodyDef(), model.mesh, model.springs
+    library.dm_default_body_def(byref(definition))
+    rings = springs.rings
+    values = {
+        "vertices": len(mesh.rest_positions), "rest": arrays.double(mesh.rest_positions.T),
+        "loose": arrays.of(mesh.loose, np.uint8),
+        "width": len(rings.neighbours), "ring": arrays.index(rings.neighbours),
+        "ring_spring": arrays.index(rings.springs),
+        "springs": len(springs.pairs), "ends": arrays.index(springs.pairs),
+        "rest_length": arrays.double(springs.rest_lengths),
+        "irregular": len(rings.irregular_springs), "irregular_spring": arrays.index(rings.irregular_springs),
+        "irregular_end": arrays.of(rings.irregular_ends, np.uint8),
+        "triangles": len(mesh.triangles), "corners": arrays.index(mesh.triangles),
+        "fans": len(rings.corners), "fan": arrays.index(rings.corners),
+        "cap_edges": len(mesh.cap_edges), "cap_edge": arrays.index(mesh.cap_edges),
+        "cap_hole": arrays.index(mesh.cap_loop),
+        "rest_volume": model.pressure.rest_volume, "rest_area": float(mesh.triangle_areas.sum()), "size": mesh.size,
+        "surface_vertices": len(surface.mesh.rest_positions),
+        "surface_rest": arrays.double(surface.mesh.rest_positions.T),
+        "surface_triangles": len(surface.mesh.triangles), "surface_corners": arrays.index(surface.mesh.triangles),
+        "surface_material": arrays.index(surface.mesh.triangle_material),
+        "constants": constants(model, surface, arrays),
+    }  # fmt: skip
+    for name, value in values.items():
+        setattr(definition, name, value)
+    return definition
+
+
+def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
+    """Return the numbers of a model that may change while its body lives."""
+    matching = model.matching
+    return Constants(
+        stiffness=arrays.double(model.springs.stiffness), damping=arrays.double(model.springs.damping),
+        tension=arrays.double(matching.tension), mass=arrays.double(matching.mass),
+        inverse_mass=arrays.double(model.inverse_mass),
+        friction=arrays.double(model.friction), k1=arrays.double(matching.k1), k2=arrays.double(matching.k2),
+        d0=arrays.double(matching.d0), pieces=len(matching.more), more=arrays.double(matching.more),
+        knees=arrays.double(matching.knees), drag=arrays.double(matching.damping),
+        laws=arrays.double([(m.K1, m.K2, m.x0) for m in surface.materials]), materials=len(surface.materials),
+        gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
+        law_set=LAW_SETS[model.law_set], fill=FILLS[model.pressure.fill], free=model.free,
+    )  # fmt: skip

@@ -1,0 +1,139 @@
+"""File > Export > Dimple Animation: one dialog for every format."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+
+from . import polls, sessions
+from .names import EXPORTS, Op
+from .working import Working
+
+_ASKED = ("formats", "source", "frame_start", "frame_end", "step", "normals", "overwrite")
+_SOURCES = (
+    ("PLAYED", "Bake or Recording", "What the objects play; those that play nothing are simulated"),
+    ("SIMULATE", "Simulate Anew", "Simulate the objects as a bake does, whatever they play"),
+)
+
+
+class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
+    """Export the press of the selected bodies, with a table of forces and a JSON that describes the files"""
+
+    bl_idname = Op.EXPORT
+    bl_label = "Export Dimple Animation"
+    verb, stopped = "Exporting", "The export was cancelled; the files that were finished are kept"
+
+    directory: StringProperty(
+        name="Folder", description="Where the files go, named after the objects", subtype="DIR_PATH"
+    )
+    formats: EnumProperty(
+        name="Formats", description="What to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"}
+    )
+    source: EnumProperty(name="Source", description="What is exported", items=_SOURCES)
+    frame_start: IntProperty(name="First Frame", description="By default the scene's first frame", default=1)
+    frame_end: IntProperty(name="Last Frame", description="By default the scene's last frame", default=250)
+    step: IntProperty(
+        name="Every n Frames", description="In glTF and FBX, one shape key for this many frames", default=1, min=1,
+        soft_max=25,
+    )  # fmt: skip
+    normals: BoolProperty(
+        name="Normals", description="Write how the surface is shaded; files are larger", default=True
+    )
+    overwrite: BoolProperty(name="Overwrite", description="Replace files that are there already", default=False)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode, and nothing else at work."""
+        if context.mode != "OBJECT":
+            return polls.refuse(cls, "Go back to Object Mode to export")
+        return polls.is_free(cls)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the folder, then export between Blender's events."""
+        if self.properties.is_property_set("directory"):
+            return Working.invoke(self, context, event)
+        self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
+        self._browsing = True
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Export at once; behind the file browser start anew, for this one cannot go on between events."""
+        if getattr(self, "_browsing", False):
+            settings = {name: getattr(self, name) for name in _ASKED}
+            bpy.ops.dimple.export_animation("INVOKE_DEFAULT", directory=self.directory, **settings)
+            return {"CANCELLED"}
+        return Working.execute(self, context)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the settings, and how large the files will be."""
+        from bpy.app.translations import pgettext_iface as iface_
+
+        from ..core.base import DimpleError
+        from . import exporting
+
+        layout = self.layout
+        layout.use_property_split = True
+        layout.column().prop(self, "formats")
+        for name in _ASKED[1:]:
+            layout.prop(self, name)
+        try:
+            size = exporting.estimate(self._plan(context))
+        except DimpleError as error:
+            layout.label(text=str(error), translate=False, icon="ERROR")
+        else:
+            megabytes = round(size / 1e6)
+            layout.label(text=iface_("About {} MB").format(megabytes), translate=False)
+
+    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
+        return sessions.open_run(context, "export", "Exporting: Esc cancels", interval=0.01)
+
+    def _begin(self, context: bpy.types.Context):
+        """Return the steps; live sessions end first, for what is exported starts at rest."""
+        from . import exporting
+
+        sessions.stop_all()
+        self._messages: list[str] = []
+        self._written: list[Path] = []
+        return exporting.export(context, self._plan(context), self._messages, self._written)
+
+    def _plan(self, context: bpy.types.Context):
+        from . import exporting, live
+
+        given, scene = self.properties.is_property_set, context.scene
+        return exporting.ExportPlan(
+            objects=[obj for obj in live.candidates(context) if obj.type == "MESH"] or live.candidates(context),
+            formats=[key for key, *_ in EXPORTS if key in self.formats],
+            folder=Path(bpy.path.abspath(self.directory or "//")),
+            first=self.frame_start if given("frame_start") else scene.frame_start,
+            last=self.frame_end if given("frame_end") else scene.frame_end,
+            step=self.step,
+            simulate=self.source == "SIMULATE",
+            overwrite=self.overwrite,
+            normals=self.normals,
+        )
+
+    def _finished(self, _context: bpy.types.Context) -> set[str]:
+        for sentence in self._messages:
+            self.report({"WARNING"}, sentence)
+        self.report({"INFO"}, f"Exported {len(self._written)} files to {self._written[0].parent}")
+        return {"FINISHED"}
+
+
+def _draw_in_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    menu.layout.operator(Op.EXPORT, text="Dimple Animation...")
+
+
+_register_class, _unregister_class = bpy.utils.register_classes_factory([DIMPLE_OT_export_animation])
+
+
+def register() -> None:
+    """Register the operator and its place in File > Export."""
+    _register_class()
+    bpy.types.TOPBAR_MT_file_export.append(_draw_in_menu)
+
+
+def unregister() -> None:
+    """Take both away."""
+    bpy.types.TOPBAR_MT_file_export.remove(_draw_in_menu)
+    _unregister_class()

@@ -1,0 +1,106 @@
+"""The JSON beside an exported animation: what is in the files, in which units, and how it was simulated."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import zlib
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from . import bridge, output
+from .formats import FORMATS, Clip
+
+if TYPE_CHECKING:
+    from ..core.session import Session
+
+VERSION = 1  # of the layout of this JSON
+
+
+def describe(
+    context: bpy.types.Context, obj: bpy.types.Object, first: int, last: int, simulated: dict[str, Any] | None
+) -> dict[str, Any]:
+    """Return what is the same for all files of an object; `files` is still empty."""
+    render, mesh = context.scene.render, obj.data
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return {
+        "dimple_animation": VERSION,
+        "dimple": output.version(),
+        "blender": bpy.app.version_string,
+        "object": obj.name,
+        "vertices": len(mesh.vertices),
+        "polygons": len(mesh.polygons),
+        "topology_crc32": f"{zlib.crc32(corners.tobytes()):08x}",
+        "frames": [first, last],
+        "frame_rate": render.fps / render.fps_base,
+        "metres_per_scene_unit": bridge.scale_and_top(context, obj)[0],
+        "scene_unit_scale": context.scene.unit_settings.scale_length,
+        "table_units": "force N, depth mm, pressure Pa, volume m3, work J, time s",
+        "seeds": [],  # nothing is random: the same file gives the same bytes
+        "simulation": simulated or "a bake or recording made before this export",
+        "body": _plain(obj.dimple.to_params()),
+        "materials": {
+            slot.material.name: _plain(slot.material.dimple.to_params())
+            for slot in obj.material_slots
+            if slot.material
+        },
+        "files": {},
+    }
+
+
+def describe_session(session: Session) -> dict[str, Any]:
+    """Return how a session simulated."""
+    return {
+        "solver": session.backend,
+        "tick_s": session.tick,
+        "steps_in_a_tick": session.substeps,
+        "proxy_vertices": len(session.proxy.seeds) if session.proxy else None,
+        "model_notes": list(session.model.notes),
+    }
+
+
+def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
+    """Return what is in a file, or in the files of a folder, with its size and checksum."""
+    kind = FORMATS[each]
+    keyed = each in ("GLB", "FBX")
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    checksum = hashlib.sha256()
+    for file in files:
+        with file.open("rb") as opened:
+            while block := opened.read(1 << 20):
+                checksum.update(block)
+    return {
+        "format": kind.label,
+        "coordinates": kind.space,
+        "shape_key_frames": clip.key_frames if keyed and clip.step > 1 else None,
+        "bytes": sum(file.stat().st_size for file in files),
+        "sha256": checksum.hexdigest(),
+    }
+
+
+def write(path: Path, described: dict[str, Any]) -> None:
+    """Write the JSON.
+
+    Raises:
+        OSError: the disk refuses.
+    """
+    with path.open("w", encoding="utf-8") as file:
+        json.dump(described, file, indent=1, ensure_ascii=False)
+        file.write("\n")
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _plain(params: dict[str, Any]) -> dict[str, Any]:
+    """Return settings as JSON can hold them."""
+    return {name: _value(value) for name, value in params.items()}
+
+
+def _value(value: Any) -> Any:
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value

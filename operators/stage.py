@@ -1,0 +1,151 @@
+"""An object as Blender's own exporters must find it: selected alone, playing a cache, or with a shape key a frame.
+
+Each is a context manager that puts the object back exactly as it was.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import bpy
+import numpy as np
+import numpy.typing as npt
+
+from . import bridge_write
+
+UV_MAP = "dimple_vertex"
+_NAME = "Dimple Export"  # of the modifier; it begins as those of a bake do, so none of ours stays behind
+
+
+@contextlib.contextmanager
+def ranged(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
+    """Let a scene have these frames, and show the first; most exporters ask the scene."""
+    before = scene.frame_start, scene.frame_end, scene.use_preview_range
+    now = scene.frame_current, scene.frame_subframe
+    scene.use_preview_range = False
+    scene.frame_start, scene.frame_end = first, last  # Blender keeps the end behind the start, whatever it was
+    scene.frame_start = first
+    scene.frame_set(first)
+    try:
+        yield
+    finally:
+        scene.frame_start, scene.frame_end, scene.use_preview_range = before
+        scene.frame_start = before[0]
+        scene.frame_set(now[0], subframe=now[1])
+
+
+@contextlib.contextmanager
+def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None]:
+    """Select one object alone; one that is hidden is shown."""
+    layer = context.view_layer
+    before, active = [each for each in layer.objects if each.select_get()], layer.objects.active
+    hidden, hidden_here, fixed = obj.hide_viewport, obj.hide_get(), obj.hide_select
+    for each in before:
+        each.select_set(False)
+    obj.hide_viewport = obj.hide_select = False
+    obj.hide_set(False)
+    obj.select_set(True)
+    layer.objects.active = obj
+    try:
+        yield
+    finally:
+        obj.select_set(False)
+        obj.hide_viewport, obj.hide_select = hidden, fixed
+        obj.hide_set(hidden_here)
+        for each in before:
+            each.select_set(True)
+        layer.objects.active = active
+
+
+@contextlib.contextmanager
+def playing(context: bpy.types.Context, obj: bpy.types.Object, cache: Path, first: int) -> Iterator[None]:
+    """Let an object play a PC2 file, before its modifiers and in place of what bake it plays."""
+    ours = [modifier for modifier in obj.modifiers if bridge_write.is_cache(modifier)]
+    shown = [(modifier.show_viewport, modifier.show_render) for modifier in ours]
+    for modifier in ours:
+        modifier.show_viewport = modifier.show_render = False
+    modifier = obj.modifiers.new(_NAME, "MESH_CACHE")
+    modifier.cache_format, modifier.filepath, modifier.frame_start = "PC2", str(cache), first
+    obj.modifiers.move(len(obj.modifiers) - 1, 0)
+    try:
+        with selected(context, obj):
+            yield
+    finally:
+        obj.modifiers.remove(modifier)
+        for each, (viewport, render) in zip(ours, shown, strict=True):
+            each.show_viewport, each.show_render = viewport, render
+
+
+@contextlib.contextmanager
+def keyed(
+    context: bpy.types.Context, obj: bpy.types.Object, samples: npt.NDArray[np.float32], frames: Sequence[int]
+) -> Iterator[None]:
+    """Give an object a mesh of its own with a keyframed shape key for each frame, in place of the keys it has.
+
+    Args:
+        samples: (frames, vertices, 3) coordinates; the first is the basis.
+    """
+    mesh = obj.data
+    copy, name = mesh.copy(), mesh.name
+    before = obj.active_shape_key_index, obj.show_only_shape_key
+    mesh.name = f"{name}.dimple"[-60:]
+    copy.name = name
+    obj.data = copy
+    obj.show_only_shape_key = False
+    action = bpy.data.actions.new("Dimple")
+    try:
+        _add_keys(obj, samples, frames, action)
+        with selected(context, obj):
+            yield
+    finally:
+        obj.data = mesh
+        bpy.data.meshes.remove(copy)
+        bpy.data.actions.remove(action)
+        mesh.name = name
+        obj.active_shape_key_index, obj.show_only_shape_key = before
+
+
+@contextlib.contextmanager
+def mapped(
+    context: bpy.types.Context, obj: bpy.types.Object, rest: npt.NDArray[np.float32], uv: npt.NDArray[np.float32]
+) -> Iterator[None]:
+    """Give an object a mesh of its own in a shape (vertices, 3), with a last UV map that has a place a vertex."""
+    with keyed(context, obj, rest[None], [0]):
+        obj.shape_key_clear()
+        mesh = obj.data
+        while len(mesh.uv_layers) > 1:  # ours is to be the second one
+            mesh.uv_layers.remove(mesh.uv_layers[-1])
+        if not mesh.uv_layers:
+            mesh.uv_layers.new(name="UVMap")
+        corners = np.empty(len(mesh.loops), np.int32)
+        mesh.loops.foreach_get("vertex_index", corners)
+        mesh.uv_layers.new(name=UV_MAP, do_init=False).uv.foreach_set("vector", uv[corners].ravel())
+        yield
+
+
+def _add_keys(
+    obj: bpy.types.Object, samples: npt.NDArray[np.float32], frames: Sequence[int], action: bpy.types.Action
+) -> None:
+    obj.shape_key_clear()
+    obj.data.vertices.foreach_set("co", samples[0].ravel())
+    obj.shape_key_add(name="Basis", from_mix=False)
+    for sample, frame in zip(samples, frames, strict=True):
+        key = obj.shape_key_add(name=f"Frame {frame:04d}", from_mix=False)
+        key.points.foreach_set("co", sample.ravel())
+    keys = obj.data.shape_keys
+    animation = keys.animation_data_create()
+    animation.action = action
+    slot = action.slots.new("KEY", "Dimple")
+    animation.action_slot = slot
+    strip = action.layers.new("Dimple").strips.new(type="KEYFRAME")
+    curves = strip.channelbag(slot, ensure=True).fcurves
+    for at, frame in enumerate(frames):
+        curve = curves.new(f'key_blocks["Frame {frame:04d}"].value')
+        near = frames[max(at - 1, 0) : at + 2]
+        curve.keyframe_points.add(len(near))
+        curve.keyframe_points.foreach_set("co", [c for each in near for c in (each, float(each == frame))])
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+        curve.update()

@@ -1,0 +1,105 @@
+"""A bake is what the preview has shown: live, recorded and simulated again, bit for bit."""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.blender.operators.conftest import icosphere
+
+Bits = Callable[[Any], bytes]
+FRAMES = 14
+
+
+@pytest.fixture
+def swinging(pressed: Callable[..., Any]) -> Callable[[float], Any]:
+    """Return a function that adds a pressed ball that is carried and turned meanwhile, eased as Blender keys it."""
+
+    def set_up(fps: int) -> Any:
+        obj = pressed(fps)
+        icosphere(obj.data, 4)
+        for frame, x in ((1, 0.0), (1 + fps // 4, 0.3), (1 + fps // 2, -0.1)):
+            obj.location.x = obj.rotation_euler.y = x
+            obj.keyframe_insert("location", index=0, frame=frame)
+            obj.keyframe_insert("rotation_euler", index=1, frame=frame)
+        return obj
+
+    return set_up
+
+
+def hashed(samples: Any) -> str:
+    return hashlib.sha256(np.ascontiguousarray(samples, "<f4").tobytes()).hexdigest()
+
+
+def samples(path: str) -> np.ndarray:
+    from bl_ext.user_default.dimple.core.recording import read_point_cache
+
+    return read_point_cache(path)[2]
+
+
+@pytest.mark.parametrize(("fps", "setting"), [(24, "MESH"), (25, "PROXY"), (60, "MESH")])
+def test_live_recorded_and_simulated_again_are_the_same_bits(
+    bpy: ModuleType, scene: Any, swinging: Callable[[float], Any], coordinates: Bits, fps: int, setting: str
+) -> None:
+    obj = swinging(fps)
+    scene.frame_set(1)
+    obj.dimple.simulated, obj.dimple.proxy_vertices = setting, 100
+    live = [coordinates(obj)]
+    bpy.ops.dimple.play(seconds=0)
+    bpy.ops.dimple.record()
+    for _ in range(FRAMES):
+        bpy.ops.dimple.play(frames=1)
+        live.append(coordinates(obj))
+    bpy.ops.dimple.reset()
+    assert scene.frame_current == 1 + FRAMES
+    recorded = samples(obj.modifiers["Dimple"].filepath)
+    forces = Path(obj.modifiers["Dimple"].filepath).with_suffix(".csv").read_text()
+    assert np.abs(recorded - recorded[0]).max() > 0.05
+    assert hashed(recorded) == hashed(np.frombuffer(b"".join(live), np.float32)), "recorded as shown"
+    bpy.ops.dimple.bake(frame_start=1, frame_end=1 + FRAMES)
+    path = Path(obj.modifiers["Dimple"].filepath)
+    assert hashed(samples(str(path))) == hashed(recorded), "baked as shown"
+    assert path.with_suffix(".csv").read_text() == forces
+
+
+def test_the_same_bake_twice_is_the_same_bytes(
+    bpy: ModuleType, scene: Any, swinging: Callable[[float], Any]
+) -> None:
+    obj = swinging(24)
+    bytes_of = []
+    for _ in range(2):
+        bpy.ops.dimple.bake(frame_start=1, frame_end=9)
+        path = Path(obj.modifiers["Dimple"].filepath)
+        bytes_of.append((path.read_bytes(), path.with_suffix(".csv").read_bytes()))
+    assert bytes_of[0] == bytes_of[1]
+
+
+def test_play_follows_the_timeline_and_begins_anew_where_it_is_wound_back(
+    bpy: ModuleType, scene: Any, swinging: Callable[[float], Any], coordinates: Bits, hand: Any, monkeypatch: Any
+) -> None:
+    from bl_ext.user_default.dimple.operators import timeline
+
+    monkeypatch.setattr(timeline, "is_playing", lambda _context: True)
+    obj = swinging(24)
+    obj.dimple.simulated = "MESH"
+    scene.frame_set(1)
+    bpy.ops.dimple.bake(frame_start=1, frame_end=6)
+    baked = samples(obj.modifiers["Dimple"].filepath)
+    scene.frame_set(1)
+    play = hand("play")
+    play.invoke()
+    for _ in range(2):
+        play.ticks(1)
+        for frame in (2, 3, 9, 9, 9):  # Blender plays, and drops frames where we are slow
+            scene.frame_set(frame)
+            play.ticks(1)
+        assert scene.frame_current == 6, "the timeline waits"
+        assert hashed(np.frombuffer(coordinates(obj), np.float32)) == hashed(baked[5])
+        scene.frame_set(1)
+        play.ticks(1)
+        assert hashed(np.frombuffer(coordinates(obj), np.float32)) == hashed(baked[0])
+    play.send("ESC")
