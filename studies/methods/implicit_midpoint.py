@@ -8,9 +8,9 @@ from functools import partial
 from core.base import Floats
 from core.body.contact import Touch
 from core.body.model import Model, State
-from core.solver.newton import solve
 
 from .implicit import moved_back, run_implicit
+from .newton import solve
 
 
 def advance(model: Model, state: State, touches: Sequence[Touch], dt: float) -> Floats:

@@ -17,9 +17,9 @@ from functools import partial
 from core.base import Floats
 from core.body.contact import Touch
 from core.body.model import Model, State
-from core.solver.newton import pressed, solve
 
 from .implicit import moved_back, run_implicit
+from .newton import pressed, solve
 
 STAGE = 1 - math.sqrt(0.5)  # h / dt
 WEIGHT = (math.sqrt(2) - 1) / 2  # w

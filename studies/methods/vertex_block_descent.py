@@ -16,16 +16,17 @@ from functools import partial
 import numpy as np
 
 from core.base import Floats, Ints
-from core.body import penalty, pressure, shape_matching
+from core.body import pressure, shape_matching
 from core.body.contact import Touch
 from core.body.model import Model, State
-from core.body.penalty import Meeting
 from core.body.shape_matching import Pose, ShapeMatching
-from core.solver.cached import kept
-from core.solver.newton import meet_faces
 
+from . import penalty
+from .cached import kept
 from .colours import colours
 from .implicit import run_implicit
+from .newton import meet_faces
+from .penalty import Meeting
 
 SWEEPS = 4
 CONTACT = 3.0  # stiffness of a contact over that of a vertex: if stiffer, sweeps leave forces that are far off

@@ -11,7 +11,7 @@ from core.base import STANDARD_GRAVITY, DimpleError
 from core.body import pressure, shape_matching, springs
 from core.body.model import Model, build_model
 from core.mesh.surface import base_vertices
-from core.solver.equilibrium import equilibrium, spheres
+from studies.methods.equilibrium import equilibrium, spheres
 from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 
 RADII = np.array([FINGERTIP])
@@ -75,7 +75,7 @@ def test_a_stiff_cube_is_pressed_to_its_knee() -> None:
 
 
 def test_gravity_on_a_free_body_has_no_equilibrium_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("core.solver.equilibrium.STEPS", 6)
+    monkeypatch.setattr("studies.methods.equilibrium.STEPS", 6)
     model = build_model(ball(1), [BALL], gravity=(0, 0, -STANDARD_GRAVITY))
     assert not equilibrium(model, []).converged
 

@@ -11,14 +11,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import Floats, sums_at
-from ..body import penalty, shape_matching, springs
-from ..body.contact import Touch
-from ..body.model import Model, State
-from ..body.penalty import Meeting
+from core.base import Floats, sums_at
+from core.body import shape_matching, springs
+from core.body.contact import Touch
+from core.body.model import Model, State
+from core.solver.ticks import acceleration_of
+
+from . import penalty
 from .cached import kept
+from .penalty import Meeting
 from .tangent import Tangent, tangent
-from .ticks import acceleration_of
 
 NEWTON_STEPS = 30
 NEWTON_TOLERANCE = 1e-8  # of the velocity

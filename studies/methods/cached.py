@@ -6,7 +6,7 @@ import weakref
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from ..body.model import Model
+from core.body.model import Model
 
 Made = TypeVar("Made")
 _made: dict[tuple[int, str], Any] = {}

@@ -1,4 +1,4 @@
-"""Where a body comes to rest under still fingertips: the quasi-static solver that identification uses.
+"""Where a body comes to rest under still fingertips: a quasi-static solver, what methods are compared with.
 
 Backward Euler from standstill minimises E(x) + M |x - x0|^2 / (2 h^2). Steps that grow to a large h so lead downhill
 in energy to an equilibrium, however far it is, and the last ones converge as Newton's method does.
@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import DimpleError, Floats
-from ..body.contact import Touch
-from ..body.model import Model, State, initial_state
+from core.base import DimpleError, Floats
+from core.body.contact import Touch
+from core.body.model import Model, State, initial_state
+
 from .newton import pressed, solve
 
 FIRST_STEP = 0.01  # [s]

@@ -3,7 +3,7 @@
 K = -df/dx, C = -df/dv. A spring under compression pushes sideways, 1 - l0/|l| < 0: that part is left out, so that
 Newton's direction goes downhill. Pressure is its rank-one part g g^T (-dp/dV), never a dense matrix, and its
 geometric part -p d2V/dx2. The shape at rest follows a free body, so rigid motion meets no shape matching: there K is
-exact at rest, and near otherwise. tests/physics/test_tangent.py states what holds.
+exact at rest, and near otherwise. tests/studies/test_tangent.py states what holds.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Floats, sums_at
-from ..body import penalty, pressure, shape_matching
-from ..body.model import Model, State
-from ..body.penalty import Meeting
-from ..body.shape_matching import ShapeMatching
+from core.base import Floats, sums_at
+from core.body import pressure, shape_matching
+from core.body.model import Model, State
+from core.body.shape_matching import ShapeMatching
+
+from . import penalty
+from .penalty import Meeting
 
 _TINY = 1e-30
 Product = Callable[[Floats], Floats]
@@ -79,7 +81,7 @@ def tangent(model: Model, state: State, h: float, met: Sequence[Meeting] = ()) -
 def _inverse(blocks: Floats) -> Floats:
     """Return the inverses (n, 3, 3) of symmetric blocks (n, 3, 3), by their cofactors.
 
-    np.linalg.inv starts OpenBLAS's threads for every block; on a busy machine that is most of an identification.
+    np.linalg.inv starts OpenBLAS's threads for every block; on a busy machine that is most of a solve.
     """
     a, b, c = blocks[:, 0], blocks[:, 1], blocks[:, 2]
     cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)

@@ -3,7 +3,7 @@
     E = sum over faces of c / 2 max(R - d, 0)^2,   d the distance of the centre from the face
 
 A face is met at its nearest point, so a vertex is met as the corner of its faces. The projection of
-`laws.contact` cannot stand in here: it comes after the solve, and a stiff body has then already given way by
+`core.body.contact` cannot stand in here: it comes after the solve, and a stiff body has then already given way by
 M / (M + h^2 K) of the force. The price is a little penetration, force over stiffness, and no friction.
 """
 
@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Floats, Ints, sums_at
-from .contact import Touch, nearest_on_triangles, sagitta
+from core.base import Floats, Ints, sums_at
+from core.body.contact import Touch, nearest_on_triangles, sagitta
 
 _TINY = 1e-30
 
