@@ -36,7 +36,7 @@ class Job:
     """One identification in the background.
 
     name: what it is kept under.
-    owner: the body and its slot that ask for it.
+    owners: the bodies and their slots that ask for it.
     steps: of the identification.
     share: that is done.
     found: the result.
@@ -45,7 +45,7 @@ class Job:
     """
 
     name: str
-    owner: tuple[int, int]
+    owners: set[tuple[int, int]]
     steps: Generator[float, None, Identification]
     share: float = 0.0
     found: Identification | None = None
@@ -79,9 +79,9 @@ def model_constants(
         _known[name] = kept
     if name not in _known:
         if not wait:
-            _start(Job(name=name, owner=owner, steps=_steps(mesh, material, site, deepest)))
+            _start(Job(name=name, owners={owner}, steps=_steps(mesh, material, site, deepest)))
             return None, ""
-        _finish(_work(Job(name=name, owner=owner, steps=_steps(mesh, material, site, deepest))))
+        _finish(_work(Job(name=name, owners={owner}, steps=_steps(mesh, material, site, deepest))))
     found = _known[name]
     if found is None:
         return None, "The force is an estimate in closed form: no constants of the model follow the measured law."
@@ -109,11 +109,14 @@ def _steps(mesh: Mesh, material: Material, site: Site, deepest: float) -> Genera
 
 
 def _start(job: Job) -> None:
+    for other in [other for other in _jobs.values() if other.name != job.name]:
+        other.owners -= job.owners
+        if not other.owners:
+            other.dropped = True
+            del _jobs[other.name]
     if job.name in _jobs:
+        _jobs[job.name].owners |= job.owners
         return
-    for other in [other for other in _jobs.values() if other.owner == job.owner]:
-        other.dropped = True
-        del _jobs[other.name]
     _jobs[job.name] = job
     threading.Thread(target=_work, args=(job,), daemon=True).start()
     if not bpy.app.timers.is_registered(_look):
