@@ -54,7 +54,7 @@ class Job:
     over: threading.Event = field(default_factory=threading.Event)
 
 
-revision = 0  # changes with every result
+revision = 0  # changes with every result of the background
 _known: dict[str, Identification | None] = {}
 _jobs: dict[str, Job] = {}  # under way, by name
 
@@ -141,11 +141,10 @@ def _finish(job: Job) -> None:
     """Keep what was found."""
     import numpy as np
 
-    global revision
     found = job.found
     if found is not None and np.median(found.off) > HOPELESS:
         found = None
-    _known[job.name], revision = found, revision + 1
+    _known[job.name] = found
     if found is not None:
         try:
             cache.remember(own_folder("identified"), job.name, found)
@@ -157,8 +156,10 @@ def _look() -> float | None:
     """Take over what the background has found; a timer of Blender's."""
     from . import sessions
 
+    global revision
     for job in [job for job in _jobs.values() if job.over.is_set()]:
         del _jobs[job.name]
         _finish(job)
+        revision += 1
     sessions.redraw()
     return LOOK_S if _jobs else None

@@ -102,9 +102,9 @@ def test_after_a_change_of_what_was_measured_the_body_runs_with_constants_identi
     setattr(vinyl, name, value)
     constants, notes = read(bpy, cube)
     assert constants.kappa1 != pytest.approx(1e6) and "closed form" not in notes
-    wanted = vinyl.to_params()
-    of = [each for each in ("K1", "K2", "x0", "k", "spread", "indenter", "fill")]
-    assert [{each: getattr(material, each) for each in of} for material in asked] == [{each: wanted[each] for each in of}]
+    wanted, (material,) = vinyl.to_params(), asked
+    for each in ("K1", "K2", "x0", "k", "spread", "indenter", "fill"):
+        assert getattr(material, each) == wanted[each]
     assert calibration.changed(vinyl) == [name] and calibration.identification(vinyl) == {}
     assert read(bpy, cube)[0] == constants and len(asked) == 1
     setattr(vinyl, name, before)
@@ -215,6 +215,20 @@ def test_in_a_window_a_running_body_takes_over_what_the_background_has_found(
     finally:
         sessions.stop_all()
     assert len(asked) == 1
+
+
+def test_what_the_background_finds_is_nothing_to_undo(bpy: ModuleType, vinyl: Any, window: Any, hand: Any) -> None:
+    """What came before a poke stays, so Ctrl Z passes only where a setting was changed meanwhile."""
+    poke = hand("poke")
+    poke.invoke()
+    (job,) = window._jobs.values()
+    assert job.over.wait(WAITED_S) and window._look() is None
+    poke.ticks(2)
+    assert poke.send("Z", ctrl=True) == {"RUNNING_MODAL"}
+    vinyl.K1 = 3.0
+    poke.ticks(1)
+    assert poke.send("Z", ctrl=True) == {"PASS_THROUGH"}
+    poke.send("ESC")
 
 
 def test_a_bake_does_not_wait_for_the_background(
