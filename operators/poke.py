@@ -82,7 +82,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         self._clock = time.perf_counter()
         self._run = sessions.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
         context.window_manager.modal_handler_add(self)
-        self._settings = {uid: body.settings.chosen for uid, body in sessions.sessions.items()}
+        self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
         sessions.show_status(context, self._run, fingertip.help_text(self._state))
         # started as a tool the button is down already
         view = pointer.view_under(context, event)
@@ -203,14 +203,18 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         except DimpleError as error:
             self.report({"WARNING"}, str(error))
             return None
-        self._settings[body.link.uid] = body.settings.chosen
+        self._settings[body.link.uid] = body.settings
         report(self, messages)
         return pointer.poke_event(event, view, sessions.sessions, {}, pressing=False)
 
     def _tuned(self) -> bool:
         """Tell whether a setting of a body was changed since the poke began, which undo may take back."""
-        bodies = sessions.sessions.items()
-        return not self._state.pressing and any(self._settings.get(uid) != body.seen.chosen for uid, body in bodies)
+        begun = self._settings
+        chosen = [
+            uid for uid, body in sessions.sessions.items()
+            if uid not in begun or begun[uid]._replace(identified=0) != body.seen._replace(identified=0)
+        ]  # fmt: skip
+        return bool(chosen) and not self._state.pressing
 
     def _went_on(self, messages: list[str]) -> set[str] | None:
         """Report what has happened; return how the operator ends when no session is left."""

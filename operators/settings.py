@@ -21,7 +21,7 @@ class Settings(NamedTuple):
     materials: the constants of each slot.
     surroundings: gravity, ground and the unit of length.
     plan: how it is to be simulated.
-    identified: a number that changes when model constants have been identified in the background.
+    identified: how often model constants were identified in the background, which is no choice of the artist's.
     """
 
     body: Hashable
@@ -30,24 +30,24 @@ class Settings(NamedTuple):
     plan: Hashable
     identified: int
 
-    @property
-    def chosen(self) -> Settings:
-        """What an artist changes, and undo takes back."""
-        return self._replace(identified=0)
-
 
 def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:
     """Return the settings of an object as they are now."""
-    from . import identified
-
     around = scene.dimple
     return Settings(
         tuple(obj.dimple.to_params().items()),
         tuple(_material(slot.material) for slot in obj.material_slots),
         (bool(around.use_gravity), bridge.gravity(scene), bool(around.use_ground), scene.unit_settings.scale_length),
         tuple(obj.dimple.to_plan().items()),
-        identified.revision,
+        identified_revision(),
     )
+
+
+def identified_revision() -> int:
+    """Return a number that changes when model constants have been identified in the background."""
+    from . import identified
+
+    return identified.revision
 
 
 def _material(material: bpy.types.Material | None) -> Hashable:

@@ -20,7 +20,7 @@ from ..mesh.surface import Mesh
 from ..session import Session
 from .indent import CLEAR, Site, Station, go_down, press, set_up
 
-AT = 0.6  # of the knee: where the closed form is scaled to the measured force, for it starts too softly with a round tip
+AT = 0.6  # of the knee: where the closed form is scaled to the measured force; a round tip starts too softly
 FARTHEST = 10.0  # times the closed form: the most it is scaled
 KNOTS = (0.15, 0.3, 0.5, 0.75, 1.0)  # of the knee of the measured law: where pieces end,
 # times the slope of the closed form, up to the knee: a round tip starts softly whatever the slope is, and what is added

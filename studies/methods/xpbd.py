@@ -83,7 +83,8 @@ def spring_colours(model: Model) -> list[Edges]:
     return [
         Edges(
             i=law.pairs[at, 0], j=law.pairs[at, 1], rest=law.rest_lengths[at], stiffness=law.stiffness[at],
-            damping=law.damping[at], arms=arms[:, at], tension=shape.tension[at], w_i=w[law.pairs[at, 0]], w_j=w[law.pairs[at, 1]],
+            damping=law.damping[at], arms=arms[:, at], tension=shape.tension[at],
+            w_i=w[law.pairs[at, 0]], w_j=w[law.pairs[at, 1]],
         )
         for at in colours(np.repeat(np.arange(len(law.pairs)), 2), ends)
     ]  # fmt: skip

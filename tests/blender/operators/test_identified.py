@@ -1,7 +1,7 @@
 """Constants of the model that are identified without being asked for: on every mesh, for every material, once."""
 
+import itertools
 import json
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from types import ModuleType
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-WAITED_S = 60.0  # for the background, before something must be wrong
+SLICES = 10_000  # of work in the background, after which something must be wrong
 
 
 @pytest.fixture
@@ -45,26 +45,23 @@ def window(bpy: ModuleType, asked: list[Any], monkeypatch: pytest.MonkeyPatch) -
 
     monkeypatch.setattr(bridge, "bpy", Window())
     yield identified
-    jobs = list(identified._jobs.values())
-    for job in jobs:
-        job.dropped = True
-    assert all(job.over.wait(WAITED_S) for job in jobs)
-    identified._jobs.clear()
-    if bpy.app.timers.is_registered(identified._look):
-        bpy.app.timers.unregister(identified._look)
+    identified.stop()
+    assert not bpy.app.timers.is_registered(identified._go_on) and identified.progress() is None
 
 
 @pytest.fixture
 def endless(window: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
     """Identifications in the background that come to no end by themselves."""
-
-    def steps(*_: Any) -> Iterator[float]:
-        while True:
-            time.sleep(0.001)
-            yield 0.25
-
-    monkeypatch.setattr(window, "identification", steps)
+    monkeypatch.setattr(window, "identification", lambda *_: itertools.repeat(0.25))
     return window
+
+
+def idle(window: Any) -> None:
+    """Let Blender be idle until nothing is left to identify."""
+    slices = 0
+    while window._go_on() is not None:
+        slices += 1
+        assert slices < SLICES
 
 
 def read(bpy: ModuleType, obj: Any, **how: str) -> tuple[Any, str]:
@@ -202,16 +199,18 @@ def test_in_a_window_a_running_body_takes_over_what_the_background_has_found(
         entry.session.set_fingers([Finger((0.0, 0.0, entry.link.scale + 0.01), 0.02)])
         step(0.1)
         assert constants() is None and entry.frame.depths[0] > 0.005, "it runs with the closed form meanwhile"
-        (job,), revision = window._jobs.values(), window.revision
-        assert bpy.app.timers.is_registered(window._look) and window.progress() is not None
-        assert job.over.wait(WAITED_S)
-        assert window._look() is None and window.revision == revision + 1 and window.progress() is None
+        revision = window.revision
+        assert bpy.app.timers.is_registered(window._go_on) and window.progress() == 0
+        assert window._go_on() is None or window.progress() > 0
+        idle(window)
+        assert window.revision == revision + 1 and window.progress() is None
         shown = np.array([vertex.co for vertex in cube.data.vertices])
         assert step(0.0) == []
         np.testing.assert_allclose([vertex.co for vertex in cube.data.vertices], shown, atol=1e-6, err_msg="it jumped")
-        assert constants() == job.found.material.constants == read(bpy, cube)[0]
+        found = read(bpy, cube)[0]
+        assert found is not None and constants() == found
         step(0.2)
-        assert entry.frame.finite and not entry.frame.note and constants() == job.found.material.constants
+        assert entry.frame.finite and not entry.frame.note and constants() == found
     finally:
         sessions.stop_all()
     assert len(asked) == 1
@@ -221,8 +220,7 @@ def test_what_the_background_finds_is_nothing_to_undo(bpy: ModuleType, vinyl: An
     """What came before a poke stays, so Ctrl Z passes only where a setting was changed meanwhile."""
     poke = hand("poke")
     poke.invoke()
-    (job,) = window._jobs.values()
-    assert job.over.wait(WAITED_S) and window._look() is None
+    idle(window)
     poke.ticks(2)
     assert poke.send("Z", ctrl=True) == {"RUNNING_MODAL"}
     vinyl.K1 = 3.0
@@ -234,8 +232,12 @@ def test_what_the_background_finds_is_nothing_to_undo(bpy: ModuleType, vinyl: An
 def test_a_bake_does_not_wait_for_the_background(
     bpy: ModuleType, vinyl: Any, cube: Any, window: Any, asked: list[Any]
 ) -> None:
+    revision = window.revision
     assert read(bpy, cube)[0] is None
-    assert read(bpy, cube, identify="WAIT")[0] is not None
+    found, _ = read(bpy, cube, identify="WAIT")
+    assert found is not None and found == read(bpy, cube)[0] and window.revision == revision, "that is no news"
+    idle(window)
+    assert found == read(bpy, cube)[0] and window.revision == revision + 1, "for who has asked before"
 
 
 def test_a_slider_that_is_dragged_drops_what_the_same_body_asked_for_before(
@@ -251,9 +253,9 @@ def test_a_slider_that_is_dragged_drops_what_the_same_body_asked_for_before(
         bodies[0].active_material.dimple.K1 = K1
         read(bpy, bodies[0])
     read(bpy, bodies[0])
-    assert first.over.wait(WAITED_S) and first.dropped
-    assert list(endless._jobs.values())[0] is other and not other.dropped and len(endless._jobs) == 2
-    assert endless.progress() <= 0.25
+    jobs = list(endless._jobs.values())
+    assert len(jobs) == 2 and jobs[0] is other and jobs[1] is not first
+    assert endless._go_on() is not None and (other.share, jobs[1].share, first.share) == (0.25, 0, 0)
 
 
 def test_what_two_bodies_ask_for_goes_on_for_the_one_that_still_does(
@@ -264,7 +266,7 @@ def test_what_two_bodies_ask_for_goes_on_for_the_one_that_still_does(
         obj.data.materials.append(bpy.data.materials.new(obj.name))
         read(bpy, obj)
     (shared,) = endless._jobs.values()
-    for obj, left in zip(bodies, (False, True), strict=True):
+    for obj, asked_for in zip(bodies, (True, False), strict=True):
         obj.active_material.dimple.K1 = 0.7
         read(bpy, obj)
-        assert shared.dropped is left
+        assert (endless._jobs.get(shared.name) is shared) is asked_for
