@@ -37,20 +37,20 @@ class Job:
     """One identification under way.
 
     name: what it is kept under.
-    owner: the body and its slot that ask for it.
+    owners: the bodies and their slots that ask for it.
     steps: of the identification.
     share: that is done.
     """
 
     name: str
-    owner: tuple[int, int]
+    owners: set[tuple[int, int]]
     steps: Generator[float, None, Identification]
     share: float = 0.0
 
 
 _PACKAGE = __package__.rpartition(".")[0]
 
-revision = 0  # changes with every result
+revision = 0  # changes with every result of the background
 _known: dict[str, Identification | None] = {}
 _jobs: dict[str, Job] = {}  # under way, by name
 
@@ -75,9 +75,9 @@ def model_constants(
         _known[name] = kept
     if name not in _known:
         if not wait:
-            _start(Job(name=name, owner=owner, steps=_steps(mesh, material, site, deepest)))
+            _start(Job(name=name, owners={owner}, steps=_steps(mesh, material, site, deepest)))
             return None, ""
-        _work(Job(name=name, owner=owner, steps=_steps(mesh, material, site, deepest)), float("inf"))
+        _work(Job(name=name, owners={owner}, steps=_steps(mesh, material, site, deepest)), float("inf"))
     found = _known[name]
     if found is None:
         return None, "The force is an estimate in closed form: no constants of the model follow the measured law."
@@ -112,10 +112,13 @@ def _steps(mesh: Mesh, material: Material, site: Site, deepest: float) -> Genera
 
 
 def _start(job: Job) -> None:
+    for other in [other for other in _jobs.values() if other.name != job.name]:
+        other.owners -= job.owners
+        if not other.owners:
+            del _jobs[other.name]  # of constants that are being dragged only the last count
     if job.name in _jobs:
+        _jobs[job.name].owners |= job.owners
         return
-    for other in [other for other in _jobs.values() if other.owner == job.owner]:
-        del _jobs[other.name]  # of constants that are being dragged only the last count
     _jobs[job.name] = job
     if not bpy.app.timers.is_registered(_go_on):
         bpy.app.timers.register(_go_on, persistent=True)
@@ -123,9 +126,11 @@ def _start(job: Job) -> None:
 
 def _go_on() -> float | None:
     """Work on what was asked for first; a timer of Blender's."""
+    global revision
     job = next(iter(_jobs.values()), None)
     if job and _work(job, SLICE_S):
         _jobs.pop(job.name, None)
+        revision += 1
     return PAUSE_S if _jobs else None
 
 
@@ -147,10 +152,9 @@ def _work(job: Job, budget: float) -> bool:
 def _keep(name: str, found: Identification | None) -> None:
     import numpy as np
 
-    global revision
     if found is not None and np.median(found.off) > HOPELESS:
         found = None
-    _known[name], revision = found, revision + 1
+    _known[name] = found
     if found is not None:
         with contextlib.suppress(DimpleError):  # it is found again another time
             cache.remember(own_folder("identified"), name, found)

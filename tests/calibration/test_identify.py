@@ -216,6 +216,9 @@ def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
     assert again.material == found.material
     assert np.array_equal(again.simulated, found.simulated)
     assert name == cache.key(mesh, found.material, POINT, site, 0.012)
+    moving = replace(preset.material, mass=None, density=300.0, damping_ratio=1.5)
+    assert identified(replace(preset, material=moving)).material.constants == found.material.constants
+    assert name == cache.key(mesh, moving, POINT, site, 0.012), "it is found at rest"
     assert name != cache.key(mesh, replace(preset.material, K1=1.0), POINT, site, 0.012)
     assert name != cache.key(mesh, preset.material, Indenter(shape="sphere"), site, 0.012)
     (tmp_path / f"{name}.json").write_text('{"material": 3')
