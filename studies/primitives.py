@@ -187,6 +187,15 @@ HARD: dict[str, Callable[[], Shape]] = {
     "pancake": lambda: stretched(icosphere(3), 1, 1, 0.08),
     "wavy sheet of 32 x 32": lambda: bent(grid(32)),
     "standing sheet": lambda: (grid(16)[0][:, [2, 0, 1]], grid(16)[1]),
+    "letter": lambda: _letter(),
+    "wall across a box": lambda: _walled(),
+    "Moebius strip": lambda: _moebius(60, 6),
+    "ring of a sheet": lambda: _annulus(48, 6),
+    "rod 1:20": lambda: stretched(tube(16, 60, 2), 0.05, 0.05, 1),
+    "icosahedron": lambda: icosphere(0),
+    "UV sphere 8 x 4": lambda: uv_sphere(8, 4),
+    "box in a box, its wall thin": lambda: joined(box(10), _inside_out(stretched(box(9), 0.9, 0.9, 0.9))),
+    "uneven ball of 10,242": lambda: remeshed(5),
     "open half ball": lambda: _half(icosphere(4)),
     "two balls, one on the other": lambda: joined(icosphere(3), moved(icosphere(3), 0, 0, 2.02)),
     "two balls beside each other": lambda: joined(icosphere(3), moved(icosphere(3), 2.1, 0, 0)),
@@ -209,3 +218,50 @@ def _soup(shape: Shape) -> Shape:
     faces = faces.copy()
     faces[::2] = faces[::2, ::-1]
     return points[faces].reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3)
+
+
+def _inside_out(shape: Shape) -> Shape:
+    return shape[0], shape[1][:, ::-1]
+
+
+def _letter() -> Shape:
+    """Return a T of the default text, extruded: few vertices and long thin faces."""
+    outline = [(-3, 3), (-3, 2), (-0.5, 2), (-0.5, -3), (0.5, -3), (0.5, 2), (3, 2), (3, 3)]
+    lid = np.array([(0, 1, 2), (0, 2, 5), (2, 3, 4), (2, 4, 5), (0, 5, 7), (5, 6, 7)])
+    points = np.array([(x, y, z) for z in (0.0, 0.8) for x, y in outline])
+    around = np.arange(8)
+    sides = np.stack([around, around + 8, np.roll(around, -1)], 1), np.stack(
+        [np.roll(around, -1), around + 8, np.roll(around, -1) + 8], 1)  # fmt: skip
+    return points[:, [0, 2, 1]], np.concatenate([lid, 8 + lid[:, ::-1], *sides])
+
+
+def _walled() -> Shape:
+    """Return a box with a wall across it, whose edges join three faces."""
+    points, faces = box(8)
+    line = np.linspace(-1, 1, 9)
+    wall, cells = grid(8)
+    wall = np.stack([0 * wall[:, 0] + line[4], wall[:, 0], wall[:, 1]], axis=1)
+    return joined((points, faces), (wall, cells))
+
+
+def _moebius(around: int, across: int) -> Shape:
+    """Return a strip that has one side only."""
+    u, v = (a.ravel() for a in np.meshgrid(np.arange(around), np.linspace(-1, 1, across + 1), indexing="ij"))
+    turn = 2 * np.pi * u / around
+    radius = 1 + 0.3 * v * np.cos(turn / 2)
+    points = np.stack([radius * np.cos(turn), radius * np.sin(turn), 0.3 * v * np.sin(turn / 2)], axis=1)
+    corner = np.arange(around * (across + 1)).reshape(around, -1)
+    corner = np.concatenate([corner, corner[:1, ::-1]])
+    a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    return points, np.concatenate([np.stack(three, -1).reshape(-1, 3) for three in ((a, b, c), (a, c, d))])
+
+
+def _annulus(around: int, across: int) -> Shape:
+    """Return a flat sheet with a hole."""
+    turn, r = (a.ravel() for a in np.meshgrid(np.arange(around) * 2 * np.pi / around, np.linspace(0.4, 1, across + 1),
+                                              indexing="ij"))  # fmt: skip
+    corner = np.arange(around * (across + 1)).reshape(around, -1)
+    corner = np.concatenate([corner, corner[:1]])
+    a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    faces = np.concatenate([np.stack(three, -1).reshape(-1, 3) for three in ((a, b, c), (a, c, d))])
+    return np.stack([r * np.cos(turn), r * np.sin(turn), 0 * r], axis=1), faces[:, ::-1]

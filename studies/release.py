@@ -26,10 +26,12 @@ MATERIALS = {"nylon": NYLON, "vinyl": VINYL, "water": WATER, "gel": GEL, "dough"
 TIPS = (0.008, 0.015, 0.025)  # [m] radii of the fingertips
 SHARE = 0.3  # of the smallest side: how deep they go
 DEEP = 0.6  # of it
+PINCHED = 0.35  # of the thickness: how deep at most each of two fingertips goes
 SHEET = 1e-3  # of the size: what is no thicker is a sheet,
 SHEET_SHARE = 0.1  # and pressed by this share of its size
-DOWN, HOLD, DRAG, AFTER = 0.25, 0.2, 0.3, 1.0  # [s]
+DOWN, HOLD, DRAG, AFTER, SETTLED = 0.25, 0.2, 0.3, 1.0, 0.3  # [s]
 BACK = 1e-3  # of the size: what is no further from its place has come back
+UPRIGHT = 0.1  # cosine: a face that agrees less with its corners at rest may turn at a touch
 SEED = 3  # of the places that are pressed
 
 
@@ -57,12 +59,14 @@ class Release:
     vertices: of the mesh.
     free: whether no pins hold the body.
     radius: of the fingertip [m].
-    depth: how far it went in [m].
+    depth: how far it went in [m]; less where two would meet.
     force: on it at the end of the hold [N].
     volume_change: then, as a share; 0 of a sheet.
     flipped_held: faces that then looked the other way than at rest.
-    residual: farthest distance from rest a second after release, over the size; without the rigid motion of a free body.
-    kinetic: energy then [J], likewise.
+    residual: farthest distance from rest a second after release, over the size; of a free body from its best rigid fit.
+    spin: of a free body then [rad/s]: it stretches a body as long as it lasts.
+    residual_unspun: the residual when the spin had been stopped for SETTLED; of a pinned body the residual.
+    kinetic: energy a second after release [J], without the rigid motion of a free body.
     flipped: faces that then looked the other way than at rest.
     finite: whether it never blew up.
     note: of the session, where it did.
@@ -79,6 +83,8 @@ class Release:
     volume_change: float
     flipped_held: int
     residual: float
+    spin: float
+    residual_unspun: float
     kinetic: float
     flipped: int
     finite: bool
@@ -86,8 +92,8 @@ class Release:
 
     @property
     def back(self) -> bool:
-        """Tell whether it has come back to rest."""
-        return self.finite and self.residual <= BACK
+        """Tell whether it has come back to rest, what spin stretches apart."""
+        return self.finite and self.residual_unspun <= BACK
 
 
 Way = Callable[[Place, float, float], list[tuple[float, list[Finger]]]]
@@ -105,7 +111,9 @@ def sideways(place: Place, radius: float, depth: float) -> list[tuple[float, lis
 
 
 def pinched(place: Place, radius: float, depth: float) -> list[tuple[float, list[Finger]]]:
-    """Return a press from both sides at once; straight in where there is no far side."""
+    """Return a press from both sides at once, not so deep that the fingertips meet; straight in without a far side."""
+    if place.behind is not None:
+        depth = min(depth, PINCHED * float(np.linalg.norm(place.point - place.behind)))
     first = _tip(place.point, place.outward, radius, depth)
     if place.behind is None:
         return [(DOWN, [first])]
@@ -168,12 +176,20 @@ def release(model: Model, place: Place, way: str, radius: float, **names: str) -
     session.set_fingers([])
     frames += [session.step(AFTER / 10) for _ in range(10)]
     x, v = session.body.positions(), session.body.velocities()
+    left, spin, moving = residual(model, x), 0.0, kinetic(model, x, v)
+    unspun = left
+    if model.free:
+        rigid = rigid_velocity(model.mass, x, v)
+        spin = _spin(model, x, rigid)
+        session.body.set_state(x, v - rigid)
+        frames.append(session.step(SETTLED))
+        unspun = residual(model, session.body.positions())
     notes = [frame.note for frame in frames if frame.note]
     return Release(
         way=way, mesh=names["mesh"], material=names["material"], vertices=len(mesh.rest_positions), free=model.free,
         radius=radius, depth=depth, force=float(np.linalg.norm(held.finger_forces[:1])),
         volume_change=held.volume / mesh.volume - 1 if mesh.pressurable else 0.0, flipped_held=flipped_held,
-        residual=residual(model, x), kinetic=kinetic(model, x, v), flipped=flipped(mesh, x),
+        residual=left, spin=spin, residual_unspun=unspun, kinetic=moving, flipped=flipped(mesh, x),
         finite=not notes and bool(np.isfinite(x).all()), note=notes[0] if notes else "",
     )  # fmt: skip
 
@@ -199,15 +215,26 @@ def kinetic(model: Model, x: Floats, v: Floats) -> float:
     return float((model.mass * moving**2).sum()) / 2
 
 
+def _spin(model: Model, x: Floats, rigid: Floats) -> float:
+    """Return the angular speed [rad/s] of a rigid velocity field (3, n)."""
+    total = model.mass.sum()
+    arm, around = (a - (a @ model.mass / total)[:, None] for a in (x, rigid))
+    return float(np.sqrt(((around**2).sum(axis=0) / (arm**2).sum(axis=0)).max()))
+
+
 def flipped(mesh: Mesh, x: Floats) -> int:
     """Return how many faces look the other way than at rest, seen from the surface round them."""
-    a, b, c = x[:, mesh.triangles].transpose(2, 1, 0)
-    faces = np.cross(b - a, c - a)
-    around = vertex_normals(mesh.triangles, x.T)[mesh.triangles].sum(axis=1)
-    a, b, c = mesh.rest_positions[mesh.triangles].transpose(1, 0, 2)
-    rest = np.cross(b - a, c - a)
-    around_rest = vertex_normals(mesh.triangles, mesh.rest_positions)[mesh.triangles].sum(axis=1)
-    return int(((faces * around).sum(axis=1) < 0)[(rest * around_rest).sum(axis=1) > 0].sum())
+    now, rest = _agreement(mesh, x.T), _agreement(mesh, mesh.rest_positions)
+    return int(np.count_nonzero((now < 0) & (rest > UPRIGHT)))
+
+
+def _agreement(mesh: Mesh, x: Floats) -> Floats:
+    """Return the cosine (t,) between the normal of each face and the mean one of its corners; slivers have 0."""
+    a, b, c = x[mesh.triangles].transpose(1, 0, 2)
+    face, around = np.cross(b - a, c - a), vertex_normals(mesh.triangles, x)[mesh.triangles].sum(axis=1)
+    length = np.linalg.norm(face, axis=1) * np.linalg.norm(around, axis=1)
+    agreement: Floats = (face * around).sum(axis=1) / np.maximum(length, 1e-9 * length.max())
+    return agreement
 
 
 def run_mesh(name: str, mesh: Mesh, materials: Sequence[tuple[str, Material]], ways: Sequence[str]) -> Iterator[Release]:
@@ -275,14 +302,15 @@ def line(one: Release) -> str:
     """Return one press in words."""
     return (
         f"{one.mesh} ({one.vertices}), {one.material}, {one.way}, tip {1e3 * one.radius:g} mm, {1e3 * one.depth:.1f} mm "
-        f"deep, {one.force:.1f} N: residual {100 * one.residual:.3f} % of the size, {one.kinetic:.1e} J, volume "
-        f"{100 * one.volume_change:+.2f} %, faces flipped {one.flipped_held} then {one.flipped} {one.note}"
+        f"deep, {one.force:.1f} N: residual {100 * one.residual:.3f} % of the size "
+        f"({100 * one.residual_unspun:.3f} % without its spin of {one.spin:.1f} rad/s), {one.kinetic:.1e} J, volume {100 * one.volume_change:+.2f} %, "
+        f" faces flipped {one.flipped_held} then {one.flipped} {one.note}"
     )
 
 
 def summary(found: Sequence[Release], count: int, refused: dict[str, str]) -> dict[str, object]:
     """Return the sums over all presses."""
-    worst = max(found, key=lambda one: one.residual, default=None)
+    worst = max(found, key=lambda one: one.residual_unspun, default=None)
     liquids = [one for one in found if MATERIALS[one.material].fill == "liquid"]
     volumes = [max((abs(one.volume_change) for one in some), default=0.0) for some in (
         [one for one in liquids if one.vertices < 200], [one for one in liquids if one.vertices >= 200])]  # fmt: skip
@@ -290,7 +318,7 @@ def summary(found: Sequence[Release], count: int, refused: dict[str, str]) -> di
         way: {
             "presses": len(some), "not_back": sum(not one.back for one in some),
             "flipped": sum(one.flipped > 0 for one in some), "blown_up": sum(not one.finite for one in some),
-            "worst_residual": max(one.residual for one in some),
+            "worst_residual": max(one.residual_unspun for one in some),
         }
         for way in WAYS
         if (some := [one for one in found if one.way == way])
