@@ -77,7 +77,9 @@ def profile(rest: Floats, x: Floats, spacing: float, within: float = WITHIN) -> 
         weight = np.sqrt((1 - (off / wide) ** 2) ** 2)
         # the axis is a line of symmetry: r is odd about it and z even
         base = np.stack([np.ones_like(off), off, off**2], axis=1)
-        found.append(np.linalg.lstsq(weight[:, None] * base, weight[:, None] * np.stack([r, z], 1)[near], rcond=None)[0][0])
+        found.append(
+            np.linalg.lstsq(weight[:, None] * base, weight[:, None] * np.stack([r, z], 1)[near], rcond=None)[0][0]
+        )
     r_mean, z_mean = np.array(found).T
     r_mean[0] = 0.0
     return Profile(at, r_mean, z_mean)

@@ -5,7 +5,8 @@ Each is one largest dimension long, which its user chooses.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,23 +26,26 @@ SHAPES = (
 )  # fmt: skip
 
 
-def meshes(folder: Path | None = None) -> Iterator[tuple[str, Mesh]]:
-    """Yield names and meshes: the shapes of `bodies`, PRIMITIVES and HARD ones, and every mesh file of a folder.
+def makers(folder: Path | None = None) -> dict[str, Callable[[], Mesh]]:
+    """Return what makes each mesh, by name: the shapes of `bodies`, PRIMITIVES, HARD ones, and the files of a folder.
 
     Raises:
-        DimpleError: a file cannot be read, or the folder holds none.
+        DimpleError: the folder holds no mesh; a file that cannot be read raises it when it is made.
     """
-    for shape in SHAPES:
-        for fine in FINENESS:
-            yield f"{shape.__name__} {fine}", shape(fine, SIZE)
-    for name, made in (*PRIMITIVES.items(), *HARD.items()):
-        yield name, sized(*made())
+    made: dict[str, Callable[[], Mesh]] = {
+        f"{shape.__name__} {fine}": partial(shape, fine, SIZE) for shape in SHAPES for fine in FINENESS
+    }
+    made |= {name: partial(_sized, shape) for name, shape in (*PRIMITIVES.items(), *HARD.items())}
     if folder is not None:
         paths = [path for path in sorted(folder.glob("*")) if path.suffix.lower() in SUFFIXES]
         if not paths:
             raise DimpleError(f"{folder} holds no {', '.join(SUFFIXES)}.")
-        for path in paths:
-            yield path.name, load_mesh(path, SIZE)
+        made |= {path.name: partial(load_mesh, path, SIZE) for path in paths}
+    return made
+
+
+def _sized(shape: Callable[[], Shape]) -> Mesh:
+    return sized(*shape())
 
 
 def sized(points: Floats, faces: Ints, size: float = SIZE) -> Mesh:

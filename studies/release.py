@@ -20,7 +20,7 @@ from core.reduction.cells import vertex_normals
 from core.session import Finger, Session
 
 from .bodies import DOUGH, FOAM, GEL, NYLON, VINYL, WATER
-from .primitives import meshes
+from .primitives import makers
 
 MATERIALS = {"nylon": NYLON, "vinyl": VINYL, "water": WATER, "gel": GEL, "dough": DOUGH, "foam": FOAM}
 TIPS = (0.008, 0.015, 0.025)  # [m] radii of the fingertips
@@ -237,7 +237,9 @@ def _agreement(mesh: Mesh, x: Floats) -> Floats:
     return agreement
 
 
-def run_mesh(name: str, mesh: Mesh, materials: Sequence[tuple[str, Material]], ways: Sequence[str]) -> Iterator[Release]:
+def run_mesh(
+    name: str, mesh: Mesh, materials: Sequence[tuple[str, Material]], ways: Sequence[str]
+) -> Iterator[Release]:
     """Yield what comes back of presses on one mesh, a material for each fingertip; none where nothing is free.
 
     Raises:
@@ -248,6 +250,8 @@ def run_mesh(name: str, mesh: Mesh, materials: Sequence[tuple[str, Material]], w
         for radius, (label, material) in zip(TIPS, materials, strict=True):
             held: Bools | None = base_vertices(mesh) if WAYS[way][2] else None
             model = build_model(mesh, [material], held=held)
+            if model.free:  # a body that hangs on one vertex swings on
+                model = build_model(mesh, [material])
             free = np.flatnonzero(~model.held)
             if len(free):
                 place = place_at(mesh, int(rng.choice(free)))
@@ -272,9 +276,10 @@ def run_release(options: argparse.Namespace) -> int:
     ]
     found: list[Release] = []
     count, refused = 0, {}
-    for name, mesh in meshes(options.meshes):
+    for name, make in makers(options.meshes).items():
         if options.only not in name:
             continue
+        mesh = make()
         some = [materials[(3 * count + i) % len(materials)] for i in range(len(TIPS))]
         if count % 4 >= 2:  # other radii for them
             some = some[1:] + some[:1]
