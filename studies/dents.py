@@ -1,4 +1,4 @@
-"""`dev.py core dents`: settled dents, how smooth they are, beside finite elements, and how they converge with the mesh."""
+"""`dev.py core dents`: how smooth settled dents are, beside finite elements, and how they converge with the mesh."""
 
 from __future__ import annotations
 
@@ -194,7 +194,7 @@ BODIES: dict[str, tuple[float, Sequence[tuple[int, Callable[[], Shape]]]]] = {
 
 
 def convergence_rows(names: Sequence[str], *, most: int) -> Iterator[dict[str, object]]:
-    """Yield rows of the force on even and uneven meshes up to a number of vertices; side: the force across the press."""
+    """Yield rows of the force on even and uneven meshes up to a number of vertices; side: that across it."""
     for name in names:
         for body, (size, made) in BODIES.items():
             for vertices, shape in made:

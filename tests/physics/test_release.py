@@ -12,7 +12,8 @@ from core.mesh.surface import base_vertices
 from studies.__main__ import main
 from studies.bodies import DOUGH, GEL, VINYL, head
 from studies.primitives import HARD, PRIMITIVES, SIZE, grid, icosphere, joined, makers, moved, sized
-from studies.release import Place, flipped, place_at, release, residual, run_mesh
+from studies.release import Place, flipped, place_at, release, residual
+from studies.release_report import run_mesh
 
 FINGERTIP = 0.015  # [m]
 
