@@ -6,6 +6,7 @@ import argparse
 import csv
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -162,8 +163,8 @@ def solid_materials() -> dict[str, Material]:
 def profile_rows(subdivisions: int) -> tuple[list[dict[str, object]], dict[tuple[str, str, float], Profile]]:
     """Return rows of how far the dents of solids and of bodies reach, and their profiles by what, tip and depth."""
     mesh, shapes = ball(subdivisions), {}
-    for (tip, depth), one in profiles().items():
-        shapes["finite elements", tip, depth] = one
+    for (tip, depth), solid in profiles().items():
+        shapes["finite elements", tip, depth] = solid
     for name, material in solid_materials().items():
         for radius in TIPS:
             for one in settle(mesh, material, radius, (0.005, 0.010, 0.020)):
@@ -186,10 +187,10 @@ def profile_rows(subdivisions: int) -> tuple[list[dict[str, object]], dict[tuple
 
 
 BODIES: dict[str, tuple[float, Sequence[tuple[int, Callable[[], Shape]]]]] = {
-    "ball": (2 * BALL_RADIUS, [(10 * 4**k + 2, lambda k=k: icosphere(k)) for k in (3, 4, 5, 6)]),
-    "uneven ball": (2 * BALL_RADIUS, [(10 * 4**k + 2, lambda k=k: remeshed(k)) for k in (3, 4, 5)]),
-    "cube": (BLOCK_EDGE, [(6 * n * n + 2, lambda n=n: box(n)) for n in (10, 20, 41, 82)]),
-    "uneven cube": (BLOCK_EDGE, [(6 * n * n + 2, lambda n=n: jittered(n)) for n in (10, 20, 41, 82)]),
+    "ball": (2 * BALL_RADIUS, [(10 * 4**k + 2, partial(icosphere, k)) for k in (3, 4, 5, 6)]),
+    "uneven ball": (2 * BALL_RADIUS, [(10 * 4**k + 2, partial(remeshed, k)) for k in (3, 4, 5)]),
+    "cube": (BLOCK_EDGE, [(6 * n * n + 2, partial(box, n)) for n in (10, 20, 41, 82)]),
+    "uneven cube": (BLOCK_EDGE, [(6 * n * n + 2, partial(jittered, n)) for n in (10, 20, 41, 82)]),
 }  # fmt: skip
 
 

@@ -22,6 +22,7 @@ SHEET = 1e-3  # of the size: what is no thicker is a sheet,
 SHEET_SHARE = 0.1  # and pressed by this share of its size
 DOWN, HOLD, DRAG, AFTER, SETTLED = 0.25, 0.2, 0.3, 1.0, 0.3  # [s]
 BACK = 1e-3  # of the size: what is no further from its place has come back
+SLIVER = 1e-6  # of the largest product of areas: what is smaller has no normal in single precision
 UPRIGHT = 0.1  # cosine: a face that agrees less with its corners at rest may turn at a touch
 
 
@@ -223,5 +224,5 @@ def _agreement(mesh: Mesh, x: Floats) -> Floats:
     a, b, c = x[mesh.triangles].transpose(1, 0, 2)
     face, around = np.cross(b - a, c - a), vertex_normals(mesh.triangles, x)[mesh.triangles].sum(axis=1)
     length = np.linalg.norm(face, axis=1) * np.linalg.norm(around, axis=1)
-    agreement: Floats = (face * around).sum(axis=1) / np.maximum(length, 1e-9 * length.max())
+    agreement: Floats = (face * around).sum(axis=1) / np.maximum(length, SLIVER * length.max())
     return agreement
