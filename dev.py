@@ -102,7 +102,9 @@ def wheels(options: argparse.Namespace) -> int:
 
 
 def bench(options: argparse.Namespace) -> int:
-    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --enabling"""
+    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --enabling, --exports"""
+    if "--exports" in options.rest:
+        return in_blender("tests/bench/exports.py", options.blender, BUILD / "exports")
     python = environment(options.blender)
     native_core.provide_library(python)
     variables = {"OPENBLAS_NUM_THREADS": "1"}
@@ -124,6 +126,18 @@ def core(options: argparse.Namespace) -> int:
     return run([python, "-m", "studies", *options.rest])
 
 
+def bake(options: argparse.Namespace) -> int:
+    """simulate bodies of a .blend file and export what they do, as `blender --command dimple bake` does"""
+    python = environment(options.blender)
+    native_core.provide_library(python)
+    paths = {at + 1 for at, word in enumerate(options.rest) if word in ("--out", "--json")}  # from where one stands
+    is_path = [at in paths or Path(word).is_file() for at, word in enumerate(options.rest)]
+    words = [str(Path(word).resolve()) if path else word for word, path in zip(options.rest, is_path, strict=True)]
+    with tempfile.TemporaryDirectory(prefix="dimple-") as profile:
+        command = [python, "tools/bake.py", "--zip", build_zip(python, Path(profile)), *words]
+        return run(command, BLENDER_USER_RESOURCES=profile)
+
+
 def ci(_options: argparse.Namespace) -> int:
     """run what continuous integration runs: .ci/run"""
     return run(["bash", ".ci/run"])
@@ -132,8 +146,8 @@ def ci(_options: argparse.Namespace) -> int:
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="dev.py", description=(__doc__ or "").partition("\n")[0])
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for action in (demo, test, lint, build, native, wheels, bench, charts, window, samples, core, ci):
-        own_help = action not in (bench, charts, core)  # what they run has a help of its own
+    for action in (demo, test, lint, build, native, wheels, bench, charts, window, samples, core, bake, ci):
+        own_help = action not in (bench, charts, core, bake)  # what they run has a help of its own
         text = action.__doc__
         command = commands.add_parser(
             action.__name__, help=text, description=text, allow_abbrev=False, add_help=own_help
@@ -145,7 +159,7 @@ def main(words: list[str]) -> int:
         if action in (demo, build, wheels, charts, window):
             command.add_argument("--out", type=Path, metavar="DIR", help="where the results go")
     options, options.rest = parser.parse_known_args(words)
-    if options.rest and options.action not in (test, core, bench, charts):
+    if options.rest and options.action not in (test, core, bench, charts, bake):
         parser.error(f"unknown arguments: {' '.join(options.rest)}")
     try:
         return options.action(options)

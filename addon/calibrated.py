@@ -1,7 +1,9 @@
 """The results of calibration and identification as rows and notes, the same in every panel."""
 
+from functools import lru_cache
 from typing import Any
 
+from ..operators import calibration
 from .readout import iface_
 
 
@@ -19,13 +21,25 @@ def rows(record: dict[str, Any]) -> list[tuple[str, str]]:
         lines.append((iface_("Hysteresis Loss"), f"{record['loss']:.0%}"))
         lines.append((iface_("Damping Ratio"), f"≈ {record['damping_ratio_hint']:.2f}"))
     lines.append((iface_("Residual"), iface_("{} of full scale").format(f"{record['residual_share']:.1%}")))
+    if miss := record.get("largest_error"):
+        lines.append((iface_("Largest Error from Points"), f"{miss['share']:.1%}"))
+    if units := record.get("column_units"):
+        for role, label in (("depth", "Depth Column"), ("force", "Force Column")):
+            number = record["column_numbers"][role]
+            lines.append((iface_(label), f"{number}: {record['columns'][role]}, {units[role]}"))
     return [*lines, _noticeable(record)]
 
 
+def headlines(record: dict[str, Any]) -> list[str]:
+    """Return what the warnings say is wrong; what they mean is among the sentences."""
+    return [calibration.headline(warning) for warning in record["warnings"]]
+
+
 def sentences(record: dict[str, Any]) -> list[str]:
-    """Return what the values of k assume, then the notes of the core."""
+    """Return the warnings that have more to say, what the values of k assume, then the notes of the core."""
+    warnings = [warning.replace("\n", " ") for warning in record["warnings"] if "\n" in warning]
     estimates = [record["k"][method] for method in _METHODS] if record["k"] else []
-    return [*(each["assumes"] for each in estimates if each["value"] is not None), *record["notes"]]
+    return [*warnings, *(each["assumes"] for each in estimates if each["value"] is not None), *record["notes"]]
 
 
 def noticed(share: float, noticeable: list[float]) -> str:
@@ -52,6 +66,7 @@ def identified(record: dict[str, Any], settings: Any) -> list[tuple[str, str]]:
         (iface_("Indentation Depth"), f"{record['deepest']:.4g} mm"),
         (iface_("RMS Error"), iface_("{} of full scale").format(f"{record['rms']:.1%}")),
         (iface_("Largest Force Error"), f"{record['force_off']:.1%}"),
+        *_from_points(settings.calibration, settings.identification),
         _noticeable(record),
         (iface_("Change of Volume"), f"{record['volume_change']:.2%}"),
         ("κ1, κ2", f"{settings.kappa1:.4g}, {settings.kappa2:.4g} N/cm³"),
@@ -66,6 +81,21 @@ def identified_sentences(record: dict[str, Any]) -> list[str]:
 
 
 _METHODS = ("equations_9_10", "force_balance")
+
+
+@lru_cache(maxsize=8)
+def _from_points(measured: str, identified: str) -> list[tuple[str, str]]:
+    """Return the largest error of the identified press against the measured points, nothing where there are none."""
+    import numpy as np
+
+    from ..core.calibration.misfit import largest_miss
+
+    points, press = (np.array(calibration.load(text).get("points", [])) for text in (measured, identified))
+    if not len(points) or not len(press):
+        return []
+    here = points[points[:, 0] <= press[-1, 0]]
+    miss = largest_miss(here[:, 0], here[:, 1], np.interp(here[:, 0], [0, *press[:, 0]], [0, *press[:, 1]]))
+    return [(iface_("Largest Error from Points"), f"{miss.share:.1%}")] if miss else []
 
 
 def _noticeable(record: dict[str, Any]) -> tuple[str, str]:

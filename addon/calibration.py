@@ -20,11 +20,11 @@ def shown(context: bpy.types.Context) -> tuple[dict, bpy.types.PropertyGroup | N
 def draw_result(
     context: bpy.types.Context, layout: bpy.types.UILayout, record: dict, settings: bpy.types.PropertyGroup | None
 ) -> None:
-    """Draw the source, the constants with their errors, and the warnings."""
+    """Draw the source, the constants with their errors, and what is wrong; what that means is folded in the notes."""
     source = f"{record['source']}, {record['date']}"
     layout.label(text=source, icon="FILE_TEXT", translate=False)
     draw_rows(layout, calibrated.rows(record))
-    draw_notes(context, layout, record["warnings"], "ERROR")
+    draw_notes(context, layout, calibrated.headlines(record), "ERROR")
     if settings is not None and settings.edited:
         draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
 

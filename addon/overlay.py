@@ -11,8 +11,9 @@ import bpy
 
 from ..operators import calibration
 from ..operators.sessions import sessions
-from . import readout, shapes
+from . import readout, room, shapes
 from .readout import iface_
+from .room import Room
 from .shapes import Point, Segment
 
 FINGERTIP = (1.0, 0.62, 0.15, 1.0)
@@ -23,7 +24,7 @@ MEASURED = (1.0, 1.0, 0.55, 0.9)
 SIMULATED = (0.3, 0.95, 0.45, 0.95)
 TEXT = (1.0, 1.0, 1.0, 1.0)
 FAINT = (1.0, 1.0, 1.0, 0.35)
-BACK = (0.0, 0.0, 0.0, 0.45)
+BACK = (0.0, 0.0, 0.0, 0.6)  # dark enough for all of these on a light theme
 
 LINE_WIDTH = 2.0  # in units of Blender's own line width
 # all sizes below in pixels at a resolution scale of 1
@@ -31,6 +32,7 @@ CROSS = 2.5  # half the width of a measured point
 TEXT_SIZE = 12.0
 LINE_HEIGHT = 17.0
 MARGIN = 16.0
+FEWEST = 3  # lines that numbers have at least, or there is no chart: the name, the force, the depth
 CHART = (230.0, 130.0)
 
 
@@ -97,16 +99,23 @@ def draw_numbers() -> None:
         return
     screen = screen_of(context)
     scale = screen.scale
-    left, bottom = free_corner(context.area, scale)
-    if calibrated:
-        draw_curves(calibrated, (left, bottom), screen)
+    free = room.free_room(context, MARGIN * scale, LINE_HEIGHT * scale)
+    if free is None:
+        return
+    if calibrated and fits(free, scale, 0):
+        draw_curves(calibrated, free[:2], screen)
     for body, entry in shown:
-        if context.scene.dimple.show_chart:
-            curves = pressed_curves(body, entry)
-            bottom = draw_curves(curves, (left, bottom), screen) + MARGIN * scale
-        bottom = draw_rows(body, entry, (left, bottom), scale) + MARGIN * scale
-        if bottom > screen.height:
-            break
+        if context.scene.dimple.show_chart and fits(free, scale, FEWEST):
+            end = draw_curves(pressed_curves(body, entry), free[:2], screen)
+            free = free._replace(bottom=end + MARGIN * scale)
+        end = draw_rows(body, entry, free, scale, numbers=not room.shown_in_sidebar(context, body))
+        free = free._replace(bottom=end + MARGIN * scale)
+
+
+def fits(free: Room, scale: float, lines: int) -> bool:
+    """Tell whether a chart with its key has room, and so many lines above it."""
+    high = CHART[1] + LINE_HEIGHT + (MARGIN + lines * LINE_HEIGHT if lines else 0.0)
+    return free.right - free.left > CHART[0] * scale and free.top - free.bottom > high * scale
 
 
 def draw_fingers(entry: Any, screen: Screen) -> None:
@@ -117,14 +126,30 @@ def draw_fingers(entry: Any, screen: Screen) -> None:
         draw_lines(shapes.arrow(centre, force, radius), FORCE, screen)
 
 
-def draw_rows(body: bpy.types.Object, entry: Any, corner: Point, scale: float) -> float:
-    """Write the numbers of a session upwards from a corner [px] and return where they end."""
-    lines = [f"{label}: {value}" for label, value in readout.rows(entry.frame, entry.session.tick)]
-    notes = readout.sentences([*entry.session.model.notes, *filter(None, [entry.refused])], entry.frame)
-    lines = [body.name, *lines, *(line for sentence in notes for line in readout.wrapped(sentence, 60))]
-    height = corner[1]
-    for line in reversed(lines):
-        write(line, (corner[0], height), scale)
+def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, numbers: bool = True) -> float:
+    """Write the numbers of a session upwards from the corner of what is free and return where they end [px].
+
+    Args:
+        numbers: leave them and the notes out where another part of the interface shows them.
+    """
+    lines = [(body.name, TEXT)]
+    if entry.recorder:
+        lines.append((f"● {iface_('Recording')} {entry.recorder.frames}", FORCE))
+    if numbers:
+        rows = readout.rows(entry.frame, entry.session.tick)
+        notes = readout.sentences([*entry.session.model.notes, *filter(None, [entry.refused])], entry.frame)
+        lines += [(f"{label}: {value}", TEXT) for label, value in rows]
+        lines += [(line, TEXT) for sentence in notes for line in readout.wrapped(sentence, 60)]
+    # what finds no room is left out, the last first
+    lines = lines[: max(int((free.top - free.bottom) / (LINE_HEIGHT * scale)), 0)]
+    if not lines:
+        return free.bottom
+    edge, height = 4 * scale, free.bottom
+    wide = max(width(line, scale) for line, _ in lines)
+    high = len(lines) * LINE_HEIGHT * scale
+    draw_filled((free.left - edge, height - edge), (free.left + wide + edge, height + high), BACK)
+    for line, colour in reversed(lines):
+        write(line, (free.left, height), scale, colour)
         height += LINE_HEIGHT * scale
     return height
 
@@ -187,11 +212,13 @@ def draw_key(curves: Curves, corner: Point, scale: float) -> float:
     law = iface_("Law") + (" ± 95 %" if curves.band[0] else "")
     words = [(law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured)]
     words += [(iface_("Simulated"), SIMULATED, curves.simulated), (iface_("Pressed"), FORCE, curves.trail)]
-    left = corner[0]
-    for word, colour, shown in words:
-        if shown:
-            left += write(word, (left, corner[1] + 5 * scale), scale, colour) + MARGIN * scale
-    return corner[1] + LINE_HEIGHT * scale
+    words = [(word, colour, shown) for word, colour, shown in words if shown]
+    wide = sum(width(word, scale) + MARGIN * scale for word, _, _ in words)
+    left, top = corner[0], corner[1] + LINE_HEIGHT * scale
+    draw_filled(corner, (left + max(wide, CHART[0] * scale), top), BACK)
+    for word, colour, _ in words:
+        left += write(word, (left, corner[1] + 5 * scale), scale, colour) + MARGIN * scale
+    return top
 
 
 def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:

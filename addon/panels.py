@@ -111,6 +111,9 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         entry = sessions.get(body.session_uid) if body else None
         column = layout.column(align=True)
         column.scale_y = 1.4
+        row = column.row(align=True)
+        row.enabled = body is not None and body.type == "MESH" and not body.dimple.enabled
+        row.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
         row = layout.row()
         row.enabled = body is not None and body.type == "MESH"
@@ -167,11 +170,16 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         layout.row().prop(settings, "press_by", expand=True)
         by_force = settings.press_by == "FORCE"
         layout.prop(settings, "press_force_n" if by_force else "press_depth_mm")
-        layout.prop(settings, "poke_along")
+        row = layout.row()
+        row.active = not by_force  # a force goes straight into the surface
+        row.prop(settings, "poke_along")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)
         for number in (1, 2, 3):
             column.prop(settings, f"finger_{number}")
+        tips = [getattr(settings, f"finger_{number}") for number in (1, 2, 3)]
+        if any(tip and tip.type != "EMPTY" for tip in tips):
+            draw_notes(context, layout, ["A fingertip presses as a ball of this radius, whatever its shape."])
         layout.operator(Op.ADD_FINGERTIP, icon="SPHERE")
 
 
@@ -193,6 +201,7 @@ class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.prop(scene.dimple, "cache_dir")
         layout.prop(scene.dimple, "shape_key_step")
+        layout.prop(scene.dimple, "use_curves")
         column = layout.column(align=True)
         _bake_button(column, scene, "MESH_CACHE", text="Bake to Mesh Cache")
         _bake_button(column, scene, "SHAPE_KEYS", text="Bake to Shape Keys")

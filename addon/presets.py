@@ -24,7 +24,13 @@ class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
         for preset in PRESETS:
             column.operator(Op.APPLY_PRESET, text=preset.label, icon="MATERIAL").preset = preset.name
         self.layout.label(text="My Materials")
-        PresetPanel.draw(self, context)
+        own = DIMPLE_PT_material_presets
+        if bpy.utils.preset_paths(own.preset_subdir):
+            PresetPanel.draw(self, context)
+            return
+        row = self.layout.row()  # Blender would complain of missing paths
+        row.prop(context.window_manager, "preset_name", text="")
+        row.operator(own.preset_add_operator, text="", icon="ADD").name = context.window_manager.preset_name
 
 
 class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):

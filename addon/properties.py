@@ -1,16 +1,17 @@
 """What Blender stores: the settings of a material, a body and a scene, and the state of the running session.
 
 Operators read these through RNA only (`obj.dimple.to_params()`), so names and units here are the contract.
-Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. Nothing is animatable, but what
-runs takes a changed setting at its next step.
+Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. What runs takes a changed setting
+at its next step, and follows the keyframes of those that can be animated: constants, pins and gravity.
 """
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
+from ..operators.calibration import further_constants
 from ..operators.names import PLACES, TIPS
 from .device import DevicePlace
-from .reduction_settings import FIXED, ReductionSettings, exact, kept_text
+from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
 from .translations import CONTEXT
 
 _MODEL_CONSTANTS = ("kappa1", "kappa2", "d0", "membrane_scale")
@@ -44,7 +45,10 @@ _POKE_ALONG = (
 
 _PRESS_BY = (
     ("DEPTH", "Depth", "The fingertip goes as deep as it is told; the force is what the body answers"),
-    ("FORCE", "Force", "The fingertip pushes with a force; the softer the body, the deeper it sinks in"),
+    (
+        "FORCE", "Force",
+        "The fingertip pushes straight into the surface with a force; the softer the body, the deeper it sinks in",
+    ),
 )
 
 
@@ -65,7 +69,7 @@ def _is_fingertip(_settings: bpy.types.PropertyGroup, candidate: bpy.types.Objec
 def _stiffness(name: str, default: float, description: str) -> FloatProperty:
     return FloatProperty(
         name=name, description=description, default=default, min=0.0, soft_min=0.01, soft_max=100.0,
-        step=10, precision=3, update=_mark_edited, **FIXED,
+        step=10, precision=3, update=_mark_edited, **KEYED,
     )  # fmt: skip
 
 
@@ -80,40 +84,40 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     K2: _stiffness("Slope K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
     x0: FloatProperty(
         name="Knee x0 (mm)", description="Depth at which the slope changes from K1 to K2",
-        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **FIXED,
+        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **KEYED,
     )  # fmt: skip
     k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the surface against stretching")
     spread_mm: FloatProperty(
         name="Spread (mm)", description="How far a dent reaches beyond the fingertip",
-        default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **FIXED,
+        default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_from: EnumProperty(
         name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED
     )
     density: FloatProperty(
         name="Density (kg/m³)", description="Mass per volume of the body; water has 1000",
-        default=100.0, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **FIXED,
+        default=100.0, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_kg: FloatProperty(
         name="Mass (kg)", description="Mass of the whole body if it were all of this material",
-        default=0.2, min=0.0, soft_min=0.001, soft_max=100.0, step=1, precision=3, **FIXED,
+        default=0.2, min=0.0, soft_min=0.001, soft_max=100.0, step=1, precision=3, **KEYED,
     )  # fmt: skip
     damping_ratio: FloatProperty(
         name="Damping Ratio", description="0 is undamped, 1 is critically damped",
-        default=0.2, min=0.0, max=2.0, soft_max=1.0, precision=2, **FIXED,
+        default=0.2, min=0.0, max=2.0, soft_max=1.0, precision=2, **KEYED,
     )  # fmt: skip
     friction: FloatProperty(
         name="Friction",
         description="Coefficient of friction between the surface and fingertips or ground; 0 is frictionless",
-        default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
+        default=0.5, min=0.0, soft_max=1.5, precision=2, **KEYED,
     )  # fmt: skip
-    fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, **FIXED)
+    fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, **KEYED)
     tip: EnumProperty(
-        name="Tip", description="What pressed the object when it was measured", items=TIPS, **FIXED
+        name="Tip", description="What pressed the object when it was measured", items=TIPS, default="SPHERE", **FIXED
     )
     tip_radius_mm: FloatProperty(
         name="Tip Radius (mm)", description="Radius of what pressed the object when it was measured",
-        default=2.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
+        default=10.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     provenance: StringProperty(
         name="Source", description="Where these constants were measured; empty when typed in",
@@ -156,7 +160,10 @@ def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
     from ..core.material import ModelConstants
 
     kappa = {"kappa1": exact(settings.kappa1, 2), "kappa2": exact(settings.kappa2, 2)}  # [N/m3]
-    constants = ModelConstants(**kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale))
+    constants = ModelConstants(
+        **kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale),
+        **further_constants(settings.identification),
+    )  # fmt: skip
     return {"constants": constants}
 
 
@@ -165,7 +172,7 @@ class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
 
     enabled: BoolProperty(name="Dimple", description="Make this mesh a soft body that can be pressed", **FIXED)
     law_set: EnumProperty(name="Laws", description="Which equations move the body", items=_LAW_SETS, **FIXED)
-    pinned: EnumProperty(name="Pinned", description="Which part of the body is pinned", items=_PINNED, **FIXED)
+    pinned: EnumProperty(name="Pinned", description="Which part of the body is pinned", items=_PINNED, **KEYED)
     pin_group: StringProperty(
         name="Pin Group", description="Vertex group that is pinned, where its weight is 0.5 or more", **FIXED
     )
@@ -234,9 +241,9 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         "Blender needs the rest to draw",
         default=60.0, min=5.0, max=95.0, step=500, precision=0, **FIXED,
     )  # fmt: skip
-    use_gravity: BoolProperty(name="Gravity", description="Apply the gravity of the scene to the body", **FIXED)
+    use_gravity: BoolProperty(name="Gravity", description="Apply the gravity of the scene to the body", **KEYED)
     use_ground: BoolProperty(
-        name="Ground", description="A floor at height 0 of the scene that nothing falls through", **FIXED
+        name="Ground", description="A floor at height 0 of the scene that nothing falls through", **KEYED
     )
     calibration: kept_text("Calibration", "The last result, until it is applied to a material")
     tip_place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES, **FIXED)
@@ -248,6 +255,10 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     shape_key_step: IntProperty(
         name="Every n Frames", description="Make one shape key for this many frames",
         default=1, min=1, soft_max=25, **FIXED,
+    )  # fmt: skip
+    use_curves: BoolProperty(
+        name="Curves", description="Keyframe force, depth and pressure as custom properties, for drivers",
+        default=False, **FIXED,
     )  # fmt: skip
     show_overlay: BoolProperty(
         name="Fingertips and Forces", description="Draw fingertips, forces and numbers in the viewport",

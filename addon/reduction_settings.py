@@ -6,8 +6,9 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from .translations import CONTEXT
 
-# no property is animatable; labels are translated in a context of our own
+# labels are translated in a context of our own
 FIXED = {"options": set(), "translation_context": CONTEXT}
+KEYED = {"options": {"ANIMATABLE"}, "translation_context": CONTEXT}  # a bake and what plays follow its keyframes
 
 _SIMULATED = (
     ("AUTO", "Automatic", "The full mesh where that runs live, else the smallest proxy within the tolerances"),

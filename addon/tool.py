@@ -1,8 +1,10 @@
-"""The poke as a tool in the toolbar of the viewport."""
+"""The poke as a tool in the toolbar of the viewport, and in the Object menu, where F3 finds it."""
+
+from pathlib import Path
 
 import bpy
 
-from ..operators.names import Op
+from ..operators.names import POKE_TOOL, Op
 
 
 class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
@@ -10,10 +12,10 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
 
     bl_space_type = "VIEW_3D"
     bl_context_mode = "OBJECT"
-    bl_idname = "dimple.poke_tool"
+    bl_idname = POKE_TOOL
     bl_label = "Poke"
     bl_description = "Press a soft body with a fingertip and see how it responds"
-    bl_icon = "ops.transform.push_pull"
+    bl_icon = str(Path(__file__).with_name("poke_tool"))  # Blender adds .dat; tools/icon.py draws it
     bl_keymap = ((Op.POKE, {"type": "LEFTMOUSE", "value": "PRESS"}, None),)
 
     @staticmethod
@@ -24,14 +26,39 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
         layout.prop(settings, "finger_radius_mm")
         layout.prop(settings, "press_by", expand=True)
         layout.prop(settings, "press_force_n" if settings.press_by == "FORCE" else "press_depth_mm")
-        layout.prop(settings, "poke_along")
+        along = layout.row()
+        along.active = settings.press_by == "DEPTH"  # a force goes straight into the surface
+        along.prop(settings, "poke_along")
+
+
+class DIMPLE_MT_object(bpy.types.Menu):
+    """What Dimple does with the selected meshes; the search (F3) looks through menus."""
+
+    bl_label = "Dimple"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Draw the verbs."""
+        layout = self.layout
+        layout.operator_context = "INVOKE_REGION_WIN"
+        for verb in (Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RECORD, Op.RESET):
+            layout.operator(verb)
+
+
+def draw_menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    """Draw Dimple's menu at the end of the Object menu."""
+    menu.layout.separator()
+    menu.layout.menu("DIMPLE_MT_object")
 
 
 def register() -> None:
-    """Add the tool below Blender's transform tools."""
+    """Add the tool below Blender's transform tools, and the menu."""
     bpy.utils.register_tool(DIMPLE_WT_poke, after={"builtin.transform"}, separator=True)
+    bpy.utils.register_class(DIMPLE_MT_object)
+    bpy.types.VIEW3D_MT_object.append(draw_menu)
 
 
 def unregister() -> None:
-    """Remove the tool."""
+    """Remove both."""
+    bpy.types.VIEW3D_MT_object.remove(draw_menu)
+    bpy.utils.unregister_class(DIMPLE_MT_object)
     bpy.utils.unregister_tool(DIMPLE_WT_poke)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 from mathutils import Vector
-from scene_parts import install, key_press, look, painted, press_ball, save
+from scene_parts import frame, install, key_press, look, painted, press_ball, save
 
 HERE = Path(__file__).parent
 FINGERTIP_MM = 10.0
@@ -32,6 +32,7 @@ def three_objects() -> None:
         setattr(scene.dimple, f"finger_{number}", tip)
     scene.dimple.finger_radius_mm = FINGERTIP_MM
     choose(body)
+    frame(centre=(0.0, -0.03, 0.08), distance=0.75)
     save(HERE / "three_objects.blend")
 
 
@@ -64,6 +65,7 @@ def suzanne() -> None:
     scene.dimple.finger_1 = tip
     scene.dimple.finger_radius_mm = FINGERTIP_MM
     choose(head)
+    frame(centre=(0.0, 0.0, 0.11), distance=0.55)
     save(HERE / "suzanne.blend")
 
 

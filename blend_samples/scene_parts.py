@@ -89,6 +89,24 @@ def key_press(tip: bpy.types.Object, touch: Vector, way: Vector) -> None:
         tip.keyframe_insert("location", frame=frame)
 
 
+def frame(*, centre: Sequence[float], distance: float) -> None:
+    """Let every viewport look at a place [m], the sidebar open and the poke its tool where that can be chosen."""
+    for screen in bpy.data.screens:
+        for area in screen.areas:
+            if area.type == "VIEW_3D":
+                space = area.spaces.active
+                space.show_region_ui, space.clip_start = True, 1e-3
+                view = space.region_3d
+                view.view_location, view.view_distance = centre, distance
+                view.view_rotation = bpy.context.scene.camera.rotation_euler.to_quaternion()
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                region = next(each for each in area.regions if each.type == "WINDOW")
+                with bpy.context.temp_override(window=window, area=area, region=region):
+                    bpy.ops.wm.tool_set_by_id(name="dimple.poke_tool")
+
+
 def save(path: Path) -> None:
     """Save a small file with nothing in it that is not used."""
     bpy.context.scene.frame_set(1)

@@ -27,6 +27,7 @@ class Indenter:
 
 
 POINT = Indenter()  # the paper's sensor "touches at a point"
+FINGERTIP = Indenter(shape="sphere", radius=0.010)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,17 +37,25 @@ class ModelConstants:
     kappa1, kappa2: stiffness of shape matching per area, up to the knee and beyond it [N/m3].
     d0: displacement at the knee [m].
     membrane_scale: factor on the surface spring constant k.
+    tension: between the displacements of neighbours [N/m]; None: kappa1 times the spread squared.
+    pieces: (p, 2) further knees [m] and the stiffness that shape matching has more beyond each [N/m3].
 
     Raises:
-        DimpleError: one of them is not greater than 0.
+        DimpleError: one of them is not greater than 0, or a piece is no pair of numbers.
     """
 
     kappa1: float
     kappa2: float
     d0: float
     membrane_scale: float
+    tension: float | None = None
+    pieces: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
+        if self.tension is not None:
+            _require(self.tension >= 0, "The tension must not be negative", self.tension)
+        for knee, more in self.pieces:
+            _require(knee > 0 and abs(more) < _LARGEST, "A piece needs a knee greater than 0", knee)
         for name in ("kappa1", "kappa2", "d0", "membrane_scale"):
             _require(getattr(self, name) > 0, f"The model constant {name} must be greater than 0", getattr(self, name))
 
@@ -126,37 +135,41 @@ class Preset:
 
 
 def _require(holds: bool, rule: str, value: object) -> None:
-    usable = not isinstance(value, float) or abs(value) <= _LARGEST
-    if not (holds and usable):
-        why = "" if usable else ", out of range"
-        raise DimpleError(f"{rule} (it is {value}{why}). Change it in Material > Dimple.")
+    if isinstance(value, (int, float)) and abs(value) > _LARGEST:
+        name = rule.partition(" must")[0]
+        raise DimpleError(f"{name} is out of range (it is {value:.3g}). Change it in Material > Dimple.")
+    if not holds:
+        raise DimpleError(f"{rule} (it is {value}). Change it in Material > Dimple.")
 
 
 # of a body that has no material, and of a new one in the panel: the vinyl cube, as heavy as foam
-DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, density=100)
+DEFAULT_MATERIAL = Material(K1=610, K2=7230, x0=0.0163, k=9_200, density=100, indenter=FINGERTIP)
 
-_SOURCE = "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there"
+_SOURCE = (
+    "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there, and the tip is "
+    "taken to be a fingertip of 10 mm"
+)
 
 # masses: a nylon pouch and a vinyl bag weigh little; the water of a 165 mm cube weighs 4.5 kg
 PRESETS = (
     Preset(
         name="object_1_nylon_air",
         label="Nylon cube, air, 50 mm",
-        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, spread=0.006, mass=0.1, fill="air"),
+        material=Material(K1=590, K2=2240, x0=0.0363, k=54_800, mass=0.1, fill="air", indenter=FINGERTIP),
         size=0.050,
         provenance=_SOURCE,
     ),
     Preset(
         name="object_2_vinyl_air",
         label="Vinyl cube, air, 165 mm",
-        material=Material(K1=610, K2=7230, x0=0.0163, k=9_200, mass=0.2, fill="air"),
+        material=Material(K1=610, K2=7230, x0=0.0163, k=9_200, mass=0.2, fill="air", indenter=FINGERTIP),
         size=0.165,
         provenance=_SOURCE,
     ),
     Preset(
         name="object_3_vinyl_water",
         label="Vinyl cube, water, 165 mm",
-        material=Material(K1=620, K2=9130, x0=0.0137, k=9_200, density=1000, fill="liquid"),
+        material=Material(K1=620, K2=9130, x0=0.0137, k=9_200, density=1000, fill="liquid", indenter=FINGERTIP),
         size=0.165,
         provenance=_SOURCE,
     ),

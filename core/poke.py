@@ -20,6 +20,7 @@ WHEEL_STEP = 1.1  # a click of the wheel changes radius, depth or force by this 
 RADIUS_RANGE = (1e-5, 10.0)  # [m]
 DEPTH_RANGE = (1e-5, 10.0)  # [m]
 FORCE_RANGE = (1e-3, 1e4)  # [N]
+OPPOSITE = -0.2  # cosine of the angle between two normals from which on two fingertips pinch
 SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
 
 
@@ -125,7 +126,7 @@ class PokeState:
     force: of the next press [N].
     by_force: that force pushes, and the depth is what comes of it.
     press_s, release_s: how long going in and coming out take [s].
-    along_normal: press along the surface normal rather than the view.
+    along_normal: press along the surface normal rather than the view, as a force always does.
     active: the finger the pointer moves.
     tips: of each finger, None where it is lifted.
     hover: what the pointer is on.
@@ -212,18 +213,40 @@ def _move(state: PokeState, event: PokeEvent) -> PokeState:
     if not (state.pressing and tip):
         return state
     on_body = event.hit and event.hit.body == tip.body
-    goal = _aim(state, event.hit, event.view) if event.hit and on_body else tip.goal
-    return _with_tip(state, replace(tip, wanted=_amount(state, tip.by_force) * event.pressure, goal=goal))
+    goal = _aim(state, event.hit, event.view, by_force=tip.by_force) if event.hit and on_body else tip.goal
+    return _pinched(_with_tip(state, replace(tip, wanted=_amount(state, tip.by_force) * event.pressure, goal=goal)))
 
 
 def _press(state: PokeState, event: PokeEvent) -> PokeState:
     if event.hit is None:
         return state
-    aim, wanted = _aim(state, event.hit, event.view), _amount(state, state.by_force) * event.pressure
+    aim = _aim(state, event.hit, event.view, by_force=state.by_force)
+    wanted = _amount(state, state.by_force) * event.pressure
     tip = PokeTip(
         body=event.hit.body, aim=aim, goal=aim, radius=state.radius, wanted=wanted, by_force=state.by_force
     )  # fmt: skip
-    return replace(_with_tip(state, tip), pressing=True, hover=event.hit)
+    return _pinched(replace(_with_tip(state, tip), pressing=True, hover=event.hit))
+
+
+def _pinched(state: PokeState) -> PokeState:
+    """Let two fingertips that press one body from opposite sides go towards each other."""
+    tip = state.tips[state.active]
+    assert tip
+    across = [
+        (i, other) for i, other in enumerate(state.tips)
+        if other and i != state.active and other.body == tip.body and not other.leaving
+        and _dot(other.goal.outward, tip.goal.outward) < OPPOSITE
+    ]  # fmt: skip
+    if len(across) != 1:
+        return state
+    (index, other), = across
+    way = along(other.goal.at, tip.goal.at, -1.0)
+    there, back = _unit(way, tip.goal.inward), _unit(along((0.0, 0.0, 0.0), way, -1.0), other.goal.inward)
+    tips = list(state.tips)
+    aim = replace(tip.aim, inward=there) if tip.reached == 0 else tip.aim
+    tips[state.active] = replace(tip, aim=aim, goal=replace(tip.goal, inward=there))
+    tips[index] = replace(other, goal=replace(other.goal, inward=back))  # it turns on its way, without a jump
+    return replace(state, tips=tuple(tips))
 
 
 def _release(state: PokeState) -> PokeState:
@@ -286,9 +309,11 @@ def _scaled(state: PokeState, factor: float) -> PokeState:
     return replace(state, depth=_clamped(factor * state.depth, DEPTH_RANGE))
 
 
-def _aim(state: PokeState, hit: Hit, view: Vector) -> Aim:
+def _aim(state: PokeState, hit: Hit, view: Vector, *, by_force: bool) -> Aim:
     x, y, z = hit.normal
-    return Aim(hit.point, hit.normal, (-x, -y, -z) if state.along_normal else view)
+    # pushed askew, a fingertip would jam: it is led sideways, and the surface would hold it with any force there
+    straight = state.along_normal or by_force
+    return Aim(hit.point, hit.normal, (-x, -y, -z) if straight else view)
 
 
 def _with_tip(state: PokeState, tip: PokeTip) -> PokeState:
@@ -305,6 +330,10 @@ def _reshaped(state: PokeState, event: PokeEvent) -> PokeState:
 
 def _clamped(value: float, limits: tuple[float, float]) -> float:
     return min(max(value, limits[0]), limits[1])
+
+
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def _toward(a: Vector, b: Vector, share: float) -> Vector:

@@ -46,6 +46,7 @@ class Frame(NamedTuple):
     cost: wall time [s].
     total_steps: substeps since the start.
     total_cost: wall time since the start [s].
+    work: of the fingertips on the body since the start [J].
     finite: False where the body has blown up.
     note: "" or a sentence.
     """
@@ -63,6 +64,7 @@ class Frame(NamedTuple):
     cost: float
     total_steps: int
     total_cost: float
+    work: float
     finite: bool
     note: str
 
@@ -90,7 +92,7 @@ class Session:
     def reset(self) -> None:
         """Put the body back to rest and let go of it."""
         self.body.set_state(self.body.model.matching.rest)
-        self._time, self._ticks, self._cost = 0.0, 0, 0.0
+        self._time, self._ticks, self._cost, self._work = 0.0, 0, 0.0, 0.0
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
@@ -273,6 +275,9 @@ class Session:
             self._pins_origin, self._pins_target = self._pins_target, None
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
+                # force and way of straight, even motion: the work is exact
+                axes = zip(touch.impulse, touch.centre, tip.here, strict=True)
+                self._work -= sum(push * (now - before) for push, now, before in axes) / (result.ticks * self.tick)
                 tip.here, tip.fresh = touch.centre, False
         return result
 
@@ -324,6 +329,7 @@ class Session:
             cost,
             self._ticks * self.substeps,
             self._cost,
+            self._work,
             not note,
             note,
         )

@@ -10,11 +10,13 @@ from . import (
     bake,
     calibrate,
     calibrate_apply,
+    command_line,
     compare_proxies,
     device,
     export,
     handlers,
     identify,
+    make_soft,
     measure,
     play,
     poke,
@@ -22,6 +24,7 @@ from . import (
 )
 
 PARTS = (
+    make_soft,
     poke,
     play,
     record,
@@ -35,6 +38,7 @@ PARTS = (
     measure,
     compare_proxies,
     device,
+    command_line,
     handlers,
 )
 

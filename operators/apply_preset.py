@@ -25,8 +25,8 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Need a mesh."""
-        return polls.needs_mesh(cls, context)
+        """Need a mesh whose settings stay: those of linked data are lost with the file."""
+        return polls.needs_mesh(cls, context) and polls.is_own(cls, context.object)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set material, size and source."""

@@ -18,10 +18,12 @@ import numpy as np
 from ..core.base import DimpleError
 from ..core.recording import PointCache
 from ..core.session import Session
-from . import bridge, bridge_write, live, output, planning, shape_keys, timeline
+from . import bridge, bridge_write, live, output, planning, shape_keys, timeline, tuning
+from .settings import settings_of
 
 if TYPE_CHECKING:
     from .bridge import ObjectLink, Singles
+    from .settings import Settings
 
 PART = ".part"  # ends the names of files that are being written
 
@@ -32,6 +34,7 @@ class Baked:
 
     link: the object at rest.
     session: what moves it.
+    settings: what it has of the panels, which may be keyframed.
     matrix: (4, 4) of the object when it was last stepped.
     path: the name of the PC2 file once it is whole.
     cache: the PC2 file under way, None for shape keys.
@@ -41,6 +44,7 @@ class Baked:
 
     link: ObjectLink
     session: Session
+    settings: Settings
     matrix: np.ndarray
     path: Path
     cache: PointCache | None
@@ -148,7 +152,10 @@ def _open(
     table = output.open_file(files, Path(f"{path.with_suffix('.csv')}{PART}"), output.ForceTable)
     session.set_fingers(live.fingertips(context.scene, link.scale))
     session.step(0.0)  # the first frame shows what touches already
-    return Baked(link=link, session=session, matrix=link.matrix, path=path, cache=cache, table=table)
+    return Baked(
+        link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, path=path,
+        cache=cache, table=table,
+    )  # fmt: skip
 
 
 def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> None:
@@ -156,7 +163,8 @@ def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> No
     scene = context.scene
     for look_s in timeline.looks(scene, frame):
         for body in bodies:
-            matrix = _matrix(body)
+            obj, matrix = _object(body), _matrix(body)
+            body.settings = tuning.follow_keyframes(scene, obj, body.session, body.link, body.settings)
             body.session.set_fingers(live.fingertips(scene, body.link.scale))
             if not np.array_equal(matrix, body.matrix):
                 body.matrix = matrix
@@ -166,10 +174,15 @@ def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> No
                 raise DimpleError(f'"{body.link.name}", frame {frame}: {shown.note}')
 
 
-def _matrix(body: Baked) -> np.ndarray:
+def _object(body: Baked) -> bpy.types.Object:
     obj = bridge.find(body.link.uid, body.link.name)
     if obj is None:
         raise DimpleError(f'"{body.link.name}" is gone, so it cannot be baked.')
+    return obj
+
+
+def _matrix(body: Baked) -> np.ndarray:
+    obj = _object(body)
     matrix = np.array(obj.matrix_world)
     bridge.check_matrix(obj.name, matrix)
     return matrix
@@ -208,3 +221,4 @@ def _play(plan: BakePlan, body: Baked) -> None:
     elif plan.target == "SHAPE_KEYS":
         output.detach_cache(obj)
         shape_keys.add(obj, body.link, body.shapes)
+        output.add_curves(obj, body.path)

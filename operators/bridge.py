@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from ..core.base import DimpleError
+from ..core.base import FARTHEST, DimpleError
 from . import advice, calibration
 from .names import BAKED_KEY, LIVE_KEY, REST
 
@@ -255,6 +255,8 @@ def _scale(scene: bpy.types.Scene, name: str, rest: Singles, matrix: Floats, siz
     largest = float((np.ptp(rest, axis=0) * axes).max())
     if largest <= 0:
         raise DimpleError(f'"{name}": all vertices lie in one point. Give the mesh a size.')
+    if size is not None and not size <= FARTHEST:
+        raise DimpleError(f'"{name}": a Custom Size of {1e3 * size:.3g} mm is too large. Lower it in Physics > Dimple.')
     return float(scene.unit_settings.scale_length) if size is None else size / largest
 
 
@@ -278,7 +280,7 @@ def _material(
 
     material = body.material_slots[slot].material if body.material_slots else None
     constants = DEFAULT_MATERIAL if material is None else constants_on(mesh, material)
-    if constants.constants is not None or identify == "NO":
+    if constants.constants is not None or identify == "NO" or calibration.animated(material):
         return constants, ""
     from . import identified
 

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from .bridge import ObjectLink, Singles, get_points
-from .names import CACHE, CACHES_OFF, KEPT_KEY, LIVE_KEY, REST
+from .names import CACHE, CACHES_OFF, KEPT_KEY, LIVE_KEY, PAINTING, REST
 from .rest_shape import carry_rest, drop_rest, put_back, rest_mesh, set_positions
 
 
@@ -57,9 +57,11 @@ def is_cache(modifier: bpy.types.Modifier) -> bool:
 
 
 def is_showable(body: bpy.types.Object, link: ObjectLink, borrowed: Borrowed) -> bool:
-    """Tell whether an object still has the mesh that was read, and nobody edits it."""
+    """Tell whether an object still has the mesh that was read, and nobody edits its shape."""
     mesh = body.data
-    return body.mode == "OBJECT" and mesh.session_uid == borrowed.copy and len(mesh.vertices) == len(link.rest)
+    # weights that are painted on a copy of a shared mesh would be lost with it
+    unshaped = body.mode == "OBJECT" or (body.mode == PAINTING and borrowed.shared is None)
+    return unshaped and mesh.session_uid == borrowed.copy and len(mesh.vertices) == len(link.rest)
 
 
 def is_intact(body: bpy.types.Object, link: ObjectLink, borrowed: Borrowed, shown: Singles | None) -> bool:

@@ -16,6 +16,12 @@ from .names import TIPS, Op
 OPEN = "NONE"  # a question that has no answer yet
 ASKED_AT_ONCE = 4
 WIDTH, CHARACTERS = 640, 96  # [px] of the dialog, and how many fit on a line of it
+DETECTED = "detected"
+SIGNS = (
+    (DETECTED, "Detected", "As the file shows it"),
+    ("positive", "Positive", "The number grows"),
+    ("negative", "Negative", "The number falls"),
+)
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
 
@@ -76,10 +82,22 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     force_unit: _answer_text("Force Unit", "N, gf, kgf, mN, kN or lbf")
     decimal: _answer_text("Decimal", "The decimal mark, . or ,")
     table: IntProperty(name="Table", description="Which of several tables, counted from 1", options=HIDDEN, min=0)
-    press: _answer_text("Press", "Sign of a pressing force, positive or negative")
+    press: EnumProperty(name="Press", description="Sign of a pressing force", items=SIGNS, options={"SKIP_SAVE"})
+    inward: EnumProperty(
+        name="Inward", description="Sign of a depth that grows as the tip goes in", items=SIGNS, options={"SKIP_SAVE"}
+    )
+    order: _answer_text("Order", "written: rows as they were measured; reversed: from the last to the first")
     cycle: IntProperty(name="Cycle", description="Which of several presses, counted from 1", options=HIDDEN, min=0)
     contact_mm: FloatProperty(
         name="Contact (mm)", description="Depth reading at first touch; detected unless set",
+        options={"SKIP_SAVE"}, precision=4,
+    )  # fmt: skip
+    from_mm: FloatProperty(
+        name="From (mm)", description="Depth reading before which rows are left out; all are used unless set",
+        options={"SKIP_SAVE"}, precision=4,
+    )  # fmt: skip
+    until_mm: FloatProperty(
+        name="Until (mm)", description="Depth reading beyond which rows are left out, as where the object was torn",
         options={"SKIP_SAVE"}, precision=4,
     )  # fmt: skip
     asked: StringProperty(name="Question", description="What the file does not say", options=HIDDEN)
@@ -101,6 +119,10 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         if body and not given("length_mm") and body.dimple.size_mode == "CUSTOM":
             self.length_mm = body.dimple.size_mm
         if self.asked:
+            for number, question in enumerate(calibration.load(self.asked)["questions"][:ASKED_AT_ONCE]):
+                values = [candidate["value"] for candidate in question["candidates"]]
+                if question["default"] in values:  # the likeliest answer is chosen until another one is
+                    setattr(self, f"answer_{number}", str(values.index(question["default"])))
             return context.window_manager.invoke_props_dialog(self, width=WIDTH, title="Which is right?")
         if given("filepath"):
             return self.execute(context)
@@ -111,8 +133,8 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Read and fit; nothing is lost where that fails."""
         from ..core.base import DimpleError
         from ..core.calibration.calibrate import calibrate
-        from ..core.material import Indenter
         from ..core.calibration.question import Undecided, WrongColumns
+        from ..core.material import Indenter
 
         try:
             if not self._take_answers():
@@ -132,7 +154,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         context.scene.dimple.calibration = calibration.to_text(found, advice)
         record = calibration.load(context.scene.dimple.calibration)
         for warning in record["warnings"]:
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, calibration.headline(warning))
         self.report({"INFO"}, calibration.source(record, record["source_of_k"]))
         return {"FINISHED"}
 
@@ -142,7 +164,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         if self.asked:
             return self._draw_questions(layout)
         layout.use_property_split = True
-        for name in ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa", "contact_mm"):
+        for name in (*_KEPT, "press", "inward"):
             layout.prop(self, name)
         return None
 
@@ -170,8 +192,8 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         """Return the answers that are given."""
         from ..core.calibration.question import Answers
 
-        given = {name: getattr(self, name) or None for name in _ANSWERS}
-        given["contact_mm"] = self.contact_mm if self.properties.is_property_set("contact_mm") else None
+        given = {name: getattr(self, name) for name in _ANSWERS if getattr(self, name) not in ("", 0, DETECTED)}
+        given |= {name: getattr(self, name) for name in _DEPTHS if self.properties.is_property_set(name)}
         return Answers(**given)
 
     def _ask(self, context: bpy.types.Context, asked: str, message: str) -> set[str]:
@@ -185,8 +207,11 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
         return {"CANCELLED"}  # that one goes on
 
 
-_ANSWERS = ("depth_column", "force_column", "depth_unit", "force_unit", "decimal", "table", "press", "cycle")
-_KEPT = ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa", "contact_mm")
+_ANSWERS = (
+    "depth_column", "force_column", "depth_unit", "force_unit", "decimal", "table", "press", "inward", "order", "cycle",
+)  # fmt: skip
+_DEPTHS = ("contact_mm", "from_mm", "until_mm")
+_KEPT = ("tip", "tip_radius_mm", "length_mm", "section_mm2", "youngs_modulus_mpa", *_DEPTHS)
 
 
 def _si(value: float, factor: float) -> float | None:

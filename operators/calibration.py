@@ -55,6 +55,11 @@ def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
     return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
+def headline(warning: str) -> str:
+    """Return what a warning says is wrong, without what it means."""
+    return warning.split("\n")[0]
+
+
 def source(record: dict[str, Any], k: str) -> str:
     """Return the line that a material keeps of where its constants come from; k: where its own does, if so."""
     return f"{record['provenance']}, {k}" if k else record["provenance"]
@@ -118,6 +123,19 @@ def changed(settings: Any, mesh: Mesh | None = None) -> list[str]:
 def identification(settings: Any) -> dict[str, Any]:
     """Return the record of a material's identification, empty where there is none or the material has changed."""
     return {} if changed(settings) else load(settings.identification)
+
+
+def animated(material: Any) -> bool:
+    """Tell whether the constants of a material are keyframed or driven: then the closed form follows them."""
+    moved = material.animation_data if material else None
+    return bool(moved and (moved.action or moved.drivers))
+
+
+def further_constants(text: str) -> dict[str, Any]:
+    """Return what a material's identification found besides the constants that it shows, for `ModelConstants`."""
+    record = load(text)
+    pieces = tuple((float(knee), float(more)) for knee, more in record.get("pieces", ()))
+    return {"pieces": pieces, "tension": record.get("tension")}
 
 
 def _same(name: str, one: float | str, other: float | str | None) -> bool:

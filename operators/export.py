@@ -3,13 +3,13 @@
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import polls, sessions
 from .names import EXPORTS, Op
 from .working import Working
 
-_ASKED = ("formats", "source", "frame_start", "frame_end", "step", "normals", "overwrite")
+_ASKED = ("formats", "source", "frame_start", "frame_end", "step", "key_error", "normals", "overwrite")
 _SOURCES = (
     ("PLAYED", "Bake or Recording", "What the objects play; those that play nothing are simulated"),
     ("SIMULATE", "Simulate Anew", "Simulate the objects as a bake does, whatever they play"),
@@ -24,9 +24,9 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     verb, stopped = "Exporting", "The export was cancelled; the files that were finished are kept"
 
     directory: StringProperty(
-        name="Folder", description="Where the files go, named after the objects", subtype="DIR_PATH"
-    )
-    filter_folder: BoolProperty(default=True, options={"HIDDEN"})
+        name="Folder", description="Where the files go, named after the objects", subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+    )  # fmt: skip
     formats: EnumProperty(
         name="Formats", description="What to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"}
     )
@@ -36,6 +36,12 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     step: IntProperty(
         name="Every n Frames", description="In glTF and FBX, one shape key for this many frames", default=1, min=1,
         soft_max=25,
+    )  # fmt: skip
+    key_error: FloatProperty(
+        name="Key Error (%)",
+        description="In glTF and FBX, few shape keys with which no vertex is off by more of the object's size. "
+        "0 makes one for each frame",
+        default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
     )  # fmt: skip
     normals: BoolProperty(
         name="Normals", description="Write how the surface is shaded; files are larger", default=True
@@ -83,15 +89,21 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         except DimpleError as error:
             layout.label(text=str(error), translate=False, icon="ERROR")
         else:
-            layout.label(text=iface_("About {} MB").format(f"{size / 1e6:.0f}"), translate=False)
+            megabytes = round(size / 1e6)
+            layout.label(text=iface_("About {} MB").format(megabytes), translate=False)
 
     def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
         return sessions.open_run(context, "export", "Exporting: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for what is exported starts at rest."""
+        from ..core.base import DimpleError
         from . import exporting
 
+        if not self.directory:
+            raise DimpleError("No folder is chosen. Choose where the files go.")
+        if self.directory.startswith("//") and not bpy.data.filepath:
+            raise DimpleError("The folder is beside the .blend, which has no place yet. Save the file first.")
         sessions.stop_all()
         self._messages: list[str] = []
         self._written: list[Path] = []
@@ -104,10 +116,11 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         return exporting.ExportPlan(
             objects=[obj for obj in live.candidates(context) if obj.type == "MESH"] or live.candidates(context),
             formats=[key for key, *_ in EXPORTS if key in self.formats],
-            folder=Path(bpy.path.abspath(self.directory or "//")),
+            folder=Path(bpy.path.abspath(self.directory)),
             first=self.frame_start if given("frame_start") else scene.frame_start,
             last=self.frame_end if given("frame_end") else scene.frame_end,
             step=self.step,
+            key_error=self.key_error / 100,
             simulate=self.source == "SIMULATE",
             overwrite=self.overwrite,
             normals=self.normals,

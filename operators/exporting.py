@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import errno
 import os
 import shutil
 import tempfile
@@ -36,7 +37,9 @@ class ExportPlan:
     formats: keys of `formats.FORMATS`, in the order in which they are written.
     folder: where the files go; it is made.
     first, last: frames.
+    begin: frame at which the simulation begins at rest; None is the first.
     step: frames from one shape key to the next.
+    key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for one a frame.
     simulate: simulate anew also what plays a bake or a recording.
     overwrite: files that are there.
     normals: write how the surface is shaded.
@@ -47,7 +50,9 @@ class ExportPlan:
     folder: Path
     first: int
     last: int
+    begin: int | None = None
     step: int = 1
+    key_error: float = 0.0
     simulate: bool = False
     overwrite: bool = False
     normals: bool = True
@@ -113,7 +118,8 @@ def export(
                 clip = _clip(obj, source, plan)
                 final = plan.folder / f"{stem}{FORMATS[each].ending}"
                 part = folder / final.name
-                with _readable_errors(each):
+                with _readable_errors(each, final):
+                    reserve(context, clip, each, folder)
                     for done in FORMATS[each].write(context, clip, part):
                         yield share + 0.49 * done / count
                 _commit(part, final, written)
@@ -126,6 +132,8 @@ def export(
 def _check(plan: ExportPlan) -> None:
     if plan.last < plan.first:
         raise DimpleError(f"The last frame ({plan.last}) must not come before the first ({plan.first}).")
+    if plan.begin is not None and plan.begin > plan.first:
+        raise DimpleError(f"The simulation begins at frame {plan.begin}, after the first ({plan.first}).")
     if not plan.formats:
         raise DimpleError("No format is chosen. Choose one or more.")
     for obj in plan.objects:
@@ -154,16 +162,16 @@ def _sources(
     found = {obj.session_uid: None if plan.simulate else _played(obj) for obj in plan.objects}
     missing = [obj for obj in plan.objects if found[obj.session_uid] is None]
     if missing:
-        # a bake needs two frames
-        bake = baking.BakePlan(
-            objects=missing, first=plan.first, last=max(plan.last, plan.first + 1), target="FILES",
+        begin = plan.first if plan.begin is None else plan.begin
+        bake = baking.BakePlan(  # which needs two frames
+            objects=missing, first=begin, last=max(plan.last, begin + 1), target="FILES",
             folder=folder / "simulated",
         )
         steps = baking.simulate(context, bake, messages)
         bodies = yield from _scaled(steps, 0.5)
         for body in bodies:
             found[body.link.uid] = _Source(
-                cache=body.path, first=plan.first, table=body.path.with_suffix(".csv"),
+                cache=body.path, first=begin, table=body.path.with_suffix(".csv"),
                 simulated=sidecar.describe_session(body.session),
             )  # fmt: skip
     return [source for obj in plan.objects if (source := found[obj.session_uid])]
@@ -201,6 +209,24 @@ def _played(obj: bpy.types.Object) -> _Source | None:
     return None
 
 
+def reserve(context: bpy.types.Context, clip: Clip, each: str, folder: Path) -> None:
+    """Make sure that there is room for a file: where there is none, Blender's Alembic exporter ends Blender.
+
+    Raises:
+        OSError: there is not.
+    """
+    seen = clip.obj.evaluated_get(context.evaluated_depsgraph_get()).data
+    vertices = max(len(seen.vertices), len(clip.obj.data.vertices))
+    corners = max(len(seen.loops), len(clip.obj.data.loops))
+    size = FORMATS[each].bytes_of(vertices, len(clip.samples), corners * clip.normals) + 64 * corners + 2e5
+    if hasattr(os, "posix_fallocate"):
+        with (folder / "room").open("wb") as file:
+            os.posix_fallocate(file.fileno(), 0, int(1.1 * size))
+        (folder / "room").unlink()
+    elif shutil.disk_usage(folder).free < 1.1 * size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
+
+
 def _clip(obj: bpy.types.Object, source: _Source, plan: ExportPlan) -> Clip:
     _, points = open_point_cache(source.cache)
     begin, end = plan.first - source.first, plan.last - source.first + 1
@@ -209,7 +235,7 @@ def _clip(obj: bpy.types.Object, source: _Source, plan: ExportPlan) -> Clip:
         begin, end = 0, len(points)
     return Clip(
         obj=obj, cache=source.cache, cache_first=source.first, samples=points[begin:end], first=plan.first,
-        last=plan.last, step=plan.step, normals=plan.normals,
+        last=plan.last, step=plan.step, key_error=plan.key_error, normals=plan.normals,
     )  # fmt: skip
 
 
@@ -241,8 +267,13 @@ def _commit(part: Path, final: Path, written: list[Path]) -> None:
 
 
 @contextlib.contextmanager
-def _readable_errors(each: str) -> Iterator[None]:
+def _readable_errors(each: str, final: Path) -> Iterator[None]:
+    """Let an error say which format could not be written, and where."""
     try:
         yield
+    except OSError as error:
+        if error.filename:
+            raise
+        raise OSError(error.errno, error.strerror, str(final)) from error
     except DimpleError as error:
         raise DimpleError(f"{FORMATS[each].label}: {error}") from error

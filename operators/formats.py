@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,8 @@ from . import stage, timeline
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from ..core.animation.basis import Basis
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Clip:
@@ -34,7 +36,9 @@ class Clip:
     samples: (frames, vertices, 3) its own coordinates, in frames first to last.
     first, last: frames.
     step: frames from one shape key to the next.
+    key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for one a frame.
     normals: write how the surface is shaded.
+    found: the few shape keys, once they are known.
     """
 
     obj: bpy.types.Object
@@ -44,7 +48,17 @@ class Clip:
     first: int
     last: int
     step: int
+    key_error: float
     normals: bool
+    found: list[Basis] = field(default_factory=list)
+
+    def basis(self, samples: npt.NDArray[np.float32]) -> Basis:
+        """Return the few shapes that samples are made of; found once."""
+        from ..core.animation.basis import reduce
+
+        if not self.found:
+            self.found.append(reduce(samples, self.key_error * float(np.ptp(samples[0], axis=0).max())))
+        return self.found[0]
 
     @property
     def key_frames(self) -> list[int]:
@@ -142,6 +156,7 @@ def _ply(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
             bpy.ops.wm.ply_export, filepath=file, check_existing=False, export_selected_objects=True,
             apply_modifiers=True, forward_axis="Y", up_axis="Z", global_scale=1.0, export_uv=False,
             export_colors="NONE", export_normals=clip.normals,
+            export_triangulated_mesh=True,  # trimesh and others read no faces of several sizes
         )  # fmt: skip
 
     yield from _sequence(context, clip, path, one)
@@ -164,7 +179,7 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
 
     frames, vertices, _ = clip.samples.shape
     where = vertex_texture.layout(vertices, frames)
-    picture = vertex_texture.pixels(clip.samples, where)
+    picture = vertex_texture.pixels(clip.samples[..., [0, 2, 1]] * np.float32([1, 1, -1]), where)
     yield 0.2
     path.mkdir()
     vertex_texture.write_exr(path / "offsets.exr", picture)
@@ -174,7 +189,7 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     with stage.mapped(context, clip.obj, clip.samples[0], vertex_texture.uv(vertices, where)):
         _asked(
             bpy.ops.export_scene.gltf, filepath=str(path / "mesh.glb"), check_existing=False, export_format="GLB",
-            use_selection=True, export_animations=False, export_apply=False, export_skins=False, export_yup=False,
+            use_selection=True, export_animations=False, export_apply=False, export_skins=False, export_yup=True,
             export_attributes=False,
         )  # fmt: skip
     words = {
@@ -195,10 +210,26 @@ def _playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _keyed(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
+    with stage.ranged(context.scene, clip.first, clip.last):
+        with stage.keyed(context, clip.obj, clip.samples[0], shape_keys(clip)):
+            yield
+
+
+def shape_keys(clip: Clip) -> list[stage.KeyedShape]:
+    """Return the shape keys of a clip: one for each frame that has one, or a few that all frames are made of."""
     frames = clip.key_frames
     samples = clip.samples if clip.step == 1 else clip.samples[[frame - clip.first for frame in frames]]
-    with stage.ranged(context.scene, clip.first, clip.last), stage.keyed(context, clip.obj, samples, frames):
-        yield
+    if not clip.key_error:
+        near = [frames[max(at - 1, 0) : at + 2] for at in range(len(frames))]
+        return [
+            stage.KeyedShape(f"Frame {frame:04d}", sample, some, [float(each == frame) for each in some])
+            for frame, sample, some in zip(frames, samples, near, strict=True)
+        ]
+    basis = clip.basis(samples)
+    return [
+        stage.KeyedShape(f"Shape {number:03d}", samples[0] + shape, frames, weights)
+        for number, (shape, weights) in enumerate(zip(basis.shapes, basis.weights.T, strict=True), start=1)
+    ]
 
 
 def _asked(export: Callable[..., set[str]], *, filepath: str, **options: object) -> None:
@@ -211,9 +242,37 @@ def _asked(export: Callable[..., set[str]], *, filepath: str, **options: object)
     try:
         result = export(filepath=filepath, **{name: value for name, value in options.items() if name in known})
     except RuntimeError as error:
-        raise DimpleError(f"Blender's exporter refused: {str(error).strip().removeprefix('Error: ')}") from error
-    if "FINISHED" not in result or not Path(filepath).is_file() or not Path(filepath).stat().st_size:
-        raise DimpleError(f"Blender's exporter wrote nothing to {filepath}. Is the disk full, or the folder read-only?")
+        raise DimpleError(f"Blender's exporter failed at {filepath}: {_last_line(str(error))}") from error
+    if "FINISHED" not in result or not is_whole(Path(filepath)):
+        raise DimpleError(f"Blender's exporter could not finish {filepath}. Is the disk full, or the folder read-only?")
+
+
+def _last_line(text: str) -> str:
+    """Return what an error says, without where in Blender it was raised."""
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith((" ", "Location:"))]
+    return lines[-1].removeprefix("Error: ") if lines else text
+
+
+def is_whole(path: Path) -> bool:
+    """Tell whether a file ends where it says it does; some exporters do not notice that a disk is full."""
+    if not path.is_file():
+        return False
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(4096)
+    if path.suffix == ".abc":  # set when an Ogawa archive is closed
+        return head[:6] == b"Ogawa\xff"
+    if path.suffix == ".usdc":  # the table of contents is written last
+        return len(head) >= 24 and 24 <= int.from_bytes(head[16:24], "little") < size
+    if path.suffix == ".glb":
+        return int.from_bytes(head[8:12], "little") == size
+    if path.suffix == ".stl":
+        return size == 84 + 50 * int.from_bytes(head[80:84], "little")
+    if path.suffix == ".ply":
+        text, _, _ = head.partition(b"end_header\n")
+        vertices, triangles = (int(text.split(b"element " + each)[1].split()[0]) for each in (b"vertex", b"face"))
+        return size == len(text) + 11 + 4 * text.count(b"property float") * vertices + 13 * triangles
+    return size > 0
 
 
 def _points(vertices: int, frames: int, _corners: int) -> float:
@@ -234,6 +293,7 @@ def _baked(vertices: int, frames: int, corners: int) -> float:
 
 OBJECT = "the object's own coordinates: x, y and z as in Blender, before its modifiers, in its own scale"
 SCENE = "the scene's coordinates: Z up, in scene units, after modifiers"
+TEXTURE = "offsets in the coordinates of mesh.glb: Y up, in scene units, before modifiers; layout.json says how"
 FORMATS = {
     "ALEMBIC": Format("Alembic", ".abc", "Y up, as Alembic has it, in scene units, after modifiers", _alembic, _baked),
     "USD": Format("USD", ".usdc", "Z up, metersPerUnit says the unit, after modifiers", _usd, _baked),
@@ -243,5 +303,5 @@ FORMATS = {
     "MDD": Format("MDD", ".mdd", OBJECT, _mdd, _points),
     "STL": Format("STL", "_stl", SCENE, _stl, lambda vertices, frames, _: 100 * vertices * frames),
     "PLY": Format("PLY", "_ply", SCENE, _ply, _baked),
-    "VAT": Format("Vertex Animation Texture", "_vat", f"offsets in {OBJECT}; see layout.json", _texture, _texels),
+    "VAT": Format("Vertex Animation Texture", "_vat", TEXTURE, _texture, _texels),
 }

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .sessions import LiveBody
 
 EMULATED = "emulated"  # instead of a port: try it without a device
+SLOW_S = 0.25  # between two frames of Blender: slower, and the dead-man key lapses between them (safety.LEASE)
 LOOK_S = 0.1  # between two looks at the device while nothing runs
 
 
@@ -40,6 +41,7 @@ class Connection:
     workspaces: of the device in each body's space, for each of its fingertips, and the fingertip's radius [mm].
     note: a sentence for the artist that was not shown yet.
     read_at: when it was read last [s].
+    slow: Blender drew too slowly for the dead-man key, and that was said.
     """
 
     device: Device
@@ -49,6 +51,7 @@ class Connection:
     workspaces: dict[tuple[LiveBody, int], tuple[Workspace, float]] = field(default_factory=dict)
     note: str = ""
     read_at: float = 0.0
+    slow: bool = False
 
 
 connections: list[Connection] = []  # the device, where one is connected
@@ -114,8 +117,16 @@ def read() -> list[str]:
     connection = get()
     if connection is None:
         return []
+    gap = time.perf_counter() - connection.read_at if connection.read_at else 0.0
     before, connection.report, connection.read_at = connection.report, connection.device.read(), time.perf_counter()
     report = connection.report
+    if gap > SLOW_S and report.arming is not Arming.OFF and not connection.slow:
+        connection.slow, connection.note = True, (
+            f"Blender draws only {1 / gap:.1f} frames a second, so the dead-man key lapses and there is no force. "
+            "Simulate a proxy, or draw less."
+        )
+    elif gap < SLOW_S / 2:
+        connection.slow = False
     ended = report.link is not before.link and report.link in (LinkState.LOST, LinkState.REFUSED)
     if ended or (report.arming is not before.arming and report.arming is Arming.OFF and report.note):
         connection.note = report.note

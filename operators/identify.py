@@ -49,7 +49,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
     def _steps_of(self, bench):
         from ..core.calibration import cache
         from ..core.calibration.identify import identification
-        from .output import own_folder
+        from .identified import own_folder
 
         given = bench.mesh, bench.material, bench.indenter, bench.site, bench.deepest
         folder, name = own_folder("identified"), cache.key(*given)
@@ -79,6 +79,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
             "date": date.today().isoformat(), "rms": found.rms,
             "force_off": float(found.off.max()), "deepest": 1e3 * float(found.depths[-1]),
             "volume_change": found.volume_change, "noticeable": NOTICEABLE_FORCE,
+            "tension": constants.tension, "pieces": constants.pieces,
             "notes": [*found.notes, *bench.notes],
             "points": calibration.thinned(1e3 * found.depths, found.simulated, calibration.SIMULATED),
         }  # fmt: skip

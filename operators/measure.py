@@ -72,9 +72,12 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; a body is at rest before it is pressed."""
+        from ..core.base import DimpleError
         from ..core.material import Indenter
         from . import indentation
 
+        if not self.filepath:
+            raise DimpleError("Say where the file goes: give it a path.")
         sessions.stop_all()
         other = self.tip != _AS_MEASURED[0]
         tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3) if other else None

@@ -8,6 +8,8 @@ KEPT_KEY = "Pressed"  # the name of that key once its shape is kept
 BAKED_KEY = "Dimple Frame "  # begins the names of a bake's shape keys, before the number of the frame
 CACHE = "Dimple"  # name of the modifier that plays a bake
 CACHES_OFF = "dimple_caches_off"  # custom property of an object: its bakes that are switched off while it is live
+PAINTING = "WEIGHT_PAINT"  # the mode in which what plays goes on, with the weights that are being painted
+POKE_TOOL = "dimple.poke_tool"  # in the toolbar
 DEAD_MAN = "LEFT_SHIFT"  # the haptic device has force only while this key is held
 
 # the tip that measured a material: the identifiers of the core, in capitals
@@ -37,6 +39,7 @@ PLACES = (
 class Op(StrEnum):
     """Every `bpy.ops` name of the extension that acts on a body."""
 
+    MAKE_SOFT = "dimple.make_soft"
     POKE = "dimple.poke"
     PLAY = "dimple.play"
     RESET = "dimple.reset"

@@ -16,6 +16,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.recording import PointCache
+from . import curves
 from .bridge_write import is_cache
 from .names import CACHE
 
@@ -29,7 +30,7 @@ _PACKAGE = (__package__ or "").rpartition(".")[0]
 
 
 class ForceTable:
-    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3]; steps so far."""
+    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3], work of the fingertips [J]; steps."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w", buffering=1, newline="", encoding="utf-8")  # a line is the system's once written
@@ -37,7 +38,7 @@ class ForceTable:
         columns = ["frame", "time_s"]
         for number in range(1, FINGERS + 1):
             columns += [f"force_{number}_n", f"law_force_{number}_n", f"depth_{number}_mm"]
-        self._rows.writerow([*columns, "pressure_pa", "volume_m3", "rest_volume_m3", "steps"])
+        self._rows.writerow([*columns, "pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "steps"])
 
     def append(self, number: float, time_s: float, frame: Frame) -> None:
         """Add the line of one frame of the animation."""
@@ -48,7 +49,7 @@ class ForceTable:
             law, depth = (float(frame.law_forces[i]), float(frame.depths[i])) if down else (0.0, 0.0)
             row += [force, law, depth * 1e3]
         numbers = [
-            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.total_steps
+            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, frame.total_steps
         ]  # fmt: skip
         self._rows.writerow([f"{number:g}", *(f"{value:.9g}" for value in numbers)])
 
@@ -234,13 +235,6 @@ def _shortened(clean: str, name: str) -> str:
     return short if short == name else f"{short}_{zlib.crc32(name.encode()):08x}"
 
 
-def own_folder(name: str) -> Path:
-    """Return a folder that Blender keeps for the extension; it may be missing."""
-    if _PACKAGE.startswith("bl_ext."):
-        return Path(bpy.utils.extension_path_user(_PACKAGE, path=name))
-    return Path(bpy.app.tempdir)
-
-
 def version() -> str:
     """Return the version of the extension."""
     manifest = Path(__file__).parent.parent / "blender_manifest.toml"
@@ -273,8 +267,12 @@ def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
 
 
 def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.types.Modifier:
-    """Let an object play a PC2 file, first of its modifiers; an earlier bake makes room."""
+    """Let an object play a PC2 file, first of its modifiers; an earlier bake makes room.
+
+    Where the scene asks for curves it has those of the table beside the file too.
+    """
     detach_cache(obj)
+    add_curves(obj, Path(path))
     modifier = obj.modifiers.new(CACHE, "MESH_CACHE")
     modifier.cache_format = "PC2"
     modifier.filepath = _stored(path)
@@ -283,8 +281,16 @@ def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.type
     return modifier
 
 
+def add_curves(obj: bpy.types.Object, cache: Path) -> None:
+    """Give an object the curves of the table beside a PC2 file, where the scene asks for curves."""
+    if bpy.context.scene.dimple.use_curves:
+        with contextlib.suppress(OSError):  # a recording of which the disk has taken no table still plays
+            curves.add(obj, cache.with_suffix(".csv"))
+
+
 def detach_cache(obj: bpy.types.Object) -> int:
-    """Take our Mesh Cache modifiers off an object; return how many there were."""
+    """Take our Mesh Cache modifiers and curves off an object; return how many modifiers there were."""
+    curves.remove(obj)
     caches = [modifier for modifier in obj.modifiers if is_cache(modifier)]
     for modifier in caches:
         obj.modifiers.remove(modifier)

@@ -6,7 +6,10 @@ it. Another version of numpy may round differently and plan again.
 
 from __future__ import annotations
 
+import math
+import time
 import zlib
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import bpy
@@ -19,6 +22,8 @@ if TYPE_CHECKING:
     from ..core.body.model import Model
     from ..core.reduction.proxy import Proxy
 
+USUAL_S = 2.0  # [s] that planning takes, about: nobody knows beforehand how many presses it needs
+
 
 def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tuple[Proxy | None, str]:
     """Return the proxy of an object, None for the full mesh, and the reason where the choice is new.
@@ -29,17 +34,15 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     settings, now = obj.dimple, key(scene, obj, model)
     if settings.plan_key == now:
         return build_proxy(model, settings.plan_vertices) if settings.plan_vertices else None, ""
-    window = bpy.context.window  # none in the background
-    if window:
-        window.cursor_modal_set("WAIT")  # the presses of the planner take some seconds
+    manager = bpy.context.window_manager
+    manager.progress_begin(0, 100)  # the presses of the planner take some seconds
     try:
         chosen = choose(scene, obj, model)
     except DimpleError as error:
         way_out = " Choose another number, or Automatic, in Physics > Dimple." if settings.simulated == "PROXY" else ""
         raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
     finally:
-        if window:
-            window.cursor_modal_restore()
+        manager.progress_end()
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, chosen.asked, chosen.reason
     return chosen.proxy, f'"{obj.name}": {chosen.reason}' if chosen.proxy else ""
 
@@ -52,8 +55,19 @@ def choose(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Plan:
     if wanted["simulated"] == "proxy":
         return plan_proxy(model, wanted["vertices"], radius=radius, budget=budget)
     return plan(
-        model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius, budget=budget
-    )
+        model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius, budget=budget,
+        watch=_ticking(),
+    )  # fmt: skip
+
+
+def _ticking() -> Callable[[], None]:
+    """Return what shows at the pointer how much of the usual time has gone by."""
+    began, manager = time.perf_counter(), bpy.context.window_manager
+
+    def tick() -> None:
+        manager.progress_update(round(100 * (1 - math.exp(-(time.perf_counter() - began) / USUAL_S))))
+
+    return tick
 
 
 def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:

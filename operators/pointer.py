@@ -19,6 +19,7 @@ FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
 WHEEL = {"WHEELUPMOUSE": 1, "WHEELDOWNMOUSE": -1}
 NAVIGATION = {"MIDDLEMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "HOME", "ACCENT_GRAVE"}
 PASSING = {DEAD_MAN, *NAVIGATION}
+SAVE = "S"
 DOWN = {"PRESS", "DOUBLE_CLICK"}
 
 Shapes = Mapping[int, np.ndarray]
@@ -91,8 +92,20 @@ def passes(event: bpy.types.Event, view: View | None, *, undo: bool = False) -> 
         return undo
     if view is None or event.type in PASSING or event.type.startswith(("NDOF", "NUMPAD", "TIMER", "WINDOW")):
         return True
+    if event.type == SAVE and (event.ctrl or event.oskey) and not event.alt:
+        return True  # what is saved is at rest
     moving = event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"} and event.alt
     return moving or event.type in WHEEL or event.type == "NONE"
+
+
+def unselected(context: bpy.types.Context, view: View, bodies: Mapping[int, LiveBody]) -> bpy.types.Object | None:
+    """Return the mesh under the pointer that no session presses."""
+    origin, direction = _ray(view)
+    graph = context.evaluated_depsgraph_get()
+    hit, _, _, _, obj, _ = context.scene.ray_cast(graph, origin, direction)
+    original = obj.original if hit and obj else None
+    mesh = original is not None and original.type == "MESH" and original.session_uid not in bodies
+    return original if mesh else None
 
 
 def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], shapes: Shapes) -> Hit | None:
@@ -111,10 +124,15 @@ def nearest(origin: Vector, direction: Vector, bodies: Mapping[int, LiveBody], s
 def _pointed(
     kind: Kind, event: bpy.types.Event, view: View, bodies: Mapping[int, LiveBody], shapes: Shapes
 ) -> PokeEvent:
-    origin = tuple(view3d_utils.region_2d_to_origin_3d(view.region, view.region_3d, view.at))
-    direction = tuple(view3d_utils.region_2d_to_vector_3d(view.region, view.region_3d, view.at).normalized())
+    origin, direction = _ray(view)
     hit = nearest(origin, direction, bodies, shapes)
     return PokeEvent(kind=kind, hit=hit, view=direction, pressure=_pressure(event))
+
+
+def _ray(view: View) -> tuple[Vector, Vector]:
+    """Return where the pointer's ray begins in the scene, and its unit direction."""
+    origin = tuple(view3d_utils.region_2d_to_origin_3d(view.region, view.region_3d, view.at))
+    return origin, tuple(view3d_utils.region_2d_to_vector_3d(view.region, view.region_3d, view.at).normalized())
 
 
 def _pressure(event: bpy.types.Event) -> float:

@@ -1,6 +1,7 @@
 """Press with mouse or pen, live and without the timeline; or, from a script, at a place, a depth and a time."""
 
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import bpy
@@ -12,6 +13,7 @@ from .names import Op
 
 if TYPE_CHECKING:
     from ..core.poke import Effect, PokeEvent
+    from .pointer import View
 
 
 class DIMPLE_OT_poke(bpy.types.Operator):
@@ -106,10 +108,15 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
         if event.type == "TIMER":
             return self._tick(context)
+        if context.mode != "OBJECT" and event.type != "ESC":
+            self._state = replace(self._state, hover=None)
+            return {"PASS_THROUGH"}  # weights are painted while fingertips rest
         view = pointer.view_under(context, event)
         meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=self._state.pressing)
         if meant is None:
             return {"PASS_THROUGH"} if pointer.passes(event, view, undo=self._tuned()) else {"RUNNING_MODAL"}
+        if view and meant.kind is Kind.PRESS and meant.hit is None:
+            meant = self._joined(context, event, view) or meant
         result = self._take(context, meant)
         if meant.kind is Kind.MOVE and not self._state.pressing:
             return {"PASS_THROUGH"}
@@ -179,10 +186,35 @@ class DIMPLE_OT_poke(bpy.types.Operator):
                 return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}
         return None
 
+    def _joined(self, context: bpy.types.Context, event: bpy.types.Event, view: "View") -> "PokeEvent | None":
+        """Let a soft body that was not selected join when it is pressed; return the press, None where there is none."""
+        from ..core.base import DimpleError
+        from . import pointer
+
+        other = pointer.unselected(context, view, sessions.sessions)
+        if other is None:
+            return None
+        if not other.dimple.enabled:
+            text = polls.tip_("{} is not selected: leave the poke, select it and poke again to press it")
+            self.report({"INFO"}, text.format(f'"{other.name}"'))
+            return None
+        try:
+            body, messages = sessions.start(other, context)
+        except DimpleError as error:
+            self.report({"WARNING"}, str(error))
+            return None
+        self._settings[body.link.uid] = body.settings
+        report(self, messages)
+        return pointer.poke_event(event, view, sessions.sessions, {}, pressing=False)
+
     def _tuned(self) -> bool:
         """Tell whether a setting of a body was changed since the poke began, which undo may take back."""
-        bodies = sessions.sessions.items()
-        return not self._state.pressing and any(self._settings.get(uid) != body.seen for uid, body in bodies)
+        begun = self._settings
+        chosen = [
+            uid for uid, body in sessions.sessions.items()
+            if uid not in begun or begun[uid]._replace(identified=0) != body.seen._replace(identified=0)
+        ]  # fmt: skip
+        return bool(chosen) and not self._state.pressing
 
     def _went_on(self, messages: list[str]) -> set[str] | None:
         """Report what has happened; return how the operator ends when no session is left."""

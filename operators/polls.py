@@ -36,6 +36,15 @@ def needs_mesh(operator: type, context: bpy.types.Context) -> bool:
     return True
 
 
+def is_own(operator: type, body: bpy.types.Object) -> bool:
+    """Tell whether an object and its material belong to this file, so that settings stay with it."""
+    if body.library or body.data.library:
+        return refuse(operator, "The object is linked from another file: make it local first")
+    if body.active_material and body.active_material.library:
+        return refuse(operator, "The material is linked from another file: make it local first")
+    return True
+
+
 def is_free(operator: type) -> bool:
     """Tell whether nothing runs that may not be disturbed."""
     if sessions.at_work():

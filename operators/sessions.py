@@ -45,6 +45,7 @@ class LiveBody:
     borrowed: what of the object was changed.
     matrix: (4, 4) of the object when it was last stepped.
     triangles: (t, 3) of the object's own vertices, outward.
+    painted_at: when weights that are painted were read last [s].
     fingers: the fingertips to be drawn, in the session's space.
     poked: which fingertips are the poke's.
     lead: simulated time that it is ahead of the slowest of those that run with it [s].
@@ -65,6 +66,7 @@ class LiveBody:
     triangles: np.ndarray
     refused: str = ""
     changed_at: float | None = None
+    painted_at: float = 0.0
     fingers: tuple[Finger | None, ...] = (None, None, None)
     poked: frozenset[int] = frozenset()
     lead: float = 0.0

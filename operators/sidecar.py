@@ -41,7 +41,7 @@ def describe(
         "frame_rate": render.fps / render.fps_base,
         "metres_per_scene_unit": bridge.scale_and_top(context, obj)[0],
         "scene_unit_scale": context.scene.unit_settings.scale_length,
-        "table_units": "force N, depth mm, pressure Pa, volume m3, work J, time s",
+        "table_units": "force N, depth mm, pressure Pa, volume m3, work of the fingertips J, time s",
         "seeds": [],  # nothing is random: the same file gives the same bytes
         "simulation": simulated or "a bake or recording made before this export",
         "body": _plain(obj.dimple.to_params()),
@@ -79,6 +79,8 @@ def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
         "format": kind.label,
         "coordinates": kind.space,
         "shape_key_frames": clip.key_frames if keyed and clip.step > 1 else None,
+        "shape_keys": len(clip.found[0].shapes) if keyed and clip.found else None,
+        "worst_vertex_error": clip.found[0].error if keyed and clip.found else 0.0,
         "bytes": sum(file.stat().st_size for file in files),
         "sha256": checksum.hexdigest(),
     }

@@ -8,12 +8,25 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import bpy
 import numpy as np
 import numpy.typing as npt
 
 from . import bridge_write
+
+Singles = npt.NDArray[np.float32]
+
+
+class KeyedShape(NamedTuple):
+    """A shape key: its name, coordinates (vertices, 3), and its value at some frames."""
+
+    name: str
+    shape: Singles
+    frames: Sequence[int]
+    values: Sequence[float]
+
 
 UV_MAP = "dimple_vertex"
 _NAME = "Dimple Export"  # of the modifier; it begins as those of a bake do, so none of ours stays behind
@@ -80,39 +93,41 @@ def playing(context: bpy.types.Context, obj: bpy.types.Object, cache: Path, firs
 
 @contextlib.contextmanager
 def keyed(
-    context: bpy.types.Context, obj: bpy.types.Object, samples: npt.NDArray[np.float32], frames: Sequence[int]
+    context: bpy.types.Context, obj: bpy.types.Object, rest: Singles, keys: Sequence[KeyedShape]
 ) -> Iterator[None]:
-    """Give an object a mesh of its own with a keyframed shape key for each frame, in place of the keys it has.
+    """Give an object a mesh of its own with keyframed shape keys, in place of the keys it has.
 
     Args:
-        samples: (frames, vertices, 3) coordinates; the first is the basis.
+        rest: (vertices, 3) coordinates of the basis.
     """
     mesh = obj.data
     copy, name = mesh.copy(), mesh.name
     before = obj.active_shape_key_index, obj.show_only_shape_key
-    mesh.name = f"{name}.dimple"[-60:]
+    if not mesh.library:  # its name goes into the file
+        mesh.name = f"{name[:50]}.dimple"
     copy.name = name
     obj.data = copy
     obj.show_only_shape_key = False
     action = bpy.data.actions.new("Dimple")
     try:
-        _add_keys(obj, samples, frames, action)
+        _add_keys(obj, rest, keys, action)
         with selected(context, obj):
             yield
     finally:
         obj.data = mesh
         bpy.data.meshes.remove(copy)
         bpy.data.actions.remove(action)
-        mesh.name = name
+        if not mesh.library:
+            mesh.name = name
         obj.active_shape_key_index, obj.show_only_shape_key = before
 
 
 @contextlib.contextmanager
 def mapped(
-    context: bpy.types.Context, obj: bpy.types.Object, rest: npt.NDArray[np.float32], uv: npt.NDArray[np.float32]
+    context: bpy.types.Context, obj: bpy.types.Object, rest: Singles, uv: Singles
 ) -> Iterator[None]:
     """Give an object a mesh of its own in a shape (vertices, 3), with a last UV map that has a place a vertex."""
-    with keyed(context, obj, rest[None], [0]):
+    with keyed(context, obj, rest, []):
         obj.shape_key_clear()
         mesh = obj.data
         while len(mesh.uv_layers) > 1:  # ours is to be the second one
@@ -125,27 +140,22 @@ def mapped(
         yield
 
 
-def _add_keys(
-    obj: bpy.types.Object, samples: npt.NDArray[np.float32], frames: Sequence[int], action: bpy.types.Action
-) -> None:
+def _add_keys(obj: bpy.types.Object, rest: Singles, keys: Sequence[KeyedShape], action: bpy.types.Action) -> None:
     obj.shape_key_clear()
-    obj.data.vertices.foreach_set("co", samples[0].ravel())
+    obj.data.vertices.foreach_set("co", rest.ravel())
     obj.shape_key_add(name="Basis", from_mix=False)
-    for sample, frame in zip(samples, frames, strict=True):
-        key = obj.shape_key_add(name=f"Frame {frame:04d}", from_mix=False)
-        key.points.foreach_set("co", sample.ravel())
-    keys = obj.data.shape_keys
-    animation = keys.animation_data_create()
-    animation.action = action
+    data = obj.data.shape_keys
     slot = action.slots.new("KEY", "Dimple")
-    animation.action_slot = slot
-    strip = action.layers.new("Dimple").strips.new(type="KEYFRAME")
-    curves = strip.channelbag(slot, ensure=True).fcurves
-    for at, frame in enumerate(frames):
-        curve = curves.new(f'key_blocks["Frame {frame:04d}"].value')
-        near = frames[max(at - 1, 0) : at + 2]
-        curve.keyframe_points.add(len(near))
-        curve.keyframe_points.foreach_set("co", [c for each in near for c in (each, float(each == frame))])
+    curves = action.layers.new("Dimple").strips.new(type="KEYFRAME").channelbag(slot, ensure=True).fcurves
+    for name, shape, frames, values in keys:
+        key = obj.shape_key_add(name=name, from_mix=False)
+        key.points.foreach_set("co", shape.ravel())
+        key.slider_min = -1.0  # as a weight of a basis can be
+        curve = curves.new(f'key_blocks["{name}"].value')
+        curve.keyframe_points.add(len(frames))
+        curve.keyframe_points.foreach_set("co", np.column_stack([frames, values]).astype(np.float32).ravel())
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
         curve.update()
+    animation = data.animation_data_create()
+    animation.action, animation.action_slot = action, slot

@@ -1,6 +1,6 @@
 """Settings that are changed while a body runs: they act on it at its next step, and nothing jumps.
 
-Weights of vertex groups are read again with any other change.
+Weights of vertex groups are read again with any other change, and all the time while they are painted.
 """
 
 from __future__ import annotations
@@ -11,14 +11,17 @@ import bpy
 
 from ..core.base import DimpleError
 from . import bridge, planning
+from .names import PAINTING
 from .settings import settings_of
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
     from ..core.reduction.proxy import Proxy
+    from ..core.session import Session
     from .sessions import LiveBody
     from .settings import Settings
 
+PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
 UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned anew
 
 
@@ -28,18 +31,42 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
     A change that cannot be simulated is refused: the body keeps what it had, and `refused` says why.
     """
     now = settings_of(context.scene, obj)
-    if now == body.seen:
+    painting = obj.mode == PAINTING and body.frame.time >= body.painted_at + PAINTED_S
+    if now == body.seen and not painting:
         return _plan_when_due(context, obj, body)
+    body.painted_at = body.frame.time
     refused_before, body.seen, body.refused = body.refused, now, ""
-    if now == body.settings:
+    if now == body.settings and not painting:
         return []
     try:
         messages = _change(context, obj, body, now)
     except DimpleError as error:
         body.refused = f"{error} Until then it goes on as it was."
         return [] if refused_before else [body.refused]
+    if now != body.settings:
+        body.trail.clear()  # the chart is of one material
     body.settings, body.changed_at = now, body.frame.time
     return messages
+
+
+def follow_keyframes(
+    scene: bpy.types.Scene, obj: bpy.types.Object, session: Session, link: bridge.ObjectLink, before: Settings
+) -> Settings:
+    """Let the session of a bake have the settings of this frame; return them.
+
+    What is simulated stays: the same proxy, with other constants.
+
+    Raises:
+        DimpleError: they cannot be simulated.
+    """
+    from ..core.reduction.proxy import with_constants
+
+    now = settings_of(scene, obj)
+    if now != before:
+        model = bridge.read_model(scene, obj, session.model.mesh, link.slots)
+        proxy = session.proxy and with_constants(session.proxy, model)
+        session.change(model, proxy=proxy)
+    return now
 
 
 def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> list[str]:

@@ -24,6 +24,7 @@ ENVIRONMENTS = ROOT / ".venv"
 DEV_PINS = ROOT / "requirements" / "dev.txt"
 WHEEL_PINS = ROOT / "requirements" / "wheels.txt"
 PEER_PINS = ROOT / "requirements" / "peers.txt"
+READER_PINS = ROOT / "requirements" / "readers.txt"
 
 # version of bpy: the Python it needs; newest first
 BLENDERS = {"5.2.3": "3.13", "5.0.1": "3.11", "4.5.15": "3.11"}
@@ -206,6 +207,17 @@ def provide_peers(python: Path) -> Path:
     """
     with alone():
         return provide_packages(python, python.parent.parent / "peers", PEER_PINS, "panda3d, 50 to 120 MB to download")
+
+
+def provide_readers(python: Path) -> Path:
+    """Return the folder in an environment, and not on its path, that holds what reads exported animations back.
+
+    Raises:
+        Stop: they could not be installed.
+    """
+    with alone():
+        folder = python.parent.parent / "readers"
+        return provide_packages(python, folder, READER_PINS, "usd-core, pygltflib, mini-racer")
 
 
 def provide_packages(python: str | Path, folder: Path, pins: Path, what: str) -> Path:

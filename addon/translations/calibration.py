@@ -50,7 +50,27 @@ FILES = {
     "Table": "表",
     "Which of several tables, counted from 1": "複数の表のうちどれか。1 から数えます",
     "Press": "押す向きの符号",
-    "Sign of a pressing force, positive or negative": "押す力の符号。positive または negative",
+    "Sign of a pressing force": "押す力の符号",
+    "Inward": "押し込む向きの符号",
+    "Sign of a depth that grows as the tip goes in": "先端が入るにつれて増える深さの符号",
+    "Detected": "自動検出",
+    "As the file shows it": "ファイルから分かるとおり",
+    "Positive": "正",
+    "The number grows": "数値が増えます",
+    "Negative": "負",
+    "The number falls": "数値が減ります",
+    "Order": "順序",
+    "written: rows as they were measured; reversed: from the last to the first": (
+        "written: 測定した順の行。reversed: 最後から最初への行"
+    ),
+    "From (mm)": "開始 (mm)",
+    "Depth reading before which rows are left out; all are used unless set": (
+        "これより手前の深さの行を除きます。設定しなければすべて使います"
+    ),
+    "Until (mm)": "終了 (mm)",
+    "Depth reading beyond which rows are left out, as where the object was torn": (
+        "これより先の深さの行を除きます。物体が破れたところなどに使います"
+    ),
     "Cycle": "回",
     "Which of several presses, counted from 1": "複数回の押し込みのうちどれか。1 から数えます",
     "Contact (mm)": "接触 (mm)",
@@ -78,6 +98,7 @@ RESULT = {
     "Pretension": "初期張力",
     "Hysteresis Loss": "ヒステリシス損失",
     "Residual": "残差",
+    "Largest Error from Points": "測定点からの最大誤差",
     "{} of full scale": "フルスケールの {}",
     "Just-Noticeable Difference": "丁度可知差異",
     "This error is too small to be felt.": "この誤差は小さく、手では感じ取れません。",

@@ -50,10 +50,20 @@ WORDS = {
     "In glTF and FBX, one shape key for this many frames": (
         "glTF と FBX で、このフレーム数ごとにシェイプキーを一つ作ります"
     ),
+    "Key Error (%)": "キーの誤差 (%)",
+    "In glTF and FBX, few shape keys with which no vertex is off by more of the object's size. "
+    "0 makes one for each frame": (
+        "glTF と FBX で、どの頂点のずれもオブジェクトの大きさのこの割合以下になる少数のシェイプキーを使います。"
+        "0 ならフレームごとに一つ作ります"
+    ),
     "Normals": "法線",
     "Write how the surface is shaded; files are larger": "表面の陰影も書き出します。ファイルは大きくなります",
     "Overwrite": "上書き",
     "Replace files that are there already": "すでにあるファイルを置き換えます",
+    "Curves": "カーブ",
+    "Keyframe force, depth and pressure as custom properties, for drivers": (
+        "力、深さ、圧力をドライバー用のカスタムプロパティとしてキーフレームにします"
+    ),
     "About {} MB": "約 {} MB",
     "Exporting: Esc cancels": "エクスポート中：Esc で中止",
     "Go back to Object Mode to export": "エクスポートするにはオブジェクトモードに戻ってください",

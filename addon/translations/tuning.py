@@ -1,6 +1,6 @@
 """Japanese of what is tuned by eye: press by force, and what the status bar says."""
 
-OPERATORS: dict[str, str] = {}
+OPERATORS = {"Make Soft": "柔らかくする"}
 WORDS = {
     "Spread (mm)": "広がり (mm)",
     "How far a dent reaches beyond the fingertip": "くぼみが指先の外へどこまで広がるか",
@@ -14,8 +14,8 @@ WORDS = {
         "指先は指定した深さまで入ります。力は物体の応答です"
     ),
     "Force": "力",
-    "The fingertip pushes with a force; the softer the body, the deeper it sinks in": (
-        "指先は一定の力で押します。物体が柔らかいほど深く沈みます"
+    "The fingertip pushes straight into the surface with a force; the softer the body, the deeper it sinks in": (
+        "指先は一定の力で面にまっすぐ押します。物体が柔らかいほど深く沈みます"
     ),
     "Press Depth (mm)": "押す深さ (mm)",
     "How deep a press goes, by depth": "深さで押すとき、どこまで押し込むか",
@@ -34,5 +34,29 @@ WORDS = {
     ),
     "Paused: Space or Play goes on, Esc ends and puts the rest shape back": (
         "一時停止中です。Space または再生で続け、Esc で終えて元の形に戻します"
+    ),
+    "{} is not selected: leave the poke, select it and poke again to press it": (
+        "{} は選択されていません。押すのを終え、選択してからもう一度押してください"
+    ),
+    "The object is linked from another file: make it local first": (
+        "オブジェクトは別のファイルからリンクされています。先にローカル化してください"
+    ),
+    "Recording": "記録中",
+    "A fingertip presses as a ball of this radius, whatever its shape.": (
+        "指先は、どのような形でも、この半径の球として押します。"
+    ),
+    "Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated": (
+        "選択したメッシュを、すぐに押せる柔らかい物体にします。マテリアル、実物の大きさ、固定、計算の対象を決めます"
+    ),
+    "Measured object whose constants a mesh without a material gets": (
+        "マテリアルのないメッシュに定数を与える、測定した物体"
+    ),
+    "Subdivide": "細分化",
+    "Cut edges that are longer than the fingertip is wide, which changes the mesh": (
+        "指先の幅より長い辺を分割します。メッシュが変わります"
+    ),
+    "The edges are longer than the fingertip is wide.": "辺が指先の幅より長くなっています。",
+    "It would show no dent. The mesh can be cut finer, in even parts.": (
+        "へこみが見えません。メッシュを均等に細かく分割できます。"
     ),
 }

@@ -1,11 +1,11 @@
 """Vertex animation textures: a picture whose pixels are where vertices are, for shaders and game engines.
 
 Layout: vertex i of frame f (both from 0) is the pixel in column i % width and row f * rows + i // width, counted from
-the top left. Red, green and blue are how far x, y and z are from where the vertex is in the mesh that comes with the
-texture, in the object's own coordinates. The second UV map of that mesh points at the middle of a vertex's pixel in
-frame 0; with v upwards each later frame is rows / height lower. The EXR holds the numbers themselves; in the 16-bit
-PNG 0 stands for `least` and 65535 for `most`, both in the JSON beside it, so a coordinate is off by at most
-(most - least) / 131070. Sample both without filtering, and as data, not as colour.
+the top left. Red, green and blue are how far x, y and z are from where the vertex is in mesh.glb, in the coordinates of
+that mesh: Y up, as glTF has it, so Blender's (x, y, z) is (x, z, -y) there. The second UV map of the mesh points at the
+middle of a vertex's pixel in frame 0; with v upwards each later frame is rows / height lower. The EXR holds the numbers
+themselves; in the 16-bit PNG 0 stands for `least` and 65535 for `most`, both in layout.json, so a coordinate is off by
+at most (most - least) / 131070. Sample both without filtering, and as data, not as colour.
 """
 
 from __future__ import annotations

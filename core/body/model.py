@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..base import (
+    LONGEST_CONTACT,
     LONGEST_STEP,
     MASS_FLOOR,
     MAX_SUBSTEPS,
@@ -32,6 +33,7 @@ from .springs import Springs
 LAW_SETS = ("consistent", "paper")
 _ALL_HELD = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
+SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
@@ -85,11 +87,15 @@ class Model:
         z = self.decay / (2 * omega)
         share = 2 * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
         # the paper's equations stay literal, with their own limits
-        limit = (share if self.law_set == "paper" else min(share, LONGEST_STEP)) / omega
+        limit = share / omega if self.law_set == "paper" else min(min(share, LONGEST_STEP) / omega, LONGEST_CONTACT)
         if not tick <= MAX_SUBSTEPS * limit:
+            todo = "Raise its mass, lower k or K2, or use a coarser mesh."
+            if self.mesh.size < SMALL:
+                size = f"{1e3 * self.mesh.size:.3g} mm"
+                todo = f"The body is only {size} large: give it a Custom Size in Physics > Dimple."
             raise DimpleError(
                 f"The material is so stiff or light on this mesh that a millisecond needs over {MAX_SUBSTEPS} steps. "
-                "Raise its mass, lower k or K2, or use a coarser mesh."
+                + todo
             )
         return math.ceil(tick / limit)
 
@@ -156,10 +162,11 @@ def build_model(
     mass = _mass(mesh, materials)
     rows = np.array([_row(m, mesh.size) for m in materials])  # one line a material
     kappa1, kappa2, d0, tension, k_scaled, damping, friction, k = rows[which].T
+    pieces = _pieces(materials, mesh)[:, :, which]  # knee and stiffness of the further pieces of each material
     damping_at, friction_at, d0_at = (_vertex_mean(mesh, c) for c in (damping, friction, d0))
-    k1, k2 = (_vertex_sum(mesh, c * mesh.triangle_areas / 3) * factor for c in (kappa1, kappa2))
+    k1, k2, *more = (_vertex_sum(mesh, c * mesh.triangle_areas / 3) * factor for c in (kappa1, kappa2, *pieces[:, 1]))
     if law_set == "paper":
-        k1, k2 = np.zeros(n), np.zeros(n)
+        k1, k2, more = np.zeros(n), np.zeros(n), []
         stiffness, along, ratio = _spring_mean(mesh, k), np.zeros(len(mesh.springs)), 0.0
     else:
         factor_along = factor[mesh.springs].mean(axis=1)
@@ -170,6 +177,8 @@ def build_model(
     return assemble(
         mesh, materials, law_set=law_set, mass=mass, held=held_here, friction=friction_at, damping=ratio * damping_at,
         stiffness=stiffness, k1=k1, k2=k2, d0=d0_at, tension=along,
+        more=np.reshape(more, (-1, n)),
+        knees=np.reshape([_vertex_mean(mesh, c) for c in pieces[: len(more), 0]], (-1, n)),
         fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground, notes=sunk,
     )  # fmt: skip
 
@@ -188,6 +197,8 @@ def assemble(
     k2: Floats,
     d0: Floats,
     tension: Floats,
+    more: Floats,
+    knees: Floats,
     fill: str,
     gravity: Sequence[float] | Floats,
     ground: float | None,
@@ -197,10 +208,14 @@ def assemble(
 
     Args:
         mass [kg], friction, damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
+        more [N/m], knees [m]: (p, n) of further pieces of shape matching.
         stiffness, tension: (m,) along the mesh's edges [N/m].
     """
     n, ends = len(mass), mesh.springs
-    met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + np.maximum(k1, k2)
+    shape = shape_matching.build_shape_matching(
+        mesh, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, tension=tension, more=more, knees=knees
+    )
+    met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + shape_matching.stiffest(shape)
     mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + met, ~mesh.loose)
     i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
@@ -209,10 +224,9 @@ def assemble(
     x = np.array(mesh.rest_positions.T, order="C")
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
-    shape = shape_matching.build_shape_matching(
-        mesh, k1=k1, k2=k2, d0=d0, damping=2 * damping * np.sqrt(k1 * mass),
-        mass=np.where(mesh.loose, LOOSE_MASS * mass, mass), tension=tension,
-    )  # fmt: skip
+    shape = replace(
+        shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, LOOSE_MASS * mass, mass)
+    )
     inside = pressure.build_pressure(mesh, fill)
     row_k, row_c = springs.row_bounds(membrane, n)
     # Eq. (4) stiffens with stretch: k (2 |l| / |l0| - 1); allow for twice the rest length
@@ -270,11 +284,21 @@ def _ground(mesh: Mesh, held: Bools, ground: float | None) -> tuple[float | None
 
 def _row(material: Material, size: float) -> tuple[float, ...]:
     constants = estimate(material, size)
+    tension = constants.kappa1 * material.spread**2 if constants.tension is None else constants.tension
     return (
-        constants.kappa1, constants.kappa2, constants.d0, constants.kappa1 * material.spread**2,
+        constants.kappa1, constants.kappa2, constants.d0, tension,
         constants.membrane_scale * material.k,
         material.damping_ratio, material.friction, material.k,
     )  # fmt: skip
+
+
+def _pieces(materials: Sequence[Material], mesh: Mesh) -> Floats:
+    """Return the knee [m] and the stiffness [N/m3] of the further pieces (p, 2, m) of each material."""
+    found = [estimate(material, mesh.size).pieces for material in materials]
+    table = np.zeros((max(map(len, found)), 2, len(found)))
+    for column, pieces in enumerate(found):
+        table[: len(pieces), :, column] = np.reshape(pieces, (-1, 2))
+    return table
 
 
 def _mass(mesh: Mesh, materials: Sequence[Material]) -> Floats:

@@ -18,7 +18,7 @@ from ..mesh.surface import Mesh
 from .identify import Identification
 from .indent import Site
 
-VERSION = 2  # of the method: another one identifies anew
+VERSION = 3  # of the method: another one identifies anew
 
 
 def key(mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float) -> str:
@@ -48,8 +48,10 @@ def recall(folder: str | Path, name: str) -> Identification | None:
     """Return a remembered identification, None where there is none that can be read."""
     try:
         record = json.loads((Path(folder) / f"{name}.json").read_text(encoding="utf-8"))
-        material = record["material"]
-        material = Material(**material | {"constants": ModelConstants(**material["constants"])})
+        given = record["material"]
+        constants = given["constants"] | {"pieces": tuple(map(tuple, given["constants"]["pieces"]))}
+        indenter = Indenter(**given["indenter"])
+        material = Material(**given | {"constants": ModelConstants(**constants), "indenter": indenter})
         arrays = {name: np.array(record[name], np.float64) for name in _ARRAYS}
         return Identification(**record | arrays | {"material": material, "notes": tuple(record["notes"])})
     except (OSError, ValueError, KeyError, TypeError):  # lost or damaged: identify again

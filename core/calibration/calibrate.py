@@ -71,7 +71,7 @@ def calibrate(
     """
     for name, value in (("length", length), ("section", section), ("Young's modulus", youngs_modulus)):
         if value is not None and not 0 < value < math.inf:
-            raise DimpleError(f"The {name} is a number above 0 (it is {value:g}).")
+            raise DimpleError(f"The {name} of the object must be a number greater than 0.")
     measurement = read_measurement(path, answers)
     loading, doubt = prepare(measurement, answers), ""
     if answers and answers.contact_mm is not None:

@@ -21,6 +21,7 @@ _SURE = 3.5  # standard errors
 _ROWS = 6
 _FEW = 3  # rows
 _RISE = 0.01  # of the range of force: a preload that changes less
+_TRAVEL = 0.05  # of the range of depth: a force over less of it may be a preload
 _STANDS = 0.005  # of the depth of a window: travel that is none
 _BOUNDED = 0.5  # of the range of depth: a touch whose interval reaches farther is not determined
 _FITS = 2.0  # times the noise: residuals of a law that fits
@@ -64,6 +65,9 @@ def find_touch(depth: Floats, force: Floats) -> Touch:
         if pieces is None or not _is_hinge(x, pieces.join, noise, pieces.slope2):
             continue
         before = x < pieces.join
+        loaded = pieces.offset > max(_CLEAR * noise, _RISE * span)
+        if loaded and pieces.join - depth[0] < _TRAVEL * np.ptp(depth):
+            continue  # too little travel to know that what is on the cell is no preload
         if pieces.residual < _CLEARLY * _bent_residual(x, f) and _is_level(x[before], f[before], noise):
             return Touch(depth=pieces.join, tare=pieces.offset, free=("contact", "tare"))
     return _already_touching(depth, force, rest, noise)
@@ -92,12 +96,13 @@ def settle(depth: Floats, force: Floats, free: Free, reading: Reading) -> tuple[
     nearly = pressed_before <= _HARMLESS * span or abs(reading(begins)) < 1e3 * _HARMLESS * span  # or the file's own 0
     if pressed_before > 0 and nearly:
         fit, doubt = _read(depth, force, begins, ("contact",))[0], ""
-    else:
-        fit, doubt = _likeliest(depth, force, free, reading)
+        if abs(fit.contact.value - begins) > _HARMLESS * span:  # the law does not hold near the touch
+            fit, _ = _read(depth, force, begins, ())
+        return fit, doubt
+    fit, doubt = _likeliest(depth, force, free, reading, loaded > 0)
     contact = fit.contact
-    asked = pressed_before > 0 and not nearly and "tare" not in fit.parameters.free
-    outside = contact.value < min(first, begins if nearly else first) - _HARMLESS * span
-    if asked or outside or contact.half_width > _BOUNDED * span:
+    asked = pressed_before > 0 and "tare" not in fit.parameters.free
+    if asked or contact.value < first - _HARMLESS * span or contact.half_width > _BOUNDED * span:
         before = begins if pressed_before > 0 else first - min(max(first - contact.value, 0.0), span)
         raise Undecided(_begun(reading(first), reading(before), loaded or float(np.median(force[:_FEW]))))
     return fit, doubt
@@ -106,11 +111,11 @@ def settle(depth: Floats, force: Floats, free: Free, reading: Reading) -> tuple[
 def _preload(depth: Floats, force: Floats) -> tuple[float, float]:
     """Return the force [N] with which a stroke begins and how far it was pressed by then [m]; 0, 0 for none."""
     first, span = float(np.median(force[:_FEW])), float(np.ptp(force))
-    end = max(_sustained(force > first + _SHARES[0] * span), 2 * _FEW)
+    end = max(_sustained(force > first + _SHARES[0] * span), max(_FEW, min(2 * _FEW, len(force) // 4)))
     x, f = depth[:end] - depth[0], force[:end]
     if np.ptp(x) == 0:
         return 0.0, 0.0
-    (slope, loaded), residual = np.polyfit(x, f, 1), 0.0
+    slope, loaded = np.polyfit(x, f, 1)
     residual = float(np.std(f - loaded - slope * x, ddof=2))
     error = residual * math.sqrt(1 / len(x) + x.mean() ** 2 / ((x - x.mean()) ** 2).sum())
     if loaded < max(_SURE * error, _RISE * span) or slope <= 0:
@@ -118,7 +123,7 @@ def _preload(depth: Floats, force: Floats) -> tuple[float, float]:
     return float(loaded), float(loaded / slope)
 
 
-def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading) -> tuple[Fit, str]:
+def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading, loaded_before: bool) -> tuple[Fit, str]:
     """Return the fit with the likeliest touch, and a message where another is nearly as likely."""
     found = fit_law(depth, force, free=free)
     if len(free) == 2:
@@ -134,7 +139,8 @@ def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading) -> tu
     if free:  # steps from where the file begins may end before the touch
         again = _try(depth, force, hinge[0].contact.value, free)
         found = min(found, *([again[0]] if again else []), key=lambda fit: _loss(fit, x, f))
-    loss, least = _loss(found, x, f), min(untared[1], hinge[1])
+    late = begun[0].contact.value - first  # travel before the touch
+    loss, least = _loss(found, x, f), min(untared[1], hinge[1], *([begun[1]] if late > 0 else []))
     if least > len(x) * (_FITS * roughness(f)) ** 2:  # the law does not fit: it cannot tell touches apart
         return found, _drift(found, depth, force)
     count = independent_rows(len(x), hinge[0].correlation)
@@ -143,13 +149,13 @@ def _likeliest(depth: Floats, force: Floats, free: Free, reading: Reading) -> tu
         return count * math.log(max(loss, 1e-300) / max(one[1], 1e-300))
 
     loaded, price = untared[0].tare, math.log(len(x))
-    pressed_before = first - begun[0].contact.value  # how far the press is when the file begins
-    unsure = pressed_before > max(_SURE * begun[0].contact.error, _HARMLESS * span)
-    doubtful = 0.0 if free else _DECISIVE + price  # depth 0 of a file is a touch until the curve decides against it
+    unsure = -late > max(_SURE * begun[0].contact.error, _HARMLESS * span)
+    # depth 0 of a file is a touch, and a force where it begins a preload, until the curve decides against it
+    doubtful = 0.0 if free and not loaded_before else _DECISIVE + price
     if gain(hinge) > price + max(gain(untared), 0.0) + doubtful:
         settled, _ = _read(depth, force, hinge[0].contact.value, ("contact", "tare"))
         return settled, _drift(settled, depth, force)
-    if not free and -pressed_before > _SURE * begun[0].contact.error and gain(begun) > price + doubtful:
+    if not free and late > _SURE * begun[0].contact.error and gain(begun) > price + doubtful:
         settled, _ = _read(depth, force, begun[0].contact.value, ("contact",))  # too few rows before for a hinge
         return settled, ""
     if loaded < 0 and gain(untared) > price + doubtful:  # what is pressed does not pull

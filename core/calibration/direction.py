@@ -53,17 +53,19 @@ def _in_order(depth: Floats, force: Floats, timed: bool, answers: Answers, notes
         return depth, force
     if timed or answers.order == "written":
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
-    raise Undecided(
-        Question(
-            name="order",
-            text=f"The file begins with its largest force, {force[0]:.4g} N, and ends with {force[-1]:.4g} N. "
-            "In what order do its rows stand?",
-            candidates=(
-                Candidate(value="reversed", label="from the last to the first: it is a press"),
-                Candidate(value="written", label="as they were measured: it is the way back, which cannot be fitted"),
-            ),
-            default="reversed",
-        )
+    raise Undecided(which_order(f"The file begins with its largest force, {force[0]:.4g} N, and ends with little"))
+
+
+def which_order(why: str) -> Question:
+    """Ask in what order the rows stand, with the reason for asking."""
+    return Question(
+        name="order",
+        text=f"{why}. In what order do its rows stand?",
+        candidates=(
+            Candidate(value="reversed", label="from the last to the first"),
+            Candidate(value="written", label="as they were measured"),
+        ),
+        default="reversed",
     )
 
 
@@ -101,11 +103,13 @@ def _inward(depth: Floats, force: Floats, answers: Answers) -> int:
     """Return the sign of a depth that grows inward: with the force, up to the largest of it."""
     if answers.inward is not None:
         return 1 if answers.inward == "positive" else -1
-    peak = int(force.argmax()) + 1
-    if peak >= max(2 * MIN_ROWS, _LEAST * len(force)) and np.ptp(depth[:peak]) > 0:
-        trend = float(np.corrcoef(depth[:peak], force[:peak])[0, 1])
-        if abs(trend) > _TREND:
-            return 1 if trend > 0 else -1
+    peak = int(force.argmax())
+    for side in (slice(peak + 1), slice(peak, None)):  # beyond it the specimen may be torn
+        x, f = depth[side], force[side]
+        if len(x) >= max(2 * MIN_ROWS, _LEAST * len(force)) and min(np.ptp(x), np.ptp(f)) > 0:
+            trend = float(np.corrcoef(x, f)[0, 1])
+            if abs(trend) > _TREND:
+                return 1 if trend > 0 else -1
     low, high = np.quantile(depth, [0.05, 0.95])
     agreement = float((force[depth >= high].mean() - force[depth <= low].mean()) / np.ptp(force))
     if abs(agreement) < 0.1:

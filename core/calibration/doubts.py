@@ -8,6 +8,7 @@ from .prepare import LoadingCurve
 
 _POOR = 0.05  # of full scale, RMS: a law that misses the curve by more gets a warning
 _FAR = 0.25  # of the force: points that the law misses by more get one too
+_LATE = 0.2  # of the depth: a press whose first row lies deeper has begun before
 _WIDENED = 2.0  # times wider intervals are explained
 _DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N]: presses outside have the wrong unit more often than not
 
@@ -30,6 +31,12 @@ def doubts(fit: Fit, loading: LoadingCurve, length: float | None, miss: Miss | N
         found.append(
             "The object softens beyond the knee (K2 < K1).\nThat is unusual: see whether it buckles or is torn, and "
             "whether the columns of depth and force are exchanged."
+        )
+    first = float(loading.depth[loading.depth > 0].min())
+    if first > _LATE * deepest:
+        found.append(
+            f"The file begins {1e3 * first:.3g} mm after the first touch.\nWhat the object answers before that was not "
+            "measured: K1 and x0 hold only if it is straight down to the touch."
         )
     if miss and (fit.misfit > _POOR or miss.share > _FAR):
         found.append(

@@ -123,6 +123,8 @@ def fit_law(depth: Floats, force: Floats, *, free: Free = ()) -> Fit:
     u, v = x[inside], f[inside]
     slope, offset = np.polyfit(u, v, 1) if left == "line" else (u @ v / (u @ u), 0.0)
     start = _start([float(slope)], float(offset), free)
+    if not _has_rows(start, x) or (free == ("contact",) and slope <= 0):  # no line through the curve begins at a touch
+        start = _start([float(u @ v / (u @ u))], 0.0, free)
     if not _has_rows(start, x):
         raise _too_few(int((x > start.parts(x)[3]).sum()))
     one = _settled(start, x, f)

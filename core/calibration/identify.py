@@ -1,8 +1,8 @@
 """Model constants such that a simulated press with the measuring tip answers K(x) of the material on its mesh.
 
-kappa1, kappa2 and d0 are fitted by least squares over their logarithms (Levenberg and Marquardt), from the closed form
-on. One sweep of presses gives the forces and, by the energy's slopes, their derivatives: see `indent`. The factor on k
-and the spread are not fitted: one curve hardly tells them from the rest.
+The tip goes down once. No vertex is displaced farther than the tip is deep, so the force at one depth depends on the
+bed's law up to there only, and grows with its slope on the last piece: piece by piece that slope is found by which the
+force is the measured one. The tension and the factor on k are those of the closed form: one curve does not tell them.
 """
 
 from __future__ import annotations
@@ -14,11 +14,30 @@ import numpy as np
 
 from ..base import DimpleError, Floats
 from ..body.estimate import estimate
+from ..body.model import Model
 from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
-from .indent import CLEAR, Site
-from .sweep import CHECKED, STATIONS, Sweep, Task, constants_of, fitted, swept
+from ..session import Session
+from .indent import CLEAR, Site, Station, go_down, press, set_up
 
+AT = 0.6  # of the knee: where the closed form is scaled to the measured force; a round tip starts too softly
+FARTHEST = 10.0  # times the closed form: the most it is scaled
+KNOTS = (0.15, 0.3, 0.5, 0.75, 1.0)  # of the knee of the measured law: where pieces end,
+# times the slope of the closed form, up to the knee: a round tip starts softly whatever the slope is, and what is added
+# for that is too much later; where no knee follows there is room to make up for it
+EARLY, EARLY_ALONE = (0.4, 1.6), (0.2, 3.0)
+BEYOND = 6  # and how many there are beyond it
+TRIALS = 4  # slopes that are tried for a piece
+CLOSE = 2e-3  # of the force: near enough
+GROWTH = 2.5  # power of the depth with which the energy of a piece grows, about
+# times the slope of the closed form beyond the knee: steep enough for most; the second where that is too soft, and not
+# at once, for a round tip then answers too much deeper down, and takes shorter steps
+STEEPEST = (2.5, 6.0)
+SOFT = 0.95  # of the measured force, at the deepest
+CHECKED = 20  # depths of the press that checks the result
+ALLOWED = 0.10  # of the force, or
+ALLOWED_FORCE = 0.3  # [N] whichever is more: what a depth may be off
+WEAK = 0.02  # of full scale: what a depth of a weak press may be off
 NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
 
 
@@ -33,7 +52,6 @@ class Identification:
     rms: RMS error as a share of full scale.
     worst: largest error over what is allowed at its depth.
     volume_change: largest, as a share.
-    sweeps: number of presses that were simulated.
     stopped: "" or why the press ends before the depth asked for.
     notes: messages for the artist.
     """
@@ -45,7 +63,6 @@ class Identification:
     rms: float
     worst: float
     volume_change: float
-    sweeps: int
     stopped: str
     notes: tuple[str, ...]
 
@@ -58,7 +75,7 @@ class Identification:
 def identification(
     mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float
 ) -> Generator[float, None, Identification]:
-    """Identify model constants in steps of one equilibrium each, for a timer.
+    """Identify model constants in steps of one rest each, for a timer.
 
     Args:
         mesh: in the size of the real object [m].
@@ -68,33 +85,154 @@ def identification(
         deepest: depth [m] down to which the constants must hold.
 
     Yields:
-        the share that is done: an estimate, for how many sweeps the fit takes is not known before.
+        the share that is done.
 
     Returns:
         what was found.
 
     Raises:
-        DimpleError: the body finds no rest under the tip.
+        DimpleError: the body cannot be simulated.
     """
-    first = estimate(replace(material, constants=None, indenter=indenter), mesh.size)
-    task = Task(mesh=mesh, material=material, indenter=indenter, site=site, membrane_scale=first.membrane_scale)
-    depths, stopped = _depths(deepest, site)
-    logs = np.log([first.kappa1, first.kappa2, first.d0])
-    sweep = yield from swept(task, logs, depths, 0)
-    if not sweep.whole:
-        depths, stopped = sweep.depths, _lost_message(sweep)
-        sweep = replace(sweep, whole=True)
-    logs, sweep, sweeps = yield from fitted(task, logs, sweep, depths)
-    fine = depths[-1] * np.arange(1, CHECKED + 1) / CHECKED
-    check = yield from swept(task, logs, fine, sweeps, last=True)
-    if not check.whole:
-        stopped = _lost_message(check)
-    constants = constants_of(task, logs)
+    measured = replace(material, constants=None, indenter=indenter)
+    deep, stopped = _deepest(deepest, site)
+    first = yield from _scaled(mesh, measured, site, AT * min(material.x0, deep))
+    knots = _knots(material.x0, deep)
+    found: list[tuple[Floats, float]] = []  # slopes, and the force at the deepest over the measured one
+    for attempt, steepest in enumerate(STEEPEST):
+        share = 0.35 * attempt, 0.35 * (attempt + 1)
+        slopes, reached = yield from _found_slopes(mesh, measured, first, site, knots, steepest, share)
+        found.append((slopes, reached))
+        if reached > SOFT or deep <= material.x0:
+            break
+    slopes, _ = min(found, key=lambda each: abs(each[1] - 1))
+    constants = _constants(first, knots, slopes)
+    wanted, stations = [], []
+    depths = deep * np.arange(1, CHECKED + 1) / CHECKED
+    for station in press(mesh, replace(measured, constants=constants), indenter, site, depths.tolist()):
+        if not station.found:
+            stopped = f"Deeper than {1e3 * station.depth:.3g} mm the simulated body finds no rest."
+            break
+        stations.append(station)
+        wanted.append(material.law(station.depth))
+        yield 0.7 + 0.3 * len(stations) / (CHECKED + 1)
+    return _judged(replace(measured, constants=constants), stations, np.array(wanted), stopped)
+
+
+def _scaled(mesh: Mesh, material: Material, site: Site, depth: float) -> Generator[float, None, ModelConstants]:
+    """Return the closed form, scaled so that a press to a depth [m] answers the measured force on this mesh."""
+    first = estimate(material, mesh.size)
+    first = replace(first, tension=first.kappa1 * material.spread**2)
+    session = set_up(mesh, replace(material, constants=first), material.indenter, site)
+    station = go_down(session, material.indenter, site, 0.0, depth)
+    yield 0.05
+    if not (station.found and station.force > 0):
+        return first
+    scale = min(max(material.law(depth) / station.force, 1 / FARTHEST), FARTHEST)
+    return replace(
+        first, kappa1=scale * first.kappa1, kappa2=scale * first.kappa2, tension=scale * (first.tension or 0.0)
+    )
+
+
+def _found_slopes(
+    mesh: Mesh,
+    material: Material,
+    first: ModelConstants,
+    site: Site,
+    knots: Floats,
+    steepest: float,
+    share: tuple[float, float],
+) -> Generator[float, None, tuple[Floats, float]]:
+    """Find the slopes (m,) [N/m3] of the bed's law on the pieces that end at the knots (m,) [m].
+
+    Args:
+        steepest: times the slope of the closed form.
+        share: of the identification, from and to.
+
+    Returns:
+        the slopes, and the force at the last knot over the measured one.
+    """
+    steepest *= max(first.kappa1, first.kappa2)
+    early = EARLY if knots[-1] > material.x0 else EARLY_ALONE
+    slopes = np.append(first.kappa1, np.full(len(knots) - 1, steepest))  # so its steps are short enough for all of it
+    constants = _constants(first, knots, slopes)
+    session = set_up(mesh, replace(material, constants=constants), material.indenter, site)
+    model, area = session.model, session.model.matching.k1 / first.kappa1
+    before = 0.0
+    for m, knot in enumerate(knots.tolist()):
+        wanted, start = material.law(knot), knots[m - 1] if m else 0.0
+        slopes[m:] = slopes[m - 1] if m else first.kappa1
+        tried: list[tuple[float, float]] = []
+        for trial in range(TRIALS):
+            _set_slopes(session, model, area, slopes)
+            station = go_down(session, material.indenter, site, before, knot)
+            yield share[0] + (share[1] - share[0]) * (m + (trial + 1) / TRIALS) / (len(knots) + 1)
+            before = knot
+            if not station.found:
+                return slopes[: max(m, 1)], 0.0
+            off = station.force - wanted
+            tried.append((slopes[m], off))
+            if abs(off) <= CLOSE * wanted:
+                break
+            gain = _gain(model, area, station, start)
+            if len(tried) > 1 and tried[-2][0] != tried[-1][0]:
+                secant = (tried[-1][1] - tried[-2][1]) / (tried[-1][0] - tried[-2][0])
+                gain = secant if secant > 0.2 * gain else gain
+            low, high = (s * first.kappa1 for s in early) if knot <= material.x0 else (0.0, steepest)
+            slopes[m:] = min(max(slopes[m] - off / max(gain, 1e-30), low), high)
+            if slopes[m] == tried[-1][0]:
+                break
+    return slopes, station.force / wanted
+
+
+def _set_slopes(session: Session, model: Model, area: Floats, slopes: Floats) -> None:
+    """Give the bed of a body, (n,) areas [m2], a law of these slopes; its steps stay short enough for all of them."""
+    k1 = slopes[0] * area
+    law = replace(model.matching, k1=k1, k2=k1, more=np.diff(slopes)[:, None] * area)
+    session.change(replace(model, matching=law))
+
+
+def _gain(model: Model, area: Floats, station: Station, start: float) -> float:
+    """Return by how much the force grows with the slope beyond a displacement [m], about [m2 m].
+
+    The energy E at rest obeys F = dE/dx, so dF/ds = d/dx (dE/ds) with the body left where it is (Hellmann, Feynman).
+    """
+    d = np.sqrt(((station.positions - model.matching.rest) ** 2).sum(axis=0))
+    stored = float(area @ np.maximum(d - start, 0) ** 2) / 2
+    return GROWTH * stored / (station.depth - start)
+
+
+def _knots(x0: float, deepest: float) -> Floats:
+    """Return the displacements (m,) [m] at which the pieces of the bed's law end: one is the measured knee."""
+    if deepest <= x0 * KNOTS[0]:
+        return np.array([deepest])
+    knots = x0 * np.array(KNOTS)
+    if deepest <= x0:
+        return np.append(knots[knots < 0.99 * deepest], deepest)
+    return np.concatenate([knots, x0 + (deepest - x0) * np.arange(1, BEYOND + 1) / BEYOND])
+
+
+def _constants(first: ModelConstants, knots: Floats, slopes: Floats) -> ModelConstants:
+    """Return the constants of a bed's law in pieces; a slope of 0 to begin with is one hardly above it."""
+    slopes = np.maximum(slopes, 1e-6 * first.kappa1)
+    pieces = tuple(zip(knots[: len(slopes) - 1].tolist(), np.diff(slopes).tolist(), strict=True))
+    return replace(
+        first, kappa1=float(slopes[0]), kappa2=float(slopes[0]), pieces=pieces
+    )
+
+
+def _judged(material: Material, stations: list[Station], wanted: Floats, stopped: str) -> Identification:
+    simulated = np.array([station.force for station in stations])
+    allowed = np.maximum(ALLOWED * wanted, min(ALLOWED_FORCE, WEAK * float(wanted.max(initial=0.0))))
+    errors, depths = (simulated - wanted) / allowed, np.array([station.depth for station in stations])
+    if len(stations) < 2:
+        raise DimpleError("The simulated body finds no rest under the tip. Use a finer or simpler mesh.")
+    assert material.constants
+    notes = _scale_message(material.constants), stopped, _miss_message(depths, wanted, simulated, errors, material)
     return Identification(
-        material=replace(material, constants=constants, indenter=indenter), depths=check.depths, wanted=check.wanted,
-        simulated=check.simulated, rms=check.rms, worst=float(np.abs(check.errors).max()),
-        volume_change=check.volume_change, sweeps=sweeps + 1, stopped=stopped,
-        notes=tuple(filter(None, (_scale_message(constants), stopped, _miss_message(check, indenter)))),
+        material=material, depths=depths, wanted=wanted, simulated=simulated,
+        rms=float(np.sqrt(((simulated - wanted) ** 2).mean()) / wanted.max()), worst=float(np.abs(errors).max()),
+        volume_change=max(abs(station.volume_change) for station in stations), stopped=stopped,
+        notes=tuple(filter(None, notes)),
     )  # fmt: skip
 
 
@@ -109,28 +247,23 @@ def _scale_message(constants: ModelConstants) -> str:
     )
 
 
-def _depths(deepest: float, site: Site) -> tuple[Floats, str]:
-    """Return the depths (m,) [m] that are fitted, and why not down to the deepest, or ""."""
-    share, clear = np.arange(1, STATIONS + 1) / STATIONS, CLEAR * site.thickness
+def _deepest(deepest: float, site: Site) -> tuple[float, str]:
+    """Return how deep [m] is pressed, and why no deeper, or ""."""
+    clear = CLEAR * site.thickness
     if deepest <= clear:
-        return deepest * share, ""
-    return clear * share, (
+        return deepest, ""
+    return clear, (
         f"Deeper than {1e3 * clear:.3g} mm the tip would meet the far side of the object, "
         f"which is {1e3 * site.thickness:.3g} mm thick there."
     )
 
 
-def _lost_message(sweep: Sweep) -> str:
-    if len(sweep.depths) < 4:
-        raise DimpleError("The simulated body finds no rest under the tip. Use a finer or simpler mesh.")
-    return f"Deeper than {1e3 * sweep.depths[-1]:.3g} mm the simulated body finds no rest."
-
-
-def _miss_message(sweep: Sweep, indenter: Indenter) -> str:
+def _miss_message(depths: Floats, wanted: Floats, simulated: Floats, errors: Floats, material: Material) -> str:
     """Return a message about where the simulated press is off by more than allowed, "" where it is nowhere."""
-    at = int(np.abs(sweep.errors).argmax())
-    if abs(sweep.errors[at]) <= 1:
+    at = int(np.abs(errors).argmax())
+    if abs(errors[at]) <= 1:
         return ""
-    there = f"{sweep.simulated[at]:.3g} N instead of {sweep.wanted[at]:.3g} N"
-    why = " A round tip touches more as it sinks in, so it starts too soft." if indenter.shape == "sphere" else ""
-    return f"The simulated press is off the most at {1e3 * sweep.depths[at]:.3g} mm: {there}.{why}"
+    there = f"{simulated[at]:.3g} N instead of {wanted[at]:.3g} N"
+    round_tip = material.indenter.shape == "sphere"
+    why = " A round tip touches more as it sinks in, so it rounds the knee." if round_tip else ""
+    return f"The simulated press is off the most at {1e3 * depths[at]:.3g} mm: {there}.{why}"

@@ -3,10 +3,6 @@
 A flat punch grips: the surface points under it are pins that go down with it, and the force on it is the sum of the
 forces on them. A sphere is a fingertip. Either goes down in a session whose body is light and critically damped, so
 that it comes to rest within a few ticks at each depth.
-
-Each depth also yields how the force depends on the constants c. The energy E at rest obeys F = dE/dx, so
-dF/dc = d/dx (dE/dc), with the body left where it is (Hellmann, Feynman). Under a flat punch that is known exactly, knee
-and all; elsewhere the energy's slopes dE/dc are smooth, and the difference between two depths will do.
 """
 
 from __future__ import annotations
@@ -59,8 +55,6 @@ class Station:
     depth: of the tip below the surface at rest [m].
     force: on the tip [N].
     volume_change: as a share.
-    pull: (3,) dE/d log of kappa1, kappa2 and d0 [J], without the bed under a flat punch.
-    slope: (3,) what the bed under a flat punch adds to their derivatives in depth [N].
     positions: (3, n) [m].
     found: whether there is rest at this depth.
     """
@@ -68,8 +62,6 @@ class Station:
     depth: float
     force: float
     volume_change: float
-    pull: Floats
-    slope: Floats
     positions: Floats
     found: bool
 
@@ -128,20 +120,57 @@ def _under(mesh: Mesh, point: Floats, way: Floats, radius: float) -> Bools:
 
 def press(mesh: Mesh, material: Material, indenter: Indenter, site: Site, depths: Sequence[float]) -> Iterator[Station]:
     """Press a body to each depth [m] in turn and yield where it rests; the last is where no rest was found, if so."""
-    flat = indenter.shape != "sphere"
+    session = set_up(mesh, material, indenter, site)
+    before = 0.0
+    for depth in depths:
+        station = go_down(session, indenter, site, before, depth)
+        yield station
+        if not station.found:
+            return
+        before = depth
+
+
+def set_up(mesh: Mesh, material: Material, indenter: Indenter, site: Site) -> Session:
+    """Return a session of a body under a tip that just touches it."""
     constants = estimate(material, mesh.size)
     mass = constants.kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
     light = replace(material, constants=constants, mass=mass, density=None, damping_ratio=1.0)
-    under = site.under if flat else np.zeros_like(site.under)
+    under = _gripped(indenter, site)
     model = build_model(
         replace(mesh, loose=mesh.loose | under),  # pins that go down must not carry the shape at rest along
         [light] * (int(mesh.triangle_material.max()) + 1),
         held=(site.held | under)[mesh.source],
     )
-    for station in _stations(model, indenter, site, under, depths):
-        yield station
-        if not station.found:
-            return
+    session = Session(model)
+    if not under.any():
+        session.set_fingers([_finger(site, 0.0, indenter.radius)])
+    return session
+
+
+def go_down(session: Session, indenter: Indenter, site: Site, before: float, depth: float) -> Station:
+    """Bring a tip from one depth [m] to another, or to the same to wait for rest once more."""
+    model, under = session.model, _gripped(indenter, site)
+    slow = 1 if under.any() else ROUND
+    if depth != before:
+        if under.any():
+            places = model.mesh.rest_positions + depth * np.outer(under, site.inward)
+            session.set_held(places[model.mesh.source])
+        else:
+            session.set_fingers([_finger(site, depth, indenter.radius)])
+        ticks = abs(depth - before) / (FINGER_TRAVEL * indenter.radius)
+        session.step(max(slow * MOVING, 2 * ticks * session.tick))
+    session.step(slow * SETTLING)
+    frame = session.step(LISTENING)
+    x = session.body.positions()
+    if under.any():
+        force = -float(site.inward @ forces(model, _at(model, x))[:, under].sum(axis=1))
+    else:
+        force = -float(frame.finger_forces[0] @ site.inward) if len(frame.finger_forces) else math.nan
+    volume = pressure.volume(model.pressure, x) if model.mesh.pressurable else 0.0
+    return Station(
+        depth=depth, force=force, volume_change=volume / model.mesh.volume - 1 if model.mesh.pressurable else 0.0,
+        positions=x, found=frame.finite and math.isfinite(force),
+    )  # fmt: skip
 
 
 def press_rows(
@@ -159,30 +188,9 @@ def press_rows(
             yield station.depth, station.force
 
 
-def _stations(
-    model: Model, indenter: Indenter, site: Site, under: Bools, depths: Sequence[float]
-) -> Iterator[Station]:
-    session, rest = Session(model), model.mesh.rest_positions
-    flat, source = bool(under.any()), model.mesh.source
-    if not flat:
-        session.set_fingers([_finger(site, 0.0, indenter.radius)])
-    at = 0.0
-    for depth in depths:
-        if flat:
-            session.set_held((rest + depth * np.outer(under, site.inward))[source])
-            session.step(MOVING)
-        else:
-            session.set_fingers([_finger(site, depth, indenter.radius)])
-            ticks = abs(depth - at) / (FINGER_TRAVEL * indenter.radius)
-            session.step(max(ROUND * MOVING, 2 * ticks * session.tick))
-        session.step(SETTLING if flat else ROUND * SETTLING)
-        frame, at = session.step(LISTENING), depth
-        x = session.body.positions()
-        if flat:
-            force = -float(site.inward @ forces(model, _at(model, x))[:, under].sum(axis=1))
-        else:
-            force = -float(frame.finger_forces[0] @ site.inward) if len(frame.finger_forces) else math.nan
-        yield _station(model, under, depth, force, x, frame.finite and math.isfinite(force))
+def _gripped(indenter: Indenter, site: Site) -> Bools:
+    """Return the vertices (n,) that go down with the tip: none with a sphere."""
+    return site.under if indenter.shape != "sphere" else np.zeros_like(site.under)
 
 
 def _finger(site: Site, depth: float, radius: float) -> Finger:
@@ -190,30 +198,7 @@ def _finger(site: Site, depth: float, radius: float) -> Finger:
     return Finger((x, y, z), radius)
 
 
-def _station(model: Model, under: Bools, depth: float, force: float, x: Floats, found: bool) -> Station:
-    volume, _ = pressure.volume_and_gradient(model.pressure, x)
-    change = volume / model.mesh.volume - 1 if model.mesh.pressurable else 0.0
-    pull, slope = _pull(model, under, x, depth)
-    return Station(
-        depth=depth, force=force, volume_change=change, pull=pull, slope=slope, positions=x, found=found
-    )  # fmt: skip
-
-
 def _at(model: Model, positions: Floats) -> State:
     state = initial_state(model)
     state.positions[:] = positions
     return state
-
-
-def _pull(model: Model, under: Bools, x: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the energy's slopes in the logarithms of the constants (3,) [J], and those (3,) [N] under a punch."""
-    law = model.matching
-    d = np.sqrt(((x - law.rest) ** 2).sum(axis=0))
-    over = np.maximum(d - law.d0, 0)
-    i, j = law.pairs.T
-    k1, k2, knee = law.k1, law.k2, (law.k2 - law.k1) * law.d0
-    bed = np.array([k1 * (d * d - over * over) / 2, k2 * over * over / 2, -knee * over])
-    u = x - law.rest
-    joined = float(law.tension @ ((u[:, i] - u[:, j]) ** 2).sum(axis=0)) / 2  # T goes with kappa1
-    beneath = np.array([k1 * np.minimum(depth, law.d0), k2 * np.maximum(depth - law.d0, 0), -knee * (depth > law.d0)])
-    return bed[:, ~under].sum(axis=1) + [joined, 0, 0], beneath[:, under].sum(axis=1)

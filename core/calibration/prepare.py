@@ -10,14 +10,16 @@ import numpy as np
 from ..base import DimpleError, Floats
 from .blocks import MIN_ROWS
 from .contact import find_touch
-from .direction import oriented
+from .direction import oriented, which_order
 from .parameters import Free
 from .question import Answers, Candidate, Question, Undecided
 from .reader import Measurement
-from .strokes import FULL, Cycle, dip, find_cycles, moving, preload_rows, roughness, spikes, tear
+from .strokes import FULL, Cycle, dip, find_cycles, moving, rises, roughness, spikes, standing, tear
 
 _AGREE = 0.10  # of full scale, RMS: cycles that differ more are different presses
 _SNAP = 0.10  # of full scale: a fall of the force while the depth grows
+_BEFORE = 20.0  # of the range of depth: a touch given farther before the first row is a slip of the pen
+_GAINED = 0.03  # of the work: what a way back returns beyond it is no error of measurement
 _MANY = 60  # reversals: rows are not in the order they were measured
 _QUICK = 0.1  # of the rows of the longest press: a press of fewer is a touch in passing
 
@@ -83,6 +85,9 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
         raise DimpleError("The depth or the force is the same in every row, so there is no press to fit.")
     depth, force, inward = oriented(measurement, depth, force, answers, notes)
     cycles = find_cycles(depth)
+    unordered = answers.order is None and not measurement.timed
+    if not cycles and unordered:
+        raise Undecided(which_order("The depth only falls, which would be a way back and no press"))
     if not cycles:
         raise DimpleError("The depth never grows: the file holds unloading only, no press.")
     cycles = _long_enough(cycles, depth, notes)
@@ -102,10 +107,12 @@ def prepare(measurement: Measurement, answers: Answers | None = None) -> Loading
     _look_for_snap(stroke, warnings)
     unloading = slice(cycles[chosen].peak, cycles[chosen].end + 1)
     unloading_depth, unloading_force = depth[unloading] - stroke.touch, force[unloading] - stroke.tare
+    loss = _loss(stroke, unloading_depth, unloading_force)
+    _check_loss(loss, unordered, warnings)
     return LoadingCurve(
         depth=stroke.depth, force=stroke.force, unloading_depth=unloading_depth, unloading_force=unloading_force,
         free=stroke.free, cycle=chosen + 1, cycles=len(cycles), touch=stroke.touch, tare=stroke.tare,
-        inward=inward, loss=_loss(stroke, unloading_depth, unloading_force),
+        inward=inward, loss=None if loss is None else max(loss, 0.0),
         notes=tuple(notes), warnings=tuple(warnings),
     )  # fmt: skip
 
@@ -160,9 +167,13 @@ def _long_enough(cycles: list[Cycle], depth: Floats, notes: list[str]) -> list[C
 def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers, inward: int) -> _Stroke:
     rows = slice(cycle.start, cycle.peak + 1)
     x, f, notes = depth[rows], force[rows], []
-    if first := preload_rows(x, f):
-        notes.append(f"The force rises to {f[first]:.4g} N before the depth moves; {first} rows of it were left out.")
-        x, f = x[first:], f[first:]
+    if (still := standing(x)) > 1:  # rows of one depth say one thing: what the force has come to
+        rising = rises(f, f[:still])
+        force_there = float(f[still - 1] if rising else np.median(f[:still]))
+        how = f"the force rises to {force_there:.4g} N" if rising else f"the force is {force_there:.4g} N"
+        notes.append(f"In the first {still} rows, before the depth moves, {how}; they count as one.")
+        x, f = x[still - 1 :].copy(), f[still - 1 :].copy()
+        f[0] = force_there
     keep = moving(x)
     dwelt, x, f = int((~keep).sum()), x[keep], f[keep]
     if len(x) < MIN_ROWS:
@@ -181,7 +192,7 @@ def _stroke(depth: Floats, force: Floats, cycle: Cycle, answers: Answers, inward
         before = x < touch
         tare = float(np.median(f[before])) if before.sum() > 2 else 0.0
         free: Free = () if before.sum() > 2 else ("tare",)
-        if not x.min() - np.ptp(x) <= touch < x.max():
+        if not x.min() - _BEFORE * np.ptp(x) <= touch < x.max():
             raise DimpleError(f"The touch at {answers.contact_mm} mm lies outside the depths of the file.")
     else:
         found = find_touch(x, f)
@@ -250,13 +261,26 @@ def _look_for_snap(stroke: _Stroke, warnings: list[str]) -> None:
         )
 
 
+def _check_loss(loss: float | None, unordered: bool, warnings: list[str]) -> None:
+    """Ask for the order of the rows, or warn where it is known, if more work comes back than was put in."""
+    if loss is None or loss >= -_GAINED:
+        return
+    why = f"The way back returns {-100 * loss:.0f} % more work than the press takes"
+    if unordered:
+        raise Undecided(which_order(f"{why}, which no object does"))
+    warnings.append(f"{why}.\nNo object does that: force and depth may not be of one press.")
+
+
 def _loss(stroke: _Stroke, depth: Floats, force: Floats) -> float | None:
-    """Return the share of the work that unloading (m,) [m], [N] does not return, None where it is not complete."""
+    """Return the share of the work that unloading (m,) [m], [N] does not return, None where it is not complete.
+
+    It is negative where more is returned.
+    """
     inside = stroke.depth > 0
     if len(depth) < 8 or depth.min() > 0.2 * stroke.depth.max():
         return None
     spent, returned = _work(stroke.depth[inside], stroke.force[inside]), -_work(depth, np.maximum(force, 0))
-    return min(max(1 - returned / spent, 0.0), 1.0) if spent > 0 else None
+    return min(1 - returned / spent, 1.0) if spent > 0 else None
 
 
 def _work(depth: Floats, force: Floats) -> float:

@@ -90,13 +90,16 @@ def tear(force: Floats) -> int | None:
     return peak
 
 
-def preload_rows(depth: Floats, force: Floats) -> int:
-    """Return how many rows (n,) of a stroke the force rises in at its beginning before the depth moves."""
+def standing(depth: Floats) -> int:
+    """Return how many rows (n,) of a stroke stand at its beginning before the depth moves."""
     steps = np.diff(depth)
     least = 0.2 * float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    still = int((depth > depth[0] + least).argmax()) - 1
-    rise = float(force[max(still, 0)] - force[0])
-    return still if still >= 2 and rise > max(8 * roughness(force), _RISE * float(np.ptp(force))) else 0
+    return int((depth > depth[0] + least).argmax())
+
+
+def rises(force: Floats, first: Floats) -> bool:
+    """Return whether the force rises within the first rows of a stroke by more than noise."""
+    return bool(first[-1] - first[0] > max(8 * roughness(force), _RISE * float(np.ptp(force))))
 
 
 def dip(depth: Floats, force: Floats) -> Bools:

@@ -133,7 +133,7 @@ def _header(
     for line in reversed(near):
         cells = _fitted(line, width, dialect)
         filled = [cell for cell in cells if cell]
-        if len(filled) >= 2 and not any(units) and not any(names) and _are_units(filled):
+        if filled and not any(units) and not any(names) and _are_units(filled):
             units = cells
         elif len(filled) >= 2 and any(role_of(split_unit(cell)[0]) for cell in filled):
             names = cells

@@ -27,7 +27,7 @@ from .body import CFrame, CMotion
 from .body import NativeError as NativeError
 from .definition import BodyDef, Constants
 
-ABI = 4
+ABI = 5
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 

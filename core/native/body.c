@@ -3,7 +3,7 @@
 
 static void dm_state_destroy(dm_state *b) {
     void *const parts[] = {
-        b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
+        b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next, b->pieces,
         b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
         b->inverse_mass, b->friction, b->hits, b->pin_room, b->shares, b->moved,
@@ -182,7 +182,14 @@ static void dm_set_matter(dm_state *b, const dm_constants *c) {
         m->mass[l] = (dm_real)c->mass[k], m->inverse_mass[l] = b->inverse_mass[i] = (dm_real)c->inverse_mass[k];
         m->k1[l] = (dm_real)c->k1[k], m->k_more[l] = (dm_real)(c->k2[k] - c->k1[k]);
         m->d0[l] = (dm_real)c->d0[k], m->damping[l] = (dm_real)c->drag[k], b->friction[i] = (dm_real)c->friction[k];
-        double rest[3];
+        double rest[3], first = c->d0[k];
+        for (int64_t p = 0; p < b->piece_count; p++) {
+            dm_piece *piece = b->pieces + i / DM_LANES * b->piece_count + p;
+            double knee = c->knees[p * b->n + k];
+            piece->more[l] = (dm_real)c->more[p * b->n + k], piece->knee[l] = (dm_real)knee;
+            first = knee < first ? knee : first;
+        }
+        m->first_knee[l] = (dm_real)first;
         for (int d = 0; d < 3; d++) rest[d] = b->rest[d * b->n + k] - b->rest_centre[d];
         dm_set_lane3(&m->rest, i, dm_quad_of(rest));
     }
@@ -233,11 +240,13 @@ static void dm_forget_pressure(dm_state *b) {
 
 static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     double (*laws)[3] = room(c->materials, sizeof *laws);
-    if (!laws) return DM_MEMORY;
+    dm_piece *pieces = room(b->groups * c->pieces, sizeof *pieces);
+    if (!laws || !pieces) return dm_free(laws), dm_free(pieces), DM_MEMORY;
     memcpy(laws, c->laws, (size_t)c->materials * sizeof *laws * (c->materials > 0));
     if (b->laws && b->free && !c->free) dm_fit_whole(b, b->pose);
     dm_free(b->laws);
-    b->laws = laws;
+    dm_free(b->pieces);
+    b->laws = laws, b->pieces = pieces, b->piece_count = c->pieces;
     dm_set_springs(b, c), dm_set_matter(b, c), dm_set_pull(b, c);
     dm_pin(b, c->inverse_mass);
     if (c->law_set != b->law_set || c->fill != b->fill) dm_forget_pressure(b);

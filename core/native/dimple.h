@@ -19,10 +19,11 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 4 /* changes with anything below */
+#define DM_ABI 5 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
+#define DM_MAX_PIECES 32
 #define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
 
 typedef struct dm_body dm_body;
@@ -51,6 +52,9 @@ typedef struct {
     const double *k1;           /* (vertices,) shape matching up to the knee [N/m] */
     const double *k2;           /* (vertices,) beyond the knee [N/m] */
     const double *d0;           /* (vertices,) displacement at the knee [m] */
+    int64_t pieces;             /* further ones of shape matching */
+    const double *more;         /* (pieces, vertices) stiffness that they add [N/m], beyond */
+    const double *knees;        /* (pieces, vertices) their knees [m] */
     const double *drag;         /* (vertices,) damping of shape matching [N s/m] */
     const double *laws;         /* (materials, 3) K1, K2 [N/m] and x0 [m] of Eq. (1) */
     int64_t materials;

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -218,11 +218,16 @@ def press_variant(
     return proxy, steps, ends
 
 
-def result_of(steps: Generator[float, None, _Result]) -> _Result:
-    """Run a generator to its end and return its result."""
+def unwatched() -> None:
+    """Do nothing while work goes on."""
+
+
+def result_of(steps: Generator[float, None, _Result], watch: Callable[[], None] = unwatched) -> _Result:
+    """Run a generator to its end and return its result; call `watch` at each of its steps."""
     while True:
         try:
             next(steps)
+            watch()
         except StopIteration as end:
             found: _Result = end.value
             return found

@@ -28,6 +28,7 @@ from .benchmark import (
     press_variant,
     result_of,
     try_proxy,
+    unwatched,
 )
 from .proxy import LARGEST, SMALLEST, Proxy, build_proxy, carry, check, mean_spacing, most_of
 
@@ -86,6 +87,7 @@ def plan(
     radius: float = 0.01,
     budget: float = BUDGET,
     allowance: float = ALLOWANCE,
+    watch: Callable[[], None] = unwatched,
 ) -> Plan:
     """Choose between the full mesh and its proxies, by pressing them.
 
@@ -95,6 +97,7 @@ def plan(
         radius: of the fingertips [m].
         budget: processor time [s] for a second of motion; a full mesh within it is simulated as it is.
         allowance: processor time [s] for presses; 0 presses nothing, and the fit alone chooses.
+        watch: called all the time meanwhile, to show that work goes on.
 
     Raises:
         DimpleError: the material is too stiff for the mesh, and no proxy can be made.
@@ -118,7 +121,9 @@ def plan(
     wanted, measured, seen_from = vertices_for(model, tolerance, force_tolerance, radius), None, 0
     if allowance and not model.held.all():
         presses = allowance / (cost * (DOWN + HOLD))
-        wanted, measured, seen_from = _measured(model, presses, radius, tolerance, force_tolerance, wanted)
+        wanted, measured, seen_from = _measured(
+            model, presses, radius, tolerance, force_tolerance, wanted, watch
+        )  # fmt: skip
     most = most_of(model)
     if wanted > most:
         near = f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
@@ -198,7 +203,9 @@ def _first(vertices: int, make: Callable[[int], _Result]) -> tuple[_Result, int]
     raise why
 
 
-def _reference(model: Model, radius: float, paid: float) -> tuple[list[BenchmarkPress], list[PressResult], int]:
+def _reference(
+    model: Model, radius: float, paid: float, watch: Callable[[], None]
+) -> tuple[list[BenchmarkPress], list[PressResult], int]:
     """Return presses, the results to compare with, and the vertices of the proxy they are of, 0 for the full mesh.
 
     Args:
@@ -209,18 +216,19 @@ def _reference(model: Model, radius: float, paid: float) -> tuple[list[Benchmark
     """
     if paid >= FEW:
         presses = choose_presses(model, radius, int(min(paid, PRESSES)))
-        return presses, result_of(press_mesh(model, presses))[0], 0
+        return presses, result_of(press_mesh(model, presses), watch)[0], 0
     n = len(model.mass)
     size = n * (paid / FEW) ** (2 / 3)  # steps grow with the root of the vertices
     size = min(max(size, FAR * SMALLEST), most_of(model), LARGEST // 2)
     presses = choose_presses(model, radius, int(min(max(paid * (n / size) ** 1.5, FEW), PRESSES)))
-    (proxy, _, ends), _ = _first(round(size), lambda n: result_of(press_variant(model, presses, n)))
+    (proxy, _, ends), _ = _first(round(size), lambda n: result_of(press_variant(model, presses, n), watch))
     assert proxy  # of a variant with vertices
     return presses, [replace(end, positions=carry(proxy, end.positions).T) for end in ends], len(proxy.seeds)
 
 
 def _measured(
-    model: Model, paid: float, radius: float, tolerance: float, force_tolerance: float, wanted: int
+    model: Model, paid: float, radius: float, tolerance: float, force_tolerance: float, wanted: int,
+    watch: Callable[[], None],
 ) -> tuple[int, Outcome | None, int]:
     """Try proxies of several sizes and find the smallest one within the tolerances.
 
@@ -233,14 +241,14 @@ def _measured(
         none is within the tolerances: the one that nearly is, else the vertices that should be enough, and None.
     """
     try:
-        presses, goal, seen_from = _reference(model, radius, paid)
+        presses, goal, seen_from = _reference(model, radius, paid, watch)
     except DimpleError:
         return wanted, None, 0
     most, doubt = seen_from // 2 if seen_from else most_of(model), 1 + DOUBT * (len(presses) ** -0.5 - PRESSES**-0.5)
     best, nearly, missed, vertices = None, None, 0, wanted
     for _ in range(TRIES):
         tried = min(vertices, most)
-        found = result_of(try_proxy(model, presses, goal, tried))
+        found = result_of(try_proxy(model, presses, goal, tried), watch)
         # the error of the reference itself, by the fit; squares of errors add up
         share = tried / seen_from if seen_from else 0.0
         skin = doubt * found.error / tolerance / math.sqrt(1 - share**ERROR_POWER)

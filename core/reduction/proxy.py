@@ -201,7 +201,9 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), held=held,
         friction=mean(model.friction), damping=mean(damping),
         stiffness=membrane_stiffness(mesh, k), tension=cotangent_weights(mesh) * tension,
-        k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0), fill=model.pressure.fill,
+        k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0),
+        more=np.reshape([total(k) for k in matching.more], (-1, m)),
+        knees=np.reshape([mean(knee) for knee in matching.knees], (-1, m)), fill=model.pressure.fill,
         gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
     if coarse.free != model.free or held.all():

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import Floats
-from ..body import penalty, springs
+from ..base import Floats, sums_at
+from ..body import penalty, shape_matching, springs
 from ..body.contact import Touch
 from ..body.model import Model, State
 from ..body.penalty import Meeting
@@ -32,7 +32,9 @@ CONTACT_STIFFNESS = 30.0  # of what holds a vertex: a fingertip sinks in by well
 
 def what_holds(model: Model) -> Floats:
     """Return how stiffly springs and shape matching hold each vertex (n,) [N/m]."""
-    return springs.row_bounds(model.springs, len(model.mass))[0] / 2 + model.matching.k2
+    law, n = model.matching, len(model.mass)
+    tension = sums_at(law.pairs.ravel(), np.repeat(law.tension, 2), n)
+    return springs.row_bounds(model.springs, n)[0] / 2 + tension + shape_matching.stiffest(law)
 
 
 def meet_faces(model: Model, state: State, touches: Sequence[Touch], share: float = CONTACT_STIFFNESS) -> list[Meeting]:

@@ -3,7 +3,7 @@
 K = -df/dx, C = -df/dv. A spring under compression pushes sideways, 1 - l0/|l| < 0: that part is left out, so that
 Newton's direction goes downhill. Pressure is its rank-one part g g^T (-dp/dV), never a dense matrix, and its
 geometric part -p d2V/dx2. The shape at rest follows a free body, so rigid motion meets no shape matching: there K is
-exact at rest where mass goes with k1, and near otherwise. tests/physics/test_tangent.py states what holds.
+exact at rest, and near otherwise. tests/physics/test_tangent.py states what holds.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from ..base import Floats, sums_at
 from ..body import penalty, pressure, shape_matching
 from ..body.model import Model, State
 from ..body.penalty import Meeting
+from ..body.shape_matching import ShapeMatching
 
 _TINY = 1e-30
 Product = Callable[[Floats], Floats]
@@ -112,20 +113,51 @@ def _memory(model: Model, state: State, h: float) -> tuple[Product, Floats]:
     law, x = model.matching, state.positions
     pose = shape_matching.pose_of(law, x, state.pose)
     bed, turn, u = shape_matching.stiffness_parts(law, x, pose)
-    level, steep, tension = h * h * bed + h * law.damping, h * h * turn, h * h * law.tension
+    level, steep, tension, drag = h * h * bed, h * h * turn, h * h * law.tension, h * law.damping
 
-    def product(s: Floats) -> Floats:
-        if state.pose is None:
-            s = s - shape_matching.rigid_velocity(law.mass, x, s)
-        f = level * s + steep * (u * s).sum(axis=0) * u - shape_matching.tension_force(law.pairs, tension, s)
-        if state.pose is not None:
-            return f
-        return f - law.mass * shape_matching.rigid_velocity(law.mass, x, f / law.mass)
+    def pull(s: Floats) -> Floats:
+        return level * s + steep * (u * s).sum(axis=0) * u - shape_matching.tension_force(law.pairs, tension, s)
+
+    def rigid(s: Floats) -> Floats:
+        return shape_matching.rigid_velocity(law.mass, x, s)
+
+    if state.pose is None:
+        relative, transposed = _relative(law, x)
+
+        def product(s: Floats) -> Floats:
+            damped = drag * (s - rigid(s))
+            return transposed(pull(relative(s))) + damped - law.mass * rigid(damped / law.mass)
+    else:
+
+        def product(s: Floats) -> Floats:
+            return pull(s) + drag * s
 
     blocks = np.einsum("n,an,bn->nab", steep, u, u)
     met = sums_at(law.pairs.ravel(), np.repeat(tension, 2), x.shape[1])
-    blocks[:, range(3), range(3)] += (level + met)[:, None]
+    blocks[:, range(3), range(3)] += (level + met + drag)[:, None]
     return product, blocks
+
+
+def _relative(law: ShapeMatching, x: Floats) -> tuple[Product, Product]:
+    """Return P, a displacement less the rigid motion with which the shape at rest follows it, and its transpose.
+
+    The shape at rest moves to the least energy: P = 1 - R (R^T K R)^-1 R^T K, R the rigid motions (6), K of k1 and t.
+    """
+    arm = x - x.mean(axis=1, keepdims=True)
+    arm /= max(float(np.abs(arm).max()), _TINY)
+    axes = np.eye(3)[:, :, None]
+    rigid = np.concatenate([axes + 0 * arm, np.cross(axes, arm[None], axis=1)])
+    met = np.stack([law.k1 * r - shape_matching.tension_force(law.pairs, law.tension, r) for r in rigid])
+    rigid, met = rigid.reshape(6, -1), met.reshape(6, -1)
+    inverse = np.linalg.pinv(rigid @ met.T, rcond=1e-12, hermitian=True)  # a straight line has no turn about itself
+
+    def relative(s: Floats) -> Floats:
+        return s - ((inverse @ (met @ s.ravel())) @ rigid).reshape(s.shape)
+
+    def transposed(f: Floats) -> Floats:
+        return f - ((inverse @ (rigid @ f.ravel())) @ met).reshape(f.shape)
+
+    return relative, transposed
 
 
 def _fill(model: Model, state: State, h: float) -> tuple[Product, Floats, float]:

@@ -38,11 +38,13 @@ class Block:
 
     vertices: (b,) indices.
     mass: (b,) [kg].
-    matching: their shape matching.
+    matching: their shape matching, without the tension.
     others: (w, b) vertex at the other end of each spring.
     rest: (w, b) length at rest [m].
     stiffness: (w, b) [N/m], 0 in an empty slot.
     damping: (w, b) [N s/m].
+    arms: (3, w, b) to the other end in the shape at rest [m].
+    tension: (w, b) between the displacements of both ends [N/m], 0 in an empty slot.
     """
 
     vertices: Ints
@@ -52,6 +54,8 @@ class Block:
     rest: Floats
     stiffness: Floats
     damping: Floats
+    arms: Floats
+    tension: Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,16 +123,18 @@ def blocks(model: Model) -> list[Block]:
         slots = np.arange(valence[who].max())[:, None]
         used = slots < valence[who]
         at = np.where(used, first[who] + slots, 0)
-        constants = (np.where(used, c[springs[at]], 0.0) for c in (law.rest_lengths, law.stiffness, law.damping))
-        rest, stiffness, damping = constants
-        shape = model.matching
+        shape, to = model.matching, np.where(used, others[at], who)
+        constants = law.rest_lengths, law.stiffness, law.damping, shape.tension
+        rest, stiffness, damping, tension = (np.where(used, c[springs[at]], 0.0) for c in constants)
         found.append(
             Block(
-                vertices=who, mass=model.mass[who], others=np.where(used, others[at], who), rest=rest,
-                stiffness=stiffness, damping=damping,
+                vertices=who, mass=model.mass[who], others=to, rest=rest, stiffness=stiffness, damping=damping,
+                arms=shape.rest[:, to] - shape.rest[:, None, who], tension=tension,
                 matching=ShapeMatching(
                     rest=shape.rest[:, who], k1=shape.k1[who], k2=shape.k2[who], d0=shape.d0[who],
                     damping=shape.damping[who], mass=shape.mass[who],
+                    pairs=np.zeros((0, 2), np.int64), tension=np.zeros(0), pull=shape.pull[:, who],
+                    more=shape.more[:, who], knees=shape.knees[:, who],
                 ),
             )
         )  # fmt: skip
@@ -152,7 +158,8 @@ def move(block: Block, x: Floats, fixed: Fixed, h: float) -> Floats:
 
     level, turn, u = shape_matching.stiffness_parts(block.matching, here, fixed.pose)
     force -= level * u + block.matching.damping / h * (here - fixed.drift[:, at])
-    flat = inertia + level + block.matching.damping / h + across.sum(axis=0)
+    force += (block.tension * (d - np.tensordot(fixed.pose[0], block.arms, 1))).sum(axis=1)
+    flat = inertia + level + block.matching.damping / h + (across + block.tension).sum(axis=0)
     matrix = np.stack([np.einsum("wb,wb,wb->b", along, n[a], n[b]) + turn * u[a] * u[b] for a, b in PAIRS])
     matrix[:3] += flat
     for met, then, stiffest in fixed.met:

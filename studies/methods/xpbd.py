@@ -37,6 +37,8 @@ class Edges:
     rest: (e,) lengths at rest [m].
     stiffness: (e,) [N/m].
     damping: (e,) [N s/m].
+    arms: (3, e) from i to j in the shape at rest [m].
+    tension: (e,) between the displacements of their ends [N/m].
     w_i, w_j: (e,) inverse mass of their ends [1/kg].
     """
 
@@ -45,6 +47,8 @@ class Edges:
     rest: Floats
     stiffness: Floats
     damping: Floats
+    arms: Floats
+    tension: Floats
     w_i: Floats
     w_j: Floats
 
@@ -74,12 +78,13 @@ def run(model: Model, state: State, path: FingerPath, *, tick: float, substeps: 
 
 def spring_colours(model: Model) -> list[Edges]:
     """Return the springs colour by colour: no vertex is in two springs of one colour."""
-    law, w = model.springs, model.inverse_mass
-    ends = law.pairs.ravel()
+    law, shape, w = model.springs, model.matching, model.inverse_mass
+    ends, arms = law.pairs.ravel(), shape.rest[:, law.pairs[:, 1]] - shape.rest[:, law.pairs[:, 0]]
     return [
         Edges(
             i=law.pairs[at, 0], j=law.pairs[at, 1], rest=law.rest_lengths[at], stiffness=law.stiffness[at],
-            damping=law.damping[at], w_i=w[law.pairs[at, 0]], w_j=w[law.pairs[at, 1]],
+            damping=law.damping[at], arms=arms[:, at], tension=shape.tension[at],
+            w_i=w[law.pairs[at, 0]], w_j=w[law.pairs[at, 1]],
         )
         for at in colours(np.repeat(np.arange(len(law.pairs)), 2), ends)
     ]  # fmt: skip
@@ -103,17 +108,32 @@ def move_springs(edges: Edges, x: Floats, before: Floats, h: float) -> None:
 def move_to_shape(model: Model, state: State, before: Floats, h: float) -> None:
     """Move the vertices toward the shape at rest, in place; a free body as a whole stays where it is."""
     law, x, w = model.matching, state.positions, model.inverse_mass
-    stiffness, _, u = shape_matching.stiffness_parts(law, x, shape_matching.pose_of(law, x, state.pose))
+    start, pose = x.copy(), shape_matching.pose_of(law, x, state.pose)
+    for edges in kept(model, spring_colours):
+        move_by_tension(edges, x, pose[0], h)
+    stiffness, _, u = shape_matching.stiffness_parts(law, x, pose)
     moved = x - before
     if state.pose is None:
         moved -= shape_matching.rigid_velocity(law.mass, x, moved)
     else:
         moved -= h * shape_matching.shape_velocity(law, state.pose_rate)
     stiff = h * stiffness
-    shift = -h * w * (stiff * u + law.damping * moved) / (1 + h * w * (stiff + law.damping))
+    shift = x - start - h * w * (stiff * u + law.damping * moved) / (1 + h * w * (stiff + law.damping))
     if state.pose is None:
         shift -= shape_matching.rigid_velocity(law.mass, x, shift)
-    x += np.where(w > 0, shift, 0.0)
+    x[:] = start + np.where(w > 0, shift, 0.0)
+
+
+def move_by_tension(edges: Edges, x: Floats, rotation: Floats, h: float) -> None:
+    """Move the ends of the edges of one colour by the tension between their displacements, in place.
+
+    C = u_j - u_i is a vector, and so is its multiplier.
+    """
+    apart = x[:, edges.j] - x[:, edges.i] - rotation @ edges.arms
+    stiff = h * h * edges.tension
+    push = stiff * apart / (1 + stiff * (edges.w_i + edges.w_j))
+    x[:, edges.i] += edges.w_i * push
+    x[:, edges.j] -= edges.w_j * push
 
 
 def move_by_pressure(model: Model, state: State, h: float) -> None:

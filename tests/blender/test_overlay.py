@@ -18,10 +18,16 @@ def viewport(bpy: ModuleType, **context: Any) -> Any:
     """Return the context of a 3D viewport, which background Blender does not have."""
     system = SimpleNamespace(ui_scale=1.5, pixel_size=2.0)
     return SimpleNamespace(**{
-        "scene": bpy.context.scene, "object": None, "region": SimpleNamespace(width=SIZE[0], height=SIZE[1]),
+        "scene": bpy.context.scene, "object": None, "region": region("WINDOW", 0, 0, *SIZE),
         "area": SimpleNamespace(regions=[]), "preferences": SimpleNamespace(system=system),
-        "space_data": SimpleNamespace(overlay=SimpleNamespace(show_overlays=True)), **context,
+        "space_data": SimpleNamespace(
+            overlay=SimpleNamespace(show_overlays=True, show_text=True), region_quadviews=[], show_region_ui=False
+        ), **context,
     })  # fmt: skip
+
+
+def region(kind: str, x: int, y: int, width: int, height: int, tab: str = "") -> Any:
+    return SimpleNamespace(type=kind, x=x, y=y, width=width, height=height, active_panel_category=tab)
 
 
 @pytest.fixture
@@ -51,7 +57,7 @@ def entry(bpy: ModuleType) -> Any:
     )  # fmt: skip
     trail = [(i * 1e-3, material.law(i * 1e-3) * 1.02) for i in range(13)]
     return SimpleNamespace(
-        link=SimpleNamespace(slots=(0,)), frame=frame, trail=trail, refused="",
+        link=SimpleNamespace(slots=(0,)), frame=frame, trail=trail, refused="", recorder=None,
         fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
         session=SimpleNamespace(tick=1e-3, model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))),
         to_world=lambda point: tuple(12 * c for c in point),
@@ -163,8 +169,8 @@ def test_a_session_is_drawn_only_where_overlays_are_switched_on(
     drawn: list[str] = []
     monkeypatch.setattr(overlay, "draw_fingers", lambda *_: drawn.append("fingers"))
     monkeypatch.setattr(overlay, "draw_curves", lambda *_: drawn.append("curves") or 0.0)
-    monkeypatch.setattr(overlay, "draw_rows", lambda *_: drawn.append("rows") or 0.0)
-    context = viewport(bpy)
+    monkeypatch.setattr(overlay, "draw_rows", lambda *_, **__: drawn.append("rows") or 0.0)
+    context = viewport(bpy, region=region("WINDOW", 0, 0, 1280, 800))
     monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
     for shown, expected in ((False, []), (True, ["fingers", "curves", "rows"])):
         context.space_data.overlay.show_overlays = shown
@@ -238,7 +244,8 @@ def test_the_key_over_a_chart_names_what_is_in_it_and_nothing_else(
         written[text] = colour
         return 0.0
 
-    for name, fake in (("write", write), ("draw_lines", lambda *_: None), ("draw_filled", lambda *_: None)):
+    for name, fake in (("write", write), ("draw_lines", lambda *_: None), ("draw_filled", lambda *_: None),
+                       ("width", lambda *_: 50.0)):  # fmt: skip
         monkeypatch.setattr(overlay, name, fake)
     curves = overlay.pressed_curves(SimpleNamespace(material_slots=()), entry)
     end = overlay.draw_curves(curves, (0.0, 0.0), SCREEN)
@@ -251,12 +258,14 @@ def test_a_body_that_is_renamed_while_pressed_is_called_by_its_new_name(
 ) -> None:
     written: list[str] = []
     monkeypatch.setattr(overlay, "write", lambda text, *_: written.append(text))
+    monkeypatch.setattr(overlay, "width", lambda *_: 50.0)
+    monkeypatch.setattr(overlay, "draw_filled", lambda *_: None)
     halves.name = "Another"
     shown = SimpleNamespace(
         scene=bpy.context.scene, space_data=SimpleNamespace(overlay=SimpleNamespace(show_overlays=1))
     )
     ((body, entry),) = overlay._shown(shown)
-    overlay.draw_rows(body, entry, (0.0, 0.0), 1.0)
+    overlay.draw_rows(body, entry, overlay.Room(0.0, 0.0, *SIZE), 1.0)
     assert "Another" in written and "Cube" not in written
 
 
@@ -304,7 +313,7 @@ def drawn(overlay: ModuleType, entry: Any) -> Any:
     def draw(screen: Any) -> None:
         body = SimpleNamespace(name="Ball", material_slots=())
         end = overlay.draw_curves(overlay.pressed_curves(body, entry), (20.0, 20.0), screen)
-        overlay.draw_rows(body, entry, (20.0, end + 16), 1.0)
+        overlay.draw_rows(body, entry, overlay.Room(20.0, end + 16, *SIZE), 1.0)
 
     return on_screen(draw, lambda screen: overlay.draw_fingers(entry, screen))
 
@@ -333,3 +342,72 @@ def on_screen(
     target.free()
     pixels.dimensions = SIZE[0] * SIZE[1] * 4
     return np.array(pixels, np.uint8).reshape(SIZE[1], SIZE[0], 4)
+
+
+def lines_of(overlay: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, float, float]]:
+    """Return what is written from now on: text and where it ends, to the right and above."""
+    written: list[tuple[str, float, float]] = []
+
+    def write(text: str, at: Any, scale: float, _colour: Any = None) -> float:
+        written.append((text, at[0] + 7 * scale * len(text), at[1] + overlay.LINE_HEIGHT * scale))
+        return 7 * scale * len(text)
+
+    for name in ("draw_lines", "draw_filled"):
+        monkeypatch.setattr(overlay, name, lambda *_: None)
+    monkeypatch.setattr(overlay, "write", write)
+    monkeypatch.setattr(overlay, "width", lambda text, scale: 7 * scale * len(text))
+    return written
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.0])
+def test_numbers_and_chart_stay_clear_of_header_toolbar_and_sidebar(
+    bpy: ModuleType, overlay: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch, scale: float
+) -> None:
+    written = lines_of(overlay, monkeypatch)
+    around = [
+        region("TOOLS", 0, 0, 60, SIZE[1]), region("UI", SIZE[0] - 200, 0, 200, SIZE[1], "Item"),
+        region("HEADER", 0, SIZE[1] - 30, SIZE[0], 30), region("TOOL_HEADER", 0, SIZE[1] - 60, SIZE[0], 30),
+    ]  # fmt: skip
+    context = viewport(bpy, area=SimpleNamespace(regions=around))
+    context.preferences.system.ui_scale = scale
+    monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
+    overlay.draw_numbers()
+    blenders = 3 * overlay.LINE_HEIGHT * scale  # its own words below the header
+    assert len(written) > 2 and all(top <= SIZE[1] - 60 - blenders for _, _, top in written)
+    chart = any(text.endswith(" mm") for text, _, _ in written)
+    assert chart == (scale == 1.0), "at twice the scale there is no room for the chart beside the sidebar"
+
+
+def test_of_four_views_one_has_the_numbers(
+    bpy: ModuleType, overlay: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = lines_of(overlay, monkeypatch)
+    views = [region("WINDOW", x, y, 320, 200) for x in (0, 321) for y in (0, 201)]
+    seen = []
+    for view in views:
+        context = viewport(bpy, region=view, area=SimpleNamespace(regions=views))
+        context.space_data.region_quadviews = [1, 2, 3]
+        monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
+        overlay.draw_numbers()
+        seen.append(bool(written))
+        written.clear()
+    assert seen == [False, False, False, True]
+
+
+def test_numbers_that_the_sidebar_shows_are_not_shown_twice_but_a_recording_is(
+    bpy: ModuleType, overlay: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    (entry,) = sessions.sessions.values()
+    entry.recorder = SimpleNamespace(frames=12)
+    written = lines_of(overlay, monkeypatch)
+    context = viewport(bpy, object=halves, area=SimpleNamespace(regions=[region("UI", 0, 0, 9, 9, "Dimple")]))
+    monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
+    for shown in (True, False):
+        context.space_data.show_region_ui = shown
+        written.clear()
+        overlay.draw_numbers()
+        texts = " ".join(text for text, _, _ in written)
+        assert ("Pressure" in texts) != shown and "Recording 12" in texts
+    entry.recorder = None

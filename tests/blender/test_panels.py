@@ -246,6 +246,9 @@ def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch:
     from bl_ext.user_default.dimple.core.material import PRESETS
 
     monkeypatch.setattr("bl_ui.utils.PresetPanel.draw", lambda this, _context: this.layout.label(text="own"))
+    monkeypatch.setattr(bpy.utils, "preset_paths", lambda _folder: [])
+    assert "own" not in draw(bpy, bpy.types.DIMPLE_PT_material_presets), "Blender would complain of missing paths"
+    monkeypatch.setattr(bpy.utils, "preset_paths", lambda _folder: ["somewhere"])
     drawn = draw(bpy, bpy.types.DIMPLE_PT_material_presets)
     assert drawn.count("dimple.apply_preset") == len(PRESETS)
     assert drawn[-1] == "own"

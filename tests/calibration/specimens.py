@@ -78,6 +78,22 @@ def preload(rng: random.Random) -> Specimen:
     return written(p, p.depth - p.depth[0], touch=-p.depth[0])
 
 
+def slight_preload(rng: random.Random) -> Specimen:
+    """Zero the depth at a preload that is hardly a press yet."""
+    p = press(rng, start=rng.uniform(0.002, 0.05))
+    return written(p, p.depth - p.depth[0], touch=-p.depth[0])
+
+
+def begun(rng: random.Random) -> Specimen:
+    """Begin in the middle of the press, at a depth the machine counts from elsewhere; some of a bent curve."""
+    p = press(rng, start=rng.uniform(0.3, 0.85), noise=0.005)
+    zero, power = rng.choice([0.0, 20.0, -7.0]), rng.choice([None, None, 1.5, 0.6])
+    if power is None:
+        return written(p, p.depth - p.depth[0] + zero, touch=zero - p.depth[0])
+    bent = p.full * (p.depth / p.depth[-1]) ** power + p.force - p.law(p.depth)
+    return Specimen(written(p, p.depth - p.depth[0] + zero, bent).content, *[np.nan] * 3, zero - p.depth[0])
+
+
 def preload_doubled(rng: random.Random) -> Specimen:
     """Record the preload in several rows before the crosshead moves."""
     p, times = press(rng, start=rng.uniform(0.05, 0.3)), rng.choice([2, 3, 6, 20])
@@ -104,7 +120,7 @@ def preload_of_a_bent_curve(rng: random.Random) -> Specimen:
 
 def dead_travel(rng: random.Random) -> Specimen:
     """Begin a little before the touch and call that zero."""
-    p = press(rng, approach=rng.uniform(0.02, 0.12), stiff=True)
+    p = press(rng, approach=10 ** rng.uniform(-2.3, -0.9), stiff=rng.random() < 0.8)
     return written(p, p.depth - p.depth[0], touch=-p.depth[0])
 
 
@@ -153,6 +169,15 @@ def torn(rng: random.Random) -> Specimen:
     signs = rng.choice([1, -1]), rng.choice([1, -1])
     zero = rng.choice([0.0, 0.0, 40.0])
     return written(p, signs[0] * depth + zero, signs[1] * force, touch=zero)
+
+
+def torn_at_last(rng: random.Random) -> Specimen:
+    """Press twice, and tear the specimen the second time."""
+    p = press(rng, rows=300)
+    rest = int(rng.uniform(0.05, 0.4) * len(p.depth))
+    further = p.depth[-1] + (p.depth[1] - p.depth[0]) * np.arange(1, rest + 1)
+    depth = np.concatenate([p.depth, p.depth[::-1], p.depth, further])
+    return written(p, depth, np.concatenate([p.force, p.force[::-1], p.force, 0.1 * p.full * np.ones(rest)]))
 
 
 def going_negative(rng: random.Random) -> Specimen:
@@ -268,10 +293,48 @@ def stray_cells(rng: random.Random) -> Specimen:
     return written(p, head=HEAD + stray)
 
 
+def mixed(rng: random.Random) -> Specimen:
+    """Combine what may happen: beginning, end, way back, signs, zeros, steps, digits, order, columns and pages."""
+    begin = rng.choice(["touch", "approach", "preload", "adhesion"])
+    before = rng.uniform(0.08, 0.4) if begin in ("approach", "adhesion") else 0.0
+    p = press(rng, approach=before, start=rng.uniform(0.03, 0.3) if begin == "preload" else 0.0)
+    dice, depth, force = np.random.default_rng(rng.randrange(10**6)), p.depth, p.force
+    if begin == "adhesion":
+        width = before * depth[-1] / rng.uniform(4, 10)
+        force = force - rng.uniform(0.03, 0.2) * p.full * np.exp(-((depth + 1.8 * width) ** 2) / width**2) * (depth < 0)
+    if rng.random() < 0.3:  # uneven steps
+        keep = dice.random(len(depth)) > rng.uniform(0.1, 0.5)
+        depth, force = depth[keep], force[keep]
+    end = rng.choice(["stop", "stop", "back", "torn", "hold"])
+    if end == "back":
+        depth, force = np.concatenate([depth, depth[::-1]]), np.concatenate([force, 0.85 * force[::-1]])
+    elif end == "torn":
+        more = depth[-1] + np.arange(1, 40) * np.ptp(depth) / len(depth)
+        depth, force = np.concatenate([depth, more]), np.concatenate([force, 0.1 * p.full * np.ones(39)])
+    elif end == "hold":
+        depth, force = np.append(depth, np.full(60, depth[-1])), np.append(force, force[-1] * np.linspace(1, 0.8, 60))
+    if begin == "preload":
+        depth = depth - depth[0]
+    signs = rng.choice([1, 1, -1]), rng.choice([1, 1, -1])
+    zero, tare = (rng.choice([0.0, 15.0]), rng.choice([0.0, 0.03]) * p.full) if before else (0.0, 0.0)
+    depth, force = signs[0] * depth + zero, signs[1] * (force + tare)
+    digits = 5 if np.ptp(p.depth) < 2 else rng.choice([2, 3, 5])
+    rows = [f"{d:.{digits}f},{f:.{rng.choice([4])}f}" for d, f in zip(depth, force, strict=True)]
+    head, clock = HEAD, rng.random() < 0.5
+    if clock:
+        head, rows = f"Time (s),{HEAD}", [f"{i / 50:.2f},{row}" for i, row in enumerate(rows)]
+    if rng.random() < 0.15:
+        rows = rows[::-1]
+    if rng.random() < 0.2:
+        long = rng.choice([30, 50])
+        rows = [row for i in range(0, len(rows), long) for row in ([head] if i else []) + rows[i : i + long]]
+    return Specimen("\n".join([head, *rows]).encode() + b"\n", p.K1, p.K2, p.x0)
+
+
 KINDS: tuple[Callable[[random.Random], Specimen], ...] = (
-    preload, preload_doubled, preload_rising, preload_of_a_bent_curve, dead_travel, adhesion, approach, short_travel,
-    few_rows, torn, going_negative, reversed_rows, quick_touch, pages, side_by_side, sparse, japanese_dates,
-    german_dates, unknown_unit, unit_unknown, stray_cells,
+    preload, slight_preload, begun, preload_doubled, preload_rising, preload_of_a_bent_curve, dead_travel, adhesion,
+    approach, short_travel, few_rows, torn, torn_at_last, going_negative, reversed_rows, quick_touch, pages,
+    side_by_side, sparse, japanese_dates, german_dates, unknown_unit, unit_unknown, stray_cells, mixed,
 )  # fmt: skip
 
 

@@ -26,15 +26,15 @@ from core.solver.motion import FingertipMotion
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "93f1d0effc70fc09e3f43e09d01376bb79d9a19f4d33b9ada7d69d164cdaee82",
-    ("liquid", 32, "AVX2"): "29b52b6e489a16e5a99dba1f6b3e6cfaaaf5d447ad98cc0e60183c4a7adbb416",
-    ("liquid", 64, ""): "6c402202f24291995165014ea7575ef5f0f97286abf1c196957dd1c4733d9a22",
-    ("free on the ground", 32, "SSE2"): "8eddf30d9c3f3d1b947c594dc73d671ffa15448a302fe6570ac44f9446e57865",
-    ("free on the ground", 32, "AVX2"): "fec4ad885489cfc2185f46be3e9b2db966daccc51de31ad8e10a15615f0bf77a",
-    ("free on the ground", 64, ""): "7aed46f42d4b649fd33b303e8d0d9d0834930e09f248c860a77081f17ef44e3c",
+    ("liquid", 32, "SSE2"): "0f81cc90a6814accf205786caa38a9856ad99023da5ec982990ca837c2b8fcd4",
+    ("liquid", 32, "AVX2"): "2a054c3f66a702107382262befc04815e72507630b9a11c830f0ac7868c8d2ec",
+    ("liquid", 64, ""): "b6086fb6b32a44daf1262967b4c8af10d13fc20ee788eb58b614c1dc96ec7149",
+    ("free on the ground", 32, "SSE2"): "98e0b2725ddc69ed10222d28e4bed29e62b75ebdc5cd11ad0c8c613063ea0eaa",
+    ("free on the ground", 32, "AVX2"): "7fb174f9a020f3e5ca03d12b64533b9851238fe2dfbfa88c83ca87cc0bc1445f",
+    ("free on the ground", 64, ""): "f5681db93becd8ec6854fd10c2575c6ce204b8782cc232af69e1eec9b0a113c7",
 }
 NUMPY = {
-    "liquid": "d6b9d28c4f868134d6b56b2081702cb124a31101e53649ed1cf580e5bfe8b30e",
+    "liquid": "041c286e486b534dfd0ecaefde6d68d8792d148342ca44bfa33cde898a434a02",
     "paper laws": "2c102c52ba855eba65557a11f04063e0596d65fe08ec0241dd766dc825032093",
 }
 

@@ -67,7 +67,7 @@ def test_a_fingertip_that_wanders_about_a_body_has_the_depth_numpy_finds(seed: i
     here, met = np.array([0.0, 0.0, 0.8 * SIZE]), 0
     for step in range(60):
         there = rng.normal(0, 0.35 * SIZE, 3)
-        tip = FingertipMotion(tuple(here), tuple(there), tuple(there), 0.1 * SIZE, 0.1 * SIZE, step % 20 == 0)
+        tip = FingertipMotion(tuple(here), tuple(there), tuple(there), 0.1 * SIZE, step % 20 == 0)
         expected, found = (body.step(Motion(0, 1, TICK, (tip._replace(start=tuple(there)),))) for body in bodies)
         one, other = expected.touches[0], found.touches[0]
         assert one and other
@@ -201,7 +201,7 @@ def test_laws_fill_and_pins_of_a_living_body_change_as_with_numpy() -> None:
 def test_a_fill_that_is_taken_out_leaves_no_pressure(backend: str) -> None:
     model, velocities, motion = build(CASES["liquid"])
     body = create(model, backend=backend)
-    assert abs(run(body, velocities, motion).pressure) > 100
+    assert abs(run(body, velocities, motion).pressure) > 50
     body.set_constants(build_model(model.mesh, [replace(SOFT, fill="none")], held=base_vertices(model.mesh)))
     assert body.step(motion._replace(ticks=0)).pressure == 0
     assert body.step(motion).pressure == 0

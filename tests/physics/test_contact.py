@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body.contact import Step, Touch, candidates, nearest_on_triangles, resolve, rest_on_ground
+from core.body.contact import Step, Touch, candidates, nearest_on_triangles, resolve, rest_on_ground, sagitta
 from core.body.model import build_model
 from core.material import PRESETS, Material, Preset
 from core.mesh.surface import Mesh, base_vertices, input_vertices, mesh_from_triangles
@@ -28,10 +28,12 @@ def winding(x: Floats, mesh: Mesh, point: Floats) -> float:
 
 
 def gap(x: Floats, mesh: Mesh, finger: Finger) -> float:
-    """Return how far [m] the skin is from a fingertip; negative inside."""
-    corners = x[:, mesh.triangles]
-    offset = (corners * nearest_on_triangles(corners, np.array(finger.position))).sum(axis=2).T - finger.position
-    return float(np.linalg.norm(offset, axis=1).min() - finger.radius)
+    """Return how far [m] vertices are from a fingertip, and facets from one smaller by their sagitta; < 0 inside."""
+    corners, centre = x[:, mesh.triangles], np.array(finger.position)
+    weights = nearest_on_triangles(corners, centre)
+    offset = (corners * weights).sum(axis=2).T - centre
+    facets = (np.linalg.norm(offset, axis=1) + sagitta(corners, weights, finger.radius)).min()
+    return float(min(facets, np.linalg.norm(x.T - centre, axis=1).min()) - finger.radius)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.5, 3.0])
@@ -124,6 +126,41 @@ def test_no_fingertip_slips_through_a_face_larger_than_itself(preset: Preset, ce
             assert frame.finger_forces[0, axis] > 0 or (a, b) != (0, 0)  # it may slide off an edge
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_the_sagitta_is_how_far_a_facet_with_its_corners_on_a_sphere_lies_below_it(seed: int) -> None:
+    """0 at the corners, h^2 / 6 R in the middle of an equilateral one, and to second order right anywhere on any."""
+    rng, radius, h = np.random.default_rng(seed), 0.02, 1e-3
+    turn = np.array([0.0, 2, 4]) * np.pi / 3
+    flat = h / np.sqrt(3) * np.array([np.cos(turn), np.sin(turn)])
+    equilateral = np.vstack([flat, np.sqrt(radius**2 - (flat**2).sum(axis=0))])[:, None]
+    middle = np.full((1, 3), 1 / 3)
+    assert sagitta(equilateral, middle, radius) == pytest.approx(h**2 / (6 * radius))
+    assert radius - np.linalg.norm(equilateral.mean(axis=2)) == pytest.approx(h**2 / (6 * radius), rel=1e-3)
+    flat = rng.uniform(-h, h, (2, 5, 3))
+    corners = np.concatenate([flat, np.sqrt(radius**2 - (flat**2).sum(axis=0))[None]])
+    assert not sagitta(corners[:, :3], np.eye(3), radius).any()
+    weights = rng.dirichlet(np.ones(3), 5)
+    below = radius - np.linalg.norm((corners * weights).sum(axis=2), axis=0)
+    np.testing.assert_allclose(sagitta(corners, weights, radius), below, rtol=2 * (h / radius) ** 2)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_fingertip_that_bends_a_facet_round_it_goes_in_by_the_sagitta(backend: str) -> None:
+    """Into the middle of a facet as large as it is: what meets that is a sphere smaller by R / 8."""
+    mesh = mesh_from_triangles(*ball(1, 0.08))
+    model = build_model(mesh, [replace(SOFT, fill="none")])
+    middle = mesh.rest_positions[mesh.triangles[7]].mean(axis=0)
+    distance, radius = float(np.linalg.norm(middle)), 0.01
+    outward = middle / distance
+    moved = []
+    for deep in (0.12, 0.13):
+        session = Session(model, backend=backend)
+        session.set_fingers([Finger(tuple((distance + (1 - deep) * radius) * outward), radius)])
+        session.step(0.001)
+        moved.append(float(np.abs(session.body.positions() - model.matching.rest).max()))
+    assert moved[0] < 1e-8 and moved[1] > 1e-6
+
+
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_the_skin_stays_out_of_the_fingertip(backend: str) -> None:
     mesh = mesh_from_triangles(*ball(1, 0.08))
@@ -138,11 +175,11 @@ def test_the_skin_stays_out_of_the_fingertip(backend: str) -> None:
 
 @pytest.mark.parametrize(("slide", "held"), [(0.3, True), (0.49, True), (0.51, False), (2.0, False)])
 def test_friction_holds_inside_the_cone_and_slides_outside_it(slide: float, held: bool) -> None:
-    """A face comes down on a fingertip at 1 m/s and slides along it; friction 0.5."""
-    x = np.array([[-1.0, 1, 0], [-1, -1, 2], [0, 0, 0]]) + np.array([[0], [0], [0.0999]])
+    """A face, small so that its sagitta is, comes down on a fingertip at 1 m/s and slides along it; friction 0.5."""
+    x = 1e-3 * np.array([[-1.0, 1, 0], [-1, -1, 2], [0, 0, 0]]) + np.array([[0], [0], [0.0999]])
     v = np.array([[slide], [0.0], [-1.0]]) * np.ones(3)
     touch = Touch(
-        centre=np.zeros(3), velocity=np.zeros(3), radius=0.1, vertices=np.arange(3), triangles=np.array([[0, 1, 2]])
+        centre=np.zeros(3), velocity=np.zeros(3), radius=0.1, vertices=np.arange(0), triangles=np.array([[0, 1, 2]])
     )
     weights = nearest_on_triangles(x[:, touch.triangles], touch.centre)[0]
     impulse = resolve(x, v, touch, np.ones(3), np.full(3, 0.5), Step(1e-4))

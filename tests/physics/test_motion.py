@@ -34,7 +34,7 @@ def run(model: Model, state: State, seconds: float, substeps: int = 0) -> State:
 
 
 def poked(frame_rate: float, backend: str) -> Iterator[Floats]:
-    """Press a ball 15 mm, sideways too, hold, let go; yield where it is each sixth of a second."""
+    """Press a ball 20 mm, sideways too, hold, let go; yield where it is each sixth of a second."""
     mesh = scenes.ball(0 if backend == "numpy" else 1)
     model = build_model(mesh, [scenes.BALL], held=base_vertices(mesh))
     session = Session(model, backend=backend)
@@ -42,7 +42,7 @@ def poked(frame_rate: float, backend: str) -> Iterator[Floats]:
     session.set_fingers([Finger(tuple(start), 0.02)])
     for i in range(1, round(frame_rate / 2) + 1):
         way = np.interp(i / frame_rate, [0, 1 / 6, 1 / 3, 1 / 2], [0, 1, 1, 0.2])
-        session.set_fingers([Finger(tuple(start + way * np.array([0.005, 0, -0.015])), 0.02)])
+        session.set_fingers([Finger(tuple(start + way * np.array([0.005, 0, -0.02])), 0.02)])
         session.step(1 / frame_rate)
         if i % (frame_rate / 6) == 0:
             yield session.positions()

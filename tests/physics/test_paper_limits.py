@@ -155,7 +155,10 @@ def skin_only(size: float, k: float, cells: int = 4) -> Model:
     matching = model.matching
     return replace(
         model, springs=skin,
-        matching=replace(matching, k1=1e-9 * matching.k1, k2=1e-9 * matching.k2, damping=1e-9 * matching.damping),
+        matching=replace(
+            matching, k1=1e-9 * matching.k1, k2=1e-9 * matching.k2, damping=1e-9 * matching.damping,
+            tension=1e-9 * matching.tension, pull=1e-9 * matching.pull,
+        ),
         omega_squared=float((row_k * model.inverse_mass).max())
         + pressure.omega_squared(model.pressure, mesh.rest_positions.T, model.inverse_mass),
         decay=float((row_c * model.inverse_mass).max()),

@@ -61,3 +61,9 @@ def test_the_presets_are_table_2() -> None:
         found = (preset.size * 1e3, m.K1 / 1e3, m.K2 / 1e3, m.x0 * 1e3, m.k / 1e3)
         assert found == pytest.approx(table[preset.name][:5]) and m.fill == table[preset.name][5]
         assert preset.provenance and preset.label
+
+
+@pytest.mark.parametrize("value", [1e33, math.inf])
+def test_a_number_beyond_all_measure_is_called_so(value: float) -> None:
+    with pytest.raises(DimpleError, match=r"^K1 is out of range \(it is (1e\+33|inf)\)"):
+        Material(K1=value, K2=1.0, x0=1.0, k=1.0, mass=1.0)

@@ -136,6 +136,15 @@ def test_by_force_the_fingertip_stays_where_it_touches_and_its_force_grows_and_f
     assert fingers(state, 7)[0].force is None, "by depth again"
 
 
+def test_a_force_pushes_straight_into_the_surface_however_one_looks_at_it() -> None:
+    slanted = PokeEvent(kind=Kind.PRESS, hit=TOP, view=(0.0, math.sin(1.2), -math.cos(1.2)))
+    state, _ = run(replace(START, by_force=True), slanted, *ticks(1.0))
+    assert fingers(state, 7)[0].inward == pytest.approx((0.0, 0.0, -1.0))
+    moved = PokeEvent(kind=Kind.MOVE, hit=SIDE, view=(-0.6, 0.0, -0.8))
+    state, _ = run(state, moved, *ticks(1.0))
+    assert fingers(state, 7)[0].inward == pytest.approx((-1.0, 0.0, 0.0), abs=1e-6)
+
+
 def test_pen_pressure_is_force_too() -> None:
     state, _ = run(replace(START, by_force=True), press(pressure=0.5), *ticks(1.0))
     assert fingers(state, 7)[0].force == pytest.approx(START.force / 2)
@@ -238,3 +247,33 @@ def test_no_ray_slips_through_a_corner_or_an_edge_of_a_closed_body() -> None:
         assert hit is not None
         assert hit[0] == pytest.approx(np.linalg.norm(aim - origin))
         assert np.dot(hit[2], direction) < 0
+
+
+LEFT = Hit(point=(-0.08, 0.0, 0.06), normal=(-0.8, 0.0, 0.6), body=7)
+RIGHT = Hit(point=(0.08, 0.0, 0.06), normal=(0.8, 0.0, 0.6), body=7)
+PINCH = [press(LEFT), *ticks(0.3), finger(2), press(RIGHT), *ticks(1.0)]
+
+
+def test_two_fingertips_on_opposite_sides_pinch_towards_each_other() -> None:
+    state, _ = run(START, *PINCH)
+    left, right = fingers(state, 7)[:2]
+    for one, hit, way in ((left, LEFT, 1.0), (right, RIGHT, -1.0)):
+        touching = np.array(hit.point) + START.radius * np.array(hit.normal)
+        assert one.position == pytest.approx(touching + START.depth * np.array([way, 0, 0]), abs=1e-5)
+
+
+def test_the_first_fingertip_of_a_pinch_turns_without_a_jump() -> None:
+    state, _ = run(START, *PINCH[:-1000])
+    before = np.array(fingers(state, 7)[0].position)
+    for _ in range(100):
+        state, _ = run(state, *ticks(0.001))
+        after = np.array(fingers(state, 7)[0].position)
+        assert np.linalg.norm(after - before) < 0.05 * START.depth
+        before = after
+
+
+def test_two_fingertips_on_one_side_or_on_two_bodies_press_as_they_are_told() -> None:
+    near = Hit(point=(-0.02, 0.0, 0.1), normal=(0.0, 0.0, 1.0), body=7)
+    for second in (near, replace(RIGHT, body=8)):
+        state, _ = run(START, press(LEFT), *ticks(0.3), finger(2), press(second), *ticks(0.5))
+        assert all(tip.aim.inward == pytest.approx((0.0, 0.0, -1.0)) for tip in state.tips[:2])

@@ -201,6 +201,24 @@ def test_pins_sent_nowhere_are_refused(wrong: np.ndarray) -> None:
         on_its_base().set_held(wrong)
 
 
+def test_the_work_of_a_fingertip_is_its_force_along_its_way_and_little_of_it_comes_back() -> None:
+    session = on_its_base()
+    session.set_fingers([above(0.0)])
+    session.step(0.0)
+    depths, forces = np.linspace(0, 0.02, 201), [0.0]
+    for depth in depths[1:]:
+        session.set_fingers([above(depth)])
+        forces.append(session.step(0.01).finger_forces[0, 2])
+    pressed = session.frame.work
+    assert pressed == pytest.approx(sum(forces) * (depths[1] - depths[0]), rel=1e-6) and pressed > 0
+    for depth in depths[::-1]:
+        session.set_fingers([above(depth)])
+        session.step(0.01)
+    assert 0 < session.frame.work < 0.5 * pressed, "some is lost to damping and friction, and none is made"
+    session.reset()
+    assert session.frame.work == 0
+
+
 def test_reset_puts_everything_back() -> None:
     session = on_its_base()
     session.set_fingers([above(0.02)])

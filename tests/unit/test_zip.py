@@ -9,17 +9,17 @@ from pathlib import Path
 import pytest
 
 from tools import extension, native
-from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, ROOT, WHEEL_PINS, Stop
+from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, READER_PINS, ROOT, WHEEL_PINS, Stop
 
 # what is read at run time beside Python
-DATA = {"LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml"}
+DATA = {"LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml", "addon/poke_tool.dat"}
 # said here and not read from the manifest or the folders, so that a change of either has to be meant
 TOP = {"LICENSE", "__init__.py", "addon", "blender_manifest.toml", "core", "operators", "wheels"}
 FOLDERS = {
     "addon", "addon/translations", "core", "core/animation", "core/body", "core/calibration", "core/haptics",
     "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "wheels",
 }  # fmt: skip
-ENDINGS = {"", ".c", ".h", ".py", ".toml", ".whl"}  # no library, object, cache, picture, table or scene
+ENDINGS = {"", ".c", ".dat", ".h", ".py", ".toml", ".whl"}  # no library, object, cache, picture, table or scene
 WHEELS = {
     "pyserial": "any", "trimesh": "any",
     "dimple_native": "macosx_11_0_arm64 macosx_11_0_x86_64 manylinux_2_17_x86_64 win_amd64",
@@ -91,7 +91,7 @@ def test_the_manifest_names_a_native_core_for_each_platform_it_is_compiled_for()
 
 
 def test_every_pin_is_exact() -> None:
-    for pin in [*pins(DEV_PINS), *pins(native.PINS), *pins(PEER_PINS)]:
+    for pin in [*pins(DEV_PINS), *pins(native.PINS), *pins(PEER_PINS), *pins(READER_PINS)]:
         assert EXACT.fullmatch(pin.partition(";")[0].strip()), pin
     for pin in pins(WHEEL_PINS):
         exact, _, rest = pin.partition(" ")

@@ -18,6 +18,7 @@ import calibrating
 import comparing
 import device
 import robot
+import tuning
 
 OUT = Path("/mnt/out")
 BODY = "Ball"
@@ -148,6 +149,7 @@ def play() -> robot.Waits:
     bpy.ops.extensions.package_install_files(filepath="/mnt/zip", repo="user_default", enable_on_install=True)
     names = [name for name in bpy.context.preferences.addons.keys() if name.startswith("bl_ext.")]
     check("Blender's own installer takes the zip and enables it", len(names) == 1, ", ".join(names))
+    yield from tuning.tune(OUT, check)
     yield from open_scene()
     yield from robot.show_tab("Dimple")
     at = robot.on_screen((0.0, 0.0, 0.0))

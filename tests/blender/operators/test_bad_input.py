@@ -272,3 +272,36 @@ def test_a_press_that_would_go_through_the_body_is_refused(
     with pytest.raises(RuntimeError, match="165 mm large, so a press of 1e.09 mm would go through it"):
         bpy.ops.dimple.poke(**{**QUICK, "depth_mm": 1e9})
     assert coordinates(obj) == before
+
+
+def test_a_size_that_is_too_large_or_a_mesh_that_is_too_small_is_called_so(
+    bpy: ModuleType, add: Callable[..., Any]
+) -> None:
+    obj = add()
+    obj.dimple.size_mm = 1e30
+    with pytest.raises(RuntimeError, match=r"a Custom Size of 1e\+30 mm is too large"):
+        bpy.ops.dimple.poke(**QUICK)
+    obj.dimple.size_mode = "REAL"
+    obj.scale = (5e-7,) * 3
+    with pytest.raises(RuntimeError, match="only 0.001 mm large: give it a Custom Size"):
+        bpy.ops.dimple.play(seconds=0.01)
+
+
+def test_a_preset_for_what_is_linked_is_refused_for_it_would_be_lost(
+    bpy: ModuleType, add: Callable[..., Any], tmp_path: Any
+) -> None:
+    obj, path = add(), str(tmp_path / "library.blend")
+    obj.active_material = bpy.data.materials.new("Linked")
+    bpy.data.libraries.write(path, {obj})
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = ["Body"]
+    linked = bpy.data.objects["Body"]
+    bpy.context.collection.objects.link(linked)
+    bpy.context.view_layer.objects.active = linked
+    with pytest.raises(RuntimeError, match="The object is linked from another file"):
+        bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+    own = add(name="Own")
+    own.active_material = bpy.data.materials["Linked"]
+    with pytest.raises(RuntimeError, match="The material is linked from another file"):
+        bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")

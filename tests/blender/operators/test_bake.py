@@ -198,3 +198,57 @@ def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed
     pressed()
     with pytest.raises(RuntimeError, match="must come after"):
         bpy.ops.dimple.bake(frame_start=5, frame_end=5)
+
+
+@pytest.mark.parametrize("simulated", ["MESH", "PROXY"])
+def test_keyframed_constants_are_followed_by_a_bake(
+    bpy: ModuleType, scene: Any, ball: Add, simulated: str
+) -> None:
+    def baked(*keys: tuple[int, float]) -> list[dict[str, float]]:
+        for frame, value in keys:
+            constants.K1 = value
+            constants.keyframe_insert("K1", frame=frame)
+        bpy.ops.dimple.bake(frame_start=1, frame_end=40)
+        constants.id_data.animation_data_clear()
+        return table(obj, scene)
+
+    obj = ball(subdivisions=4)
+    obj.active_material = bpy.data.materials.new("Keyed")
+    constants = obj.active_material.dimple
+    constants.damping_ratio, obj.dimple.simulated, obj.dimple.proxy_vertices = 1.0, simulated, 300
+    bpy.ops.dimple.add_fingertip()
+    tip = scene.dimple.finger_1
+    for frame, height in ((1, tip.location.z), (8, tip.location.z - 10 / 165 * 2)):
+        tip.location.z = height
+        tip.keyframe_insert("location", index=2, frame=frame)
+    soft, hard = baked((1, 0.6)), baked((1, 3.0))
+    keyed = baked((1, 0.6), (20, 0.6), (21, 3.0))
+    assert keyed[18]["force_1_n"] == pytest.approx(soft[18]["force_1_n"], rel=1e-6)
+    assert keyed[21]["law_force_1_n"] == pytest.approx(5 * keyed[18]["law_force_1_n"], rel=1e-3)
+    assert keyed[-1]["force_1_n"] == pytest.approx(hard[-1]["force_1_n"], rel=0.02)
+    assert hard[-1]["force_1_n"] > 2 * soft[-1]["force_1_n"]
+
+
+def test_keyframed_pins_let_a_body_go(bpy: ModuleType, scene: Any, ball: Add) -> None:
+    obj = ball()
+    scene.dimple.use_gravity = True
+    for frame, pinned in ((1, "BASE"), (10, "NONE")):
+        obj.dimple.pinned = pinned
+        obj.dimple.keyframe_insert("pinned", frame=frame)
+    bpy.ops.dimple.bake(frame_start=1, frame_end=20)
+    _, positions = cached(scene)
+    heights = positions.mean(axis=1)[:, 2]
+    assert abs(heights[8] - heights[0]) < 0.05, "it hangs from its base"
+    fallen, seconds = (heights[9] - heights[19]) * 0.165 / 2, 10 / scene.render.fps
+    assert fallen == pytest.approx(9.81 / 2 * seconds**2, rel=0.15), "and falls"
+
+
+def test_a_keyframe_that_cannot_be_simulated_stops_the_bake_in_words(bpy: ModuleType, scene: Any, ball: Add) -> None:
+    obj = ball()
+    obj.active_material = bpy.data.materials.new("Keyed")
+    for frame, value in ((1, 0.6), (5, 0.0)):
+        obj.active_material.dimple.K1 = value
+        obj.active_material.dimple.keyframe_insert("K1", frame=frame)
+    with pytest.raises(RuntimeError, match="K1 must be greater than 0"):
+        bpy.ops.dimple.bake(frame_start=1, frame_end=8)
+    assert not obj.modifiers

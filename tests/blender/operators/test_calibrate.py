@@ -104,6 +104,41 @@ def test_a_force_where_the_file_begins_is_asked_and_the_touch_can_be_said(
     assert record_of(scene)["K1"] == pytest.approx(0.6, rel=1e-3)
 
 
+def test_a_torn_specimen_is_asked_about_and_its_range_can_be_cut(bpy: ModuleType, scene: Any, write: Write) -> None:
+    path = write("torn.csv", "Depth (mm),Force (N)", lambda x, f: f"{x:.4f},{f if x < 17 else 1.0:.4f}")
+    with pytest.raises(RuntimeError, match="was the specimen torn.* Give until_mm: '17.1"):
+        bpy.ops.dimple.calibrate(filepath=path)
+    assert bpy.ops.dimple.calibrate(filepath=path, until_mm=17.1) == {"FINISHED"}
+    assert record_of(scene)["K2"] == pytest.approx(7, rel=1e-3) and record_of(scene)["deepest"] < 17
+    assert bpy.ops.dimple.calibrate(filepath=path, until_mm=17.1, press="positive", inward="positive") == {"FINISHED"}
+    with pytest.raises(RuntimeError):
+        bpy.ops.dimple.calibrate(filepath=path, until_mm=17.1, press="positive", inward="negative")
+
+
+def test_the_result_names_its_columns_and_warnings_have_headlines(bpy: ModuleType, scene: Any, tmp_path: Path) -> None:
+    from bl_ext.user_default.dimple.addon import calibrated
+
+    path = tmp_path / "bent.csv"
+    path.write_text("Depth (mm),Force (N)\n" + "".join(f"{x:.4f},{(x / 4) ** 3:.4f}\n" for x in DEPTH))
+    assert bpy.ops.dimple.calibrate(filepath=str(path)) == {"FINISHED"}
+    record = record_of(scene)
+    rows = dict(calibrated.rows(record))
+    assert rows["Depth Column"] == "1: Depth (mm), mm" and rows["Force Column"] == "2: Force (N), N"
+    assert rows["Largest Error from Points"].endswith("%")
+    headlines = calibrated.headlines(record)
+    assert headlines and all("\n" not in line and len(line) < 110 for line in headlines)
+    assert any(line.startswith(headlines[0]) and len(line) > len(headlines[0]) for line in calibrated.sentences(record))
+
+
+def test_the_largest_error_of_an_identified_press_is_stated_from_the_points_too(bpy: ModuleType) -> None:
+    from bl_ext.user_default.dimple.addon import calibrated
+
+    measured = json.dumps({"points": [[x, 2 * x] for x in range(20)]})
+    pressed = json.dumps({"points": [[x, 2 * x * (1.5 if x == 8 else 1)] for x in range(1, 20)]})
+    assert calibrated._from_points(measured, pressed) == [("Largest Error from Points", "50.0%")]
+    assert calibrated._from_points("", pressed) == []
+
+
 def test_every_answer_has_a_property_of_its_name_with_the_label_that_messages_use(bpy: ModuleType) -> None:
     from dataclasses import fields
 
@@ -150,7 +185,7 @@ class Asked:
         for name, value in values.items():
             setattr(stub, name, value)
         stub.report = lambda level, text: self.reports.append((*level, text))
-        stub.properties = SimpleNamespace(is_property_set=lambda name: name in given)
+        stub.properties = SimpleNamespace(is_property_set=lambda name: getattr(stub, name) != rna[name].default)
         return stub.execute(self.bpy.context)
 
 
@@ -187,6 +222,23 @@ def test_warnings_speak_of_what_the_interface_has(
     assert asked.answer() == {"FINISHED"}
     warnings = [text for level, text in asked.reports if level == "WARNING"]
     assert any("“Contact (mm)”" in text for text in warnings) and not any("--" in text for text in warnings)
+
+
+def test_the_likeliest_answer_is_chosen_when_the_dialog_opens(
+    bpy: ModuleType, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write("preload.csv", "Depth (mm),Force (N)", lambda x, f: f"{x - 6:.4f},{f:.4f}" if x > 6 else "")
+    asked = Asked(bpy, monkeypatch, path)
+    asked.answer()
+    shown = SimpleNamespace(
+        asked=asked.opened[-1]["asked"], properties=SimpleNamespace(is_property_set=lambda name: False)
+    )
+    manager = SimpleNamespace(invoke_props_dialog=lambda *args, **how: {"RUNNING_MODAL"})
+    context = SimpleNamespace(object=None, window_manager=manager)
+    asked.calibrate.DIMPLE_OT_calibrate.invoke(shown, context, None)
+    (question,) = json.loads(shown.asked)["questions"]
+    assert question["candidates"][int(shown.answer_0)]["value"] == question["default"]
+    assert float(question["default"]) == pytest.approx(-6, abs=0.01)
 
 
 def test_headers_that_are_exchanged_can_be_told_so_in_the_dialog(

@@ -4,7 +4,7 @@ import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
@@ -228,3 +228,24 @@ def test_a_device_file_that_is_not_right_is_said(bpy: ModuleType, empty_file: Mo
     settings.device_port = "emulated"
     with pytest.raises(RuntimeError, match="did not start .*device.toml has no 'blocks'"):
         bpy.ops.dimple.connect_device()
+
+
+def test_a_blender_that_draws_too_slowly_for_the_dead_man_key_is_said_once(
+    bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.core.haptics.safety import Arming
+    from bl_ext.user_default.dimple.core.haptics.servo_messages import LinkState
+    from bl_ext.user_default.dimple.operators import haptic
+
+    report = SimpleNamespace(link=LinkState.READY, arming=Arming.ON, note="")
+    clock = SimpleNamespace(now=100.0, perf_counter=lambda: clock.now)
+    monkeypatch.setattr(haptic, "time", clock)
+    monkeypatch.setattr(haptic, "connections", [
+        haptic.Connection(device=SimpleNamespace(read=lambda: report), report=report)
+    ])  # fmt: skip
+    said = []
+    for frame_s in (0.02, 0.02, 0.5, 0.5, 0.02, 0.4):
+        clock.now += frame_s
+        said.append(haptic.read())
+    assert [bool(each) for each in said] == [False, False, True, False, False, True]
+    assert said[2][0].startswith("Blender draws only 2.0 frames a second, so the dead-man key lapses")

@@ -82,3 +82,12 @@ def test_a_measurement_stops_before_the_far_side(bpy: ModuleType, vinyl: Any, cu
     bpy.ops.dimple.measure(filepath=str(tmp_path / "thin.csv"), depth_mm=400, rows=12)
     rows = np.loadtxt(tmp_path / "thin.csv", delimiter=",", skiprows=4)
     assert rows[-1, 0] <= 0.9 * 16.5 + 1e-3
+
+
+def test_a_measurement_without_a_path_is_refused_and_writes_nothing(
+    bpy: ModuleType, vinyl: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(RuntimeError, match="give it a path"):
+        bpy.ops.dimple.measure(depth_mm=5)
+    assert not list(tmp_path.iterdir())

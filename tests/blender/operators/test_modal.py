@@ -148,7 +148,8 @@ def test_a_press_by_force_sinks_in_until_the_body_answers_with_it(bpy: ModuleTyp
         material.dimple.K1 = k1
         poke.ticks(60)
         body = sessions.get(ball_of(bpy))
-        assert body.frame.finger_forces[0, 2] == pytest.approx(4.0, rel=0.02)
+        inward = np.array(body.session.fingers[0].inward)
+        assert -body.frame.finger_forces[0] @ inward == pytest.approx(4.0, rel=0.02)
         depths.append(body.frame.depths[0])
     centre = body.session.placed[0].position
     assert body.fingers[0].position == centre, "it is drawn where it is"
@@ -261,3 +262,34 @@ def test_something_unforeseen_ends_the_poke_and_is_raised(
     with pytest.raises(ZeroDivisionError):
         poke.ticks(1)
     assert coordinates(ball_of(bpy)) == rest and not sessions.runs
+
+
+def test_a_soft_body_that_was_not_selected_joins_when_it_is_pressed(
+    bpy: ModuleType, hand: Any, ball: Any, body: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import pointer, sessions
+
+    other = ball("Other")
+    other.location = (10.0, 0.0, 0.0)
+    other.select_set(False)
+    body.select_set(True)
+    bpy.context.view_layer.objects.active = body
+    beside = (500 + 10 * RADIUS_PX, 500)
+    poke = hand("poke")
+    poke.invoke()
+    poke.send("LEFTMOUSE", at=beside)
+    assert len(sessions.sessions) == 1
+    assert any('"Other" is not selected' in text for _, text in poke.reports), "it is no soft body: that is said"
+    other.dimple.enabled = True
+    poke.send("LEFTMOUSE", at=beside)
+    poke.ticks(20)
+    assert sessions.get(other).frame.depths[0] > 0.01
+    assert pointer.unselected(poke.context, pointer.View(None, None, (-5000, 0)), {}) is None, "nothing is there"
+    poke.send("ESC")
+
+
+def test_the_file_can_be_saved_while_poking(bpy: ModuleType, hand: Any) -> None:
+    poke = hand("poke")
+    poke.invoke()
+    assert poke.send("S", ctrl=True) == {"PASS_THROUGH"} and poke.send("S") == {"RUNNING_MODAL"}
+    poke.send("ESC")

@@ -1,0 +1,185 @@
+"""Make Soft: everything that a bare mesh needs to be pressed, in one click; what changes the mesh itself is asked."""
+
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import BoolProperty, StringProperty
+
+from . import polls, sessions
+from .messages import report
+from .names import POKE_TOOL, Op
+
+if TYPE_CHECKING:
+    import numpy as np
+
+LARGEST_M, SMALLEST_M = 2.0, 0.01  # a body as modelled between these is taken as it is
+FINE = 1.1  # fingertip radii: edges no longer than this show a dent that is the fingertip's own
+MOST_VERTICES = 40_000  # of a mesh that is subdivided
+ROUNDS = 7  # of halving edges
+
+
+class DIMPLE_OT_make_soft(bpy.types.Operator):
+    """Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated"""
+
+    bl_idname = Op.MAKE_SOFT
+    bl_label = "Make Soft"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: StringProperty(
+        name="Preset", description="Measured object whose constants a mesh without a material gets",
+        default="object_2_vinyl_air",
+    )  # fmt: skip
+    subdivide: BoolProperty(
+        name="Subdivide", description="Cut edges that are longer than the fingertip is wide, which changes the mesh"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode and a mesh of this file."""
+        if context.mode != "OBJECT":
+            return polls.refuse(cls, "Go back to Object Mode first")
+        if not polls.needs_mesh(cls, context) or not polls.is_own(cls, context.object):
+            return False
+        return polls.is_free(cls)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask only where the mesh itself should be changed."""
+        from . import live
+
+        self.subdivide = any(is_coarse(context, obj) for obj in live.candidates(context) if obj.type == "MESH")
+        if self.subdivide:
+            return context.window_manager.invoke_props_dialog(self, width=380)
+        return self.execute(context)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw what is offered, and why."""
+        column = self.layout.column()
+        column.label(text="The edges are longer than the fingertip is wide.", icon="INFO")
+        column.label(text="It would show no dent. The mesh can be cut finer, in even parts.", icon="BLANK1")
+        column.prop(self, "subdivide")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
+        from ..core.base import DimpleError
+        from . import live
+
+        done, wrong = [], []
+        try:
+            bodies = [obj for obj in live.candidates(context) if obj.type == "MESH"]
+        except DimpleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for obj in bodies:
+            try:
+                done.append(make_soft(context, obj, self.preset, subdivide=self.subdivide))
+            except DimpleError as error:
+                wrong.append(str(error))
+        if not done:
+            self.report({"ERROR"}, " ".join(wrong))
+            return {"CANCELLED"}
+        report(self, wrong)
+        choose_tool(context)
+        self.report({"INFO"}, " ".join(done))
+        return {"FINISHED"}
+
+
+def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, subdivide: bool) -> str:
+    """Make a mesh a soft body; return a sentence on what it is now.
+
+    Raises:
+        DimpleError: it cannot be pressed; only its material and settings may have been set.
+    """
+    from ..core.base import DimpleError
+    from . import bridge, planning
+
+    bridge.check(obj)
+    bridge.check_writable(obj)
+    if sessions.get(obj):
+        raise DimpleError(f'"{obj.name}" is being pressed already.')
+    if obj.active_material is None:
+        with context.temp_override(object=obj, active_object=obj):
+            bpy.ops.dimple.apply_preset(preset=preset)
+    if not obj.dimple.enabled:
+        settle_size(context.scene, obj)
+    obj.dimple.enabled = True
+    if subdivide and is_coarse(context, obj):
+        if obj.data.shape_keys or obj.data.users > 1:
+            raise DimpleError(
+                f'"{obj.name}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.'
+            )
+        refine(obj, FINE * context.scene.dimple.finger_radius_mm / 1e3 / scale_of(context.scene, obj))
+    _, model = bridge.read_body(context, obj)
+    planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
+    size = f"{1e3 * model.mesh.size:.3g} mm"
+    return f'"{obj.name}" is soft: {obj.active_material.name}, {size} large. Press it with the left mouse button.'
+
+
+def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
+    """Let a mesh as large as a house stand for an object in the hand, which is what the constants are of."""
+    as_modelled = max(obj.dimensions) * scene.unit_settings.scale_length
+    if SMALLEST_M <= as_modelled < LARGEST_M:
+        obj.dimple.size_mode = "REAL"
+    else:
+        obj.dimple.size_mode = "CUSTOM"
+
+
+def scale_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
+    """Return metres of the real object per unit of its mesh, along the axis that is scaled least."""
+    settings, largest = obj.dimple, max(obj.dimensions)
+    per_unit = scene.unit_settings.scale_length
+    if settings.size_mode == "CUSTOM" and largest > 0:
+        per_unit = settings.size_mm / 1e3 / largest
+    return per_unit * min(map(abs, obj.matrix_world.to_scale()))
+
+
+def is_coarse(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
+    """Tell whether the edges of a mesh are longer than the fingertip is wide, at the size it has or will get."""
+    import numpy as np
+
+    if obj.dimple.enabled:
+        scale = scale_of(context.scene, obj)
+    else:
+        before = obj.dimple.size_mode
+        settle_size(context.scene, obj)
+        scale = scale_of(context.scene, obj)
+        obj.dimple.size_mode = before
+    lengths = edge_lengths(obj.data)
+    return bool(len(lengths)) and float(np.median(lengths)) * scale > 2 * context.scene.dimple.finger_radius_mm / 1e3
+
+
+def edge_lengths(mesh: bpy.types.Mesh) -> "np.ndarray":
+    """Return the length (e,) of every edge in units of the mesh."""
+    import numpy as np
+
+    points, ends = np.empty(3 * len(mesh.vertices), np.float32), np.empty(2 * len(mesh.edges), np.int32)
+    mesh.vertices.foreach_get("co", points)
+    mesh.edges.foreach_get("vertices", ends)
+    pairs = points.reshape(-1, 3)[ends.reshape(-1, 2)]
+    return np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=1)
+
+
+def refine(obj: bpy.types.Object, longest: float) -> None:
+    """Halve the edges of a mesh until none is longer than this [units of the mesh]; its shape stays."""
+    import bmesh
+
+    made = bmesh.new()
+    try:
+        made.from_mesh(obj.data)
+        for _ in range(ROUNDS):
+            long = [edge for edge in made.edges if edge.calc_length() > longest]
+            if not long or len(made.verts) + len(long) > MOST_VERTICES:
+                break
+            bmesh.ops.subdivide_edges(made, edges=long, cuts=1, use_grid_fill=True)
+        made.to_mesh(obj.data)
+    finally:
+        made.free()
+    obj.data.update()
+
+
+def choose_tool(context: bpy.types.Context) -> None:
+    """Make the poke the tool of the viewport, where there is one."""
+    if context.area and context.area.type == "VIEW_3D" and context.window:
+        bpy.ops.wm.tool_set_by_id(name=POKE_TOOL)
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_make_soft])

@@ -1,0 +1,124 @@
+"""How well and how fast a body is identified: Table 2's objects under points, punches and balls, on several meshes.
+
+`python3 dev.py core tips` prints a line for each, with `--json FILE` the same as rows.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from core.base import DimpleError
+from core.calibration.identify import Identification
+from core.calibration.indent import find_site
+from core.material import POINT, PRESETS, Indenter, Preset
+from core.mesh.surface import Mesh
+
+from .reconstruct import DEEPEST
+from .scenes import ball, cube
+from .virtual_press import identify
+
+TIPS = (
+    POINT, Indenter(shape="punch", radius=0.005),
+    *(Indenter(shape="sphere", radius=radius) for radius in (0.005, 0.010, 0.025)),
+)  # fmt: skip
+CUBES, BALLS = (10, 20, 41), (3, 4, 5)  # cells along an edge, subdivisions: 600, 2,400 and 10,000 vertices
+RMS, WORST, WORST_FORCE = 0.01, 0.05, 0.15  # what a row should keep: shares of full scale, and [N]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One identification.
+
+    body, tip: what was pressed, and with what.
+    vertices: of the mesh.
+    seconds: of processor time.
+    rms, worst: errors of the force over full scale.
+    worst_force: the largest error [N].
+    end: the force at the deepest over the measured one.
+    deepest: [mm].
+    note: why it ends before the depth asked for.
+    """
+
+    body: str
+    tip: str
+    vertices: int
+    seconds: float
+    rms: float
+    worst: float
+    worst_force: float
+    end: float
+    deepest: float
+    note: str
+
+    @property
+    def kept(self) -> bool:
+        """Tell whether the error is as small as it should be at every depth."""
+        return self.rms <= RMS and (self.worst <= WORST or self.worst_force <= WORST_FORCE)
+
+
+def rows(presets: Sequence[Preset], tips: Sequence[Indenter], sizes: int) -> Iterator[Row]:
+    """Identify each object with each tip on a cube and a ball of so many sizes."""
+    for preset in presets:
+        for tip in tips:
+            for shape, number in [("cube", n) for n in CUBES[:sizes]] + [("ball", n) for n in BALLS[:sizes]]:
+                mesh = cube(number, preset.size) if shape == "cube" else ball(number, preset.size / 2)
+                yield _row(preset, shape, mesh, tip)
+
+
+def _row(preset: Preset, shape: str, mesh: Mesh, tip: Indenter) -> Row:
+    label, words = preset.name[:8], f"{tip.shape} {1e3 * tip.radius:g} mm"
+    started = time.process_time()
+    try:
+        found = identify(mesh, preset.material, tip, find_site(mesh, tip), DEEPEST[preset.name])
+    except DimpleError as error:
+        nothing = float("nan")
+        return Row(
+            body=f"{label} {shape}", tip=words, vertices=len(mesh.rest_positions), seconds=0.0, rms=nothing,
+            worst=nothing, worst_force=nothing, end=nothing, deepest=0.0, note=str(error),
+        )  # fmt: skip
+    return _of(found, f"{label} {shape}", words, mesh, time.process_time() - started)
+
+
+def _of(found: Identification, body: str, tip: str, mesh: Mesh, seconds: float) -> Row:
+    off, full = np.abs(found.simulated - found.wanted), float(found.wanted.max())
+    return Row(
+        body=body, tip=tip, vertices=len(mesh.rest_positions), seconds=seconds, rms=found.rms,
+        worst=float(off.max()) / full, worst_force=float(off.max()),
+        end=float(found.simulated[-1] / found.wanted[-1]), deepest=1e3 * float(found.depths[-1]), note=found.stopped,
+    )  # fmt: skip
+
+
+def add_tips(command: argparse.ArgumentParser) -> None:
+    """Take the options of `core tips`."""
+    command.add_argument("--json", type=Path, help="write the rows there")
+    command.add_argument("--sizes", type=int, default=3, choices=(1, 2, 3), help="600, 2,400 and 10,000 vertices")
+    command.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print a line for each identification, and the medians of the time it takes."""
+    found = []
+    for row in rows(PRESETS, TIPS, options.sizes):
+        found.append(row)
+        print(
+            f"{row.body:14} {row.tip:12} {row.vertices:6} vertices {row.seconds:6.2f} s  rms {100 * row.rms:6.2f} %  "
+            f"worst {100 * row.worst:6.2f} % {row.worst_force:6.2f} N  at {row.deepest:4.1f} mm {row.end:5.3f} of it"
+            f"{'' if row.kept else '  *'}",
+            flush=True,
+        )
+    for size in sorted({len(str(row.vertices)) for row in found}):
+        times = [row.seconds for row in found if len(str(row.vertices)) == size]
+        print(f"vertices of {size} digits: median {statistics.median(times):.2f} s of processor time")
+    kept = sum(row.kept for row in found)
+    print(f"{kept} of {len(found)} within {RMS:.0%} RMS and {WORST:.0%} or {WORST_FORCE} N at worst; the others: *")
+    if options.json:
+        options.json.write_text(json.dumps([asdict(row) for row in found], indent=1) + "\n", encoding="utf-8")
+    return 0

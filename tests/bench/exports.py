@@ -1,0 +1,130 @@
+"""What an export costs: 41,000 vertices in 250 frames, each format, beside Blender's own exporters of the same thing.
+
+`python3 dev.py bench --exports` writes exports.csv into build/exports; the files themselves are deleted.
+"""
+
+import argparse
+import csv
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+
+VERTICES, FRAMES = 40_962, 250
+FORMATS = ("PC2", "MDD", "ALEMBIC", "USD", "PLY", "STL", "VAT", "GLB", "FBX")
+
+
+def press() -> bpy.types.Object:
+    """Add a ball that is pressed, held and let go, simulated by a proxy as it would be live."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=7, radius=1)
+    obj, scene = bpy.context.object, bpy.context.scene
+    assert len(obj.data.vertices) == VERTICES
+    bpy.ops.object.shade_smooth()
+    obj.name, obj.dimple.size_mode, obj.dimple.simulated = "Ball", "CUSTOM", "PROXY"
+    bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+    bpy.ops.dimple.add_fingertip()
+    tip = scene.dimple.finger_1
+    top = tip.location.z
+    for frame, height in ((1, top), (60, top - 0.3), (120, top - 0.3), (180, top), (250, top)):
+        tip.location.z = height
+        tip.keyframe_insert("location", frame=frame)
+    for each in bpy.context.selected_objects:
+        each.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    scene.frame_start, scene.frame_end = 1, FRAMES
+    return obj
+
+
+def size_of(folder: Path) -> int:
+    files = [path for path in folder.rglob("*") if path.is_file() and path.suffix not in (".csv", ".json")]
+    return sum(path.stat().st_size for path in files)
+
+
+class Table:
+    """The rows that were measured, printed as they come."""
+
+    def __init__(self) -> None:
+        self.rows: list[dict[str, str]] = []
+
+    def add(self, what: str, seconds: float, size: int) -> None:
+        each = f"{size / VERTICES / FRAMES:.1f}"
+        row = {"what": what, "seconds": f"{seconds:.1f}", "MB": f"{size / 1e6:.1f}", "bytes_a_vertex_a_frame": each}
+        self.rows.append(row)
+        print(f"ROW {what:44} {seconds:8.1f} s {size / 1e6:8.1f} MB", flush=True)
+
+    def measure(self, what: str, folder: Path, action: Callable[[Path], object]) -> None:
+        """Measure once, in a folder that is deleted."""
+        folder.mkdir()
+        started = time.perf_counter()
+        action(folder)
+        self.add(what, time.perf_counter() - started, size_of(folder))
+        shutil.rmtree(folder)
+
+
+def exported(kind: str, normals: bool, key_error: float = 0.0) -> Callable[[Path], object]:
+    return lambda folder: bpy.ops.dimple.export_animation(
+        directory=str(folder), formats={kind}, frame_start=1, frame_end=FRAMES, normals=normals, key_error=key_error
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--zip", type=Path, required=True)
+    parser.add_argument("--out", type=Path, required=True)
+    options = parser.parse_args()
+    bpy.ops.extensions.package_install_files(
+        filepath=str(options.zip), repo="user_default", enable_on_install=True
+    )
+    press()
+    table, work = Table(), options.out / "work"
+    shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True)
+    scene = bpy.context.scene
+    scene.dimple.cache_dir = str(work / "caches")
+    table.measure("Dimple simulates and bakes to PC2", work / "caches", _bake)
+    _bake(work)
+    table.measure("Blender plays it once (Mesh Cache)", work / "a", _play)
+    for normals in (True, False):
+        words = "" if normals else ", no normals"
+        table.measure(f"Blender's own Alembic exporter{words}", work / "a", _blenders_alembic(normals))
+        table.measure(f"Blender's own USD exporter{words}", work / "a", _blenders_usd(normals))
+        for kind in FORMATS:
+            if normals or kind in ("ALEMBIC", "USD", "PLY", "GLB"):
+                table.measure(f"Dimple {kind}{words}", work / "a", exported(kind, normals))
+    for kind in ("GLB", "FBX"):
+        table.measure(f"Dimple {kind}, key error 0.05 %", work / "a", exported(kind, True, 0.05))
+    shutil.rmtree(work)
+    with (options.out / "exports.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(table.rows[0]))
+        writer.writeheader()
+        writer.writerows(table.rows)
+
+
+def _bake(_folder: Path) -> None:
+    bpy.ops.dimple.unbake()
+    bpy.ops.dimple.bake(frame_start=1, frame_end=FRAMES)
+
+
+def _play(_folder: Path) -> None:
+    for frame in range(1, FRAMES + 1):
+        bpy.context.scene.frame_set(frame)
+
+
+def _blenders_alembic(normals: bool) -> Callable[[Path], object]:
+    return lambda folder: bpy.ops.wm.alembic_export(
+        filepath=str(folder / "a.abc"), start=1, end=FRAMES, selected=True, as_background_job=False, normals=normals
+    )
+
+
+def _blenders_usd(normals: bool) -> Callable[[Path], object]:
+    return lambda folder: bpy.ops.wm.usd_export(
+        filepath=str(folder / "a.usdc"), selected_objects_only=True, export_animation=True, export_normals=normals
+    )
+
+
+if __name__ == "__main__":
+    main()

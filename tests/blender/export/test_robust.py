@@ -1,0 +1,305 @@
+"""Whatever happens to an export, nothing is lost that was there, and no half file stands under a final name."""
+
+import json
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tools.environment import ROOT
+
+EVERY = ("ALEMBIC", "USD", "GLB", "FBX", "PC2", "MDD", "STL", "PLY", "VAT")
+ENDINGS = (".abc", ".usdc", ".glb", ".fbx", ".pc2", ".mdd", "_stl", "_ply", "_vat")
+Bits = Callable[[Any], bytes]
+
+
+@contextmanager
+def full_after(size: int) -> Iterator[None]:
+    """Let no file grow beyond a size [bytes], as on a disk that is full."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def earlier(folder: Path) -> dict[str, bytes]:
+    """Put something under every name that an export of the ball takes, and return it."""
+    folder.mkdir()
+    for ending in (*ENDINGS, ".csv", ".json"):
+        if ending.startswith("."):
+            (folder / f"Ball{ending}").write_text(f"an earlier {ending}")
+        else:
+            (folder / f"Ball{ending}").mkdir()
+            (folder / f"Ball{ending}" / "earlier").write_text(f"an earlier {ending}")
+    return contents(folder)
+
+
+def steps(bpy: ModuleType, folder: Path, written: list[Path], **changes: Any) -> Iterator[float]:
+    from bl_ext.user_default.dimple.operators import exporting
+
+    plan = {"objects": [bpy.data.objects["Ball"]], "formats": EVERY, "folder": folder, "first": 1, "last": 6}
+    return exporting.export(bpy.context, exporting.ExportPlan(**{**plan, **changes}), [], written)
+
+
+def test_files_that_are_there_are_kept_unless_they_are_to_be_replaced(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
+) -> None:
+    pressed()
+    before = earlier(tmp_path / "out")
+    given = {"directory": str(tmp_path / "out"), "formats": {"PC2", "STL"}, "frame_start": 1, "frame_end": 3}
+    with pytest.raises(RuntimeError, match=r"Ball.pc2 and 3 more is there already.*Overwrite"):
+        bpy.ops.dimple.export_animation(**given)
+    assert contents(tmp_path / "out") == before
+    bpy.ops.dimple.export_animation(**given, overwrite=True)
+    now = contents(tmp_path / "out")
+    assert now["Ball.pc2"].startswith(b"POINTCACHE2") and now["Ball.abc"] == before["Ball.abc"]
+    assert sorted(name for name in now if "_stl" in name) == [f"Ball_stl/Ball_000{n}.stl" for n in (1, 2, 3)]
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_a_disk_that_fills_costs_nothing_that_was_there(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], coordinates: Bits, tmp_path: Path, kind: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The simulation fits on the disk; what is made of it does not, and only sometimes is that known before."""
+    from bl_ext.user_default.dimple.operators import exporting
+
+    if kind != "ALEMBIC":  # it would end Blender
+        monkeypatch.setattr(exporting, "reserve", lambda *_: None)
+    obj = pressed()
+    bpy.ops.dimple.bake(frame_start=1, frame_end=6)
+    before, bits = earlier(tmp_path / "out"), coordinates(obj)
+    table = next(Path(scene.dimple.cache_dir).glob("*.csv")).stat().st_size
+    with full_after(table if table < 1500 else 1500), pytest.raises(RuntimeError) as refused:
+        bpy.ops.dimple.export_animation(
+            directory=str(tmp_path / "out"), formats={kind}, frame_start=1, frame_end=6, overwrite=True
+        )
+    (sentence,) = str(refused.value).strip().splitlines()
+    assert ("File too large" in sentence or "could not finish" in sentence) and str(tmp_path) in sentence
+    now = contents(tmp_path / "out")
+    assert now.keys() == before.keys(), "no temporary file is left"
+    assert {name for name in now if now[name] != before[name]} <= {"Ball.csv"}, "the table was whole already"
+    assert coordinates(obj) == bits and [m.name for m in obj.modifiers] == ["Dimple"]
+    assert len(bpy.data.meshes) == 1 and scene.frame_current == 1
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_a_file_that_was_cut_short_is_noticed(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, kind: str
+) -> None:
+    """Some of Blender's exporters do not notice that the disk is full."""
+    from bl_ext.user_default.dimple.operators import formats
+
+    pressed()
+    bpy.ops.dimple.export_animation(directory=str(tmp_path), formats={kind}, frame_start=1, frame_end=3)
+    files = [path for path in tmp_path.rglob("*") if path.suffix in (".abc", ".usdc", ".glb", ".stl", ".ply")]
+    assert files or kind in ("FBX", "PC2", "MDD")
+    for path in files:
+        assert formats.is_whole(path)
+        os.truncate(path, path.stat().st_size - 1)
+        if path.suffix != ".usdc":  # what is last there is its table of contents
+            os.truncate(path, path.stat().st_size // 2)
+        assert not formats.is_whole(path) or path.suffix in (".abc", ".usdc")
+
+
+def test_a_folder_that_takes_no_files_is_said(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
+) -> None:
+    pressed()
+    (tmp_path / "file").write_text("kept")
+    for folder in (tmp_path / "file" / "out", Path("/proc/out")):
+        with pytest.raises(RuntimeError, match=r"The export failed at .+: .+\. Choose another folder\."):
+            bpy.ops.dimple.export_animation(directory=str(folder), formats={"PC2"}, frame_start=1, frame_end=3)
+    assert contents(tmp_path)["file"] == b"kept"
+
+
+@pytest.mark.parametrize("folder", ["", "//out"])
+def test_a_folder_that_is_nowhere_is_said(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], folder: str
+) -> None:
+    pressed()
+    with pytest.raises(RuntimeError, match=r"Choose where the files go|Save the file first"):
+        bpy.ops.dimple.export_animation(directory=folder, formats={"PC2"}, frame_start=1, frame_end=3)
+
+
+def test_too_small_a_disk_is_said_before_anything_is_simulated(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import shutil
+    from types import SimpleNamespace
+
+    pressed()
+    monkeypatch.setattr(shutil, "disk_usage", lambda _path: SimpleNamespace(free=1e4))
+    with pytest.raises(RuntimeError, match=r"needs about \d+ MB, and .+ has 0 MB left"):
+        bpy.ops.dimple.export_animation(directory=str(tmp_path / "o"), formats={"ALEMBIC"}, frame_start=1, frame_end=90)
+    assert contents(tmp_path / "o") == {}
+
+
+NAMES = ["A ball", "柔らかい球", "x" * 200, "柔" * 80, "a/b\\c:d*e?", ".hidden", "Ball.001", "-rf ~", "é\u0301"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_name_of_an_object_has_its_files(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, name: str
+) -> None:
+    obj = pressed()
+    obj.name = name
+    folder = tmp_path / "ein Ordner 出力"
+    bpy.ops.dimple.export_animation(directory=str(folder), formats=set(EVERY), frame_start=1, frame_end=2)
+    endings = sorted(path.name.removeprefix(next(folder.glob("*.pc2")).stem) for path in folder.iterdir())
+    assert endings == sorted([*ENDINGS, ".csv", ".json"])
+    assert json.loads(next(folder.glob("*.json")).read_text())["object"] == obj.name
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=2) == {"FINISHED"}, "and so has a bake"
+
+
+def test_two_names_that_look_alike_on_the_disk_have_files_of_their_own(
+    bpy: ModuleType, scene: Any, ball: Callable[..., Any], tmp_path: Path
+) -> None:
+    for obj in [ball("a/b"), ball("a_b"), ball("a" * 62 + "é"), ball("a" * 62 + "è")]:
+        obj.select_set(True)
+    for obj in bpy.data.objects:
+        obj.select_set(True)
+    bpy.ops.dimple.export_animation(directory=str(tmp_path), formats={"PC2"}, frame_start=1, frame_end=2)
+    assert len(list(tmp_path.glob("*.pc2"))) == 4
+
+
+def test_a_cancelled_export_keeps_what_is_finished(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], coordinates: Bits, tmp_path: Path
+) -> None:
+    obj = pressed()
+    bits, written = coordinates(obj), []
+    scene.frame_set(4)
+    begun = steps(bpy, tmp_path, written, formats=("PC2", "ALEMBIC", "STL"))
+    for _ in begun:
+        if any(path.suffix == ".abc" for path in written):
+            break
+    next(begun)  # within the sequence
+    begun.close()
+    assert sorted(path.name for path in tmp_path.iterdir() if path.name != "caches") == [
+        "Ball.abc", "Ball.csv", "Ball.json", "Ball.pc2",
+    ]  # fmt: skip
+    assert set(json.loads((tmp_path / "Ball.json").read_text())["files"]) == {"Ball.pc2", "Ball.abc"}
+    assert coordinates(obj) == bits and not obj.modifiers and scene.frame_current == 4
+
+
+def test_an_export_that_is_cancelled_while_it_simulates_leaves_nothing(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
+) -> None:
+    pressed()
+    begun = steps(bpy, tmp_path / "out", [])
+    for _ in range(3):
+        assert 0 < next(begun) < 0.5
+    begun.close()
+    assert contents(tmp_path / "out") == {} and list((tmp_path / "out").iterdir()) == []
+
+
+def test_what_plays_is_exported_beyond_its_ends_too(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
+) -> None:
+    from bl_ext.user_default.dimple.core.recording import read_point_cache
+
+    obj = pressed()
+    bpy.ops.dimple.bake(frame_start=3, frame_end=8)
+    _, _, baked = read_point_cache(obj.modifiers[0].filepath)
+    bpy.ops.dimple.export_animation(directory=str(tmp_path), formats={"PC2"}, frame_start=1, frame_end=10)
+    start, _, found = read_point_cache(tmp_path / "Ball.pc2")
+    assert start == 1 and np.array_equal(found, baked[[0, 0, 0, 1, 2, 3, 4, 5, 5, 5]])
+
+
+def test_an_object_that_is_hidden_and_shares_a_linked_mesh_is_exported_and_stays_as_it_is(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
+) -> None:
+    obj = pressed()
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {obj.data})
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_there, here):
+        here.meshes = ["Ball"]
+    obj.data = here.meshes[0]
+    obj.hide_set(True)
+    for _ in steps(bpy, tmp_path / "out", [], last=3):
+        pass
+    assert len(list((tmp_path / "out").iterdir())) == len(ENDINGS) + 2
+    assert obj.data.library and obj.data.name == "Ball" and obj.hide_get() and not obj.select_get()
+
+
+def test_a_bake_that_no_longer_fits_the_mesh_is_said(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
+) -> None:
+    obj = pressed()
+    bpy.ops.dimple.bake(frame_start=1, frame_end=3)
+    path = Path(obj.modifiers[0].filepath)
+    obj.data.vertices.add(1)
+    given = {"directory": str(tmp_path / "o"), "formats": {"PC2"}, "frame_start": 1, "frame_end": 3}
+    with pytest.raises(RuntimeError, match="has 43 vertices and its bake 42"):
+        bpy.ops.dimple.export_animation(**given)
+    path.unlink()
+    with pytest.raises(RuntimeError, match="cannot be read"):
+        bpy.ops.dimple.export_animation(**given)
+
+
+def killed_after(seconds: float, blend: Path, out: Path) -> bool:
+    """Kill an export in a process of its own some time after it began; return whether it was still at work."""
+    script = (
+        "import sys, importlib, bpy\n"
+        "line = importlib.import_module('bl_ext.user_default.dimple.operators.command_line')\n"
+        "print('READY', flush=True); sys.exit(line.run(sys.argv[1:]))"
+    )
+    words = ["bake", str(blend), "--out", str(out), "--format", "pc2,abc,usd,stl", "--frames", "1-12", "--overwrite"]
+    child = subprocess.Popen(
+        [sys.executable, "-c", script, *words], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT
+    )
+    for line in child.stdout:
+        if line.startswith("READY"):
+            break
+    time.sleep(seconds)
+    child.send_signal(signal.SIGKILL)
+    rest = child.stdout.read()
+    child.stdout.close()
+    return child.wait() == -signal.SIGKILL and '"ok"' not in rest
+
+
+@pytest.mark.parametrize("count", [1, pytest.param(10, marks=pytest.mark.slow)])
+def test_an_export_that_is_killed_leaves_whole_files_or_those_from_before(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, count: int
+) -> None:
+    from bl_ext.user_default.dimple.core.recording import read_point_cache
+    from bl_ext.user_default.dimple.operators import formats
+
+    obj, out, chance = pressed(), tmp_path / "out", random.Random(14)
+    obj.dimple.enabled = True
+    bpy.ops.wm.save_userpref()
+    blend = tmp_path / "press.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    before = earlier(out)
+    at_work = 0
+    for _ in range(count):
+        at_work += killed_after(chance.uniform(0.05, 0.8), blend, out)
+        now = {name: data for name, data in contents(out).items() if not name.startswith(".dimple-")}
+        assert {name for name in before if not name.startswith("Ball_stl")} <= now.keys()
+        for name in now.keys() - {name for name, data in before.items() if now.get(name) == data}:
+            path = out / name
+            if path.suffix == ".pc2":
+                assert len(read_point_cache(path)[2]) == 12
+            elif path.suffix == ".json":
+                assert json.loads(path.read_text())["dimple_animation"] == 1
+            elif path.suffix == ".csv":
+                assert len(path.read_text().splitlines()) == 13
+            else:
+                assert formats.is_whole(path)
+    assert at_work or count == 1, "they were killed before or after"

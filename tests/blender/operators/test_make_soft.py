@@ -1,0 +1,89 @@
+"""Make Soft takes a bare mesh to its first press, and changes the mesh itself only when it is told to."""
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+Bits = Callable[[Any], bytes]
+PRESS: dict[str, Any] = {"force_n": 4.0, "press_s": 0.1, "hold_s": 0.2, "release_s": 0.0, "keep": True}
+
+
+@pytest.fixture
+def bare(bpy: ModuleType, empty_file: ModuleType) -> Any:
+    """Blender's default cube, two metres wide and without a material."""
+    bpy.ops.mesh.primitive_cube_add()
+    return bpy.context.object
+
+
+def test_a_bare_cube_is_ready_for_its_first_press(bpy: ModuleType, bare: Any) -> None:
+    assert bpy.ops.dimple.make_soft(subdivide=True) == {"FINISHED"}
+    settings = bare.active_material.dimple
+    assert settings.K1 == pytest.approx(0.61) and "Hosei" in settings.provenance
+    assert bare.dimple.enabled and bare.dimple.size_mode == "CUSTOM" and bare.dimple.size_mm == 165
+    assert 500 < len(bare.data.vertices) < 5000 and bare.dimple.plan_key, "it is planned already"
+    top = max(vertex.co.z for vertex in bare.data.vertices)
+    bpy.ops.dimple.poke(**PRESS)
+    heights = np.array([vertex.co.z for vertex in bare.data.vertices])
+    assert heights[np.hypot(*np.array([v.co.xy for v in bare.data.vertices]).T) < 0.1].min() < top - 0.02
+
+
+def test_the_mesh_is_cut_only_when_it_is_told_and_keeps_its_shape(
+    bpy: ModuleType, bare: Any, coordinates: Bits
+) -> None:
+    before = coordinates(bare)
+    bpy.ops.dimple.make_soft()
+    assert coordinates(bare) == before
+    bpy.ops.dimple.make_soft(subdivide=True)
+    numbers = np.frombuffer(coordinates(bare), np.float32).reshape(-1, 3)
+    assert np.abs(numbers).max(axis=1) == pytest.approx(np.ones(len(numbers)))
+
+
+def test_it_asks_before_it_cuts_and_only_then(bpy: ModuleType, bare: Any, ball: Any) -> None:
+    from types import SimpleNamespace
+
+    from bl_ext.user_default.dimple.operators import make_soft
+
+    asked: list[Any] = []
+    operator = SimpleNamespace(subdivide=False, execute=lambda _context: {"FINISHED"})
+    invoke = make_soft.DIMPLE_OT_make_soft.invoke
+    manager = SimpleNamespace(invoke_props_dialog=lambda each, width: asked.append(each) or {"RUNNING_MODAL"})
+
+    def context() -> Any:
+        current = bpy.context
+        return SimpleNamespace(
+            window_manager=manager, scene=current.scene, object=current.object,
+            selected_objects=current.selected_objects,
+        )  # fmt: skip
+
+    assert invoke(operator, context(), None) == {"RUNNING_MODAL"} and asked == [operator] and operator.subdivide
+    assert bare.dimple.size_mode == "REAL", "asking changes nothing"
+    ball(subdivisions=5)
+    assert invoke(operator, context(), None) == {"FINISHED"} and len(asked) == 1 and not operator.subdivide
+
+
+def test_what_the_artist_has_set_is_left_as_it_is(bpy: ModuleType, ball: Any) -> None:
+    obj = ball(subdivisions=4)
+    obj.active_material = bpy.data.materials.new("Own")
+    obj.active_material.dimple.K1 = 2.0
+    obj.dimple.enabled, obj.dimple.size_mm = True, 90.0
+    bpy.ops.dimple.make_soft()
+    assert obj.active_material.name == "Own" and obj.active_material.dimple.K1 == 2.0 and obj.dimple.size_mm == 90.0
+
+
+def test_what_cannot_be_pressed_is_said(bpy: ModuleType, add: Any) -> None:
+    add(faces=[])
+    with pytest.raises(RuntimeError, match="has no faces"):
+        bpy.ops.dimple.make_soft()
+
+
+def test_undo_takes_all_of_it_back(bpy: ModuleType, bare: Any, coordinates: Bits) -> None:
+    before = coordinates(bare)
+    bpy.ops.ed.undo_push(message="Before")
+    bpy.ops.dimple.make_soft(subdivide=True)
+    bpy.ops.ed.undo_push(message="Make Soft")
+    bpy.ops.ed.undo()
+    cube = bpy.data.objects["Cube"]
+    assert coordinates(cube) == before and cube.active_material is None and not cube.dimple.enabled

@@ -1,0 +1,48 @@
+"""The poke is at hand: a tool with an icon of its own and its settings, in the Object menu, and found by F3."""
+
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+
+def test_the_icon_is_one_that_blender_reads_and_is_drawn_by_its_script(bpy: ModuleType) -> None:
+    from bl_ext.user_default.dimple.addon.tool import DIMPLE_WT_poke
+
+    from tools import icon
+
+    path = DIMPLE_WT_poke.bl_icon + ".dat"
+    assert bpy.app.icons.new_triangles_from_file(path) > 0
+    assert open(path, "rb").read() == icon.PATH.read_bytes() == icon.encoded()
+
+
+def drawn(function: Any, *given: Any) -> list[str]:
+    """Return the names of what a draw function draws."""
+    names: list[str] = []
+
+    def note(*arguments: Any, **_: Any) -> Any:
+        names.append(str(arguments[-1]))
+        return SimpleNamespace()
+
+    layout = SimpleNamespace(prop=note, operator=note, menu=note, separator=lambda: None, row=lambda: layout)
+    function(*[layout if each == "layout" else SimpleNamespace(layout=layout) if each == "self" else each
+               for each in given])  # fmt: skip
+    return names
+
+
+def test_the_header_of_the_tool_has_depth_or_force(bpy: ModuleType, empty_file: ModuleType) -> None:
+    from bl_ext.user_default.dimple.addon.tool import DIMPLE_WT_poke
+
+    depth, force = "press_depth_mm", "press_force_n"
+    for by, shown, hidden in (("DEPTH", depth, force), ("FORCE", force, depth)):
+        bpy.context.scene.dimple.press_by = by
+        names = drawn(DIMPLE_WT_poke.draw_settings, bpy.context, "layout", None)
+        assert {"press_by", shown, "finger_radius_mm"} <= set(names) and hidden not in names
+
+
+def test_the_object_menu_has_the_verbs_where_the_search_finds_them(bpy: ModuleType) -> None:
+    from bl_ext.user_default.dimple.addon import tool
+
+    assert tool.draw_menu in bpy.types.VIEW3D_MT_object.draw._draw_funcs
+    assert drawn(tool.draw_menu, "self", None) == ["DIMPLE_MT_object"]
+    verbs = drawn(tool.DIMPLE_MT_object.draw, "self", None)
+    assert {"dimple.poke", "dimple.make_soft", "dimple.play"} <= set(verbs)
+    assert all(hasattr(bpy.ops.dimple, verb.removeprefix("dimple.")) for verb in verbs)

@@ -1,0 +1,214 @@
+"""From the bare cube of the default scene: Make Soft, press by force, tune K1 while the fingertip rests, undo, F3."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import robot
+
+Check = Callable[..., None]
+FORCE_N = 5.0
+SOFT, HARD = 0.3, 3.0  # [N/mm] of K1
+
+
+def tune(out: Path, check: Check) -> robot.Waits:
+    """Take the cube from nothing to a material that was chosen by eye."""
+    settings = bpy.context.scene.dimple
+    view = robot.area().spaces.active
+    view.region_3d.view_distance, view.show_region_toolbar = 6.0, True
+    yield from robot.redrawn()
+    at = robot.on_screen((0.0, 0.0, 1.0))
+    yield from robot.move(*at)
+    yield from make_soft(at, out, check)
+    settings.press_by, settings.press_force_n, settings.finger_radius_mm = "FORCE", FORCE_N, 15.0
+    bpy.data.objects["Cube"].active_material.dimple.K1 = SOFT
+    bpy.ops.ed.undo_push(message="Soft")
+    yield from robot.redrawn()
+    yield from press_by_force(at, out, check)
+    yield from take_it_back(at, out, check)
+    yield from search(at, out, check)
+    yield from paint(at, out, check)
+    yield from looks(at, out, check)
+    settings.press_by, settings.finger_radius_mm, settings.active_finger = "DEPTH", 10.0, 1
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.wm.tool_set_by_id(name="builtin.select_box")
+    yield from robot.redrawn()
+
+
+def make_soft(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Say yes to the repair that is offered."""
+    cube = bpy.data.objects["Cube"]
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.make_soft("INVOKE_DEFAULT")
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-make-soft.png")
+    check("Make Soft asks before it cuts the mesh", len(cube.data.vertices) == 8 and not cube.dimple.enabled)
+    yield from robot.key("RET", *at)
+    yield from robot.until(lambda: bpy.data.objects["Cube"].dimple.enabled, "Make Soft is done", 60)
+    cube = bpy.data.objects["Cube"]
+    tool = bpy.context.workspace.tools.from_space_view3d_mode("OBJECT")
+    chosen = tool.idname if tool else ""
+    check("the bare cube is soft, cut and planned", len(cube.data.vertices) > 500 and bool(cube.dimple.plan_key))
+    check("the poke is the tool of the viewport", chosen == "dimple.poke_tool", chosen)
+
+
+def body() -> object:
+    sessions = robot.extension("operators.sessions").sessions
+    return next(iter(sessions.values()), None)
+
+
+def push() -> float:
+    """Return the force [N] with which the body answers along the press."""
+    frame, finger = body().frame, next(iter(body().session.fingers), None)
+    if finger is None or not len(frame.finger_forces):
+        return 0.0
+    return -sum(float(f) * d for f, d in zip(frame.finger_forces[0], finger.inward, strict=True))
+
+
+def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Press with the tool, and harden the material while the fingertip rests."""
+    yield from robot.move(*at)
+    yield from robot.button(*at, "PRESS")
+    yield from robot.until(lambda: body() is not None, "the tool presses", 60)
+
+    def resting() -> bool:
+        return abs(push() - FORCE_N) < 0.02 * FORCE_N
+
+    yield from robot.until(resting, "the fingertip rests", 120)
+    yield 0.5
+    soft = float(body().frame.depths[0])
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-force-soft.png")
+    session, seen = body().session, []
+    step = session.step
+
+    def noted(*given: object, **named: object) -> object:
+        frame = step(*given, **named)
+        seen.append(float(frame.depths[0]))
+        return frame
+
+    session.step = noted
+    bpy.data.objects["Cube"].active_material.dimple.K1 = HARD
+    bpy.ops.ed.undo_push(message="K1")
+    yield from robot.until(lambda: len(seen) > 2, "frames pass", 30)
+    check("K1 acts within two frames", abs(seen[1] - soft) > 1e-6, f"{1e3 * (seen[1] - soft):+.4f} mm")
+    yield from robot.until(lambda: len(seen) > 30 and resting(), "the fingertip rests again", 120)
+    yield 0.5
+    del session.step
+    hard = float(body().frame.depths[0])
+    check("a harder material is pressed less deep", hard < 0.7 * soft, f"{1e3 * soft:.2f} and {1e3 * hard:.2f} mm")
+    check("by the same force", resting(), f"{push():.3f} N")
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-force-hard.png")
+    yield from robot.button(*at, "RELEASE")
+    yield from robot.until(lambda: not body().frame.depths.any(), "the fingertip leaves", 60)
+
+
+def take_it_back(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Ctrl-Z over the viewport takes K1 back while the poke goes on, and nothing from before it."""
+
+    def k1() -> float:
+        return round(bpy.data.objects["Cube"].active_material.dimple.K1, 3)
+
+    yield from robot.key("Z", *at, ctrl=True)
+    yield from robot.until(lambda: k1() == SOFT, "Ctrl-Z takes K1 back", 30)
+    yield from robot.until(lambda: body().session.model.materials[0].K1 == 1e3 * SOFT, "and the body follows", 30)
+    yield from robot.key("Z", *at, ctrl=True)
+    yield 0.5
+    check("Ctrl-Z takes back what was tuned, and only that", k1() == SOFT and body() is not None)
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-undone.png")
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+
+
+def search(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Look for the poke with F3."""
+    yield from robot.key("F3", *at)
+    yield from robot.redrawn()
+    for letter in "poke":
+        robot.window().event_simulate(type=letter.upper(), value="PRESS", unicode=letter, x=at[0], y=at[1])
+        yield robot.TICK_S
+        robot.window().event_simulate(type=letter.upper(), value="RELEASE", x=at[0], y=at[1])
+        yield robot.TICK_S
+    yield 1.0
+    robot.screenshot(out / "0-search.png")
+    yield from robot.key("RET", *at)
+    yield from robot.until(lambda: "DIMPLE_OT_poke" in robot.modal_operators(), "F3 poke starts the poke", 30)
+    check("F3 finds the poke", True)
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+
+
+def leave_resting(at: tuple[int, int]) -> robot.Waits:
+    """Press with the tool and choose the next finger, so that the first stays where it is."""
+    bpy.context.scene.dimple.active_finger = 1
+    yield from robot.move(*at)
+    yield from robot.button(*at, "PRESS")
+    yield from robot.until(lambda: body() is not None and abs(push() - FORCE_N) < 0.02 * FORCE_N, "it rests", 120)
+    yield from robot.key("TWO", *at)
+    yield from robot.button(*at, "RELEASE")
+    yield 0.5
+
+
+def paint(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Paint softness where the fingertip rests: it sinks in deeper."""
+    cube = bpy.data.objects["Cube"]
+    group = cube.vertex_groups.new(name="Soft")
+    group.add(range(len(cube.data.vertices)), 0.5, "REPLACE")
+    cube.dimple.softness_group = "Soft"
+    yield from leave_resting(at)
+    before = float(body().frame.depths[0])
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    paint = bpy.context.tool_settings.weight_paint
+    paint.unified_paint_settings.weight, paint.unified_paint_settings.size = 1.0, 80
+    paint.brush.weight, paint.brush.strength = 1.0, 1.0
+    yield from robot.redrawn()
+    beside = at[0] + 45, at[1]
+    yield from robot.move(*beside)
+    yield from robot.button(*beside, "PRESS")
+    for share in range(12):
+        yield from robot.move(beside[0] - 8 * share, beside[1] - 2 * (share % 3))
+    yield from robot.button(beside[0] - 88, beside[1], "RELEASE")
+    yield from robot.until(
+        lambda: body() is None or float(body().frame.depths[0]) > 1.1 * before, "the painted place is softer", 60
+    )
+    running = body() is not None
+    now = float(body().frame.depths[0]) if running else 0.0
+    check("softness is painted while the fingertip rests, and it sinks in", running, f"{1e3 * (now - before):+.2f} mm")
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-painted.png")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.object.mode_set(mode="OBJECT")
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+
+
+def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Photograph the overlay on a light theme, in four views and at twice the scale."""
+    view = bpy.context.preferences.view
+    yield from leave_resting(at)
+    light = next(Path(bpy.utils.resource_path("SYSTEM")).rglob("Blender_Light.xml"))
+    bpy.ops.script.execute_preset(filepath=str(light), menu_idname="USERPREF_MT_interface_theme_presets")
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-light.png")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.screen.region_quadview()
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-four-views.png")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.screen.region_quadview()
+    view.ui_scale = 2.0
+    yield from robot.redrawn()
+    yield 1.0
+    robot.screenshot(out / "0-scale.png")
+    view.ui_scale = 1.0
+    with bpy.context.temp_override(window=robot.window()):
+        bpy.ops.preferences.reset_default_theme()
+    yield from robot.redrawn()
+    check("the overlay goes on in every look", body() is not None)
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A job type of Flamenco, Blender's render manager: bake Dimple bodies and export them, a task for each object.
+// Copy it into the folder `scripts` beside flamenco-manager; every worker needs Blender with Dimple installed.
+
+const JOB_TYPE = {
+    label: "Dimple Bake",
+    description: "Simulate the Dimple bodies of a scene and export their animation",
+    settings: [
+        { key: "objects", type: "string", required: true,
+          eval: "__import__('json').dumps([o.name for o in C.scene.objects if o.type == 'MESH' and o.dimple.enabled])",
+          evalInfo: { showLinkButton: true, description: "Every Dimple body of the scene" },
+          description: "The objects, as a JSON list of their names. Each is a task of its own" },
+        { key: "frames", type: "string", required: true,
+          eval: "f'{C.scene.frame_start}-{C.scene.frame_end}'",
+          evalInfo: { showLinkButton: true, description: "Scene frame range" },
+          description: "First and last frame, for example '1-250'" },
+        { key: "chunk_size", type: "int32", default: 0, visible: "submission",
+          description: "Frames of a task; 0 is all. Each task simulates from the first frame on, so this only helps "
+                     + "where writing takes longer than simulating" },
+        { key: "formats", type: "string", required: true, default: "abc",
+          description: "abc, usd, glb, fbx, pc2, mdd, stl, ply or vat, separated by commas" },
+        { key: "output", type: "string", subtype: "dir_path", required: true,
+          description: "The folder of the files, the same on every worker" },
+        { key: "overwrite", type: "bool", default: false, visible: "submission",
+          description: "Replace files that are there already" },
+        { key: "blendfile", type: "string", required: true, visible: "web", description: "The .blend file" },
+    ]
+};
+
+function compileJob(job) {
+    const settings = job.settings;
+    for (const name of objectNames(settings.objects)) {
+        for (const [first, last] of chunks(settings.frames, settings.chunk_size)) {
+            job.addTask(bakeTask(settings, name, first, last));
+        }
+    }
+}
+
+function bakeTask(settings, name, first, last) {
+    const [begin, end] = frameRange(settings.frames);
+    const whole = first === begin && last === end;
+    const task = author.Task(`bake-${name}-${first}-${last}`, "blender");
+    task.addCommand(author.Command("blender-render", {
+        exe: "{blender}",
+        exeArgs: "{blenderArgs}",
+        // the worker calls: exe exeArgs argsBefore blendfile args
+        argsBefore: ["--command", "dimple", "bake"],
+        blendfile: settings.blendfile,
+        args: [
+            // with "=", so that no name is taken for an option
+            `--object=${name}`,
+            `--frames=${first}-${last}`,
+            `--begin=${begin}`,
+            `--format=${settings.formats}`,
+            `--out=${whole ? settings.output : `${settings.output}/${first}-${last}`}`,
+        ].concat(settings.overwrite ? ["--overwrite"] : []),
+    }));
+    return task;
+}
+
+function objectNames(text) {
+    const names = JSON.parse(text);
+    if (!Array.isArray(names) || names.length === 0 || names.some((name) => typeof name !== "string")) {
+        throw "There is no Dimple body: switch Physics > Dimple on for the objects to bake.";
+    }
+    return names;
+}
+
+function frameRange(text) {
+    const found = /^\s*(-?\d+)\s*-\s*(-?\d+)\s*$/.exec(text);
+    if (!found || Number(found[2]) < Number(found[1])) {
+        throw `"${text}" is no range of frames such as 1-250.`;
+    }
+    return [Number(found[1]), Number(found[2])];
+}
+
+function chunks(text, size) {
+    const [begin, end] = frameRange(text);
+    if (!(size > 0)) {
+        return [[begin, end]];
+    }
+    const found = [];
+    for (let first = begin; first <= end; first += size) {
+        found.push([first, Math.min(first + size - 1, end)]);
+    }
+    return found;
+}
