@@ -19,14 +19,14 @@ import bpy
 from ..core.base import DimpleError
 from ..core.calibration import cache
 from ..core.calibration.identify import Identification, identification
-from ..core.calibration.indent import Site, find_site
+from ..core.calibration.indent import Site, find_site, typical_site
 
 if TYPE_CHECKING:
     from ..core.base import Bools
     from ..core.material import Material, ModelConstants
     from ..core.mesh.surface import Mesh
 
-HEAVY = 4000  # vertices: a larger mesh is identified on a proxy
+HEAVY = 8000  # vertices: a larger mesh is identified on a proxy
 PROXY = 2500  # vertices of that
 HOPELESS = 0.24  # of the force, at half of the depths: then the closed form is no worse
 SLICE_S, PAUSE_S = 0.015, 0.005  # of work between two events of Blender, and of leaving it alone
@@ -67,7 +67,7 @@ def model_constants(
         wait: find them now, however long it takes.
     """
     try:
-        site = find_site(mesh, material.indenter, held=held)
+        site = typical_site(mesh, material.indenter, held=held)
     except DimpleError as error:
         return None, f"The force is an estimate in closed form. {error}"
     name = cache.key(mesh, material, material.indenter, site, deepest)

@@ -31,7 +31,7 @@ LEAST_SWEEPS = 2  # where faces are touched: the second stops what slides on aft
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
-MOST_SAGITTA = 0.125  # of the radius: a facet with more does not bend round the fingertip
+MOST_SAGITTA = 0.125  # of the radius: a facet with more bends less round the fingertip, one with twice that not at all
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
 
@@ -175,7 +175,7 @@ def sagitta(corners: Floats, radius: float) -> Floats:
         edges = corners - np.roll(corners, 1, axis=2)
         total = (edges * edges).sum(axis=(0, 2))
     total /= 18 * radius
-    return np.where(total < MOST_SAGITTA * radius, total, 0.0)
+    return np.minimum(total, np.maximum(2 * MOST_SAGITTA * radius - total, 0.0))
 
 
 def _inward(corners: Floats) -> Floats:
