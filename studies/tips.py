@@ -1,4 +1,4 @@
-"""How well and how fast a body is identified: Table 2's objects, pressed by points, punches and balls, on several meshes.
+"""How well and how fast a body is identified: Table 2's objects under points, punches and balls, on several meshes.
 
 `python3 dev.py core tips` prints a line for each, with `--json FILE` the same as rows.
 """
