@@ -120,7 +120,7 @@ def charts(options: argparse.Namespace) -> int:
 
 
 def core(options: argparse.Namespace) -> int:
-    """run a study without Blender: calibrate, paper, emulator, haptics, grasp, solid"""
+    """run a study without Blender: calibrate, paper, emulator, haptics, grasp, solid, release, dents"""
     python = environment(options.blender)
     native_core.provide_library(python)
     return run([python, "-m", "studies", *options.rest])

@@ -32,6 +32,7 @@ CROSS = 2.5  # half the width of a measured point
 TEXT_SIZE = 12.0
 LINE_HEIGHT = 17.0
 MARGIN = 16.0
+FEWEST = 3  # lines that numbers have at least, or there is no chart: the name, the force, the depth
 CHART = (230.0, 130.0)
 
 
@@ -98,23 +99,23 @@ def draw_numbers() -> None:
         return
     screen = screen_of(context)
     scale = screen.scale
-    free = room.free_room(context, MARGIN * scale)
+    free = room.free_room(context, MARGIN * scale, LINE_HEIGHT * scale)
     if free is None:
         return
-    if calibrated and fits(free, scale):
+    if calibrated and fits(free, scale, 0):
         draw_curves(calibrated, free[:2], screen)
     for body, entry in shown:
-        if context.scene.dimple.show_chart and fits(free, scale):
+        if context.scene.dimple.show_chart and fits(free, scale, FEWEST):
             end = draw_curves(pressed_curves(body, entry), free[:2], screen)
             free = free._replace(bottom=end + MARGIN * scale)
         end = draw_rows(body, entry, free, scale, numbers=not room.shown_in_sidebar(context, body))
         free = free._replace(bottom=end + MARGIN * scale)
 
 
-def fits(free: Room, scale: float) -> bool:
-    """Tell whether a chart with its key has room."""
-    wide, high = CHART
-    return free.right - free.left > wide * scale and free.top - free.bottom > (high + LINE_HEIGHT) * scale
+def fits(free: Room, scale: float, lines: int) -> bool:
+    """Tell whether a chart with its key has room, and so many lines above it."""
+    high = CHART[1] + LINE_HEIGHT + (MARGIN + lines * LINE_HEIGHT if lines else 0.0)
+    return free.right - free.left > CHART[0] * scale and free.top - free.bottom > high * scale
 
 
 def draw_fingers(entry: Any, screen: Screen) -> None:

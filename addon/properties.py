@@ -89,7 +89,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the surface against stretching")
     spread_mm: FloatProperty(
         name="Spread (mm)", description="How far a dent reaches beyond the fingertip",
-        default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **FIXED,
+        default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_from: EnumProperty(
         name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED

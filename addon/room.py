@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import bpy
 
+BLENDERS_LINES = 3  # of text in the upper left corner: the view, the object, the unit
 TAB_OF = "DIMPLE_PT_session"  # the panel of the sidebar that shows the numbers too
 
 
@@ -16,11 +17,12 @@ class Room(NamedTuple):
     top: float
 
 
-def free_room(context: bpy.types.Context, margin: float) -> Room | None:
+def free_room(context: bpy.types.Context, margin: float, line: float) -> Room | None:
     """Return what is free of the region that is being drawn, None where another of the four views has the numbers.
 
     Args:
         margin: to keep clear at each side [px].
+        line: height of a line of text [px].
     """
     area, region = context.area, context.region
     if context.space_data.region_quadviews:
@@ -42,6 +44,8 @@ def free_room(context: bpy.types.Context, margin: float) -> Room | None:
             bottom = max(bottom, y + other.height)
         else:
             top = min(top, y)
+    if context.space_data.overlay.show_text:
+        top -= BLENDERS_LINES * line
     return Room(left + margin, bottom + 2 * margin, right - margin, top - margin)
 
 

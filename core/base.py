@@ -30,6 +30,7 @@ STIFFEST = 4.0  # of the median stiffness over mass: the vertex of a sliver abov
 TICK = 1e-3  # [s] control step: the 1 kHz of haptics; makes motion independent of the frame rate
 STEP_SAFETY = 0.9  # of the stability bound: springs stiffen a little as they turn
 LONGEST_STEP = 1.3  # over omega: an undamped body stiffens as it folds, and at 1.8 its energy grows
+LONGEST_CONTACT = 1.25e-4  # [s] contact is resolved once a step: with longer ones a free body that is held rocks on
 MAX_SUBSTEPS = 2000  # of a tick: with more, a body could not run live
 SKIN_TRAVEL = 0.5  # of a fingertip's radius: the most the skin may move in a substep, or it would pass the fingertip
 LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up

@@ -284,7 +284,7 @@ def _material(
         return constants, ""
     from . import identified
 
-    deepest = calibration.BEYOND * constants.x0 if material is None else calibration.deepest_mm(material.dimple) / 1e3
+    deepest = calibration.deepest(material and material.dimple, constants.x0)
     wait = identify == "WAIT" or bpy.app.background
     pins = None if held is None else np.asarray(held) >= 0.5
     found, note = identified.model_constants(

@@ -82,10 +82,15 @@ def thinned(depth_mm: Any, force: Any, most: int) -> list[list[float]]:
     return [[float(f"{x:.6g}"), float(f"{f:.6g}")] for x, f in pairs]
 
 
-def deepest_mm(settings: Any) -> float:
-    """Return how deep [mm] a material was measured; where that is not known, as deep as its law has two slopes."""
-    measured = load(settings.calibration).get("deepest")
-    return float(measured) if measured else BEYOND * settings.x0
+def deepest(settings: Any, x0: float) -> float:
+    """Return how deep [m] a material was measured; where that is not known, as deep as its law has two slopes.
+
+    Args:
+        settings: of the material, None where there is none.
+        x0: its knee [m].
+    """
+    measured = load(settings.calibration).get("deepest") if settings else None
+    return float(measured) / 1e3 if measured else BEYOND * x0
 
 
 def fingerprint(settings: Any, mesh: Mesh | None = None) -> dict[str, float | str]:

@@ -2,6 +2,8 @@
 undo step is left with a pressed mesh.
 """
 
+import sys
+
 import bpy
 
 from . import sessions, showing
@@ -85,5 +87,7 @@ def register() -> None:
 def unregister() -> None:
     """End everything that runs and stop listening."""
     sessions.stop_all()
+    if identified := sys.modules.get(f"{__package__}.identified"):  # with the core: not before it was needed
+        identified.stop()
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)

@@ -1,4 +1,4 @@
-"""Identification by itself: what a body runs with is identified on its mesh, in the background of the window.
+"""Identification by itself: what a body runs with is identified on its mesh, in slices between Blender's events.
 
 A result is kept under a name made of mesh, material and tip, in memory and in a folder of Blender's, so it is found
 once. Until it is there the body runs with the closed form; then `revision` changes, and what runs takes it over. In
@@ -7,9 +7,11 @@ the background of a command line, and for a bake, there is nobody to wait for: i
 
 from __future__ import annotations
 
-import threading
+import contextlib
+import time
 from collections.abc import Generator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
@@ -18,43 +20,37 @@ from ..core.base import DimpleError
 from ..core.calibration import cache
 from ..core.calibration.identify import Identification, identification
 from ..core.calibration.indent import Site, find_site
-from .output import own_folder
 
 if TYPE_CHECKING:
     from ..core.base import Bools
     from ..core.material import Material, ModelConstants
     from ..core.mesh.surface import Mesh
 
-HEAVY = 6000  # vertices: a larger mesh is identified on a proxy
+HEAVY = 4000  # vertices: a larger mesh is identified on a proxy
 PROXY = 2500  # vertices of that
 HOPELESS = 0.24  # of the force, at half of the depths: then the closed form is no worse
-LOOK_S = 0.1  # between two looks at what the background has found
+SLICE_S, PAUSE_S = 0.015, 0.005  # of work between two events of Blender, and of leaving it alone
 
 
 @dataclass(slots=True, kw_only=True)
 class Job:
-    """One identification in the background.
+    """One identification under way.
 
     name: what it is kept under.
-    owner: the body and its slot that ask for it.
+    owners: the bodies and their slots that ask for it.
     steps: of the identification.
     share: that is done.
-    found: the result.
-    why_not: why there is none, "" otherwise.
-    dropped: nobody asks for it any more.
     """
 
     name: str
-    owner: tuple[int, int]
+    owners: set[tuple[int, int]]
     steps: Generator[float, None, Identification]
     share: float = 0.0
-    found: Identification | None = None
-    why_not: str = ""
-    dropped: bool = False
-    over: threading.Event = field(default_factory=threading.Event)
 
 
-revision = 0  # changes with every result
+_PACKAGE = __package__.rpartition(".")[0]
+
+revision = 0  # changes with every result of the background
 _known: dict[str, Identification | None] = {}
 _jobs: dict[str, Job] = {}  # under way, by name
 
@@ -65,7 +61,7 @@ def model_constants(
     """Return the model constants of a material on a mesh, None for the closed form, and a note.
 
     Args:
-        owner: session_uid of the object and the slot of its material; of what it asks for only the last counts.
+        owner: session_uid of the object and the slot of its material.
         deepest: depth [m] down to which they are to hold.
         held: (N,) pinned input vertices; None where the base is.
         wait: find them now, however long it takes.
@@ -79,9 +75,9 @@ def model_constants(
         _known[name] = kept
     if name not in _known:
         if not wait:
-            _start(Job(name=name, owner=owner, steps=_steps(mesh, material, site, deepest)))
+            _start(Job(name=name, owners={owner}, steps=_steps(mesh, material, site, deepest)))
             return None, ""
-        _finish(_work(Job(name=name, owner=owner, steps=_steps(mesh, material, site, deepest))))
+        _work(Job(name=name, owners={owner}, steps=_steps(mesh, material, site, deepest)), float("inf"))
     found = _known[name]
     if found is None:
         return None, "The force is an estimate in closed form: no constants of the model follow the measured law."
@@ -91,6 +87,13 @@ def model_constants(
 def progress() -> float | None:
     """Return the share that is done of what is being identified, None where nothing is."""
     return min((job.share for job in _jobs.values()), default=None)
+
+
+def stop() -> None:
+    """Let go of what is being identified."""
+    _jobs.clear()
+    if bpy.app.timers.is_registered(_go_on):
+        bpy.app.timers.unregister(_go_on)
 
 
 def _steps(mesh: Mesh, material: Material, site: Site, deepest: float) -> Generator[float, None, Identification]:
@@ -109,53 +112,56 @@ def _steps(mesh: Mesh, material: Material, site: Site, deepest: float) -> Genera
 
 
 def _start(job: Job) -> None:
+    for other in [other for other in _jobs.values() if other.name != job.name]:
+        other.owners -= job.owners
+        if not other.owners:
+            del _jobs[other.name]  # of constants that are being dragged only the last count
     if job.name in _jobs:
+        _jobs[job.name].owners |= job.owners
         return
-    for other in [other for other in _jobs.values() if other.owner == job.owner]:
-        other.dropped = True
-        del _jobs[other.name]
     _jobs[job.name] = job
-    threading.Thread(target=_work, args=(job,), daemon=True).start()
-    if not bpy.app.timers.is_registered(_look):
-        bpy.app.timers.register(_look, first_interval=LOOK_S, persistent=True)
+    if not bpy.app.timers.is_registered(_go_on):
+        bpy.app.timers.register(_go_on, persistent=True)
 
 
-def _work(job: Job) -> Job:
-    """Run an identification to its end; in a thread this touches nothing of Blender's."""
+def _go_on() -> float | None:
+    """Work on what was asked for first; a timer of Blender's."""
+    global revision
+    job = next(iter(_jobs.values()), None)
+    if job and _work(job, SLICE_S):
+        _jobs.pop(job.name, None)
+        revision += 1
+    return PAUSE_S if _jobs else None
+
+
+def _work(job: Job, budget: float) -> bool:
+    """Work for so long [s]; tell whether that was the end, and keep what was found then."""
+    until = time.perf_counter() + budget
     try:
-        while not job.dropped:
+        while time.perf_counter() < until:
             job.share = next(job.steps)
     except StopIteration as end:
-        job.found = end.value
-    except DimpleError as error:
-        job.why_not = str(error)
-    finally:
-        job.over.set()
-    return job
+        _keep(job.name, end.value)
+        return True
+    except DimpleError:
+        _keep(job.name, None)
+        return True
+    return False
 
 
-def _finish(job: Job) -> None:
-    """Keep what was found."""
+def _keep(name: str, found: Identification | None) -> None:
     import numpy as np
 
-    global revision
-    found = job.found
     if found is not None and np.median(found.off) > HOPELESS:
         found = None
-    _known[job.name], revision = found, revision + 1
+    _known[name] = found
     if found is not None:
-        try:
-            cache.remember(own_folder("identified"), job.name, found)
-        except DimpleError:  # it is found again another time
-            pass
+        with contextlib.suppress(DimpleError):  # it is found again another time
+            cache.remember(own_folder("identified"), name, found)
 
 
-def _look() -> float | None:
-    """Take over what the background has found; a timer of Blender's."""
-    from . import sessions
-
-    for job in [job for job in _jobs.values() if job.over.is_set()]:
-        del _jobs[job.name]
-        _finish(job)
-    sessions.redraw()
-    return LOOK_S if _jobs else None
+def own_folder(name: str) -> Path:
+    """Return a folder that Blender keeps for the extension; it may be missing."""
+    if _PACKAGE.startswith("bl_ext."):
+        return Path(bpy.utils.extension_path_user(_PACKAGE, path=name))
+    return Path(bpy.app.tempdir)

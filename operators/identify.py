@@ -49,7 +49,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
     def _steps_of(self, bench):
         from ..core.calibration import cache
         from ..core.calibration.identify import identification
-        from .output import own_folder
+        from .identified import own_folder
 
         given = bench.mesh, bench.material, bench.indenter, bench.site, bench.deepest
         folder, name = own_folder("identified"), cache.key(*given)

@@ -92,7 +92,7 @@ def set_up(
         fingerprint=calibration.fingerprint(settings, mesh),
         indenter=tip,
         site=site,
-        deepest=(depth_mm or calibration.deepest_mm(settings)) / 1e3,
+        deepest=depth_mm / 1e3 or calibration.deepest(settings, constants.x0),
         notes=_notes(body),
     )
 

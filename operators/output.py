@@ -235,13 +235,6 @@ def _shortened(clean: str, name: str) -> str:
     return short if short == name else f"{short}_{zlib.crc32(name.encode()):08x}"
 
 
-def own_folder(name: str) -> Path:
-    """Return a folder that Blender keeps for the extension; it may be missing."""
-    if _PACKAGE.startswith("bl_ext."):
-        return Path(bpy.utils.extension_path_user(_PACKAGE, path=name))
-    return Path(bpy.app.tempdir)
-
-
 def version() -> str:
     """Return the version of the extension."""
     manifest = Path(__file__).parent.parent / "blender_manifest.toml"

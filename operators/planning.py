@@ -80,8 +80,8 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
     """Return a checksum of what the plan depends on: body, materials, tolerances, fingertip and budget."""
     law, number = model.matching, 0
     for array in (
-        law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, law.d0, law.damping,
-        model.springs.stiffness, model.springs.damping, model.friction,
+        law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, law.d0, law.damping, law.tension,
+        law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction,
     ):  # fmt: skip
         number = zlib.crc32(array.tobytes(), number)
     around = (scene.dimple.finger_radius_mm, budget_of(scene, obj))

@@ -209,8 +209,12 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
     def _tuned(self) -> bool:
         """Tell whether a setting of a body was changed since the poke began, which undo may take back."""
-        bodies = sessions.sessions.items()
-        return not self._state.pressing and any(self._settings.get(uid) != body.seen for uid, body in bodies)
+        begun = self._settings
+        chosen = [
+            uid for uid, body in sessions.sessions.items()
+            if uid not in begun or begun[uid]._replace(identified=0) != body.seen._replace(identified=0)
+        ]  # fmt: skip
+        return bool(chosen) and not self._state.pressing
 
     def _went_on(self, messages: list[str]) -> set[str] | None:
         """Report what has happened; return how the operator ends when no session is left."""

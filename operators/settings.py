@@ -21,12 +21,14 @@ class Settings(NamedTuple):
     materials: the constants of each slot.
     surroundings: gravity, ground and the unit of length.
     plan: how it is to be simulated.
+    identified: how often model constants were identified in the background, which is no choice of the artist's.
     """
 
     body: Hashable
     materials: tuple[Hashable, ...]
     surroundings: Hashable
     plan: Hashable
+    identified: int
 
 
 def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:
@@ -35,11 +37,9 @@ def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:
     return Settings(
         tuple(obj.dimple.to_params().items()),
         tuple(_material(slot.material) for slot in obj.material_slots),
-        (
-            identified_revision(), bool(around.use_gravity), bridge.gravity(scene), bool(around.use_ground),
-            scene.unit_settings.scale_length,
-        ),  # fmt: skip
+        (bool(around.use_gravity), bridge.gravity(scene), bool(around.use_ground), scene.unit_settings.scale_length),
         tuple(obj.dimple.to_plan().items()),
+        identified_revision(),
     )
 
 

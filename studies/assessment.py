@@ -154,10 +154,14 @@ def bed_slopes(constants: ModelConstants) -> Floats:
 
 
 def _bed(constants: ModelConstants) -> str:
-    """Return the law of the bed in words: its slope on each piece, and where that begins."""
+    """Return the law of the bed in words: its slopes, and where each begins."""
     begins = [0.0, *(knee for knee, _ in constants.pieces)]
-    pieces = zip(bed_slopes(constants).tolist(), begins, strict=True)
-    return ", ".join(f"{slope / 1e6:.3g} N/cm3 from {1e3 * begin:.3g} mm" for slope, begin in pieces)
+    slopes = [f"{slope / 1e6:.3g} N/cm3" for slope in bed_slopes(constants).tolist()]
+    return ", ".join(
+        f"{slope} from {1e3 * begin:.3g} mm"
+        for before, slope, begin in zip(["", *slopes], slopes, begins, strict=False)
+        if slope != before
+    )
 
 
 def _from_points(miss: Miss | None) -> str:

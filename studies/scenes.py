@@ -35,7 +35,8 @@ def oscillator(*, damping_ratio: float = 0.0, stretch: float = 0.1) -> tuple[Mod
     """Return three masses on an equilateral triangle of springs that breathe: every law at work, yet a closed form.
 
     Along the radius r each vertex is pulled by its two springs with 3 k (r - r0), since |l| = sqrt(3) r, and by shape
-    matching with k1 (r - r0): linear at any stretch short of the knee.
+    matching with k1 (r - r0) and 3 t (r - r0), since neighbours' displacements are as far apart as their lengths:
+    linear at any stretch short of the knee.
     """
     around = np.arange(3) * 2 * np.pi / 3
     corners = OSCILLATOR_RADIUS * np.stack([np.cos(around), np.sin(around), np.zeros(3)], axis=1)
@@ -47,7 +48,7 @@ def oscillator(*, damping_ratio: float = 0.0, stretch: float = 0.1) -> tuple[Mod
 def oscillator_radius(model: Model, time: float, *, stretch: float = 0.1) -> float:
     """Return the distance [m] of `oscillator`'s vertices from their centre at a time [s], in closed form."""
     m, law = float(model.mass[0]), model.springs
-    k = 3 * float(law.stiffness[0]) + float(model.matching.k1[0])
+    k = 3 * float(law.stiffness[0] + model.matching.tension[0]) + float(model.matching.k1[0])
     rate = (3 * float(law.damping[0]) + float(model.matching.damping[0])) / (2 * m)
     omega = np.sqrt(k / m - rate**2)
     swing = np.exp(-rate * time) * (np.cos(omega * time) + rate / omega * np.sin(omega * time))

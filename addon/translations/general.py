@@ -160,8 +160,10 @@ SESSION = {
 }
 
 PANELS = {
-    "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there": (
-        "法政大学 坂間・田中・荒木、表 1 と表 2。質量は測定値ではなく、こちらで決めたものです"
+    "Sakama, Tanaka and Araki, Hosei University, Tables 1 and 2; the mass is ours, not measured there, and the tip is "
+    "taken to be a fingertip of 10 mm": (
+        "法政大学 坂間・田中・荒木、表 1 と表 2。質量は測定値ではなく、こちらで決めたもので、"
+        "先端は 10 mm の指先とみなしています"
     ),
     "Materials": "マテリアル",
     "Measured Objects": "測定した物体",

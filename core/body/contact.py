@@ -7,12 +7,13 @@ Positions second: what is inside is moved out without adding speed, and friction
 point whose velocity alone is stopped would still creep by dt^2 a in each step, and friction would be viscous.
 
 Faces keep a fingertip smaller than an edge from slipping through. A facet stands for a surface that bends round the
-fingertip: where its corners lie on the sphere, its inside would lie deeper by the sagitta, and keeping that out as well
-would push the corners too far. So at a point of weights w a facet with edges e meets a sphere smaller by
+fingertip: where its corners lie on the sphere, its middle would lie deeper by the sagitta, and keeping that out as well
+would push the corners too far. So a facet with edges e meets a sphere smaller by
 
-    s = (w_1 w_2 |e_12|^2 + w_2 w_3 |e_23|^2 + w_3 w_1 |e_31|^2) / 2 R
+    s = (|e_12|^2 + |e_23|^2 + |e_31|^2) / 18 R
 
-0 at a corner, and as small as the facets are. Where several faces share a vertex, each moves its
+and a vertex the whole sphere. (One sphere for all of a facet, or a contact that slides on it would gain energy.)
+Where several faces share a vertex, each moves its
 share of the vertex's mass (Tonge's mass splitting), so that the result does not depend on an order.
 """
 
@@ -30,7 +31,7 @@ LEAST_SWEEPS = 2  # where faces are touched: the second stops what slides on aft
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
-MOST_SAGITTA = 0.125  # of the radius: a facet far larger than the fingertip does not bend round it
+MOST_SAGITTA = 0.125  # of the radius: a facet with more does not bend round the fingertip
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
 
@@ -131,7 +132,7 @@ def _push(
         the impulse (3,) [N s] on the fingertip and how deep [m] the deepest point was.
     """
     offset = (x[:, members] * weights).sum(axis=2) - touch.centre[:, None]
-    distance, radius = np.sqrt((offset**2).sum(axis=0)), touch.radius - sagitta(x[:, members], weights, touch.radius)
+    distance, radius = np.sqrt((offset**2).sum(axis=0)), touch.radius - sagitta(x[:, members], touch.radius)
     hit = distance < radius * (1 - ROUNDING)
     if not hit.any():
         return np.zeros(3), 0.0
@@ -167,14 +168,14 @@ def _push(
     return -impulse.sum(axis=1), float(depth.max())
 
 
-def sagitta(corners: Floats, weights: Floats, radius: float) -> Floats:
-    """Return how much smaller (c,) [m] a sphere meets facets (3, c, 3) at points of weights (c, 3); a vertex: 0."""
-    total = np.zeros(len(weights))
-    if weights.shape[1] == 3:
-        for i in range(3):
-            edge = corners[:, :, i] - corners[:, :, i - 1]
-            total += weights[:, i] * weights[:, i - 1] * (edge * edge).sum(axis=0)
-    return np.minimum(total / (2 * radius), MOST_SAGITTA * radius)
+def sagitta(corners: Floats, radius: float) -> Floats:
+    """Return how much smaller (c,) [m] a sphere meets facets (3, c, 3) than vertices (3, c, 1), which meet it whole."""
+    total = np.zeros(corners.shape[1])
+    if corners.shape[2] == 3:
+        edges = corners - np.roll(corners, 1, axis=2)
+        total = (edges * edges).sum(axis=(0, 2))
+    total /= 18 * radius
+    return np.where(total < MOST_SAGITTA * radius, total, 0.0)
 
 
 def _inward(corners: Floats) -> Floats:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..base import (
+    LONGEST_CONTACT,
     LONGEST_STEP,
     MASS_FLOOR,
     MAX_SUBSTEPS,
@@ -86,7 +87,9 @@ class Model:
         z = self.decay / (2 * omega)
         share = 2 * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
         # the paper's equations stay literal, with their own limits
-        limit = (share if self.law_set == "paper" else min(share, LONGEST_STEP)) / omega
+        limit = share / omega
+        if self.law_set != "paper":
+            limit = min(limit, LONGEST_STEP / omega, LONGEST_CONTACT if self.free else math.inf)
         if not tick <= MAX_SUBSTEPS * limit:
             todo = "Raise its mass, lower k or K2, or use a coarser mesh."
             if self.mesh.size < SMALL:

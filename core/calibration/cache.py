@@ -1,6 +1,7 @@
 """Keep identifications in a folder, each under a name made of everything it was found from.
 
-A name stands for one mesh, material, tip, place and depth, bit for bit, so what is kept under it never goes stale.
+A name stands for one mesh, material, tip, place and depth, bit for bit, so what is kept under it never goes stale. Mass
+and damping are no part of it: the press waits for rest, with a mass and a damping of its own.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ VERSION = 3  # of the method: another one identifies anew
 
 def key(mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float) -> str:
     """Return a name for what is identified."""
-    numbers = asdict(replace(material, constants=None)) | asdict(indenter) | {"deepest": deepest, "version": VERSION}
+    at_rest = asdict(replace(material, constants=None, mass=1.0, density=None, damping_ratio=1.0))
+    numbers = at_rest | asdict(indenter) | {"deepest": deepest, "version": VERSION}
     digest = hashlib.sha256(json.dumps(numbers, sort_keys=True).encode())
     for array in (mesh.rest_positions, mesh.triangles, site.point, site.inward, site.under, site.held):
         digest.update(np.ascontiguousarray(array).tobytes())

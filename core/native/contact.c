@@ -79,14 +79,13 @@ DM_INLINE dm_quad dm_inward_normal(const dm_state *b, const uint32_t *corner) {
     return normal / (size > DM_TINY ? size : DM_TINY);
 }
 
-/* How far the fingertip bulges beyond a facet whose corners lie on it, at a point of the facet, squared lengths of
- * edges given: sum of w_i w_j |e_ij|^2 / 2R. */
-DM_INLINE dm_lanes dm_sagitta(dm_vec3 weight, dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_real radius) {
+/* How far the fingertip bulges beyond the middle of a facet whose corners lie on it: sum of |e|^2 / 18 R; 0 of one
+ * too large to bend round it. */
+DM_INLINE dm_lanes dm_sagitta(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_real radius) {
     dm_vec3 a = dm_sub(p, q), b = dm_sub(q, r), c = dm_sub(r, p);
-    dm_lanes sum = weight.x * weight.y * dm_dot(a, a) + weight.y * weight.z * dm_dot(b, b);
-    sum = (sum + weight.z * weight.x * dm_dot(c, c)) * dm_splat((dm_real)0.5 / radius);
+    dm_lanes sum = (dm_dot(a, a) + dm_dot(b, b) + dm_dot(c, c)) * dm_splat(1 / (18 * radius));
     dm_lanes most = dm_splat((dm_real)DM_MOST_SAGITTA * radius);
-    return dm_blend((dm_mask)(sum < most), sum, most);
+    return dm_blend((dm_mask)(sum < most), sum, dm_splat(0));
 }
 
 /* List the faces inside a sphere with their nearest points, and count the contacts at each corner. */
@@ -103,7 +102,7 @@ static int64_t dm_find_contacts(dm_state *b, const dm_near *t) {
             weight.x * p.z + weight.y * q.z + weight.z * r.z,
         };
         dm_lanes distance = dm_vsqrt(dm_dot(at, at));
-        dm_lanes radius = dm_splat(t->radius) - dm_sagitta(weight, p, q, r, t->radius);
+        dm_lanes radius = dm_splat(t->radius) - dm_sagitta(p, q, r, t->radius);
         dm_mask inside = (dm_mask)(distance < radius * dm_splat((dm_real)(1 - DM_ROUNDING)));
         if (!dm_any_of(inside)) continue;
         for (int l = 0; l < DM_LANES && k + l < t->face_count; l++) {

@@ -42,7 +42,7 @@ def meeting(x: Floats, touch: Touch, stiffness: Floats) -> Meeting:
     weights = nearest_on_triangles(corners, touch.centre)
     offset = (corners * weights).sum(axis=2) - touch.centre[:, None]
     distance = np.sqrt((offset**2).sum(axis=0))
-    radius = touch.radius - sagitta(corners, weights, touch.radius)
+    radius = touch.radius - sagitta(corners, touch.radius)
     hit = distance < radius
     members = touch.triangles[hit]
     return Meeting(

@@ -21,7 +21,7 @@ def viewport(bpy: ModuleType, **context: Any) -> Any:
         "scene": bpy.context.scene, "object": None, "region": region("WINDOW", 0, 0, *SIZE),
         "area": SimpleNamespace(regions=[]), "preferences": SimpleNamespace(system=system),
         "space_data": SimpleNamespace(
-            overlay=SimpleNamespace(show_overlays=True), region_quadviews=[], show_region_ui=False
+            overlay=SimpleNamespace(show_overlays=True, show_text=True), region_quadviews=[], show_region_ui=False
         ), **context,
     })  # fmt: skip
 
@@ -170,7 +170,7 @@ def test_a_session_is_drawn_only_where_overlays_are_switched_on(
     monkeypatch.setattr(overlay, "draw_fingers", lambda *_: drawn.append("fingers"))
     monkeypatch.setattr(overlay, "draw_curves", lambda *_: drawn.append("curves") or 0.0)
     monkeypatch.setattr(overlay, "draw_rows", lambda *_, **__: drawn.append("rows") or 0.0)
-    context = viewport(bpy)
+    context = viewport(bpy, region=region("WINDOW", 0, 0, 1280, 800))
     monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
     for shown, expected in ((False, []), (True, ["fingers", "curves", "rows"])):
         context.space_data.overlay.show_overlays = shown
@@ -372,7 +372,8 @@ def test_numbers_and_chart_stay_clear_of_header_toolbar_and_sidebar(
     context.preferences.system.ui_scale = scale
     monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
     overlay.draw_numbers()
-    assert written and all(top <= SIZE[1] - 60 for _, _, top in written)
+    blenders = 3 * overlay.LINE_HEIGHT * scale  # its own words below the header
+    assert len(written) > 2 and all(top <= SIZE[1] - 60 - blenders for _, _, top in written)
     chart = any(text.endswith(" mm") for text, _, _ in written)
     assert chart == (scale == 1.0), "at twice the scale there is no room for the chart beside the sidebar"
 

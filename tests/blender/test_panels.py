@@ -32,6 +32,8 @@ class Layout:
     def label(self, **options: Any) -> None:
         self.note(options["text"], options)
 
+    progress = label
+
     def prop(self, data: Any, name: str, **options: Any) -> None:
         assert name in data.bl_rna.properties, name
         self.note(f"{data.bl_rna.identifier}.{name}", options)
@@ -137,6 +139,8 @@ def test_without_a_native_core_a_press_runs_on_numpy_and_the_panel_says_why(
     monkeypatch.setattr(native, "_loaded", [])
     monkeypatch.setattr(native, "places", lambda: [library])
     native.why_not.cache_clear()
+    settings = body.active_material.dimple  # given, not identified: numpy is slow
+    settings.kappa1, settings.kappa2, settings.d0, settings.membrane_scale = 1.0, 9.0, 16.0, 0.01
     try:
         entry, _ = sessions.start(body, bpy.context)
         entry.session.step(0.002)
@@ -146,6 +150,18 @@ def test_without_a_native_core_a_press_runs_on_numpy_and_the_panel_says_why(
         monkeypatch.undo()
         native.why_not.cache_clear()
     assert entry.session.backend == "numpy" and "Runs on numpy, slower" in shown and word in shown
+
+
+@pytest.mark.parametrize(("share", "shown"), [(None, False), (0.0, True), (0.4, True)])
+def test_while_the_background_identifies_the_panel_says_that_the_force_is_an_estimate(
+    bpy: ModuleType, body: Any, monkeypatch: pytest.MonkeyPatch, share: float | None, shown: bool
+) -> None:
+    from bl_ext.user_default.dimple.operators import identified
+
+    assert identified.progress() is None
+    monkeypatch.setattr(identified, "progress", lambda: share)
+    drawn = draw(bpy, bpy.types.DIMPLE_PT_session, object=body)
+    assert ("Identifying: the force is an estimate so far" in drawn) == shown
 
 
 def test_a_calibration_shows_its_constants_with_errors_and_the_just_noticeable_difference(

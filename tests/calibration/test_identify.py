@@ -250,6 +250,10 @@ def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
         assert np.array_equal(getattr(again, array), getattr(found, array))
     assert (again.rms, again.worst, again.stopped, again.notes) == (found.rms, found.worst, found.stopped, found.notes)
     assert name == cache.key(mesh, replace(material, constants=found.material.constants), PUNCH, site, 0.012)
+    moving = {"mass": None, "density": 300.0, "damping_ratio": 1.5}
+    again = found_on(OBJECT_3, "cube 10", PUNCH, **moving)
+    assert again.material.constants == found.material.constants
+    assert name == cache.key(mesh, replace(material, **moving), PUNCH, site, 0.012), "it is found at rest"
     assert name != cache.key(mesh, replace(material, K1=1.0), PUNCH, site, 0.012)
     assert name != cache.key(mesh, material, Indenter(shape="sphere"), site, 0.012)
     assert name != cache.key(mesh, material, PUNCH, site, 0.013)

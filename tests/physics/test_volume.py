@@ -46,7 +46,7 @@ def test_pressed_air_gives_way_by_the_adiabatic_law() -> None:
     top = preset.size / 2 + 0.02
     session.set_fingers([Finger((0, 0, top), 0.02)])
     session.step(0.001)
-    session.set_fingers([Finger((0, 0, top - 0.02), 0.02)])
+    session.set_fingers([Finger((0, 0, top - 0.03), 0.02)])
     session.step(0.1)
     frame = session.step(0.2)
     ratio = frame.rest_volume / frame.volume

@@ -15,8 +15,8 @@ from studies.scenes import oscillator, oscillator_radius, twisted_ball
 
 WITHIN = 0.15
 # steps of the coarser run: fine enough for the leading term, coarse enough to stay above rounding
-OSCILLATOR_STEPS = {1: 50, 2: 50, 4: 25}
-BALL_STEPS = {1: 400, 2: 80, 4: 40}
+OSCILLATOR_STEPS = {1: 150, 2: 50, 4: 25}
+BALL_STEPS = {1: 400, 2: 80, 4: 60}
 BALL_STEPS_IMPLICIT = {1: 250, 2: 40}  # no limit asks for more
 BALL_STEPS_SWEEPING = {1: 250}
 
@@ -36,7 +36,7 @@ def test_a_breathing_triangle_follows_its_closed_form_at_the_order_of_the_method
     method: str, damping_ratio: float
 ) -> None:
     model, start = oscillator(damping_ratio=damping_ratio)
-    seconds, order = 0.016, METHODS[method].order
+    seconds, order = 0.024, METHODS[method].order  # no leading error happens to be 0 then
     radius = oscillator_radius(model, seconds)
     wanted = start.positions * radius / np.linalg.norm(start.positions[:, 0])
     found = observed_order(model, start, method, wanted, seconds, OSCILLATOR_STEPS[order])

@@ -101,8 +101,10 @@ def test_a_measured_object_of_the_paper_takes_the_place_of_a_calibration(
     bpy: ModuleType, add: Callable[..., Any]
 ) -> None:
     add()
-    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), tip="SPHERE")
+    bpy.ops.dimple.calibrate(filepath=str(SAMPLE), tip="PUNCH")
     bpy.ops.dimple.apply_calibration()
+    settings = bpy.context.object.active_material.dimple
+    assert settings.calibration and settings.tip == "PUNCH"
     bpy.ops.dimple.apply_preset(preset="object_1_nylon_air")
     settings = bpy.context.object.active_material.dimple
-    assert settings.calibration == "" and settings.tip == "POINT"
+    assert (settings.calibration, settings.tip, settings.tip_radius_mm) == ("", "SPHERE", 10)

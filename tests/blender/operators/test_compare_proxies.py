@@ -171,3 +171,21 @@ def test_the_budget_is_shared_by_the_bodies_of_a_scene_and_a_new_one_plans_again
     assert fine.dimple.plan_key != first
     scene.dimple.frame_budget_percent = 90.0
     assert planning.budget_of(scene, fine) == pytest.approx(0.45)
+
+
+def test_whatever_shape_matching_pulls_with_is_part_of_what_was_planned(bpy: ModuleType, ball: Any) -> None:
+    from bl_ext.user_default.dimple.operators import bridge, calibration, planning
+
+    obj = ball()
+    obj.data.materials.append(bpy.data.materials.new("New"))
+    settings = obj.active_material.dimple
+    settings.kappa1, settings.kappa2, settings.d0, settings.membrane_scale = 1.0, 9.0, 16.0, 0.01
+
+    def key(pieces: list[list[float]], tension: float) -> str:
+        fingerprint = calibration.fingerprint(settings, bridge.read_body(bpy.context, obj, identify="NO")[1].mesh)
+        settings.identification = json.dumps({"pieces": pieces, "tension": tension, "fingerprint": fingerprint})
+        _, model = bridge.read_body(bpy.context, obj)
+        return planning.key(bpy.context.scene, obj, model)
+
+    keys = {key(*each) for each in (([], 100.0), ([], 200.0), ([[0.01, 1e6]], 100.0), ([[0.012, 1e6]], 100.0))}
+    assert len(keys) == 4

@@ -1,0 +1,279 @@
+"""`dev.py core dents`: how smooth settled dents are, beside finite elements, and how they converge with the mesh."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from core.base import DimpleError, Floats
+from core.body.estimate import estimate
+from core.body.model import Model, build_model
+from core.material import DEFAULT_MATERIAL, PRESETS, Material
+from core.mesh.surface import Mesh, base_vertices
+from core.reduction.proxy import build_proxy, mean_spacing
+from core.session import Finger, Session
+
+from .dent_picture import draw_dents, draw_profiles
+from .dent_shape import Profile, facet_roughness, profile, turned_onto, vertex_roughness
+from .primitives import Shape, box, icosphere, remeshed, rotated, sized
+from .solid_mesh import BALL_RADIUS, BLOCK_EDGE
+
+MATERIALS = {"default": DEFAULT_MATERIAL, **{preset.name: preset.material for preset in PRESETS}}
+TIP = 0.010  # [m] radius of the fingertip whose dents are drawn
+DEPTHS = (0.005, 0.010, 0.015, 0.020, 0.025)  # [m]
+BALLS = {2562: 4, 10242: 5, 40962: 6, 163842: 7}  # vertices and subdivisions
+PROXIED, PROXIES = (10242, 163842), (600, 1500, 4000)  # fine meshes, and vertices of what moves in their place
+TIPS = (0.010, 0.020)  # [m] radii of those whose forces are compared
+RATE = 500.0  # [1/s] at which a body as light and damped as these settles
+TRAVEL = 0.1  # [m/s] of the fingertip
+SETTLING, LISTENING = 0.06, 0.01  # [s] at each depth; then the mean of the reaction is taken
+FINE = 5  # subdivisions of the ball whose profile is compared
+TURNS = 6  # ways a triangulation is turned under the tip
+KEPT = Path(__file__).parents[1] / "tests" / "studies" / "solid"  # dents by finite elements
+
+
+@dataclass(frozen=True, slots=True)
+class Settled:
+    """A body at rest under a fingertip.
+
+    depth: of the tip below the surface at rest [m].
+    force: on the tip (3,) [N].
+    positions: of the vertices of the mesh (n, 3) [m].
+    """
+
+    depth: float
+    force: Floats
+    positions: Floats
+
+
+def light(mesh: Mesh, material: Material) -> Model:
+    """Return a body that settles within some ticks: light, critically damped, held at its base."""
+    constants = estimate(material, mesh.size)
+    mass = constants.kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
+    still = replace(material, constants=constants, mass=mass, density=None, damping_ratio=1.0)
+    return build_model(mesh, [still], held=base_vertices(mesh))
+
+
+def settle(
+    mesh: Mesh, material: Material, radius: float, depths: Sequence[float], *, proxy: int = 0
+) -> Iterator[Settled]:
+    """Press a body from above onto the middle of its top, to each depth in turn; yield where it rests.
+
+    Args:
+        radius: of the fingertip [m].
+        proxy: vertices of the proxy that moves in its place, 0: none.
+    """
+    model = light(mesh, material)
+    session = Session(model, proxy=build_proxy(model, proxy) if proxy else None)
+    top, at = float(mesh.rest_positions[:, 2].max()), 0.0
+    session.set_fingers([Finger((0.0, 0.0, top + radius), radius)])
+    for depth in depths:
+        session.set_fingers([Finger((0.0, 0.0, top + radius - depth), radius)])
+        session.step((depth - at) / TRAVEL)
+        session.step(SETTLING)
+        frame, at = session.step(LISTENING), depth
+        force = frame.finger_forces[0] if len(frame.finger_forces) else np.full(3, np.nan)
+        yield Settled(depth, force, session._skin())
+
+
+def ball(subdivisions: int) -> Mesh:
+    """Return the ball of the finite elements, an icosphere."""
+    return sized(*icosphere(subdivisions), 2 * BALL_RADIUS)
+
+
+def of_size(made: Shape, size: float) -> Mesh:
+    return sized(*made, size)
+
+
+def jittered(cells: int, *, shift: float = 0.25, seed: int = 6) -> Shape:
+    """Return a cube whose vertices are shifted within its sides by a share of their spacing."""
+    points, faces = box(cells)
+    way = 2 * shift / cells * np.random.default_rng(seed).uniform(-1, 1, points.shape)
+    return points + np.where(np.abs(points) > 1 - 1e-9, 0.0, way), faces
+
+
+def roughness_rows(
+    names: Sequence[str], sizes: Sequence[int]
+) -> Iterator[tuple[dict[str, object], tuple[str, str, float, Mesh, Floats] | None]]:
+    """Yield a row of the roughness for each dent, and the dent to be drawn."""
+    for name in names:
+        material = MATERIALS[name]
+        finest = ball(BALLS[max(size for size in sizes if size <= 40962)])
+        exact = {
+            one.depth: facet_roughness(finest.rest_positions, finest.triangles, one.positions)[1]
+            for one in settle(finest, material, TIP, DEPTHS)
+        }
+        for size in sizes:
+            mesh = ball(BALLS[size])
+            for proxy in (0, *(PROXIES if size in PROXIED else ())):
+                for one in settle(mesh, material, TIP, DEPTHS, proxy=proxy):
+                    row = {"material": name, "vertices": size, "proxy": proxy, **roughness(mesh, one, exact[one.depth])}
+                    yield row, (name, _label(size, proxy), one.depth, mesh, one.positions)
+
+
+def roughness(mesh: Mesh, one: Settled, exact: Profile) -> dict[str, object]:
+    """Return how rough a dent on the ball is, over its depth, and how rough an exactly round one would be measured."""
+    spacing = mean_spacing(mesh, len(mesh.rest_positions))
+    rest, round_one = mesh.rest_positions, turned_onto(exact, mesh.rest_positions)
+    return {
+        "depth_mm": 1e3 * one.depth, "force_n": round(float(one.force[2]), 4),
+        "vertices_percent": _percent(vertex_roughness(rest, one.positions, spacing), one.depth),
+        "vertices_percent_of_round": _percent(vertex_roughness(rest, round_one, spacing), one.depth),
+        "facets_percent": _percent(facet_roughness(rest, mesh.triangles, one.positions)[0], one.depth),
+        "facets_percent_of_round": _percent(facet_roughness(rest, mesh.triangles, round_one)[0], one.depth),
+    }  # fmt: skip
+
+
+def _percent(part: float, whole: float) -> float:
+    return round(100 * part / whole, 3)
+
+
+def _label(size: int, proxy: int) -> str:
+    return f"{size:,}" + (f", proxy {proxy:,}" if proxy else "")
+
+
+def profiles() -> dict[tuple[str, float], Profile]:
+    """Return the mean dents of the finite elements, neo-Hookean, by tip and depth [m]."""
+    rows = [line.split(",") for line in (KEPT / "solid_dent.csv").read_text("utf-8").splitlines()[1:]]
+    found: dict[tuple[str, float], list[list[float]]] = {}
+    for body, law, tip, depth, *places in rows:
+        if (body, law) == ("ball", "neo-hookean"):
+            found.setdefault((tip, round(1e-3 * float(depth), 6)), []).append([1e-3 * float(place) for place in places])
+    dents = {}
+    for case, places_of in found.items():
+        r, z, u_r, u_z = np.array(places_of).T
+        dents[case] = Profile(BALL_RADIUS * np.arctan2(r, z + BALL_RADIUS), r + u_r, z + u_z)
+    return dents
+
+
+def solid_materials() -> dict[str, Material]:
+    """Return materials that answer in proportion, as a solid does, full of liquid; by their spread, none first."""
+    linear = replace(DEFAULT_MATERIAL, K2=DEFAULT_MATERIAL.K1, fill="liquid", density=1000)
+    spreads = {f"spread {mm} mm": replace(linear, spread=1e-3 * mm) for mm in (0, 6, 20, 40, 80)}
+    default = {"default material": DEFAULT_MATERIAL, "default, no spread": replace(DEFAULT_MATERIAL, spread=0.0)}
+    return {**spreads, **default}
+
+
+def profile_rows(subdivisions: int) -> tuple[list[dict[str, object]], dict[tuple[str, str, float], Profile]]:
+    """Return rows of how far the dents of solids and of bodies reach, and their profiles by what, tip and depth."""
+    mesh, shapes = ball(subdivisions), {}
+    for (tip, depth), solid in profiles().items():
+        shapes["finite elements", tip, depth] = solid
+    for name, material in solid_materials().items():
+        for radius in TIPS:
+            for one in settle(mesh, material, radius, (0.005, 0.010, 0.020)):
+                spacing = mean_spacing(mesh, len(mesh.rest_positions))
+                shape = profile(mesh.rest_positions, one.positions, spacing, within=2.2 * BALL_RADIUS)
+                shapes[name, f"ball {1e3 * radius:g} mm", one.depth] = shape
+    rows: list[dict[str, object]] = []
+    for (name, tip, depth), shape in shapes.items():
+        true = shapes.get(("finite elements", tip, depth))
+        if true is None:
+            continue
+        way = np.linspace(0, 0.05, 200)
+        off = np.interp(way, shape.way, shape.inward()) - np.interp(way, true.way, true.inward())
+        rows.append({
+            "body": name, "tip": tip, "depth_mm": 1e3 * depth, "half_mm": round(1e3 * shape.reach(0.5), 2),
+            "tenth_mm": round(1e3 * shape.reach(0.1), 2), "bulge_mm": round(1e3 * shape.bulge(), 2),
+            "rms_percent_of_depth": _percent(float(np.sqrt(np.mean(off**2))), depth),
+        })  # fmt: skip
+    return rows, shapes
+
+
+BODIES: dict[str, tuple[float, Sequence[tuple[int, Callable[[], Shape]]]]] = {
+    "ball": (2 * BALL_RADIUS, [(10 * 4**k + 2, partial(icosphere, k)) for k in (3, 4, 5, 6)]),
+    "uneven ball": (2 * BALL_RADIUS, [(10 * 4**k + 2, partial(remeshed, k)) for k in (3, 4, 5)]),
+    "cube": (BLOCK_EDGE, [(6 * n * n + 2, partial(box, n)) for n in (10, 20, 41, 82)]),
+    "uneven cube": (BLOCK_EDGE, [(6 * n * n + 2, partial(jittered, n)) for n in (10, 20, 41, 82)]),
+}  # fmt: skip
+
+
+def convergence_rows(names: Sequence[str], *, most: int) -> Iterator[dict[str, object]]:
+    """Yield rows of the force on even and uneven meshes up to a number of vertices; side: that across it."""
+    for name in names:
+        for body, (size, made) in BODIES.items():
+            for vertices, shape in made:
+                if vertices > most:
+                    continue
+                mesh = of_size(shape(), size)
+                for radius in TIPS:
+                    for one in settle(mesh, MATERIALS[name], radius, DEPTHS[:4]):
+                        yield _force_row(name, body, vertices, radius, one)
+
+
+def turning_rows(names: Sequence[str], *, most: int) -> Iterator[dict[str, object]]:
+    """Yield rows of the force on the ball whose triangulation is turned under the tip."""
+    for name in names:
+        for vertices, subdivisions in ((642, 3), *BALLS.items()):
+            if vertices > most:
+                continue
+            for turn in range(TURNS):
+                mesh = _unscaled(rotated(icosphere(subdivisions), seed=turn))
+                for radius in TIPS:
+                    for one in settle(mesh, MATERIALS[name], radius, DEPTHS[1:2]):
+                        yield {**_force_row(name, "ball", vertices, radius, one), "turn": turn}
+
+
+def _unscaled(made: Shape) -> Mesh:
+    """Return a ball whose vertices, not its bounding box, are as far from the centre as those of `ball`."""
+    from core.mesh.surface import mesh_from_triangles
+
+    return mesh_from_triangles(made[0] * BALL_RADIUS / np.linalg.norm(made[0], axis=1).max(), made[1])
+
+
+def _force_row(name: str, body: str, vertices: int, radius: float, one: Settled) -> dict[str, object]:
+    side = float(np.hypot(one.force[0], one.force[1]))
+    return {
+        "material": name, "body": body, "vertices": vertices, "tip_mm": 1e3 * radius,
+        "depth_mm": 1e3 * one.depth, "force_n": round(float(one.force[2]), 4),
+        "side_percent": _percent(side, float(one.force[2])),
+    }  # fmt: skip
+
+
+def add_dents(command: argparse.ArgumentParser) -> None:
+    """Give the command its options."""
+    command.set_defaults(run=run_dents)
+    command.add_argument("--out", type=Path, default=Path("build/dents"), metavar="DIR", help="where the results go")
+    command.add_argument("--materials", nargs="+", choices=MATERIALS, default=list(MATERIALS), help="default: all")
+    command.add_argument("--most", type=int, default=163842, metavar="VERTICES", help="of a mesh (default: 163842)")
+    command.add_argument(
+        "--parts", nargs="+", choices=("roughness", "profile", "forces", "turning"),
+        default=("roughness", "profile", "forces", "turning"), help="what is measured (default: all)",
+    )  # fmt: skip
+
+
+def run_dents(options: argparse.Namespace) -> int:
+    """Measure, print and write each part as CSV, with its pictures beside it."""
+    names, sizes = options.materials, [size for size in BALLS if size <= options.most]
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+        if "roughness" in options.parts:
+            rows, dents = zip(*roughness_rows(names, sizes), strict=True)
+            write(list(rows), options.out / "roughness.csv")
+            draw_dents(list(dents), profiles(), options.out)
+        if "profile" in options.parts:
+            found, shapes = profile_rows(min(FINE, BALLS[sizes[-1]]))
+            write(found, options.out / "profile.csv")
+            draw_profiles(shapes, options.out / "profile.png")
+        if "forces" in options.parts:
+            write(list(convergence_rows(names, most=options.most)), options.out / "forces.csv")
+        if "turning" in options.parts:
+            write(list(turning_rows(names, most=min(options.most, 10242))), options.out / "turning.csv")
+    except OSError as error:
+        raise DimpleError(f"{options.out} cannot be written: {error.strerror}.") from None
+    return 0
+
+
+def write(rows: Sequence[dict[str, object]], path: Path) -> None:
+    """Write rows as CSV and print them."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)
+    print(f"{path}\n{path.read_text(encoding='utf-8')}", flush=True)
