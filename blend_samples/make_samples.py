@@ -22,7 +22,7 @@ def three_objects() -> None:
         ("Object 3 vinyl water", "object_3_vinyl_water", 0.165, (0.105, 0.0), (0.16, 0.58, 0.45), 20.0),
     )
     for number, (name, preset, edge, (x, y), colour, depth) in enumerate(objects, 1):
-        body = soft_cube(name, edge, 14, Vector((x, y, edge / 2)))
+        body = soft_cube(name, edge, 20, Vector((x, y, edge / 2)))
         body.data.materials.append(painted(name, colour))
         bpy.ops.dimple.apply_preset(preset=preset)
         body.dimple.enabled = True

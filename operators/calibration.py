@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
 POINTS = 160  # of the measured curve that are kept, for the chart
 SIMULATED = 40  # and of the simulated one
-BEYOND = 1.35  # knees: how deep is pressed where the depth of the measurement is not known
+BEYOND = 1.5  # knees: how deep is pressed where the depth of the measurement is not known
 SAME_MESH = 1e-3  # share by which area and volume may differ: a body may stand elsewhere, in single precision
 
 

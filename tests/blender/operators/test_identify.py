@@ -28,7 +28,7 @@ def test_the_identified_body_answers_the_measured_curve_and_sessions_use_its_con
     assert bpy.ops.dimple.identify() == {"FINISHED"}
     record = identified(vinyl)
     assert 0 < record["rms"] < 0.03 and 0 < record["force_off"] < 0.1 and 0 < record["volume_change"] < 0.005
-    assert record["deepest"] == pytest.approx(1.35 * 16.3, rel=1e-3)
+    assert record["deepest"] == pytest.approx(1.5 * 16.3, rel=1e-3)
     assert record["object"] == "Cube" and record["size"] == pytest.approx(165)
     assert record["fingerprint"]["vertices"] == 98
     assert record["fingerprint"]["area"] == pytest.approx(6 * 0.165**2)
