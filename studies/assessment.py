@@ -16,7 +16,7 @@ from core.calibration.calibrate import Calibration
 from core.calibration.identify import NOTICEABLE_FORCE, Identification
 from core.calibration.indent import Site
 from core.calibration.misfit import Miss, largest_miss
-from core.material import Indenter
+from core.material import Indenter, ModelConstants
 from core.mesh.surface import Mesh
 
 from .virtual_press import press_curve
@@ -64,7 +64,7 @@ def assess(calibration: Calibration, found: Identification, mesh: Mesh, indenter
     fingertip = Indenter(shape="sphere", radius=FINGERTIP)
     tip_depth, tip_force = press_curve(mesh, found.material, fingertip, site, deepest, rows=ROWS)
     return Assessment(
-        found=found, indenter=indenter, mesh=mesh, patch=(reach(mesh, indenter), int(site.under.sum())),
+        found=found, indenter=indenter, mesh=mesh, patch=(reach(indenter, mesh.size), int(site.under.sum())),
         force_error=float(found.off.max()), measured_miss=largest_miss(depth[here], force[here], simulated),
         stiffness_errors=_slope_errors(found),
         measured_rms=float(np.sqrt(((simulated - force[here]) ** 2).mean()) / force.max()),
@@ -81,7 +81,12 @@ def assessment_json(assessment: Assessment) -> dict[str, Any]:
         "kappa2": constants.kappa2 / 1e6,
         "d0": constants.d0 * 1e3,
         "membrane_scale": constants.membrane_scale,
-        "units": {"kappa1": "N/cm3", "kappa2": "N/cm3", "d0": "mm", "membrane_scale": "1"},
+        "tension": (constants.tension or 0.0) / 1e3,
+        "pieces": [{"knee": 1e3 * knee, "more": more / 1e6} for knee, more in constants.pieces],
+        "units": {
+            "kappa1": "N/cm3", "kappa2": "N/cm3", "d0": "mm", "membrane_scale": "1", "tension": "N/mm", "knee": "mm",
+            "more": "N/cm3",
+        },
         "indenter": assessment.indenter.shape,
         "tip_radius": assessment.indenter.radius * 1e3,
         "patch_radius": assessment.patch[0] * 1e3,
@@ -96,7 +101,6 @@ def assessment_json(assessment: Assessment) -> dict[str, Any]:
         "noticeable_force_percent": [100 * share for share in NOTICEABLE_FORCE],
         "noticeable_stiffness_percent": [100 * share for share in NOTICEABLE_STIFFNESS],
         "volume_change_percent": 100 * found.volume_change,
-        "sweeps": found.sweeps,
         "stopped": found.stopped,
         "notes": list(found.notes),
         "press": {
@@ -131,8 +135,8 @@ def assessment_lines(assessment: Assessment) -> list[str]:
     )
     return [
         f"  Simulated press ({tip}; {body}) down to {1e3 * found.depths[-1]:.3g} mm:",
-        f"    kappa1 = {constants.kappa1 / 1e6:.4g} N/cm3, kappa2 = {constants.kappa2 / 1e6:.4g} N/cm3, "
-        f"d0 = {1e3 * constants.d0:.4g} mm, scale on k {constants.membrane_scale:.2g}",
+        f"    the bed: {_bed(constants)};",
+        f"    tension {(constants.tension or 0.0) / 1e3:.3g} N/mm, scale on k {constants.membrane_scale:.2g}",
         f"    RMS error {100 * found.rms:.2f} % of full scale from the law, {100 * assessment.measured_rms:.2f} % from "
         f"the points; volume {100 * found.volume_change:.3f} %",
         f"    largest force error {100 * assessment.force_error:.1f} % from the law, at "
@@ -142,6 +146,22 @@ def assessment_lines(assessment: Assessment) -> list[str]:
         *(f"    {note}" for note in found.notes),
         f"    A {1e3 * FINGERTIP:.3g} mm fingertip would meet {pairs}. {_TIP_NOTE}",
     ]
+
+
+def bed_slopes(constants: ModelConstants) -> Floats:
+    """Return the slopes (m,) [N/m3] of the bed's law from the touch on, one for each piece."""
+    return constants.kappa1 + np.cumsum([0.0, *(more for _, more in constants.pieces)])
+
+
+def _bed(constants: ModelConstants) -> str:
+    """Return the law of the bed in words: its slopes, and where each begins."""
+    begins = [0.0, *(knee for knee, _ in constants.pieces)]
+    slopes = [f"{slope / 1e6:.3g} N/cm3" for slope in bed_slopes(constants).tolist()]
+    return ", ".join(
+        f"{slope} from {1e3 * begin:.3g} mm"
+        for before, slope, begin in zip(["", *slopes], slopes, begins, strict=False)
+        if slope != before
+    )
 
 
 def _from_points(miss: Miss | None) -> str:

@@ -12,12 +12,12 @@ from typing import Any
 
 from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate
-from core.calibration.indent import POINT, SHAPES, Indenter, find_site
+from core.calibration.indent import find_site
 from core.calibration.misfit import Miss
 from core.calibration.question import Answers, Undecided, WrongColumns
 from core.calibration.record import to_record
 from core.calibration.surface import BALANCE_ASSUMES, PAPER_ASSUMES
-from core.material import FILLS, PRESETS, Material
+from core.material import FILLS, POINT, PRESETS, TIPS, Indenter, Material
 
 from .assessment import Assessment, assess, assessment_json, assessment_lines
 from .calibration_plot import save_plot
@@ -33,7 +33,7 @@ def add_command(command: argparse.ArgumentParser) -> None:
     command.add_argument("file", type=Path, metavar="FILE", help="what the instrument wrote (CSV or text)")
     command.add_argument("--length-mm", type=float, metavar="L", help="edge of the object, for k")
     command.add_argument("--tip-radius-mm", type=float, metavar="R", default=1e3 * POINT.radius, help="of the tip")
-    command.add_argument("--indenter", choices=SHAPES, default="point", help="what measured; a point is a small punch")
+    command.add_argument("--indenter", choices=TIPS, default="point", help="what measured; a point is a small punch")
     command.add_argument("--section-mm2", type=float, metavar="A", help="section of the surface, for k by Eq. (10)")
     command.add_argument("--youngs-modulus-mpa", type=float, metavar="E", help="of the surface, for k by Eq. (10)")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")

@@ -22,11 +22,12 @@ from core.base import DimpleError, Floats
 from core.body.paper import surface_stretch, surface_tension
 from core.calibration.calibrate import Calibration, calibrate
 from core.calibration.export import write_press
-from core.calibration.indent import Indenter, find_site
+from core.calibration.identify import ALLOWED, ALLOWED_FORCE, WEAK
+from core.calibration.indent import find_site
 from core.calibration.surface import string_balance
-from core.material import PRESETS, Preset
+from core.material import POINT, PRESETS, Preset
 
-from .assessment import FINGERTIP, Assessment, assess
+from .assessment import FINGERTIP, Assessment, assess, bed_slopes
 from .reconstruct import DEEPEST, write_samples
 from .specimen import cube
 from .virtual_press import identify, press_curve
@@ -94,7 +95,7 @@ def announce(doing: str) -> None:
 
 def identified(preset: Preset, curve: Calibration, cells: int) -> Identified:
     """Identify a printed material on a cube of its size, as deep as it was pressed."""
-    mesh, tip, started = cube(cells, preset.size), Indenter(), time.process_time()
+    mesh, tip, started = cube(cells, preset.size), POINT, time.process_time()
     announce(f"Identifying {preset.label} on {len(mesh.rest_positions)} vertices")
     site = find_site(mesh, tip)
     deepest = DEEPEST[preset.name] * (BEYOND if preset is PRESETS[0] else 1)
@@ -171,7 +172,8 @@ def table_lines(rows: Sequence[tuple[Any, ...]]) -> list[str]:
 
 _ROW = (
     "object", "vertices", "rms_percent", "worst_over_allowed", "volume_percent", "seconds", "scale_on_k",
-    "kappa1_n_per_cm3", "kappa2_n_per_cm3", "d0_mm", "deepest_mm", "fingertip_n_at_5_mm", "fingertip_n_deepest",
+    "kappa_n_per_cm3", "kappa_deepest_n_per_cm3", "tension_n_per_mm", "deepest_mm", "fingertip_n_at_5_mm",
+    "fingertip_n_deepest",
 )  # fmt: skip
 
 
@@ -180,12 +182,13 @@ def identification_row(one: Identified) -> tuple[Any, ...]:
     assessment, found = one.assessment, one.assessment.found
     model = found.material.constants
     assert model is not None
+    slopes = bed_slopes(model)
     tip = assessment.tip_force
     at_half = float(np.interp(FINGERTIP / 2, assessment.tip_depth, tip))
     return (
         PRESETS.index(one.preset) + 1, len(assessment.mesh.rest_positions), 100 * found.rms, found.worst,
-        100 * found.volume_change, one.seconds, model.membrane_scale, model.kappa1 / 1e6, model.kappa2 / 1e6,
-        1e3 * model.d0, 1e3 * found.depths[-1], at_half, tip[-1],
+        100 * found.volume_change, one.seconds, model.membrane_scale, slopes[0] / 1e6, slopes[-1] / 1e6,
+        (model.tension or 0.0) / 1e3, 1e3 * found.depths[-1], at_half, tip[-1],
     )  # fmt: skip
 
 
@@ -193,8 +196,9 @@ def identification_lines(pressed: Sequence[Identified]) -> list[str]:
     """Return the table of identifications to read."""
     lines = [
         "Identification on cubes, pressed by a point: off by RMS of full scale, at the worst depth as a share of what",
-        f"is allowed (10 % or 0.3 N), volume, processor time, scale on k; a 10 mm fingertip at 5 and "
-        f"{1e3 * FINGERTIP:.2g} mm, predicted",
+        f"is allowed ({100 * ALLOWED:.0f} %, or {100 * WEAK:.0f} % of full scale and at most {ALLOWED_FORCE} N where "
+        "that is more), volume, processor time,",
+        f"scale on k; a 10 mm fingertip at 5 and {1e3 * FINGERTIP:.2g} mm, predicted",
         f"{'object':>6} {'vertices':>8} {'rms':>7} {'worst':>6} {'volume':>8} {'time':>7} {'scale':>8} {'deepest':>8}",
     ]
     for one in pressed:

@@ -8,8 +8,8 @@ import numpy as np
 
 from core.base import Floats
 from core.calibration.identify import Identification, identification
-from core.calibration.indent import ROWS, Indenter, Site, press_rows
-from core.material import Material
+from core.calibration.indent import ROWS, Site, press_rows
+from core.material import Indenter, Material
 from core.mesh.surface import Mesh
 
 

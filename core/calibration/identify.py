@@ -28,6 +28,7 @@ KNOTS = (0.15, 0.3, 0.5, 0.75, 1.0)  # of the knee of the measured law: where pi
 EARLY, EARLY_ALONE = (0.4, 1.6), (0.2, 3.0)
 BEYOND = 6  # and how many there are beyond it
 TRIALS = 4  # slopes that are tried for a piece
+USUAL = 1.7  # of them are needed: so much of the work is ahead
 CLOSE = 2e-3  # of the force: near enough
 GROWTH = 2.5  # power of the depth with which the energy of a piece grows, about
 # times the slope of the closed form beyond the knee: steep enough for most; the second where that is too soft, and not
@@ -95,12 +96,15 @@ def identification(
     """
     measured = replace(material, constants=None, indenter=indenter)
     deep, stopped = _deepest(deepest, site)
-    first = yield from _scaled(mesh, measured, site, AT * min(material.x0, deep))
+    first = _scaled(mesh, measured, site, AT * min(material.x0, deep))
     knots = _knots(material.x0, deep)
     found: list[tuple[Floats, float]] = []  # slopes, and the force at the deepest over the measured one
-    for attempt, steepest in enumerate(STEEPEST):
-        share = 0.35 * attempt, 0.35 * (attempt + 1)
-        slopes, reached = yield from _found_slopes(mesh, measured, first, site, knots, steepest, share)
+    done = 1 / (1 + USUAL * len(knots) + CHECKED)
+    yield done
+    for steepest in STEEPEST:
+        ahead = USUAL * len(knots) / (USUAL * len(knots) + CHECKED)  # of what is left, if nothing has to be tried again
+        before, done = done, done + (1 - done) * ahead
+        slopes, reached = yield from _found_slopes(mesh, measured, first, site, knots, steepest, (before, done))
         found.append((slopes, reached))
         if reached > SOFT or deep <= material.x0:
             break
@@ -114,17 +118,16 @@ def identification(
             break
         stations.append(station)
         wanted.append(material.law(station.depth))
-        yield 0.7 + 0.3 * len(stations) / (CHECKED + 1)
+        yield done + (1 - done) * len(stations) / (CHECKED + 1)
     return _judged(replace(measured, constants=constants), stations, np.array(wanted), stopped)
 
 
-def _scaled(mesh: Mesh, material: Material, site: Site, depth: float) -> Generator[float, None, ModelConstants]:
+def _scaled(mesh: Mesh, material: Material, site: Site, depth: float) -> ModelConstants:
     """Return the closed form, scaled so that a press to a depth [m] answers the measured force on this mesh."""
     first = estimate(material, mesh.size)
     first = replace(first, tension=first.kappa1 * material.spread**2)
     session = set_up(mesh, replace(material, constants=first), material.indenter, site)
     station = go_down(session, material.indenter, site, 0.0, depth)
-    yield 0.05
     if not (station.found and station.force > 0):
         return first
     scale = min(max(material.law(depth) / station.force, 1 / FARTHEST), FARTHEST)
@@ -165,7 +168,7 @@ def _found_slopes(
         for trial in range(TRIALS):
             _set_slopes(session, model, area, slopes)
             station = go_down(session, material.indenter, site, before, knot)
-            yield share[0] + (share[1] - share[0]) * (m + (trial + 1) / TRIALS) / (len(knots) + 1)
+            yield share[0] + (share[1] - share[0]) * (m + 1 - 0.5 ** (trial + 1)) / len(knots)
             before = knot
             if not station.found:
                 return slopes[: max(m, 1)], 0.0

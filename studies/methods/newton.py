@@ -44,7 +44,7 @@ def meet_faces(model: Model, state: State, touches: Sequence[Touch], share: floa
     if not touches:
         return []
     stiffness = share * kept(model, what_holds)
-    return [penalty.meeting(state.positions, touch, stiffness) for touch in touches]
+    return [penalty.meeting(state.positions, touch, stiffness, model.matching.rest) for touch in touches]
 
 
 def pressed(model: Model, state: State, touches: Sequence[Touch]) -> tuple[Floats, Floats]:

@@ -36,13 +36,18 @@ class Meeting:
         return -(self.stiffness * self.depths * self.normals).sum(axis=1)
 
 
-def meeting(x: Floats, touch: Touch, stiffness: Floats) -> Meeting:
-    """Find the faces inside a fingertip at positions (3, n); stiffness: (n,) [N/m] that a vertex is met with."""
+def meeting(x: Floats, touch: Touch, stiffness: Floats, rest: Floats) -> Meeting:
+    """Find the faces inside a fingertip at positions (3, n) [m].
+
+    Args:
+        stiffness: (n,) [N/m] that a vertex is met with.
+        rest: (3, n) [m] where a facet's sagitta is taken, so that the sphere it meets does not change as it moves.
+    """
     corners = x[:, touch.triangles]
     weights = nearest_on_triangles(corners, touch.centre)
     offset = (corners * weights).sum(axis=2) - touch.centre[:, None]
     distance = np.sqrt((offset**2).sum(axis=0))
-    radius = touch.radius - sagitta(corners, touch.radius)
+    radius = touch.radius - sagitta(rest[:, touch.triangles], touch.radius)
     hit = distance < radius
     members = touch.triangles[hit]
     return Meeting(
