@@ -97,7 +97,7 @@ def _open(options: argparse.Namespace) -> Any:
     if not options.file.is_file():
         raise DimpleError(f"There is no file {options.file}.")
     try:
-        bpy.ops.wm.open_mainfile(filepath=str(options.file.resolve()), load_ui=False)
+        bpy.ops.wm.open_mainfile(filepath=str(options.file.resolve()))
     except RuntimeError as error:
         raise DimpleError(f"Blender cannot open {options.file}: {str(error).strip()}") from error
     scene = bpy.context.scene

@@ -25,6 +25,7 @@ def identified(settings: Any) -> dict:
 def test_the_identified_body_answers_the_measured_curve_and_sessions_use_its_constants(
     bpy: ModuleType, vinyl: Any, cube: Any, forgetful: Path
 ) -> None:
+    vinyl.tip, vinyl.tip_radius_mm = "POINT", 2.0  # which answers with a knee as sharp as the measured one
     assert bpy.ops.dimple.identify() == {"FINISHED"}
     record = identified(vinyl)
     assert 0 < record["rms"] < 0.03 and 0 < record["force_off"] < 0.1 and 0 < record["volume_change"] < 0.005
@@ -44,6 +45,21 @@ def test_the_identified_body_answers_the_measured_curve_and_sessions_use_its_con
     assert constants.tension == record["tension"] > 0
     assert [list(piece) for piece in constants.pieces] == record["pieces"] and record["pieces"]
     assert vinyl.to_params()["constants"] == constants
+
+
+def test_a_fingertip_rounds_the_knee_and_a_note_says_so(bpy: ModuleType, vinyl: Any, forgetful: Path) -> None:
+    assert (vinyl.tip, vinyl.tip_radius_mm) == ("SPHERE", 10)
+    assert bpy.ops.dimple.identify() == {"FINISHED"}
+    record = identified(vinyl)
+    assert 0 < record["rms"] < 0.03 and 0 < record["volume_change"] < 0.005
+    off = [abs(force / law(vinyl, depth) - 1) for depth, force in record["points"]]
+    assert abs(record["points"][int(np.argmax(off))][0] - vinyl.x0) < 2
+    assert "rounds the knee" in record["notes"][1]
+
+
+def law(settings: Any, depth: float) -> float:
+    """Return the measured force [N] at a depth [mm]."""
+    return settings.K1 * min(depth, settings.x0) + settings.K2 * max(depth - settings.x0, 0)
 
 
 def test_what_was_identified_once_is_remembered(
