@@ -91,12 +91,12 @@ def resolve(
     Returns:
         the impulse (3,) [N s] on the fingertip.
     """
-    at = touch.vertices
-    impulse, _ = _push(x, v, touch, at[:, None], np.ones((len(at), 1)), inverse_mass, friction, step)
+    at, before = touch.vertices, x - v * step.slip(np.sqrt((v**2).sum(axis=0)))
+    impulse, _ = _push(x, v, before, touch, at[:, None], np.ones((len(at), 1)), inverse_mass, friction, step)
     sweeps = FACE_SWEEPS if faces and len(touch.triangles) else 0
     for sweep in range(1, sweeps + 1):
         weights = nearest_on_triangles(x[:, touch.triangles], touch.centre)
-        more, deepest = _push(x, v, touch, touch.triangles, weights, inverse_mass, friction, step)
+        more, deepest = _push(x, v, before, touch, touch.triangles, weights, inverse_mass, friction, step)
         impulse = impulse + more
         if deepest <= 0 or (sweep >= LEAST_SWEEPS and deepest < FACE_SLACK * touch.radius):
             break
@@ -119,6 +119,7 @@ def rest_on_ground(x: Floats, v: Floats, height: float, inverse_mass: Floats, fr
 def _push(
     x: Floats,
     v: Floats,
+    before: Floats,
     touch: Touch,
     members: Ints,
     weights: Floats,
@@ -127,6 +128,10 @@ def _push(
     step: Step,
 ) -> tuple[Floats, float]:
     """Apply contacts at points sum_j weights[:, j] x[members[:, j]], one a row of members (c, j).
+
+    Args:
+        before: (3, n) positions at the begin of the step. What friction takes back is the way since then: a sweep
+            before may have changed velocities that moved nothing.
 
     Returns:
         the impulse (3,) [N s] on the fingertip and how deep [m] the deepest point was.
@@ -159,8 +164,10 @@ def _push(
     mu = (friction[members] * weights).sum(axis=1)
     drag = np.minimum(mu * push, speed / give) / np.maximum(speed, _TINY)
     impulse = push * normal - drag * slide
-    slip = step.slip(np.sqrt((relative**2).sum(axis=0)))
-    out = depth / give * normal - slip * drag * slide
+    way = ((x - before)[:, members] * weights).sum(axis=2) - step.dt * touch.velocity[:, None]
+    way -= (way * normal).sum(axis=0) * normal
+    held = step.dt * mu * push / np.maximum(np.sqrt((way**2).sum(axis=0)), _TINY)
+    out = depth / give * normal - np.minimum(held, 1 / give) * way
     for c in range(3):
         flat = members.ravel()
         np.add.at(v[c], flat, (impulse[c, :, None] * mobility).ravel())

@@ -6,7 +6,7 @@ static void dm_state_destroy(dm_state *b) {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next, b->pieces,
         b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
-        b->inverse_mass, b->friction, b->hits, b->pin_room, b->shares, b->moved,
+        b->inverse_mass, b->friction, b->hits, b->before, b->pin_room, b->shares, b->moved,
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
@@ -26,6 +26,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->matter = room(b->groups, sizeof(dm_group_matter)));
     whole = whole && (b->next = room(b->groups, sizeof(dm_group_next)));
     whole = whole && (b->inverse_mass = room(size, sizeof(dm_real))) && (b->friction = room(size, sizeof(dm_real)));
+    whole = whole && (b->before = room(size, sizeof *b->before));
     whole = whole && (b->shares = room(size, sizeof(uint32_t))) && (b->moved = room(size, sizeof(uint32_t)));
     whole = whole && (b->is_moved = room(size, 1)) && (b->touching = room(size, 1));
     whole = whole && (b->irregular = room(d->irregular, sizeof *b->irregular));

@@ -132,6 +132,7 @@ struct dm_state {
     int finger_count;
     dm_near touches[DM_MAX_FINGERTIPS];
     dm_contact *hits;
+    dm_quad *before; /* where vertices near a fingertip were at the begin of the step */
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */
     uint8_t *is_moved, *touching;
     double inner_force;

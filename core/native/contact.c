@@ -5,10 +5,24 @@ static void dm_mark_moved(dm_state *b, uint32_t i, uint32_t *count) {
     if (!b->is_moved[i]) b->is_moved[i] = 1, b->moved[(*count)++] = i;
 }
 
-/* How long a point of a speed moved with it in this substep: no vertex goes farther than the skin may travel. */
-DM_INLINE dm_real dm_slip_time(const dm_state *b, dm_real speed) {
-    dm_real dt = (dm_real)b->dt, travel = (dm_real)b->skin_travel;
-    return travel > 0 && speed * dt > travel ? travel / speed : dt;
+/* Note where a vertex was before this substep; none has gone farther than the skin may travel. */
+DM_INLINE void dm_note_before(dm_state *b, uint32_t i) {
+    const dm_record *r = b->records + i;
+    dm_real dt = (dm_real)b->dt, travel = (dm_real)b->skin_travel, speed = DM_SQRT(dm_dot3(r->v, r->v));
+    b->before[i] = r->x - r->v * (travel > 0 && speed * dt > travel ? travel / speed : dt);
+}
+
+static void dm_note_all_before(dm_state *b, const dm_near *t) {
+    for (int64_t k = 0; k < t->vertex_count; k++) dm_note_before(b, t->vertices[k]);
+    for (int64_t k = 0; k < t->face_count; k++)
+        for (int c = 0; c < 3; c++) dm_note_before(b, t->faces[k][c]);
+}
+
+/* What friction takes back, over what gives, of the way that a point went along the skin in this substep. */
+DM_INLINE dm_quad dm_taken_back(const dm_state *b, dm_quad way, dm_quad normal, dm_real held, dm_real give) {
+    way -= dm_dot3(way, normal) * normal;
+    dm_real length = DM_SQRT(dm_dot3(way, way)), share = (dm_real)b->dt * held / (length > DM_TINY ? length : DM_TINY);
+    return way * (share < 1 / give ? share : 1 / give);
 }
 
 /* Move inside vertices to the surface of the sphere and stop them there, as far as friction goes. */
@@ -28,8 +42,9 @@ static void dm_resolve_vertices(dm_state *b, const dm_near *t, double *impulse, 
         drag = (drag < most ? drag : most) / (speed > DM_TINY ? speed : DM_TINY);
         dm_quad j = push * normal - drag * slide;
         r->v += j * b->inverse_mass[i];
-        drag *= dm_slip_time(b, DM_SQRT(dm_dot3(relative, relative))); /* the slip is taken back as well */
-        r->x += b->inverse_mass[i] * ((t->radius - distance) / give * normal - drag * slide);
+        dm_quad way = r->x - b->before[i] - (dm_real)b->dt * t->velocity;
+        dm_quad back = dm_taken_back(b, way, normal, b->friction[i] * push, give);
+        r->x += b->inverse_mass[i] * ((t->radius - distance) / give * normal - back);
         for (int c = 0; c < 3; c++) impulse[c] -= j[c];
         dm_mark_moved(b, i, moved);
     }
@@ -146,17 +161,18 @@ static dm_real dm_resolve_faces(dm_state *b, const dm_near *t, double *impulse, 
     for (dm_contact *h = b->hits; h < b->hits + count; h++) {
         const uint32_t *at = h->corner;
         dm_real mu = 0, give = dm_compliance_of(b, h, h->mobility);
-        dm_quad relative = -t->velocity;
-        for (int j = 0; j < 3; j++)
+        dm_quad relative = -t->velocity, way = -(dm_real)b->dt * t->velocity;
+        for (int j = 0; j < 3; j++) {
             relative += h->weight[j] * b->records[at[j]].v, mu += h->weight[j] * b->friction[at[j]];
+            way += h->weight[j] * (b->records[at[j]].x - b->before[at[j]]);
+        }
         dm_real closing = dm_dot3(relative, h->normal), push = (closing < 0 ? -closing : 0) / give;
         dm_quad slide = relative - closing * h->normal;
         dm_real speed = DM_SQRT(dm_dot3(slide, slide)), drag = mu * push, most = speed / give;
         drag = (drag < most ? drag : most) / (speed > DM_TINY ? speed : DM_TINY);
         h->impulse = push * h->normal - drag * slide;
-        drag *= dm_slip_time(b, DM_SQRT(dm_dot3(relative, relative)));
         dm_real depth = h->radius - h->distance;
-        h->out = depth / give * h->normal - drag * slide;
+        h->out = depth / give * h->normal - dm_taken_back(b, way, h->normal, mu * push, give);
         deepest = depth > deepest ? depth : deepest;
     }
     for (const dm_contact *h = b->hits; h < b->hits + count; h++) {
@@ -219,6 +235,7 @@ static void dm_resolve_contact(dm_state *b, dm_frame *frame) {
         const dm_near *t = b->touches + k;
         double *impulse = frame->touches[t->finger].impulse;
         uint32_t moved = 0;
+        dm_note_all_before(b, t);
         dm_resolve_vertices(b, t, impulse, &moved);
         int sweeps = b->law_set != DM_LAWS_PAPER && t->face_count ? DM_FACE_SWEEPS : 0;
         for (int sweep = 1; sweep <= sweeps; sweep++) {
