@@ -180,8 +180,12 @@ def test_an_animated_body_carries_its_pins(bpy: ModuleType, scene: Any, ball: Ad
         seen = shown(obj)
         assert seen[lowest.index] == pytest.approx(tuple(lowest.co), abs=1e-5)
         lags.append(float(seen.mean(axis=0)[0]))
-    # acceleration over memory per mass: 4 m/s^2 / 1.2e5 /s^2 = 33 um, 4e-4 of the radius that stands for 82.5 mm
-    assert 5e-5 < max(map(abs, lags)) < 4e-4, "what is soft gives way by what its inertia asks for, and no more"
+    from bl_ext.user_default.dimple.operators import bridge
+
+    model = bridge.read_body(bpy.context, obj)[1]
+    # acceleration 4 m/s^2 over stiffness per mass, as a share of the radius that stands for 82.5 mm
+    most = 4 / (model.matching.k1.sum() / model.mass.sum()) / 0.0825
+    assert most / 8 < max(map(abs, lags)) < most, "what is soft gives way by what its inertia asks for, and no more"
     assert abs(lags[-1]) < 1e-6, "and comes to rest where it is carried"
 
 
