@@ -34,6 +34,7 @@ LAW_SETS = ("consistent", "paper")
 _ALL_HELD = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
+STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0}  # times as stiff as at rest a fill becomes in a body pressed flat
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
@@ -238,7 +239,7 @@ def assemble(
         friction=friction, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=float(((stretch * row_k + met) * inverse_mass).max())
-        + pressure.omega_squared(inside, x, inverse_mass),
+        + STIFFENS[inside.fill] * pressure.omega_squared(inside, x, inverse_mass),
         decay=float(((row_c + shape.damping) * inverse_mass).max()),
         notes=mesh.notes + notes + ((_ALL_HELD,) if held.all() else ()),
     )  # fmt: skip

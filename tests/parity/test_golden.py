@@ -26,16 +26,16 @@ from core.solver.motion import FingertipMotion
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "0f81cc90a6814accf205786caa38a9856ad99023da5ec982990ca837c2b8fcd4",
-    ("liquid", 32, "AVX2"): "2a054c3f66a702107382262befc04815e72507630b9a11c830f0ac7868c8d2ec",
-    ("liquid", 64, ""): "b6086fb6b32a44daf1262967b4c8af10d13fc20ee788eb58b614c1dc96ec7149",
-    ("free on the ground", 32, "SSE2"): "98e0b2725ddc69ed10222d28e4bed29e62b75ebdc5cd11ad0c8c613063ea0eaa",
-    ("free on the ground", 32, "AVX2"): "7fb174f9a020f3e5ca03d12b64533b9851238fe2dfbfa88c83ca87cc0bc1445f",
-    ("free on the ground", 64, ""): "f5681db93becd8ec6854fd10c2575c6ce204b8782cc232af69e1eec9b0a113c7",
+    ("liquid", 32, "SSE2"): "d33eb93f0aa6378ccd5ada0293a3f24212112ceafd6dfccc2b19fa02adf142ee",
+    ("liquid", 32, "AVX2"): "8960dfcc933d5642feac173ca5eb9d2b16c6789ee4ceefd248f154544cb89a9b",
+    ("liquid", 64, ""): "6bb3e6fbc3dcc78952c97812eb07c548dcbab497135f61e84af6922a2ddcfbe7",
+    ("free on the ground", 32, "SSE2"): "c478b53d193814c02860acc40506e3d8a64afa80c9d2056bd1c49833e6f689a6",
+    ("free on the ground", 32, "AVX2"): "4334ca17b3bd7717c0c4ebe4c56447b25cdf1e1d6469d3bba1f5e6b3f4d93b99",
+    ("free on the ground", 64, ""): "87618504350f905c450d5b071e498f829b0ae266afcd6084b92e4c7ae095674f",
 }
 NUMPY = {
-    "liquid": "041c286e486b534dfd0ecaefde6d68d8792d148342ca44bfa33cde898a434a02",
-    "paper laws": "2c102c52ba855eba65557a11f04063e0596d65fe08ec0241dd766dc825032093",
+    "liquid": "fc5f439fdc649f399e1c6ed4259295bef656b809ae34b0b39a50a211bc31e691",
+    "paper laws": "361a6fde5d5589efc5693888a2c04a55661b22816450c4322c02f06f08957a3b",
 }
 
 

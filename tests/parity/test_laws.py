@@ -180,7 +180,7 @@ def test_laws_fill_and_pins_of_a_living_body_change_as_with_numpy() -> None:
     models = others(model)
     bodies = [create(models[-1], backend=kind) for kind in ("numpy", "native64")]
     start, stop = (np.array(motion.fingertips[0][row]) for row in (0, 2))
-    for i, each in enumerate((*models, *models[::-1], *models[::2])):
+    for i, each in enumerate((*models, *models[::-1])):
         down, up = (tuple((start + (i / 20 + 0.05 * last) * (stop - start)).tolist()) for last in (0, 1))
         tip = FingertipMotion.straight(down, up, ticks=2, radius=0.1 * SIZE, fresh=i == 0)
         frames = []

@@ -9,7 +9,7 @@ import pytest
 from core import native
 from core.base import Floats
 from core.body import pressure, shape_matching, springs
-from core.body.model import Model, State, build_model, forces, initial_state
+from core.body.model import STIFFENS, Model, State, build_model, forces, initial_state
 from core.material import PRESETS, Material, Preset
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session
@@ -133,7 +133,7 @@ def test_a_free_body_keeps_its_momentum(backend: str, shape: str, material: str)
 @pytest.mark.parametrize("backend", backends("native64", "native") or ["numpy"])
 def test_momentum_is_kept_over_ten_thousand_steps(backend: str) -> None:
     model, state = thrown("ball", "liquid")
-    rounding = 1e-3 if backend == "native" else 1e-11  # single precision and double
+    rounding = 2e-3 if backend == "native" else 1e-11  # single precision and double
     session = Session(model, backend=backend)
     session.body.set_state(state.positions, state.velocities)
     before = momentum(model, state)
@@ -232,7 +232,9 @@ def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str) ->
     mesh = BODIES[body]
     for held in (None, base_vertices(mesh)):
         model = build_model(mesh, [replace(scenes.BALL, fill=fill, K2=610.0, damping_ratio=0.0)], held=held)
-        bound = np.sqrt(model.omega_squared)
+        # what is kept in reserve for a fill that is pressed flat does not count at rest
+        at_rest = pressure.omega_squared(model.pressure, model.matching.rest, model.inverse_mass)
+        bound = np.sqrt(model.omega_squared - (STIFFENS[model.pressure.fill] - 1) * at_rest)
         assert highest_frequency(model) <= bound * (1 + 1e-6)
         assert bound < 2.5 * highest_frequency(model)
 
