@@ -31,10 +31,10 @@ TRIALS = 4  # slopes that are tried for a piece
 USUAL = 1.7  # of them are needed: so much of the work is ahead
 CLOSE = 2e-3  # of the force: near enough
 GROWTH = 2.5  # power of the depth with which the energy of a piece grows, about
-# times the slope of the closed form beyond the knee: steep enough for most; the second where that is too soft, and not
-# at once, for a round tip then answers too much deeper down, and takes shorter steps
-STEEPEST = (2.5, 6.0)
-SOFT = 0.95  # of the measured force, at the deepest
+# times the slope of the closed form beyond the knee: good for most; what is tried where the force at the deepest is
+# then too small, and where it is too large, as a round tip's is that touches more vertices meanwhile
+STEEPEST, STEEPER, GENTLER = 2.5, 6.0, 1.3
+NEAR = 0.03  # of the measured force, at the deepest
 CHECKED = 20  # depths of the press that checks the result
 ALLOWED = 0.10  # of the force, or
 ALLOWED_FORCE = 0.3  # [N] whichever is more: what a depth may be off
@@ -101,13 +101,14 @@ def identification(
     found: list[tuple[Floats, float]] = []  # slopes, and the force at the deepest over the measured one
     done = 1 / (1 + USUAL * len(knots) + CHECKED)
     yield done
-    for steepest in STEEPEST:
+    steepest: float | None = STEEPEST
+    while steepest is not None:
         ahead = USUAL * len(knots) / (USUAL * len(knots) + CHECKED)  # of what is left, if nothing has to be tried again
         before, done = done, done + (1 - done) * ahead
         slopes, reached = yield from _found_slopes(mesh, measured, first, site, knots, steepest, (before, done))
         found.append((slopes, reached))
-        if reached > SOFT or deep <= material.x0:
-            break
+        again = len(found) == 1 and deep > material.x0 and abs(reached - 1) > NEAR
+        steepest = (STEEPER if reached < 1 else GENTLER) if again else None
     slopes, _ = min(found, key=lambda each: abs(each[1] - 1))
     constants = _constants(first, knots, slopes)
     wanted, stations = [], []

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp
+from scipy.integrate import solve_bvp, trapezoid
 from scipy.special import k0, k1
 
 from core.body.estimate import bed_area, estimate, falloff, reach
@@ -46,7 +46,7 @@ def test_the_force_of_the_closed_form_solves_the_membrane_on_its_bed(indenter: I
     )  # fmt: skip
     inside = np.linspace(0, a, 2000)
     under = depth - indenter.radius + np.sqrt(indenter.radius**2 - inside**2) if ball else depth + 0 * inside
-    bed = np.trapezoid(2 * np.pi * inside * under, inside) + np.trapezoid(2 * np.pi * found.x * found.y[0], found.x)
+    bed = trapezoid(2 * np.pi * inside * under, inside) + trapezoid(2 * np.pi * found.x * found.y[0], found.x)
     slope = float(found.sol(a)[1])
     # the tension at the rim is carried by the tip unless the surface leaves it smoothly
     assert area * depth == pytest.approx(bed if ball else bed, rel=2e-3)
