@@ -1,7 +1,7 @@
 """Studies whose expected figures are of the laws as they were before shape matching had a tension (2026-11-22).
 
-The bodies they study are now stiff by the tension instead of by springs, and free ones take steps of an eighth of a
-millisecond at most. Each is to be measured again (`dev.py charts`) or given a body of its own; then it leaves this list.
+Those bodies are now stiff by the tension instead of by springs, and free ones take steps of an eighth of a millisecond
+at most. Each is to be measured again (`dev.py charts`) or given a body of its own; then it leaves this list.
 """
 
 import pytest
