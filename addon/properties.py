@@ -44,7 +44,7 @@ _POKE_ALONG = (
 )
 
 _PRESS_BY = (
-    ("DEPTH", "Depth", "The fingertip goes as deep as it is told; the force is what the body answers"),
+    ("DEPTH", "Depth", "The fingertip goes to a set depth; the force is what the body answers"),
     (
         "FORCE", "Force",
         "The fingertip pushes straight into the surface with a force; the softer the body, the deeper it sinks in",

@@ -14,7 +14,7 @@ NOWHERE = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Finger:
-    """A fingertip: a sphere that goes where it is told, or is pushed by a force.
+    """A fingertip: a sphere that goes to a given place, or is pushed by a force.
 
     position: of its centre (3,) [m]; of one that is pushed, where it touches before it goes in.
     radius: [m].

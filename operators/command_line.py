@@ -61,7 +61,7 @@ def parser() -> argparse.ArgumentParser:
     bake.add_argument("file", type=Path, metavar="FILE.blend")
     bake.add_argument("--object", action="append", metavar="NAME", help="more than one may be given; else every body")
     bake.add_argument("--frames", type=_frames, metavar="FIRST-LAST", help="else those of the scene")
-    bake.add_argument("--begin", type=int, metavar="FRAME", help="simulate from there; FIRST unless told")
+    bake.add_argument("--begin", type=int, metavar="FRAME", help="simulate from there; FIRST unless given")
     bake.add_argument("--format", type=_formats, default=["ALEMBIC"], metavar="abc,usd,glb", help=", ".join(NAMES))
     bake.add_argument("--out", type=Path, required=True, metavar="DIR", help="it is made")
     bake.add_argument("--step", type=int, default=1, metavar="N", help="glTF and FBX: a shape key every N frames")

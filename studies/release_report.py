@@ -38,7 +38,7 @@ def run_mesh(
         for radius, (label, material) in zip(TIPS, materials, strict=True):
             held: Bools | None = base_vertices(mesh) if WAYS[way][2] else None
             model = build_model(mesh, [material], held=held)
-            if model.free:  # a body that hangs on one vertex swings on
+            if model.free:  # a body pinned at one vertex swings on
                 model = build_model(mesh, [material])
             free = np.flatnonzero(~model.held)
             if len(free):

@@ -10,7 +10,7 @@ WORDS = {
         "押すとき、Ctrl とホイール、ペンの筆圧が何を表すか"
     ),
     "Depth": "深さ",
-    "The fingertip goes as deep as it is told; the force is what the body answers": (
+    "The fingertip goes to a set depth; the force is what the body answers": (
         "指先は指定した深さまで入ります。力は物体の応答です"
     ),
     "Force": "力",

@@ -71,7 +71,7 @@ def build_shape_matching(
     more: Floats | None = None,
     knees: Floats | None = None,
 ) -> ShapeMatching:
-    """Hold the vertices of a mesh to their places at rest; the arguments are the fields of ShapeMatching."""
+    """Build the shape matching of a mesh; the arguments are the fields of ShapeMatching."""
     x, none = np.array(mesh.rest_positions.T, order="C"), np.zeros((0, len(k1)))
     return ShapeMatching(
         rest=x, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, pairs=mesh.springs, tension=tension,

@@ -104,8 +104,8 @@ def _goes_on(one: Block, other: Block, dialect: Dialect) -> bool:
         return False
     steps = np.abs(np.concatenate([np.diff(before, axis=0), np.diff(after, axis=0)]))
     jump, largest = np.abs(after[0] - before[-1]), np.nan_to_num(steps).max(axis=0, initial=0)
-    told = np.isfinite(jump)
-    return bool(told.sum() >= 2 and (jump[told] <= _ONWARD * largest[told]).all())
+    known = np.isfinite(jump)
+    return bool(known.sum() >= 2 and (jump[known] <= _ONWARD * largest[known]).all())
 
 
 def _numbers(lines: Sequence[str], dialect: Dialect) -> Floats:

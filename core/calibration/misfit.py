@@ -1,4 +1,4 @@
-"""How far a curve is from measured points where it is farthest, beside what can be felt there."""
+"""How far a curve is from measured points where it is farthest, beside the just-noticeable difference there."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ def largest_miss(depth: Floats, force: Floats, expected: Floats) -> Miss | None:
     part = np.minimum((x / x.max() * _PARTS).astype(np.int64), _PARTS - 1)
     counts = np.maximum(np.bincount(part, minlength=_PARTS), 1)
     mx, mf, me = (np.bincount(part, weights=values, minlength=_PARTS) / counts for values in (x, f, e))
-    told = mf >= _LEAST * f.max()
-    if not told.any():
+    large = mf >= _LEAST * f.max()
+    if not large.any():
         return None
-    shares = np.where(told, np.abs(me - mf) / np.where(told, mf, 1.0), -1.0)
+    shares = np.where(large, np.abs(me - mf) / np.where(large, mf, 1.0), -1.0)
     at = int(shares.argmax())
     return Miss(share=float(shares[at]), error=float(me[at] - mf[at]), depth=float(mx[at]))

@@ -56,7 +56,7 @@ class CFrame(Structure):
 
 
 def _letters(kind: Any) -> str:
-    """Return the letters by which the module struct names the numbers of a ctypes type."""
+    """Return the format characters of the module struct for a ctypes type."""
     if issubclass(kind, Structure):
         return "".join(_letters(each) for _, each, *_ in kind._fields_)
     return _letters(kind._type_) * kind._length_ if issubclass(kind, ctypes.Array) else kind._type_

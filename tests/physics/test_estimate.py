@@ -73,7 +73,7 @@ def test_springs_of_the_surface_are_too_weak_to_buckle_the_bed() -> None:
 @pytest.mark.parametrize("preset", PRESETS[1:], ids=lambda p: p.name)
 @pytest.mark.parametrize("indenter", [POINT, BALL], ids=lambda i: i.shape)
 def test_a_simulated_press_of_the_estimate_is_near_the_law(preset: Preset, indenter: Indenter) -> None:
-    """Within a third up to the knee, on faces twice as wide as deep: what identification is left to mend."""
+    """Within a third up to the knee, on faces twice as wide as deep: what is left to identification."""
     mesh = cube(24, preset.size)
     material = replace(preset.material, indenter=indenter)
     depths = material.x0 * np.array([0.5, 0.75, 1.0])

@@ -1,4 +1,4 @@
-"""What is exported is read back by somebody else's reader: the same vertices, faces, times and axes."""
+"""What is exported is read back by an independent reader: the same vertices, faces, times and axes."""
 
 import json
 import subprocess

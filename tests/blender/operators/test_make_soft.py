@@ -1,4 +1,4 @@
-"""Make Soft takes a bare mesh to its first press, and changes the mesh itself only when it is told to."""
+"""Make Soft takes a bare mesh to its first press, and changes the mesh itself only when asked."""
 
 from collections.abc import Callable
 from types import ModuleType
@@ -30,7 +30,7 @@ def test_a_bare_cube_is_ready_for_its_first_press(bpy: ModuleType, bare: Any) ->
     assert heights[np.hypot(*np.array([v.co.xy for v in bare.data.vertices]).T) < 0.1].min() < top - 0.02
 
 
-def test_the_mesh_is_cut_only_when_it_is_told_and_keeps_its_shape(
+def test_the_mesh_is_cut_only_when_asked_and_keeps_its_shape(
     bpy: ModuleType, bare: Any, coordinates: Bits
 ) -> None:
     before = coordinates(bare)
