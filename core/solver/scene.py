@@ -1,4 +1,4 @@
-"""Several bodies and colliders stepped together, so that nothing passes through anything: what goes in and comes out."""
+"""Several bodies and colliders stepped together, nothing passing through anything: what goes in and comes out."""
 
 from __future__ import annotations
 
