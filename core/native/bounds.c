@@ -56,11 +56,12 @@ static void dm_shorten(const double *from, double *x, double most) {
 /* Bring a vertex to where it may be: onto its planes where it is beyond them, so that it still slides along; where that
  * is not enough, so far back on its way as it must. */
 static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
-    const double *from = s->before[vertex];
+    const double *begin = s->before[vertex];
     double most = f->slack * (1 - 1e-6), share = 1;
-    dm_shorten(from, x, most);
+    dm_shorten(begin, x, most);
     if (s->place[vertex] == DM_NO_VERTEX) return;
     const dm_neighbour *n = s->near + s->place[vertex];
+    const double *from = n->last;
     const uint32_t *mine = s->pairs_of + n->first_pair;
     for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
         int moved = 0;
@@ -73,7 +74,7 @@ static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t 
             moved = 1;
         }
         if (!moved) return;
-        dm_shorten(from, x, most);
+        dm_shorten(begin, x, most);
     }
     for (uint32_t k = 0; k < n->pair_count; k++) {
         const dm_pair *p = s->pairs + mine[k] / 4;
@@ -84,6 +85,38 @@ static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t 
         }
     }
     for (int c = 0; c < 3; c++) x[c] = from[c] + share * (x[c] - from[c]);
+}
+
+static void dm_note_held(dm_scene_state *s, uint32_t vertex) {
+    if (s->place[vertex] == DM_NO_VERTEX) {
+        s->due = 1; /* it wants to go farther than anybody has looked */
+        return;
+    }
+    s->held = dm_grown(s, s->held, s->held_count, &s->held_room, sizeof *s->held);
+    if (dm_has_room(s)) s->held[s->held_count++] = s->place[vertex];
+    else s->due = 1;
+}
+
+/* Set the planes of what was held back anew, where things are now: they may go on from there in the next substep. */
+static void dm_renew_planes(dm_scene_state *s) {
+    for (uint32_t h = 0; h < s->held_count; h++) {
+        const dm_neighbour *n = s->near + s->held[h];
+        for (uint32_t k = 0; k < n->pair_count; k++) {
+            dm_pair *p = s->pairs + s->pairs_of[n->first_pair + k] / 4;
+            double x[4][3], w[4], between[3];
+            for (int j = 0; j < 4; j++) {
+                const dm_neighbour *m = s->near + p->at[j];
+                const dm_surface *f = s->surfaces + m->surface;
+                uint32_t i = m->vertex - f->first;
+                dm_world_of(s, f, m->vertex, x[j]);
+                if (f->body) f->bound[i / DM_LANES][i % DM_LANES] = -1; /* its planes are looked at from now on */
+            }
+            const double *at[4] = {x[0], x[1], x[2], x[3]};
+            double gap = dm_measure_pair(at, p->ones, w, between);
+            dm_set_plane(s, p, at, w, between, gap);
+        }
+    }
+    s->held_count = 0;
 }
 
 /* Hold a vertex of a body back, and take the speed with which it would go on; what of momentum that takes is counted. */
@@ -101,8 +134,9 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     dm_quad rounded = dm_quad_of(local);
     for (int c = 0; c < 3; c++) at[c] = b->origin[c] + (double)rounded[c];
     if (!dm_is_allowed(s, f, vertex, at)) {
-        rounded = dm_lane3(&f->before[i / DM_LANES], i);
-        memcpy(at, s->before[vertex], sizeof at);
+        if (s->place[vertex] != DM_NO_VERTEX) memcpy(at, s->near[s->place[vertex]].last, sizeof at);
+        else memcpy(at, s->before[vertex], sizeof at);
+        dm_minus(at, b->origin, local), rounded = dm_quad_of(local);
     }
     dm_minus(at, x, back);
     double length = sqrt(dm_inner3(back, back)), against = 0;
@@ -114,7 +148,7 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     }
     dm_set_vertex(b, i, rounded, v);
     b->pins_met |= !(b->inverse_mass[i] > 0);
-    s->out->truncated++, s->due = 1;
+    s->out->truncated++, dm_note_held(s, vertex);
 }
 
 /* Hold every vertex of a body to its bounds. */
@@ -143,8 +177,8 @@ static void dm_move_collider(dm_scene_state *s, dm_surface *f, double share) {
         memcpy(way, x, sizeof x);
         if (!dm_is_allowed(s, f, i, x)) {
             dm_hold_back(s, f, i, x);
-            if (!dm_is_allowed(s, f, i, x)) memcpy(x, s->before[i], sizeof x);
-            s->due = 1;
+            if (!dm_is_allowed(s, f, i, x)) memcpy(x, s->here[i], sizeof x);
+            dm_note_held(s, i);
         }
         dm_minus(way, x, way);
         double late = sqrt(dm_inner3(way, way)), gone = 0;

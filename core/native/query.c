@@ -81,7 +81,7 @@ static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
 
 static void dm_query(dm_scene_state *s) {
     for (const dm_neighbour *n = s->near; n < s->near + s->near_count; n++) s->place[n->vertex] = DM_NO_VERTEX;
-    s->near_count = s->pair_count = s->candidate_count = 0, s->due = 0, s->gap = INFINITY;
+    s->near_count = s->pair_count = s->candidate_count = s->held_count = 0, s->due = 0, s->gap = INFINITY;
     s->reach = dm_reach_of(s);
     uint8_t *fitted = s->fitted;
     memset(fitted, 0, (size_t)s->surface_count);

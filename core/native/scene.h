@@ -64,7 +64,7 @@ typedef struct { /* two that touch in this substep */
 
 typedef struct { /* a vertex that is near something */
     uint32_t vertex, surface, shares, first_pair, pair_count;
-    double x[3], v[3], push[3], inverse_mass; /* push: by which contact changes v */
+    double x[3], v[3], last[3], push[3], inverse_mass; /* last: where it was before this substep */ /* push: by which contact changes v */
 } dm_neighbour;
 
 typedef struct dm_scene_state {
@@ -77,9 +77,11 @@ typedef struct dm_scene_state {
     uint8_t *owns; /* bits: a triangle stands for these of its corners, and of its edges */
     uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; where it is in the list of what is near */
     dm_node *nodes;
+    double (*balls)[4]; /* middle and radius of each triangle at the last query */
     dm_neighbour *near;
     uint32_t near_count, near_room, pair_count, pair_room, meeting_count, meeting_room, *pairs_of, pairs_of_room;
     uint32_t candidate_count, candidate_room, *candidates; /* pairs that may touch before the next query */
+    uint32_t held_count, held_room, *held; /* near ones that were held back in this substep */
     double travel; /* [m] that what is near has gone since the query */
     int due;       /* a query is */
     dm_pair *pairs;
