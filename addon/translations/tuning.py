@@ -59,4 +59,40 @@ WORDS = {
     "It would show no dent. The mesh can be cut finer, in even parts.": (
         "へこみが見えません。メッシュを均等に細かく分割できます。"
     ),
+    "Colors": "色",
+    "Color the surface of what is pressed, with a scale": "押している物体の面を、目盛り付きの色で塗る",
+    "Contact Pressure": "接触圧",
+    "How hard the surface is pressed (kPa)": "面がどれだけ強く押されているか (kPa)",
+    "How far the surface is below its shape at rest (mm)": "面が元の形よりどれだけ沈んでいるか (mm)",
+    "Stretch": "伸び",
+    "How much longer or shorter its edges are than at rest (%)": "辺が元よりどれだけ伸び縮みしたか (%)",
+    "Slope K1": "傾き K1",
+    "How hard the first millimetres are, with the softness that is painted (N/mm)": (
+        "はじめの数ミリの硬さ。塗った柔らかさを含みます (N/mm)"
+    ),
+    "Knee x0": "折れ点 x0",
+    "How deep the soft part reaches, with what is painted (mm)": (
+        "柔らかい部分の深さ。塗った値を含みます (mm)"
+    ),
+    "The mesh looks as it does": "メッシュの見た目のまま",
+    "Shape at Rest": "元の形",
+    "Draw the edges of the shape at rest where the body has left it": "物体が離れたところに、元の形の辺を描く",
+    "Profile": "断面",
+    "Draw a cut through the dent of the deepest fingertip": "最も深い指先のくぼみの断面を描く",
+    "Softness Group": "柔らかさのグループ",
+    "Knee Group": "折れ点のグループ",
+    "Spread Group": "広がりのグループ",
+    "Thickness Group": "厚さのグループ",
+    "Vertex group or float attribute that paints softness: 0.5 is as measured, 1 four times softer, 0 four times "
+    "stiffer": (
+        "柔らかさを塗る頂点グループまたは浮動小数点属性。0.5 は測定どおり、1 は 4 倍柔らかく、0 は 4 倍硬くなります"
+    ),
+    "Vertex group or float attribute that paints how deep the soft part reaches: 0.5 is x0, 1 twice and 0.25 half of "
+    "it": "柔らかい部分の深さを塗る頂点グループまたは浮動小数点属性。0.5 は x0、1 はその 2 倍、0.25 は半分です",
+    "Vertex group or float attribute that paints how far a dent reaches: 0.5 is the spread, 1 twice and 0.25 half of "
+    "it": "くぼみの広がりを塗る頂点グループまたは浮動小数点属性。0.5 は元の広がり、1 はその 2 倍、0.25 は半分です",
+    "Vertex group or float attribute that paints how thick the surface is: 0.5 is k and the mass, 1 twice and 0.25 "
+    "half of them": (
+        "面の厚さを塗る頂点グループまたは浮動小数点属性。0.5 は k と質量のまま、1 は 2 倍、0.25 は半分です"
+    ),
 }

@@ -264,7 +264,7 @@ def test_a_body_that_is_renamed_while_pressed_is_called_by_its_new_name(
     shown = SimpleNamespace(
         scene=bpy.context.scene, space_data=SimpleNamespace(overlay=SimpleNamespace(show_overlays=1))
     )
-    ((body, entry),) = overlay._shown(shown)
+    ((body, entry),) = overlay.shown_bodies(shown)
     overlay.draw_rows(body, entry, overlay.Room(0.0, 0.0, *SIZE), 1.0)
     assert "Another" in written and "Cube" not in written
 
