@@ -1,7 +1,18 @@
 """What Blender shows and stores: properties, presets, panels, preferences, overlay, tool and translations."""
 
 from .. import operators
-from . import comparison_chart, overlay, panels, preferences, presets, properties, reduction, surface_colours, tool, translations
+from . import (
+    comparison_chart,
+    overlay,
+    panels,
+    preferences,
+    presets,
+    properties,
+    reduction,
+    surface_colours,
+    tool,
+    translations,
+)
 
 # in order of dependence: operators read the properties, panels name the operators and the presets' popover,
 # the preferences move the panels

@@ -5,6 +5,7 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 
 import bpy
 
+from ..operators import twins
 from ..operators.names import MAPS, Op
 from ..operators.sessions import identifying, sessions
 from . import calibration, device, readout
@@ -120,6 +121,8 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         row = layout.row()
         row.enabled = body is not None and body.type == "MESH"
         DIMPLE_PT_material_presets.draw_menu(row, text="Materials")
+        paired = body is not None and body.type == "MESH" and twins.other(body, context.scene) is not None
+        layout.operator(Op.USE_MATERIAL if paired else Op.COMPARE_MATERIALS, icon="MOD_MIRROR")
         column = layout.column(align=True)
         running = entry is not None and entry.running
         column.operator(Op.PLAY, text="Pause" if running else "Play", icon="PAUSE" if running else "PLAY")

@@ -195,6 +195,10 @@ class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
     knee_group: _map(1)
     spread_group: _map(2)
     thickness_group: _map(3)
+    twin: PointerProperty(
+        name="Twin Of", description="The object that this is a twin of, with another material",
+        type=bpy.types.Object, translation_context=CONTEXT,
+    )  # fmt: skip
     size_mode: EnumProperty(
         name="Physical Size", description="How large the real object is", items=_SIZE_MODES, **FIXED
     )

@@ -87,9 +87,11 @@ def made(uid: int, entry: Any, name: str) -> Coloured:
     if last and last.frame is entry.frame and last.name == name:
         return last
     skin, triangles = session.skin(), session.model.mesh.triangles
+    # Blender reads the memory of an array, whatever its strides are
     _made[uid] = Coloured(
-        entry.frame, name, (skin / entry.link.scale).astype(np.float32),
-        vertex_normals(triangles, skin).astype(np.float32), triangles.astype(np.int32), fields.field(session, name),
+        entry.frame, name, np.ascontiguousarray(skin / entry.link.scale, np.float32),
+        vertex_normals(triangles, skin).astype(np.float32), np.ascontiguousarray(triangles, np.int32),
+        fields.field(session, name),
     )  # fmt: skip
     return _made[uid]
 
@@ -150,8 +152,8 @@ def draw_rest(entry: Any, screen: Screen) -> None:
         return
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     shader.uniform_float("color", REST)
-    points = (rest / entry.link.scale).astype(np.float32)
-    batch = batch_for_shader(shader, "LINES", {"pos": points}, indices=edges[far].astype(np.int32))
+    points = np.ascontiguousarray(rest / entry.link.scale, np.float32)
+    batch = batch_for_shader(shader, "LINES", {"pos": points}, indices=np.ascontiguousarray(edges[far], np.int32))
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")
     batch.draw(shader)
@@ -171,7 +173,8 @@ def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen)
     if high < LINE_HEIGHT * scale or left < free.left:
         return free.right
     edge = 4 * scale
-    overlay.draw_filled((left - edge, bottom - edge), (free.right + edge, bottom + high + 2 * LINE_HEIGHT * scale), BACK)
+    top = bottom + high + 2 * LINE_HEIGHT * scale
+    overlay.draw_filled((left - edge, bottom - edge), (free.right + edge, top), BACK)
     draw_bar((left, bottom + 5 * scale), (LEGEND[0] * scale, high), name in SIGNED)
     overlay.write(title, (left, bottom + high + LINE_HEIGHT * scale), scale, TEXT)
     for share in (0.0, 0.5, 1.0):

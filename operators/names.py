@@ -62,6 +62,8 @@ class Op(StrEnum):
     IDENTIFY = "dimple.identify"
     MEASURE = "dimple.measure"
     COMPARE_PROXIES = "dimple.compare_proxies"
+    COMPARE_MATERIALS = "dimple.compare_materials"
+    USE_MATERIAL = "dimple.use_material"
     APPLY_PROXY = "dimple.apply_proxy"
     CONNECT_DEVICE = "dimple.connect_device"
     ARM_DEVICE = "dimple.arm_device"

@@ -250,7 +250,7 @@ VERBS = {
     ),
     "Preset": "プリセット",
     "Name of a measured object, such as object_2_vinyl_air": "測定した物体の名前。例: object_2_vinyl_air",
-    "Give the active material the constants of a measured object, and the body its measured size": (
+    "Give the active material the constants of a known object, and the body its size": (
         "アクティブマテリアルに測定した物体の定数を、物体に測定時の大きさを与えます"
     ),
     "Add a fingertip above the active object: an object that presses, to be moved and keyframed": (

@@ -1,6 +1,10 @@
 """Japanese of what is tuned by eye: press by force, and what the status bar says."""
 
-OPERATORS = {"Make Soft": "柔らかくする"}
+OPERATORS = {
+    "Make Soft": "柔らかくする",
+    "Compare Materials": "マテリアルを比べる",
+    "Use This Material": "このマテリアルを使う",
+}
 WORDS = {
     "Spread (mm)": "広がり (mm)",
     "How far a dent reaches beyond the fingertip": "くぼみが指先の外へどこまで広がるか",
@@ -95,4 +99,22 @@ WORDS = {
     "half of them": (
         "面の厚さを塗る頂点グループまたは浮動小数点属性。0.5 は k と質量のまま、1 は 2 倍、0.25 は半分です"
     ),
+    "Put a twin with a copy of the material beside the object; one press presses both, so that two can be compared": (
+        "マテリアルを複製した双子を隣に置きます。一度の押しで両方を押すので、二つを比べられます"
+    ),
+    "Keep the material of the selected one of two twins, and remove the copy": (
+        "双子のうち選択した方のマテリアルを残し、複製を取り除きます"
+    ),
+    "Select a soft body first": "先に柔らかい物体を選択してください",
+    "Make the object soft first": "先にオブジェクトを柔らかくしてください",
+    "The object has a twin already: use one of the two materials first": (
+        "オブジェクトにはすでに双子があります。先にどちらかのマテリアルを使ってください"
+    ),
+    "Something is being pressed: end that first, with Esc or Reset": (
+        "押している最中です。先に Esc か「元の形に戻す」で終えてください"
+    ),
+    "The object has no twin: Compare Materials makes one": "双子がありません。「マテリアルを比べる」で作れます",
+    "{} is its twin: select it and change its material": "{} が双子です。選択してマテリアルを変えてください",
+    "Twin Of": "双子の元",
+    "The object that this is a twin of, with another material": "別のマテリアルを持つ双子の、元のオブジェクト",
 }

@@ -84,6 +84,7 @@ def test_the_surface_is_drawn_in_the_colours_of_the_scale(
     each = colours.made(halves.session_uid, entry, name)
     assert len(each.values) == len(each.positions) and each.positions.max() == pytest.approx(1.0, abs=0.05)
     assert colours.made(halves.session_uid, entry, name) is each, "computed once a frame"
+    assert each.positions.flags.c_contiguous and each.triangles.flags.c_contiguous, "Blender reads the bare memory"
     colours._scales.clear()
     ends = colours.scale_of(name, [each])
     assert ends[0] <= each.values.min() + 1e-9 or name == "depth"
@@ -91,8 +92,17 @@ def test_the_surface_is_drawn_in_the_colours_of_the_scale(
     if not hasattr(gpu, "init"):
         pytest.skip("this Blender cannot draw without a window; 5.2 can")
     gpu.init()
-    picture = on_screen(lambda _: None, lambda _: colours.draw_coloured(each, ends, looking_down(bpy)))
-    assert (picture[:, :, :3].max(axis=2) > 20).mean() > 0.02, "it is seen"
+    from bl_ext.user_default.dimple.addon import colour_map
+
+    flat = colours.Coloured(*each[:5], np.full(len(each.values), 0.75 * ends[1]))
+    picture = on_screen(lambda _: None, lambda _: colours.draw_coloured(flat, ends, looking_down(bpy)))
+    seen = picture[:, :, :3] / 255.0
+    body = np.abs(seen - 0.2).max(axis=2) > 0.03
+    assert body.mean() > 0.02, "it is seen"
+    ratio = seen[body] / colour_map.coloured(np.array([0.75 * ends[1]]), ends, name in colours.SIGNED)
+    assert (ratio.max(axis=1) < 1.02).all() and (ratio.min(axis=1) > 1 - colours.SHADE - 0.02).all(), "but for shade"
+    covered = body[body.any(axis=1)][:, body.any(axis=0)]
+    assert covered.mean() > 0.6, "without holes"
 
 
 def test_the_scale_names_quantity_and_unit_and_shows_all_colours(
