@@ -40,7 +40,9 @@ WORDS = {
     "by a plate": "FIVB 規則 3：円周 65〜67 cm、0.30〜0.325 kgf/cm2、260〜280 g。板で押すと K = 2πRp、19.4〜21 N/mm",
     "Beach volleyball": "ビーチバレーボール",
     "FIVB rules: 66 to 68 cm round, 0.175 to 0.225 kgf/cm2, 260 to 280 g; K = 2 pi R p, from 11.5 to 14.8 N/mm, "
-    "pressed by a plate": "FIVB 規則：円周 66〜68 cm、0.175〜0.225 kgf/cm2、260〜280 g。板で押すと K = 2πRp、11.5〜14.8 N/mm",
+    "pressed by a plate": (
+        "FIVB 規則：円周 66〜68 cm、0.175〜0.225 kgf/cm2、260〜280 g。板で押すと K = 2πRp、11.5〜14.8 N/mm"
+    ),
     "Football": "サッカーボール",
     "Laws of the Game, law 2: 68 to 70 cm round, 0.6 to 1.1 atmospheres, 410 to 450 g; K = 2 pi R p, from 42 to 77 "
     "N/mm, pressed by a plate": (
