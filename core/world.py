@@ -73,11 +73,11 @@ class World:
     def check(self) -> None:
         """Raise a DimpleError when something passes through something else."""
         found = self._scene.crossings()
-        if found.count:
+        if found.pairs:
             first, second = (self._names[i] for i in found.surfaces)
             where = ", ".join(f"{1e3 * c:.1f}" for c in found.place)
             pair = f'"{first}" passes through itself' if first == second else f'"{first}" and "{second}" intersect'
-            raise DimpleError(f"{pair} at ({where}) mm, {found.count} pairs of faces in all. Move them apart first.")
+            raise DimpleError(f"{pair} at ({where}) mm, {found.pairs} pairs of faces in all. Move them apart first.")
 
     def set_colliders(self, ends: Sequence[Floats | None]) -> None:
         """Say where each collider (m, 3) [m] is to be at the end of the next step; None lets it rest.
@@ -92,6 +92,11 @@ class World:
                 name = self._names[len(self.sessions) + i]
                 raise DimpleError(f'Collider "{name}" has other vertices than at the start, or one that is no number.')
             self._ends[i] = np.ascontiguousarray(np.asarray(end, np.float64).T)
+
+    def target(self, index: int) -> Floats:
+        """Return where a collider (m, 3) [m] is to be at the end of the step that was asked for last."""
+        end = self._ends[index]
+        return (self._at[index] if end is None else end).T
 
     def collider(self, index: int) -> Floats:
         """Return where a collider (m, 3) [m] is: behind its way where a body cannot get out of it."""
@@ -150,7 +155,7 @@ class World:
         ways = [
             None if end is None else ColliderMotion(at, end) for at, end in zip(self._at, self._ends, strict=True)
         ]
-        motions = [session.motion(ticks, substeps=substeps) for session in self.sessions]
+        motions = [session.next_motion(ticks, substeps=substeps) for session in self.sessions]
         return self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
 
     def _arrive(self, share: float) -> None:
@@ -167,5 +172,5 @@ def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
     return Meeting(
         max(part.touching for part in parts), sum(part.truncated for part in parts),
         sum(part.taken for part in parts), max(part.held_back for part in parts),
-        sum(part.impulses for part in parts) / seconds, sum(part.queries for part in parts),
+        np.sum([part.impulses for part in parts], axis=0) / seconds, sum(part.queries for part in parts),
     )  # fmt: skip

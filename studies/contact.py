@@ -28,7 +28,7 @@ class Referee:
     """Look for intersections between the surfaces of a world, with another library's code."""
 
     def __init__(self, played: Played) -> None:
-        import ipctk
+        import ipctk  # type: ignore[import-not-found]
 
         world = played.world
         faces = [session.body.model.mesh.triangles for session in world.sessions]

@@ -87,18 +87,40 @@ static double dm_friction_of(const dm_surface *f, const uint32_t *at, const doub
     return mu;
 }
 
-/* Set the plane between the nearest points of a pair at positions x, and how near each may come to it. */
+DM_INLINE double dm_approach(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w) {
+    double speed = 0;
+    for (uint32_t k = from; k < to; k++) {
+        const dm_neighbour *n = s->near + p->at[k];
+        const dm_surface *f = s->surfaces + n->surface;
+        double v[3];
+        if (f->body) dm_velocity(f->body, n->vertex - f->first, v);
+        else memcpy(v, s->rate[n->vertex], sizeof v);
+        speed -= w[k] * dm_inner3(p->normal, v);
+    }
+    return speed > 0 ? speed : 0;
+}
+
+/* Set the plane between the nearest points of a pair at positions x, and how near each may come to it: the faster it
+ * comes towards the other, the larger its part of the distance. */
 static void dm_set_plane(const dm_scene_state *s, dm_pair *p, const double *const *x, const double *w,
                          const double *between, double gap) {
     double a = s->surfaces[p->surface[0]].closest, b = s->surfaces[p->surface[1]].closest, closest = a > b ? a : b;
-    p->level = 0;
+    for (int c = 0; c < 3; c++) p->normal[c] = gap > 0 ? between[c] / gap : 0;
+    double u = dm_approach(s, p, 0, p->ones, w) + DM_SLOW, v = dm_approach(s, p, p->ones, 4, w) + DM_SLOW;
+    double share[2] = {u / (u + v), 0}, most = 1 - DM_LEAST_SHARE;
+    if (gap <= closest) share[0] = 0.5;
+    share[0] = share[0] < DM_LEAST_SHARE ? DM_LEAST_SHARE : share[0] > most ? most : share[0];
+    share[1] = 1 - share[0], p->level = 0;
     for (int c = 0; c < 3; c++) {
-        p->normal[c] = gap > 0 ? between[c] / gap : 0;
         double other = 0;
         for (uint32_t k = p->ones; k < 4; k++) other -= w[k] * x[k][c];
-        p->level += p->normal[c] * (other + between[c] / 2);
+        p->level += p->normal[c] * (other + share[1] * between[c]);
     }
-    p->keep = gap > closest ? closest / 2 + (1 - DM_BOUND) * (gap - closest) / 2 : gap / 2 * (1 - 1e-6);
+    for (int k = 0; k < 2; k++) {
+        double whole = share[k] * gap, least = whole / 2 < closest / 2 ? whole / 2 : closest / 2;
+        p->keep[k] = gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - 1e-6);
+        p->way[k] = whole - p->keep[k];
+    }
 }
 
 /* Note a pair that is near, with the plane between its two. parts: the triangle of the face, or both edges. */

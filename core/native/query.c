@@ -74,7 +74,7 @@ static void dm_list_candidates(dm_scene_state *s) {
 static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
     for (int64_t g = 0; f->body && g < f->body->groups; g++)
         for (int l = 0; l < DM_LANES; l++) {
-            double way = s->roam[f->first + (uint32_t)(g * DM_LANES + l)] * (1 - 1e-4);
+            double way = s->roam[f->first + (uint32_t)(g * DM_LANES + l)] * DM_ALERT;
             f->bound[g][l] = (dm_real)(way < 1e18 ? way * way : 1e36);
         }
 }
