@@ -31,7 +31,10 @@ EXPORTS = (
     ("VAT", "Vertex Animation Texture", "EXR and 16-bit PNG for shaders, and the mesh with its second UV map", 256),
 )
 PLACES = (
-    ("TOP", "Top Middle", "Straight down on the middle of the body"),
+    (
+        "TOP", "Typical Place",
+        "The middle of the top, unless there is an edge, a hole or a pin: then where the surface is most even",
+    ),
     ("CURSOR", "3D Cursor", "Straight into the surface, where the 3D cursor is nearest to it"),
 )
 
