@@ -10,7 +10,7 @@ WORDS = {
     "Simulate": "計算するもの",
     "What is simulated: the full mesh or a proxy": "計算するもの。元のメッシュ、または代理メッシュ",
     "Automatic": "自動",
-    "The full mesh where that runs live, else the smallest proxy within the tolerances; a coarse one cut finer": (
+    "The full mesh, cut finer where it is coarse, or the smallest proxy within the tolerances": (
         "実時間で動くなら元のメッシュ、動かないなら許容差に収まる最小の代理メッシュ。粗すぎるメッシュは細かく分割します"
     ),
     "Full Mesh": "元のメッシュ",
