@@ -20,14 +20,14 @@ from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
 from ..session import Session
 from .indent import CLEAR, Site, Station, go_down, press, set_up
-from .inversion import DEPTHS, bed_in_pieces, inverted
+from .inversion import DEPTHS, SWEEPS, bed_in_pieces, inverted, piece_ends
 
 AT = 0.6  # of the knee: where the closed form is scaled to the measured force; a round tip makes it start too softly
 FARTHEST = 10.0  # times the closed form: the most it is scaled
 KNOTS = (0.15, 0.3, 0.5, 0.75, 1.0)  # of the knee of the measured law: where pieces end,
 BEYOND = 6  # and how many there are beyond it
 TRIALS = 4  # slopes that are tried for a piece
-USUAL = 1.7  # of them are needed: so much of the work is ahead
+USUAL, USUAL_ROUND = 1.7, 2.5  # of them are needed, by a flat tip and by a round one: so much of the work is ahead
 CLOSE = 2e-3  # of the force: near enough
 GROWTH = 2.5  # power of the depth with which the energy of a piece grows, about
 # times the slope of the closed form: good for most; what is tried where the force at the deepest is then too small
@@ -95,7 +95,7 @@ def identification(
     deep, stopped = _deepest(deepest, site)
     first = _scaled(mesh, measured, site, AT * min(material.x0, deep))
     if indenter.shape == "sphere":
-        constants, stations = yield from inverted(mesh, measured, first, site, deep)
+        constants, stations = yield from _all_at_once(mesh, measured, first, site, deep)
     else:
         constants, stations = yield from _piece_by_piece(mesh, measured, first, site, deep)
     if len(stations) < DEPTHS:
@@ -105,10 +105,26 @@ def identification(
     return _judged(replace(measured, constants=constants), stations, wanted, stopped)
 
 
+def _all_at_once(
+    mesh: Mesh, material: Material, first: ModelConstants, site: Site, deepest: float
+) -> Generator[float, None, tuple[ModelConstants, list[Station]]]:
+    """Find the bed's law under a round tip, and press with it; begin with the closed form where that may do.
+
+    A tip finer than the mesh presses a vertex or three, as a flat one does: then the law is found piece by piece first.
+    """
+    ends, begun = piece_ends(material.x0, deepest), 0.0
+    slopes = np.where(ends <= material.x0, first.kappa1, max(first.kappa1, first.kappa2))
+    if np.median(mesh.rest_lengths) > material.indenter.radius:
+        begun = USUAL_ROUND * len(ends) / (USUAL_ROUND * len(ends) + SWEEPS * DEPTHS)
+        found, _ = yield from _found_slopes(mesh, material, first, site, ends, STEEPEST, (0.0, begun))
+        slopes = np.append(found, np.full(len(ends) - len(found), found[-1]))
+    return (yield from inverted(mesh, material, first, site, ends, slopes, begun))
+
+
 def _piece_by_piece(
     mesh: Mesh, material: Material, first: ModelConstants, site: Site, deepest: float
 ) -> Generator[float, None, tuple[ModelConstants, list[Station]]]:
-    """Find the bed's law under a flat tip, and press with it; the arguments and results are those of `inverted`."""
+    """Find the bed's law under a flat tip, and press with it; yield the share that is done."""
     knots = _knots(material.x0, deepest)
     found: list[tuple[Floats, float]] = []  # slopes, and the force at the deepest over the measured one
     done = 1 / (1 + USUAL * len(knots) + DEPTHS)

@@ -58,26 +58,28 @@ class _Sweep:
 
 
 def inverted(
-    mesh: Mesh, material: Material, first: ModelConstants, site: Site, deepest: float
+    mesh: Mesh, material: Material, first: ModelConstants, site: Site, ends: Floats, slopes: Floats, begun: float
 ) -> Generator[float, None, tuple[ModelConstants, list[Station]]]:
     """Find the bed's law in steps of one rest each.
 
     Args:
         material: K1, K2, x0 measured with its indenter.
-        first: constants to begin with; tension and factor on k stay.
-        deepest: depth [m] down to which the law must be answered.
+        first: constants whose tension and factor on k stay.
+        ends: (m,) displacements [m] where pieces of the law end, the last of them the depth to be pressed to.
+        slopes: (m,) of the pieces [N/m3] to begin with.
+        begun: share of the whole that was done before.
 
     Yields:
-        the share that is done.
+        the share of the whole that is done.
 
     Returns:
         the constants, and the press with them, which ends early where no rest was found.
     """
-    ends = piece_ends(material.x0, deepest)
-    slopes = np.where(ends <= material.x0, first.kappa1, max(first.kappa1, first.kappa2))
     best, damped = None, DAMPED
+    slopes = np.maximum(slopes, np.where(ends == ends[0], LEAST * first.kappa1, 0.0))
     for sweep in range(SWEEPS):
-        found = yield from _swept(mesh, material, first, site, ends, slopes, deepest, sweep / SWEEPS)
+        share = begun + (1 - begun) * sweep / SWEEPS, (1 - begun) / (DEPTHS * SWEEPS + 1)
+        found = yield from _swept(mesh, material, first, site, ends, slopes, share)
         if best is None or found.off @ found.off < best.off @ best.off:
             best, damped = found, damped * (1.0 if best is None else LESS)
         else:
@@ -110,20 +112,19 @@ def _swept(
     site: Site,
     ends: Floats,
     slopes: Floats,
-    deepest: float,
-    done: float,
+    share: tuple[float, float],
 ) -> Generator[float, None, _Sweep]:
-    """Press with a law of slopes (m,) on pieces that end at (m,) and yield the share of the whole that is done."""
+    """Press with a law of slopes (m,) on pieces that end at (m,); share: of the whole, before and by each depth."""
     session = set_up(mesh, replace(material, constants=bed_in_pieces(first, ends, slopes)), material.indenter, site)
     model = session.model
     area = model.matching.k1 / max(slopes[0], 1e-6 * first.kappa1)
-    depths = deepest * np.arange(1, DEPTHS + 1) / DEPTHS
+    depths = ends[-1] * np.arange(1, DEPTHS + 1) / DEPTHS
     wanted = np.array([material.law(depth) for depth in depths.tolist()])
     weighs = np.sqrt(wanted.max() * (LIGHT * wanted.max() + wanted))
     off, stored, stations, before = wanted / weighs, [np.zeros(len(slopes))], [], 0.0
     for k, depth in enumerate(depths.tolist()):
         station = go_down(session, material.indenter, site, before, depth)
-        yield done + (k + 1) / (DEPTHS * SWEEPS + 1)
+        yield share[0] + (k + 1) * share[1]
         if not station.found:
             break
         off[k], before = (station.force - wanted[k]) / weighs[k], depth
