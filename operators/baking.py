@@ -172,7 +172,7 @@ def _step(
             body.session.set_fingers(live.fingertips(scene, body.link.scale))
             if not np.array_equal(matrix, body.matrix):
                 body.matrix = matrix
-                body.session.set_held(bridge.to_physical(body.link.scale, matrix, body.link.rest))
+                body.session.set_held(bridge.places(body.link, matrix))
         for world in worlds:
             contact.lead_colliders(context, world)
             world.world.step(look_s)
