@@ -10,7 +10,9 @@ static void dm_state_destroy(dm_state *b) {
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
-    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_free(b->touches[k].vertices), dm_free(b->touches[k].faces);
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
+        dm_free(b->touches[k].vertices), dm_free(b->touches[k].faces), dm_free(b->touches[k].noted);
+    }
     dm_free(b);
 }
 
@@ -36,7 +38,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->fans = room(d->fans, sizeof *b->fans)) && (b->caps = room(d->cap_edges, sizeof *b->caps));
     whole = whole && (b->cap_hole = room(d->cap_edges, sizeof(uint32_t)));
     whole = whole && (b->holes = room(d->cap_edges, sizeof *b->holes));
-    whole = whole && (b->triangles = room(t, sizeof *b->triangles)) && (b->hits = room(t, sizeof(dm_contact)));
+    whole = whole && (b->triangles = room(t + DM_LANES, sizeof *b->triangles)) && (b->hits = room(t, sizeof(dm_contact)));
     b->box_count = (t + DM_BLOCK - 1) / DM_BLOCK;
     whole = whole && (b->box_start = room(b->box_count + 1, sizeof(uint32_t)));
     whole = whole && (b->box_vertex = room(3 * t, sizeof(uint32_t)));
@@ -44,6 +46,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         whole = whole && (b->touches[k].vertices = room(size, sizeof(uint32_t)));
         whole = whole && (b->touches[k].faces = room(t + DM_LANES, sizeof *b->touches[k].faces));
+        whole = whole && (b->touches[k].noted = room(size, sizeof(uint32_t)));
     }
     return whole ? DM_OK : DM_MEMORY;
 }

@@ -78,8 +78,9 @@ typedef struct { /* what a fingertip may meet within a tick */
     int finger;
     dm_quad centre, velocity;
     dm_real radius;
-    int64_t vertex_count, face_count;
+    int64_t vertex_count, face_count, noted_count;
     uint32_t *vertices, (*faces)[3]; /* by their corners, the last one repeated to fill eight lanes */
+    uint32_t *noted;                 /* each of those vertices and corners once */
 } dm_near;
 
 typedef struct { /* a triangle of the surface at rest, below which fingertips are measured */
