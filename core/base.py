@@ -36,6 +36,9 @@ SKIN_TRAVEL = 0.5  # of a fingertip's radius: the most the skin may move in a su
 LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
 FASTEST = 1e6  # sizes in a tick: so has one as fast
 FINGER_TRAVEL = 0.25  # of its radius: the most a fingertip may move in a tick, or it would skip over the skin
+REST_SPEED = 1e-3  # sizes a second: what moves faster is not at rest
+REST_TIME = 0.25  # [s] what has been slower for so long, and
+REST_WAY = 1e-6  # of its size: is no farther from where it was then, sleeps
 
 
 def sums_at(index: Ints, values: Floats, n: int) -> Floats:

@@ -224,7 +224,6 @@ def assemble(
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
     dashpots = 2 * damping[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
     inverse_mass = np.where(held, 0.0, 1 / mass)
-    x = np.array(mesh.rest_positions.T, order="C")
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
     shape = replace(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import struct
 import weakref
-from ctypes import Structure, byref, c_double, c_void_p
+from ctypes import Structure, addressof, byref, c_double, c_void_p
 from typing import Any
 
 import numpy as np
@@ -52,7 +52,10 @@ class CTouch(Structure):
 class CFrame(Structure):
     """What a call came to: dm_frame."""
 
-    _fields_ = [("touches", CTouch * 3), *fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n")]
+    _fields_ = [
+        ("touches", CTouch * 3),
+        *fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n", moved="n"),
+    ]
 
 
 def _letters(kind: Any) -> str:
@@ -95,7 +98,7 @@ class Body:
         self.library = library
         self.model, self._surface = model, surface or model
         self._shape = model.matching.rest.shape
-        self._placed: Floats | None = model.matching.rest  # what has not been stepped since keeps its digits
+        self._placed: Floats | None = model.matching.rest  # where it is, while that is known
         self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
         with Arrays() as arrays:
             definition = define(self.library, model, self._surface, arrays)
@@ -103,7 +106,7 @@ class Body:
         weakref.finalize(self, self.library.dm_destroy, self._handle.value)
         # what every step hands over: made once
         self._step = self.library.dm_step
-        self._step_arguments = self._handle, byref(self._motion), byref(self._frame)
+        self._step_arguments = self._handle.value, addressof(self._motion), addressof(self._frame)
 
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
         """Give the living body the numbers of other models of the same meshes.
@@ -132,11 +135,10 @@ class Body:
 
     def positions(self) -> Floats:
         """Return where the vertices are, (3, n) [m]."""
-        if self._placed is not None:
-            return self._placed.copy()
-        x = np.empty(self._shape)
-        self._call("dm_get_state", self._handle, x.ctypes.data, None)
-        return x
+        if self._placed is None:
+            self._placed = np.empty(self._shape)
+            self._call("dm_get_state", self._handle, self._placed.ctypes.data, None)
+        return self._placed.copy()
 
     def velocities(self) -> Floats:
         """Return how fast the vertices move, (3, n) [m/s]."""
@@ -150,8 +152,6 @@ class Body:
         Raises:
             NativeError: the motion has a number that is none.
         """
-        if motion.ticks:
-            self._placed = None
         numbers: list[Any] = [motion.ticks, motion.substeps, motion.tick]
         for tip in motion.fingertips:
             numbers += _LIFTED if tip is None else (
@@ -170,8 +170,10 @@ class Body:
             raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
         found = _PACKED_FRAME.unpack_from(self._frame)
         touches = tuple([_touch(found, i * _TOUCH_NUMBERS) if tip else None for i, tip in enumerate(motion.fingertips)])
-        volume, pressure, ticks, finite = found[-4:]
-        return Frame(touches, found[-16:-4], volume, pressure, ticks, bool(finite))
+        volume, pressure, ticks, finite, moved = found[-5:]
+        if moved:
+            self._placed = None
+        return Frame(touches, found[-17:-5], volume, pressure, ticks, bool(finite), bool(moved))
 
     def _places(self, pins: PinMotion) -> list[Floats]:
         """Return where pins start and end, as the library reads it."""

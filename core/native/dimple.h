@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 5 /* changes with anything below */
+#define DM_ABI 6 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -132,6 +132,7 @@ typedef struct {
     double pressure;  /* [Pa] when the forces were last evaluated */
     int64_t ticks;    /* done */
     int64_t finite;   /* 0: it has blown up in the last of them */
+    int64_t moved;    /* 0: it was asleep all the time, at rest, and is where it was */
 } dm_frame;
 
 DM_API int32_t dm_abi(void);

@@ -81,16 +81,13 @@ static void dm_list_noted(dm_state *b, dm_near *t) {
     for (int64_t k = 0; k < t->noted_count; k++) b->is_moved[t->noted[k]] = 0;
 }
 
-/* Move the fingertips by a tick, no faster than they may without skipping a skin, and find what they may meet in it.
- * t: of the tick in the motion. */
-static void dm_move_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
-    b->skin_travel = 0, b->finger_count = 0;
+/* Move the fingertips by a tick, no faster than they may without skipping a skin. t: of the tick in the motion. */
+static void dm_carry_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
     double share = m->ticks > 1 ? (double)t / (double)(m->ticks - 1) : 0;
-    dm_real speed = 0;
+    b->finger_count = 0;
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         const dm_fingertip *f = m->fingertips + k;
         if (!f->down) continue;
-        if (!b->finger_count) speed = dm_greatest_speed(b), dm_bound_boxes(b);
         dm_near *to = b->touches + b->finger_count++;
         double *here = b->fingers[k].centre, way[3], at[3], far = 0;
         for (int c = 0; c < 3; c++) {
@@ -104,11 +101,22 @@ static void dm_move_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
         }
         to->finger = k, to->radius = (dm_real)f->radius;
         to->centre = dm_quad_of(at), to->velocity = dm_quad_of(way);
-        dm_real reach = (dm_real)(f->radius + 2 * slow * sqrt(far) + 2 * (double)speed * m->tick);
+        to->reach = f->radius + 2 * slow * sqrt(far);
+    }
+}
+
+/* Find what the fingertips may meet within the tick. */
+static void dm_find_near(dm_state *b, const dm_motion *m) {
+    b->skin_travel = 0;
+    if (!b->finger_count) return;
+    double speed = (double)dm_greatest_speed(b);
+    dm_bound_boxes(b);
+    for (dm_near *to = b->touches; to < b->touches + b->finger_count; to++) {
+        dm_real reach = (dm_real)(to->reach + 2 * speed * m->tick);
         dm_find_near_vertices(b, to, reach);
         dm_find_near_faces(b, to, reach);
         dm_list_noted(b, to);
-        double travel = DM_SKIN_TRAVEL * f->radius;
+        double travel = DM_SKIN_TRAVEL * (double)to->radius;
         if (to->vertex_count + to->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
             b->skin_travel = travel;
     }
