@@ -39,6 +39,7 @@ FINGER_TRAVEL = 0.25  # of its radius: the most a fingertip may move in a tick, 
 REST_SPEED = 1e-3  # sizes a second: what moves faster is not at rest
 REST_TIME = 0.25  # [s] what has been slower for so long, and
 REST_WAY = 1e-6  # of its size: is no farther from where it was then, sleeps
+REST_CLEAR = 0.05  # of a fingertip's radius: nearer to the box round a body, it keeps it awake
 
 
 def sums_at(index: Ints, values: Floats, n: int) -> Floats:

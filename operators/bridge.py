@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from ..core.base import FARTHEST, DimpleError
 from . import advice, calibration
-from .names import BAKED_KEY, LIVE_KEY, REST
+from .names import BAKED_KEY, LIVE_KEY, MAPS, REST
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
@@ -111,9 +111,10 @@ def read_model(
             identify = "NO"
         found = [_material(body, slot, mesh, held, identify) for slot in slots]
         materials, messages = zip(*found, strict=True)
-        softness = _weights(body, params["softness_group"], "softness") if params["softness_group"] else None
+        groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
+        maps = {name: _weights(body, group, name) for name, group in groups.items() if group}
         model = build_model(
-            mesh, materials, law_set=params["law_set"], held=held, softness=softness,
+            mesh, materials, law_set=params["law_set"], held=held, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
             ground=0.0 if surroundings.use_ground else None,
         )  # fmt: skip
@@ -320,8 +321,12 @@ def _pins(body: bpy.types.Object, group: str) -> Floats:
 
 
 def _weights(body: bpy.types.Object, group: str, role: str) -> Floats:
-    """Return the weight (N,) of every vertex in a vertex group; 0 outside it."""
-    found = body.vertex_groups.get(group)
+    """Return the weight (N,) of every vertex in a vertex group, 0 outside it; or a float attribute of that name."""
+    found, attribute = body.vertex_groups.get(group), body.data.attributes.get(group)
+    if found is None and attribute and attribute.domain == "POINT" and attribute.data_type == "FLOAT":
+        values = np.empty(len(body.data.vertices), np.float32)
+        attribute.data.foreach_get("value", values)
+        return values.astype(np.float64)
     if found is None:
         raise DimpleError(f'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.')
     import bmesh

@@ -12,6 +12,7 @@ from ..core.base import DimpleError
 from ..core.calibration.indent import Site, find_site
 from ..core.material import Indenter
 from . import bridge, calibration
+from .names import MAPS
 
 if TYPE_CHECKING:
     from ..core.material import Material
@@ -123,8 +124,8 @@ def _notes(body: bpy.types.Object) -> tuple[str, ...]:
     notes = []
     if len({slot.material for slot in body.material_slots}) > 1:
         notes.append("The object has several materials: it was pressed as if all of it were the active one.")
-    if body.dimple.softness_group:
-        notes.append("The object has painted softness: it was pressed as if nothing were painted.")
+    if any(getattr(body.dimple, f"{name}_group") for name, _, _ in MAPS):
+        notes.append("The object has painted constants: it was pressed as if nothing were painted.")
     return tuple(notes)
 
 

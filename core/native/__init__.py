@@ -10,7 +10,7 @@ import ctypes
 import functools
 import importlib.util
 import sys
-from ctypes import POINTER, c_int32, c_void_p
+from ctypes import POINTER, c_int32, c_int64, c_void_p
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from .body import BASE as BASE
 from .body import BEST as BEST
 from .body import Body as Body
 from .body import NativeError as NativeError
+from .body import step_many as step_many
 from .definition import BodyDef, Constants
 
 ABI = 6
@@ -36,6 +37,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "dm_set_state": (c_void_p, c_void_p, c_void_p),
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
     "dm_step": (c_void_p, c_void_p, c_void_p),  # addresses: made once, and quicker to hand over
+    "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
     "dm_fit_rotation": (c_void_p, c_void_p),
 }
 

@@ -21,9 +21,10 @@
 #define DM_LARGEST_GROWTH 100.0
 #define DM_FASTEST 1e6
 #define DM_SAME_SIDE 0.5 /* as in core/mesh/depth.py */
-#define DM_REST_SPEED 1e-3 /* as in core/base.py, with the two below */
+#define DM_REST_SPEED 1e-3 /* as in core/base.py, with the three below */
 #define DM_REST_TIME 0.25
 #define DM_REST_WAY 1e-6
+#define DM_REST_CLEAR 0.05
 
 /* Vertices lie in the order in which a wave over the surface meets them, so that neighbours are near in memory; runs of
  * eight with about as many neighbours each make a group. */

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import struct
 import weakref
+from collections.abc import Sequence
 from ctypes import Structure, addressof, byref, c_double, c_void_p
 from typing import Any
 
@@ -152,22 +153,32 @@ class Body:
         Raises:
             NativeError: the motion has a number that is none.
         """
+        pins = self._hand_over(motion)  # they live until the call is over
+        code = self._step(*self._step_arguments)
+        del pins
+        if code:
+            raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
+        return self._found(motion)
+
+    def _hand_over(self, motion: Motion) -> list[Floats]:
+        """Write a motion as the library reads it; return the arrays it points to."""
         numbers: list[Any] = [motion.ticks, motion.substeps, motion.tick]
         for tip in motion.fingertips:
             numbers += _LIFTED if tip is None else (
                 *tip.start, *tip.first, *tip.last, tip.radius, True, tip.fresh,
             )  # fmt: skip
         numbers += _LIFTED * (3 - len(motion.fingertips))
-        pins = None
+        pins: list[Floats] = []
         if motion.pins is None:
             numbers += _NO_PINS
         else:
-            pins = self._places(motion.pins)  # they live until the call is over
+            pins = self._places(motion.pins)
             numbers += (*(a.ctypes.data for a in pins), motion.pins.first, motion.pins.last)
         _PACKED_MOTION.pack_into(self._motion, 0, *numbers)
-        code = self._step(*self._step_arguments)
-        if code:
-            raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
+        return pins
+
+    def _found(self, motion: Motion) -> Frame:
+        """Return what a motion that has been run came to."""
         found = _PACKED_FRAME.unpack_from(self._frame)
         touches = tuple([_touch(found, i * _TOUCH_NUMBERS) if tip else None for i, tip in enumerate(motion.fingertips)])
         volume, pressure, ticks, finite, moved = found[-5:]
@@ -192,3 +203,21 @@ class Body:
 def _touch(a: tuple[Any, ...], i: int) -> Touch:
     """Return the touch whose numbers begin at i."""
     return Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11])
+
+
+def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int) -> list[Frame]:
+    """Run a motion of each of several bodies of one library, on so many threads; the bits are those of `Body.step`.
+
+    Raises:
+        NativeError: a motion has a number that is none, or a body is there twice; none has moved.
+    """
+    if not bodies:
+        return []
+    library, count = bodies[0].library, len(bodies)
+    kept = [body._hand_over(motion) for body, motion in zip(bodies, motions, strict=True)]
+    columns = zip(*(body._step_arguments for body in bodies), strict=True)
+    code = library.dm_step_many(count, *((c_void_p * count)(*column) for column in columns), workers)
+    del kept
+    if code:
+        raise NativeError(f"dm_step_many: {library.dm_message(code).decode()}", code)
+    return [body._found(motion) for body, motion in zip(bodies, motions, strict=True)]

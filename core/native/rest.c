@@ -14,7 +14,7 @@ static int dm_is_woken(const dm_state *b, const dm_motion *m) {
             double gap = below > above ? below : above;
             away += gap > 0 ? gap * gap : 0;
         }
-        if (sqrt(away) < t->reach) return 1;
+        if (sqrt(away) < t->reach + DM_REST_CLEAR * (double)t->radius) return 1;
     }
     return 0;
 }

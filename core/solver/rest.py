@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import REST_SPEED, REST_TIME, REST_WAY, Floats
+from ..base import REST_CLEAR, REST_SPEED, REST_TIME, REST_WAY, Floats
 
 
 @dataclass(slots=True)
@@ -43,4 +43,4 @@ class Rest:
 def reaches(x: Floats, start: Floats, end: Floats, radius: float) -> bool:
     """Tell whether a fingertip going from start to end (3,) in a tick comes near the box of a body (3, n) [m]."""
     gap = np.maximum(np.maximum(x.min(axis=1) - end, end - x.max(axis=1)), 0)
-    return float(np.linalg.norm(gap)) < radius + 2 * float(np.linalg.norm(end - start))
+    return float(np.linalg.norm(gap)) < (1 + REST_CLEAR) * radius + 2 * float(np.linalg.norm(end - start))
