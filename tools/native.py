@@ -135,7 +135,8 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(lambda rest: quiet([*command, *FLAGS, "-c", *rest]), words))
     objects = [rest[-1] for rest in words]
-    quiet([*command, "-shared", "-s", "-o", library, *objects, *(["-lm", "-lpthread"] if name.startswith("linux") else [])])
+    system = ["-lm", "-lpthread"] if name.startswith("linux") else []
+    quiet([*command, "-shared", "-s", "-o", library, *objects, *system])
     stamp.write_text(sources_hash())
     return library
 
