@@ -27,7 +27,7 @@ CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
 MOVING, SETTLING = 0.006, 0.01  # [s] between two depths, and of rest there
 LISTENING = 0.005  # [s] of taking the mean of a reaction
-ROUND = 4  # times as slow goes a sphere: what it touches changes, and friction holds on
+ROUND = 2  # times as slow goes a sphere: what it touches changes, and friction holds on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
