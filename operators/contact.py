@@ -14,7 +14,6 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
-from . import sessions
 
 if TYPE_CHECKING:
     from ..core.base import Floats, Ints
@@ -95,7 +94,7 @@ def _is_collider(scene: bpy.types.Scene, obj: bpy.types.Object, bodies: Mapping[
         obj.dimple.collider
         and obj.type == "MESH"
         and obj.session_uid not in bodies
-        and obj not in sessions.fingertip_objects(scene)
+        and obj not in [getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)]
     )
 
 
