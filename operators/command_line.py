@@ -21,7 +21,7 @@ from .names import EXPORTS
 
 COMMAND = "dimple"
 NAMES = {
-    "abc": "ALEMBIC", "alembic": "ALEMBIC", "usd": "USD", "usdc": "USD", "glb": "GLB", "gltf": "GLB", "fbx": "FBX",
+    "abc": "ALEMBIC", "alembic": "ALEMBIC", "usd": "USD", "usdc": "USD", "usdskel": "USD_SHAPES", "glb": "GLB", "gltf": "GLB", "fbx": "FBX",
     "pc2": "PC2", "mdd": "MDD", "stl": "STL", "ply": "PLY", "vat": "VAT",
 }  # fmt: skip
 ENDED, WRONG = 0, 1

@@ -1,11 +1,13 @@
 """File > Export > Dimple Animation: one dialog for every format."""
 
+import contextlib
 from pathlib import Path
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import polls, sessions
+from .messages import duration
 from .names import EXPORTS, Op
 from .working import Working
 
@@ -34,13 +36,14 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     frame_start: IntProperty(name="First Frame", description="By default the scene's first frame", default=1)
     frame_end: IntProperty(name="Last Frame", description="By default the scene's last frame", default=250)
     step: IntProperty(
-        name="Every n Frames", description="In glTF and FBX, one shape key for this many frames", default=1, min=1,
-        soft_max=25,
+        name="Every n Frames",
+        description="In formats with shape keys, one for this many frames; the JSON says how far those between are off",
+        default=1, min=1, soft_max=25,
     )  # fmt: skip
     key_error: FloatProperty(
         name="Key Error (%)",
-        description="In glTF and FBX, few shape keys with which no vertex is off by more of the object's size. "
-        "0 makes one for each frame",
+        description="In formats with shape keys, few with which no vertex is off by more of the object's size. "
+        "0 makes one every n frames",
         default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
     )  # fmt: skip
     normals: BoolProperty(
@@ -61,8 +64,19 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             return Working.invoke(self, context, event)
         self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
         self._browsing = True
+        self.check(context)
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
+
+    def check(self, context: bpy.types.Context) -> bool:
+        """Measure what another choice takes; not while a body is live, whose mesh is in use."""
+        from ..core.base import DimpleError
+        from . import export_time
+
+        if not sessions.sessions:
+            with contextlib.suppress(DimpleError):  # which `draw` says
+                export_time.measure(context, self._plan(context))
+        return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Export at once; behind the file browser start anew, for this one cannot go on between events."""
@@ -73,24 +87,34 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         return Working.execute(self, context)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the settings, and how large the files will be."""
-        from bpy.app.translations import pgettext_iface as iface_
-
-        from ..core.base import DimpleError
-        from . import exporting
-
+        """Draw the settings, and how large the files will be and how long they will take."""
         layout = self.layout
         layout.use_property_split = True
         layout.column().prop(self, "formats")
         for name in _ASKED[1:]:
-            layout.prop(self, name)
+            row = layout.row()
+            row.active = name != "step" or not self.key_error  # with few shape keys every frame counts
+            row.prop(self, name)
+        text, icon = self._estimate(context)
+        layout.label(text=text, translate=False, icon=icon)
+
+    def _estimate(self, context: bpy.types.Context) -> tuple[str, str]:
+        """Return a sentence on frames, size and time, and its icon."""
+        from bpy.app.translations import pgettext_iface as iface_
+
+        from ..core.base import DimpleError
+        from . import export_plan, export_time
+
         try:
-            size = exporting.estimate(self._plan(context))
+            plan = self._plan(context)
+            export_plan.check_frames(plan)
+            size, took = export_plan.estimate(context, plan), export_time.seconds(plan)
         except DimpleError as error:
-            layout.label(text=str(error), translate=False, icon="ERROR")
-        else:
-            megabytes = round(size / 1e6)
-            layout.label(text=iface_("About {} MB").format(megabytes), translate=False)
+            return str(error), "ERROR"
+        text = iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, max(round(size / 1e6), 1))
+        if took is not None:
+            text += iface_(", {} on this computer").format(duration(took))
+        return text, "TIME"
 
     def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
         return sessions.open_run(context, "export", "Exporting: Esc cancels", interval=0.01)

@@ -15,3 +15,11 @@ def report(operator: bpy.types.Operator, sentences: Iterable[str]) -> None:
     """Say sentences: those that are no notes are warnings."""
     for sentence in sentences:
         operator.report({"INFO" if isinstance(sentence, Note) else "WARNING"}, sentence)
+
+
+def duration(seconds: float) -> str:
+    """Return a time as one reads it: "<1 s", "48 s", "3 min 5 s", "2 h 10 min"."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s" if whole else "<1 s"
+    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"

@@ -19,8 +19,8 @@ import pytest
 
 from tools.environment import ROOT
 
-EVERY = ("ALEMBIC", "USD", "GLB", "FBX", "PC2", "MDD", "STL", "PLY", "VAT")
-ENDINGS = (".abc", ".usdc", ".glb", ".fbx", ".pc2", ".mdd", "_stl", "_ply", "_vat")
+EVERY = ("ALEMBIC", "USD", "USD_SHAPES", "GLB", "FBX", "PC2", "MDD", "STL", "PLY", "VAT")
+ENDINGS = (".abc", ".usdc", "_shapes.usdc", ".glb", ".fbx", ".pc2", ".mdd", "_stl", "_ply", "_vat")
 Bits = Callable[[Any], bytes]
 
 
@@ -43,7 +43,7 @@ def earlier(folder: Path) -> dict[str, bytes]:
     """Put something under every name that an export of the ball takes, and return it."""
     folder.mkdir()
     for ending in (*ENDINGS, ".csv", ".json"):
-        if ending.startswith("."):
+        if "." in ending:
             (folder / f"Ball{ending}").write_text(f"an earlier {ending}")
         else:
             (folder / f"Ball{ending}").mkdir()
@@ -105,18 +105,18 @@ def test_a_file_that_was_cut_short_is_noticed(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, kind: str
 ) -> None:
     """Some of Blender's exporters do not notice that the disk is full."""
-    from bl_ext.user_default.dimple.operators import formats
+    from bl_ext.user_default.dimple.operators import exporters
 
     pressed()
     bpy.ops.dimple.export_animation(directory=str(tmp_path), formats={kind}, frame_start=1, frame_end=3)
     files = [path for path in tmp_path.rglob("*") if path.suffix in (".abc", ".usdc", ".glb", ".stl", ".ply")]
     assert files or kind in ("FBX", "PC2", "MDD")
     for path in files:
-        assert formats.is_whole(path)
+        assert exporters.is_whole(path)
         os.truncate(path, path.stat().st_size - 1)
         if path.suffix != ".usdc":  # what is last there is its table of contents
             os.truncate(path, path.stat().st_size // 2)
-        assert not formats.is_whole(path) or path.suffix in (".abc", ".usdc")
+        assert not exporters.is_whole(path) or path.suffix in (".abc", ".usdc")
 
 
 def test_a_folder_that_takes_no_files_is_said(
@@ -279,7 +279,7 @@ def test_an_export_that_is_killed_leaves_whole_files_or_those_from_before(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, count: int
 ) -> None:
     from bl_ext.user_default.dimple.core.recording import read_point_cache
-    from bl_ext.user_default.dimple.operators import formats
+    from bl_ext.user_default.dimple.operators import exporters
 
     obj, out, chance = pressed(), tmp_path / "out", random.Random(14)
     obj.dimple.enabled = True
@@ -301,5 +301,5 @@ def test_an_export_that_is_killed_leaves_whole_files_or_those_from_before(
             elif path.suffix == ".csv":
                 assert len(path.read_text().splitlines()) == 13
             else:
-                assert formats.is_whole(path)
+                assert exporters.is_whole(path)
     assert at_work or count == 1, "they were killed before or after"
