@@ -7,15 +7,23 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import polls, sessions
-from .messages import duration
+from .messages import duration, wrapped
 from .names import EXPORTS, Op
 from .working import Working
 
+CHARACTER = 11.0  # [px] of a line of the dialog for each character, its icon and borders included
 _ASKED = ("formats", "source", "frame_start", "frame_end", "step", "key_error", "normals", "overwrite")
 _SOURCES = (
     ("PLAYED", "Bake or Recording", "What the objects play; those that play nothing are simulated"),
     ("SIMULATE", "Simulate Anew", "Simulate the objects as a bake does, whatever they play"),
 )
+
+
+def _measure(_settings: bpy.types.OperatorProperties, context: bpy.types.Context) -> None:
+    """Measure what a choice in the dialog takes: Blender's file browser calls no `check` for it."""
+    dialog = getattr(context.space_data, "active_operator", None)
+    if dialog is not None and dialog.bl_idname == DIMPLE_OT_export_animation.__name__:
+        dialog.measure(context)
 
 
 class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
@@ -30,9 +38,10 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )  # fmt: skip
     formats: EnumProperty(
-        name="Formats", description="What to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"}
-    )
-    source: EnumProperty(name="Source", description="What is exported", items=_SOURCES)
+        name="Formats", description="What to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"},
+        update=_measure,
+    )  # fmt: skip
+    source: EnumProperty(name="Source", description="What is exported", items=_SOURCES, update=_measure)
     frame_start: IntProperty(name="First Frame", description="By default the scene's first frame", default=1)
     frame_end: IntProperty(name="Last Frame", description="By default the scene's last frame", default=250)
     step: IntProperty(
@@ -47,7 +56,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
     )  # fmt: skip
     normals: BoolProperty(
-        name="Normals", description="Write how the surface is shaded; files are larger", default=True
+        name="Normals", description="Write how the surface is shaded; files are larger", default=True, update=_measure
     )
     overwrite: BoolProperty(name="Overwrite", description="Replace files that are there already", default=False)
 
@@ -64,19 +73,18 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             return Working.invoke(self, context, event)
         self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
         self._browsing = True
-        self.check(context)
+        self.measure(context)
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def check(self, context: bpy.types.Context) -> bool:
-        """Measure what another choice takes; not while a body is live, whose mesh is in use."""
+    def measure(self, context: bpy.types.Context) -> None:
+        """Measure how long the export will take; not while a body is live, whose mesh is in use."""
         from ..core.base import DimpleError
         from . import export_time
 
         if not sessions.sessions:
             with contextlib.suppress(DimpleError):  # which `draw` says
                 export_time.measure(context, self._plan(context))
-        return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Export at once; behind the file browser start anew, for this one cannot go on between events."""
@@ -95,8 +103,11 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             row = layout.row()
             row.active = name != "step" or not self.key_error  # with few shape keys every frame counts
             row.prop(self, name)
-        text, icon = self._estimate(context)
-        layout.label(text=text, translate=False, icon=icon)
+        sentence, icon = self._estimate(context)
+        column = layout.box().column(align=True)
+        for line in wrapped(sentence, int(context.region.width / context.preferences.system.ui_scale / CHARACTER)):
+            column.label(text=line, translate=False, icon=icon)
+            icon = "BLANK1"
 
     def _estimate(self, context: bpy.types.Context) -> tuple[str, str]:
         """Return a sentence on frames, size and time, and its icon."""
@@ -107,7 +118,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
 
         try:
             plan = self._plan(context)
-            export_plan.check_frames(plan)
+            export_plan.check_choice(plan)
             size, took = export_plan.estimate(context, plan), export_time.seconds(plan)
         except DimpleError as error:
             return str(error), "ERROR"

@@ -13,7 +13,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.recording import open_point_cache
-from . import bridge, bridge_write, output
+from . import bridge, bridge_write, exporters, output
 from .formats import FORMATS, Size
 
 SPARE = 1.05  # of the estimate: room that must be free on the disk
@@ -119,9 +119,7 @@ def check(plan: ExportPlan) -> None:
     Raises:
         DimpleError: it makes no sense, an object cannot be exported, or files are there already.
     """
-    check_frames(plan)
-    if not plan.formats:
-        raise DimpleError("No format is chosen. Choose one or more.")
+    check_choice(plan)
     for obj in plan.objects:
         bridge.check(obj)
         if obj.library:
@@ -132,12 +130,20 @@ def check(plan: ExportPlan) -> None:
         raise DimpleError(f"{there[0]}{more} is there already. Choose another folder, or switch Overwrite on.")
 
 
-def check_frames(plan: ExportPlan) -> None:
-    """Check the frames of a plan.
+def check_choice(plan: ExportPlan) -> None:
+    """Check the formats and frames of a plan.
 
     Raises:
-        DimpleError: they are none.
+        DimpleError: there are none, or this Blender cannot write them.
     """
+    if not plan.formats:
+        raise DimpleError("No format is chosen. Choose one or more.")
+    for kind in (FORMATS[each] for each in plan.formats):
+        if kind.exporter and not exporters.is_there(kind.exporter):
+            raise DimpleError(
+                f"This Blender cannot write {kind.label}: it was built without that exporter, or its add-on is "
+                "switched off. Choose another format."
+            )
     if plan.last < plan.first:
         raise DimpleError(f"The last frame ({plan.last}) must not come before the first ({plan.first}).")
     if plan.begin is not None and plan.begin > plan.first:

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import operator
 from pathlib import Path
+
+import bpy
 
 from ..core.base import DimpleError
 
 
-def ask(export: Callable[..., set[str]], *, filepath: str, **options: object) -> None:
-    """Ask an exporter of Blender's, with the options that this Blender has.
+def is_there(name: str) -> bool:
+    """Tell whether this Blender has an exporter: it may be built without, or the add-on be switched off."""
+    place, _, verb = name.partition(".")
+    return verb in dir(getattr(bpy.ops, place))
+
+
+def ask(name: str, *, filepath: str, **options: object) -> None:
+    """Ask an exporter of Blender's by the name of its operator, with the options that this Blender has.
 
     Raises:
         DimpleError: it refused, or wrote nothing.
     """
-    known = export.get_rna_type().properties.keys()  # type: ignore[attr-defined]
+    export = operator.attrgetter(name)(bpy.ops)
+    known = export.get_rna_type().properties.keys()
     try:
         result = export(filepath=filepath, **{name: value for name, value in options.items() if name in known})
     except RuntimeError as error:

@@ -48,6 +48,7 @@ class Format:
     bytes_of: about how long a frame of a mesh is.
     keyed: it holds shape keys.
     modified: it holds the mesh after its modifiers.
+    exporter: the operator of Blender's that writes it, if one does.
     """
 
     label: str
@@ -57,6 +58,7 @@ class Format:
     bytes_of: Callable[[Size], float]
     keyed: bool = False
     modified: bool = False
+    exporter: str = ""
 
 
 def _pc2(_context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
@@ -75,7 +77,7 @@ def _mdd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
 def _alembic(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     with _playing(context, clip):
         ask(
-            bpy.ops.wm.alembic_export, filepath=str(path), check_existing=False, start=clip.first, end=clip.last,
+            "wm.alembic_export", filepath=str(path), check_existing=False, start=clip.first, end=clip.last,
             selected=True, normals=clip.normals, evaluation_mode="RENDER", as_background_job=False,
         )  # fmt: skip
     yield 1.0
@@ -95,7 +97,7 @@ def _usd_shapes(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[
 
 def _ask_usd(clip: Clip, path: Path, *, export_shapekeys: bool) -> None:
     ask(
-        bpy.ops.wm.usd_export, filepath=str(path), check_existing=False, selected_objects_only=True,
+        "wm.usd_export", filepath=str(path), check_existing=False, selected_objects_only=True,
         export_animation=True, export_normals=clip.normals, evaluation_mode="RENDER", export_textures_mode="KEEP",
         relative_paths=False, export_armatures=False, export_shapekeys=export_shapekeys,
     )  # fmt: skip
@@ -104,7 +106,7 @@ def _ask_usd(clip: Clip, path: Path, *, export_shapekeys: bool) -> None:
 def _glb(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     with _keyed(context, clip):
         ask(
-            bpy.ops.export_scene.gltf, filepath=str(path), check_existing=False, export_format="GLB",
+            "export_scene.gltf", filepath=str(path), check_existing=False, export_format="GLB",
             use_selection=True, export_animations=True, export_animation_mode="SCENE", export_frame_range=True,
             export_anim_slide_to_zero=True, export_force_sampling=True, export_optimize_animation_size=False,
             export_morph=True, export_morph_animation=True, export_morph_normal=clip.normals, export_apply=False,
@@ -117,7 +119,7 @@ def _fbx(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     with _keyed(context, clip):
         # with NLA strips or all actions it would write no movement, or that of other objects
         ask(
-            bpy.ops.export_scene.fbx, filepath=str(path), check_existing=False, use_selection=True,
+            "export_scene.fbx", filepath=str(path), check_existing=False, use_selection=True,
             object_types={"MESH"}, use_mesh_modifiers=False, bake_anim=True, bake_anim_use_nla_strips=False,
             bake_anim_use_all_actions=False, bake_anim_simplify_factor=0.0, bake_anim_step=1.0,
             path_mode="ABSOLUTE",
@@ -126,19 +128,19 @@ def _fbx(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
 
 
 def _stl(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    yield from _sequence(context, clip, path, bpy.ops.wm.stl_export, use_scene_unit=False)
+    yield from _sequence(context, clip, path, "wm.stl_export", use_scene_unit=False)
 
 
 def _ply(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     # trimesh and others read no faces of several sizes
     yield from _sequence(
-        context, clip, path, bpy.ops.wm.ply_export, export_uv=False, export_colors="NONE", export_normals=clip.normals,
+        context, clip, path, "wm.ply_export", export_uv=False, export_colors="NONE", export_normals=clip.normals,
         export_triangulated_mesh=True,
     )  # fmt: skip
 
 
 def _sequence(
-    context: bpy.types.Context, clip: Clip, path: Path, export: Callable[..., set[str]], **options: object
+    context: bpy.types.Context, clip: Clip, path: Path, exporter: str, **options: object
 ) -> Iterator[float]:
     """Write a file a frame into a folder, whose name ends in that of the format."""
     stem, ending = path.name.rsplit("_", 1)
@@ -147,7 +149,7 @@ def _sequence(
         for frame in range(clip.first, clip.last + 1):
             context.scene.frame_set(frame)
             ask(
-                export, filepath=str(path / f"{stem}_{frame:04d}.{ending}"), check_existing=False,
+                exporter, filepath=str(path / f"{stem}_{frame:04d}.{ending}"), check_existing=False,
                 export_selected_objects=True, apply_modifiers=True, forward_axis="Y", up_axis="Z", global_scale=1.0,
                 **options,
             )  # fmt: skip
@@ -169,7 +171,7 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     yield 0.8
     with stage.mapped(context, clip.obj, clip.samples[0], vertex_texture.uv(vertices, where)):
         ask(
-            bpy.ops.export_scene.gltf, filepath=str(path / "mesh.glb"), check_existing=False, export_format="GLB",
+            "export_scene.gltf", filepath=str(path / "mesh.glb"), check_existing=False, export_format="GLB",
             use_selection=True, export_animations=False, export_apply=False, export_skins=False, export_yup=True,
             export_attributes=False,
         )  # fmt: skip
@@ -213,25 +215,32 @@ FORMATS = {
     "ALEMBIC": Format(
         "Alembic", ".abc", "Y up, as Alembic has it, in scene units, after modifiers", _alembic,
         lambda size: 12 * (size.vertices + size.corners * (size.normals and size.sharp)), modified=True,
+        exporter="wm.alembic_export",
     ),
-    "USD": Format("USD", ".usdc", f"{USD}, after modifiers", _usd, _baked, modified=True),
+    "USD": Format("USD", ".usdc", f"{USD}, after modifiers", _usd, _baked, modified=True, exporter="wm.usd_export"),
     "USD_SHAPES": Format(
         "USD Blend Shapes", "_shapes.usdc", f"{USD}; modifiers are left out", _usd_shapes,
-        lambda size: 16 * size.vertices, keyed=True,
+        lambda size: 16 * size.vertices, keyed=True, exporter="wm.usd_export",
     ),
     "GLB": Format(
-        "glTF", ".glb", "Y up, as glTF has it, in scene units; modifiers are left out", _glb, _split, keyed=True
+        "glTF", ".glb", "Y up, as glTF has it, in scene units; modifiers are left out", _glb, _split, keyed=True,
+        exporter="export_scene.gltf",
     ),
     "FBX": Format(
         "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit; no modifiers", _fbx,
-        lambda size: 22 * size.vertices, keyed=True,
+        lambda size: 22 * size.vertices, keyed=True, exporter="export_scene.fbx",
     ),
     "PC2": Format("PC2", ".pc2", OBJECT, _pc2, lambda size: 12 * size.vertices),
     "MDD": Format("MDD", ".mdd", OBJECT, _mdd, lambda size: 12 * size.vertices),
-    "STL": Format("STL", "_stl", SCENE, _stl, lambda size: 84 + 50 * size.triangles, modified=True),
+    "STL": Format(
+        "STL", "_stl", SCENE, _stl, lambda size: 84 + 50 * size.triangles, modified=True, exporter="wm.stl_export"
+    ),
     "PLY": Format(
         "PLY", "_ply", SCENE, _ply, lambda size: 12 * (1 + size.normals) * size.vertices + 13 * size.triangles,
-        modified=True,
+        modified=True, exporter="wm.ply_export",
     ),
-    "VAT": Format("Vertex Animation Texture", "_vat", TEXTURE, _texture, lambda size: 18 * size.vertices),
+    "VAT": Format(
+        "Vertex Animation Texture", "_vat", TEXTURE, _texture, lambda size: 18 * size.vertices,
+        exporter="export_scene.gltf",
+    ),
 }  # fmt: skip

@@ -23,3 +23,24 @@ def duration(seconds: float) -> str:
     if whole < 60:
         return f"{whole} s" if whole else "<1 s"
     return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def wrapped(sentence: str, width: int) -> list[str]:
+    """Break a sentence into lines of at most `width` columns; text without spaces breaks anywhere."""
+    lines, line = [], ""
+    for word in _words(sentence):
+        if line and _columns(line + word.rstrip()) > width:
+            lines.append(line.rstrip())
+            line = ""
+        line += word
+    return [*lines, line.rstrip()]
+
+
+def _words(sentence: str) -> list[str]:
+    words = [word + " " for word in sentence.split()]
+    return [piece for word in words for piece in (word if _columns(word) > len(word) else [word])]
+
+
+def _columns(text: str) -> int:
+    # Japanese characters are two columns wide
+    return sum(2 if ord(character) > 0x2E7F else 1 for character in text)

@@ -271,7 +271,7 @@ def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch:
 
 
 def test_sentences_are_broken_where_a_sidebar_ends(bpy: ModuleType) -> None:
-    from bl_ext.user_default.dimple.addon.readout import wrapped
+    from bl_ext.user_default.dimple.operators.messages import wrapped
 
     assert wrapped("The body is held by its rim", 12) == ["The body is", "held by its", "rim"]
     assert wrapped("押したいメッシュ", 8) == ["押したい", "メッシュ"]
