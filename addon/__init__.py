@@ -10,15 +10,16 @@ from . import (
     properties,
     reduction,
     still_warning,
+    surface_colours,
     tool,
     translations,
-)  # fmt: skip
+)
 
 # in order of dependence: operators read the properties, panels name the operators and the presets' popover,
 # the preferences move the panels
 PARTS = (
-    translations, properties, operators, presets, panels, reduction, preferences, overlay, comparison_chart, tool,
-    still_warning,
+    translations, properties, operators, presets, panels, reduction, preferences, surface_colours, overlay,
+    comparison_chart, tool, still_warning,
 )  # fmt: skip
 
 

@@ -188,7 +188,7 @@ class Session:
 
     def positions(self) -> npt.NDArray[np.float32]:
         """Return where the input vertices (N, 3) [m] are now."""
-        return self._skin()[self.model.mesh.source].astype(np.float32)
+        return self.skin()[self.model.mesh.source].astype(np.float32)
 
     def touches(self) -> tuple[Touching | None, ...]:
         """Return how each fingertip meets the surface at rest, which a device renders."""
@@ -218,7 +218,7 @@ class Session:
         moves.substeps(self.tick)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
-        skin = scale * self._skin()
+        skin = scale * self.skin()
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
             self.body.set_constants(moves, surface=model)
         else:
@@ -298,7 +298,7 @@ class Session:
             first = last = 1.0
         return PinMotion(self._pins_origin[:, self._pinned], self._pins_target[:, self._pinned], first, last)
 
-    def _skin(self) -> Floats:
+    def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
         x = self.body.positions()
         if self.proxy is None:

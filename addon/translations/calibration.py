@@ -124,8 +124,10 @@ VIRTUAL = {
     "Radius of what pressed the object when it was measured": "測定のとき物体を押したものの半径",
     "Press At": "押す場所",
     "Where the tip presses": "先端が入る場所",
-    "Top Middle": "上面の中央",
-    "Straight down on the middle of the body": "物体の中央を真上から押します",
+    "Typical Place": "代表的な場所",
+    "The middle of the top, unless there is an edge, a hole or a pin: then where the surface is most even": (
+        "上面の中央を押します。縁、穴、固定された部分があるときは、表面が最も平らな場所を押します"
+    ),
     "3D Cursor": "3D カーソル",
     "Straight into the surface, where the 3D cursor is nearest to it": "3D カーソルに最も近い表面をまっすぐ押します",
     "Find model constants with which a virtual press of the active object reproduces its measurement": (

@@ -185,21 +185,26 @@ static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     frame->finite = 1;
 }
 
-static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
-    dm_begin_motion(b, m, frame);
+static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
+    double way = m->ticks > 1 ? (m->pins_last - m->pins_first) / (double)(m->ticks - 1) : 0;
     b->dt = m->tick / (double)m->substeps;
-    double way = m->ticks > 1 ? (m->pins_last - m->pins_first) / (double)(m->ticks - 1) : 0, centre[3];
-    for (int64_t t = 0; t < m->ticks && frame->finite; t++) {
-        if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
-        if (b->law_set == DM_LAWS_PAPER) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
-        DM_TIMED(DM_REACH, dm_move_fingertips(b, m, t));
-        for (int64_t s = 0; s < m->substeps; s++) {
-            dm_substep(b);
-            DM_TIMED(DM_CONTACT, dm_resolve_contact(b, frame));
-        }
-        frame->ticks = t + 1, frame->finite = dm_is_finite(b, m->tick, centre);
-        if (frame->finite) dm_move_origin(b, centre);
-    }
+    if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
+    if (b->law_set == DM_LAWS_PAPER) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
+    DM_TIMED(DM_REACH, dm_move_fingertips(b, m, t));
+}
+
+static void dm_run_substep(dm_state *b, dm_frame *frame) {
+    dm_substep(b);
+    DM_TIMED(DM_CONTACT, dm_resolve_contact(b, frame));
+}
+
+static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
+    double centre[3];
+    frame->ticks = t + 1, frame->finite = dm_is_finite(b, m->tick, centre);
+    if (frame->finite) dm_move_origin(b, centre);
+}
+
+static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     if (m->pins_to && m->ticks) dm_finish_pins(b, m);
     frame->pressure = b->pressure;
     if (!frame->finite) return;
@@ -209,4 +214,14 @@ static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
         dm_fit_whole(b, frame->pose);
         dm_measure_depths(b, m, frame);
     }
+}
+
+static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
+    dm_begin_motion(b, m, frame);
+    for (int64_t t = 0; t < m->ticks && frame->finite; t++) {
+        dm_begin_tick(b, m, t, frame);
+        for (int64_t s = 0; s < m->substeps; s++) dm_run_substep(b, frame);
+        dm_end_tick(b, m, t, frame);
+    }
+    dm_end_motion(b, m, frame);
 }

@@ -3,17 +3,38 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Floats, Ints
 from ..body import pressure
-from ..body.model import Model, initial_state
+from ..body.model import Model, State, initial_state
 from ..body.shape_matching import Pose, carried_pose, fit_pose
 from ..mesh.depth import RestSurface, Touching, rest_surface, touching
 from . import semi_implicit
 from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch
 from .path import FingerPath
+
+
+@dataclass(slots=True, kw_only=True)
+class Call:
+    """A motion under way.
+
+    motion: what happens.
+    down: which fingertips are down.
+    here: where each of them is (3,) [m].
+    impulses: (k, 3) on the fingertips so far [N s].
+    ticks: done.
+    finite: False where the body has blown up.
+    """
+
+    motion: Motion
+    down: list[int]
+    here: dict[int, Floats]
+    impulses: Floats
+    ticks: int = 0
+    finite: bool = True
 
 
 class Twin:
@@ -55,45 +76,69 @@ class Twin:
 
     def step(self, motion: Motion) -> Frame:
         """Run the ticks of a motion."""
-        state, model, tips = self._state, self.model, motion.fingertips
-        down = [i for i, tip in enumerate(tips) if tip is not None]
+        call = self.begin(motion)
+        while call.ticks < motion.ticks and call.finite:
+            with np.errstate(all="ignore"):  # the frame says when it has blown up
+                call.impulses[call.down] += semi_implicit.run(
+                    self.model, self._state, self.begin_tick(call), tick=motion.tick, substeps=motion.substeps
+                )
+            self.end_tick(call)
+        return self.end(call)
+
+    @property
+    def state(self) -> State:
+        """Return what moves, for a scene that steps several bodies together."""
+        return self._state
+
+    def begin(self, motion: Motion) -> Call:
+        """Begin a motion; its ticks follow one by one."""
+        tips = motion.fingertips
         for i, tip in enumerate((*tips, None, None, None)[:3]):
             if tip is None or tip.fresh:
                 self._sides[i] = None
         if motion.pins is None and self._led and motion.ticks:
-            self._rest_pins(model.held)
+            self._rest_pins(self.model.held)
+        down = [i for i, tip in enumerate(tips) if tip is not None]
         here = {i: np.array(tips[i].start) for i in down}  # type: ignore[union-attr]
-        impulses, ticks, finite = np.zeros((len(tips), 3)), 0, True
-        radii = np.array([tips[i].radius for i in down])  # type: ignore[union-attr]
-        while ticks < motion.ticks and finite:
-            share = ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
-            if motion.pins:
-                self._lead_pins(motion, motion.pins, share)
-            if model.law_set == "paper":
-                touches = [self._touching(tips, i, here[i]) for i in down]
-                state.inner_force = sum(self._law(touch) for touch in touches)
-            path = np.empty((len(down), 2, 3))
-            for row, i in enumerate(down):
-                path[row, 0] = here[i]
-                path[row, 1] = here[i] = _moved(here[i], tips[i], share)
-            with np.errstate(all="ignore"):  # the frame says when it has blown up
-                impulses[down] += semi_implicit.run(
-                    model, state, FingerPath(centres=path, radii=radii), tick=motion.tick, substeps=motion.substeps
-                )
-            ticks, finite = ticks + 1, self._is_finite(motion.tick)
+        return Call(motion=motion, down=down, here=here, impulses=np.zeros((len(tips), 3)))
+
+    def begin_tick(self, call: Call) -> FingerPath:
+        """Lead the pins of a tick and return where the fingertips go in it."""
+        motion, tips = call.motion, call.motion.fingertips
+        share = call.ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
+        if motion.pins:
+            self._lead_pins(motion, motion.pins, share)
+        if self.model.law_set == "paper":
+            touches = [self._touching(tips, i, call.here[i]) for i in call.down]
+            self._state.inner_force = sum(self._law(touch) for touch in touches)
+        centres = np.empty((len(call.down), 2, 3))
+        for row, i in enumerate(call.down):
+            centres[row, 0] = call.here[i]
+            centres[row, 1] = call.here[i] = _moved(call.here[i], tips[i], share)
+        return FingerPath(centres=centres, radii=np.array([tips[i].radius for i in call.down]))  # type: ignore[union-attr]
+
+    def end_tick(self, call: Call) -> None:
+        """Count a tick, and see whether the body is still whole."""
+        with np.errstate(all="ignore"):
+            call.ticks, call.finite = call.ticks + 1, self._is_finite(call.motion.tick)
+
+    def end(self, call: Call) -> Frame:
+        """End a motion and return what it came to."""
+        motion, tips, down, state = call.motion, call.motion.fingertips, call.down, self._state
         if motion.pins and motion.ticks:
             self._arrive(motion.pins)
         found: list[Touch | None] = [None] * len(tips)
-        for i in down if finite else ():
-            touch = self._touching(tips, i, here[i])
+        for i in down if call.finite else ():
+            touch = self._touching(tips, i, call.here[i])
             found[i] = Touch(
-                _three(impulses[i]), _three(here[i]), touch.depth, _three(touch.outward), self._law(touch),
+                _three(call.impulses[i]), _three(call.here[i]), touch.depth, _three(touch.outward), self._law(touch),
                 touch.triangle,
             )  # fmt: skip
-        pose = self._pose() if finite and down else (np.zeros((3, 3)), np.zeros(3))
+        pose = self._pose() if call.finite and down else (np.zeros((3, 3)), np.zeros(3))
         return Frame(
             touches=tuple(found), pose=(*pose[0].ravel().tolist(), *pose[1].tolist()),
-            volume=self._volume(ticks) if finite else 0.0, pressure=state.pressure, ticks=ticks, finite=finite,
+            volume=self._volume(call.ticks) if call.finite else 0.0, pressure=state.pressure, ticks=call.ticks,
+            finite=call.finite,
         )  # fmt: skip
 
     def _volume(self, ticks: int) -> float:
