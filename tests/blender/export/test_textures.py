@@ -1,6 +1,7 @@
 """Vertex animation textures are read as a shader reads them, by Blender's pictures and by its nodes."""
 
 import json
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -58,3 +59,39 @@ def test_the_sample_nodes_play_the_texture_in_blender(bpy: ModuleType, exported:
         found = np.array([vertex.co for vertex in evaluated.vertices])
         which = nearest(found, wanted) if which is None else which
         assert worst(found, wanted[which]) <= finest
+
+
+def test_the_sample_material_displaces_as_the_nodes_do(bpy: ModuleType, exported: Exported, tmp_path: Path) -> None:
+    """Rendered by Cycles, from the side, where the dent is seen against the background."""
+    from mathutils import Vector
+
+    from blend_samples.vertex_texture import displace, play
+
+    folder, pictures = exported.folder / "Cushion_vat", {}
+    for name in ("nodes", "material"):
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        scene = bpy.context.scene
+        obj = play(folder, first=FIRST)
+        if name == "material":
+            obj.modifiers.clear()
+            displace(obj, folder, first=FIRST)
+        scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        scene.collection.objects.link(scene.camera)
+        scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 3.5
+        scene.camera.location, scene.camera.rotation_euler = obj.location - Vector((0, 9, 0)), (np.pi / 2, 0, 0)
+        scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
+        scene.render.resolution_x = scene.render.resolution_y = 64
+        scene.render.film_transparent, scene.render.filepath = True, str(tmp_path / "picture.png")
+        for frame in (FIRST, FIRST + 6):
+            scene.frame_set(frame)
+            scene.camera.location.x = obj.matrix_world.translation.x
+            bpy.ops.render.render(write_still=True)
+            image = bpy.data.images.load(scene.render.filepath)
+            pixels = np.empty(4 * 64 * 64, np.float32)
+            image.pixels.foreach_get(pixels)
+            bpy.data.images.remove(image)
+            pictures[name, frame] = pixels.reshape(-1, 4)[:, 3]  # what covers the background
+    moved = np.abs(pictures["nodes", FIRST] - pictures["nodes", FIRST + 6]).sum()
+    assert moved > 20, "the dent is seen"
+    for frame in (FIRST, FIRST + 6):
+        assert np.abs(pictures["nodes", frame] - pictures["material", frame]).sum() < 0.2 * moved
