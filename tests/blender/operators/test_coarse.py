@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 KNEE_MM = 16.3
-PRESS: dict[str, Any] = {"depth_mm": KNEE_MM, "press_s": 0.2, "hold_s": 0.3, "release_s": 0.0}
+BESIDE = (0.15, -0.27, 1.0)  # where a hand may click: not on the very middle, where there is a vertex
+PRESS: dict[str, Any] = {"depth_mm": KNEE_MM, "press_s": 0.2, "hold_s": 0.3, "release_s": 0.0, "location": BESIDE}
 NEAR = 0.1  # of the law at its knee, which a round tip rounds
 
 
