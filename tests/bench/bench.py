@@ -249,8 +249,8 @@ def main(words: list[str]) -> int:
     parser.add_argument("--profile", action="store_true", help="what each part of a step costs, instead")
     parser.add_argument("--peers", action="store_true", help="Dimple beside Bullet on the same bodies, instead")
     parser.add_argument("--enabling", action="store_true", help="what enabling costs in Blender, instead")
-    parser.add_argument("--scale", action="store_true", help="a crowd of bodies, two workers, a million vertices, instead")
-    parser.add_argument("--full", action="store_true", help="with --scale: press the full million too, which takes minutes")
+    parser.add_argument("--scale", action="store_true", help="many bodies, many vertices, instead")
+    parser.add_argument("--full", action="store_true", help="with --scale: the full million too, minutes")
     options = parser.parse_args(words)
     if options.scale:
         from tests.bench import scale

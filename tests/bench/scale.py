@@ -51,7 +51,7 @@ def crowd() -> dict[str, float]:
 
 
 def frames(sessions: Sequence[Session], touched: int) -> float:
-    """Return the processor time [s] of a frame in which a fingertip goes into the first bodies, and all are looked at."""
+    """Return the processor time [s] of a frame: a fingertip goes into the first bodies, and all are looked at."""
     for session in sessions:
         session.reset()
         session.set_fingers([])

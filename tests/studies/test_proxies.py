@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from core.base import TICK
 from core.reduction import planner
 from studies import bodies, proxies
 from studies.bodies import BodyCase
