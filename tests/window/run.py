@@ -81,6 +81,8 @@ def tell(report: dict, out: Path) -> int:
     for check in checks:
         print(f"  {'ok  ' if check['ok'] else 'FAIL'} {check['name']}", end="")
         print(f": {check['detail']}" if check["detail"] else "")
+    if rate := report.get("measured", {}).get("frames_per_second"):
+        print(f"window: {rate} frames drawn a second, on average")
     print(f"window: {len(checks) - failed} passed, {failed} failed in {report['seconds_in_all']:.0f} s")
     print(f"window: pictures and window.json in {out}")
     return 1 if failed else 0
