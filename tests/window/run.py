@@ -16,7 +16,7 @@ from pathlib import Path
 import debian
 from PIL import Image
 
-LIMIT_S = 1200
+LIMIT_S = 1600
 VIEWPORT, LOOP_WIDTH, LOOP_MS = (0, 80, 1050, 720), 720, 90  # [px], [px], [ms] a picture
 INSIDE = """
 Xvfb :99 -screen 0 1280x800x24 -nolisten tcp > /tmp/xvfb.log 2>&1 &
