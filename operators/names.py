@@ -60,6 +60,7 @@ class Op(StrEnum):
     APPLY_PRESET = "dimple.apply_preset"
     ADD_FINGERTIP = "dimple.add_fingertip"
     CALIBRATE = "dimple.calibrate"
+    CALIBRATE_TOGETHER = "dimple.calibrate_together"
     APPLY_CALIBRATION = "dimple.apply_calibration"
     DISCARD_CALIBRATION = "dimple.discard_calibration"
     IDENTIFY = "dimple.identify"

@@ -3,6 +3,8 @@
 OPERATORS = {
     "Calibrate": "キャリブレーション",
     "Calibrate from File...": "ファイルからキャリブレーション...",
+    "Calibrate Together": "まとめてキャリブレーション",
+    "Calibrate from Several Files...": "複数のファイルからキャリブレーション...",
     "Apply to Material": "マテリアルに適用",
     "Discard": "破棄",
     "Keep as My Material": "自分のマテリアルとして保存",
@@ -98,6 +100,15 @@ RESULT = {
     "Pretension": "初期張力",
     "Hysteresis Loss": "ヒステリシス損失",
     "Residual": "残差",
+    "Spread": "広がり",
+    "Fit one material to several force-depth files of one object; tips of different radius determine the spread": (
+        "同じ物体の複数の力-変位ファイルに一つのマテリアルを当てはめます。半径の異なる先端が広がりを決めます"
+    ),
+    "Not determined by these curves": "これらの曲線からは決まりません",
+    "Folder": "フォルダー",
+    "Where the files are": "ファイルのある場所",
+    "Of files that are dropped together": "まとめてドロップされたファイルのフォルダー",
+    "Files": "ファイル",
     "Largest Error from Points": "測定点からの最大誤差",
     "{} of full scale": "フルスケールの {}",
     "Just-Noticeable Difference": "丁度可知差異",
