@@ -110,8 +110,6 @@ def test_mass_shape_matching_and_pins_are_conserved(model: Model, proxy: Proxy) 
 def test_a_press_of_the_proxy_is_that_of_the_mesh(model: Model, proxy: Proxy) -> None:
     """Force within 15 %, the surface of a 10 mm dent within 1 mm (root mean square), for a tenth of the work.
 
-    It has a tenth of the vertices and takes no more steps: the stiffness of the bed over its mass has no spacing in it.
-
     The error is nowhere larger than twice the sagitta of a facet, h^2 / 6 R.
     """
     (fine, force), (coarse, coarse_force) = pressed(model, None), pressed(model, proxy)
