@@ -23,6 +23,8 @@ HELLO_EVERY, HELLO_WAIT = 0.1, 1.0  # [s] between two HELLOs; without an answer 
 PING_EVERY = 0.25  # [s]
 FIRST_DELAY = 2e-3  # [s] the delay assumed until it is measured: two ticks
 MOST_DT = 0.005  # [s] the longest time step for slew and damping, however long the silence was
+REMEMBERED = 256  # commands: more than a device can acknowledge late
+NO_FORCE = (ZERO,) * wire.FINGERS
 UNCONNECTED = (LinkState.OPENING, LinkState.LOST)
 
 FAULTS = {
@@ -67,6 +69,8 @@ class Servo:
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE came, on our clock and on the device's [s]
         self._measured: wire.LinkReport | None = None
+        self._sent: dict[int, tuple[Vector, ...]] = {}  # seq: the forces of the last commands [N]
+        self._ended = ""  # why the force must end at the next answer
         self.unsent = 0
         self.cap = stiffness_cap(spec.viscous, spec.tick, FIRST_DELAY)
 
@@ -103,6 +107,25 @@ class Servo:
         if self._session < 0:
             return b""
         return self._command(wire.NO_TORQUE) + self._disarm(wire.FAULT_HOST)
+
+    @property
+    def answered(self) -> int:
+        """Return how many STATEs were taken."""
+        return self._losses.taken
+
+    @property
+    def places(self) -> list[Vector | None]:
+        """Return where the fingertips are [m]; None where the sensor is not trusted."""
+        return [None if f.bad or f.angles is None else f.at for f in self._fingers]
+
+    @property
+    def stored(self) -> list[float]:
+        """Return the energy that each hand gave and has not got back [J]."""
+        return [f.guard.passivity.stored for f in self._fingers]
+
+    def end(self, reason: str) -> None:
+        """End all force at the next answer, for a reason that is shown."""
+        self._ended = reason
 
     def report(self) -> ServoReport:
         """Return the state of device and link."""
@@ -162,12 +185,14 @@ class Servo:
     def _take_requests(self) -> bytes:
         """Take new requests to arm and to disarm; return the frames they need."""
         before, self._taken = self._taken, self.order
+        reason, self._ended = self._ended, ""
+        out = self._end(reason, wire.FAULT_HOST) if reason else b""
         if self.order.disarm != before.disarm:
-            return self._end("", wire.FAULT_HOST)
+            return out + self._end("", wire.FAULT_HOST)
         if self.order.arm != before.arm:
             self._switch.arm()
             self._old_fault = True
-        return b""
+        return out
 
     def _take_fault(self, fault: wire.Fault) -> None:
         """Disarm on a FAULT of the device; while waiting, an old fault and a late refusal do not count."""
@@ -182,9 +207,11 @@ class Servo:
         dt = ((state.t_us - before.t_us) & 0xFFFFFFFF) * 1e-6 if before else self.spec.tick
         steady = 0 < dt <= STATE_LOST and (silent <= STATE_LOST or before is None)
         self._device_time += dt
+        # what drove the motors from the last STATE on is the command that it acknowledged, however late ours came
+        acted = self._sent.get(before.ack, NO_FORCE) if before else NO_FORCE
         for i, finger in enumerate(self._fingers):
             words = state.adc[3 * i], state.adc[3 * i + 1], state.adc[3 * i + 2]
-            finger.sense(self.spec, words, bool(state.status & wire.MASKED << i), ticks, self._device_time)
+            finger.sense(self.spec, words, bool(state.status & wire.MASKED << i), ticks, self._device_time, acted[i])
         self._take_contacts(now)
         # a frozen simulation counts as a released key; the quiet is judged by contacts that have not begun to fade
         oldest = FADE_BEGINS if self._switch.arming is Arming.WAITING else LEASE
@@ -195,6 +222,8 @@ class Servo:
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
         if self._old_fault and self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
             flags = wire.CLEAR
+        self._sent.pop(self._seq + 1 - REMEMBERED & 0xFFFF, None)
+        self._sent[self._seq + 1 & 0xFFFF] = tuple([finger.guard.sent for finger in self._fingers])
         return out + self._command((*a, *b, *c), flags)
 
     def _take_contacts(self, now: float) -> None:

@@ -18,6 +18,7 @@ from typing import Final, Protocol
 
 from ..errors import DimpleError
 from . import scheduling
+from .body_host import BodyHost
 from .byte_poller import Poller
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .serial_link import WINDOWS, LineLost, SerialLine, open_line
@@ -56,11 +57,13 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
     box, servo = Mailbox(mailbox), None
     try:
         spec = load_spec(device)
+        host = BodyHost(mailbox)
         servo, line = make_servo(spec, nonce=os.getpid() & 0xFFFF), open_line(port, spec.baud)
         try:
-            serve(servo, line, box, listener(line))
+            serve(servo, line, box, listener(line), host)
         finally:
             release(servo, line)
+            host.close()
         return 0 if servo.link is not LinkState.REFUSED else 2
     except DimpleError as error:
         link = LinkState.LOST if isinstance(error, LineLost) else LinkState.REFUSED
@@ -71,7 +74,9 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
         box.close()
 
 
-def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float], bytes | None]) -> None:
+def serve(
+    servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float], bytes | None], host: BodyHost
+) -> None:
     """Answer the device until Blender is gone or the device refused.
 
     Args:
@@ -79,6 +84,7 @@ def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float]
         line: to the device.
         box: shared with Blender.
         listen: see `listener`.
+        host: of the body that is touched.
 
     Raises:
         LineLost: the line is gone.
@@ -89,14 +95,16 @@ def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float]
         out = servo.step(now, data)
         if out:
             servo.unsent += not line.write(out)
+        host.advance(servo, now)
         if now - posted > REPORT_EVERY or servo.link is LinkState.REFUSED:
             posted = now
-            box.post(FROM_SERVO, pack_report(servo.report()))
+            box.post(FROM_SERVO, pack_report(host.joined(servo.report())))
         if servo.link is LinkState.REFUSED:
             return
         seen, message = box.read(TO_SERVO, ORDER_SIZE, seen)  # after the answer: no device waits for Blender
         if message:
-            servo.order, ordered = unpack_order(message), time.perf_counter()
+            ordered = time.perf_counter()
+            servo.order = host.order(unpack_order(message), servo)
 
 
 def listener(line: SerialLine) -> Callable[[float], bytes | None]:
