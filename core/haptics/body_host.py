@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 FRAME_EVERY: Final = 0.015  # [s] between two frames: a little faster than Blender draws
 BLEW_UP: Final = "The simulation blew up and was put back to rest: soften the material, then arm the device again."
+FAILED: Final = "The body cannot run beside the device ({error}), so a local wall is rendered."
 CHANGED: Final = "What is under the fingertips has changed. Lift them and arm the device again."
 TOO_HEAVY: Final = "The body is too heavy to be simulated at the device's rate, so a local wall is rendered."
 
@@ -57,7 +58,8 @@ class BodyHost:
     def joined(self, report: ServoReport) -> ServoReport:
         """Return a report with what became of the body."""
         note = report.note or (self.note if self.state is BodyState.REFUSED else "")
-        return replace(report, note=note, body=self.state, parcel=self.taken, load=self.touched.load if self.touched else 0.0)
+        load = self.touched.load if self.touched else 0.0
+        return replace(report, note=note, body=self.state, parcel=self.taken, load=load)
 
     def _take(self, number: int, servo: Servo) -> None:
         self.taken, path = number, parcel_path(self._mailbox, number)
@@ -66,15 +68,22 @@ class BodyHost:
             path.unlink(missing_ok=True)
             for name, *arguments in unpack_changes(parcel):
                 getattr(self, f"change_{name}")(servo, *arguments)
+        except FileNotFoundError:
+            return  # a newer one took its place
         except (OSError, DimpleError, AttributeError, TypeError, ValueError, RuntimeError) as error:
-            self._give_up(servo, f"The body cannot run beside the device ({error}), so a local wall is rendered.")
+            self._give_up(servo, FAILED.format(error=error))
 
     def advance(self, servo: Servo, now: float) -> None:
         """Run one tick if the servo has answered a STATE, and give it the contacts for the next."""
         if self.touched is None or servo.answered == self._answered:
             return
         self._answered, touched = servo.answered, self.touched
-        contacts = touched.advance(servo.places, servo.stored, servo.cap, now)
+        try:
+            contacts = touched.advance(servo.places, servo.stored, servo.cap, now)
+        except (RuntimeError, ValueError, ArithmeticError) as error:  # the native core refuses what is no number
+            self._give_up(servo, FAILED.format(error=error))
+            servo.order = replace(servo.order, contacts=())
+            return
         if not touched.is_finite:
             servo.end(BLEW_UP)
             self._post(now)  # Blender puts it back to rest

@@ -30,39 +30,42 @@ class RemoteBody:
     """A body that runs in the servo's process.
 
     local: the body it was, which takes over again when the device goes.
+    model: what moves.
     surface: the model below whose surface at rest fingertips are measured.
+    after: number of the last parcel before its own.
     own: which fingertips of the session are the device's; the others are sent there.
     """
 
     local: Body
     surface: Model
+    model: Model = field(init=False)
+    after: int = 0
     own: frozenset[int] = frozenset((0, 1, 2))
     _changes: list[Change] = field(default_factory=list)
     _frames: Mailbox | None = None
     _seen: int = 0
     _newest: tuple[Frame, int, bytes] | None = None
     _placed: Floats | None = None
-    _sent: int = 0
     _place: Place | None = None
     _pressed: tuple[object, ...] = ()
 
     def __post_init__(self) -> None:
+        self.model = self.local.model
         positions, velocities = self.local.positions(), self.local.velocities()
         self._frames = Mailbox(size=frame_size(positions.shape[1]), slots=1)
         self._placed = positions
         self._changes.append(("body", self.model, self.surface, positions, velocities, str(self._frames.path)))
 
-    @property
-    def model(self) -> Model:
-        """Return what moves."""
-        return self.local.model
-
     def parcel(self, report: ServoReport) -> bytes | None:
         """Return what is to be sent, None while the last parcel is on its way or nothing has changed."""
-        if not self._changes or report.parcel < self._sent:
+        if not self._changes or report.parcel < self.after:
             return None
-        changes, self._changes, self._sent = self._changes, [], report.parcel + 1
+        changes, self._changes, self.after = self._changes, [], report.parcel + 1
         return pack_changes(changes)
+
+    def is_known(self, report: ServoReport) -> bool:
+        """Tell whether a report is of this body."""
+        return report.parcel >= self.after > 0 and not any(change[0] == "body" for change in self._changes)
 
     def set_place(self, workspace: Workspace, radius: float) -> None:
         """Place the device and its fingertips of a radius [m] in the session."""
@@ -73,12 +76,13 @@ class RemoteBody:
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
         """Give the body the numbers of other models of the same meshes."""
         self.local.set_constants(model, surface=surface)
-        self.surface = surface or (model if self.surface is self.model else self.surface)
+        self.model = model
+        self.surface = surface or self.surface
         self._changes.append(("constants", model, self.surface))
 
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s]."""
-        self._placed = np.array(positions, np.float64)
+        self._placed, self._newest = np.array(positions, np.float64), None  # a frame of before does not count
         self._changes.append(("state", self._placed, velocities))
 
     def positions(self) -> Floats:
@@ -117,14 +121,13 @@ class RemoteBody:
         )  # fmt: skip
         return frame._replace(touches=touches, ticks=motion.ticks)
 
-    def end(self) -> Body:
-        """Return the body as it is now, to go on with on this side."""
+    def end(self) -> bytes:
+        """Let the body go on from where it is on this side; return the parcel that ends it on the other."""
         self.local.set_state(self.positions())
-        self._changes.append(("end",))
         if self._frames:
             self._frames.close()
         self._frames = None
-        return self.local
+        return pack_changes([("end",)])
 
     def _lead(self, pins: PinMotion) -> None:
         """Send where pinned vertices are by now."""

@@ -19,8 +19,8 @@ from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState, Order
 from core.haptics.spec import Spec, load_spec
 from core.haptics.wire import RAMP
-from core.mesh.surface import base_vertices
 from core.material import PRESETS, Material
+from core.mesh.surface import base_vertices
 from studies.scenes import cube
 
 STEP = 2e-4  # [s] of the clock
