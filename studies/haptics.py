@@ -171,7 +171,7 @@ def judge(record: PressRecord) -> dict[str, float]:
     off = np.linalg.norm(measured - places[np.minimum(row, len(time) - 1)], axis=2)
     given = -np.cumsum((forces[:-1] * np.diff(places, axis=0)).sum(axis=2), axis=0)
     K1 = PRESET.material.K1
-    static = static_errors(record, time - begin, places, forces) if record.in_servo else np.zeros(1)
+    static = static_errors(record, time - begin, begin, forces) if record.in_servo else np.zeros(1)
     return {
         "real_time": device["real_time"],
         "rate_hz": report.rate,
@@ -214,17 +214,19 @@ def _holding(cycles: int, time: Floats, places: Floats, forces: Floats) -> tuple
     return float(np.polyfit(depths, pushes, 1)[0]), np.concatenate(errors)
 
 
-def static_errors(record: PressRecord, time: Floats, places: Floats, forces: Floats) -> Floats:
+def static_errors(record: PressRecord, time: Floats, offset: float, forces: Floats) -> Floats:
     """Return by what share the force in each hold differs from that of a session with its fingertips there.
 
     Forces along the press; friction sideways depends on how a fingertip came.
     """
     session, errors = Session(record.model), []
+    measured = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
     for begin in _holds(record.cycles)[: len(LEVELS)]:
         during = (time > begin + SETTLE) & (time < begin + HOLD)
-        tips = np.median(places[during], axis=0)
+        seconds = record.log[:, 0] * 1e-6 - offset
+        sensed = measured[(seconds > begin + SETTLE) & (seconds < begin + HOLD)].mean(axis=0)  # as the model was given
         for share in np.linspace(0.0, 1.0, 60):  # from above
-            lifted = tips + [0.0, 0.0, (1 - share) * CLEAR]
+            lifted = sensed + [0.0, 0.0, (1 - share) * CLEAR]
             session.set_fingers([Finger(WORKSPACE.to_session(tuple(tip)), RADIUS) for tip in lifted])
             session.step(0.005)
         session.step(0.5)

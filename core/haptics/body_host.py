@@ -12,14 +12,16 @@ from typing import TYPE_CHECKING, Any, Final
 from ..errors import DimpleError
 from .mailbox import Mailbox
 from .parcel import frame_size, pack_frame, parcel_path, unpack_changes
+from .safety import LEASE, QUIET_FORCE
 from .servo import Servo
 from .servo_messages import BodyState, Order, ServoReport
-from .vectors import ZERO, Vector, along, scaled
+from .vectors import ZERO, Vector, along, length, scaled
 from .wire import FINGERS
 
 if TYPE_CHECKING:
     from .touched_body import TouchedBody
 
+WATCH: Final = 20  # ticks after a change in which a force means that a fingertip came down inside the body
 FRAME_EVERY: Final = 0.015  # [s] between two frames: a little faster than Blender draws
 BLEW_UP: Final = "The simulation blew up and was put back to rest: soften the material, then arm the device again."
 FAILED: Final = "The body cannot run beside the device ({error}), so a local wall is rendered."
@@ -43,17 +45,20 @@ class BodyHost:
     def __init__(self, mailbox: Path) -> None:
         self.state, self.note, self.taken = BodyState.NONE, "", 0
         self.touched: TouchedBody | None = None
-        self._mailbox = mailbox
+        self._mailbox, self._watch = mailbox, 0
         _load()
         self._frames: Mailbox | None = None
         self._posted, self._ticks, self._since, self._answered = 0.0, 0, 0, 0
         self._total: list[Vector] = [ZERO] * FINGERS
 
-    def order(self, order: Order, servo: Servo) -> Order:
+    def order(self, order: Order, servo: Servo, now: float) -> Order:
         """Return an order of Blender's with the contacts of the body, where there is one; take a new parcel."""
         if order.parcel != self.taken:
             self._take(order.parcel, servo)
-        return replace(order, contacts=servo.order.contacts if self.state is BodyState.RUNS else order.contacts)
+        if self.state is not BodyState.RUNS:
+            return order
+        shown = now - order.written <= LEASE
+        return replace(order, contacts=servo.order.contacts, held_until=order.held_until if shown else 0.0)
 
     def joined(self, report: ServoReport) -> ServoReport:
         """Return a report with what became of the body."""
@@ -93,6 +98,11 @@ class BodyHost:
         elif touched.is_too_heavy:
             self._give_up(servo, TOO_HEAVY)
             contacts = ()
+        if self._watch:
+            self._watch -= 1
+            if any(contact and length(contact.force) >= QUIET_FORCE for contact in contacts):
+                servo.end(CHANGED)
+                self._watch = 0
         servo.order = replace(servo.order, contacts=contacts)
         self._ticks += 1
         self._since += 1
@@ -113,7 +123,7 @@ class BodyHost:
         from .touched_body import TouchedBody
 
         self.close()
-        servo.end(CHANGED)
+        self._watch = WATCH
         self._frames = Mailbox(Path(frames), size=frame_size(len(model.mass)), slots=1)
         self.touched = TouchedBody(model, surface, servo.spec.tick)
         self.touched.body.set_state(positions, velocities)
@@ -126,23 +136,23 @@ class BodyHost:
             mine, below = self.touched.body.model, self.touched.surface
             self.touched.set_constants(replace(model, mesh=mine.mesh), replace(surface, mesh=below.mesh))
 
-    def change_state(self, servo: Servo, positions: Any, velocities: Any) -> None:
+    def change_state(self, _servo: Servo, positions: Any, velocities: Any) -> None:
         """Put the vertices elsewhere; no force remains."""
         if self.touched:
-            servo.end(CHANGED)
             self.touched.body.set_state(positions, velocities)
-            self.touched.lift()
+            self._lift()
 
     def change_place(self, _servo: Servo, origin: Vector, scale: float, turn: Any, radius: float) -> None:
         """Place the device in the session [m]."""
         if self.touched:
             self.touched.where = origin, scale, turn, radius
-            self.touched.lift()
+            self._lift()
 
     def change_pressed(self, _servo: Servo, pressed: Any) -> None:
         """Press with fingertips of a poke, in place of the device's: place and radius [m]."""
         if self.touched:
             self.touched.pressed = pressed
+            self._watch = WATCH
 
     def change_pins(self, _servo: Servo, pins: Any) -> None:
         """Lead pinned vertices (3, pinned) [m] where Blender has them now."""
@@ -153,6 +163,12 @@ class BodyHost:
         """Let go of the body."""
         self.close()
         self.state = BodyState.NONE
+
+    def _lift(self) -> None:
+        """Take the fingertips off; where one comes down inside the body it must not push."""
+        assert self.touched
+        self.touched.lift()
+        self._watch = WATCH
 
     def _give_up(self, servo: Servo, why: str) -> None:
         servo.end(why)

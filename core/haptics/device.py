@@ -124,7 +124,7 @@ class HapticMaster:
 
     def write(self, contacts: Sequence[Contact | None], parcel: bytes | None = None) -> None:
         """Set the contact to render on each of its fingertips; give a parcel to the body in the servo's process."""
-        order = replace(self._order, contacts=tuple(contacts))
+        order = replace(self._order, contacts=tuple(contacts), written=time.perf_counter())
         if parcel is not None and self._box:
             self._parcel.unlink(missing_ok=True) if self._parcel else None
             order = replace(order, parcel=order.parcel + 1)

@@ -124,8 +124,9 @@ class Servo:
         return [f.guard.passivity.stored for f in self._fingers]
 
     def end(self, reason: str) -> None:
-        """End all force at the next answer, for a reason that is shown."""
-        self._ended = reason
+        """End all force at the next answer, for a reason that is shown; waiting for it goes on."""
+        if self._switch.arming is not Arming.WAITING:
+            self._ended = reason
 
     def report(self) -> ServoReport:
         """Return the state of device and link."""

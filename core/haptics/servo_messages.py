@@ -12,7 +12,7 @@ from .vectors import ZERO, Vector
 from .wire import FINGERS
 
 TIPS = FINGERS
-_ORDER = struct.Struct("<IIId")  # arm, disarm, parcel, held until
+_ORDER = struct.Struct("<IIIdd")  # arm, disarm, parcel, held until, written
 _CONTACT = struct.Struct("<B14d")
 _REPORT = struct.Struct("<BBB5I5dBId")
 _TIP = struct.Struct("<BB7d")
@@ -45,6 +45,7 @@ class Order:
     arm, disarm: counters; one more is one more request.
     parcel: number of the last parcel for the body in the servo's process.
     held_until: until when the dead-man key counts as held, on the clock of both [s]; to be renewed within LEASE.
+    written: when Blender showed a frame last [s]; while it is paused a body beside the device has no force either.
     contacts: up to three.
     """
 
@@ -52,6 +53,7 @@ class Order:
     disarm: int = 0
     parcel: int = 0
     held_until: float = 0.0
+    written: float = 0.0
     contacts: tuple[Contact | None, ...] = ()
 
     def is_held(self, now: float) -> bool:
@@ -124,7 +126,7 @@ class ServoReport:
 
 def pack_order(order: Order) -> bytes:
     """Return an order as bytes."""
-    parts = [_ORDER.pack(order.arm & 0xFFFFFFFF, order.disarm & 0xFFFFFFFF, order.parcel, order.held_until)]
+    parts = [_ORDER.pack(order.arm & 0xFFFFFFFF, order.disarm & 0xFFFFFFFF, order.parcel, order.held_until, order.written)]
     for i in range(TIPS):
         c = order.contacts[i] if i < len(order.contacts) else None
         numbers = (*c.force, *c.at, *c.normal, c.k_n, c.k_t, c.gap, c.friction, c.stamp) if c else (0.0,) * 14
@@ -134,7 +136,7 @@ def pack_order(order: Order) -> bytes:
 
 def unpack_order(message: bytes) -> Order:
     """Return the order in a message."""
-    arm, disarm, parcel, held_until = _ORDER.unpack_from(message)
+    arm, disarm, parcel, held_until, written = _ORDER.unpack_from(message)
     contacts: list[Contact | None] = []
     for i in range(TIPS):
         given, *v = _CONTACT.unpack_from(message, _ORDER.size + i * _CONTACT.size)
@@ -144,7 +146,7 @@ def unpack_order(message: bytes) -> Order:
                 k_n=v[9], k_t=v[10], gap=v[11], friction=v[12], stamp=v[13],
             ) if given else None
         )  # fmt: skip
-    return Order(arm=arm, disarm=disarm, parcel=parcel, held_until=held_until, contacts=tuple(contacts))
+    return Order(arm=arm, disarm=disarm, parcel=parcel, held_until=held_until, written=written, contacts=tuple(contacts))
 
 
 def pack_report(report: ServoReport) -> bytes:

@@ -104,7 +104,7 @@ def serve(
         seen, message = box.read(TO_SERVO, ORDER_SIZE, seen)  # after the answer: no device waits for Blender
         if message:
             ordered = time.perf_counter()
-            servo.order = host.order(unpack_order(message), servo)
+            servo.order = host.order(unpack_order(message), servo, ordered)
 
 
 def listener(line: SerialLine) -> Callable[[float], bytes | None]:

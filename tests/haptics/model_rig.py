@@ -102,8 +102,8 @@ class ModelRig:
                 continue
             out, self._late = getattr(self, "_late", b"") + out, b""
             if self.held:
-                self.order = replace(self.order, held_until=self.now + LEASE)
-            self.servo.order = self.host.order(self.order, self.servo)
+                self.order = replace(self.order, held_until=self.now + LEASE, written=self.now)
+            self.servo.order = self.host.order(self.order, self.servo, self.now)
             before = self.servo.answered
             self._data = self.servo.step(self.now, out)
             self.host.advance(self.servo, self.now)
@@ -117,15 +117,20 @@ class ModelRig:
                 body = self.host.touched
                 forces = body.forces if body else [(0.0, 0.0, 0.0)] * 3
                 tips = [tip.position for tip in self.emulator.tips]
-                self.rows.append((self.now - self.begun, tips, list(self.emulator.forces), list(forces)))
+                sensed = [place or (math.nan,) * 3 for place in self.servo.places]
+                self.rows.append((self.now - self.begun, tips, list(self.emulator.forces), list(forces), sensed))
             if each:
                 each()
 
     def trace(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return times (t,) [s], positions (t, 3, 3) [m], forces of the motors and of the model (t, 3, 3) [N]."""
         time, *rest = zip(*self.rows, strict=True)
-        positions, forces, model = (np.array(each) for each in rest)
+        positions, forces, model, _ = (np.array(each) for each in rest)
         return np.array(time), positions, forces, model
+
+    def sensed(self) -> np.ndarray:
+        """Return the positions (t, 3, 3) [m] by the device's converters, which are 0.25 mm a step."""
+        return np.array([row[4] for row in self.rows])
 
     def energy(self) -> float:
         """Return the lowest energy [J] that a hand had given a motor."""
