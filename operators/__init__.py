@@ -13,6 +13,7 @@ from . import (
     command_line,
     compare_proxies,
     device,
+    experiment,
     export,
     handlers,
     identify,
@@ -38,6 +39,7 @@ PARTS = (
     measure,
     compare_proxies,
     device,
+    experiment,
     command_line,
     handlers,
 )

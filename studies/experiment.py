@@ -125,7 +125,7 @@ def simulate(count: int, *, seed: int = 1, referee: int = 0) -> tuple[dict[str, 
     """Return the figures of so many observers, and the comparisons of the last."""
     plan, dice = make_plan(PLAN), random.Random(seed)
     inside: dict[str, list[bool]] = {f"{m}_{w}": [] for m in ("constant", "staircase") for w in ("pse", "jnd")}
-    errors: dict[str, list[float]] = {"pse": [], "jnd": []}
+    errors: dict[str, list[float]] = {"pse": [], "jnd": [], "pse_own_lapse": [], "jnd_own_lapse": []}
     comparisons: list[Comparison] = []
     with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
         for i in range(count):
@@ -138,26 +138,39 @@ def simulate(count: int, *, seed: int = 1, referee: int = 0) -> tuple[dict[str, 
                 for what, true in (("pse", who.pse), ("jnd", who.jnd)):
                     low, high = getattr(fitted, f"{what}_95") if fitted else (math.nan, math.nan)
                     inside[f"{method}_{what}"].append(low <= true <= high)
-            if i < referee and comparisons[0].fitted and (judged := by_psignifit(comparisons[0])):
-                for what in errors:
-                    errors[what].append(abs(getattr(comparisons[0].fitted, what) / judged[what] - 1))
+            if i < referee and comparisons[0].fitted:
+                for tail, lapse in (("", comparisons[0].fitted.lapse), ("_own_lapse", None)):
+                    if judged := by_psignifit(comparisons[0], lapse):
+                        for what in ("pse", "jnd"):
+                            errors[what + tail].append(abs(getattr(comparisons[0].fitted, what) / judged[what] - 1))
     figures = {"observers": float(count), "coverage": float(np.mean(inside["constant_pse"] + inside["constant_jnd"]))}
     figures |= {f"coverage_{name}": float(np.mean(each)) for name, each in inside.items()}
-    for what, each in errors.items():
-        if each:
-            figures |= {f"{what}_error": max(each), f"{what}_error_median": float(np.median(each))}
+    for what, found in errors.items():
+        if found:
+            name, _, tail = what.partition("_")
+            name += "_error" + (f"_{tail}" if tail else "")
+            figures |= {name: max(found), f"{name}_median": float(np.median(found))}
     return figures, comparisons
 
 
-def by_psignifit(each: Comparison) -> dict[str, float] | None:
-    """Return PSE and JND by psignifit with its own priors, None where it is not installed."""
+def by_psignifit(each: Comparison, lapse: float | None) -> dict[str, float] | None:
+    """Return PSE and JND by psignifit, None where it is not installed.
+
+    Args:
+        lapse: given, so that both fit the same two numbers; None lets psignifit estimate it by its own priors. Some
+            hundred answers hardly determine it, and the slope goes with it.
+    """
     if util.find_spec("psignifit") is None:
         return None
     import psignifit
 
     data = np.array([each.levels, each.stiffer, each.trials]).T
+    kind, fixed, priors = "equal asymptote", {"eta": 1e-9}, None
+    if lapse is not None:  # likelihood alone, as ours
+        kind, fixed = "yes/no", {"eta": 1e-9, "lambda": max(lapse, 1e-9), "gamma": max(lapse, 1e-9)}
+        priors = {name: np.ones_like for name in ("threshold", "width", "lambda", "gamma", "eta")}
     result = psignifit.psignifit(
-        data, experiment_type="equal asymptote", sigmoid="norm", fixed_parameters={"eta": 1e-9}, verbose=False
+        data, experiment_type=kind, sigmoid="norm", fixed_parameters=fixed, priors=priors, verbose=False
     )
     found = result.parameter_estimate
     ninety = 2 * 1.6448536269514722  # standard deviations from 5 to 95 %

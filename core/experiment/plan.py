@@ -115,7 +115,7 @@ def order(plan: Plan, participant: str) -> list[Slot]:
         task = plan.tasks[number]
         levels: list[float | None] = [1.0] * task.repeats
         if task.kind == "comparison":
-            levels = [None] * task.repeats if task.method == "staircase" else list(task.levels) * task.repeats
+            levels = [None] * task.repeats if task.method == "staircase" else [*task.levels] * task.repeats
             dice.shuffle(levels)
         firsts = [i % 2 == 0 for i in range(len(levels))]
         dice.shuffle(firsts)

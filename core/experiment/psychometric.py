@@ -25,7 +25,7 @@ QUARTER: Final = 0.674489750196082  # standard deviations from the middle to thr
 DROP: Final = 1.920729410347062  # half of the 95 % quantile of chi squared
 MOST_LAPSES: Final = 0.08
 LAPSES: Final = np.linspace(0.0, MOST_LAPSES, 17)
-FEW_LAPSES: Final = 9.0 * np.log1p(-LAPSES)  # a weak belief that lapses are rare; Source: Schuett et al. 2016, psignifit 4
+FEW_LAPSES: Final = 9.0 * np.log1p(-LAPSES)  # a weak belief that they are rare; Source: Schuett et al. 2016
 POINTS: Final = 41  # of a grid on each axis
 ROUNDS: Final = 3  # of finer grids
 FEWEST: Final = 20  # trials
@@ -80,20 +80,21 @@ def fit(levels: Sequence[float], stiffer: Sequence[int], trials: Sequence[int]) 
     x, n, k = x[used], n[used], k[used]
     span = float(np.ptp(x))
     m_grid, s_grid = np.linspace(x.min() - span, x.max() + span, POINTS), np.geomspace(span / 200, 4 * span, POINTS)
-    for _ in range(ROUNDS):
+    for number in range(ROUNDS):
         like = _likelihood(x, n, k, m_grid, s_grid)
         best = np.unravel_index(int(like.argmax()), like.shape)
-        m, s, lapse = float(m_grid[best[0]]), float(s_grid[best[1]]), float(LAPSES[best[2]])
-        if _ == ROUNDS - 1:
+        lapse = float(LAPSES[best[2]])
+        if number == ROUNDS - 1:
             break
         m_grid = _finer(m_grid, like.max(axis=(1, 2)))
         s_grid = np.exp(_finer(np.log(s_grid), like.max(axis=(0, 2))))
     top = float(like.max())
     m, m_95 = _profile(m_grid, like.max(axis=(1, 2)), top)
-    s, s_95 = (np.exp(each) for each in _profile(np.log(s_grid), like.max(axis=(0, 2)), top))
+    log_s, log_95 = _profile(np.log(s_grid), like.max(axis=(0, 2)), top)
     saturated = _binomial(k, n, k / n).sum()
     return Psychometric(
-        pse=m, jnd=QUARTER * float(s), pse_95=m_95, jnd_95=(QUARTER * float(s_95[0]), QUARTER * float(s_95[1])),
+        pse=m, jnd=QUARTER * math.exp(log_s), pse_95=m_95,
+        jnd_95=(QUARTER * math.exp(log_95[0]), QUARTER * math.exp(log_95[1])),
         lapse=lapse, deviance=float(2 * (saturated - top)), trials=int(n.sum()),
     )  # fmt: skip
 

@@ -22,7 +22,7 @@ def next_level(start: float, step: float, answers: Sequence[tuple[float, bool]])
         answers: level and whether it was judged the stiffer, of all trials so far.
     """
     number = len(answers)
-    track = [answer for answer in answers[number % 2 :: 2]]
+    track = answers[number % 2 :: 2]
     level, size, turns, before = (start, 2.0 * step, 0, None) if number % 2 == 0 else (1 / start, 2.0 * step, 0, None)
     for _, stiffer in track:
         if before is not None and stiffer is not before:

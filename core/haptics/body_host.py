@@ -100,7 +100,7 @@ class BodyHost:
             contacts = ()
         if self._watch:
             self._watch -= 1
-            if any(contact and length(contact.force) >= QUIET_FORCE for contact in contacts):
+            if any(contact and length(contact.force) >= QUIET_FORCE for contact in contacts) or touched.is_inside:
                 servo.end(CHANGED)
                 self._watch = 0
         servo.order = replace(servo.order, contacts=contacts)

@@ -126,7 +126,8 @@ class ServoReport:
 
 def pack_order(order: Order) -> bytes:
     """Return an order as bytes."""
-    parts = [_ORDER.pack(order.arm & 0xFFFFFFFF, order.disarm & 0xFFFFFFFF, order.parcel, order.held_until, order.written)]
+    requests = order.arm & 0xFFFFFFFF, order.disarm & 0xFFFFFFFF, order.parcel
+    parts = [_ORDER.pack(*requests, order.held_until, order.written)]
     for i in range(TIPS):
         c = order.contacts[i] if i < len(order.contacts) else None
         numbers = (*c.force, *c.at, *c.normal, c.k_n, c.k_t, c.gap, c.friction, c.stamp) if c else (0.0,) * 14
@@ -146,7 +147,9 @@ def unpack_order(message: bytes) -> Order:
                 k_n=v[9], k_t=v[10], gap=v[11], friction=v[12], stamp=v[13],
             ) if given else None
         )  # fmt: skip
-    return Order(arm=arm, disarm=disarm, parcel=parcel, held_until=held_until, written=written, contacts=tuple(contacts))
+    return Order(
+        arm=arm, disarm=disarm, parcel=parcel, held_until=held_until, written=written, contacts=tuple(contacts)
+    )
 
 
 def pack_report(report: ServoReport) -> bytes:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from .contact_model import Contact
 from .coupling import STIFFER, Coupling, Slopes
+from .safety import QUIET_FORCE
 from .vectors import ZERO, Vector, along, dot, scaled
 from .wire import FINGERS
 
@@ -121,6 +122,12 @@ class TouchedBody:
         share = (gone + 1) / LEAD
         self._pins = (start, end, gone + 1) if gone + 1 < LEAD else None
         return PinMotion(start, end, share, share)
+
+    @property
+    def is_inside(self) -> bool:
+        """Tell whether a fingertip of the device is so deep that it would push as soon as it met the skin."""
+        touches = enumerate(self.frame.touches if self.frame else ())
+        return any(touch and not self._is_poked(i) and touch.law_force >= QUIET_FORCE for i, touch in touches)
 
     @property
     def is_finite(self) -> bool:
