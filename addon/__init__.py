@@ -1,12 +1,24 @@
 """What Blender shows and stores: properties, presets, panels, preferences, overlay, tool and translations."""
 
 from .. import operators
-from . import comparison_chart, overlay, panels, preferences, presets, properties, reduction, tool, translations
+from . import (
+    comparison_chart,
+    overlay,
+    panels,
+    preferences,
+    presets,
+    properties,
+    reduction,
+    surface_colours,
+    tool,
+    translations,
+)
 
 # in order of dependence: operators read the properties, panels name the operators and the presets' popover,
 # the preferences move the panels
 PARTS = (
-    translations, properties, operators, presets, panels, reduction, preferences, overlay, comparison_chart, tool,
+    translations, properties, operators, presets, panels, reduction, preferences, surface_colours, overlay,
+    comparison_chart, tool,
 )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ import bpy
 
 from ..operators import calibration
 from ..operators.sessions import sessions
-from . import readout, room, shapes
+from . import dent, readout, room, shapes
 from .readout import iface_
 from .room import Room
 from .shapes import Point, Segment
@@ -82,16 +82,17 @@ def overlays_shown(context: bpy.types.Context) -> bool:
 
 
 def draw_bodies() -> None:
-    """Draw fingertips and force arrows in the scene (POST_VIEW)."""
+    """Draw fingertips, force arrows, and dents that a mesh cannot show, in the scene (POST_VIEW)."""
     context = bpy.context
-    for _, entry in _shown(context):
+    for body, entry in shown_bodies(context):
+        dent.draw_dent(body, entry)
         draw_fingers(entry, screen_of(context))
 
 
 def draw_numbers() -> None:
     """Draw the read-out and the chart of each session on top of the picture (POST_PIXEL)."""
     context = bpy.context
-    shown = _shown(context)
+    shown = shown_bodies(context)
     calibrated = None if shown else calibrated_curves(context)
     if calibrated and not overlays_shown(context):
         return
@@ -99,7 +100,7 @@ def draw_numbers() -> None:
         return
     screen = screen_of(context)
     scale = screen.scale
-    free = room.free_room(context, MARGIN * scale, LINE_HEIGHT * scale)
+    free = free_room(context, scale)
     if free is None:
         return
     if calibrated and fits(free, scale, 0):
@@ -110,6 +111,11 @@ def draw_numbers() -> None:
             free = free._replace(bottom=end + MARGIN * scale)
         end = draw_rows(body, entry, free, scale, numbers=not room.shown_in_sidebar(context, body))
         free = free._replace(bottom=end + MARGIN * scale)
+
+
+def free_room(context: bpy.types.Context, scale: float) -> Room | None:
+    """Return what is free for numbers, None where another of the four views has them."""
+    return room.free_room(context, MARGIN * scale, LINE_HEIGHT * scale)
 
 
 def fits(free: Room, scale: float, lines: int) -> bool:
@@ -247,7 +253,7 @@ def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
     return draw_key(curves, (corner[0], top), scale)
 
 
-def _shown(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any]]:
+def shown_bodies(context: bpy.types.Context) -> list[tuple[bpy.types.Object, Any]]:
     """Return the sessions to draw in this viewport, each with its object."""
     if not sessions or not context.scene.dimple.show_overlay or not overlays_shown(context):
         return []

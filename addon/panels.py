@@ -5,7 +5,8 @@ What cannot be used now is greyed out, not hidden; a tooltip from the operator's
 
 import bpy
 
-from ..operators.names import Op
+from ..operators import twins
+from ..operators.names import MAPS, Op
 from ..operators.sessions import identifying, sessions
 from . import calibration, device, experiment, readout
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
@@ -85,7 +86,7 @@ class DIMPLE_PT_body(bpy.types.Panel):
         settings = body.dimple
         layout.use_property_split = True
         if body.type != "MESH":
-            draw_notes(context, layout, ["Dimple presses meshes. Convert this object: Object > Convert > Mesh."])
+            draw_notes(context, layout, ["Dimple presses meshes. Make Soft converts this object to one."])
         layout = layout.column()
         layout.enabled = body.type == "MESH" and settings.enabled
         layout.prop(settings, "law_set")
@@ -93,7 +94,10 @@ class DIMPLE_PT_body(bpy.types.Panel):
         row = layout.row()
         row.active = settings.pinned == "GROUP"
         row.prop_search(settings, "pin_group", body, "vertex_groups")
-        layout.prop_search(settings, "softness_group", body, "vertex_groups")
+        column = layout.column(align=True)
+        for name, _, _ in MAPS:
+            column.prop_search(settings, f"{name}_group", body, "vertex_groups")
+        column.operator(Op.SOFTNESS_FROM_POKES, text="Softness from Pokes...", icon="IMPORT")
         layout.prop(settings, "size_mode")
         row = layout.row()
         row.active = settings.size_mode == "CUSTOM"
@@ -112,12 +116,14 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.scale_y = 1.4
         row = column.row(align=True)
-        row.enabled = body is not None and body.type == "MESH" and not body.dimple.enabled
+        row.enabled = body is not None and not (body.type == "MESH" and body.dimple.enabled)
         row.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
         row = layout.row()
         row.enabled = body is not None and body.type == "MESH"
         DIMPLE_PT_material_presets.draw_menu(row, text="Materials")
+        paired = body is not None and body.type == "MESH" and twins.other(body, context.scene) is not None
+        layout.operator(Op.USE_MATERIAL if paired else Op.COMPARE_MATERIALS, icon="MOD_MIRROR")
         column = layout.column(align=True)
         running = entry is not None and entry.running
         column.operator(Op.PLAY, text="Pause" if running else "Play", icon="PAUSE" if running else "PLAY")
@@ -225,9 +231,10 @@ class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
         column.prop(settings, "use_ground")
         column = layout.column(heading="Show")
         column.prop(settings, "show_overlay")
-        row = column.row()
-        row.active = settings.show_overlay
-        row.prop(settings, "show_chart")
+        column = layout.column()
+        column.active = settings.show_overlay
+        for name in ("show_chart", "show_rest", "show_profile", "show_field"):
+            column.prop(settings, name)
 
 
 _SIDEBAR = (

@@ -1,10 +1,16 @@
 """Material presets: the measured objects of the paper, and the user's own."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
 from ..operators.names import Op
+
+if TYPE_CHECKING:
+    from ..core.material import Preset
 
 
 class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
@@ -17,12 +23,16 @@ class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the measured objects above Blender's own list of presets."""
-        from ..core.material import PRESETS  # not at import: it needs numpy, and enabling must be quick
+        from ..core.everyday import EVERYDAY, MADE_UP  # not at import: numpy, and enabling must be quick
+        from ..core.material import PRESETS
 
         column = self.layout.column(align=True)
         column.label(text="Measured Objects")
-        for preset in PRESETS:
-            column.operator(Op.APPLY_PRESET, text=preset.label, icon="MATERIAL").preset = preset.name
+        draw_presets(column, PRESETS)
+        column.label(text="From Rules and Data Sheets")
+        draw_presets(column, [preset for preset in EVERYDAY if preset.provenance != MADE_UP])
+        column.label(text="Made Up")
+        draw_presets(column, [preset for preset in EVERYDAY if preset.provenance == MADE_UP])
         self.layout.label(text="My Materials")
         own = DIMPLE_PT_material_presets
         if bpy.utils.preset_paths(own.preset_subdir):
@@ -31,6 +41,12 @@ class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
         row = self.layout.row()  # Blender would complain of missing paths
         row.prop(context.window_manager, "preset_name", text="")
         row.operator(own.preset_add_operator, text="", icon="ADD").name = context.window_manager.preset_name
+
+
+def draw_presets(column: bpy.types.UILayout, presets: "Sequence[Preset]") -> None:
+    """Draw a button for each preset."""
+    for preset in presets:
+        column.operator(Op.APPLY_PRESET, text=preset.label, icon="MATERIAL").preset = preset.name
 
 
 class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):

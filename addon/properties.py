@@ -9,7 +9,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from ..operators.calibration import further_constants
-from ..operators.names import PLACES, TIPS
+from ..operators.names import MAPS, PLACES, TIPS
 from .device import DevicePlace
 from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
 from .translations import CONTEXT
@@ -49,6 +49,16 @@ _PRESS_BY = (
         "FORCE", "Force",
         "The fingertip pushes straight into the surface with a force; the softer the body, the deeper it sinks in",
     ),
+)
+
+
+_FIELDS = (
+    ("NONE", "None", "The mesh looks as it does"),
+    ("PRESSURE", "Contact Pressure", "How hard the surface is pressed (kPa)"),
+    ("DEPTH", "Depth", "How far the surface is below its shape at rest (mm)"),
+    ("STRETCH", "Stretch", "How much longer or shorter its edges are than at rest (%)"),
+    ("SLOPE", "Slope K1", "How hard the first millimetres are, with the softness that is painted (N/mm)"),
+    ("KNEE", "Knee x0", "How deep the soft part reaches, with what is painted (mm)"),
 )
 
 
@@ -167,6 +177,11 @@ def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
     return {"constants": constants}
 
 
+def _map(which: int) -> StringProperty:
+    _, label, meaning = MAPS[which]
+    return StringProperty(name=label, description=f"Vertex group or float attribute that paints {meaning}", **FIXED)
+
+
 class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
     """The settings that make an object a soft body."""
 
@@ -176,11 +191,14 @@ class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
     pin_group: StringProperty(
         name="Pin Group", description="Vertex group that is pinned, where its weight is 0.5 or more", **FIXED
     )
-    softness_group: StringProperty(
-        name="Softness Group",
-        description="Vertex group that paints softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer",
-        **FIXED,
-    )
+    softness_group: _map(0)
+    knee_group: _map(1)
+    spread_group: _map(2)
+    thickness_group: _map(3)
+    twin: PointerProperty(
+        name="Twin Of", description="The object that this is a twin of, with another material",
+        type=bpy.types.Object, translation_context=CONTEXT,
+    )  # fmt: skip
     size_mode: EnumProperty(
         name="Physical Size", description="How large the real object is", items=_SIZE_MODES, **FIXED
     )
@@ -190,12 +208,12 @@ class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
     )  # fmt: skip
 
     def to_params(self) -> dict[str, float | str | None]:
-        """Return law_set, pinned, pin_group, softness_group and size: the largest dimension [m], None as modelled."""
+        """Return law_set, pinned, pin_group, the groups of the maps, and size: the largest [m], None as modelled."""
         return {
             "law_set": self.law_set.lower(),
             "pinned": self.pinned.lower(),
             "pin_group": self.pin_group,
-            "softness_group": self.softness_group,
+            **{f"{name}_group": getattr(self, f"{name}_group") for name, _, _ in MAPS},
             "size": exact(self.size_mm, -1) if self.size_mode == "CUSTOM" else None,
         }
 
@@ -264,6 +282,15 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         name="Fingertips and Forces", description="Draw fingertips, forces and numbers in the viewport",
         default=True, **FIXED,
     )  # fmt: skip
+    show_field: EnumProperty(
+        name="Colors", description="Color the surface of what is pressed, with a scale", items=_FIELDS, **FIXED
+    )
+    show_rest: BoolProperty(
+        name="Shape at Rest", description="Draw the edges of the shape at rest where the body has left it", **FIXED
+    )
+    show_profile: BoolProperty(
+        name="Profile", description="Draw a cut through the dent of the deepest fingertip", **FIXED
+    )
     show_chart: BoolProperty(
         name="Chart", description="Draw force against depth, with the material's curve",
         default=True, **FIXED,

@@ -40,7 +40,7 @@ class DIMPLE_MT_object(bpy.types.Menu):
         """Draw the verbs."""
         layout = self.layout
         layout.operator_context = "INVOKE_REGION_WIN"
-        for verb in (Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RECORD, Op.RESET):
+        for verb in (Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RECORD, Op.RESET, Op.COMPARE_MATERIALS):
             layout.operator(verb)
 
 

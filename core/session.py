@@ -18,7 +18,7 @@ import numpy.typing as npt
 from .base import TICK, DimpleError, Floats
 from .body.model import Model
 from .fingertip import Finger as Finger
-from .fingertip import FingerOnItsWay, between, sent
+from .fingertip import FingerOnItsWay, along, between, sent
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
 from .reduction.proxy import Proxy, carry
@@ -94,9 +94,11 @@ class Session:
         self.body.set_state(self.body.model.matching.rest)
         self._time, self._ticks, self._cost, self._work = 0.0, 0, 0.0, 0.0
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
+        self._pushes = False  # a force pushes one of them
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
         self._pins_target: Floats | None = None
+        self._shown: npt.NDArray[np.float32] | None = None  # what `positions` returned, until something moves
         self._last = motion.Frame((), (0.0,) * 12, self.body.model.mesh.volume, 0.0, 0, True)
         self.frame = self._show(np.zeros((0, 3)), 0, 0.0, "")
 
@@ -109,14 +111,13 @@ class Session:
         if len(fingers) > MAX_FINGERS:
             raise DimpleError(f"There are at most {MAX_FINGERS} fingertips.")
         for finger in fingers:
-            if finger and not (
-                finger.radius > 0
-                and len(finger.position) == 3
-                and all(map(math.isfinite, (*finger.position, *finger.inward, finger.radius, finger.force or 0.0)))
-            ):
+            if finger and not (finger.radius > 0 and len(finger.position) == 3 and math.isfinite(
+                sum(finger.position) + sum(finger.inward) + finger.radius + (finger.force or 0.0)
+            )):  # fmt: skip
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         before = [*self._tips, *[None] * len(fingers)]
         self._tips = [sent(tip, finger) for tip, finger in zip(before, fingers, strict=False)]
+        self._pushes = any(tip is not None and tip.pushed is not None for tip in self._tips)
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -147,7 +148,7 @@ class Session:
         end, due = self._end, math.floor(self._end / self.tick + 1e-6)
         impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._tips), 0, ""
         most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
-        if any(tip and tip.pushed for tip in self._tips):
+        if self._pushes:
             most = 1  # each tick moves them
         while self._ticks < due:
             result = self._run(min(due - self._ticks, most))
@@ -171,10 +172,15 @@ class Session:
             self._time = end
         forces = self.frame.finger_forces  # as before where no tick was due
         if done or len(forces) != len(impulses):
-            seconds = max(done, 1) * self.tick
-            forces = np.array([(x / seconds, y / seconds, z / seconds) for x, y, z in impulses]).reshape(-1, 3)
+            forces = np.array(impulses) if impulses else np.zeros((0, 3))
+            forces /= max(done, 1) * self.tick
         self.frame = self._show(forces if not note else forces[:0], done, time.perf_counter() - started, note)
         return self.frame
+
+    @property
+    def moved(self) -> bool:
+        """Tell whether anything moved in the last step; False where the body slept all the time."""
+        return self._last.moved
 
     @property
     def placed(self) -> tuple[Finger | None, ...]:
@@ -188,7 +194,9 @@ class Session:
 
     def positions(self) -> npt.NDArray[np.float32]:
         """Return where the input vertices (N, 3) [m] are now."""
-        return self._skin()[self.model.mesh.source].astype(np.float32)
+        if self._shown is None:
+            self._shown = self.skin()[self.model.mesh.source].astype(np.float32)
+        return self._shown.copy()
 
     def touches(self) -> tuple[Touching | None, ...]:
         """Return how each fingertip meets the surface at rest, which a device renders."""
@@ -218,7 +226,7 @@ class Session:
         moves.substeps(self.tick)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
-        skin = scale * self._skin()
+        skin = scale * self.skin()
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
             self.body.set_constants(moves, surface=model)
         else:
@@ -231,7 +239,7 @@ class Session:
                 tip.scale(scale)
             self._pins_target = None
         self._define(model, proxy)
-        self._pins_origin = skin.T
+        self._pins_origin, self._shown = skin.T, None
 
     def _define(self, model: Model, proxy: Proxy | None) -> Model:
         """Set what follows from a model and its proxy; return the one that moves."""
@@ -248,36 +256,40 @@ class Session:
 
     def _share(self, time: float) -> float:
         """Return how much of the step under way is over at a time [s]: 0 at its begin, 1 at its end."""
-        return min((time - self._begin) / max(self._end - self._begin, 1e-30), 1.0)
+        return 1.0 if time >= self._end else (time - self._begin) / max(self._end - self._begin, 1e-30)
 
     def _move_origins(self, share: float) -> None:
         for tip in self._tips:
             if tip:
                 tip.origin = between(tip.origin, tip.target.position, share)
         if self._pins_target is not None:
-            whole = share >= 1
+            self._shown, whole = None, share >= 1
             way = self._pins_target - self._pins_origin
             self._pins_origin = self._pins_target if whole else self._pins_origin + share * way
 
     def _run(self, ticks: int) -> motion.Frame:
         """Run some ticks of the step under way."""
-        seconds = max(self._last.ticks, 1) * self.tick
-        for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
-            if tip:
-                tip.push(self.body.model, touch, seconds, self.tick)
-        first, last = self._share((self._ticks + 1) * self.tick), self._share((self._ticks + ticks) * self.tick)
+        if self._pushes:
+            seconds = max(self._last.ticks, 1) * self.tick
+            for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
+                if tip:
+                    tip.push(self.body.model, touch, seconds, self.tick)
+        first = last = self._share((self._ticks + ticks) * self.tick)
+        if ticks > 1:
+            first = self._share((self._ticks + 1) * self.tick)
         pins = self._pins(first, last)
         self._last = result = self.body.step(
             Motion(ticks, self.substeps, self.tick, self._fingertips(first, last), pins)
         )
         self._ticks += result.ticks
+        if result.moved:
+            self._shown = None
         if pins and pins.last >= 1 and self._pins_target is not None:  # they have arrived
             self._pins_origin, self._pins_target = self._pins_target, None
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
                 # force and way of straight, even motion: the work is exact
-                axes = zip(touch.impulse, touch.centre, tip.here, strict=True)
-                self._work -= sum(push * (now - before) for push, now, before in axes) / (result.ticks * self.tick)
+                self._work -= along(touch.centre, tip.here, touch.impulse) / (result.ticks * self.tick)
                 tip.here, tip.fresh = touch.centre, False
         return result
 
@@ -298,7 +310,7 @@ class Session:
             first = last = 1.0
         return PinMotion(self._pins_origin[:, self._pinned], self._pins_target[:, self._pinned], first, last)
 
-    def _skin(self) -> Floats:
+    def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
         x = self.body.positions()
         if self.proxy is None:

@@ -10,7 +10,9 @@ from . import (
     bake,
     calibrate,
     calibrate_apply,
+    calibrate_together,
     command_line,
+    compare_materials,
     compare_proxies,
     device,
     experiment,
@@ -22,6 +24,7 @@ from . import (
     play,
     poke,
     record,
+    softness,
 )
 
 PARTS = (
@@ -35,9 +38,12 @@ PARTS = (
     add_fingertip,
     calibrate,
     calibrate_apply,
+    calibrate_together,
+    softness,
     identify,
     measure,
     compare_proxies,
+    compare_materials,
     device,
     experiment,
     command_line,

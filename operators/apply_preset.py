@@ -20,7 +20,7 @@ def material_of(obj: bpy.types.Object, name: str) -> bpy.types.Material:
 
 
 class DIMPLE_OT_apply_preset(bpy.types.Operator):
-    """Give the active material the constants of a measured object, and the body its measured size"""
+    """Give the active material the constants of a known object, and the body its size"""
 
     bl_idname = Op.APPLY_PRESET
     bl_label = "Apply Preset"
@@ -35,11 +35,12 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set material, size and source."""
+        from ..core.everyday import EVERYDAY
         from ..core.material import PRESETS
 
-        preset = next((each for each in PRESETS if each.name == self.preset), None)
+        preset = next((each for each in (*PRESETS, *EVERYDAY) if each.name == self.preset), None)
         if preset is None:
-            known = ", ".join(each.name for each in PRESETS)
+            known = ", ".join(each.name for each in (*PRESETS, *EVERYDAY))
             self.report({"ERROR"}, f'There is no preset "{self.preset}". There are: {known}.')
             return {"CANCELLED"}
         apply(material_of(context.object, preset.label).dimple, preset)

@@ -328,9 +328,10 @@ def _source(name: str) -> object:
         DimpleError: there is none.
     """
     from ..core.base import DimpleError
+    from ..core.everyday import EVERYDAY
     from ..core.material import PRESETS
 
-    preset = next((each for each in PRESETS if name in (each.name, each.label)), None)
+    preset = next((each for each in (*PRESETS, *EVERYDAY) if name in (each.name, each.label)), None)
     if preset is None and (bpy.data.materials.get(name) is None or name.startswith(MATERIAL)):
         raise DimpleError(f'There is no material or preset "{name}", which the experiment names.')
     return preset or bpy.data.materials[name]

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, haptic, sessions, showing, tuning
+from . import bridge, haptic, sessions, showing, tuning, twins
 from .messages import Note
 from .sessions import LiveBody, ModalRun
 
@@ -45,7 +45,7 @@ def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], li
         DimpleError: none of them can be pressed.
     """
     bodies, messages, wrong = [], [], []
-    for obj in candidates(context):
+    for obj in twins.joined(candidates(context), context.scene):
         try:
             body, notes = sessions.start(obj, context)
         except DimpleError as error:
@@ -76,12 +76,13 @@ def advance(
         Sentences for the artist: sessions that ended, or were put back to rest.
     """
     messages = [*haptic.read(), *showing.end_changed(context.view_layer)]
+    pressed = twins.shared(pressed or {}, context.scene)
     share = budget / len(sessions.sessions) if budget and sessions.sessions else budget
     for uid, body in list(sessions.sessions.items()):
         obj = bridge.find(uid, body.name)
         assert obj  # else its session has just ended
         try:
-            messages += step(context, obj, body, max(dt - body.lead, 0.0), (pressed or {}).get(uid, ()), share)
+            messages += step(context, obj, body, max(dt - body.lead, 0.0), pressed.get(uid, ()), share)
             body.lead += body.frame.steps * body.session.tick
         except DimpleError as error:
             messages += [str(error), *sessions.stop(uid)]
@@ -109,7 +110,7 @@ def step(
         pressed = ()  # those were in metres of another size
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once
     follow(obj, body)
-    others = haptic.fingertips(context.scene, body) or fingertips(context.scene, body.link.scale)
+    others = haptic.fingertips(context.scene, body) or pressing(context.scene, body)
     fingers = merged(others, pressed)
     before, body.poked = body.poked, frozenset(i for i, finger in enumerate(pressed) if finger)
     # one that goes from hand to hand is lifted: it would fly through the body, and a device would render the flight
@@ -135,8 +136,15 @@ def follow(obj: bpy.types.Object, body: LiveBody) -> None:
     matrix = np.array(obj.matrix_world)
     if not np.array_equal(matrix, body.matrix):
         bridge.check_matrix(obj.name, matrix)
-        body.session.set_held(bridge.to_physical(body.link.scale, matrix, body.link.rest))
+        body.session.set_held(bridge.places(body.link, matrix))
         body.matrix = matrix
+
+
+def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:
+    """Return the fingertip objects that press a body, or its twin."""
+    if original := twins.source(body):
+        return twins.moved(fingertips(scene, original.link.scale), original, body)
+    return fingertips(scene, body.link.scale)
 
 
 def fingertips(scene: bpy.types.Scene, scale: float) -> list[Finger | None]:

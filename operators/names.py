@@ -30,8 +30,18 @@ EXPORTS = (
     ("PLY", "PLY Sequence", "A folder with a file for each frame, for scanning tools and numpy", 128),
     ("VAT", "Vertex Animation Texture", "EXR and 16-bit PNG for shaders, and the mesh with its second UV map", 256),
 )
+# what can be painted on a body: its vertex group, and what that is of
+MAPS = (
+    ("softness", "Softness Group", "softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer"),
+    ("knee", "Knee Group", "how deep the soft part reaches: 0.5 is x0, 1 twice and 0.25 half of it"),
+    ("spread", "Spread Group", "how far a dent reaches: 0.5 is the spread, 1 twice and 0.25 half of it"),
+    ("thickness", "Thickness Group", "how thick the surface is: 0.5 is k and the mass, 1 twice and 0.25 half of them"),
+)
 PLACES = (
-    ("TOP", "Top Middle", "Straight down on the middle of the body"),
+    (
+        "TOP", "Typical Place",
+        "The middle of the top, unless there is an edge, a hole or a pin: then where the surface is most even",
+    ),
     ("CURSOR", "3D Cursor", "Straight into the surface, where the 3D cursor is nearest to it"),
 )
 
@@ -50,11 +60,15 @@ class Op(StrEnum):
     APPLY_PRESET = "dimple.apply_preset"
     ADD_FINGERTIP = "dimple.add_fingertip"
     CALIBRATE = "dimple.calibrate"
+    SOFTNESS_FROM_POKES = "dimple.softness_from_pokes"
+    CALIBRATE_TOGETHER = "dimple.calibrate_together"
     APPLY_CALIBRATION = "dimple.apply_calibration"
     DISCARD_CALIBRATION = "dimple.discard_calibration"
     IDENTIFY = "dimple.identify"
     MEASURE = "dimple.measure"
     COMPARE_PROXIES = "dimple.compare_proxies"
+    COMPARE_MATERIALS = "dimple.compare_materials"
+    USE_MATERIAL = "dimple.use_material"
     APPLY_PROXY = "dimple.apply_proxy"
     CONNECT_DEVICE = "dimple.connect_device"
     ARM_DEVICE = "dimple.arm_device"

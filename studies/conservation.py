@@ -57,7 +57,7 @@ def energy_trace(method: str, *, omega_dt: float, steps: int, samples: int = 100
 
 def breathing_frequency(model: Model) -> float:
     """Return omega [1/s] of the breathing triangle."""
-    k = 3 * float(model.springs.stiffness[0]) + float(model.matching.k1[0])
+    k = 3 * float(model.springs.stiffness[0] + model.matching.tension[0]) + float(model.matching.k1[0])
     return math.sqrt(k / float(model.mass[0]))
 
 

@@ -79,7 +79,7 @@ def settle(
         session.step(SETTLING)
         frame, at = session.step(LISTENING), depth
         force = frame.finger_forces[0] if len(frame.finger_forces) else np.full(3, np.nan)
-        yield Settled(depth, force, session._skin())
+        yield Settled(depth, force, session.skin())
 
 
 def ball(subdivisions: int) -> Mesh:

@@ -168,7 +168,7 @@ def by_psignifit(each: Comparison, lapse: float | None) -> dict[str, float] | No
     kind, fixed, priors = "equal asymptote", {"eta": 1e-9}, None
     if lapse is not None:  # likelihood alone, as ours
         kind, fixed = "yes/no", {"eta": 1e-9, "lambda": max(lapse, 1e-9), "gamma": max(lapse, 1e-9)}
-        priors = {name: np.ones_like for name in ("threshold", "width", "lambda", "gamma", "eta")}
+        priors = dict.fromkeys(("threshold", "width", "lambda", "gamma", "eta"), np.ones_like)
     result = psignifit.psignifit(
         data, experiment_type=kind, sigmoid="norm", fixed_parameters=fixed, priors=priors, verbose=False
     )

@@ -101,10 +101,6 @@ BODY = {
     "Vertex group that is pinned, where its weight is 0.5 or more": (
         "固定する頂点グループ。ウェイト 0.5 以上を固定します"
     ),
-    "Softness Group": "柔らかさグループ",
-    "Vertex group that paints softness: 0.5 is as measured, 1 four times softer, 0 four times stiffer": (
-        "柔らかさを塗る頂点グループ。0.5 は測定値のまま、1 は 4 倍柔らかく、0 は 4 倍硬くなります"
-    ),
     "Physical Size": "実物の大きさ",
     "How large the real object is": "実物がどれだけ大きいか",
     "As Modelled": "モデルのまま",
@@ -115,8 +111,8 @@ BODY = {
     ),
     "Size (mm)": "大きさ (mm)",
     "Largest dimension of the real object": "実物の最も長い寸法",
-    "Dimple presses meshes. Convert this object: Object > Convert > Mesh.": (
-        "Dimple が押せるのはメッシュです。オブジェクト > 変換 > メッシュ で変換してください。"
+    "Dimple presses meshes. Make Soft converts this object to one.": (
+        "Dimple が押せるのはメッシュです。「柔らかくする」がこのオブジェクトをメッシュに変換します。"
     ),
 }
 
@@ -254,7 +250,7 @@ VERBS = {
     ),
     "Preset": "プリセット",
     "Name of a measured object, such as object_2_vinyl_air": "測定した物体の名前。例: object_2_vinyl_air",
-    "Give the active material the constants of a measured object, and the body its measured size": (
+    "Give the active material the constants of a known object, and the body its size": (
         "アクティブマテリアルに測定した物体の定数を、物体に測定時の大きさを与えます"
     ),
     "Add a fingertip above the active object: an object that presses, to be moved and keyframed": (

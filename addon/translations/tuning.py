@@ -1,6 +1,10 @@
 """Japanese of what is tuned by eye: press by force, and what the status bar says."""
 
-OPERATORS = {"Make Soft": "柔らかくする"}
+OPERATORS = {
+    "Make Soft": "柔らかくする",
+    "Compare Materials": "マテリアルを比べる",
+    "Use This Material": "このマテリアルを使う",
+}
 WORDS = {
     "Spread (mm)": "広がり (mm)",
     "How far a dent reaches beyond the fingertip": "くぼみが指先の外へどこまで広がるか",
@@ -59,4 +63,58 @@ WORDS = {
     "It would show no dent. The mesh can be cut finer, in even parts.": (
         "へこみが見えません。メッシュを均等に細かく分割できます。"
     ),
+    "Colors": "色",
+    "Color the surface of what is pressed, with a scale": "押している物体の面を、目盛り付きの色で塗る",
+    "Contact Pressure": "接触圧",
+    "How hard the surface is pressed (kPa)": "面がどれだけ強く押されているか (kPa)",
+    "How far the surface is below its shape at rest (mm)": "面が元の形よりどれだけ沈んでいるか (mm)",
+    "Stretch": "伸び",
+    "How much longer or shorter its edges are than at rest (%)": "辺が元よりどれだけ伸び縮みしたか (%)",
+    "Slope K1": "傾き K1",
+    "How hard the first millimetres are, with the softness that is painted (N/mm)": (
+        "はじめの数ミリの硬さ。塗った柔らかさを含みます (N/mm)"
+    ),
+    "Knee x0": "折れ点 x0",
+    "How deep the soft part reaches, with what is painted (mm)": (
+        "柔らかい部分の深さ。塗った値を含みます (mm)"
+    ),
+    "The mesh looks as it does": "メッシュの見た目のまま",
+    "Shape at Rest": "元の形",
+    "Draw the edges of the shape at rest where the body has left it": "物体が離れたところに、元の形の辺を描く",
+    "Profile": "断面",
+    "Draw a cut through the dent of the deepest fingertip": "最も深い指先のくぼみの断面を描く",
+    "Softness Group": "柔らかさのグループ",
+    "Knee Group": "折れ点のグループ",
+    "Spread Group": "広がりのグループ",
+    "Thickness Group": "厚さのグループ",
+    "Vertex group or float attribute that paints softness: 0.5 is as measured, 1 four times softer, 0 four times "
+    "stiffer": (
+        "柔らかさを塗る頂点グループまたは浮動小数点属性。0.5 は測定どおり、1 は 4 倍柔らかく、0 は 4 倍硬くなります"
+    ),
+    "Vertex group or float attribute that paints how deep the soft part reaches: 0.5 is x0, 1 twice and 0.25 half of "
+    "it": "柔らかい部分の深さを塗る頂点グループまたは浮動小数点属性。0.5 は x0、1 はその 2 倍、0.25 は半分です",
+    "Vertex group or float attribute that paints how far a dent reaches: 0.5 is the spread, 1 twice and 0.25 half of "
+    "it": "くぼみの広がりを塗る頂点グループまたは浮動小数点属性。0.5 は元の広がり、1 はその 2 倍、0.25 は半分です",
+    "Vertex group or float attribute that paints how thick the surface is: 0.5 is k and the mass, 1 twice and 0.25 "
+    "half of them": (
+        "面の厚さを塗る頂点グループまたは浮動小数点属性。0.5 は k と質量のまま、1 は 2 倍、0.25 は半分です"
+    ),
+    "Put a twin with a copy of the material beside the object; one press presses both, so that two can be compared": (
+        "マテリアルを複製した双子を隣に置きます。一度の押しで両方を押すので、二つを比べられます"
+    ),
+    "Keep the material of the selected one of two twins, and remove the copy": (
+        "双子のうち選択した方のマテリアルを残し、複製を取り除きます"
+    ),
+    "Select a soft body first": "先に柔らかい物体を選択してください",
+    "Make the object soft first": "先にオブジェクトを柔らかくしてください",
+    "The object has a twin already: use one of the two materials first": (
+        "オブジェクトにはすでに双子があります。先にどちらかのマテリアルを使ってください"
+    ),
+    "Something is being pressed: end that first, with Esc or Reset": (
+        "押している最中です。先に Esc か「元の形に戻す」で終えてください"
+    ),
+    "The object has no twin: Compare Materials makes one": "双子がありません。「マテリアルを比べる」で作れます",
+    "{} is its twin: select it and change its material": "{} が双子です。選択してマテリアルを変えてください",
+    "Twin Of": "双子の元",
+    "The object that this is a twin of, with another material": "別のマテリアルを持つ双子の、元のオブジェクト",
 }

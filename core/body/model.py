@@ -24,8 +24,9 @@ from ..base import (
 from ..material import Material
 from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, spans_a_plane
-from . import paper, pressure, shape_matching, springs
+from . import bound, paper, pressure, shape_matching, springs
 from .estimate import estimate
+from .maps import Maps, painted
 from .pressure import Pressure
 from .shape_matching import Pose, ShapeMatching
 from .springs import Springs
@@ -55,6 +56,7 @@ class Model:
     omega_squared: bound on the highest angular frequency squared [1/s2].
     decay: bound on the highest damping rate [1/s].
     notes: sentences for the artist.
+    maps: what is painted, None where nothing is known of it.
     """
 
     mesh: Mesh
@@ -72,6 +74,7 @@ class Model:
     omega_squared: float
     decay: float
     notes: tuple[str, ...]
+    maps: Maps | None = None
 
     @property
     def free(self) -> bool:
@@ -136,6 +139,9 @@ def build_model(
     law_set: str = "consistent",
     held: Bools | Floats | None = None,
     softness: Floats | None = None,
+    knee: Floats | None = None,
+    spread: Floats | None = None,
+    thickness: Floats | None = None,
     gravity: Sequence[float] = (0.0, 0.0, 0.0),
     ground: float | None = None,
 ) -> Model:
@@ -145,7 +151,7 @@ def build_model(
         materials: one for each index in mesh.triangle_material.
         law_set: "consistent" (the default) or "paper" (the equations literally).
         held: (N,) input vertices that do not move by themselves (bool, or weights of which half or more holds).
-        softness: (N,) per input vertex, 0.5 as measured, 1 four times softer, 0 four times stiffer.
+        softness, knee, spread, thickness: what is painted on each input vertex (N,), 0.5 as measured; see `maps`.
         gravity: (3,) [m/s2].
         ground: height [m] of a plane that nothing sinks below.
 
@@ -160,30 +166,33 @@ def build_model(
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
     n, which = len(mesh.rest_positions), mesh.triangle_material
     held_here = mesh.loose | (_on_vertices(mesh, held, "pins", 0.0) >= 0.5)
-    factor = 4.0 ** (1 - 2 * np.clip(_on_vertices(mesh, softness, "softness map", 0.5), 0, 1))
+    named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
+    maps = painted(*(_on_vertices(mesh, values, f"{name} map", 0.5) for name, values in named))
 
-    mass = _mass(mesh, materials)
+    mass = _mass(mesh, materials) * maps.thicker
     rows = np.array([_row(m, mesh.size) for m in materials])  # one line a material
     kappa1, kappa2, d0, tension, k_scaled, damping, friction, k = rows[which].T
     pieces = _pieces(materials, mesh)[:, :, which]  # knee and stiffness of the further pieces of each material
     damping_at, friction_at, d0_at = (_vertex_mean(mesh, c) for c in (damping, friction, d0))
-    k1, k2, *more = (_vertex_sum(mesh, c * mesh.triangle_areas / 3) * factor for c in (kappa1, kappa2, *pieces[:, 1]))
+    beds = (_vertex_sum(mesh, c * mesh.triangle_areas / 3) for c in (kappa1, kappa2, *pieces[:, 1]))
+    k1, k2, *more = (maps.stiffer * bed for bed in beds)
     if law_set == "paper":
         k1, k2, more = np.zeros(n), np.zeros(n), []
         stiffness, along, ratio = _spring_mean(mesh, k), np.zeros(len(mesh.springs)), 0.0
     else:
-        factor_along = factor[mesh.springs].mean(axis=1)
-        stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * factor_along
-        along = cotangent_weights(mesh) * _spring_mean(mesh, tension) * factor_along
+        stiffer, wider, thicker = (f[mesh.springs].mean(axis=1) for f in (maps.stiffer, maps.wider, maps.thicker))
+        stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * stiffer * thicker
+        along = cotangent_weights(mesh) * _spring_mean(mesh, tension) * stiffer * wider**2
         ratio = 1.0
     ground, sunk = _ground(mesh, held_here, ground)
-    return assemble(
+    model = assemble(
         mesh, materials, law_set=law_set, mass=mass, held=held_here, friction=friction_at, damping=ratio * damping_at,
-        stiffness=stiffness, k1=k1, k2=k2, d0=d0_at, tension=along,
+        stiffness=stiffness, k1=k1, k2=k2, d0=d0_at * maps.deeper, tension=along,
         more=np.reshape(more, (-1, n)),
-        knees=np.reshape([_vertex_mean(mesh, c) for c in pieces[: len(more), 0]], (-1, n)),
+        knees=np.reshape([maps.deeper * _vertex_mean(mesh, c) for c in pieces[: len(more), 0]], (-1, n)),
         fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground, notes=sunk,
     )  # fmt: skip
+    return replace(model, maps=maps)
 
 
 def assemble(
@@ -224,23 +233,20 @@ def assemble(
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
     dashpots = 2 * damping[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
     inverse_mass = np.where(held, 0.0, 1 / mass)
-    x = np.array(mesh.rest_positions.T, order="C")
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
     shape = replace(
         shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, LOOSE_MASS * mass, mass)
     )
     inside = pressure.build_pressure(mesh, fill)
-    row_k, row_c = springs.row_bounds(membrane, n)
     # Eq. (4) stiffens with stretch: k (2 |l| / |l0| - 1); allow for twice the rest length
-    stretch = 3.0 if law_set == "paper" else 1.0
+    along, at = (3.0 if law_set == "paper" else 1.0) * stiffness + tension, shape_matching.stiffest(shape)
     return Model(
         mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, held=held,
         friction=friction, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
-        omega_squared=float(((stretch * row_k + met) * inverse_mass).max())
-        + STIFFENS[inside.fill] * pressure.omega_squared(inside, x, inverse_mass),
-        decay=float(((row_c + shape.damping) * inverse_mass).max()),
+        omega_squared=bound.of_body(mesh, along, at, inverse_mass, inside, STIFFENS[inside.fill]),
+        decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
         notes=mesh.notes + notes + ((_ALL_HELD,) if held.all() else ()),
     )  # fmt: skip
 

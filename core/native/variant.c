@@ -12,6 +12,7 @@
 #include "reach.c"
 #include "surface.c"
 #include "body.c"
+#include "rest.c"
 #include "step.c"
 
 #define DM_GLUE(set, bits) dm_##set##_##bits

@@ -3,17 +3,43 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Floats, Ints
 from ..body import pressure
-from ..body.model import Model, initial_state
+from ..body.model import Model, State, initial_state
 from ..body.shape_matching import Pose, carried_pose, fit_pose
 from ..mesh.depth import RestSurface, Touching, rest_surface, touching
 from . import semi_implicit
 from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch
 from .path import FingerPath
+from .rest import Rest, reaches
+
+
+@dataclass(slots=True, kw_only=True)
+class Call:
+    """A motion under way.
+
+    motion: what happens.
+    down: which fingertips are down.
+    here: where each of them is (3,) [m].
+    impulses: (k, 3) on the fingertips so far [N s].
+    ticks: done.
+    finite: False where the body has blown up.
+    moved: it was not asleep all the time.
+    path: of the fingertips in the tick under way.
+    """
+
+    motion: Motion
+    down: list[int]
+    here: dict[int, Floats]
+    impulses: Floats
+    ticks: int = 0
+    finite: bool = True
+    moved: bool = False
+    path: FingerPath = field(default_factory=lambda: FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0)))
 
 
 class Twin:
@@ -36,14 +62,14 @@ class Twin:
             self._state.pose = None
         self._rest_pins(model.held)
         self._fine = surface or (model if self._fine is old else self._fine)
-        self.model = model
+        self.model, self._rest = model, Rest()
 
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
         state = self._state = initial_state(self.model)
         state.positions[:] = positions
         state.velocities[:] = 0.0 if velocities is None else velocities
-        self._led = False
+        self._led, self._rest = False, Rest()
 
     def positions(self) -> Floats:
         """Return where the vertices are, (3, n) [m]."""
@@ -55,46 +81,94 @@ class Twin:
 
     def step(self, motion: Motion) -> Frame:
         """Run the ticks of a motion."""
-        state, model, tips = self._state, self.model, motion.fingertips
-        down = [i for i, tip in enumerate(tips) if tip is not None]
+        call = self.begin(motion)
+        while call.ticks < motion.ticks and call.finite:
+            path = self.begin_tick(call)
+            with np.errstate(all="ignore"):  # the frame says when it has blown up
+                if not self._rest.asleep:
+                    call.impulses[call.down] += semi_implicit.run(
+                        self.model, self._state, path, tick=motion.tick, substeps=motion.substeps
+                    )
+            self.end_tick(call)
+        return self.end(call)
+
+    @property
+    def state(self) -> State:
+        """Return what moves, for a scene that steps several bodies together."""
+        return self._state
+
+    def begin(self, motion: Motion) -> Call:
+        """Begin a motion; its ticks follow one by one."""
+        tips = motion.fingertips
         for i, tip in enumerate((*tips, None, None, None)[:3]):
             if tip is None or tip.fresh:
                 self._sides[i] = None
         if motion.pins is None and self._led and motion.ticks:
-            self._rest_pins(model.held)
+            self._rest_pins(self.model.held)
+        down = [i for i, tip in enumerate(tips) if tip is not None]
         here = {i: np.array(tips[i].start) for i in down}  # type: ignore[union-attr]
-        impulses, ticks, finite = np.zeros((len(tips), 3)), 0, True
-        radii = np.array([tips[i].radius for i in down])  # type: ignore[union-attr]
-        while ticks < motion.ticks and finite:
-            share = ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
-            if motion.pins:
-                self._lead_pins(motion, motion.pins, share)
-            if model.law_set == "paper":
-                touches = [self._touching(tips, i, here[i]) for i in down]
-                state.inner_force = sum(self._law(touch) for touch in touches)
-            path = np.empty((len(down), 2, 3))
-            for row, i in enumerate(down):
-                path[row, 0] = here[i]
-                path[row, 1] = here[i] = _moved(here[i], tips[i], share)
-            with np.errstate(all="ignore"):  # the frame says when it has blown up
-                impulses[down] += semi_implicit.run(
-                    model, state, FingerPath(centres=path, radii=radii), tick=motion.tick, substeps=motion.substeps
-                )
-            ticks, finite = ticks + 1, self._is_finite(motion.tick)
-        if motion.pins and motion.ticks:
+        return Call(motion=motion, down=down, here=here, impulses=np.zeros((len(tips), 3)))
+
+    def begin_tick(self, call: Call) -> FingerPath:
+        """Lead the pins of a tick and return where the fingertips go in it."""
+        motion, tips = call.motion, call.motion.fingertips
+        share = call.ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
+        if self.model.law_set == "paper" and not self._rest.asleep:
+            touches = [self._touching(tips, i, call.here[i]) for i in call.down]
+            self._state.inner_force = sum(self._law(touch) for touch in touches)
+        centres = np.empty((len(call.down), 2, 3))
+        for row, i in enumerate(call.down):
+            centres[row, 0] = call.here[i]
+            centres[row, 1] = call.here[i] = _moved(call.here[i], tips[i], share)
+        path = FingerPath(centres=centres, radii=np.array([tips[i].radius for i in call.down]))  # type: ignore[union-attr]
+        if self._rest.asleep and self._is_woken(motion, path):
+            self._rest = Rest()
+        call.moved |= not self._rest.asleep
+        if motion.pins and not self._rest.asleep:
+            self._lead_pins(motion, motion.pins, share)
+        call.path = path
+        return path
+
+    def end_tick(self, call: Call) -> None:
+        """Count a tick, and see whether the body is still whole, or has come to rest."""
+        call.ticks += 1
+        if self._rest.asleep:
+            return
+        state, tick = self._state, call.motion.tick
+        with np.errstate(all="ignore"):
+            call.finite = self._is_finite(tick)
+        if call.finite:
+            size, led = self.model.mesh.size, call.motion.pins is not None
+            quiet = self._rest.watch(state.positions, state.velocities, size, tick, led=led)
+            self._rest.asleep = quiet and not self._is_woken(call.motion, call.path)
+
+    def end(self, call: Call) -> Frame:
+        """End a motion and return what it came to."""
+        motion, tips, down, state = call.motion, call.motion.fingertips, call.down, self._state
+        if motion.pins and call.moved:
             self._arrive(motion.pins)
         found: list[Touch | None] = [None] * len(tips)
-        for i in down if finite else ():
-            touch = self._touching(tips, i, here[i])
+        for i in down if call.finite else ():
+            touch = self._touching(tips, i, call.here[i])
             found[i] = Touch(
-                _three(impulses[i]), _three(here[i]), touch.depth, _three(touch.outward), self._law(touch),
+                _three(call.impulses[i]), _three(call.here[i]), touch.depth, _three(touch.outward), self._law(touch),
                 touch.triangle,
             )  # fmt: skip
-        pose = self._pose() if finite and down else (np.zeros((3, 3)), np.zeros(3))
+        pose = self._pose() if call.finite and down else (np.zeros((3, 3)), np.zeros(3))
         return Frame(
             touches=tuple(found), pose=(*pose[0].ravel().tolist(), *pose[1].tolist()),
-            volume=self._volume(ticks) if finite else 0.0, pressure=state.pressure, ticks=ticks, finite=finite,
+            volume=self._volume(call.ticks) if call.finite else 0.0, pressure=state.pressure, ticks=call.ticks,
+            finite=call.finite, moved=call.moved,
         )  # fmt: skip
+
+    def _is_woken(self, motion: Motion, path: FingerPath) -> bool:
+        """Tell whether a fingertip or a pin that is led elsewhere wakes the body in the tick that begins."""
+        x, model = self._state.positions, self.model
+        if motion.pins and not np.array_equal(x[:, model.held], motion.pins.end):
+            return True
+        used = x[:, ~model.mesh.loose]
+        ways = zip(path.centres[:, 0], path.centres[:, 1], path.radii, strict=True)
+        return any(reaches(used, start, end, radius) for start, end, radius in ways)
 
     def _volume(self, ticks: int) -> float:
         known = self.model.law_set == "consistent" and self.model.pressure.fill != "none" and ticks

@@ -264,7 +264,7 @@ def test_a_body_that_is_renamed_while_pressed_is_called_by_its_new_name(
     shown = SimpleNamespace(
         scene=bpy.context.scene, space_data=SimpleNamespace(overlay=SimpleNamespace(show_overlays=1))
     )
-    ((body, entry),) = overlay._shown(shown)
+    ((body, entry),) = overlay.shown_bodies(shown)
     overlay.draw_rows(body, entry, overlay.Room(0.0, 0.0, *SIZE), 1.0)
     assert "Another" in written and "Cube" not in written
 
@@ -329,7 +329,7 @@ def on_screen(
     target = gpu.types.GPUOffScreen(*SIZE)
     with target.bind(), gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
         buffer = gpu.state.active_framebuffer_get()
-        buffer.clear(color=(0.2, 0.2, 0.2, 1.0))
+        buffer.clear(color=(0.2, 0.2, 0.2, 1.0), depth=1.0)
         gpu.matrix.load_matrix(Matrix.Rotation(math.radians(-70), 4, "X"))
         gpu.matrix.load_projection_matrix(Matrix.Diagonal((1 / 1.6, 1, 0.1, 1)))
         if draw_in_scene:

@@ -259,6 +259,7 @@ def test_an_identification_is_shown_until_the_material_changes(bpy: ModuleType, 
 
 
 def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    from bl_ext.user_default.dimple.core.everyday import EVERYDAY
     from bl_ext.user_default.dimple.core.material import PRESETS
 
     monkeypatch.setattr("bl_ui.utils.PresetPanel.draw", lambda this, _context: this.layout.label(text="own"))
@@ -266,7 +267,7 @@ def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch:
     assert "own" not in draw(bpy, bpy.types.DIMPLE_PT_material_presets), "Blender would complain of missing paths"
     monkeypatch.setattr(bpy.utils, "preset_paths", lambda _folder: ["somewhere"])
     drawn = draw(bpy, bpy.types.DIMPLE_PT_material_presets)
-    assert drawn.count("dimple.apply_preset") == len(PRESETS)
+    assert drawn.count("dimple.apply_preset") == len(PRESETS) + len(EVERYDAY) >= 15
     assert drawn[-1] == "own"
 
 

@@ -228,15 +228,13 @@ def highest_frequency(model: Model) -> float:
 
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("fill", ["air", "none"])
-def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str) -> None:
+def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(STIFFENS, fill, 1.0)  # what is kept in reserve for a body pressed flat does not count at rest
     mesh = BODIES[body]
     for held in (None, base_vertices(mesh)):
         model = build_model(mesh, [replace(scenes.BALL, fill=fill, K2=610.0, damping_ratio=0.0)], held=held)
-        # what is kept in reserve for a fill that is pressed flat does not count at rest
-        at_rest = pressure.omega_squared(model.pressure, model.matching.rest, model.inverse_mass)
-        bound = np.sqrt(model.omega_squared - (STIFFENS[model.pressure.fill] - 1) * at_rest)
-        assert highest_frequency(model) <= bound * (1 + 1e-6)
-        assert bound < 2.5 * highest_frequency(model)
+        assert highest_frequency(model) <= np.sqrt(model.omega_squared) * (1 + 1e-6)
+        assert np.sqrt(model.omega_squared) < 1.6 * highest_frequency(model)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.2, 1.0])

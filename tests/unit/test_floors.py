@@ -19,6 +19,7 @@ FLOORS = {
     "core.session": 3,
     "core.poke": 3,
     "core.fingertip": 3,
+    "core.fields": 5,
     "core.recording": 3,
     "core.animation": 3,
     "core.reduction": 3,
@@ -29,6 +30,7 @@ FLOORS = {
     "core.base": 0,
     "core.errors": 0,
     "core.material": 0,
+    "core.everyday": 1,
 }
 BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gpu gpu_extras mathutils".split())
 ONLY_IN = {"ctypes": "core/native/", "serial": "core/haptics/serial_link.py"}

@@ -14,8 +14,10 @@ import time
 from pathlib import Path
 
 import debian
+from PIL import Image
 
-LIMIT_S = 900
+LIMIT_S = 1200
+VIEWPORT, LOOP_WIDTH, LOOP_MS = (0, 80, 1050, 720), 720, 90  # [px], [px], [ms] a picture
 INSIDE = """
 Xvfb :99 -screen 0 1280x800x24 -nolisten tcp > /tmp/xvfb.log 2>&1 &
 for i in $(seq 100); do test -e /tmp/.X11-unix/X99 && break; sleep 0.1; done
@@ -61,6 +63,17 @@ def press(zip_path: Path, out: Path) -> dict:
     return report
 
 
+def looping(out: Path) -> None:
+    """Make one looping picture of the pictures of a press that swells, for the README."""
+    shots = [Image.open(path).convert("RGB").crop(VIEWPORT) for path in sorted(out.glob("loop-*.png"))]
+    if not shots:
+        return
+    small = [shot.resize((LOOP_WIDTH, round(LOOP_WIDTH * shot.height / shot.width))) for shot in shots]
+    small[0].save(
+        out / "loop.webp", save_all=True, append_images=small[1:], duration=LOOP_MS, loop=0, quality=70, method=6
+    )
+
+
 def tell(report: dict, out: Path) -> int:
     """Print each check and the sum; return the exit code."""
     checks = report["checks"]
@@ -84,6 +97,7 @@ def main() -> int:
     except debian.Unavailable as reason:
         print(f"window: skipped: {reason}")
         return 0
+    looping(arguments.out)
     return tell(report, arguments.out)
 
 

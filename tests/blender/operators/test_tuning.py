@@ -186,6 +186,37 @@ def test_softness_is_painted_while_the_fingertip_rests(bpy: ModuleType, entry: A
     assert step(bpy) == []
 
 
+def test_x0_is_painted_while_a_force_rests_and_the_press_stops_there(bpy: ModuleType, entry: Any, cube: Any) -> None:
+    from bl_ext.user_default.dimple.core.session import Finger
+
+    finger = Finger((0.0, 0.0, 0.0825 + 0.02), 0.02, 15.0)
+    step(bpy, 1.0, finger)
+    deep = float(entry.frame.depths[0])
+    everywhere = list(range(len(cube.data.vertices)))
+    cube.vertex_groups.new(name="Reach").add(everywhere, 0.5, "REPLACE")
+    cube.dimple.knee_group = "Reach"
+    step(bpy, 0.5, finger)
+    assert entry.frame.depths[0] == pytest.approx(deep, rel=0.01), "0.5 is as measured"
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    try:
+        cube.vertex_groups["Reach"].add(everywhere, 0.25, "REPLACE")
+        step(bpy, 0.25, finger)
+        step(bpy, 1.0, finger)
+        assert 0.004 < deep - entry.frame.depths[0] < 0.0163 / 2, "half of x0, less what a mesh this coarse blurs"
+    finally:
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_a_map_may_be_an_attribute(bpy: ModuleType, entry: Any, cube: Any) -> None:
+    values = cube.data.attributes.new("thick", "FLOAT", "POINT")
+    cube.dimple.thickness_group = "thick"
+    values.data.foreach_set("value", [1.0] * len(cube.data.vertices))
+    before = entry.session.model.mass.sum()
+    step(bpy)
+    assert entry.session.model.mass.sum() == pytest.approx(2 * before) and not entry.refused
+    cube.dimple.thickness_group = ""
+
+
 def test_a_poke_lets_the_brush_have_the_mouse(bpy: ModuleType, hand: Any, ball: Any) -> None:
     obj, poke = ball(), hand("poke")
     poke.invoke()

@@ -1,0 +1,59 @@
+"""The chart of a dent's profile: a cut through it at the deepest fingertip, the shape at rest as a level line."""
+
+from typing import Any
+
+import bpy
+
+from . import overlay, shapes
+from .overlay import BACK, FAINT, FORCE, LINE_HEIGHT, MARGIN, Screen
+from .readout import iface_
+from .room import Room
+
+SIZE = (230.0, 100.0)  # [px] at a resolution scale of 1
+TOP = 0.2  # of the height: room for what bulges
+LEAST = 1e-3  # [m] of depth that the chart shows
+
+
+def deepest(entry: Any) -> int | None:
+    """Return the fingertip that is deepest in a body, None where none is in it."""
+    depths = entry.frame.depths
+    return int(depths.argmax()) if len(depths) and depths.max() > 0 else None
+
+
+def draw(shown: list[tuple[bpy.types.Object, Any]], free: Room, screen: Screen) -> None:
+    """Draw the profile of the first body that is pressed at the lower right of what is free."""
+    from ..core import fields
+
+    pressed = [(entry, tip) for _, entry in shown if (tip := deepest(entry)) is not None]
+    scale = screen.scale
+    wide, high = SIZE[0] * scale, SIZE[1] * scale
+    left = free.right - wide
+    if not pressed or left < free.left + (overlay.CHART[0] + MARGIN) * scale or free.top - free.bottom < 2 * high:
+        return
+    distance, depth = fields.profile(pressed[0][0].session, pressed[0][1])
+    if not len(distance):
+        return
+    curve, ends = placed(distance.tolist(), depth.tolist(), (left, free.bottom), (wide, high))
+    overlay.draw_filled((left, free.bottom), (left + wide, free.bottom + high + LINE_HEIGHT * scale), BACK)
+    level = free.bottom + (1 - TOP) * high
+    overlay.draw_lines([((left, level), (left + wide, level))], FAINT, screen)
+    overlay.draw_lines(shapes.chained(curve), FORCE, screen)
+    overlay.write(iface_("Profile"), (left + 4 * scale, free.bottom + high + 4 * scale), scale)
+    overlay.write(f"{1e3 * ends[1]:g} mm", (left + 4 * scale, free.bottom + 5 * scale), scale)
+    text = f"± {1e3 * ends[0]:.0f} mm"
+    overlay.write(text, (left + wide - overlay.width(text, scale) - 4 * scale, free.bottom + 5 * scale), scale)
+
+
+def placed(
+    distance: list[float], depth: list[float], corner: shapes.Point, size: shapes.Point
+) -> tuple[list[shapes.Point], tuple[float, float]]:
+    """Return the curve on the screen [px], and half the width [m] and the depth [m] that its box shows."""
+    reach, low = max(map(abs, distance)), shapes.round_up(max(LEAST, *depth))
+    (left, bottom), (wide, high) = corner, size
+    curve = [
+        (left + wide * (0.5 + 0.5 * at / reach), bottom + high * (1 - TOP) * max(1 - deep / low, 0.0))
+        for at, deep in zip(distance, depth, strict=True)
+    ]
+    return [(x, min(y, bottom + high)) for x, y in curve], (reach, low)
+
+

@@ -1,0 +1,220 @@
+"""Colours on the surface of what runs, with their scale, and the edges of the shape at rest above a dent.
+
+They are drawn over the picture and change neither mesh nor material.
+"""
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import bpy
+
+from . import colour_map, overlay, profile_chart, shapes
+from .overlay import BACK, LINE_HEIGHT, MARGIN, TEXT, Screen
+from .readout import iface_
+from .room import Room
+
+if TYPE_CHECKING:
+    import numpy as np
+
+LEGEND = (14.0, 150.0)  # [px] of the bar, at a resolution scale of 1
+LEAST = 0.3  # of the scale: where nothing reaches that, it ends lower
+NOTHING = {"pressure": 0.1, "depth": 0.1, "stretch": 0.1, "slope": 0.01, "knee": 0.1}  # the shortest scale
+SIGNED = {"stretch"}
+LIFT = 2e-4  # towards the viewer, as a share of the depth that is seen: the colours lie on the surface
+SHADE = 0.3  # darker where the surface turns away
+MOVED = 0.02  # of the deepest dent: nearer, an edge at rest says nothing
+REST = (1.0, 1.0, 1.0, 0.35)
+
+
+class Coloured(NamedTuple):
+    """What a body shows: the frame it was made from, positions (n, 3) in the scene, normals, triangles, values."""
+
+    frame: Any
+    name: str
+    positions: "np.ndarray"
+    normals: "np.ndarray"
+    triangles: "np.ndarray"
+    values: "np.ndarray"
+
+
+_made: dict[int, Coloured] = {}
+_scales: dict[str, float] = {}  # where the scale of each quantity ends
+_handlers: list[object] = []
+
+
+def draw_surfaces() -> None:
+    """Draw colours and shapes at rest in the scene (POST_VIEW)."""
+    context = bpy.context
+    settings, shown = context.scene.dimple, overlay.shown_bodies(context)
+    if not shown:
+        _made.clear()
+        return
+    if settings.show_field != "NONE":
+        bodies = [made(body.session_uid, entry, settings.show_field.lower()) for body, entry in shown]
+        ends = scale_of(settings.show_field.lower(), bodies)
+        for each in bodies:
+            draw_coloured(each, ends, context.region_data)
+    if settings.show_rest:
+        for _, entry in shown:
+            draw_rest(entry, overlay.screen_of(context))
+
+
+def draw_scales() -> None:
+    """Draw the scale of the colours and the profile of a dent on top of the picture (POST_PIXEL)."""
+    context = bpy.context
+    settings, shown = context.scene.dimple, overlay.shown_bodies(context)
+    if not shown or (settings.show_field == "NONE" and not settings.show_profile):
+        return
+    screen = overlay.screen_of(context)
+    free = overlay.free_room(context, screen.scale)
+    if free is None:
+        return
+    name = settings.show_field.lower()
+    if name != "none" and name in _scales:
+        free = free._replace(right=draw_scale(name, (bottom_of(name), _scales[name]), free, screen))
+    if settings.show_profile:
+        profile_chart.draw(shown, free, screen)
+
+
+def made(uid: int, entry: Any, name: str) -> Coloured:
+    """Return what a body shows now; it is computed once a frame."""
+    import numpy as np
+
+    from ..core import fields
+    from ..core.reduction.cells import vertex_normals
+
+    session = entry.session
+    last = _made.get(uid)
+    if last and last.frame is entry.frame and last.name == name:
+        return last
+    skin, triangles = session.skin(), session.model.mesh.triangles
+    # Blender reads the memory of an array, whatever its strides are
+    _made[uid] = Coloured(
+        entry.frame, name, np.ascontiguousarray(skin / entry.link.scale, np.float32),
+        vertex_normals(triangles, skin).astype(np.float32), np.ascontiguousarray(triangles, np.int32),
+        fields.field(session, name),
+    )  # fmt: skip
+    return _made[uid]
+
+
+def bottom_of(name: str) -> float:
+    """Return where the scale of a quantity begins."""
+    return -_scales[name] if name in SIGNED else 0.0
+
+
+def scale_of(name: str, bodies: list[Coloured]) -> tuple[float, float]:
+    """Return the ends of a scale that all bodies share; it holds still as long as it fits."""
+    highest = max([NOTHING[name], *(float(abs(each.values).max(initial=0.0)) for each in bodies)])
+    before = _scales.get(name, 0.0)
+    if not LEAST * before <= highest <= before:
+        _scales[name] = shapes.round_up(highest)
+    return bottom_of(name), _scales[name]
+
+
+def draw_coloured(each: Coloured, ends: tuple[float, float], view: bpy.types.RegionView3D) -> None:
+    """Draw a surface in the colours of its values."""
+    import gpu
+    import numpy as np
+    from gpu_extras.batch import batch_for_shader
+
+    colours = np.ones((len(each.values), 4), np.float32)
+    colours[:, :3] = colour_map.coloured(each.values, ends, each.name in SIGNED)
+    toward = np.array(view.view_matrix, np.float32)[2, :3]
+    colours[:, :3] *= (1 - SHADE + SHADE * np.abs(each.normals @ toward))[:, None]
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    batch = batch_for_shader(shader, "TRIS", {"pos": each.positions, "color": colours}, indices=each.triangles)
+    with gpu.matrix.push_pop_projection():
+        gpu.matrix.load_projection_matrix(_lifted(gpu.matrix.get_projection_matrix()))
+        gpu.state.depth_test_set("LESS_EQUAL")
+        batch.draw(shader)
+        gpu.state.depth_test_set("NONE")
+
+
+def _lifted(projection: Any) -> Any:
+    """Return a projection that brings everything nearer to the viewer by a little."""
+    lifted = projection.copy()
+    lifted[2] = projection[2] - LIFT * projection[3]
+    return lifted
+
+
+def draw_rest(entry: Any, screen: Screen) -> None:
+    """Draw the edges of the shape at rest where the body has left it."""
+    import gpu
+    import numpy as np
+    from gpu_extras.batch import batch_for_shader
+
+    from ..core import fields
+
+    rest, skin = fields.at_rest(entry.session), entry.session.skin()
+    moved = np.linalg.norm(skin - rest, axis=1)
+    edges = entry.session.model.mesh.springs
+    far = (moved > max(MOVED * float(moved.max()), 1e-6 * entry.session.model.mesh.size))[edges].any(axis=1)
+    if not far.any():
+        return
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    shader.uniform_float("color", REST)
+    points = np.ascontiguousarray(rest / entry.link.scale, np.float32)
+    batch = batch_for_shader(shader, "LINES", {"pos": points}, indices=np.ascontiguousarray(edges[far], np.int32))
+    gpu.state.blend_set("ALPHA")
+    gpu.state.depth_test_set("LESS_EQUAL")
+    batch.draw(shader)
+    gpu.state.depth_test_set("NONE")
+    gpu.state.blend_set("NONE")
+
+
+def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen) -> float:
+    """Draw the scale at the right of what is free; return where what is left of it ends [px]."""
+    from ..core.fields import UNITS
+
+    scale = screen.scale
+    title = f"{titles()[name]} ({UNITS[name]})"
+    wide = max(overlay.width(title, scale), (LEGEND[0] + 50.0) * scale)
+    high = min(LEGEND[1] * scale, free.top - free.bottom - 3 * LINE_HEIGHT * scale)
+    left, bottom = free.right - wide, free.bottom
+    if high < LINE_HEIGHT * scale or left < free.left:
+        return free.right
+    edge = 4 * scale
+    top = bottom + high + 2 * LINE_HEIGHT * scale
+    overlay.draw_filled((left - edge, bottom - edge), (free.right + edge, top), BACK)
+    draw_bar((left, bottom + 5 * scale), (LEGEND[0] * scale, high), name in SIGNED)
+    overlay.write(title, (left, bottom + high + LINE_HEIGHT * scale), scale, TEXT)
+    for share in (0.0, 0.5, 1.0):
+        value = ends[0] + share * (ends[1] - ends[0])
+        overlay.write(f"{value:g}", (left + (LEGEND[0] + 6.0) * scale, bottom + share * high), scale, TEXT)
+    return left - MARGIN * scale
+
+
+def draw_bar(corner: tuple[float, float], size: tuple[float, float], signed: bool) -> None:
+    """Draw the colours of a scale, the lowest below."""
+    import gpu
+    import numpy as np
+    from gpu_extras.batch import batch_for_shader
+
+    (left, bottom), (wide, high) = corner, size
+    colours = np.repeat(colour_map.table(signed), 2, axis=0)
+    points = np.zeros((len(colours), 3), np.float32)
+    points[0::2, 0], points[1::2, 0] = left, left + wide
+    points[:, 1] = bottom + high * np.repeat(np.linspace(0, 1, len(colours) // 2), 2)
+    paint = np.concatenate([colours, np.ones((len(colours), 1))], axis=1).astype(np.float32)
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    batch_for_shader(shader, "TRI_STRIP", {"pos": points, "color": paint}).draw(shader)
+
+
+def titles() -> dict[str, str]:
+    """Return what each quantity is called in the language of the interface."""
+    return {
+        "pressure": iface_("Contact Pressure"), "depth": iface_("Depth"), "stretch": iface_("Stretch"),
+        "slope": iface_("Slope K1"), "knee": iface_("Knee x0"),
+    }  # fmt: skip
+
+
+def register() -> None:
+    """Add both draw functions to every 3D viewport."""
+    for draw, moment in ((draw_surfaces, "POST_VIEW"), (draw_scales, "POST_PIXEL")):
+        _handlers.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment))
+
+
+def unregister() -> None:
+    """Stop drawing."""
+    while _handlers:
+        bpy.types.SpaceView3D.draw_handler_remove(_handlers.pop(), "WINDOW")
+    _made.clear()

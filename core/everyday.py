@@ -1,0 +1,137 @@
+"""Everyday objects as presets: from rules of sport, data sheets and trade standards, and some that are made up.
+
+Each says where its numbers come from and between which limits they lie; none was measured by us. A ball full of air
+is flattened by a plate over a circle of radius sqrt(2 R x), on which its gauge pressure p acts: F = 2 pi R p x. A flat
+punch of radius a presses rubber, which is incompressible, with F = 2 a E x / (1 - 1/4).
+"""
+
+from __future__ import annotations
+
+import math
+
+from .material import FINGERTIP, Indenter, Material, Preset
+
+MADE_UP = "Made up: no measurement stands behind it, only the feel of such an object in the hand"
+_KGF_PER_CM2 = 98_066.5  # [Pa]
+_PSI = 6_894.76  # [Pa]
+_PUNCH = 0.005  # [m] radius of that on rubber
+_IFD = 0.1013  # [m] radius of the plate of 50 square inches that presses foam
+_POUND = 4.44822  # [N]
+
+
+def _ball(name: str, label: str, rule: str, radius: float, pressure: tuple[float, float], mass: float) -> Preset:
+    """Return a ball of a radius [m] that a gauge pressure [Pa] from low to high keeps round."""
+    low, high = (2 * math.pi * radius * p for p in pressure)
+    knee = 0.1 * radius
+    material = Material(
+        K1=(low + high) / 2, K2=(low + high) / 2, x0=knee, k=20_000, spread=0.3 * radius, mass=mass,
+        indenter=Indenter(shape="punch", radius=round(math.sqrt(2 * radius * knee), 4)),
+    )  # fmt: skip
+    source = f"{rule}; K = 2 pi R p, from {low / 1e3:.3g} to {high / 1e3:.3g} N/mm, pressed by a plate"
+    return Preset(name=name, label=label, material=material, size=2 * radius, provenance=source)
+
+
+def _rubber(name: str, label: str, psi: float) -> Preset:
+    """Return a block of silicone of 50 mm whose stress at 100 % is given in psi."""
+    stiffness = 2 * _PUNCH * psi * _PSI / 0.75
+    material = Material(
+        K1=stiffness, K2=stiffness, x0=0.01, k=2_000, spread=0.005, density=1070, fill="none", damping_ratio=0.3,
+        indenter=Indenter(shape="punch", radius=_PUNCH),
+    )  # fmt: skip
+    source = (
+        f"Data sheet of Smooth-On: stress at 100 % strain {psi:g} psi; K = 8 a E / 3 for a flat punch of 5 mm, "
+        f"{0.8 * stiffness / 1e3:.2g} to {1.2 * stiffness / 1e3:.2g} N/mm if E may be 20 % off (our guess)"
+    )
+    return Preset(name=name, label=label, material=material, size=0.05, provenance=source)
+
+
+def _foam(name: str, label: str, pounds: tuple[float, float], kind: str) -> Preset:
+    """Return a block of foam of 100 mm by 380 mm that a force [lbf] presses to three quarters."""
+    low, high = (force * _POUND / 0.025 for force in pounds)
+    stiffness = (low + high) / 2
+    material = Material(
+        K1=stiffness, K2=stiffness * 25 / 40, x0=0.025, k=3_000, spread=0.02, density=29, fill="none",
+        damping_ratio=0.6, indenter=Indenter(shape="punch", radius=_IFD),
+    )  # fmt: skip
+    source = (
+        f"Indentation force deflection of {kind} (ASTM D3574, plate of 50 square inches): {pounds[0]:g} to "
+        f"{pounds[1]:g} lbf at 25 % of 100 mm, so {low / 1e3:.3g} to {high / 1e3:.3g} N/mm; support factor taken as 2"
+    )
+    return Preset(name=name, label=label, material=material, size=0.38, provenance=source)
+
+
+def _made_up(name: str, label: str, material: Material, size: float) -> Preset:
+    return Preset(name=name, label=label, material=material, size=size, provenance=MADE_UP)
+
+
+EVERYDAY = (
+    Preset(
+        name="tennis_ball", label="Tennis ball",
+        material=Material(
+            K1=12_300, K2=12_300, x0=0.0065, k=20_000, spread=0.01, mass=0.0577,
+            indenter=Indenter(shape="punch", radius=0.0146),
+        ),
+        size=0.067,
+        provenance="ITF Rules of Tennis, Appendix I, type 2: 5.6 to 7.4 mm under 80.07 N between plates, so 10.8 to "
+        "14.3 N/mm; 56.0 to 59.4 g",
+    ),
+    Preset(
+        name="squash_ball", label="Squash ball, double yellow dot",
+        material=Material(
+            K1=3_200, K2=3_200, x0=0.008, k=5_000, spread=0.008, mass=0.024, damping_ratio=0.5,
+            indenter=Indenter(shape="punch", radius=0.0126),
+        ),
+        size=0.04,
+        provenance="World Squash Federation, specification of the ball: 2.8 to 3.6 N/mm at 23 degrees C; 23 to 25 g",
+    ),
+    _ball(
+        "volleyball", "Volleyball", "FIVB rule 3: 65 to 67 cm round, 0.30 to 0.325 kgf/cm2, 260 to 280 g",
+        0.105, (0.30 * _KGF_PER_CM2, 0.325 * _KGF_PER_CM2), 0.27,
+    ),
+    _ball(
+        "beach_volleyball", "Beach volleyball", "FIVB rules: 66 to 68 cm round, 0.175 to 0.225 kgf/cm2, 260 to 280 g",
+        0.1066, (0.175 * _KGF_PER_CM2, 0.225 * _KGF_PER_CM2), 0.27,
+    ),
+    _ball(
+        "football", "Football", "Laws of the Game, law 2: 68 to 70 cm round, 0.6 to 1.1 atmospheres, 410 to 450 g",
+        0.11, (0.6 * 101_325, 1.1 * 101_325), 0.43,
+    ),
+    _rubber("ecoflex_00_10", "Silicone Ecoflex 00-10, 50 mm", 8),
+    _rubber("ecoflex_00_30", "Silicone Ecoflex 00-30, 50 mm", 10),
+    _rubber("dragon_skin_10", "Silicone Dragon Skin 10, 50 mm", 22),
+    _foam("sofa_foam", "Sofa foam, 380 mm", (25, 30), "sofa seats"),
+    _foam("chair_foam", "Office chair foam, 380 mm", (40, 45), "seats of office chairs"),
+    _made_up(
+        "party_balloon", "Party balloon",
+        Material(K1=300, K2=900, x0=0.06, k=500, spread=0.05, mass=0.003, indenter=FINGERTIP, damping_ratio=0.4), 0.28,
+    ),
+    _made_up(
+        "kitchen_sponge", "Kitchen sponge",
+        Material(K1=250, K2=2_000, x0=0.018, k=500, spread=0.008, density=30, fill="none", indenter=FINGERTIP), 0.11,
+    ),
+    _made_up(
+        "pillow", "Pillow",
+        Material(
+            K1=120, K2=600, x0=0.07, k=500, spread=0.06, density=25, fill="none", indenter=FINGERTIP, damping_ratio=0.8
+        ), 0.6,
+    ),
+    _made_up(
+        "marshmallow", "Marshmallow",
+        Material(
+            K1=400, K2=2_500, x0=0.012, k=300, spread=0.005, density=350, fill="none", indenter=FINGERTIP,
+            damping_ratio=1.0,
+        ), 0.03,
+    ),
+    _made_up(
+        "hot_water_bottle", "Hot-water bottle",
+        Material(K1=350, K2=3_000, x0=0.025, k=4_000, spread=0.03, density=1000, fill="liquid", indenter=FINGERTIP),
+        0.3,
+    ),
+    _made_up(
+        "stress_ball", "Stress ball",
+        Material(
+            K1=900, K2=5_000, x0=0.02, k=1_500, spread=0.012, density=250, fill="none", indenter=FINGERTIP,
+            damping_ratio=0.6,
+        ), 0.065,
+    ),
+)  # fmt: skip

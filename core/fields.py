@@ -1,0 +1,123 @@
+"""What can be shown as colours on the surface of a running body, and the profile of its dent."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .base import Floats, sums_at
+from .body.model import Model, State, forces
+from .body.shape_matching import Pose, fit_pose, pose_of
+from .mesh.surface import Mesh
+from .reduction.cells import vertex_normals
+from .session import Session
+
+UNITS = {"pressure": "kPa", "depth": "mm", "stretch": "%", "slope": "N/mm", "knee": "mm"}
+REACH = 2.5  # tip radii and spreads: half the width of a profile
+
+
+def field(session: Session, name: str) -> Floats:
+    """Return a quantity at every vertex of the mesh (n,), in its unit of UNITS.
+
+    Args:
+        name: "pressure", that a contact presses with, counted over the area at rest; "depth", below the surface at
+            rest; "stretch" of the edges round a vertex; "slope", K1 with the map of softness; "knee", x0 with its map.
+    """
+    if name == "pressure":
+        return pressure(session) / 1e3
+    if name == "depth":
+        return depth(session) * 1e3
+    if name == "stretch":
+        return 100 * stretch(session.model.mesh, session.skin())
+    of_material = [material.K1 if name == "slope" else material.x0 for material in session.model.materials]
+    mean, maps = _mean_of_materials(session.model.mesh, np.array(of_material)), session.model.maps
+    if name == "slope":
+        return mean / 1e3 * (maps.stiffer if maps else 1.0)
+    return mean * 1e3 * (maps.deeper if maps else 1.0)
+
+
+def at_rest(session: Session) -> Floats:
+    """Return the shape at rest (n, 3) [m] where it is now: it follows the pins, or a body that is free."""
+    rotation, translation = _pose(session.body.model, session.body.positions())
+    rest: Floats = session.model.mesh.rest_positions @ rotation.T + translation
+    return rest
+
+
+def depth(session: Session) -> Floats:
+    """Return how far each vertex (n,) is below its place at rest [m], along the normal there."""
+    rest = at_rest(session)
+    normals = vertex_normals(session.model.mesh.triangles, rest)
+    below: Floats = ((rest - session.skin()) * normals).sum(axis=1)
+    return below
+
+
+def stretch(mesh: Mesh, skin: Floats) -> Floats:
+    """Return the mean strain of the edges round each vertex (n,) of a surface at (n, 3) [m]."""
+    i, j = mesh.springs.T
+    strain = np.linalg.norm(skin[i] - skin[j], axis=1) / np.maximum(mesh.rest_lengths, 1e-12) - 1
+    count = np.bincount(mesh.springs.ravel(), minlength=len(skin))
+    return sums_at(mesh.springs.ravel(), np.repeat(strain, 2), len(skin)) / np.maximum(count, 1)
+
+
+def pressure(session: Session) -> Floats:
+    """Return the pressure (n,) [Pa] with which the surface is pressed from outside, about.
+
+    A vertex that is touched is held by the contact against its own forces, and these are known. Its inertia is left
+    out, so the sum is that of the contact when the body rests. Of a proxy it is interpolated.
+    """
+    model, x = session.body.model, session.body.positions()
+    pose = None if model.free else _pose(model, x)
+    state = State(positions=x, velocities=session.body.velocities(), pose=pose)
+    state.inner_force = float(session.frame.law_forces.sum())
+    normals = vertex_normals(model.mesh.triangles, x.T)
+    outward = (forces(model, state).T * normals).sum(axis=1)
+    area = np.maximum(model.mesh.vertex_areas, 1e-12 * model.mesh.size**2)
+    pressed = np.where(model.held, 0.0, np.maximum(outward, 0.0) / area)
+    if session.proxy is None:
+        return pressed
+    spread: Floats = np.einsum("kn,kn->n", session.proxy.weights, pressed[session.proxy.followed])
+    return spread
+
+
+def profile(session: Session, finger: int) -> tuple[Floats, Floats]:
+    """Return the cut through the dent of a fingertip that is down: distance from its middle (p,) and depth (p,) [m].
+
+    The cut lies across the press, along the axis of the scene that is most across it.
+    """
+    tip, mesh = session.placed[finger], session.model.mesh
+    touch = session.touches()[finger]
+    if tip is None or touch is None:
+        return np.zeros(0), np.zeros(0)
+    inward, rest = -touch.outward, at_rest(session)
+    along = np.eye(3)[int(np.abs(inward[:2]).argmin())]
+    along = along - (along @ inward) * inward
+    along /= np.linalg.norm(along)
+    arms = rest - touch.centre
+    beside, distance = arms @ np.cross(inward, along), arms @ along
+    width = REACH * (tip.radius + max(material.spread for material in session.model.materials))
+    normals = vertex_normals(mesh.triangles, rest)
+    near = (normals @ inward < 0) & (np.abs(distance) < 1.5 * width)
+    i, j = mesh.springs[near[mesh.springs].all(axis=1)].T
+    cut = (beside[i] > 0) != (beside[j] > 0)
+    i, j = i[cut], j[cut]
+    share = beside[i] / (beside[i] - beside[j])
+    below = ((rest - session.skin()) * normals).sum(axis=1)
+    at, deep = (a[i] + share * (a[j] - a[i]) for a in (distance, below))
+    order = np.argsort(at)
+    order = order[np.abs(at[order]) <= width]
+    return at[order], deep[order]
+
+
+def _pose(model: Model, x: Floats) -> Pose:
+    """Return where the shape at rest is for positions (3, n) [m] of a model."""
+    if model.free:
+        return pose_of(model.matching, x, None)
+    held = np.flatnonzero(model.held & ~model.mesh.loose)
+    return fit_pose(model.matching.rest[:, held], x[:, held], np.ones(len(held)))
+
+
+def _mean_of_materials(mesh: Mesh, values: Floats) -> Floats:
+    """Return the mean over the faces round each vertex (n,) of a value for each material."""
+    n, area = len(mesh.rest_positions), mesh.triangle_areas
+    weighted = np.repeat(values[mesh.triangle_material] * area, 3)
+    whole = sums_at(mesh.triangles.ravel(), np.repeat(area, 3), n)
+    return sums_at(mesh.triangles.ravel(), weighted, n) / np.maximum(whole, 1e-30)

@@ -1,0 +1,73 @@
+"""Twins: two objects of one shape and two materials, which one press presses both."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import bpy
+from mathutils import Matrix, Vector
+
+from . import sessions
+
+if TYPE_CHECKING:
+    from ..core.session import Finger
+    from .sessions import LiveBody
+
+APART = 1.25  # of the width: between the middles of twins
+Fingers = Sequence["Finger | None"]
+
+
+def other(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """Return the twin of an object in a scene: the one it is a copy of, or the one that is a copy of it."""
+    found = obj.dimple.twin
+    if found is None:
+        found = next((each for each in scene.objects if each.dimple.twin == obj), None)
+    return found if found and found.name in scene.objects and found != obj else None
+
+
+def joined(bodies: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """Return objects together with their twins, each once."""
+    found = list(bodies)
+    for obj in list(found):
+        twin = other(obj, scene) if obj.type == "MESH" else None
+        if twin and twin not in found:
+            found.append(twin)
+    return found
+
+
+def shared(pressed: Mapping[int, Fingers], scene: bpy.types.Scene) -> dict[int, Fingers]:
+    """Return what presses each body, where what presses one twin presses the other in the same place."""
+    result = dict(pressed)
+    for uid, fingers in pressed.items():
+        pair = _pair(uid, scene) if any(fingers) else None
+        if pair and not any(pressed.get(pair[1].link.uid, ())):
+            result[pair[1].link.uid] = moved(fingers, *pair)
+    return result
+
+
+def source(body: LiveBody) -> LiveBody | None:
+    """Return the body that a twin is a copy of, where it runs."""
+    obj = bpy.data.objects.get(body.name)
+    return sessions.get(obj.dimple.twin) if obj and obj.dimple.twin else None
+
+
+def moved(fingers: Fingers, here: LiveBody, there: LiveBody) -> list[Finger | None]:
+    """Return fingertips that press a body as others do its twin."""
+    way = Matrix(there.matrix.tolist()) @ Matrix(here.matrix.tolist()).inverted()
+
+    def placed(finger: Finger) -> Finger:
+        at = there.link.scale * (way @ (Vector(finger.position) / here.link.scale))
+        inward = (way.to_3x3() @ Vector(finger.inward)).normalized()
+        return replace(finger, position=tuple(at), inward=tuple(inward))
+
+    return [finger and placed(finger) for finger in fingers]
+
+
+def _pair(uid: int, scene: bpy.types.Scene) -> tuple[LiveBody, LiveBody] | None:
+    """Return a body that runs and its twin, where that runs too."""
+    body = sessions.sessions.get(uid)
+    obj = bpy.data.objects.get(body.name) if body else None
+    twin = sessions.get(other(obj, scene)) if obj else None
+    return (body, twin) if body and twin else None

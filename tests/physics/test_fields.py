@@ -1,0 +1,88 @@
+"""What is shown in colours on a surface is what the body does there."""
+
+import numpy as np
+import pytest
+
+from core import fields
+from core.base import Floats
+from core.body.model import Model, build_model
+from core.material import PRESETS
+from core.mesh.surface import base_vertices, mesh_from_triangles
+from core.reduction.cells import vertex_normals
+from core.reduction.proxy import build_proxy
+from core.session import Finger, Session
+from tests.bodies import ball
+
+RADIUS, TIP = 0.08, 0.02
+VINYL = PRESETS[1].material
+
+
+def body(**maps: Floats) -> Model:
+    mesh = mesh_from_triangles(*ball(3, RADIUS))
+    return build_model(mesh, [VINYL], held=base_vertices(mesh), **maps)  # type: ignore[arg-type]
+
+
+def pushed(model: Model, force: float = 5.0, **options: object) -> Session:
+    session = Session(model, **options)  # type: ignore[arg-type]
+    session.set_fingers([Finger((0.0, 0.0, RADIUS + TIP), TIP, force)])
+    session.step(1.5)
+    return session
+
+
+def test_the_pressure_adds_up_to_the_force_and_is_nowhere_but_under_the_fingertip() -> None:
+    session = pushed(body())
+    pressure, skin, mesh = fields.pressure(session), session.skin(), session.model.mesh
+    push = pressure * mesh.vertex_areas * vertex_normals(mesh.triangles, skin).T
+    # the facets round the tip are not quite along it
+    assert push.sum(axis=1)[2] == pytest.approx(5.0, rel=0.12)
+    below = np.linalg.norm(skin - session.placed[0].position, axis=1) < 1.2 * TIP  # type: ignore[union-attr]
+    assert (push[2, below]).sum() > 0.97 * push[2].sum()
+
+
+def test_the_depth_is_deepest_under_the_fingertip_and_as_deep_as_the_press() -> None:
+    session = pushed(body())
+    depth = fields.field(session, "depth")
+    assert depth.max() == pytest.approx(1e3 * session.frame.depths[0], rel=0.02)
+    assert session.skin()[depth.argmax(), 2] > 0.8 * RADIUS
+
+
+def test_a_free_body_that_moves_as_one_shows_no_depth() -> None:
+    model = build_model(mesh_from_triangles(*ball(2, RADIUS)), [VINYL], gravity=(0.0, 0.0, -9.8))
+    session = Session(model)
+    session.step(0.3)
+    assert session.skin()[:, 2].max() < -0.3 and np.abs(fields.field(session, "depth")).max() < 1e-3
+    assert np.abs(fields.field(session, "stretch")).max() < 1e-3
+
+
+def test_a_body_that_is_blown_up_by_a_tenth_is_stretched_by_a_tenth() -> None:
+    session = Session(body())
+    session.body.set_state(1.1 * session.body.positions())
+    np.testing.assert_allclose(fields.field(session, "stretch"), 10.0, rtol=1e-6)
+
+
+def test_what_is_painted_is_shown_in_the_units_of_the_material() -> None:
+    points = ball(3, RADIUS)[0]
+    high = (points[:, 2] > 0).astype(float)
+    session = Session(body(softness=high, knee=0.5 * high))
+    up = session.model.mesh.rest_positions[:, 2] > 1e-9
+    np.testing.assert_allclose(fields.field(session, "slope"), np.where(up, 0.61 / 4, 0.61 * 4))
+    np.testing.assert_allclose(fields.field(session, "knee"), np.where(up, 16.3, 16.3 * 0.05))
+
+
+def test_a_proxy_shows_about_the_pressure_of_its_mesh() -> None:
+    mesh = mesh_from_triangles(*ball(4, RADIUS))
+    model = build_model(mesh, [VINYL], held=base_vertices(mesh))
+    session = pushed(model, proxy=build_proxy(model, 1000))
+    pressure = fields.pressure(session)
+    assert len(pressure) == len(mesh.rest_positions)
+    push = (pressure * mesh.vertex_areas * vertex_normals(mesh.triangles, session.skin()).T).sum(axis=1)
+    assert push[2] == pytest.approx(5.0, rel=0.25)
+
+
+def test_a_profile_is_as_deep_as_the_dent_and_flat_far_from_it() -> None:
+    session = pushed(body())
+    distance, depth = fields.profile(session, 0)
+    assert (np.diff(distance) >= 0).all() and distance[0] < -0.05 and distance[-1] > 0.05
+    assert 0.8 < depth.max() / session.frame.depths[0] < 1.02
+    assert abs(distance[depth.argmax()]) < 0.3 * TIP
+    assert np.abs(depth[np.abs(distance) > 0.07]).max() < 0.1 * depth.max()

@@ -1,0 +1,199 @@
+"""What is seen while one tunes: colours, profile, shape at rest; x0 painted; K1 keyframed; two materials."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import robot
+import tuning
+
+Check = Callable[..., None]
+FORCE_N, PAINTED = 15.0, 0.375  # past the knee, which is painted to be three quarters as deep
+LOOP, SWELL_S = 24, 4.0  # pictures of it, and how long it takes in simulated time [s]
+KEYS = ((1, 0.3), (40, 3.0))  # frame and K1 [N/mm]
+
+
+def see(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Look at a press in every way there is."""
+    cube = bpy.data.objects["Cube"]
+    cube.dimple.softness_group, cube.active_material.dimple.K1 = "", 0.61
+    bpy.ops.ed.undo_push(message="As measured")
+    yield from colours(at, out, check)
+    yield from paint_knee(at, out, check)
+    yield from two_materials(at, out, check)
+    yield from keyframes(at, out, check)
+
+
+def leave(at: tuple[int, int]) -> robot.Waits:
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: tuning.body() is None, "ESC ends the poke", 30)
+
+
+def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Show each quantity on the pressed surface."""
+    settings = bpy.context.scene.dimple
+    settings.press_force_n = FORCE_N
+    yield from tuning.leave_resting(at)
+    yield from robot.until(tuning.settled, "it rests", 180)
+    yield from robot.redrawn()
+    plain = robot.screenshot(out / "0-plain.png")
+    settings.show_rest = settings.show_profile = True
+    for name in ("PRESSURE", "DEPTH", "STRETCH", "SLOPE", "KNEE"):
+        settings.show_field = name
+        yield from robot.redrawn(3)
+        coloured = robot.screenshot(out / f"0-colours-{name.lower()}.png")
+        gap = robot.differing(plain, coloured, at, robot.HALF)
+        check(f"{name.lower()} is seen in colours", gap > robot.SEEN, f"{gap} pixels differ")
+        if name == "SLOPE":  # one colour everywhere, so a hole in it is grey
+            side = robot.on_screen((1.0, 0.0, 0.0))
+            face = coloured[robot.HEIGHT - side[1] - 60 : robot.HEIGHT - side[1] + 60, side[0] - 60 : side[0] + 60]
+            share = float((np.ptp(face.astype(int), axis=2) > 60).mean())
+            check("the colours cover the surface without holes", share > 0.95, f"{share:.0%}")
+            corner = robot.on_screen((-1.0, -1.0, 2.0))
+            row, column = robot.HEIGHT - corner[1], corner[0]
+            beside = coloured[row - 20 : row + 20, column - 20 : column + 20]
+            check("and nothing beside it", int(np.ptp(beside.astype(int), axis=2).max()) < 120)
+    robot.area().spaces.active.overlay.show_overlays = False
+    yield from robot.redrawn(3)
+    bare = robot.screenshot(out / "0-no-overlays.png")
+    grey = np.ptp(bare[200:600, 400:700].astype(int), axis=2).max()
+    check("without overlays nothing of it is left", grey < 40, f"{grey} of 255 from grey at most")
+    robot.area().spaces.active.overlay.show_overlays = True
+    settings.show_rest = settings.show_profile = False
+    settings.show_field = "NONE"
+    yield from leave(at)
+
+
+def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Paint x0 with a brush while a force rests: the press stops there."""
+    cube, settings = bpy.data.objects["Cube"], bpy.context.scene.dimple
+    cube.vertex_groups.new(name="Reach").add(range(len(cube.data.vertices)), 0.5, "REPLACE")
+    cube.dimple.knee_group = "Reach"
+    yield from tuning.leave_resting(at)
+    yield from robot.until(tuning.settled, "it rests", 180)
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    brush = bpy.context.tool_settings.weight_paint
+    brush.unified_paint_settings.weight, brush.unified_paint_settings.size = PAINTED, 100
+    brush.brush.weight, brush.brush.strength = PAINTED, 1.0
+    settings.show_field = "KNEE"
+    yield from robot.redrawn()
+    for _ in range(3):
+        yield from robot.move(at[0] + 60, at[1])
+        yield from robot.button(at[0] + 60, at[1], "PRESS")
+        for share in range(16):
+            yield from robot.move(at[0] + 60 - 8 * share, at[1] + 12 * (share % 3 - 1))
+        yield from robot.button(at[0] - 60, at[1], "RELEASE")
+    yield 1.0
+    yield from robot.until(tuning.settled, "it rests again", 180)
+    material = cube.active_material.dimple
+    x0 = 2 * PAINTED * material.x0
+    wanted = x0 + (FORCE_N - material.K1 * x0) / material.K2
+    depth = 1e3 * float(tuning.body().frame.depths[0])
+    words = f"{depth:.2f} mm for {wanted:.2f} mm, {100 * (depth / wanted - 1):+.1f} %"
+    check("the press stops within 5 % of where x0 is painted", abs(depth / wanted - 1) < 0.05, words)
+    yield from robot.redrawn(3)
+    robot.screenshot(out / "0-painted-knee.png")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.object.mode_set(mode="OBJECT")
+    settings.show_field = "NONE"
+    yield from leave(at)
+    cube.dimple.knee_group = ""
+
+
+def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Press twins of two materials by one force."""
+    settings, view = bpy.context.scene.dimple, robot.area().spaces.active.region_3d
+    bpy.ops.ed.undo_push(message="Before the twin")
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.compare_materials()
+    twin = bpy.data.objects["Cube B"]
+    twin.active_material.dimple.K1, twin.active_material.dimple.x0 = 1.83, 5.0
+    before = view.view_distance, view.view_location.copy()
+    view.view_distance, view.view_location = 9.0, 0.5 * twin.matrix_world.translation
+    settings.show_field = "DEPTH"
+    yield from robot.redrawn()
+    here = robot.on_screen((0.0, 0.0, 1.0))
+    yield from tuning.leave_resting(here)
+    bodies = robot.extension("operators.sessions").sessions
+    yield from robot.until(tuning.settled, "both rest", 240)
+    depths = {body.name: 1e3 * float(body.frame.depths[0]) for body in bodies.values()}
+    shown = ", ".join(f"{name} {depth:.2f} mm" for name, depth in depths.items())
+    check("one press presses both, the softer one deeper", depths["Cube"] > 1.5 * depths["Cube B"] > 0, shown)
+    yield from robot.redrawn(3)
+    robot.screenshot(out / "0-two-materials.png")
+    yield from loop(out)
+    yield from leave(here)
+    settings.show_field, settings.press_force_n = "NONE", FORCE_N
+    view.view_distance, view.view_location = before
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.use_material()
+    check("the one that is used stays alone", "Cube B" not in bpy.data.objects)
+    yield from robot.redrawn()
+
+
+def loop(out: Path) -> robot.Waits:
+    """Photograph one swell of the force, which `run.py` makes a looping picture of."""
+    settings = bpy.context.scene.dimple
+    for number in range(LOOP):
+        settings.press_force_n = FORCE_N * (0.52 - 0.48 * np.cos(2 * np.pi * number / LOOP))
+        begun = tuning.body().frame.time
+        yield from robot.until(lambda begun=begun: tuning.body().frame.time > begun + SWELL_S / LOOP, "it goes on", 60)
+        yield from robot.redrawn()
+        robot.screenshot(out / f"loop-{number:02}.png")
+
+
+def keyframes(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Keyframe K1, bake, and play what was baked: a fingertip that stands still meets a harder body."""
+    cube, scene = bpy.data.objects["Cube"], bpy.context.scene
+    material = cube.active_material.dimple
+    for frame, value in KEYS:
+        material.K1 = value
+        material.keyframe_insert("K1", frame=frame)
+    scene.frame_start, scene.frame_end = 1, KEYS[1][0]
+    scene.frame_set(1)
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.add_fingertip()
+    tip = scene.dimple.finger_1
+    tip.keyframe_insert("location", frame=1)
+    tip.location.z -= 0.12
+    tip.keyframe_insert("location", frame=10)
+    scene.dimple.cache_dir = "/tmp"
+    bpy.context.view_layer.objects.active = cube
+    cube.select_set(True)
+    tip.select_set(False)
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=KEYS[1][0])
+    yield from robot.until(lambda: any(each.type == "MESH_CACHE" for each in cube.modifiers), "it is baked", 120)
+    cache = next(each for each in cube.modifiers if each.type == "MESH_CACHE")
+    table = Path(bpy.path.abspath(cache.filepath)).with_suffix(".csv")
+    rows = np.genfromtxt(table, delimiter=",", names=True)
+    early, late = rows["force_1_n"][12], rows["force_1_n"][-1]
+    slopes = []
+    for frame in (13, KEYS[1][0]):
+        scene.frame_set(frame)
+        slopes.append(material.K1)
+    words = f"{slopes[0]:.2f} N/mm, {early:.2f} N at frame 13; {slopes[1]:.2f} N/mm, {late:.2f} N at the end"
+    check("a keyframed K1 is baked", abs(late / early / (slopes[1] / slopes[0]) - 1) < 0.15, words)
+    scene.frame_set(30)
+    yield from robot.redrawn(3)
+    robot.screenshot(out / "0-keyframes.png")
+    check("what was baked plays", dented(cube) > 0.05, f"{dented(cube):.3f} of the half height deep")
+    bpy.ops.dimple.unbake()
+    bpy.data.objects.remove(tip)
+    bpy.data.materials[cube.active_material.name].animation_data_clear()
+    scene.frame_set(1)
+    yield from robot.redrawn()
+
+
+def dented(obj: bpy.types.Object) -> float:
+    """Return how far the highest face's middle lies below its rim [units of the mesh], as it is seen."""
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    points = points.reshape(-1, 3)
+    middle = points[np.linalg.norm(points - (0.0, 0.0, 1.0), axis=1).argmin()]
+    return float(points[:, 2].max() - middle[2])
