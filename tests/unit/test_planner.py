@@ -100,7 +100,7 @@ def test_a_mesh_too_heavy_to_press_is_replaced_by_a_large_proxy(
     assert chosen.proxy is not None and "against a proxy of 1,2" in chosen.reason
     outcomes = compare_proxies(round_model, choose_presses(round_model, 0.02, 4), [chosen.asked])
     *_, found = (outcome for _, outcome in outcomes if outcome)
-    assert chosen.error == pytest.approx(found.error, rel=0.25)  # the fit itself scatters by 30 percent
+    assert chosen.error == pytest.approx(found.error, rel=0.2)  # the fit itself scatters by 30 percent
 
 
 def test_stiff_nylon_runs_for_a_fraction_of_its_work(nylon: Model) -> None:
