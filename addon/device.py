@@ -24,7 +24,7 @@ class DevicePlace:
 
     device_port: StringProperty(
         name="Port",
-        description='Serial port of the haptic device, or any path. On Linux and macOS "emulated" is a device to try',
+        description='Serial port of the device, a path, or udp:HOST:PORT. On Linux and macOS "emulated" is one to try',
         search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
     )  # fmt: skip
     device_file: StringProperty(

@@ -21,8 +21,9 @@ WORDS = {
         "今の指先の中央を 3D カーソルの位置に合わせます"
     ),
     "Port": "ポート",
-    'Serial port of the haptic device, or any path. On Linux and macOS "emulated" is a device to try': (
-        "力覚デバイスのシリアルポート、または任意のパス。Linux と macOS では「emulated」で模擬デバイスを試せます"
+    'Serial port of the device, a path, or udp:HOST:PORT. On Linux and macOS "emulated" is one to try': (
+        "力覚デバイスのシリアルポート、パス、または udp:HOST:PORT。"
+        "Linux と macOS では「emulated」で模擬デバイスを試せます"
     ),
     "Device File": "デバイスファイル",
     "TOML file with the numbers of the device. Empty: the Haptic Master's": (

@@ -16,6 +16,12 @@ from .safety import LEASE, STATE_GAP, STATE_LOST, Arming, BadNumbers, Guard, Lim
 from .sensors import FAILED_TICKS
 from .servo_finger import ServoFinger
 from .servo_messages import LinkState, Order, ServoReport, TipState
+from .servo_notes import BAD_FORCE, LOSSY, NO_STATES, TOO_FAST
+from .servo_notes import FAULTS as FAULTS
+from .servo_notes import NO_ANSWER as NO_ANSWER
+from .servo_notes import SILENT as SILENT
+from .servo_notes import STOOD_STILL as STOOD_STILL
+from .servo_notes import WAS_SILENT as WAS_SILENT
 from .spec import Spec, check_info
 from .vectors import ZERO, Vector, is_finite, length
 
@@ -26,22 +32,6 @@ MOST_DT = 0.005  # [s] the longest time step for slew and damping, however long 
 REMEMBERED = 256  # commands: more than a device can acknowledge late
 NO_FORCE = (ZERO,) * wire.FINGERS
 UNCONNECTED = (LinkState.OPENING, LinkState.LOST)
-
-FAULTS = {
-    wire.FAULT_WATCHDOG: "The device heard nothing for 100 ms and stopped its motors. Arm it again.",
-    wire.FAULT_SENSOR: "An angle sensor of the device gives impossible readings. Check its cables.",
-    wire.FAULT_SPEED: "A fingertip of the device was faster than any hand. Arm the device again.",
-    wire.FAULT_ARM_REFUSED: "The device did not arm: let go of the object and arm the device again.",
-    wire.FAULT_LINK: "The device lost too many frames on the line. Check the cable.",
-}
-NO_ANSWER = "Nothing answers within 1 s. Check port, baud rate ({baud}) and power of the {name}."
-NO_STATES = "The device answers but streams no positions. Switch it off and on, then connect again."
-SILENT = "The device is silent: the connection is lost. When it is back, arm it again."
-WAS_SILENT = "The device was silent for more than 100 ms. Arm it again."
-STOOD_STILL = "Device or computer stood still for more than 100 ms, or the device's clock is wrong. Arm it again."
-TOO_FAST = "A fingertip was faster than 1.5 m/s. Arm the device again."
-BAD_FORCE = "The simulation gave forces that are not numbers. Reset it and arm the device again."
-LOSSY = "{share:.0%} of the frames are lost on the line. Check the cable."
 
 
 class Servo:

@@ -25,6 +25,7 @@ from .serial_link import WINDOWS, LineLost, SerialLine, open_line
 from .servo import Servo
 from .servo_messages import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
 from .spec import Spec, load_spec
+from .udp_line import PREFIX, UdpLine, open_udp
 
 POLL_TIME: Final = 0.001  # [s] at most between two looks at line and lifeline: something comes each tick anyway
 REPORT_EVERY: Final = 0.002  # [s] the most that a report adds to the age of the positions a session is given
@@ -58,7 +59,7 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
     try:
         spec = load_spec(device)
         host = BodyHost(mailbox)
-        servo, line = make_servo(spec, nonce=os.getpid() & 0xFFFF), open_line(port, spec.baud)
+        servo, line = make_servo(spec, nonce=os.getpid() & 0xFFFF), open_to(port, spec.baud)
         try:
             serve(servo, line, box, listener(line), host)
         finally:
@@ -75,7 +76,7 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
 
 
 def serve(
-    servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float], bytes | None], host: BodyHost
+    servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callable[[float], bytes | None], host: BodyHost
 ) -> None:
     """Answer the device until Blender is gone or the device refused.
 
@@ -107,7 +108,12 @@ def serve(
             servo.order = host.order(unpack_order(message), servo, ordered)
 
 
-def listener(line: SerialLine) -> Callable[[float], bytes | None]:
+def open_to(port: str, baud: int) -> SerialLine | UdpLine:
+    """Open the line that a port names: a serial port, or an address on the network."""
+    return open_udp(port) if port.startswith(PREFIX) else open_line(port, baud)
+
+
+def listener(line: SerialLine | UdpLine) -> Callable[[float], bytes | None]:
     """Return a function that waits for the next bytes of the line, given when the last order came [s].
 
     The function returns b"" where no bytes came, and None where Blender is gone.
@@ -132,7 +138,7 @@ def listener(line: SerialLine) -> Callable[[float], bytes | None]:
     return by_pipe
 
 
-def release(servo: Servo, line: SerialLine) -> None:
+def release(servo: Servo, line: SerialLine | UdpLine) -> None:
     """Disarm the device, if it can still be reached, and free the port."""
     try:
         line.write(servo.close())
