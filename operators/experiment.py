@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import IntProperty, StringProperty
@@ -14,53 +12,21 @@ from bpy.props import IntProperty, StringProperty
 from . import polls, sessions
 from .messages import report
 from .names import Op
-
-if TYPE_CHECKING:
-    from ..core.experiment.run import Experiment, Trial
-    from ..core.poke import PokeState
-
-MATERIAL = "Dimple Trial"  # shown in place of the object's own, so that its name tells nothing
-SEEN_N = 5.0  # [N] of the press that is replayed for those who only see: by force, a softer body sinks in deeper
-PRESS_S, HOLD_S, RELEASE_S = 0.6, 0.6, 0.4
-FELT_S = 3.0  # [s] that a script lets a device press
-
-
-@dataclass(slots=True, kw_only=True)
-class UnderWay:
-    """An experiment under way.
-
-    experiment: plan, participant and answers.
-    agreed: the participant has read the consent.
-    obj: uid of the object, and the material it had.
-    shown: intervals of the trial that were shown.
-    samples: time [s], depth [m] and force [N] of what was touched in this trial.
-    began: when the trial did [s].
-    """
-
-    experiment: Experiment
-    agreed: bool = False
-    obj: tuple[str, bpy.types.Material | None] = ("", None)
-    shown: int = 0
-    samples: list[tuple[float, float, float]] = field(default_factory=list)
-    began: float = 0.0
-
-
-experiments: list[UnderWay] = []  # the experiment, where one is under way
-
-
-def get() -> UnderWay | None:
-    """Return the experiment under way, None where there is none."""
-    return experiments[0] if experiments else None
-
-
-def trial() -> Trial | None:
-    """Return the trial that is next."""
-    return experiments[0].experiment.next() if experiments else None
-
-
-def log_path(plan: Path, participant: str) -> Path:
-    """Return where the answers of a participant are kept: beside the plan."""
-    return plan.with_name(f"{plan.stem}_{bpy.path.clean_name(participant)}_answers.csv")
+from .under_way import (
+    FELT_S,
+    HOLD_S,
+    PRESS_S,
+    RELEASE_S,
+    UnderWay,
+    close,
+    dress,
+    experiments,
+    log_path,
+    seen_press,
+    source_of,
+    trial,
+)
+from .under_way import get as get
 
 
 class DIMPLE_OT_open_experiment(bpy.types.Operator):
@@ -103,7 +69,7 @@ class DIMPLE_OT_open_experiment(bpy.types.Operator):
                 raise DimpleError("Give the participant a number or a code.")
             plan = read_plan(path)
             for task in plan.tasks:
-                _source(task.object)
+                source_of(task.object)
             under_way = UnderWay(experiment=Experiment(plan, participant, Log(log_path(path, participant))))
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
@@ -213,7 +179,7 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
             if obj is None:
                 raise DimpleError("The object of the experiment is gone. Open the experiment again.")
             interval = min(self.interval, len(shown.shown))
-            _dress(obj, shown.task.object, shown.shown[interval - 1])
+            dress(obj, shown.task.object, shown.shown[interval - 1])
             context.view_layer.objects.active = obj
             for each in context.selected_objects:
                 each.select_set(each == obj)
@@ -221,7 +187,7 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
             live.start_all(context)
             self._seen, self._time, self._state = shown.task.condition == "seen", 0.0, None
             if self._seen:
-                self._state = _press(context)
+                self._state = seen_press(context)
                 bodies = sessions.sessions
                 self._event = press.aimed(bodies, None, (0.0, 0.0, 0.0))
         except DimpleError as error:
@@ -306,62 +272,6 @@ class DIMPLE_OT_stop_experiment(_UnderWay, bpy.types.Operator):
             self.report({"INFO"}, sentence)
         close()
         return {"FINISHED"}
-
-
-def close() -> None:
-    """End the experiment under way; its answers are kept."""
-    while experiments:
-        sessions.stop_all()
-        name, material = experiments.pop().obj
-        obj = bpy.data.objects.get(name)
-        if obj and obj.active_material and obj.active_material.name.startswith(MATERIAL):
-            trial_material = obj.active_material
-            obj.active_material = material
-            if not trial_material.users:
-                bpy.data.materials.remove(trial_material)
-
-
-def _source(name: str) -> object:
-    """Return the preset or the material that a task names.
-
-    Raises:
-        DimpleError: there is none.
-    """
-    from ..core.base import DimpleError
-    from ..core.everyday import EVERYDAY
-    from ..core.material import PRESETS
-
-    preset = next((each for each in (*PRESETS, *EVERYDAY) if name in (each.name, each.label)), None)
-    if preset is None and (bpy.data.materials.get(name) is None or name.startswith(MATERIAL)):
-        raise DimpleError(f'There is no material or preset "{name}", which the experiment names.')
-    return preset or bpy.data.materials[name]
-
-
-def _dress(obj: bpy.types.Object, name: str, level: float) -> None:
-    """Give an object the material of a task, so many times as stiff."""
-    from .apply_preset import apply
-
-    source = _source(name)
-    material = bpy.data.materials.get(MATERIAL) or bpy.data.materials.new(MATERIAL)
-    if isinstance(source, bpy.types.Material):
-        old, material = material, source.copy()
-        obj.active_material = material
-        bpy.data.materials.remove(old)
-        material.name = MATERIAL
-    else:
-        obj.active_material = material
-        apply(material.dimple, source)
-        obj.dimple.enabled, obj.dimple.size_mode, obj.dimple.size_mm = True, "CUSTOM", source.size * 1e3
-    material.dimple.K1, material.dimple.K2 = level * material.dimple.K1, level * material.dimple.K2
-
-
-def _press(context: bpy.types.Context) -> PokeState:
-    """Return the press that is replayed: by force, straight into the surface."""
-    from ..core.poke import PokeState
-
-    radius = context.scene.dimple.finger_radius_mm / 1e3
-    state = PokeState(radius=radius, depth=radius, force=SEEN_N, by_force=True)
-    return replace(state, press_s=PRESS_S, release_s=RELEASE_S, along_normal=True)
 
 
 CLASSES = [
