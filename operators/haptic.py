@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 import bpy
 
 from . import sessions
-from .beside import Beside
 
 if TYPE_CHECKING:
     from ..core.haptics.contact_model import Contact
@@ -42,8 +41,7 @@ class Connection:
     workspaces: of the device in each body's space, for each of its fingertips, and the fingertip's radius [mm].
     note: a sentence for the artist that was not shown yet.
     read_at: when it was read last [s].
-    slow: Blender draws too slowly for the dead-man key.
-    beside: what runs beside the device.
+    slow: Blender drew too slowly for the dead-man key, and that was said.
     """
 
     device: Device
@@ -54,7 +52,6 @@ class Connection:
     note: str = ""
     read_at: float = 0.0
     slow: bool = False
-    beside: Beside = field(default_factory=Beside)
 
 
 connections: list[Connection] = []  # the device, where one is connected
@@ -101,9 +98,7 @@ def connect(scene: bpy.types.Scene) -> Connection:
 def disconnect() -> None:
     """Disconnect the device; without one nothing happens."""
     while connections:
-        connection = connections.pop()
-        connection.beside.take_back()
-        connection.device.close()
+        connections.pop().device.close()
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
 
@@ -174,18 +169,7 @@ def write(scene: bpy.types.Scene) -> None:
     from ..core.haptics.servo_messages import LinkState
 
     connection = get()
-    if connection is None:
-        return
-    beside = connection.beside
-    if connection.report.link is not LinkState.READY:
-        beside.take_back()
-        return
-    nearest = beside.choose(list(sessions.sessions.values()), connection.report)
-    if nearest:
-        where = workspace(scene, nearest.link.scale)
-        connection.renderings.clear()
-        connection.workspaces = {}
-        connection.device.write([], beside.parcel(where, scene.dimple.finger_radius_mm / 1e3, connection.report))
+    if connection is None or connection.report.link is not LinkState.READY:
         return
     radius = scene.dimple.finger_radius_mm
     now, chosen, workspaces, kicks = time.perf_counter(), [], {}, False
@@ -202,7 +186,7 @@ def write(scene: bpy.types.Scene) -> None:
     running = list(sessions.sessions.values())
     connection.renderings = {body: each for body, each in connection.renderings.items() if body in running}
     connection.workspaces = workspaces
-    connection.device.write(chosen, beside.last_parcel())
+    connection.device.write(chosen)
 
 
 def nearer(some: Sequence[Contact | None], others: Sequence[Contact | None]) -> list[Contact | None]:

@@ -22,7 +22,6 @@ from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
 from core.haptics.contact_rendering import ContactRendering, Workspace, fingers
 from core.haptics.emulated_hand import Keyframe
-from core.haptics.remote_body import RemoteBody
 from core.haptics.safety import Arming
 from core.haptics.servo_messages import BodyState, LinkState, ServoReport
 from core.haptics.wire import RAMP
@@ -31,6 +30,7 @@ from core.mesh.surface import base_vertices
 from core.session import Finger, Session
 
 from .processes import InstrumentedDevice
+from .remote_body import RemoteBody
 from .scenes import cube
 
 PRESET = PRESETS[1]  # vinyl and air: K1 = 610 N/m

@@ -63,9 +63,6 @@ WORDS = {
     "K1 is not renderable: so stiff a wall shakes the device. It is rendered softer.": (
         "K1 は表現できません。この硬さではデバイスが振動するため、柔らかく提示されます。"
     ),
-    "Rendered": "提示",
-    "Model, {:.0f} % of Its Time": "モデル（時間の {:.0f} %）",
-    "Local Wall of the Law": "法則による局所的な壁",
     "Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.": (
         "Blender の描画が遅すぎます。デッドマンキーが切れて力が出ません。プロキシを使ってください。"
     ),

@@ -24,9 +24,9 @@ from ..errors import DimpleError
 QUARTER: Final = 0.674489750196082  # standard deviations from the middle to three quarters
 DROP: Final = 1.920729410347062  # half of the 95 % quantile of chi squared
 MOST_LAPSES: Final = 0.08
-LAPSES: Final = np.linspace(0.0, MOST_LAPSES, 17)
+LAPSES: Final = np.linspace(0.0, MOST_LAPSES, 9)
 FEW_LAPSES: Final = 9.0 * np.log1p(-LAPSES)  # a weak belief that they are rare; Source: Schuett et al. 2016
-POINTS: Final = 41  # of a grid on each axis
+POINTS: Final = 33  # of a grid on each axis
 ROUNDS: Final = 3  # of finer grids
 FEWEST: Final = 20  # trials
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.blender.operators.device_rig import PATIENCE, connect, connection, run, softened, strongest, wait
+from tests.blender.operators.device_rig import connect, connection, run, softened, strongest, wait
 from tests.haptics.machine import NEEDS_PTY
 
 pytestmark = NEEDS_PTY
@@ -178,11 +178,9 @@ def test_a_body_put_under_the_fingertips_at_once_disarms(
         wait(lambda report: report.arming.name == "ON", arms=True)
         entry = run(bpy, body)
         bpy.context.scene.dimple.device_origin[2] += above / entry.link.scale
-        for _ in range(round(60 * (PATIENCE if kicks else 0.3))):  # the body has to get to the device's process
-            notes += live.advance(bpy.context, 1 / 60)
-            if connection().report.arming.name == "OFF" and kicks:
-                break
-            time.sleep(1 / 60)
+        notes += live.advance(bpy.context, 1 / 60) + live.advance(bpy.context, 1 / 60)
+        if kicks:
+            wait(lambda report: report.arming.name == "OFF")
         sessions.stop_all()
     assert any("has changed" in sentence for sentence in notes) == kicks
 
@@ -245,17 +243,7 @@ def test_a_pause_lets_the_key_go_though_it_is_held(bpy: ModuleType, port: Any, a
     assert strongest(report) == 0.0 and connection().device.held_until > time.perf_counter()
 
 
-@pytest.fixture
-def wall(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let a local wall be rendered, as where a body is too heavy to run beside the device."""
-    from bl_ext.user_default.dimple.operators.beside import Beside
-
-    monkeypatch.setattr(Beside, "choose", lambda *_: None)
-
-
-def test_a_new_session_remembers_nothing_of_the_last_one(
-    bpy: ModuleType, port: Any, add: Callable[..., Any], wall: None
-) -> None:
+def test_a_new_session_remembers_nothing_of_the_last_one(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
     from bl_ext.user_default.dimple.operators import live, sessions
 
     body, renderings = add(), []
@@ -270,7 +258,7 @@ def test_a_new_session_remembers_nothing_of_the_last_one(
 
 
 def test_what_the_mouse_presses_is_not_rendered_by_the_device(
-    bpy: ModuleType, port: Any, add: Callable[..., Any], wall: None
+    bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
     """The mouse takes the first fingertip: the device's presses nothing and has no force until the mouse lets go."""
     from bl_ext.user_default.dimple.core.session import Finger

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import Floats
-from ..body.model import Model
-from ..solver.motion import Frame, Motion, PinMotion
-from .mailbox import Mailbox
-from .parcel import Change, frame_size, pack_changes, unpack_frame
-from .servo_messages import ServoReport
+from core.base import Floats
+from core.body.model import Model
+from core.haptics.mailbox import Mailbox
+from core.haptics.parcel import Change, frame_size, pack_changes, unpack_frame
+from core.haptics.servo_messages import ServoReport
+from core.solver.motion import Frame, Motion, PinMotion
 
 if TYPE_CHECKING:
-    from ..solver.backend import Body
-    from .contact_rendering import Workspace
+    from core.haptics.contact_rendering import Workspace
+    from core.solver.backend import Body
 
 Place = tuple["Workspace", float]
 
