@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import polls, sessions
-from .messages import duration, wrapped
+from .messages import duration, megabytes, wrapped
 from .names import EXPORTS, Op
 from .working import Working
 
@@ -122,7 +122,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             size, took = export_plan.estimate(context, plan), export_time.seconds(plan)
         except DimpleError as error:
             return str(error), "ERROR"
-        text = iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, max(round(size / 1e6), 1))
+        text = iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, megabytes(size))
         if took is not None:
             text += iface_(", {} on this computer").format(duration(took))
         return text, "TIME"

@@ -15,6 +15,7 @@ from ..core.base import DimpleError
 from ..core.recording import open_point_cache
 from . import bridge, bridge_write, exporters, output
 from .formats import FORMATS, Size
+from .messages import megabytes
 
 SPARE = 1.05  # of the estimate: room that must be free on the disk
 
@@ -159,6 +160,6 @@ def check_space(context: bpy.types.Context, plan: ExportPlan) -> None:
     needed, free = SPARE * estimate(context, plan), shutil.disk_usage(plan.folder).free
     if needed > free:
         raise DimpleError(
-            f"The export needs about {needed / 1e6:.0f} MB, and {plan.folder} has {free / 1e6:.0f} MB left. "
+            f"The export needs about {megabytes(needed)} MB, and {plan.folder} has {free / 1e6:.1f} MB left. "
             "Choose another folder, fewer frames or fewer formats."
         )

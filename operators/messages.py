@@ -25,6 +25,11 @@ def duration(seconds: float) -> str:
     return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
+def megabytes(size: float) -> str:
+    """Return a size [bytes] in MB as one reads it: "0.2", "6.4", "213"."""
+    return f"{max(size / 1e6, 0.1):.1f}" if size < 1e7 else f"{size / 1e6:.0f}"
+
+
 def wrapped(sentence: str, width: int) -> list[str]:
     """Break a sentence into lines of at most `width` columns; text without spaces breaks anywhere."""
     lines, line = [], ""
