@@ -108,7 +108,7 @@ def test_mass_shape_matching_and_pins_are_conserved(model: Model, proxy: Proxy) 
 
 
 def test_a_press_of_the_proxy_is_that_of_the_mesh(model: Model, proxy: Proxy) -> None:
-    """Force within 15 %, the surface of a 10 mm dent within 1 mm (root mean square), for a twelfth of the work.
+    """Force within 15 %, the surface of a 10 mm dent within 1 mm (root mean square), for a tenth of the work.
 
     The error is nowhere larger than twice the sagitta of a facet, h^2 / 6 R.
     """
@@ -121,7 +121,7 @@ def test_a_press_of_the_proxy_is_that_of_the_mesh(model: Model, proxy: Proxy) ->
     assert coarse.frame.volume == pytest.approx(fine.frame.volume, rel=2e-3)
     assert coarse.frame.depths == pytest.approx(fine.frame.depths, abs=2e-4)
     steps = [session.substeps * len(m.mass) for session, m in ((fine, model), (coarse, proxy.model))]
-    assert steps[1] < steps[0] / 12
+    assert steps[1] < steps[0] / 10
 
 
 def test_finer_proxies_have_smaller_errors(model: Model) -> None:
