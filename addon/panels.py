@@ -8,7 +8,7 @@ import bpy
 from ..operators import twins
 from ..operators.names import MAPS, Op
 from ..operators.sessions import identifying, sessions
-from . import calibration, device, readout
+from . import calibration, device, experiment, readout
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
 
@@ -261,8 +261,8 @@ class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
 
 
 _SIDEBAR = (
-    DIMPLE_PT_session, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips, *device.SIDEBAR, DIMPLE_PT_bake,
-    DIMPLE_PT_surroundings,
+    DIMPLE_PT_session, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips, *device.SIDEBAR,
+    *experiment.SIDEBAR, DIMPLE_PT_bake, DIMPLE_PT_surroundings,
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
 _register_properties, _unregister_properties = bpy.utils.register_classes_factory(

@@ -14,6 +14,7 @@ FLOORS = {
     "addon": 6,
     "operators": 5,
     "core.calibration": 4,
+    "core.experiment": 4,
     "core.haptics": 4,
     "core.session": 3,
     "core.world": 3,
