@@ -113,6 +113,11 @@ class DIMPLE_PT_contact(bpy.types.Panel):
     bl_region_type = "WINDOW"
     bl_context = "physics"
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Show on every object, as the panel it is in."""
+        return context.object is not None
+
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the switches of contact."""
         settings, layout = context.object.dimple, self.layout
