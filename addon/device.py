@@ -24,7 +24,7 @@ class DevicePlace:
 
     device_port: StringProperty(
         name="Port",
-        description='Serial port of the haptic device, or any path. On Linux and macOS "emulated" is a device to try',
+        description='Serial port of the device, a path, or udp:HOST:PORT. On Linux and macOS "emulated" is one to try',
         search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
     )  # fmt: skip
     device_file: StringProperty(
@@ -128,6 +128,11 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
     if report.arming.name == "WAITING":
         sentences.append(iface_("The force comes on once Shift is held and the fingertips touch nothing."))
+    connection = haptic.get()
+    if connection and connection.slow:
+        sentences.append(
+            iface_("Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.")
+        )
     if not haptic.sessions.sessions:
         sentences.append(iface_("Press Play to feel the selected object."))
     return sentences

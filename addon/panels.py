@@ -8,7 +8,7 @@ import bpy
 from ..operators import twins
 from ..operators.names import MAPS, Op
 from ..operators.sessions import identifying, sessions
-from . import calibration, device, readout
+from . import calibration, device, experiment, readout
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
 
@@ -102,6 +102,29 @@ class DIMPLE_PT_body(bpy.types.Panel):
         row = layout.row()
         row.active = settings.size_mode == "CUSTOM"
         row.prop(settings, "size_mm")
+
+
+class DIMPLE_PT_contact(bpy.types.Panel):
+    """What the object meets."""
+
+    bl_label = "Contact"
+    bl_parent_id = "DIMPLE_PT_body"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "physics"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the switches of contact."""
+        settings, layout = context.object.dimple, self.layout
+        layout.use_property_split = True
+        layout.enabled = context.object.type == "MESH"
+        layout.prop(settings, "collider")
+        row = layout.row()
+        row.active = settings.collider and not settings.enabled
+        row.prop(settings, "collider_friction", slider=True)
+        row = layout.row()
+        row.active = settings.enabled
+        row.prop(settings, "self_contact")
 
 
 class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
@@ -238,12 +261,12 @@ class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
 
 
 _SIDEBAR = (
-    DIMPLE_PT_session, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips, *device.SIDEBAR, DIMPLE_PT_bake,
-    DIMPLE_PT_surroundings,
+    DIMPLE_PT_session, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips, *device.SIDEBAR,
+    *experiment.SIDEBAR, DIMPLE_PT_bake, DIMPLE_PT_surroundings,
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
 _register_properties, _unregister_properties = bpy.utils.register_classes_factory(
-    [DIMPLE_PT_material, DIMPLE_PT_body, *calibration.PROPERTIES]
+    [DIMPLE_PT_material, DIMPLE_PT_body, DIMPLE_PT_contact, *calibration.PROPERTIES]
 )
 
 

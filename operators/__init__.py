@@ -15,6 +15,7 @@ from . import (
     compare_materials,
     compare_proxies,
     device,
+    experiment,
     export,
     handlers,
     identify,
@@ -44,6 +45,7 @@ PARTS = (
     compare_proxies,
     compare_materials,
     device,
+    experiment,
     command_line,
     handlers,
 )

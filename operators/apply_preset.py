@@ -1,10 +1,15 @@
 """The constants of a measured object, for the active material."""
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.props import StringProperty
 
 from . import polls
 from .names import Op
+
+if TYPE_CHECKING:
+    from ..core.material import Preset
 
 
 def material_of(obj: bpy.types.Object, name: str) -> bpy.types.Material:
@@ -38,21 +43,26 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
             known = ", ".join(each.name for each in (*PRESETS, *EVERYDAY))
             self.report({"ERROR"}, f'There is no preset "{self.preset}". There are: {known}.')
             return {"CANCELLED"}
-        constants, settings = preset.material, material_of(context.object, preset.label).dimple
-        settings.K1, settings.K2, settings.k = constants.K1 / 1e3, constants.K2 / 1e3, constants.k / 1e3
-        settings.x0, settings.spread_mm = constants.x0 * 1e3, constants.spread * 1e3
-        if constants.mass is not None:
-            settings.mass_from, settings.mass_kg = "MASS", constants.mass
-        else:
-            settings.mass_from, settings.density = "DENSITY", constants.density
-        settings.damping_ratio, settings.friction = constants.damping_ratio, constants.friction
-        settings.fill = constants.fill.upper()
-        tip = constants.indenter
-        settings.tip, settings.tip_radius_mm, settings.calibration = tip.shape.upper(), tip.radius * 1e3, ""
-        settings.provenance = preset.provenance  # last: a constant that is set marks the material as edited
+        apply(material_of(context.object, preset.label).dimple, preset)
         body = context.object.dimple
         body.enabled, body.size_mode, body.size_mm = True, "CUSTOM", preset.size * 1e3
         return {"FINISHED"}
+
+
+def apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:
+    """Give a material's settings the constants of a preset."""
+    constants = preset.material
+    settings.K1, settings.K2, settings.k = constants.K1 / 1e3, constants.K2 / 1e3, constants.k / 1e3
+    settings.x0, settings.spread_mm = constants.x0 * 1e3, constants.spread * 1e3
+    if constants.mass is not None:
+        settings.mass_from, settings.mass_kg = "MASS", constants.mass
+    else:
+        settings.mass_from, settings.density = "DENSITY", constants.density
+    settings.damping_ratio, settings.friction = constants.damping_ratio, constants.friction
+    settings.fill = constants.fill.upper()
+    tip = constants.indenter
+    settings.tip, settings.tip_radius_mm, settings.calibration = tip.shape.upper(), tip.radius * 1e3, ""
+    settings.provenance = preset.provenance  # last: a constant that is set marks the material as edited
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_apply_preset])

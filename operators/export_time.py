@@ -1,7 +1,8 @@
 """How long an export will take: a few frames of the bodies themselves are simulated and written, and timed.
 
 What was measured is kept for as long as Blender runs, by body and format. A simulated frame costs up to three times as
-much where a body is pressed hard as where it rests, so the time of a simulation is known no better than that.
+much where a body is pressed hard as where it rests, so the time of a simulation is known no better than that,
+and that of a few seconds of writing within a factor of two.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from .clip import Clip
 from .export_plan import ExportPlan, check_choice, unplayed
 from .formats import FORMATS
 
-FRAMES = 5  # that are written to see what a frame costs
+FEW, MANY = 5, 20  # frames that are written to see what a frame costs
 SIMULATED_S = 0.5  # for which a body is simulated
 SIMULATED = ""  # in place of the format where the time is that of the simulation
 MOVED = np.float32(1e-3)  # of the size in each frame: exporters leave out what stands still
@@ -109,19 +110,28 @@ def _simulated(context: bpy.types.Context, obj: bpy.types.Object, first: int, fo
 
 def _written(context: bpy.types.Context, obj: bpy.types.Object, each: str, normals: bool, folder: Path) -> Cost:
     rest = bridge.rest_coordinates(obj, baked=False)
-    samples = rest * (1 + MOVED * np.arange(FRAMES, dtype=np.float32)[:, None, None])
+    # the first time, Blender loads what it needs
+    once = min(_timed(context, obj, rest, 1, each, normals, folder / name) for name in ("loading", "one"))
+    for frames in (FEW, MANY):
+        took = _timed(context, obj, rest, frames, each, normals, folder / str(frames))
+        if took > 2 * once:  # else what a frame costs is lost in what the file costs
+            break
+    frame = max(took - once, 0.0) / (frames - 1)
+    return Cost(max(once - frame, 0.0), frame)
+
+
+def _timed(
+    context: bpy.types.Context, obj: bpy.types.Object, rest: np.ndarray, frames: int, each: str, normals: bool,
+    folder: Path,
+) -> float:
+    """Return the time [s] of writing a body that grows in some frames."""
+    folder.mkdir()
+    samples = rest * (1 + MOVED * np.arange(frames, dtype=np.float32)[:, None, None])
     with PointCache(folder / "cache.pc2", len(rest)) as cache:
         for sample in samples:
             cache.append(sample)
-    took = []
-    for frames in (1, 1, FRAMES):  # the first time, Blender loads what it needs
-        clip = Clip(
-            obj=obj, cache=cache.path, cache_first=1, samples=samples[:frames], first=1, last=frames, normals=normals
-        )
-        began = time.perf_counter()
-        for _ in FORMATS[each].write(context, clip, folder / f"{len(took)}{FORMATS[each].ending}"):
-            pass
-        took.append(time.perf_counter() - began)
-    once = min(took[:2])
-    frame = max(took[2] - once, 0.0) / (FRAMES - 1)
-    return Cost(max(once - frame, 0.0), frame)
+    clip = Clip(obj=obj, cache=cache.path, cache_first=1, samples=samples, first=1, last=frames, normals=normals)
+    began = time.perf_counter()
+    for _ in FORMATS[each].write(context, clip, folder / f"written{FORMATS[each].ending}"):
+        pass
+    return time.perf_counter() - began

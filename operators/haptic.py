@@ -239,8 +239,10 @@ def ports() -> list[tuple[str, str]]:
     """Return what can be connected, as paths and descriptions; the emulated device only where it can run."""
     from ..core.haptics.device import Emulated
     from ..core.haptics.serial_link import ports
+    from ..core.haptics.udp_line import EXAMPLE
 
-    return [*ports(), (EMULATED, "")] if Emulated.is_supported() else ports()
+    found = [*ports(), (EXAMPLE, "Network")]
+    return [*found, (EMULATED, "")] if Emulated.is_supported() else found
 
 
 @bpy.app.handlers.persistent

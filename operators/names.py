@@ -75,3 +75,8 @@ class Op(StrEnum):
     ARM_DEVICE = "dimple.arm_device"
     DISARM_DEVICE = "dimple.disarm_device"
     CENTRE_DEVICE = "dimple.centre_device"
+    OPEN_EXPERIMENT = "dimple.open_experiment"
+    AGREE_EXPERIMENT = "dimple.agree_experiment"
+    SHOW_TRIAL = "dimple.show_trial"
+    ANSWER_TRIAL = "dimple.answer_trial"
+    STOP_EXPERIMENT = "dimple.stop_experiment"

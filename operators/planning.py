@@ -15,6 +15,7 @@ from ..core.base import DimpleError
 from ..core.reduction.planner import Plan, plan, plan_full_mesh, plan_proxy
 from ..core.reduction.proxy import build_proxy, with_constants
 from ..core.session import MAX_FINGERS
+from . import contact
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
@@ -40,6 +41,8 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     Raises:
         DimpleError: the proxy that was asked for cannot be made.
     """
+    if contact.is_on(scene):
+        return None, ""
     settings, now = obj.dimple, key(scene, obj, model)
     known, old = settings.plan_key == now, _choices.get(now)
     if old:

@@ -22,9 +22,10 @@ from core.haptics.safety import LEASE, Arming
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState, ServoReport
 from core.haptics.spec import Spec, load_spec
+from core.haptics.touched_body import TouchedBody
 from core.haptics.vectors import Vector
 from core.material import PRESETS
-from core.session import Frame, Session
+from core.session import Session
 
 from .scenes import cube
 
@@ -46,7 +47,7 @@ class Moment:
     """A frame of the grasp.
 
     time: since the hand began [s].
-    frame: of the session.
+    borne: forces of the body on the fingertips [N].
     report: of the servo.
     height: of the cube's middle [m].
     size: of its longest side [m].
@@ -54,7 +55,7 @@ class Moment:
     """
 
     time: float
-    frame: Frame
+    borne: list[Vector]
     report: ServoReport
     height: float
     size: float
@@ -83,43 +84,60 @@ def _way(side: float, y: float) -> tuple[Keyframe, ...]:
     return tuple((time, x, y, z) for time, x, z in way)
 
 
-def run(session: Session, *, spec: Spec | None = None, seconds: float = END) -> Iterator[Moment]:
-    """Grasp; yield each frame once there is force."""
+def run(
+    session: Session, *, spec: Spec | None = None, seconds: float = END, wall: bool = False
+) -> Iterator[Moment]:
+    """Grasp; yield each frame once there is force.
+
+    Args:
+        wall: a local wall is rendered, and the body runs with the frames; else it runs beside the servo.
+    """
     spec = spec or load_spec()
     emulator, servo = Emulator(spec, hand=hand()), Servo(spec)
-    rendering, workspace = ContactRendering(), Workspace()
+    rendering, workspace, touched = ContactRendering(), Workspace(), None
+    if not wall:
+        touched = TouchedBody(session.model, session.model, spec.tick)
+        touched.where = workspace.origin, workspace.scale, workspace.turn, RADIUS
+    answered = 0
     now, next_frame, began, to_device = 0.0, 0.0, None, b""
     while began is None or now - began < seconds:
         now += STEP
         to_device = servo.step(now, emulator.step(now, to_device))
+        if touched and servo.answered != answered:
+            answered = servo.answered
+            contacts = touched.advance(servo.places, servo.stored, servo.cap, now)
+            servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=contacts)
         if now < next_frame or servo.link is not LinkState.READY:
             continue
         next_frame = now + FRAME
         report = servo.report()
         session.set_fingers(fingers(report, workspace, RADIUS))
-        frame = session.step(FRAME)
-        servo.order = replace(
-            servo.order, arm=1, held_until=now + LEASE, contacts=rendering.contacts(session, workspace, report.cap, now)
-        )
+        if touched is None:
+            borne = [*map(tuple, session.step(FRAME).finger_forces)]
+            contacts = rendering.contacts(session, workspace, report.cap, now)
+            servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=contacts)
+        else:
+            borne = list(touched.forces)
         if began is None and report.arming is Arming.RAMP:
             began = now
         if began is not None:
-            x = session.positions()
+            x = touched.body.positions().T if touched else session.positions()
             size = float(np.ptp(x, axis=0).max())
-            yield Moment(now - began, frame, report, float(x[:, 2].mean()), size, list(emulator.forces))
+            yield Moment(now - began, borne, report, float(x[:, 2].mean()), size, list(emulator.forces))
 
 
 def add_grasp(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_grasp)
     command.add_argument("--friction", type=float, default=PRESET.material.friction, help="coefficient, 0: none")
+    command.add_argument("--wall", action="store_true", help="render a local wall, not the model")
     command.add_argument("--json", type=Path, metavar="OUT", help="write height and forces of each frame")
 
 
 def run_grasp(options: argparse.Namespace) -> int:
     """Grasp, then print how high the cube was and the forces on the fingertips."""
     session = grasp(friction=options.friction)
-    moments, weight = list(run(session)), STANDARD_GRAVITY * float(session.model.mass.sum())
+    moments, weight = list(run(session, wall=options.wall)), STANDARD_GRAVITY * float(session.model.mass.sum())
     print("when        time   cube up   thumb          index          middle: force inward, force down")
     for name, time in MOMENTS.items():
         moment = min(moments, key=lambda moment: abs(moment.time - time))
@@ -128,8 +146,8 @@ def run_grasp(options: argparse.Namespace) -> int:
     held = [moment for moment in moments if MOMENTS["lifted"] <= moment.time <= LOWER]
     borne = -float(np.mean([sum(force[2] for force in moment.forces) for moment in held]))
     report = moments[-1].report
-    print(f"The cube weighs {weight:.2f} N. Lifted, it pulls the fingertips down by {borne:.2f} N: sideways springs")
-    print(f"up to friction, not its weight alone. Device {report.arming.name.lower()}, frames lost {report.lost}.")
+    print(f"The cube weighs {weight:.2f} N. Lifted, it pulls the fingertips down by {borne:.2f} N.")
+    print(f"Device {report.arming.name.lower()}, frames lost {report.lost}.")
     if options.json:
         rows = [{"time_s": m.time, "height_m": m.height, "forces_n": m.forces} for m in moments]
         try:

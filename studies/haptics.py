@@ -9,6 +9,8 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import subprocess
+import sys
 import tempfile
 import time
 from dataclasses import dataclass
@@ -17,17 +19,18 @@ from pathlib import Path
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.model import build_model
+from core.body.model import Model, build_model
 from core.haptics.contact_rendering import ContactRendering, Workspace, fingers
 from core.haptics.emulated_hand import Keyframe
 from core.haptics.safety import Arming
-from core.haptics.servo_messages import LinkState, ServoReport
+from core.haptics.servo_messages import BodyState, LinkState, ServoReport
 from core.haptics.wire import RAMP
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
-from core.session import Session
+from core.session import Finger, Session
 
 from .processes import InstrumentedDevice
+from .remote_body import RemoteBody
 from .scenes import cube
 
 PRESET = PRESETS[1]  # vinyl and air: K1 = 610 N/m
@@ -39,6 +42,7 @@ MOVE, HOLD, LIFT, SETTLE = 0.15, 0.40, 0.30, 0.10  # [s]
 READY_AFTER = 1.3  # [s] from the beginning of the device's ramp until the servo's is over too
 CYCLE = 2 * LIFT + len(LEVELS) * (MOVE + HOLD)
 SHORTEST = READY_AFTER + CYCLE
+WORKSPACE = Workspace(origin=(0.0, 0.0, PRESET.size / 2 + RADIUS))
 FRAME = 1 / 60  # [s]
 STALL, STALL_EVERY = 0.200, 1.0  # [s] of Blender's main thread
 CONNECT = 5.0  # [s] at most
@@ -55,6 +59,8 @@ class PressRecord:
     trace: of the device: time [s], mode, three positions [m], three forces [N].
     log: of the servo: time [us], then position [m] and force [N] of each tip.
     frames: of the session: time [s], stiffness cap then [N/m].
+    model: what was pressed.
+    in_servo: the model ran in the servo's process.
     """
 
     cycles: int
@@ -63,6 +69,8 @@ class PressRecord:
     trace: Floats
     log: Floats
     frames: Floats
+    model: Model
+    in_servo: bool
 
 
 def add_haptics(command: argparse.ArgumentParser) -> None:
@@ -72,6 +80,9 @@ def add_haptics(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--seconds", type=float, default=10.0, metavar="N", help=f"of pressing, {SHORTEST:.2f} at least"
     )
+    command.add_argument("--model", action="store_true", help="the model in the servo's process, not a local wall")
+    command.add_argument("--cells", type=int, default=8, metavar="N", help="along an edge: 6 N^2 + 2 vertices")
+    command.add_argument("--loads", type=int, default=0, metavar="N", help="processes that keep processors busy")
     command.add_argument("--busy", action="store_true", help="stall the main thread for 200 ms each second")
     command.add_argument("--fault", action="append", default=[], metavar="FAULT", help="see `emulator --help`")
     command.add_argument("--baud", type=int, metavar="B", help="bits a second, 0: bytes take no time")
@@ -82,7 +93,10 @@ def run_haptics(options: argparse.Namespace) -> int:
     """Press, then print the figures."""
     words = [word for fault in options.fault for word in ("--fault", fault)]
     words += [] if options.baud is None else ["--baud", str(options.baud)]
-    record = press(options.seconds, busy=options.busy, words=words)
+    record = press(
+        options.seconds, busy=options.busy, words=words, cells=options.cells, in_servo=options.model,
+        loads=options.loads,
+    )  # fmt: skip
     figures = judge(record)
     if record.report.arming is not Arming.ON:
         print(f"Not armed at the end, so forces and stiffness are too small. {record.report.note}")
@@ -97,8 +111,18 @@ def run_haptics(options: argparse.Namespace) -> int:
     return 0
 
 
-def press(seconds: float, *, busy: bool = False, words: list[str] | None = None) -> PressRecord:
+def press(
+    seconds: float, *, busy: bool = False, words: list[str] | None = None, cells: int = 8, in_servo: bool = False,
+    loads: int = 0,
+) -> PressRecord:  # fmt: skip
     """Press a cube with three fingers for some seconds [s].
+
+    Args:
+        busy: the main thread stalls for STALL each second.
+        words: more options of the emulator.
+        cells: of the cube along an edge.
+        in_servo: the model runs in the servo's process; else a local wall is rendered.
+        loads: other processes that only compute.
 
     Raises:
         DimpleError: the device does not connect or does not arm, or the time is too short for one press.
@@ -115,16 +139,23 @@ def press(seconds: float, *, busy: bool = False, words: list[str] | None = None)
             servo_words=["--log", str(log)],
         )
         frames: list[tuple[float, float]] = []
+        mesh = cube(cells, PRESET.size)
+        session = Session(build_model(mesh, [PRESET.material], held=base_vertices(mesh)))
+        others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(loads)]
         try:
             device.open()
-            report = _drive(device, seconds, busy, frames)
+            report = _drive(device, session, seconds, busy, frames, in_servo=in_servo)
         finally:
             device.close()
+            for other in others:
+                other.kill()
         if not (trace.exists() and measured.exists() and log.exists()):
             raise DimpleError("Device or servo did not end in time, so there is no trace: this computer is too busy.")
         rows = np.loadtxt(trace, delimiter=",", skiprows=1, ndmin=2)
         answers = np.loadtxt(log, delimiter=",", ndmin=2)
-        return PressRecord(cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames))
+        return PressRecord(
+            cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames), session.model, in_servo
+        )
 
 
 def judge(record: PressRecord) -> dict[str, float]:
@@ -140,6 +171,7 @@ def judge(record: PressRecord) -> dict[str, float]:
     off = np.linalg.norm(measured - places[np.minimum(row, len(time) - 1)], axis=2)
     given = -np.cumsum((forces[:-1] * np.diff(places, axis=0)).sum(axis=2), axis=0)
     K1 = PRESET.material.K1
+    static = static_errors(record, time - begin, begin, forces) if record.in_servo else np.zeros(1)
     return {
         "real_time": device["real_time"],
         "rate_hz": report.rate,
@@ -153,6 +185,9 @@ def judge(record: PressRecord) -> dict[str, float]:
         "refused_frames": report.wrong + device["bad"],
         "force_rms_error_n": float(np.sqrt((errors**2).mean())),
         "force_largest_n": float(np.abs(forces).max()),
+        "static_error": float(np.abs(static).max()),
+        "static_rms_error": float(np.sqrt((static**2).mean())),
+        "model_load": report.load,
         "stiffness_error": float(np.abs(slopes / K1 - 1).max()),
         "stiffness_rendered_n_m": float(slopes.mean()),
         "stiffness_cap_n_m": float(np.median(record.frames[:, 1])),
@@ -179,6 +214,28 @@ def _holding(cycles: int, time: Floats, places: Floats, forces: Floats) -> tuple
     return float(np.polyfit(depths, pushes, 1)[0]), np.concatenate(errors)
 
 
+def static_errors(record: PressRecord, time: Floats, offset: float, forces: Floats) -> Floats:
+    """Return by what share the force in each hold differs from that of a session with its fingertips there.
+
+    Forces along the press; friction sideways depends on how a fingertip came.
+    """
+    session, errors = Session(record.model), []
+    measured = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
+    for begin in _holds(record.cycles)[: len(LEVELS)]:
+        during = (time > begin + SETTLE) & (time < begin + HOLD)
+        seconds = record.log[:, 0] * 1e-6 - offset
+        sensed = measured[(seconds > begin + SETTLE) & (seconds < begin + HOLD)].mean(axis=0)  # as the model was given
+        for share in np.linspace(0.0, 1.0, 60):  # from above
+            lifted = sensed + [0.0, 0.0, (1 - share) * CLEAR]
+            session.set_fingers([Finger(WORKSPACE.to_session(tuple(tip)), RADIUS) for tip in lifted])
+            session.step(0.005)
+        session.step(0.5)
+        wanted = session.step(0.05).finger_forces[:, 2]
+        errors.append(forces[during, :, 2].mean(axis=0) / wanted - 1)
+        session.reset()
+    return np.array(errors)
+
+
 def _holds(cycles: int) -> list[float]:
     """Return when the hand begins to hold [s]."""
     return [
@@ -201,12 +258,15 @@ def _way(finger: int, cycles: int) -> list[Keyframe]:
     return keys
 
 
-def _drive(device: InstrumentedDevice, seconds: float, busy: bool, frames: list[tuple[float, float]]) -> ServoReport:
+def _drive(
+    device: InstrumentedDevice, session: Session, seconds: float, busy: bool, frames: list[tuple[float, float]],
+    *, in_servo: bool,
+) -> ServoReport:  # fmt: skip
     """Step session and device together, as Blender does: 60 times a second."""
-    mesh = cube(8, PRESET.size)
-    session = Session(build_model(mesh, [PRESET.material], held=base_vertices(mesh)))
-    workspace = Workspace(origin=(0.0, 0.0, PRESET.size / 2 + RADIUS))
-    rendering, armed = ContactRendering(), 0.0
+    rendering, armed, remote = ContactRendering(), 0.0, None
+    if in_servo:
+        session.body = remote = RemoteBody(session.body, session.model)
+        remote.set_place(WORKSPACE, RADIUS)
     begun = last = stalled = time.perf_counter()
     while not armed or time.perf_counter() - armed < seconds:
         report = device.read()
@@ -214,10 +274,14 @@ def _drive(device: InstrumentedDevice, seconds: float, busy: bool, frames: list[
             raise DimpleError(report.note or "The emulated device did not arm.")
         now = time.perf_counter()
         if report.link is LinkState.READY:
-            session.set_fingers(fingers(report, workspace, RADIUS))
+            session.set_fingers(fingers(report, WORKSPACE, RADIUS))
             session.step(min(now - last, 2 * FRAME))
-            device.write(rendering.contacts(session, workspace, report.cap, time.perf_counter()))
-            if report.arming is Arming.OFF and not armed:
+            contacts = () if remote else rendering.contacts(session, WORKSPACE, report.cap, time.perf_counter())
+            device.write(contacts, remote.parcel(report) if remote else None)
+            if report.body is BodyState.REFUSED:
+                raise DimpleError(report.note)
+            ready = not remote or report.body is BodyState.RUNS
+            if report.arming is Arming.OFF and not armed and ready:
                 device.arm()
             armed = armed or (now if report.arming in (Arming.RAMP, Arming.ON) else 0.0)
             frames.append((now, report.cap))

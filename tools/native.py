@@ -59,7 +59,7 @@ def provide_library(python: str | Path) -> bool:
         return False
     place = SOURCES / PLATFORMS[name].library
     try:
-        built = compile_library(python, name)
+        built = compile_library(python, name, "-DDM_SCENES_64")  # for tests; what ships is smaller
     except Stop as stop:
         say(f"the native core was not compiled, numpy stands in: {stop}")
         return False

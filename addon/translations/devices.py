@@ -21,8 +21,9 @@ WORDS = {
         "今の指先の中央を 3D カーソルの位置に合わせます"
     ),
     "Port": "ポート",
-    'Serial port of the haptic device, or any path. On Linux and macOS "emulated" is a device to try': (
-        "力覚デバイスのシリアルポート、または任意のパス。Linux と macOS では「emulated」で模擬デバイスを試せます"
+    'Serial port of the device, a path, or udp:HOST:PORT. On Linux and macOS "emulated" is one to try': (
+        "力覚デバイスのシリアルポート、パス、または udp:HOST:PORT。"
+        "Linux と macOS では「emulated」で模擬デバイスを試せます"
     ),
     "Device File": "デバイスファイル",
     "TOML file with the numbers of the device. Empty: the Haptic Master's": (
@@ -61,6 +62,9 @@ WORDS = {
     ),
     "K1 is not renderable: so stiff a wall shakes the device. It is rendered softer.": (
         "K1 は表現できません。この硬さではデバイスが振動するため、柔らかく提示されます。"
+    ),
+    "Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.": (
+        "Blender の描画が遅すぎます。デッドマンキーが切れて力が出ません。プロキシを使ってください。"
     ),
     "At its knee the material needs more force than the device can exert.": (
         "折れ点で、この材質にはデバイスが出せる以上の力が必要です。"

@@ -216,11 +216,11 @@ class Guard:
     square: float = 0.0
     full: bool = False
 
-    def move(self, x: Vector, now: float) -> None:
-        """Take the fingertip's position [m]."""
+    def move(self, x: Vector, now: float, acted: Vector | None = None) -> None:
+        """Take the fingertip's position [m], and the force that acted on the way to it, None for the one sent [N]."""
         dt = now - self.motion.since if self.motion.at else 0.0
         self.motion.move(x, now)
-        self.passivity.observe(self.sent, x, now)
+        self.passivity.observe(self.sent if acted is None else acted, x, now)
         self.square += (dot(self.sent, self.sent) - self.square) * min(max(dt, 0.0) / RMS_TIME, 1.0)
 
     def skip(self) -> None:

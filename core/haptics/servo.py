@@ -16,6 +16,12 @@ from .safety import LEASE, STATE_GAP, STATE_LOST, Arming, BadNumbers, Guard, Lim
 from .sensors import FAILED_TICKS
 from .servo_finger import ServoFinger
 from .servo_messages import LinkState, Order, ServoReport, TipState
+from .servo_notes import BAD_FORCE, LOSSY, NO_STATES, TOO_FAST
+from .servo_notes import FAULTS as FAULTS
+from .servo_notes import NO_ANSWER as NO_ANSWER
+from .servo_notes import SILENT as SILENT
+from .servo_notes import STOOD_STILL as STOOD_STILL
+from .servo_notes import WAS_SILENT as WAS_SILENT
 from .spec import Spec, check_info
 from .vectors import ZERO, Vector, is_finite, length
 
@@ -23,23 +29,9 @@ HELLO_EVERY, HELLO_WAIT = 0.1, 1.0  # [s] between two HELLOs; without an answer 
 PING_EVERY = 0.25  # [s]
 FIRST_DELAY = 2e-3  # [s] the delay assumed until it is measured: two ticks
 MOST_DT = 0.005  # [s] the longest time step for slew and damping, however long the silence was
+REMEMBERED = 256  # commands: more than a device can acknowledge late
+NO_FORCE = (ZERO,) * wire.FINGERS
 UNCONNECTED = (LinkState.OPENING, LinkState.LOST)
-
-FAULTS = {
-    wire.FAULT_WATCHDOG: "The device heard nothing for 100 ms and stopped its motors. Arm it again.",
-    wire.FAULT_SENSOR: "An angle sensor of the device gives impossible readings. Check its cables.",
-    wire.FAULT_SPEED: "A fingertip of the device was faster than any hand. Arm the device again.",
-    wire.FAULT_ARM_REFUSED: "The device did not arm: let go of the object and arm the device again.",
-    wire.FAULT_LINK: "The device lost too many frames on the line. Check the cable.",
-}
-NO_ANSWER = "Nothing answers within 1 s. Check port, baud rate ({baud}) and power of the {name}."
-NO_STATES = "The device answers but streams no positions. Switch it off and on, then connect again."
-SILENT = "The device is silent: the connection is lost. When it is back, arm it again."
-WAS_SILENT = "The device was silent for more than 100 ms. Arm it again."
-STOOD_STILL = "Device or computer stood still for more than 100 ms, or the device's clock is wrong. Arm it again."
-TOO_FAST = "A fingertip was faster than 1.5 m/s. Arm the device again."
-BAD_FORCE = "The simulation gave forces that are not numbers. Reset it and arm the device again."
-LOSSY = "{share:.0%} of the frames are lost on the line. Check the cable."
 
 
 class Servo:
@@ -67,6 +59,8 @@ class Servo:
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE came, on our clock and on the device's [s]
         self._measured: wire.LinkReport | None = None
+        self._sent: dict[int, tuple[Vector, ...]] = {}  # seq: the forces of the last commands [N]
+        self._ended = ""  # why the force must end at the next answer
         self.unsent = 0
         self.cap = stiffness_cap(spec.viscous, spec.tick, FIRST_DELAY)
 
@@ -103,6 +97,26 @@ class Servo:
         if self._session < 0:
             return b""
         return self._command(wire.NO_TORQUE) + self._disarm(wire.FAULT_HOST)
+
+    @property
+    def answered(self) -> int:
+        """Return how many STATEs were taken."""
+        return self._losses.taken
+
+    @property
+    def places(self) -> list[Vector | None]:
+        """Return where the fingertips are [m]; None where the sensor is not trusted."""
+        return [None if f.bad or f.angles is None else f.at for f in self._fingers]
+
+    @property
+    def stored(self) -> list[float]:
+        """Return the energy that each hand gave and has not got back [J]."""
+        return [f.guard.passivity.stored for f in self._fingers]
+
+    def end(self, reason: str) -> None:
+        """End all force at the next answer, for a reason that is shown; waiting for it goes on."""
+        if self._switch.arming is not Arming.WAITING:
+            self._ended = reason
 
     def report(self) -> ServoReport:
         """Return the state of device and link."""
@@ -162,12 +176,14 @@ class Servo:
     def _take_requests(self) -> bytes:
         """Take new requests to arm and to disarm; return the frames they need."""
         before, self._taken = self._taken, self.order
+        reason, self._ended = self._ended, ""
+        out = self._end(reason, wire.FAULT_HOST) if reason else b""
         if self.order.disarm != before.disarm:
-            return self._end("", wire.FAULT_HOST)
+            return out + self._end("", wire.FAULT_HOST)
         if self.order.arm != before.arm:
             self._switch.arm()
             self._old_fault = True
-        return b""
+        return out
 
     def _take_fault(self, fault: wire.Fault) -> None:
         """Disarm on a FAULT of the device; while waiting, an old fault and a late refusal do not count."""
@@ -182,9 +198,11 @@ class Servo:
         dt = ((state.t_us - before.t_us) & 0xFFFFFFFF) * 1e-6 if before else self.spec.tick
         steady = 0 < dt <= STATE_LOST and (silent <= STATE_LOST or before is None)
         self._device_time += dt
+        # what drove the motors from the last STATE on is the command that it acknowledged, however late ours came
+        acted = self._sent.get(before.ack, NO_FORCE) if before else NO_FORCE
         for i, finger in enumerate(self._fingers):
             words = state.adc[3 * i], state.adc[3 * i + 1], state.adc[3 * i + 2]
-            finger.sense(self.spec, words, bool(state.status & wire.MASKED << i), ticks, self._device_time)
+            finger.sense(self.spec, words, bool(state.status & wire.MASKED << i), ticks, self._device_time, acted[i])
         self._take_contacts(now)
         # a frozen simulation counts as a released key; the quiet is judged by contacts that have not begun to fade
         oldest = FADE_BEGINS if self._switch.arming is Arming.WAITING else LEASE
@@ -195,6 +213,8 @@ class Servo:
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
         if self._old_fault and self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
             flags = wire.CLEAR
+        self._sent.pop(self._seq + 1 - REMEMBERED & 0xFFFF, None)
+        self._sent[self._seq + 1 & 0xFFFF] = tuple([finger.guard.sent for finger in self._fingers])
         return out + self._command((*a, *b, *c), flags)
 
     def _take_contacts(self, now: float) -> None:

@@ -35,7 +35,7 @@ class ServoFinger:
     at: Vector = ZERO
     bad: int = 0
 
-    def sense(self, spec: Spec, words: Three, masked: bool, ticks: int, time: float) -> None:
+    def sense(self, spec: Spec, words: Three, masked: bool, ticks: int, time: float, acted: Vector) -> None:
         """Take a reading.
 
         Args:
@@ -44,6 +44,7 @@ class ServoFinger:
             masked: the device itself does not trust it.
             ticks: since the last reading.
             time: of the device [s].
+            acted: the force of the motors since the last reading [N].
         """
         angles = kinematics.adc_angles(spec, words)
         if (
@@ -55,7 +56,7 @@ class ServoFinger:
             self.guard.skip()
             return
         self.at, self.angles, self.bad = kinematics.forward(self.block, angles), angles, 0
-        self.guard.move(self.at, time)
+        self.guard.move(self.at, time, acted)
 
     def _jumps(self, angles: Angles, dt: float) -> bool:
         if self.angles is None:

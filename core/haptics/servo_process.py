@@ -18,12 +18,14 @@ from typing import Final, Protocol
 
 from ..errors import DimpleError
 from . import scheduling
+from .body_host import BodyHost
 from .byte_poller import Poller
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .serial_link import WINDOWS, LineLost, SerialLine, open_line
 from .servo import Servo
 from .servo_messages import ORDER_SIZE, LinkState, ServoReport, pack_report, unpack_order
 from .spec import Spec, load_spec
+from .udp_line import PREFIX, UdpLine, open_udp
 
 POLL_TIME: Final = 0.001  # [s] at most between two looks at line and lifeline: something comes each tick anyway
 REPORT_EVERY: Final = 0.002  # [s] the most that a report adds to the age of the positions a session is given
@@ -56,11 +58,13 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
     box, servo = Mailbox(mailbox), None
     try:
         spec = load_spec(device)
-        servo, line = make_servo(spec, nonce=os.getpid() & 0xFFFF), open_line(port, spec.baud)
+        host = BodyHost(mailbox)
+        servo, line = make_servo(spec, nonce=os.getpid() & 0xFFFF), open_to(port, spec.baud)
         try:
-            serve(servo, line, box, listener(line))
+            serve(servo, line, box, listener(line), host)
         finally:
             release(servo, line)
+            host.close()
         return 0 if servo.link is not LinkState.REFUSED else 2
     except DimpleError as error:
         link = LinkState.LOST if isinstance(error, LineLost) else LinkState.REFUSED
@@ -71,7 +75,9 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
         box.close()
 
 
-def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float], bytes | None]) -> None:
+def serve(
+    servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callable[[float], bytes | None], host: BodyHost
+) -> None:
     """Answer the device until Blender is gone or the device refused.
 
     Args:
@@ -79,6 +85,7 @@ def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float]
         line: to the device.
         box: shared with Blender.
         listen: see `listener`.
+        host: of the body that is touched.
 
     Raises:
         LineLost: the line is gone.
@@ -89,17 +96,24 @@ def serve(servo: Servo, line: SerialLine, box: Mailbox, listen: Callable[[float]
         out = servo.step(now, data)
         if out:
             servo.unsent += not line.write(out)
+        host.advance(servo, now)
         if now - posted > REPORT_EVERY or servo.link is LinkState.REFUSED:
             posted = now
-            box.post(FROM_SERVO, pack_report(servo.report()))
+            box.post(FROM_SERVO, pack_report(host.joined(servo.report())))
         if servo.link is LinkState.REFUSED:
             return
         seen, message = box.read(TO_SERVO, ORDER_SIZE, seen)  # after the answer: no device waits for Blender
         if message:
-            servo.order, ordered = unpack_order(message), time.perf_counter()
+            ordered = time.perf_counter()
+            servo.order = host.order(unpack_order(message), servo, ordered)
 
 
-def listener(line: SerialLine) -> Callable[[float], bytes | None]:
+def open_to(port: str, baud: int) -> SerialLine | UdpLine:
+    """Open the line that a port names: a serial port, or an address on the network."""
+    return open_udp(port) if port.startswith(PREFIX) else open_line(port, baud)
+
+
+def listener(line: SerialLine | UdpLine) -> Callable[[float], bytes | None]:
     """Return a function that waits for the next bytes of the line, given when the last order came [s].
 
     The function returns b"" where no bytes came, and None where Blender is gone.
@@ -124,7 +138,7 @@ def listener(line: SerialLine) -> Callable[[float], bytes | None]:
     return by_pipe
 
 
-def release(servo: Servo, line: SerialLine) -> None:
+def release(servo: Servo, line: SerialLine | UdpLine) -> None:
     """Disarm the device, if it can still be reached, and free the port."""
     try:
         line.write(servo.close())

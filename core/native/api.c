@@ -255,3 +255,5 @@ int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
     dm_run_checked(body, m, frame);
     return DM_OK;
 }
+
+#include "scene_door.c"

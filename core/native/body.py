@@ -153,14 +153,19 @@ class Body:
         Raises:
             NativeError: the motion has a number that is none.
         """
-        pins = self._hand_over(motion)  # they live until the call is over
+        pins = self.pack(motion, self._motion)  # they live until the call is over
         code = self._step(*self._step_arguments)
         del pins
         if code:
             raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
-        return self._found(motion)
+        return self.unpack(motion, self._frame)
 
-    def _hand_over(self, motion: Motion) -> list[Floats]:
+    @property
+    def handle(self) -> c_void_p:
+        """Return the body in the library, for a scene of several."""
+        return self._handle
+
+    def pack(self, motion: Motion, to: CMotion) -> list[Floats]:
         """Write a motion as the library reads it; return the arrays it points to."""
         numbers: list[Any] = [motion.ticks, motion.substeps, motion.tick]
         for tip in motion.fingertips:
@@ -174,12 +179,12 @@ class Body:
         else:
             pins = self._places(motion.pins)
             numbers += (*(a.ctypes.data for a in pins), motion.pins.first, motion.pins.last)
-        _PACKED_MOTION.pack_into(self._motion, 0, *numbers)
+        _PACKED_MOTION.pack_into(to, 0, *numbers)
         return pins
 
-    def _found(self, motion: Motion) -> Frame:
+    def unpack(self, motion: Motion, frame: CFrame) -> Frame:
         """Return what a motion that has been run came to."""
-        found = _PACKED_FRAME.unpack_from(self._frame)
+        found = _PACKED_FRAME.unpack_from(frame)
         touches = tuple([_touch(found, i * _TOUCH_NUMBERS) if tip else None for i, tip in enumerate(motion.fingertips)])
         volume, pressure, ticks, finite, moved = found[-5:]
         if moved:
@@ -214,10 +219,10 @@ def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int
     if not bodies:
         return []
     library, count = bodies[0].library, len(bodies)
-    kept = [body._hand_over(motion) for body, motion in zip(bodies, motions, strict=True)]
+    kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]
     columns = zip(*(body._step_arguments for body in bodies), strict=True)
     code = library.dm_step_many(count, *((c_void_p * count)(*column) for column in columns), workers)
     del kept
     if code:
         raise NativeError(f"dm_step_many: {library.dm_message(code).decode()}", code)
-    return [body._found(motion) for body, motion in zip(bodies, motions, strict=True)]
+    return [body.unpack(motion, body._frame) for body, motion in zip(bodies, motions, strict=True)]

@@ -97,6 +97,10 @@ class Twin:
         """Return what moves, for a scene that steps several bodies together."""
         return self._state
 
+    def wake(self) -> None:
+        """Let the body move again after it has come to rest."""
+        self._rest = Rest()
+
     def begin(self, motion: Motion) -> Call:
         """Begin a motion; its ticks follow one by one."""
         tips = motion.fingertips

@@ -90,10 +90,12 @@ def drawn_texts() -> Iterator[str]:
 
 
 def measured(bpy: ModuleType) -> Iterator[str]:
-    """Yield what the presets are called and where they come from."""
+    """Yield what the presets are called and where they come from, and what an experiment says of itself."""
     from bl_ext.user_default.dimple.core.everyday import EVERYDAY
+    from bl_ext.user_default.dimple.core.experiment.plan import CONSENT, STEPS
     from bl_ext.user_default.dimple.core.material import PRESETS
 
+    yield from (CONSENT, *STEPS)
     yield from (text for preset in (*PRESETS, *EVERYDAY) for text in (preset.label, preset.provenance))
 
 

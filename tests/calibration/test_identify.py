@@ -100,8 +100,8 @@ def test_a_press_of_its_own_answers_what_the_identification_says():
 def test_a_round_fingertip_rounds_the_knee_and_ends_at_the_measured_force(preset, words):
     found = found_on(preset, words, FINGERTIP)
     assert found.stopped == "" and found.depths[-1] == pytest.approx(DEEPEST[preset.name])
-    assert found.simulated[-1] == pytest.approx(found.wanted[-1], rel=0.06)
-    assert 0.002 < found.rms <= 0.025 and off(found).max() <= 0.06
+    assert found.simulated[-1] == pytest.approx(found.wanted[-1], rel=0.08)
+    assert 0.002 < found.rms <= 0.025 and off(found).max() <= 0.08
     assert "round tip" in found.notes[-1]
 
 

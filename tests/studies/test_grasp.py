@@ -31,18 +31,18 @@ def test_the_cube_is_put_down_again_whole_and_let_go(moments: list[Moment]) -> N
     last = moments[-1]
     assert last.height == pytest.approx(0.0, abs=0.001)
     assert last.size == pytest.approx(grasp.PRESET.size, rel=0.05)
-    assert last.frame.note == "" and not any(last.forces[i][c] for i in range(3) for c in range(3))
+    assert not any(last.forces[i][c] for i in range(3) for c in range(3))
 
 
 def test_the_device_renders_the_squeeze_and_the_weight(moments: list[Moment]) -> None:
     held = during(moments, RAISED + 0.1, LOWER)
     thumb, index, middle = np.mean([moment.forces for moment in held], axis=0)
     assert thumb[0] < -1 and index[0] > 1 and middle[0] > 1  # pushed apart
-    # the body bears on the fingertips with its whole weight, and what holds it does not creep; of that the rendered
-    # law, a spring to the place that sticks, carries the part that so small a shift asks for
-    borne = np.mean([moment.frame.finger_forces[:, 2].sum() for moment in held])
-    assert borne == pytest.approx(-9.81 * grasp.PRESET.material.mass, rel=0.05)
-    assert borne / 2 < thumb[2] + index[2] + middle[2] < borne / 5
+    # the body bears on the fingertips with its whole weight, and so does the device: its forces are the model's. The
+    # cube still swings a little
+    weight = 9.81 * grasp.PRESET.material.mass
+    assert np.sum([moment.borne for moment in held], axis=1)[:, 2].mean() == pytest.approx(-weight, rel=0.1)
+    assert thumb[2] + index[2] + middle[2] == pytest.approx(-weight, rel=0.1)
     assert max(np.linalg.norm(force) for moment in moments for force in moment.forces) < 10.0
 
 

@@ -16,7 +16,8 @@ DATA = {"LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml", "
 # said here and not read from the manifest or the folders, so that a change of either has to be meant
 TOP = {"LICENSE", "__init__.py", "addon", "blender_manifest.toml", "core", "operators", "wheels"}
 FOLDERS = {
-    "addon", "addon/translations", "core", "core/animation", "core/body", "core/calibration", "core/haptics",
+    "addon", "addon/translations", "core", "core/animation", "core/body", "core/calibration",
+    "core/experiment", "core/haptics",
     "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "wheels",
 }  # fmt: skip
 ENDINGS = {"", ".c", ".dat", ".h", ".py", ".toml", ".whl"}  # no library, object, cache, picture, table or scene

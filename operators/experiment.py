@@ -1,0 +1,299 @@
+"""The sensory comparison of the paper's chapter 5: trials from a file, blind, each answer kept before the next."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+from bpy.props import IntProperty, StringProperty
+
+from . import polls, sessions
+from .messages import report
+from .names import Op
+from .under_way import (
+    FELT_S,
+    HOLD_S,
+    PRESS_S,
+    RELEASE_S,
+    UnderWay,
+    close,
+    dress,
+    experiments,
+    log_path,
+    seen_press,
+    source_of,
+    trial,
+)
+from .under_way import get as get
+
+
+class DIMPLE_OT_open_experiment(bpy.types.Operator):
+    """Begin an experiment on the active object, or go on with it: answers are kept beside its file"""
+
+    bl_idname = Op.OPEN_EXPERIMENT
+    bl_label = "Open Experiment"
+
+    filepath: StringProperty(
+        name="File", description="JSON or CSV file with the tasks of the experiment", subtype="FILE_PATH"
+    )
+    filter_glob: StringProperty(
+        name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.json;*.csv"
+    )
+    participant: StringProperty(
+        name="Participant", description="A number or code, not a name", default="1", maxlen=40
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need a mesh of one's own, and nothing at work."""
+        return polls.needs_mesh(cls, context) and polls.is_own(cls, context.object) and polls.is_free(cls)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Ask for the file."""
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Read the plan and the answers so far."""
+        from ..core.base import DimpleError
+        from ..core.experiment.log import Log
+        from ..core.experiment.plan import read_plan
+        from ..core.experiment.run import Experiment
+
+        path = Path(bpy.path.abspath(self.filepath))
+        participant = self.participant.strip()
+        try:
+            if not participant:
+                raise DimpleError("Give the participant a number or a code.")
+            plan = read_plan(path)
+            for task in plan.tasks:
+                source_of(task.object)
+            under_way = UnderWay(experiment=Experiment(plan, participant, Log(log_path(path, participant))))
+        except DimpleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        close()
+        under_way.obj = context.object.name, context.object.active_material
+        experiments.append(under_way)
+        done = len(under_way.experiment.log.rows)
+        self.report({"INFO"}, f"{done} trials are answered" if done else "Read the consent, then begin")
+        return {"FINISHED"}
+
+
+class _UnderWay:
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Need an experiment under way."""
+        return bool(experiments) or polls.refuse(cls, "Open an experiment first")
+
+
+class DIMPLE_OT_agree_experiment(_UnderWay, bpy.types.Operator):
+    """The participant has read the text and agrees; stopping is possible at any time"""
+
+    bl_idname = Op.AGREE_EXPERIMENT
+    bl_label = "I Agree, Begin"
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Begin."""
+        experiments[0].agreed = True
+        sessions.redraw()
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
+    """Present the object of this trial: to be pressed with the device, or pressed for you where it is only seen"""
+
+    bl_idname = Op.SHOW_TRIAL
+    bl_label = "Present"
+
+    interval: IntProperty(name="Interval", description="1 is the first, 2 the second", default=1, min=1, max=2)
+    _steps: Iterator[float]
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need a trial and the consent."""
+        if not super().poll(context):
+            return False
+        if not experiments[0].agreed:
+            return polls.refuse(cls, "Agree to the text first")
+        return trial() is not None or polls.refuse(cls, "All trials are answered")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Present at once, frame by frame of the scene."""
+        if not self._begin(context):
+            return {"CANCELLED"}
+        dt = context.scene.render.fps_base / context.scene.render.fps
+        with sessions.ending_on_error():
+            for _ in range(round(self._length() / dt)):
+                self._advance(context, dt, None)
+        self._end()
+        return {"FINISHED"}
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Present by the clock until the press is over; what is felt, until an answer, the other interval or Esc."""
+        if not self._begin(context):
+            return {"CANCELLED"}
+        self._run = sessions.open_run(context, "play", "Trial: answer in the panel, Esc ends it")
+        self._clock = time.perf_counter()
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Step by the clock."""
+        from . import live
+
+        if self._run.closed:
+            return {"CANCELLED"}
+        over = self._seen and self._time > self._length()
+        if over or (event.type == "ESC" and event.value == "PRESS") or not experiments:
+            self._end()
+            return {"FINISHED"}
+        if event.type == "TIMER":
+            now = time.perf_counter()
+            wall, self._clock = now - self._clock, now
+            asked, budget = live.ask(context.scene, self._run, wall)
+            with sessions.ending_on_error():
+                self._advance(context, asked, budget)
+            live.adapt(self._run, asked)
+            sessions.redraw()
+        return {"PASS_THROUGH"}
+
+    def cancel(self, _context: bpy.types.Context) -> None:
+        """End when Blender ends the operator."""
+        sessions.stop_all()
+
+    def _length(self) -> float:
+        return PRESS_S + HOLD_S + RELEASE_S if self._seen else FELT_S
+
+    def _begin(self, context: bpy.types.Context) -> bool:
+        """Give the object the stiffness of the interval and start its session."""
+        from ..core.base import DimpleError
+        from . import live, press
+
+        under_way, shown = experiments[0], trial()
+        sessions.stop_all()
+        try:
+            obj = context.view_layer.objects.get(under_way.obj[0])
+            if obj is None:
+                raise DimpleError("The object of the experiment is gone. Open the experiment again.")
+            interval = min(self.interval, len(shown.shown))
+            dress(obj, shown.task.object, shown.shown[interval - 1])
+            context.view_layer.objects.active = obj
+            for each in context.selected_objects:
+                each.select_set(each == obj)
+            obj.select_set(True)
+            live.start_all(context)
+            self._seen, self._time, self._state = shown.task.condition == "seen", 0.0, None
+            if self._seen:
+                self._state = seen_press(context)
+                bodies = sessions.sessions
+                self._event = press.aimed(bodies, None, (0.0, 0.0, 0.0))
+        except DimpleError as error:
+            sessions.stop_all()
+            self.report({"ERROR"}, str(error))
+            return False
+        if under_way.shown == 0:
+            under_way.began, under_way.samples = time.perf_counter(), []
+        under_way.shown = max(under_way.shown, interval)
+        return True
+
+    def _advance(self, context: bpy.types.Context, dt: float, budget: float | None) -> None:
+        """Go on by a time [s]; note how deep and how hard the object is pressed."""
+        from ..core.poke import Kind, PokeEvent, fingers, on_event
+        from . import live
+
+        pressed = None
+        if self._seen:
+            if self._time == 0:
+                self._state, _ = on_event(self._state, self._event)
+            if self._time <= PRESS_S + HOLD_S < self._time + dt:
+                self._state, _ = on_event(self._state, PokeEvent(kind=Kind.RELEASE))
+            self._state, _ = on_event(self._state, PokeEvent(kind=Kind.TICK, amount=dt))
+            pressed = {uid: fingers(self._state, uid) for uid in sessions.sessions}
+        self._time += dt
+        report(self, live.advance(context, dt, budget=budget, pressed=pressed))
+        for body in sessions.sessions.values():
+            frame = body.frame
+            if len(frame.depths) and experiments:
+                i = int(frame.depths.argmax())
+                force = float((frame.finger_forces[i] ** 2).sum() ** 0.5)
+                experiments[0].samples.append((self._time, float(frame.depths[i]), force))
+
+    def _end(self) -> None:
+        sessions.stop_all()
+
+
+class DIMPLE_OT_answer_trial(_UnderWay, bpy.types.Operator):
+    """Keep this answer and go on to the next trial"""
+
+    bl_idname = Op.ANSWER_TRIAL
+    bl_label = "Answer"
+
+    choice: IntProperty(name="Choice", description="The step, or which of the two was stiffer", default=1, min=1, max=9)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need a trial whose objects were all presented."""
+        shown = trial()
+        if not super().poll(context) or shown is None or experiments[0].shown < len(shown.shown):
+            return polls.refuse(cls, "Present the object first, of a comparison both")
+        return True
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Keep the answer."""
+        from ..core.base import DimpleError
+
+        sessions.stop_all()
+        under_way = experiments[0]
+        try:
+            seconds = time.perf_counter() - under_way.began
+            under_way.experiment.answer(self.choice, seconds=seconds, samples=under_way.samples)
+        except DimpleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        under_way.shown, under_way.samples = 0, []
+        sessions.redraw()
+        return {"FINISHED"}
+
+
+class DIMPLE_OT_stop_experiment(_UnderWay, bpy.types.Operator):
+    """Stop here; opened again with the same participant, it goes on at this trial"""
+
+    bl_idname = Op.STOP_EXPERIMENT
+    bl_label = "Stop"
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Stop, say what the answers come to, and put the object's own material back."""
+        from ..core.experiment.results import sentences
+
+        for sentence in sentences(experiments[0].experiment.log.rows):
+            self.report({"INFO"}, sentence)
+        close()
+        return {"FINISHED"}
+
+
+CLASSES = [
+    DIMPLE_OT_open_experiment, DIMPLE_OT_agree_experiment, DIMPLE_OT_show_trial, DIMPLE_OT_answer_trial,
+    DIMPLE_OT_stop_experiment,
+]  # fmt: skip
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
+@bpy.app.handlers.persistent
+def _on_load_pre(*_: object) -> None:
+    experiments.clear()
+
+
+def register() -> None:
+    """Register the operators."""
+    _register_classes()
+    bpy.app.handlers.load_pre.append(_on_load_pre)
+
+
+def unregister() -> None:
+    """End the experiment, and unregister."""
+    close()
+    bpy.app.handlers.load_pre.remove(_on_load_pre)
+    _unregister_classes()

@@ -1,0 +1,150 @@
+"""A device on a UDP socket, written from PROTOCOL.md alone: `network_device.py PORT GEOMETRY_CRC TRACE`.
+
+Standard library only, nothing of Dimple: it shows that somebody else's device can be one. Its fingertips stand still.
+It ends when its standard input closes, and writes a row a tick: time [s], mode, largest torque word.
+"""
+
+import random
+import select
+import socket
+import struct
+import sys
+import time
+import zlib
+
+IDLE, ARMING, RAMP, ARMED, BRAKE, FAULT = range(6)
+STATE, CMD, HELLO, INFO, ARM, DISARM, PING, FAULT_FRAME, REPORT = range(0x11, 0x1A)
+TICK = 0.001
+
+
+def stuffed(payload: bytes) -> bytes:
+    block = payload + struct.pack("<I", zlib.crc32(payload))
+    out, run = bytearray(), bytearray()
+    for byte in block + b"\0":
+        if byte:
+            run.append(byte)
+        else:
+            out.append(len(run) + 1)
+            out += run
+            run.clear()
+    return bytes(out) + b"\0"
+
+
+def unstuffed(code: bytes) -> bytes | None:
+    out, at = bytearray(), 0
+    while at < len(code):
+        length = code[at]
+        out += code[at + 1 : at + length] + b"\0"
+        at += length
+    block = bytes(out[:-1])
+    if len(block) < 5 or struct.unpack("<I", block[-4:])[0] != zlib.crc32(block[:-4]):
+        return None
+    return block[:-4]
+
+
+class Device:
+    def __init__(self, port: int, geometry_crc: int) -> None:
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", port))
+        self.socket.setblocking(False)
+        self.geometry_crc, self.host = geometry_crc, None
+        self.mode, self.session, self.seq, self.ack = IDLE, 0, 0, 0
+        self.torque, self.flags, self.heard = [0] * 9, 0, -1.0
+        self.since = self.quiet = 0.0
+        self.trips: list[float] = []
+        self.sent: dict[int, float] = {}
+        self.answered = 0
+
+    def send(self, payload: bytes) -> None:
+        if self.host:
+            try:
+                self.socket.sendto(stuffed(payload), self.host)
+            except OSError:
+                pass
+
+    def take(self, frame: bytes, sender: tuple[str, int], now: float) -> None:
+        kind = frame[0]
+        if kind == HELLO:
+            (nonce,) = struct.unpack_from("<H", frame, 1)
+            self.host, self.session = sender, (self.session + 1) & 0xFF
+            self.mode, self.torque, self.flags = IDLE, [0] * 9, 0
+            numbers = (nonce, 1, 0, self.session, 3, 12, 12, 20944, 6000, 3200, 3200, 1000, 5, 25, 100, 1000, 400, 15)
+            self.send(struct.pack("<BHBBBBBBH3HHBBBHHB", INFO, *numbers) + struct.pack("<BIB", 1, self.geometry_crc, 1))
+        elif sender != self.host or frame[1] != self.session:
+            return
+        elif kind == CMD:
+            _, _, self.ack, echo, *rest = struct.unpack("<BBHH9hBB", frame)
+            self.torque, self.flags, self.heard = rest[:9], rest[9], now
+            if echo in self.sent:
+                self.trips = [*self.trips[-999:], now - self.sent.pop(echo)]
+                self.answered += 1
+            if self.flags & 4 and self.mode == FAULT:
+                self.mode = IDLE
+        elif kind == ARM and self.mode == IDLE:
+            self.mode, self.since, self.quiet = ARMING, now, now
+        elif kind == DISARM and self.mode != FAULT:
+            self.mode = IDLE
+        elif kind == PING:
+            trips = sorted(self.trips) or [0.0]
+            some = trips[len(trips) // 2], trips[len(trips) * 99 // 100], trips[-1]
+            times = [min(round(1e6 * t), 65535) for t in some]
+            head = REPORT, self.session, struct.unpack_from("<H", frame, 2)[0], self.seq, self.answered, 0
+            self.send(struct.pack("<BBHIIIHHHHHHH", *head, *times, 0, 0, 0, 0))
+
+    def tick(self, now: float) -> int:
+        """Return the torque that acts: the largest word of the nine."""
+        held, age = self.flags & 3 == 3, now - self.heard
+        if self.mode == ARMING:
+            if not held or max(map(abs, self.torque)) > 0:
+                self.quiet = now
+            if now - self.quiet >= 0.05:
+                self.mode, self.since = RAMP, now
+            elif now - self.since > 1.0:
+                self.mode = IDLE
+                self.send(struct.pack("<BBBBH", FAULT_FRAME, self.session, 4, 255, self.seq))
+        elif self.mode in (RAMP, ARMED):
+            if age > 0.1:
+                self.mode = FAULT
+                self.send(struct.pack("<BBBBH", FAULT_FRAME, self.session, 1, 255, self.seq))
+            elif not held:
+                self.mode, self.since = RAMP, now
+            elif now - self.since >= 0.5:
+                self.mode = ARMED
+        self.seq = (self.seq + 1) & 0xFFFF
+        self.sent[self.seq] = now
+        self.sent.pop((self.seq - 6) & 0xFFFF, None)
+        words = [0x8000 + random.randint(-40, 40) for _ in range(9)]
+        head = STATE, self.session, self.seq, self.ack, int(now * 1e6) & 0xFFFFFFFF
+        self.send(struct.pack("<BBHHI9HBB", *head, *words, 0, self.mode))
+        if self.mode not in (RAMP, ARMED) or not held or age > 0.025:
+            return 0
+        gain = 1.0 if self.mode == ARMED else (now - self.since) / 0.5
+        return round(max(map(abs, self.torque)) * gain * min((0.025 - age) / 0.020, 1.0))
+
+
+def main() -> None:
+    device, rows, due = Device(int(sys.argv[1]), int(sys.argv[2])), [], time.perf_counter()
+    print("ready", flush=True)
+    while True:
+        ready = select.select([device.socket, sys.stdin], [], [], max(due - time.perf_counter(), 0.0))[0]
+        now = time.perf_counter()
+        if sys.stdin in ready and not sys.stdin.buffer.read1(64):
+            break
+        while True:
+            try:
+                data, sender = device.socket.recvfrom(2048)
+            except OSError:
+                break
+            for piece in data.split(b"\0"):
+                frame = unstuffed(piece) if piece else None
+                if frame:
+                    device.take(frame, sender, now)
+        if now >= due:
+            due = max(due + TICK, now - 0.01)
+            rows.append(f"{now},{device.mode},{device.tick(now)}\n")
+    with open(sys.argv[3], "w") as file:
+        file.writelines(rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,146 @@
+"""The model itself in the loop of the servo, on an injected clock: what the hand gets, and what must end all force."""
+
+import math
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.base import DimpleError
+from core.haptics.body_host import BLEW_UP, TOO_HEAVY
+from core.haptics.parcel import pack_changes, unpack_changes
+from core.haptics.servo_messages import BodyState
+from core.material import PRESETS, Material
+from core.session import Finger, Session
+from core.solver.motion import Frame, Motion
+from tests.haptics.model_rig import RADIUS, WORKSPACE, ModelRig, holding, pressing, soft_cube
+
+SLOW = pytest.mark.slow
+POKES = (0.005, 0.010, -0.010, 0.012, -0.010)  # [m] below the top, one after the other
+
+
+def material(k1: float, k2: float | None = None, x0: float = 0.01) -> Material:
+    return replace(PRESETS[1].material, K1=k1, K2=k2 or k1, x0=x0)
+
+
+def pressed(rig: ModelRig) -> ModelRig:
+    """Return a rig whose fingertips press."""
+    rig.run(2.0)
+    assert rig.servo.report().arming.name == "ON" and max(map(np.linalg.norm, rig.emulator.forces)) > 0.5
+    return rig
+
+
+def strongest(rig: ModelRig) -> float:
+    return float(max(map(np.linalg.norm, rig.emulator.forces)))
+
+
+@pytest.mark.parametrize("k", [200.0, 610.0])
+def test_a_hand_at_rest_gets_the_force_of_the_session(k: float) -> None:
+    """Within 2 % of a session whose fingertips are there; without friction, which depends on how they came."""
+    rig = ModelRig(soft_cube(replace(material(k), friction=0.0)), pressing(0.0035, 0.007, stiffness=None))
+    rig.run(2.4)
+    (time, _, forces, _), sensed = rig.trace(), rig.sensed()
+    session = Session(rig.model)
+    for number in range(2):
+        during = holding(time, number)
+        places = sensed[during].mean(axis=0)
+        for share in np.linspace(0, 1, 30):
+            above = places + [0, 0, (1 - share) * 0.005]
+            session.set_fingers([Finger(WORKSPACE.to_session(tuple(place)), RADIUS) for place in above])
+            session.step(0.01)
+        wanted = session.step(0.3).finger_forces[:, 2]
+        assert forces[during, :, 2].mean(axis=0) == pytest.approx(wanted, rel=0.02)
+
+
+STIFF = [(1000, 1000, 0.01), pytest.param(4000, 4000, 0.01, marks=SLOW), (610, 9130, 0.003)]
+
+
+@pytest.mark.parametrize(("k1", "k2", "x0"), STIFF)
+def test_no_body_shakes_the_device_however_stiff(k1: float, k2: float, x0: float) -> None:
+    """Beyond the cap, and beyond a knee of 9 N/mm, it is rendered as stiff as the device can."""
+    rig = ModelRig(soft_cube(material(k1, k2, x0)), pressing(0.005, 0.010, 0.015))
+    rig.run(3.0)
+    time, tips, forces, _ = rig.trace()
+    slopes = []
+    for number in range(3):
+        during = holding(time, number)
+        assert np.ptp(tips[during], axis=0).max() < 2e-4
+        slopes.append((-tips[during, 0, 2].mean(), forces[during, 0, 2].mean()))
+    (x1, f1), _, (x3, f3) = slopes
+    assert (f3 - f1) / (x3 - x1) < 1.25 * rig.servo.cap
+    assert rig.energy() > -2e-3
+
+
+def test_a_busy_computer_gives_no_energy_and_the_observer_sees_what_there_is() -> None:
+    """One tick in ten comes 2.5 ms late: the force that acted is the one the device acknowledged."""
+    rig = ModelRig(soft_cube(material(610)), pressing(*POKES), stuck=0.1)
+    rig.run(4.5)
+    assert rig.servo.report().arming.name == "ON"
+    assert rig.energy() > -1e-3
+    assert rig.observed() < 0.4 * rig.energy() + 1e-4
+
+
+def test_a_blender_that_stands_still_takes_nothing_away_until_the_key_lapses() -> None:
+    """The contacts are those of a body that runs: none fades after 100 ms."""
+    rig = pressed(ModelRig(soft_cube(material(400)), pressing(0.010, hold=3.0)))
+    before = strongest(rig)
+    rig.held = False
+    rig.run(0.25)
+    assert strongest(rig) == pytest.approx(before, rel=0.05)
+    rig.run(0.2)
+    assert strongest(rig) == 0.0
+
+
+def test_a_body_that_blows_up_has_no_force_within_three_ticks() -> None:
+    rig = pressed(ModelRig(soft_cube(material(400)), pressing(0.010, hold=3.0)))
+    assert rig.host.touched
+    x = rig.host.touched.body.positions()
+    x[2, :40] += 1e9
+    rig.host.touched.body.set_state(x)
+    rig.run(0.003)
+    assert strongest(rig) == 0.0
+    assert rig.servo.report().arming.name == "OFF" and rig.servo.report().note == BLEW_UP
+    rig.run(0.3)
+    assert strongest(rig) == 0.0, "only a new request arms"
+
+
+def test_forces_of_a_body_that_are_not_numbers_are_never_rendered(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = pressed(ModelRig(soft_cube(material(400)), pressing(0.010, hold=3.0)))
+    assert rig.host.touched
+    step = rig.host.touched.body.step
+
+    def spoiled(motion: Motion) -> Frame:
+        frame = step(motion)
+        touches = tuple(touch._replace(impulse=(math.nan, 0.0, math.inf)) if touch else None for touch in frame.touches)
+        return frame._replace(touches=touches)
+
+    monkeypatch.setattr(rig.host.touched.body, "step", spoiled)
+    rig.run(0.006)
+    assert strongest(rig) == 0.0 and rig.servo.report().arming.name == "OFF"
+
+
+def test_a_body_that_is_too_heavy_leaves_the_device_to_the_wall() -> None:
+    rig = pressed(ModelRig(soft_cube(material(400)), pressing(0.010, hold=3.0)))
+    assert rig.host.touched
+    rig.host.touched.load = 1e3
+    rig.run(0.003)
+    assert strongest(rig) == 0.0 and rig.host.state is BodyState.REFUSED
+    assert rig.host.joined(rig.servo.report()).note == TOO_HEAVY
+    assert rig.host.order(replace(rig.order, contacts=(None,)), rig.servo, rig.now).contacts == (None,)
+
+
+def test_what_is_under_a_fingertip_never_changes_while_there_is_force() -> None:
+    rig = pressed(ModelRig(soft_cube(material(400)), pressing(0.010, hold=3.0)))
+    rig.send(("state", rig.model.matching.rest, None))
+    rig.run(0.003)
+    assert strongest(rig) == 0.0 and rig.servo.report().arming.name == "OFF"
+
+
+def test_a_parcel_has_arrays_and_bodies_alone() -> None:
+    """Nothing else can be made of one, and nothing run."""
+    assert unpack_changes(pack_changes([("place", (0.0, 0.0, 0.0), 1.0)])) == [("place", (0.0, 0.0, 0.0), 1.0)]
+    for parcel in (pack_changes([("state", Path("x"))]), pickle.dumps([print]), b"", b"\x80\x05no parcel"):
+        with pytest.raises(DimpleError):
+            unpack_changes(parcel)
