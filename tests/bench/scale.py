@@ -38,34 +38,36 @@ TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
 
 
 def crowd() -> dict[str, float]:
-    """Return what five touched bodies of a hundred cost over the five alone, and all touched over twenty times that."""
-    sessions = [scenes.poke_ball(4) for _ in range(CROWD)]
-    for session in sessions:
-        session.step(0.4)  # they fall asleep
-    alone = frames(sessions[:TOUCHED], TOUCHED)
-    five = frames(sessions, TOUCHED)
+    """Return what a hundred bodies cost of which five are touched, over the five alone; and all over their share."""
+    groups = [scenes.poke_ball(4) for _ in range(TOUCHED)], [scenes.poke_ball(4) for _ in range(CROWD)]
+    alone, five = frames([(groups[0], TOUCHED), (groups[1], TOUCHED)])
+    once, every = frames([(groups[0], TOUCHED), (groups[1], CROWD)])
     return {
-        "five_alone_ms": round(1e3 * alone, 3), "five_of_100": round(five / alone, 3),
-        "all_of_100": round(frames(sessions, CROWD) / (CROWD / TOUCHED * alone), 3),
+        "five_alone_ms": round(1e3 * median(alone), 3),
+        "five_of_100": round(median(b / a for a, b in zip(alone, five, strict=True)), 3),
+        "all_of_100": round(median(b / a for a, b in zip(once, every, strict=True)) * TOUCHED / CROWD, 3),
     }  # fmt: skip
 
 
-def frames(sessions: Sequence[Session], touched: int) -> float:
-    """Return the processor time [s] of a frame: a fingertip goes into the first bodies, and all are looked at."""
-    for session in sessions:
-        session.reset()
-        session.set_fingers([])
-        session.step(0.4)
-        session.positions()
-    costs = []
-    for frame in range(FRAMES):
-        started = time.process_time()
-        for i, session in enumerate(sessions):
-            session.set_fingers([Finger((0.0, 0.0, TOP - 1e-3 * frame), scenes.FINGERTIP)] if i < touched else [])
-            session.step(FRAME)
+def frames(groups: Sequence[tuple[Sequence[Session], int]]) -> list[list[float]]:
+    """Return processor times [s] of frames: a fingertip goes into the first bodies of each group, group by group."""
+    for sessions, _ in groups:
+        for session in sessions:
+            session.reset()
+            session.set_fingers([])
+            session.step(0.4)  # it falls asleep
             session.positions()
-        costs.append(time.process_time() - started)
-    return median(costs)
+    costs: list[list[float]] = [[] for _ in groups]
+    for frame in range(FRAMES):
+        for (sessions, touched), cost in zip(groups, costs, strict=True):
+            started = time.process_time()
+            for i, session in enumerate(sessions):
+                tip = Finger((0.0, 0.0, TOP - 1e-3 * frame), scenes.FINGERTIP)
+                session.set_fingers([tip] if i < touched else [])
+                session.step(FRAME)
+                session.positions()
+            cost.append(time.process_time() - started)
+    return costs
 
 
 def workers() -> dict[str, Any]:
