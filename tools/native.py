@@ -43,6 +43,8 @@ class Platform:
     sets: tuple[str, ...]
 
 
+DOUBLE = "-DDM_DOUBLE"  # bodies in double precision too, for tests; what ships is smaller
+
 PLATFORMS = {
     "linux-x64": Platform("x86_64-linux-gnu.2.17", "libdimple_core.so", "manylinux_2_17_x86_64", ("base", "avx2")),
     "windows-x64": Platform("x86_64-windows-gnu", "dimple_core.dll", "win_amd64", ("base", "avx2")),
@@ -59,7 +61,7 @@ def provide_library(python: str | Path) -> bool:
         return False
     place = SOURCES / PLATFORMS[name].library
     try:
-        built = compile_library(python, name, "-DDM_SCENES_64")  # for tests; what ships is smaller
+        built = compile_library(python, name, DOUBLE)
     except Stop as stop:
         say(f"the native core was not compiled, numpy stands in: {stop}")
         return False
@@ -128,7 +130,7 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     words: list[list[str | Path]] = [[SOURCES / f"{each}.c", "-o", folder / f"{each}.o"] for each in ("api", "many")]
     for kind in target.sets:
-        for bits in (32, 64):
+        for bits in (32, 64) if DOUBLE in more else (32,):
             options: list[str | Path] = [f"-DDM_BITS={bits}", f"-DDM_SET={kind}", *VARIANTS[kind], FUSE[bits]]
             words.append([*options, SOURCES / "variant.c", "-o", folder / f"{kind}{bits}.o"])
     command: list[str | Path] = [zig, "cc", "-target", target.triple, *more]

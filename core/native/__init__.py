@@ -118,7 +118,7 @@ def use(own: ctypes.CDLL) -> None:
 
 
 def self_test(library: ctypes.CDLL) -> None:
-    """Press a small cube in the library and in numpy, in both precisions.
+    """Press a small octahedron in the library and in numpy, in single precision: what ships has no other.
 
     Raises:
         NativeError: they differ.
@@ -126,12 +126,11 @@ def self_test(library: ctypes.CDLL) -> None:
     model, motion = small_press()
     twin = Twin(model)
     twin.step(motion)
-    for bits in (32, 64):
-        body = Body(model, library, bits=bits)
-        body.step(motion)
-        difference = float(np.abs(body.positions() - twin.positions()).max())
-        if not difference < AGREEMENT * model.mesh.size:
-            raise NativeError(f"it differs from numpy by {1000 * difference:.3g} mm")
+    body = Body(model, library, bits=32)
+    body.step(motion)
+    difference = float(np.abs(body.positions() - twin.positions()).max())
+    if not difference < AGREEMENT * model.mesh.size:
+        raise NativeError(f"it differs from numpy by {1000 * difference:.3g} mm")
 
 
 def small_press() -> tuple[Model, Motion]:

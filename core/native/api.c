@@ -10,10 +10,17 @@
 #define DM_X86 1
 #include <cpuid.h>
 #include <xmmintrin.h>
-extern const dm_methods dm_base_32, dm_base_64, dm_avx2_32, dm_avx2_64;
+extern const dm_methods dm_avx2_32, dm_avx2_64;
 #else
 #define DM_X86 0
+#endif
 extern const dm_methods dm_base_32, dm_base_64;
+
+/* double precision is for tests: what ships does without */
+#ifdef DM_DOUBLE
+#define DM_OF_BITS(set) (bits == 32 ? &dm_##set##_32 : &dm_##set##_64)
+#else
+#define DM_OF_BITS(set) (bits == 32 ? &dm_##set##_32 : NULL)
 #endif
 
 enum { DM_MAX_COUNT = 1 << 28 };
@@ -37,9 +44,9 @@ static int dm_has_avx2(void) {
 static const dm_methods *dm_choose(int32_t bits, int32_t set) {
     if ((bits != 32 && bits != 64) || set < DM_SET_BEST || set > DM_SET_AVX2) return NULL;
 #if DM_X86
-    if (set != DM_SET_BASE && dm_has_avx2()) return bits == 32 ? &dm_avx2_32 : &dm_avx2_64;
+    if (set != DM_SET_BASE && dm_has_avx2()) return DM_OF_BITS(avx2);
 #endif
-    return set == DM_SET_AVX2 ? NULL : bits == 32 ? &dm_base_32 : &dm_base_64;
+    return set == DM_SET_AVX2 ? NULL : DM_OF_BITS(base);
 }
 
 /* Numbers too small to matter cost a hundred times as much: a body coming to rest would grow slow. */
@@ -116,7 +123,7 @@ const char *dm_message(int32_t code) {
 int32_t dm_fit_rotation(const double *h, double *r) {
     if (!h || !r) return DM_SIZE;
     DM_CHECK(dm_check_numbers(9, h, 0));
-    dm_base_64.fit_rotation(h, r);
+    dm_base_32.fit_rotation(h, r);
     return DM_OK;
 }
 

@@ -23,7 +23,7 @@ int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, 
     int64_t total = 0;
     for (int64_t k = 0; k < bodies; k++) {
         if (!body[k]) return DM_SIZE;
-        if (body[k]->does != body[0]->does || !body[k]->does->scene_create) return DM_OPTION;
+        if (body[k]->does != body[0]->does) return DM_OPTION;
         total += body[k]->vertices;
     }
     for (int64_t k = 0; k < colliders; k++) {

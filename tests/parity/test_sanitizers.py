@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from tools.native import SOURCES, VARIANTS
+from tools.native import DOUBLE, SOURCES, VARIANTS
 
 STRICT = ("-Wall", "-Wextra", "-Werror")  # in gcc too nothing is warned of
 SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
-FLAGS = ("-std=c11", "-O1", "-g", "-fPIC", "-fvisibility=hidden", "-fno-math-errno", "-ffp-contract=off", *STRICT)
+EXACT = ("-fno-math-errno", "-ffp-contract=off")
+FLAGS = ("-std=c11", "-O1", "-g", "-fPIC", "-fvisibility=hidden", DOUBLE, *EXACT, *STRICT)
 
 
 def compiled(folder: Path) -> Path:
