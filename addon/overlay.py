@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import bpy
 
 from ..operators import calibration
+from ..operators.messages import wrapped
 from ..operators.sessions import sessions
 from . import dent, readout, room, shapes
 from .readout import iface_
