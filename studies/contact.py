@@ -21,7 +21,7 @@ from core.session import Session
 from .contact_scenes import SCENES, Played
 
 STARTS, QUICK_STARTS, QUICK_SHARE = 10, 1, 1.0
-MISSING = "The referee is missing: pip install --no-deps ipctk==1.6.1"
+MISSING = "The referee, ipctk, is missing: run this by python3 dev.py, which installs it."
 
 
 class Referee:

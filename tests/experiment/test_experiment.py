@@ -130,7 +130,6 @@ def test_answers_that_leave_an_end_open_say_so() -> None:
 
 
 def test_psignifit_fits_the_same_function() -> None:
-    pytest.importorskip("psignifit")
     from core.experiment.results import Comparison
     from studies.experiment import by_psignifit
 
