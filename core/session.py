@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import zip_longest
 from typing import NamedTuple
 
@@ -67,6 +68,26 @@ class Frame(NamedTuple):
     work: float
     finite: bool
     note: str
+
+
+@dataclass(slots=True, kw_only=True)
+class _Step:
+    """A step under way.
+
+    started: on the clock [s].
+    due: the tick that ends it.
+    impulses: on the fingertips so far [N s].
+    done: ticks.
+    note: "" or why it ended.
+    pins: where they are led in the motion under way.
+    """
+
+    started: float
+    due: int
+    impulses: list[motion.Vector]
+    done: int = 0
+    note: str = ""
+    pins: PinMotion | None = None
 
 
 class Session:
@@ -140,40 +161,83 @@ class Session:
         Raises:
             DimpleError: dt is negative or not a number.
         """
+        self.begin(dt)
+        started, most = time.perf_counter(), MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
+        while self.due and self.take(self.body.step(self.motion(min(self.due, self.most, most)))):
+            if budget is not None and time.perf_counter() - started > budget and self.due:
+                return self.finish(early=True)
+        return self.finish()
+
+    def begin(self, dt: float) -> None:
+        """Begin a step of dt [s]; its ticks follow in motions, and `finish` ends it. A world steps so.
+
+        Raises:
+            DimpleError: dt is negative or not a number.
+        """
         if not 0 <= dt < math.inf:
             raise DimpleError(f"A step of time must be 0 s or longer (it is {dt}).")
-        started = time.perf_counter()
         self._begin, self._end = self._time, self._time + dt
-        end, due = self._end, math.floor(self._end / self.tick + 1e-6)
-        impulses, done, note = [(0.0, 0.0, 0.0)] * len(self._tips), 0, ""
-        most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
-        if any(tip and tip.pushed for tip in self._tips):
-            most = 1  # each tick moves them
-        while self._ticks < due:
-            result = self._run(min(due - self._ticks, most))
-            done += result.ticks
-            if not result.finite:
-                at = self._ticks * self.tick
-                self.reset()
-                note = f"The simulation blew up after {at:.3f} s and was put back to rest: soften the material."
-                break
-            for i, touch in enumerate(result.touches):
-                if touch:
-                    (a, b, c), (x, y, z) = impulses[i], touch.impulse
-                    impulses[i] = a + x, b + y, c + z
-            if budget is not None and time.perf_counter() - started > budget and self._ticks < due:
-                end = self._ticks * self.tick
-                break
-        if not note:
-            if not done:
+        self._way = _Step(
+            started=time.perf_counter(), due=math.floor(self._end / self.tick + 1e-6),
+            impulses=[(0.0, 0.0, 0.0)] * len(self._tips),
+        )  # fmt: skip
+
+    @property
+    def due(self) -> int:
+        """Return how many ticks of the step under way are left."""
+        return 0 if self._way.note else max(self._way.due - self._ticks, 0)
+
+    @property
+    def most(self) -> int:
+        """Return how many ticks a motion may have."""
+        return 1 if any(tip and tip.pushed for tip in self._tips) else MAX_STEPS  # each tick moves what is pushed
+
+    def motion(self, ticks: int, *, substeps: int | None = None) -> Motion:
+        """Return what happens in some ticks of the step under way."""
+        seconds = max(self._last.ticks, 1) * self.tick
+        for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
+            if tip:
+                tip.push(self.body.model, touch, seconds, self.tick)
+        first, last = self._share((self._ticks + 1) * self.tick), self._share((self._ticks + ticks) * self.tick)
+        self._way.pins = self._pins(first, last)
+        return Motion(ticks, substeps or self.substeps, self.tick, self._fingertips(first, last), self._way.pins)
+
+    def take(self, result: motion.Frame) -> bool:
+        """Take what a motion came to; tell whether the step goes on."""
+        self._last, way = result, self._way
+        self._ticks += result.ticks
+        if way.pins and way.pins.last >= 1 and self._pins_target is not None:  # they have arrived
+            self._pins_origin, self._pins_target = self._pins_target, None
+        for i, (tip, touch) in enumerate(zip(self._tips, result.touches, strict=True)):
+            if tip and touch:
+                # force and way of straight, even motion: the work is exact
+                axes = zip(touch.impulse, touch.centre, tip.here, strict=True)
+                self._work -= sum(push * (now - before) for push, now, before in axes) / (result.ticks * self.tick)
+                tip.here, tip.fresh = touch.centre, False
+                (a, b, c), (x, y, z) = way.impulses[i], touch.impulse
+                way.impulses[i] = a + x, b + y, c + z
+        way.done += result.ticks
+        if not result.finite:
+            at = self._ticks * self.tick
+            self.reset()
+            way.note = f"The simulation blew up after {at:.3f} s and was put back to rest: soften the material."
+        return result.finite
+
+    def finish(self, *, early: bool = False) -> Frame:
+        """End the step under way, or what has been done of it, and return what it shows."""
+        way = self._way
+        end = self._ticks * self.tick if early else self._end
+        if not way.note:
+            if not way.done:
                 self._last = self._measured()
             self._move_origins(self._share(end))
             self._time = end
-        forces = self.frame.finger_forces  # as before where no tick was due
-        if done or len(forces) != len(impulses):
-            seconds = max(done, 1) * self.tick
+        forces, impulses = self.frame.finger_forces, way.impulses  # as before where no tick was due
+        if way.done or len(forces) != len(impulses):
+            seconds = max(way.done, 1) * self.tick
             forces = np.array([(x / seconds, y / seconds, z / seconds) for x, y, z in impulses]).reshape(-1, 3)
-        self.frame = self._show(forces if not note else forces[:0], done, time.perf_counter() - started, note)
+        cost = time.perf_counter() - way.started
+        self.frame = self._show(forces if not way.note else forces[:0], way.done, cost, way.note)
         return self.frame
 
     @property
@@ -258,28 +322,6 @@ class Session:
             whole = share >= 1
             way = self._pins_target - self._pins_origin
             self._pins_origin = self._pins_target if whole else self._pins_origin + share * way
-
-    def _run(self, ticks: int) -> motion.Frame:
-        """Run some ticks of the step under way."""
-        seconds = max(self._last.ticks, 1) * self.tick
-        for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
-            if tip:
-                tip.push(self.body.model, touch, seconds, self.tick)
-        first, last = self._share((self._ticks + 1) * self.tick), self._share((self._ticks + ticks) * self.tick)
-        pins = self._pins(first, last)
-        self._last = result = self.body.step(
-            Motion(ticks, self.substeps, self.tick, self._fingertips(first, last), pins)
-        )
-        self._ticks += result.ticks
-        if pins and pins.last >= 1 and self._pins_target is not None:  # they have arrived
-            self._pins_origin, self._pins_target = self._pins_target, None
-        for tip, touch in zip(self._tips, result.touches, strict=True):
-            if tip and touch:
-                # force and way of straight, even motion: the work is exact
-                axes = zip(touch.impulse, touch.centre, tip.here, strict=True)
-                self._work -= sum(push * (now - before) for push, now, before in axes) / (result.ticks * self.tick)
-                tip.here, tip.fresh = touch.centre, False
-        return result
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""

@@ -10,7 +10,7 @@ import ctypes
 import functools
 import importlib.util
 import sys
-from ctypes import POINTER, c_int32, c_void_p
+from ctypes import POINTER, c_double, c_int32, c_int64, c_uint8, c_void_p
 from pathlib import Path
 from typing import Any
 
@@ -26,18 +26,29 @@ from .body import Body as Body
 from .body import CFrame, CMotion
 from .body import NativeError as NativeError
 from .definition import BodyDef, Constants
+from .scene import CColliderMotion, CCrossings, ColliderDef, CSceneFrame
+from .scene import Scene as Scene
 
-ABI = 5
+ABI = 6
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
-_SIGNATURES: dict[str, tuple[Any, ...]] = {
+_SIGNATURES: dict[str, tuple[Any, ...]] = {  # fmt: skip
     "dm_create": (POINTER(c_void_p), POINTER(BodyDef), c_int32, c_int32),
     "dm_set_constants": (c_void_p, POINTER(Constants)),
     "dm_set_state": (c_void_p, c_void_p, c_void_p),
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
     "dm_step": (c_void_p, POINTER(CMotion), POINTER(CFrame)),
     "dm_fit_rotation": (c_void_p, c_void_p),
+    "dm_scene_create": (
+        POINTER(c_void_p), c_int64, POINTER(c_void_p), POINTER(c_uint8), c_int64, POINTER(ColliderDef),
+    ),
+    "dm_scene_find_crossings": (c_void_p, POINTER(CCrossings)),
+    "dm_scene_set_collider": (c_void_p, c_int64, c_void_p),
+    "dm_scene_get_collider": (c_void_p, c_int64, c_void_p),
+    "dm_scene_step": (
+        c_void_p, POINTER(CMotion), POINTER(CColliderMotion), c_double, c_double, POINTER(CFrame), POINTER(CSceneFrame),
+    ),
 }
 
 
@@ -93,7 +104,8 @@ def load(path: Path) -> ctypes.CDLL:
     if library.dm_abi() != ABI:
         raise NativeError(f"it has version {library.dm_abi()}, not {ABI}")
     library.dm_message.restype = library.dm_instructions.restype = ctypes.c_char_p
-    library.dm_destroy.argtypes, library.dm_destroy.restype = [c_void_p], None
+    for name in ("dm_destroy", "dm_scene_destroy"):
+        getattr(library, name).argtypes, getattr(library, name).restype = [c_void_p], None
     library.dm_default_body_def.argtypes, library.dm_default_body_def.restype = [POINTER(BodyDef)], None
     for name, arguments in _SIGNATURES.items():
         getattr(library, name).argtypes = arguments

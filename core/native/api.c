@@ -223,8 +223,7 @@ int32_t dm_get_state(const dm_body *body, double *positions, double *velocities)
     return DM_OK;
 }
 
-int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
-    if (!body || !m || !frame) return DM_SIZE;
+static int32_t dm_check_motion(const dm_body *body, const dm_motion *m) {
     if (m->ticks < 0 || m->ticks > DM_MAX_STEPS) return DM_SIZE;
     if (m->substeps < 1 || m->substeps > DM_MAX_STEPS / (m->ticks + 1)) return DM_SIZE;
     if (!isfinite(m->tick) || !(m->tick > 0)) return DM_NUMBER;
@@ -239,8 +238,16 @@ int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
         DM_CHECK(dm_check_numbers(count, m->pins_from, 0) | dm_check_numbers(count, m->pins_to, 0));
         DM_CHECK(dm_check_numbers(1, &m->pins_first, 1) | dm_check_numbers(1, &m->pins_last, 1));
     }
+    return DM_OK;
+}
+
+int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
+    if (!body || !m || !frame) return DM_SIZE;
+    DM_CHECK(dm_check_motion(body, m));
     uint64_t before = dm_flush_denormals();
     body->does->step(body->state, m, frame);
     dm_keep_denormals(before);
     return DM_OK;
 }
+
+#include "scene_door.c"

@@ -20,6 +20,7 @@
 #define DM_FINGER_TRAVEL 0.25
 #define DM_LARGEST_GROWTH 100.0
 #define DM_FASTEST 1e6
+#define DM_PIN_BEHIND 1e-4 /* of the size: a pin that is farther from its place was held back */
 #define DM_SAME_SIDE 0.5 /* as in core/mesh/depth.py */
 
 /* Vertices lie in the order in which a wave over the surface meets them, so that neighbours are near in memory; runs of
@@ -115,6 +116,7 @@ struct dm_state {
 
     int32_t fill, law_set;
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure;
+    int pins_met; /* something held a pin back */
     int free, led, carried; /* the shape at rest follows the body; pins were led; and carry the shape at rest */
     double *pin_room;       /* (9 n) for one tick */
     double pose[12], pose_rate[12]; /* of the shape at rest with its pins, and how fast it changes */

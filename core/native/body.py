@@ -150,6 +150,20 @@ class Body:
         Raises:
             NativeError: the motion has a number that is none.
         """
+        pins = self.pack(motion, self._motion)  # they live until the call is over
+        code = self._step(*self._step_arguments)
+        del pins
+        if code:
+            raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
+        return self.unpack(motion, self._frame)
+
+    @property
+    def handle(self) -> c_void_p:
+        """Return the body in the library, for a scene of several."""
+        return self._handle
+
+    def pack(self, motion: Motion, to: CMotion) -> list[Floats]:
+        """Write a motion as the library reads it; return arrays that must live until it has."""
         if motion.ticks:
             self._placed = None
         numbers: list[Any] = [motion.ticks, motion.substeps, motion.tick]
@@ -158,17 +172,18 @@ class Body:
                 *tip.start, *tip.first, *tip.last, tip.radius, True, tip.fresh,
             )  # fmt: skip
         numbers += _LIFTED * (3 - len(motion.fingertips))
-        pins = None
+        pins: list[Floats] = []
         if motion.pins is None:
             numbers += _NO_PINS
         else:
-            pins = self._places(motion.pins)  # they live until the call is over
+            pins = self._places(motion.pins)
             numbers += (*(a.ctypes.data for a in pins), motion.pins.first, motion.pins.last)
-        _PACKED_MOTION.pack_into(self._motion, 0, *numbers)
-        code = self._step(*self._step_arguments)
-        if code:
-            raise NativeError(f"dm_step: {self.library.dm_message(code).decode()}", code)
-        found = _PACKED_FRAME.unpack_from(self._frame)
+        _PACKED_MOTION.pack_into(to, 0, *numbers)
+        return pins
+
+    def unpack(self, motion: Motion, frame: CFrame) -> Frame:
+        """Return what a motion came to."""
+        found = _PACKED_FRAME.unpack_from(frame)
         touches = tuple([_touch(found, i * _TOUCH_NUMBERS) if tip else None for i, tip in enumerate(motion.fingertips)])
         volume, pressure, ticks, finite = found[-4:]
         return Frame(touches, found[-16:-4], volume, pressure, ticks, bool(finite))

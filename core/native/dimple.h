@@ -19,14 +19,18 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 5 /* changes with anything below */
+#define DM_ABI 6 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
 #define DM_MAX_PIECES 32
 #define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
 
+#define DM_MAX_SURFACES 1024 /* in one scene */
+#define DM_SCENE_IMPULSES 64
+
 typedef struct dm_body dm_body;
+typedef struct dm_scene dm_scene;
 
 enum {
     DM_OK,
@@ -156,4 +160,50 @@ DM_API int32_t dm_get_state(const dm_body *body, double *positions, double *velo
 
 /* Run the ticks of a motion. */
 DM_API int32_t dm_step(dm_body *body, const dm_motion *motion, dm_frame *frame);
+
+/* A mesh that bodies meet and that goes where it is led. */
+typedef struct {
+    int64_t vertices;
+    const double *positions; /* (3, vertices) [m] */
+    int64_t triangles;
+    const int64_t *corners;  /* (triangles, 3) */
+    double friction;         /* coefficient */
+} dm_collider_def;
+
+typedef struct { /* the way of a collider: null where it rests */
+    const double *from, *to; /* (3, vertices) [m] */
+} dm_collider_motion;
+
+typedef struct {
+    int64_t ticks;      /* done */
+    int64_t queries;    /* of who is near whom */
+    int64_t pairs;      /* the most that were near each other */
+    int64_t touching;   /* the most that touched */
+    int64_t truncated;  /* times that a vertex was held back from passing through something */
+    double taken;       /* momentum that this took [N s] */
+    double held_back;   /* the farthest that a collider was behind its way [m] */
+    double gap;         /* the least distance at a query [m], infinite where nothing was near */
+    double impulse[DM_SCENE_IMPULSES][3]; /* that each surface got from others [N s]: bodies, then colliders */
+} dm_scene_frame;
+
+typedef struct { /* what passes through each other */
+    int64_t count;       /* pairs of triangles */
+    int64_t surfaces[2]; /* of the first: bodies, then colliders */
+    double place[3];     /* [m] */
+} dm_crossings;
+
+/* Bodies and colliders that nothing passes through, stepped together; the bodies stay the caller's, outlive the scene
+ * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too. */
+DM_API int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self,
+                               int64_t colliders, const dm_collider_def *collider);
+DM_API void dm_scene_destroy(dm_scene *scene); /* null is taken */
+DM_API int32_t dm_scene_find_crossings(dm_scene *scene, dm_crossings *found);
+/* Put a collider elsewhere at once. */
+DM_API int32_t dm_scene_set_collider(dm_scene *scene, int64_t collider, const double *positions);
+DM_API int32_t dm_scene_get_collider(const dm_scene *scene, int64_t collider, double *positions);
+/* Run the ticks of motions (bodies,), equal in ticks, substeps and tick; colliders (colliders,) are at the share
+ * `first` of their way at the end of the first tick and at `last` of the last. If memory runs out, the tick under way
+ * is the last. */
+DM_API int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collider_motion *colliders,
+                             double first, double last, dm_frame *frames, dm_scene_frame *out);
 #endif

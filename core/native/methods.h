@@ -6,6 +6,8 @@
 
 typedef struct dm_state dm_state; /* of one body; what it holds depends on the precision */
 
+typedef struct dm_scene_state dm_scene_state;
+
 typedef struct {
     int32_t (*create)(dm_state **state, const dm_body_def *def);
     void (*destroy)(dm_state *state);
@@ -15,5 +17,13 @@ typedef struct {
     int64_t (*pinned)(const dm_state *state);
     void (*step)(dm_state *state, const dm_motion *motion, dm_frame *frame);
     void (*fit_rotation)(const double *h, double *r);
+    int32_t (*scene_create)(dm_scene_state **scene, int64_t bodies, dm_state *const *body, const uint8_t *self,
+                            int64_t colliders, const dm_collider_def *collider);
+    void (*scene_destroy)(dm_scene_state *scene);
+    void (*scene_find)(dm_scene_state *scene, dm_crossings *found);
+    void (*scene_place)(dm_scene_state *scene, int64_t collider, const double *positions);
+    void (*scene_read)(const dm_scene_state *scene, int64_t collider, double *positions);
+    int32_t (*scene_step)(dm_scene_state *scene, const dm_motion *motions, const dm_collider_motion *colliders,
+                          double first, double last, dm_frame *frames, dm_scene_frame *out);
 } dm_methods;
 #endif

@@ -93,15 +93,18 @@ static void dm_finish_pins(dm_state *b, const dm_motion *m) {
     int64_t used = 0, whole = m->pins_last >= 1;
     for (int64_t k = 0; k < b->pinned_count; k++) {
         uint32_t vertex = b->pinned[k], i = b->place[vertex];
-        double x[3], local[3];
+        double x[3], local[3], behind = 0;
         dm_position(b, i, x);
+        for (int c = 0; c < 3; c++)
+            behind = fmax(behind, fabs(m->pins_to[c * b->pinned_count + k] - x[c] - b->origin[c]));
+        int there = whole && !(b->pins_met && behind > DM_PIN_BEHIND * b->size);
         for (int c = 0; c < 3; c++) {
-            x[c] = whole ? m->pins_to[c * b->pinned_count + k] : x[c] + b->origin[c];
+            x[c] = there ? m->pins_to[c * b->pinned_count + k] : x[c] + b->origin[c];
             b->pins[c * b->n + k] = x[c], local[c] = x[c] - b->origin[c];
             if (!b->loose[vertex]) rest[3 * used + c] = b->rest[c * b->n + vertex], here[3 * used + c] = x[c];
         }
         used += !b->loose[vertex];
-        if (whole) dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
+        if (there) dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
     }
     b->led = 1;
     if (whole && !b->free) dm_fit_points(used, rest, here, b->pose), dm_place_pose(b);
@@ -174,6 +177,7 @@ static void dm_measure_depths(dm_state *b, const dm_motion *m, dm_frame *frame) 
 }
 
 static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
+    b->pins_met = 0;
     memset(frame, 0, sizeof *frame);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         const dm_fingertip *f = m->fingertips + k;

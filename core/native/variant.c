@@ -13,6 +13,12 @@
 #include "surface.c"
 #include "body.c"
 #include "step.c"
+#include "tree.c"
+#include "proximity.c"
+#include "bounds.c"
+#include "touching.c"
+#include "query.c"
+#include "scene.c"
 
 #define DM_GLUE(set, bits) dm_##set##_##bits
 #define DM_NAME(set, bits) DM_GLUE(set, bits)
@@ -20,5 +26,6 @@
 extern const dm_methods DM_NAME(DM_SET, DM_BITS);
 const dm_methods DM_NAME(DM_SET, DM_BITS) = {
     dm_state_create, dm_state_destroy, dm_state_set_constants, dm_state_place, dm_state_read, dm_state_pinned,
-    dm_state_step, dm_nearest_rotation,
+    dm_state_step, dm_nearest_rotation, dm_scene_state_create, dm_scene_state_destroy, dm_scene_state_find, dm_scene_state_place,
+    dm_scene_state_read, dm_scene_state_step,
 };

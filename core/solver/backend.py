@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Sequence
+from typing import Protocol, cast
 
 from .. import native
 from ..base import DimpleError, Floats
 from ..body.model import Model
 from .motion import Frame, Motion
+from .scene import Collider, Scene
 from .twin import Twin
+from .twin_scene import TwinScene
 
 
 class Body(Protocol):
@@ -54,3 +57,18 @@ def create(model: Model, *, surface: Model | None = None, backend: str = "auto")
     if name == "numpy":
         return Twin(model, surface=surface)
     return native.Body(model, native.library(), surface=surface, bits=64 if name == "native64" else 32)
+
+
+def create_scene(
+    bodies: Sequence[Body], colliders: Sequence[Collider], *, itself: Sequence[bool], backend: str
+) -> Scene:
+    """Return bodies and colliders that are stepped together.
+
+    Args:
+        bodies: of one backend.
+        itself: whether each body meets itself too.
+        backend: that the bodies have.
+    """
+    if backend == "numpy":
+        return TwinScene(cast(Sequence[Twin], bodies), colliders, itself=itself)
+    return native.Scene(cast(Sequence[native.Body], bodies), colliders, native.library(), itself=itself)

@@ -1,0 +1,159 @@
+/* How far vertices may go before the next query: planes between pairs, and a distance for what is near nothing.
+ * Source: core/solver/bounds.py. */
+#include "scene.h"
+
+/* List the pairs of each vertex that is near, and note how far it may go before they are looked at. */
+static void dm_link_pairs(dm_scene_state *s) {
+    if (s->pairs_of_room < 4 * s->pair_count) {
+        free(s->pairs_of);
+        s->pairs_of_room = 8 * s->pair_count;
+        s->pairs_of = malloc(s->pairs_of_room * sizeof *s->pairs_of);
+        if (!s->pairs_of) s->pairs_of_room = 0, s->code = DM_MEMORY;
+    }
+    if (!dm_has_room(s)) return;
+    for (uint32_t k = 0; k < 4 * s->pair_count; k++) s->near[s->pairs[k / 4].at[k % 4]].pair_count++;
+    uint32_t start = 0;
+    for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++)
+        n->first_pair = start, start += n->pair_count, n->pair_count = 0;
+    for (uint32_t k = 0; k < 4 * s->pair_count; k++) {
+        const dm_pair *p = s->pairs + k / 4;
+        dm_neighbour *n = s->near + p->at[k % 4];
+        s->pairs_of[n->first_pair + n->pair_count++] = k;
+        double free_way = p->gap / 2 - p->keep, *roam = s->roam + n->vertex;
+        *roam = free_way < *roam ? free_way : *roam;
+    }
+}
+
+/* How far a vertex is on its own side of the plane of a pair. */
+DM_INLINE double dm_side(const dm_pair *p, uint32_t corner, const double *x) {
+    double along = dm_inner3(p->normal, x) - p->level;
+    return corner < p->ones ? along : -along;
+}
+
+static int dm_is_allowed(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, const double *x) {
+    double way[3];
+    dm_minus(x, s->before[vertex], way);
+    if (!(dm_inner3(way, way) <= f->slack * f->slack)) return 0;
+    if (s->place[vertex] == DM_NO_VERTEX) return 1;
+    const dm_neighbour *n = s->near + s->place[vertex];
+    for (uint32_t k = 0; k < n->pair_count; k++) {
+        uint32_t which = s->pairs_of[n->first_pair + k];
+        const dm_pair *p = s->pairs + which / 4;
+        if (!(dm_side(p, which % 4, x) >= p->keep)) return 0;
+    }
+    return 1;
+}
+
+/* Shorten the way of a vertex since the query to a length. */
+static void dm_shorten(const double *from, double *x, double most) {
+    double way[3];
+    dm_minus(x, from, way);
+    double length = sqrt(dm_inner3(way, way));
+    if (!(length > most)) return;
+    for (int c = 0; c < 3; c++) x[c] = from[c] + way[c] * (most / length);
+}
+
+/* Bring a vertex to where it may be: onto its planes where it is beyond them, so that it still slides along; where that
+ * is not enough, so far back on its way as it must. */
+static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
+    const double *from = s->before[vertex];
+    double most = f->slack * (1 - 1e-6), share = 1;
+    dm_shorten(from, x, most);
+    if (s->place[vertex] == DM_NO_VERTEX) return;
+    const dm_neighbour *n = s->near + s->place[vertex];
+    const uint32_t *mine = s->pairs_of + n->first_pair;
+    for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
+        int moved = 0;
+        for (uint32_t k = 0; k < n->pair_count; k++) {
+            const dm_pair *p = s->pairs + mine[k] / 4;
+            double short_of = p->keep * (1 + 1e-6) - dm_side(p, mine[k] % 4, x);
+            if (!(short_of > 0)) continue;
+            double by = mine[k] % 4 < p->ones ? short_of : -short_of;
+            for (int c = 0; c < 3; c++) x[c] += by * p->normal[c];
+            moved = 1;
+        }
+        if (!moved) return;
+        dm_shorten(from, x, most);
+    }
+    for (uint32_t k = 0; k < n->pair_count; k++) {
+        const dm_pair *p = s->pairs + mine[k] / 4;
+        double there = dm_side(p, mine[k] % 4, x), here = dm_side(p, mine[k] % 4, from);
+        if (there < p->keep && here > there) {
+            double part = (here - p->keep) / (here - there) * (1 - 1e-6);
+            share = part < share ? (part > 0 ? part : 0) : share;
+        }
+    }
+    for (int c = 0; c < 3; c++) x[c] = from[c] + share * (x[c] - from[c]);
+}
+
+/* Hold a vertex of a body back, and take the speed with which it would go on; what of momentum that takes is counted. */
+static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) {
+    dm_state *b = f->body;
+    uint32_t vertex = f->first + i;
+    double x[3], at[3], back[3];
+    dm_world_of(s, f, vertex, x);
+    if (dm_is_allowed(s, f, vertex, x)) return;
+    memcpy(at, x, sizeof at);
+    dm_hold_back(s, f, vertex, at);
+    dm_record *r = b->records + i;
+    double local[3];
+    dm_minus(at, b->origin, local);
+    dm_quad rounded = dm_quad_of(local);
+    for (int c = 0; c < 3; c++) at[c] = b->origin[c] + (double)rounded[c];
+    if (!dm_is_allowed(s, f, vertex, at)) {
+        rounded = dm_lane3(&f->before[i / DM_LANES], i);
+        memcpy(at, s->before[vertex], sizeof at);
+    }
+    dm_minus(at, x, back);
+    double length = sqrt(dm_inner3(back, back)), against = 0;
+    for (int c = 0; c < 3 && length > 0; c++) against += (double)r->v[c] * back[c] / length;
+    dm_quad v = r->v;
+    if (against < 0) {
+        for (int c = 0; c < 3; c++) v[c] -= (dm_real)(against * back[c] / length);
+        if (b->inverse_mass[i] > 0) s->out->taken -= against / (double)b->inverse_mass[i];
+    }
+    dm_set_vertex(b, i, rounded, v);
+    b->pins_met |= !(b->inverse_mass[i] > 0);
+    s->out->truncated++, s->due = 1;
+}
+
+/* Hold every vertex of a body to its bounds. */
+static void dm_bound_body(dm_scene_state *s, const dm_surface *f) {
+    const dm_state *b = f->body;
+    dm_lanes most = dm_splat(0);
+    for (int64_t g = 0; g < b->groups; g++) {
+        dm_vec3 way = dm_sub(b->state[g].x, f->before[g]);
+        dm_lanes square = dm_dot(way, way);
+        dm_mask far = (dm_mask)(square > f->bound[g]);
+        if (dm_any_of(far))
+            for (uint32_t l = 0; l < DM_LANES; l++)
+                if (far[l] && g * DM_LANES + l < b->n) dm_bound_vertex(s, f, (uint32_t)g * DM_LANES + l);
+        most = dm_vmax(square, most);
+    }
+    for (int l = 0; l < DM_LANES; l++)
+        if ((double)most[l] > f->stale * f->stale) s->due = 1;
+}
+
+/* Move a collider on its way; where something that it presses cannot get away, it waits. */
+static void dm_move_collider(dm_scene_state *s, dm_surface *f, double share) {
+    double far = 0;
+    for (uint32_t i = f->first; i < f->first + f->count && f->moving; i++) {
+        double x[3], way[3];
+        for (int c = 0; c < 3; c++) x[c] = s->here[i][c] + share * (s->aim[i][c] - s->here[i][c]);
+        memcpy(way, x, sizeof x);
+        if (!dm_is_allowed(s, f, i, x)) {
+            dm_hold_back(s, f, i, x);
+            if (!dm_is_allowed(s, f, i, x)) memcpy(x, s->before[i], sizeof x);
+            s->due = 1;
+        }
+        dm_minus(way, x, way);
+        double late = sqrt(dm_inner3(way, way)), gone = 0;
+        s->out->held_back = late > s->out->held_back ? late : s->out->held_back;
+        for (int c = 0; c < 3; c++) {
+            s->rate[i][c] = (x[c] - s->here[i][c]) / s->dt, s->here[i][c] = x[c];
+            gone += (x[c] - s->before[i][c]) * (x[c] - s->before[i][c]);
+        }
+        far = gone > far ? gone : far;
+    }
+    if (far > f->stale * f->stale) s->due = 1;
+}

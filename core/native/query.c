@@ -1,0 +1,147 @@
+/* The query: where everything is, who is near whom, and how far each may go until the next one. */
+#include "scene.h"
+
+/* Note where the vertices of a surface are. */
+static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
+    for (int c = 0; c < 3; c++) f->low[c] = INFINITY, f->high[c] = -INFINITY;
+    for (uint32_t i = f->first; i < f->first + f->count; i++) {
+        dm_world_of(s, f, i, s->before[i]);
+        if (f->body && i - f->first >= f->body->n) continue; /* an empty lane */
+        for (int c = 0; c < 3; c++) {
+            double x = s->before[i][c];
+            f->low[c] = x < f->low[c] ? x : f->low[c], f->high[c] = x > f->high[c] ? x : f->high[c];
+        }
+    }
+    f->slack = f->stale = INFINITY;
+    if (!f->body) return;
+    memcpy(f->origin, f->body->origin, sizeof f->origin);
+    for (int64_t g = 0; g < f->body->groups; g++) f->before[g] = f->body->state[g].x;
+}
+
+/* How far a query looks: so far that it lasts some ticks at the speeds there are. */
+static double dm_reach_of(const dm_scene_state *s) {
+    double speed = 0;
+    for (int64_t k = 0; k < s->surface_count; k++) {
+        const dm_surface *f = s->surfaces + k;
+        double fastest = 0;
+        if (f->body) fastest = (double)dm_greatest_speed(f->body);
+        for (uint32_t i = f->first; !f->body && f->moving && i < f->first + f->count; i++) {
+            double way[3];
+            dm_minus(s->aim[i], s->here[i], way);
+            double v = sqrt(dm_inner3(way, way)) / s->tick;
+            fastest = v > fastest ? v : fastest;
+        }
+        speed = fastest > speed ? fastest : speed;
+    }
+    double least = DM_LEAST_REACH * s->touch, most = DM_REACH_EDGE * s->edge;
+    double wanted = s->touch + 2 * DM_REACH_TIME * speed * s->tick;
+    most = most > least ? most : least;
+    return wanted < least ? least : wanted < most ? wanted : most;
+}
+
+static void dm_bring_near(dm_surface *f, double slack, double stale) {
+    f->slack = slack < f->slack ? slack : f->slack, f->stale = stale < f->stale ? stale : f->stale;
+}
+
+/* Find which of two surfaces are near each other, or how far they are apart. */
+static void dm_query_pair(dm_scene_state *s, dm_surface *f, dm_surface *g, uint8_t *fitted) {
+    if (f == g ? !f->self : !f->body && !g->body) return;
+    double apart = f == g ? -1 : dm_boxes_apart(f->low, f->high, g->low, g->high);
+    if (apart > s->reach) {
+        double way = apart / 2;
+        dm_bring_near(f, DM_ROAM * way, way / 2), dm_bring_near(g, DM_ROAM * way, way / 2);
+        return;
+    }
+    dm_surface *both[2] = {f, g};
+    for (int k = 0; k < 2; k++) {
+        dm_bring_near(both[k], DM_ROAM * s->reach / 2, DM_STALE * (s->reach - s->touch) / 2);
+        if (!fitted[both[k] - s->surfaces]) dm_fit_boxes(s, both[k]), fitted[both[k] - s->surfaces] = 1;
+    }
+    dm_visit_pairs(s, f, g, s->reach, dm_note_triangles);
+}
+
+static void dm_list_candidates(dm_scene_state *s) {
+    s->candidate_count = 0;
+    for (uint32_t k = 0; k < s->pair_count; k++) {
+        const dm_pair *p = s->pairs + k;
+        if (!(p->weight > 0) || p->gap > p->touch + DM_STALE * (s->reach - s->touch) * 1.5) continue;
+        s->candidates = dm_grown(s, s->candidates, s->candidate_count, &s->candidate_room, sizeof *s->candidates);
+        if (!dm_has_room(s)) return;
+        s->candidates[s->candidate_count++] = k;
+    }
+}
+
+static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
+    for (int64_t g = 0; f->body && g < f->body->groups; g++)
+        for (int l = 0; l < DM_LANES; l++) {
+            double way = s->roam[f->first + (uint32_t)(g * DM_LANES + l)] * (1 - 1e-4);
+            f->bound[g][l] = (dm_real)(way < 1e18 ? way * way : 1e36);
+        }
+}
+
+static void dm_query(dm_scene_state *s) {
+    for (const dm_neighbour *n = s->near; n < s->near + s->near_count; n++) s->place[n->vertex] = DM_NO_VERTEX;
+    s->near_count = s->pair_count = s->candidate_count = 0, s->due = 0, s->gap = INFINITY;
+    s->reach = dm_reach_of(s);
+    uint8_t *fitted = s->fitted;
+    memset(fitted, 0, (size_t)s->surface_count);
+    for (int64_t k = 0; k < s->surface_count; k++) dm_note_surface(s, s->surfaces + k);
+    for (int64_t i = 0; i < s->surface_count; i++)
+        for (int64_t j = i; j < s->surface_count; j++) dm_query_pair(s, s->surfaces + i, s->surfaces + j, fitted);
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
+        for (uint32_t i = f->first; i < f->first + f->count; i++) s->roam[i] = f->slack;
+    if (dm_has_room(s)) dm_link_pairs(s);
+    if (dm_has_room(s)) dm_list_candidates(s);
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_set_bounds(s, f);
+    s->out->queries++, s->out->pairs = s->pair_count > s->out->pairs ? s->pair_count : s->out->pairs;
+    s->out->gap = s->gap < s->out->gap ? s->gap : s->out->gap;
+}
+
+/* Does the segment ab pass through a triangle? Source: signs of volumes. */
+static int dm_passes(const double *a, const double *b, const double *const *t) {
+    double u[3], v[3], n[3], from[3], way[3], across[3];
+    dm_minus(t[1], t[0], u), dm_minus(t[2], t[0], v), dm_cross3(u, v, n);
+    dm_minus(a, t[0], from), dm_minus(b, a, way);
+    double here = dm_inner3(from, n), slope = dm_inner3(way, n);
+    if (slope == 0) return 0;
+    double share = -here / slope;
+    if (!(share >= 0 && share <= 1)) return 0;
+    for (int k = 0; k < 3; k++) {
+        double x[3], edge[3];
+        for (int c = 0; c < 3; c++) x[c] = a[c] + share * way[c] - t[k][c];
+        dm_minus(t[(k + 1) % 3], t[k], edge), dm_cross3(edge, x, across);
+        if (dm_inner3(across, n) < 0) return 0;
+    }
+    return 1;
+}
+
+static void dm_note_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+    const uint32_t *a = s->corners[i], *b = s->corners[j];
+    if (dm_share_a_vertex(a, 3, b, 3)) return;
+    const double *x[3] = {s->before[a[0]], s->before[a[1]], s->before[a[2]]};
+    const double *y[3] = {s->before[b[0]], s->before[b[1]], s->before[b[2]]};
+    for (int k = 0; k < 3; k++) {
+        if (!dm_passes(x[k], x[(k + 1) % 3], y) && !dm_passes(y[k], y[(k + 1) % 3], x)) continue;
+        dm_crossings *found = s->found;
+        if (!found->count++) {
+            found->surfaces[0] = f - s->surfaces, found->surfaces[1] = g - s->surfaces;
+            for (int c = 0; c < 3; c++)
+                found->place[c] = (x[0][c] + x[1][c] + x[2][c] + y[0][c] + y[1][c] + y[2][c]) / 6;
+        }
+        return;
+    }
+}
+
+/* Count the pairs of triangles that pass through each other, and say where the first is. */
+static void dm_scene_state_find(dm_scene_state *s, dm_crossings *found) {
+    memset(found, 0, sizeof *found);
+    s->found = found;
+    for (int64_t k = 0; k < s->surface_count; k++)
+        dm_note_surface(s, s->surfaces + k), dm_fit_boxes(s, s->surfaces + k);
+    for (int64_t i = 0; i < s->surface_count; i++)
+        for (int64_t j = i; j < s->surface_count; j++) {
+            const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
+            if (f == g ? f->self : f->body || g->body) dm_visit_pairs(s, f, g, 0, dm_note_crossing);
+        }
+    s->due = 1;
+}

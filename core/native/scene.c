@@ -1,0 +1,186 @@
+/* Several bodies and colliders stepped together. */
+#include "scene.h"
+
+static void dm_scene_state_destroy(dm_scene_state *s) {
+    for (int64_t k = 0; s->surfaces && k < s->surface_count; k++)
+        dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound);
+    void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
+                           s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->fitted};
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
+    free(s->near), free(s->pairs), free(s->pairs_of), free(s->meetings), free(s->candidates);
+    dm_free(s);
+}
+
+static int32_t dm_allocate_scene(dm_scene_state *s) {
+    int64_t n = s->vertex_count, t = s->triangle_count;
+    int whole = (s->before = room(n, sizeof *s->before)) && (s->rest = room(n, sizeof *s->rest));
+    whole = whole && (s->here = room(n, sizeof *s->here)) && (s->aim = room(n, sizeof *s->aim));
+    whole = whole && (s->rate = room(n, sizeof *s->rate)) && (s->roam = room(n, sizeof(double)));
+    whole = whole && (s->corners = room(t, sizeof *s->corners)) && (s->edges_of = room(t, sizeof *s->edges_of));
+    whole = whole && (s->edges = room(3 * t, sizeof *s->edges)) && (s->across = room(3 * t, sizeof *s->across));
+    whole = whole && (s->owns = room(t, 1)) && (s->place = room(n, sizeof(uint32_t)));
+    whole = whole && (s->nodes = room(2 * t + s->surface_count, sizeof *s->nodes));
+    whole = whole && (s->fitted = room(s->surface_count, 1));
+    for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
+    return whole ? DM_OK : DM_MEMORY;
+}
+
+static int32_t dm_lay_body(dm_scene_state *s, dm_surface *f) {
+    const dm_state *b = f->body;
+    for (int64_t k = 0; k < b->n; k++)
+        for (int c = 0; c < 3; c++) s->rest[f->first + b->place[k]][c] = b->rest[c * b->n + k];
+    for (int64_t k = 0; k < 3 * b->triangle_count; k++)
+        s->corners[f->first_triangle + k / 3][k % 3] = f->first + b->triangles[k / 3][k % 3];
+    f->before = room(b->groups, sizeof *f->before), f->bound = room(b->groups, sizeof *f->bound);
+    f->closest = DM_CLOSEST * b->size;
+    return f->before && f->bound ? DM_OK : DM_MEMORY;
+}
+
+static void dm_place_collider(dm_scene_state *s, int64_t which, const double *positions) {
+    const dm_surface *f = s->surfaces + which;
+    for (uint32_t k = 0; k < f->count; k++)
+        for (int c = 0; c < 3; c++) {
+            s->here[f->first + k][c] = s->aim[f->first + k][c] = positions[(uint32_t)c * f->count + k];
+            s->rate[f->first + k][c] = 0;
+        }
+}
+
+static void dm_lay_collider(dm_scene_state *s, dm_surface *f, const dm_collider_def *d) {
+    dm_place_collider(s, f - s->surfaces, d->positions);
+    memcpy(s->rest[f->first], s->here[f->first], f->count * sizeof *s->rest);
+    for (int64_t k = 0; k < 3 * d->triangles; k++)
+        s->corners[f->first_triangle + k / 3][k % 3] = f->first + (uint32_t)d->corners[k];
+    f->friction = d->friction;
+}
+
+/* Lay the surfaces one after the other: first the bodies, then the colliders. */
+static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_collider_def *colliders) {
+    int32_t code = DM_OK;
+    uint32_t node = 0;
+    for (int64_t k = 0; k < s->surface_count && code == DM_OK; k++) {
+        dm_surface *f = s->surfaces + k;
+        if (f->body) code = dm_lay_body(s, f);
+        else dm_lay_collider(s, f, colliders + (k - bodies));
+        if (code == DM_OK) code = dm_order_triangles(s, f);
+        if (code == DM_OK) code = dm_lay_edges(s, f);
+        if (code != DM_OK || !f->triangle_count) continue;
+        f->first_node = node;
+        node = dm_lay_tree(s, node, f->first_triangle, f->first_triangle + f->triangle_count);
+        f->node_count = node - f->first_node;
+        if (f->body && (s->edge == 0 || f->edge < s->edge)) s->edge = f->edge;
+    }
+    for (int64_t k = 0; k < s->surface_count; k++) {
+        dm_surface *f = s->surfaces + k;
+        f->offset = DM_OFFSET * (f->body ? f->edge : s->edge);
+        double most = f->offset + (f->body ? f->offset : 0);
+        s->touch = most > s->touch ? most : s->touch;
+    }
+    for (int64_t k = 0; k < s->surface_count; k++)
+        for (int64_t j = 0; j < k; j++) {
+            double most = s->surfaces[j].offset + s->surfaces[k].offset;
+            s->touch = most > s->touch ? most : s->touch;
+        }
+    return code == DM_OK ? dm_lay_neighbours(s) : code;
+}
+
+static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_state *const *body, const uint8_t *self,
+                               int64_t colliders, const dm_collider_def *collider) {
+    dm_scene_state *s = *made = room(1, sizeof *s);
+    if (!s) return DM_MEMORY;
+    s->surfaces = room(bodies + colliders, sizeof *s->surfaces);
+    if (!s->surfaces) return dm_free(s), *made = NULL, DM_MEMORY;
+    s->surface_count = bodies + colliders;
+    for (int64_t k = 0; k < s->surface_count; k++) {
+        dm_surface *f = s->surfaces + k;
+        int64_t count, triangles;
+        if (k < bodies) {
+            f->body = body[k], f->self = self[k];
+            count = f->body->groups * DM_LANES, triangles = f->body->triangle_count;
+        } else count = collider[k - bodies].vertices, triangles = collider[k - bodies].triangles;
+        f->first = (uint32_t)s->vertex_count, f->count = (uint32_t)count;
+        f->first_triangle = (uint32_t)s->triangle_count, f->triangle_count = (uint32_t)triangles;
+        s->vertex_count += count, s->triangle_count += triangles;
+    }
+    int32_t code = dm_allocate_scene(s);
+    if (code == DM_OK) code = dm_lay_surfaces(s, bodies, collider);
+    if (code != DM_OK) dm_scene_state_destroy(s), *made = NULL;
+    return code;
+}
+
+static void dm_scene_state_place(dm_scene_state *s, int64_t collider, const double *positions) {
+    int64_t which = 0;
+    while (s->surfaces[which].body) which++;
+    dm_place_collider(s, which + collider, positions);
+    s->due = 1;
+}
+
+static void dm_scene_state_read(const dm_scene_state *s, int64_t collider, double *positions) {
+    const dm_surface *f = s->surfaces;
+    while (f->body) f++;
+    f += collider;
+    for (uint32_t k = 0; k < f->count; k++)
+        for (uint32_t c = 0; c < 3; c++) positions[c * f->count + k] = s->here[f->first + k][c];
+}
+
+/* Set where the colliders are to be at the end of a tick. */
+static void dm_aim_colliders(dm_scene_state *s, const dm_collider_motion *to, double share) {
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        if (f->body) continue;
+        f->moving = to->to != NULL;
+        if (to->to)
+            for (uint32_t k = 0; k < f->count; k++)
+                for (uint32_t c = 0; c < 3; c++) {
+                    double from = to->from[c * f->count + k], way = to->to[c * f->count + k] - from;
+                    s->aim[f->first + k][c] = share >= 1 ? to->to[c * f->count + k] : from + share * way;
+                }
+        else memset(s->rate[f->first], 0, f->count * sizeof *s->rate);
+        to++;
+    }
+}
+
+static int dm_origin_moved(const dm_scene_state *s) {
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
+        if (f->body && memcmp(f->origin, f->body->origin, sizeof f->origin)) return 1;
+    return 0;
+}
+
+static void dm_run_scene_substep(dm_scene_state *s, dm_frame *frames, double share) {
+    if (s->due) dm_query(s);
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        if (f->body) dm_run_substep(f->body, frames + (f - s->surfaces));
+        else if (f->moving) dm_move_collider(s, f, share);
+    }
+    dm_resolve_touching(s);
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
+        if (f->body) dm_bound_body(s, f);
+}
+
+static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, const dm_collider_motion *colliders,
+                             double first, double last, dm_frame *frames, dm_scene_frame *out) {
+    int64_t bodies = 0, substeps = motions->substeps, ticks = motions->ticks;
+    memset(out, 0, sizeof *out);
+    out->gap = INFINITY;
+    s->out = out, s->code = DM_OK, s->due = 1, s->tick = motions->tick, s->dt = s->tick / (double)substeps;
+    for (; bodies < s->surface_count && s->surfaces[bodies].body; bodies++)
+        dm_begin_motion(s->surfaces[bodies].body, motions + bodies, frames + bodies);
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) memset(f->impulse, 0, sizeof f->impulse);
+    int finite = 1;
+    for (int64_t t = 0; t < ticks && finite && s->code == DM_OK; t++) {
+        double share = ticks > 1 ? first + (double)t / (double)(ticks - 1) * (last - first) : first;
+        if (ticks > 1 && t == ticks - 1) share = last;
+        for (int64_t k = 0; k < bodies; k++) dm_begin_tick(s->surfaces[k].body, motions + k, t, frames + k);
+        dm_aim_colliders(s, colliders, share);
+        if (dm_origin_moved(s)) s->due = 1;
+        for (int64_t i = 0; i < substeps && s->code == DM_OK; i++)
+            dm_run_scene_substep(s, frames, 1 / (double)(substeps - i));
+        for (int64_t k = 0; k < bodies; k++) {
+            dm_end_tick(s->surfaces[k].body, motions + k, t, frames + k);
+            finite = finite && frames[k].finite;
+        }
+        out->ticks = t + 1;
+    }
+    for (int64_t k = 0; k < bodies; k++) dm_end_motion(s->surfaces[k].body, motions + k, frames + k);
+    for (int64_t k = 0; k < s->surface_count && k < DM_SCENE_IMPULSES; k++)
+        memcpy(out->impulse[k], s->surfaces[k].impulse, sizeof out->impulse[k]);
+    return s->code;
+}

@@ -1,0 +1,113 @@
+/* Bodies and colliders that meet: what a scene keeps between two queries of who is near whom.
+ *
+ * The guarantee. A query finds every pair of a vertex and a face, and of two edges, nearer than `reach`. Between their
+ * nearest points stands a plane; until the next query each stays on its side of it. Pairs that are not found are
+ * farther apart than `reach`, and no vertex goes farther than half of that. So nothing passes through anything,
+ * whatever the forces. Source: the displacement bounds of offset geometric contact (Chen et al. 2025), with planes in
+ * place of spheres, so that what slides along or goes away is not stopped.
+ */
+#ifndef DM_SCENE_H
+#define DM_SCENE_H
+#include "body.h"
+
+#define DM_NO_VERTEX UINT32_MAX
+#define DM_LEAF 4             /* triangles in a leaf of a tree */
+#define DM_DEEPEST 128        /* pairs of nodes that wait: twice the depth of two trees */
+#define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/body/proximity.py */
+#define DM_REACH_EDGE 0.6     /* of the mean edge: the farthest a query looks */
+#define DM_LEAST_REACH 2.0    /* of the distance at which surfaces touch */
+#define DM_REACH_TIME 1.5     /* ticks that a query is to last */
+#define DM_BOUND 0.9          /* of half the distance: what two primitives may go towards each other */
+#define DM_ROAM 0.99          /* of half the reach: what is near nothing may go */
+#define DM_STALE 0.8          /* of the way after which something unknown might touch */
+#define DM_CLOSEST 1e-5       /* of a body's size: nearer, nothing goes nearer still; rounding is far smaller */
+#define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
+#define DM_CONTACT_STIFFNESS 1.0 /* of the mass over the substep squared, at the surface; grows as 1 / distance */
+#define DM_CONTACT_DAMPING 0.5   /* of the mass over the substep */
+#define DM_LEAST_GAP 0.02     /* of the touching distance: the stiffness grows no further */
+#define DM_FLAT 0.1           /* slope of the faces beside an edge below which it is none, */
+#define DM_SHARP 0.3          /* and above which it is one */
+#define DM_SELF_SHARE 0.5     /* of the distance at rest: nearer, a body touches itself */
+
+typedef struct { /* the surface of a body, or a collider */
+    dm_state *body; /* null: a collider */
+    uint32_t first, count, first_triangle, triangle_count, first_edge, edge_count, first_node, node_count;
+    double offset, edge, closest, friction;
+    double low[3], high[3]; /* where it was at the last query */
+    double slack, stale;    /* [m] how far any vertex may go; after what way a query is due */
+    double origin[3];       /* of the body at the last query */
+    double impulse[3];      /* that others gave it in a call [N s] */
+    dm_vec3 *before;        /* (groups,) of the body's vertices at the last query */
+    dm_lanes *bound;        /* (groups,) square of how far each may go before its planes are looked at */
+    uint8_t self, moving;
+} dm_surface;
+
+typedef struct { /* a box with the triangles in it; its first child follows it, its other one is `next` */
+    double low[3], high[3];
+    uint32_t start, end, next;
+} dm_node;
+
+typedef struct { /* a vertex and a face, or two edges; a plane between them */
+    uint32_t at[4]; /* in the list of what is near: vertex and corners, or ends of both edges */
+    uint32_t ones;  /* how many of them lie on the side of the normal: 1 or 2 */
+    uint32_t surface[2], triangle; /* that the face is */
+    double normal[3], level, keep; /* they keep at least `keep` from normal . x = level */
+    double gap, touch;             /* their distance at the query, and at which they touch [m] */
+    double weight;                 /* of what they do: fades where edges are flat */
+    double friction;
+} dm_pair;
+
+typedef struct { /* two that touch in this substep */
+    const dm_pair *pair;
+    double weight[4], normal[3], gap;
+} dm_meeting;
+
+typedef struct { /* a vertex that is near something */
+    uint32_t vertex, surface, shares, first_pair, pair_count;
+    double x[3], v[3], push[3], inverse_mass; /* push: by which contact changes v */
+} dm_neighbour;
+
+typedef struct dm_scene_state {
+    dm_surface *surfaces;
+    int64_t surface_count, vertex_count, triangle_count, edge_count;
+    double (*before)[3], (*rest)[3];         /* where vertices were at the last query; at rest */
+    double (*here)[3], (*aim)[3], (*rate)[3]; /* of colliders: where they are, are to be, and how fast */
+    double *roam;                            /* how far each vertex may go before its planes are looked at */
+    uint32_t (*corners)[3], (*edges_of)[3], (*edges)[2], (*across)[2]; /* across: of the faces beside an edge */
+    uint8_t *owns; /* bits: a triangle stands for these of its corners, and of its edges */
+    uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; where it is in the list of what is near */
+    dm_node *nodes;
+    dm_neighbour *near;
+    uint32_t near_count, near_room, pair_count, pair_room, meeting_count, meeting_room, *pairs_of, pairs_of_room;
+    uint32_t candidate_count, candidate_room, *candidates; /* pairs that may touch before the next query */
+    double travel; /* [m] that what is near has gone since the query */
+    int due;       /* a query is */
+    dm_pair *pairs;
+    dm_meeting *meetings;
+    double touch, edge, tick, dt, reach, gap;
+    int32_t code;
+    uint8_t *fitted; /* surfaces whose boxes fit */
+    dm_scene_frame *out;
+    dm_crossings *found;
+} dm_scene_state;
+
+/* Make room for one more; null where there is none, and the scene knows. */
+static void *dm_grown(dm_scene_state *s, void *array, uint32_t count, uint32_t *size, size_t each) {
+    if (count < *size) return array;
+    uint32_t wanted = *size ? 2 * *size : 256;
+    void *made = realloc(array, wanted * each);
+    if (made) *size = wanted;
+    else s->code = DM_MEMORY;
+    return made ? made : array;
+}
+
+DM_INLINE int dm_has_room(const dm_scene_state *s) { return s->code == DM_OK; }
+
+DM_INLINE void dm_world_of(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
+    if (!f->body) {
+        memcpy(x, s->here[vertex], 3 * sizeof(double));
+        return;
+    }
+    for (int c = 0; c < 3; c++) x[c] = f->body->origin[c] + (double)f->body->records[vertex - f->first].x[c];
+}
+#endif

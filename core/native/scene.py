@@ -1,0 +1,140 @@
+"""Bodies and colliders that meet in the library: the structures of dimple.h by which a scene is made and stepped."""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from collections.abc import Sequence
+from ctypes import Structure, byref, c_double, c_int64, c_uint8, c_void_p
+from typing import Any
+
+import numpy as np
+
+from ..base import Floats
+from ..solver.motion import Motion
+from ..solver.scene import MAX_IMPULSES, Collider, ColliderMotion, Crossings, SceneFrame
+from .body import Body, CFrame, CMotion, NativeError
+from .definition import Arrays, fields
+
+
+class ColliderDef(Structure):
+    """A mesh that bodies meet: dm_collider_def."""
+
+    _fields_ = fields(vertices="n", positions="p", triangles="n", corners="p", friction="d")
+
+
+class CColliderMotion(Structure):
+    """The way of a collider: dm_collider_motion."""
+
+    _fields_ = [("from_", c_void_p), ("to", c_void_p)]
+
+
+class CSceneFrame(Structure):
+    """What a call came to: dm_scene_frame."""
+
+    _fields_ = [
+        *fields(ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", held_back="d", gap="d"),
+        ("impulse", c_double * 3 * MAX_IMPULSES),
+    ]
+
+
+class CCrossings(Structure):
+    """What passes through each other: dm_crossings."""
+
+    _fields_ = [("count", c_int64), ("surfaces", c_int64 * 2), ("place", c_double * 3)]
+
+
+class Scene:
+    """Bodies and colliders that nothing passes through, in the library; freed with this object.
+
+    Args:
+        bodies: of one precision; they may still be given other numbers, and be put elsewhere between two calls.
+        colliders: meshes that go where they are led.
+        library: that runs it.
+        itself: whether each body meets itself too.
+
+    Raises:
+        NativeError: the library refused it.
+    """
+
+    def __init__(
+        self, bodies: Sequence[Body], colliders: Sequence[Collider], library: ctypes.CDLL, *, itself: Sequence[bool]
+    ) -> None:
+        self._library, self.bodies, self._handle = library, list(bodies), c_void_p()
+        self._shapes = [np.shape(collider.positions) for collider in colliders]
+        handles = (c_void_p * len(bodies))(*(body.handle for body in bodies))
+        flags = (c_uint8 * len(bodies))(*itself)
+        with Arrays() as arrays:
+            made = (ColliderDef * max(len(colliders), 1))(
+                *(
+                    ColliderDef(
+                        c.positions.shape[1], arrays.double(c.positions), len(c.triangles), arrays.index(c.triangles),
+                        c.friction,
+                    )  # fmt: skip
+                    for c in colliders
+                )
+            )
+            self._call(
+                "dm_scene_create", byref(self._handle), len(bodies), handles, flags, len(colliders), made
+            )
+        weakref.finalize(self, library.dm_scene_destroy, self._handle.value)
+        self._motions = (CMotion * len(bodies))()
+        self._ways = (CColliderMotion * max(len(colliders), 1))()
+        self._frames, self._out = (CFrame * len(bodies))(), CSceneFrame()
+
+    def step(
+        self, motions: Sequence[Motion], ways: Sequence[ColliderMotion | None], first: float, last: float
+    ) -> SceneFrame:
+        """Run the ticks of motions, one for each body and equal in ticks, substeps and tick.
+
+        Args:
+            ways: of the colliders, None where one rests.
+            first, last: the share of them at the end of the first tick and of the last.
+
+        Raises:
+            NativeError: a motion has a number that is none.
+        """
+        kept = [body.pack(motion, c) for body, motion, c in zip(self.bodies, motions, self._motions, strict=True)]
+        with Arrays() as arrays:
+            for way, to, shape in zip(ways, self._ways, self._shapes, strict=False):
+                if way is not None and (np.shape(way.start) != shape or np.shape(way.end) != shape):
+                    raise NativeError(f"a collider must have the shape {shape}")
+                to.from_, to.to = (None, None) if way is None else (arrays.double(way.start), arrays.double(way.end))
+            self._call(
+                "dm_scene_step", self._handle, self._motions, self._ways, first, last, self._frames, byref(self._out)
+            )
+        del kept
+        out = self._out
+        frames = [b.unpack(m, f) for b, m, f in zip(self.bodies, motions, self._frames, strict=True)]
+        count = min(len(self.bodies) + len(self._shapes), MAX_IMPULSES)
+        return SceneFrame(
+            tuple(frames), out.ticks, out.queries, out.pairs, out.touching, out.truncated, out.taken, out.held_back,
+            out.gap, np.array(out.impulse)[:count],
+        )  # fmt: skip
+
+    def crossings(self) -> Crossings:
+        """Return what passes through each other now."""
+        found = CCrossings()
+        self._call("dm_scene_find_crossings", self._handle, byref(found))
+        a, b = found.surfaces
+        x, y, z = found.place
+        return Crossings(found.count, (a, b), (x, y, z))
+
+    def set_collider(self, index: int, positions: Floats) -> None:
+        """Put a collider at positions (3, m) [m] at once."""
+        with Arrays() as arrays:
+            at = arrays.double(positions)
+            if np.shape(positions) != self._shapes[index]:
+                raise NativeError(f"a collider must have the shape {self._shapes[index]}")
+            self._call("dm_scene_set_collider", self._handle, index, at)
+
+    def collider(self, index: int) -> Floats:
+        """Return where a collider is (3, m) [m]: behind its way where something cannot get out of it."""
+        x = np.empty(self._shapes[index])
+        self._call("dm_scene_get_collider", self._handle, index, x.ctypes.data)
+        return x
+
+    def _call(self, name: str, *values: Any) -> None:
+        code = getattr(self._library, name)(*values)
+        if code:
+            raise NativeError(f"{name}: {self._library.dm_message(code).decode()}", code)

@@ -1,0 +1,99 @@
+"""How far vertices may go before the next query: planes between pairs, and a distance for what is near nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import Bools, Floats, Ints
+from ..body.proximity import Pairs
+
+SWEEPS = 4  # projections on the planes of a vertex before its way is cut short
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bounds:
+    """What holds vertices back until the next query.
+
+    before: (n, 3) where they were at the query [m].
+    slack: (n,) how far each may go [m], and
+    roam: (n,) how far before its planes are looked at [m].
+    pairs: what is near each other.
+    start, rows: the planes of each vertex, as rows of pairs.
+    corners: at which of their four it is.
+    """
+
+    before: Floats
+    slack: Floats
+    roam: Floats
+    pairs: Pairs
+    start: Ints
+    rows: Ints
+    corners: Ints
+
+
+def bounds_of(before: Floats, slack: Floats, pairs: Pairs) -> Bounds:
+    """Return the bounds that follow from a query."""
+    flat = pairs.at.ravel()
+    order = np.argsort(flat, kind="stable")
+    roam = slack.copy()
+    np.minimum.at(roam, flat, np.repeat(pairs.gap / 2 - pairs.keep, 4))
+    return Bounds(
+        before=before, slack=slack, roam=roam, pairs=pairs, rows=order // 4, corners=order % 4,
+        start=np.searchsorted(flat[order], np.arange(len(slack) + 1)),
+    )  # fmt: skip
+
+
+def beyond(b: Bounds, x: Floats) -> Bools:
+    """Return which vertices at x (n, 3) have gone so far that their planes must be looked at, (n,)."""
+    way = x - b.before
+    far: Bools = np.einsum("nc,nc->n", way, way) > (b.roam * (1 - 1e-4)) ** 2
+    return far
+
+
+def is_allowed(b: Bounds, vertex: int, x: Floats) -> bool:
+    """Tell whether a vertex may be at x (3,)."""
+    if not float(np.linalg.norm(x - b.before[vertex])) <= b.slack[vertex]:
+        return False
+    return bool((_sides(b, vertex, x) >= b.pairs.keep[_planes(b, vertex)]).all())
+
+
+def hold_back(b: Bounds, vertex: int, x: Floats) -> Floats:
+    """Return where a vertex bound for x (3,) may be: on its planes, else so far back on its way as it must."""
+    most, before = b.slack[vertex] * (1 - 1e-6), b.before[vertex]
+    x = _shortened(before, x, most)
+    planes, pairs = _planes(b, vertex), b.pairs
+    sign = np.where(b.corners[b.start[vertex] : b.start[vertex + 1]] < pairs.ones[planes], 1.0, -1.0)
+    for _ in range(SWEEPS):
+        moved = False
+        for plane, way in zip(planes, sign, strict=True):
+            short = pairs.keep[plane] * (1 + 1e-6) - way * (pairs.normal[plane] @ x - pairs.level[plane])
+            if short > 0:
+                x, moved = x + way * short * pairs.normal[plane], True
+        if not moved:
+            return x
+        x = _shortened(before, x, most)
+    there, here, keep = _sides(b, vertex, x), _sides(b, vertex, before), pairs.keep[planes]
+    late = (there < keep) & (here > there)
+    part = (here[late] - keep[late]) / (here[late] - there[late]) * (1 - 1e-6)
+    share = min(1.0, max(float(part.min(initial=1.0)), 0.0))
+    x = before + share * (x - before)
+    return x if is_allowed(b, vertex, x) else before.copy()
+
+
+def _planes(b: Bounds, vertex: int) -> Ints:
+    return b.rows[b.start[vertex] : b.start[vertex + 1]]
+
+
+def _sides(b: Bounds, vertex: int, x: Floats) -> Floats:
+    """Return how far x (3,) is on the vertex's own side of each of its planes [m]."""
+    planes = _planes(b, vertex)
+    along = b.pairs.normal[planes] @ x - b.pairs.level[planes]
+    return np.where(b.corners[b.start[vertex] : b.start[vertex + 1]] < b.pairs.ones[planes], along, -along)
+
+
+def _shortened(before: Floats, x: Floats, most: float) -> Floats:
+    way = x - before
+    length = float(np.linalg.norm(way))
+    return before + way * (most / length) if length > most else x

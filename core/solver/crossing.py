@@ -1,0 +1,59 @@
+"""Which triangles pass through each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..base import Bools, Floats
+from ..body.proximity import Surfaces, near_boxes
+from .scene import Crossings
+
+
+def find_crossings(s: Surfaces, x: Floats, bodies: int, itself: Sequence[bool]) -> Crossings:
+    """Count the pairs of triangles that pass through each other at positions x (n, 3) [m], and say where the first is.
+
+    Args:
+        bodies: how many of the surfaces are bodies; the others are colliders, which may pass through each other.
+        itself: which bodies may not pass through themselves.
+    """
+    owner, total, first = s.of_vertex[s.corners[:, 0]], 0, ((0, 0), np.zeros(3))
+    for a in range(bodies):
+        for b in range(a, int(owner.max()) + 1):
+            if a == b and not itself[a]:
+                continue
+            ones, others = (np.flatnonzero(owner == which) for which in (a, b))
+            i, j = near_boxes(x[s.corners[ones]], x[s.corners[others]], 1e-300)
+            i, j = ones[i], others[j]
+            apart = (s.corners[i][:, :, None] != s.corners[j][:, None]).all(axis=(1, 2)) & ((a != b) | (i < j))
+            i, j = i[apart], j[apart]
+            crossed = np.flatnonzero(_cross(x[s.corners[i]], x[s.corners[j]]))
+            if len(crossed) and not total:
+                both = x[s.corners[[i[crossed[0]], j[crossed[0]]]]]
+                first = (a, b), both.mean(axis=(0, 1))
+            total += len(crossed)
+    return Crossings(total, first[0], (float(first[1][0]), float(first[1][1]), float(first[1][2])))
+
+
+def _cross(t: Floats, u: Floats) -> Bools:
+    """Return whether an edge of one triangle (m, 3, 3) passes through the other."""
+    found = np.zeros(len(t), bool)
+    for one, other in ((t, u), (u, t)):
+        for k in range(3):
+            found |= _passes(one[:, k], one[:, (k + 1) % 3], other)
+    return found
+
+
+def _passes(a: Floats, b: Floats, t: Floats) -> Bools:
+    """Return whether segments ab (m, 3) pass through triangles (m, 3, 3)."""
+    n = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
+    slope = np.einsum("mc,mc->m", b - a, n)
+    with np.errstate(all="ignore"):
+        share = np.einsum("mc,mc->m", t[:, 0] - a, n) / slope
+        inside = (slope != 0) & (share >= 0) & (share <= 1)
+        point = a + share[:, None] * (b - a)
+        for k in range(3):
+            edge = t[:, (k + 1) % 3] - t[:, k]
+            inside &= np.einsum("mc,mc->m", np.cross(edge, point - t[:, k]), n) >= 0
+    return inside

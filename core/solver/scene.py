@@ -1,0 +1,77 @@
+"""Several bodies and colliders stepped together, nothing passing through anything: what goes in and comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+from ..base import Floats, Ints
+from .motion import Frame, Motion
+
+MAX_IMPULSES = 64  # surfaces of which a frame says what they got
+
+
+class Collider(NamedTuple):
+    """A mesh that bodies meet and that goes where it is led; it may be open, and both its sides count.
+
+    positions: (3, m) [m].
+    triangles: (t, 3) corners.
+    friction: coefficient.
+    """
+
+    positions: Floats
+    triangles: Ints
+    friction: float = 0.5
+
+
+class ColliderMotion(NamedTuple):
+    """Where a collider is led: an even way of each vertex from start to end, (3, m) [m]."""
+
+    start: Floats
+    end: Floats
+
+
+class SceneFrame(NamedTuple):
+    """What a call came to.
+
+    frames: of each body.
+    ticks: done.
+    queries: of who is near whom.
+    pairs: the most that were near each other.
+    touching: the most that touched.
+    truncated: times that a vertex was held back from passing through something.
+    taken: momentum that this took [N s].
+    held_back: the farthest that a collider was behind its way [m].
+    gap: the least distance at a query [m], infinite where nothing was near.
+    impulses: that each surface got from others [N s], (k, 3): bodies, then colliders; the first MAX_IMPULSES of them.
+    """
+
+    frames: tuple[Frame, ...]
+    ticks: int
+    queries: int
+    pairs: int
+    touching: int
+    truncated: int
+    taken: float
+    held_back: float
+    gap: float
+    impulses: Floats
+
+
+class Crossings(NamedTuple):
+    """What passes through each other: how many pairs of triangles, and of the first both surfaces and the place [m]."""
+
+    count: int
+    surfaces: tuple[int, int]
+    place: tuple[float, float, float]
+
+
+class Scene(Protocol):
+    """What either backend offers; `native.Scene` says more."""
+
+    def step(
+        self, motions: Sequence[Motion], ways: Sequence[ColliderMotion | None], first: float, last: float
+    ) -> SceneFrame: ...
+    def crossings(self) -> Crossings: ...
+    def set_collider(self, index: int, positions: Floats) -> None: ...
+    def collider(self, index: int) -> Floats: ...

@@ -1,0 +1,232 @@
+"""The numpy twin of scenes: bodies and colliders stepped together, so that nothing passes through anything."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..base import SKIN_TRAVEL, Floats
+from ..body import touching
+from ..body.contact import Step, Touch
+from ..body.proximity import CLOSEST, OFFSET, Pairs, find_pairs, join_surfaces, touching_distance
+from . import semi_implicit
+from .bounds import Bounds, beyond, bounds_of, hold_back, is_allowed
+from .crossing import find_crossings
+from .motion import Motion
+from .scene import Collider, ColliderMotion, Crossings, SceneFrame
+from .ticks import each_tick, meet, slow_down
+from .twin import Call, Twin
+
+REACH_EDGE = 0.6  # of the mean edge: the farthest a query looks
+LEAST_REACH = 2.0  # of the distance at which surfaces touch
+REACH_TIME = 1.5  # ticks that a query is to last
+ROAM = 0.99  # of half the reach: what is near nothing may go
+STALE = 0.8  # of the way after which something unknown might touch
+
+
+class TwinScene:
+    """Bodies and colliders that numpy steps; what it does is said in `native.Scene`."""
+
+    def __init__(self, bodies: Sequence[Twin], colliders: Sequence[Collider], *, itself: Sequence[bool]) -> None:
+        self._bodies, self._itself = list(bodies), list(itself)
+        self._here = [np.array(collider.positions, np.float64) for collider in colliders]
+        rests = [body.model.mesh.rest_positions for body in bodies] + [x.T for x in self._here]
+        faces = [body.model.mesh.triangles for body in bodies] + [collider.triangles for collider in colliders]
+        s = self._surfaces = join_surfaces(rests, faces)
+        starts = np.cumsum([0, *map(len, rests)])
+        self._part = [slice(a, b) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+        self._frictions = [np.full(x.shape[1], c.friction) for x, c in zip(self._here, colliders, strict=True)]
+        finest = min(edge for edge in s.edge[: len(bodies)])
+        self._edge, self._offsets = finest, OFFSET * np.where(np.arange(len(rests)) < len(bodies), s.edge, finest)
+        largest = np.sort(self._offsets)[::-1]
+        self._touch = max(2 * float(self._offsets[: len(bodies)].max()), float(largest[:2].sum()))
+        self._rates = [np.zeros_like(x) for x in self._here]
+        self._sizes = np.array([CLOSEST * body.model.mesh.size for body in bodies] + [0.0] * len(colliders))
+        self._due = True
+
+    def crossings(self) -> Crossings:
+        """Return what passes through each other now."""
+        return find_crossings(self._surfaces, self._positions(), len(self._bodies), self._itself)
+
+    def set_collider(self, index: int, positions: Floats) -> None:
+        """Put a collider at positions (3, m) [m] at once."""
+        self._here[index], self._due = np.array(positions, np.float64), True
+        self._rates[index][:] = 0
+
+    def collider(self, index: int) -> Floats:
+        """Return where a collider is (3, m) [m]."""
+        return self._here[index].copy()
+
+    def step(
+        self, motions: Sequence[Motion], ways: Sequence[ColliderMotion | None], first: float, last: float
+    ) -> SceneFrame:
+        """Run the ticks of motions, one for each body."""
+        self._due, self._tick, self._dt = True, motions[0].tick, motions[0].tick / motions[0].substeps
+        self._queries = self._most_pairs = self._most_touching = self._truncated = 0
+        self._taken = self._held_back = 0.0
+        self._gap, self._impulses = np.inf, np.zeros((len(self._part), 3))
+        calls = [body.begin(motion) for body, motion in zip(self._bodies, motions, strict=True)]
+        count, done = motions[0].ticks, 0
+        while done < count and all(call.finite for call in calls):
+            share = first + (done / (count - 1) * (last - first) if count > 1 else 0.0)
+            self._run_tick(calls, ways, share)
+            done += 1
+        frames = tuple(body.end(call) for body, call in zip(self._bodies, calls, strict=True))
+        return SceneFrame(
+            frames, done, self._queries, self._most_pairs, self._most_touching, self._truncated, self._taken,
+            self._held_back, self._gap, self._impulses,
+        )  # fmt: skip
+
+    def _run_tick(self, calls: Sequence[Call], ways: Sequence[ColliderMotion | None], share: float) -> None:
+        substeps, touches = calls[0].motion.substeps, []
+        for body, call in zip(self._bodies, calls, strict=True):
+            path = body.begin_tick(call)
+            touches.append(next(each_tick(body.model, body.state, path, self._tick)))
+        self._aims = [None if way is None else way.start + share * (way.end - way.start) for way in ways]
+        for i, aim in enumerate(self._aims):
+            if aim is None:
+                self._rates[i][:] = 0
+        for step in range(substeps):
+            if self._due:
+                self._query()
+            with np.errstate(all="ignore"):  # the frame says when it has blown up
+                for body, call, near in zip(self._bodies, calls, touches, strict=True):
+                    self._step_body(body, call, near)
+                self._move_colliders(1 / (substeps - step))
+                self._resolve()
+                self._bound_bodies()
+        for body, call in zip(self._bodies, calls, strict=True):
+            body.end_tick(call)
+
+    def _step_body(self, body: Twin, call: Call, touches: Sequence[Touch]) -> None:
+        """Advance a body by a substep, fingertips included."""
+        model, state = body.model, body.state
+        near = [h for h in touches if len(h.vertices) or len(h.triangles)]
+        limit = min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
+        before = state.positions.copy()
+        try:
+            semi_implicit.advance(model, state, self._dt)
+        except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
+            state.positions[:] = np.nan
+            return
+        if near:
+            slow_down(before, state.positions, limit)
+        call.impulses[call.down] += meet(model, state, touches, Step(self._dt, limit))
+
+    def _positions(self) -> Floats:
+        parts = [body.state.positions.T for body in self._bodies] + [x.T for x in self._here]
+        return np.concatenate(parts)
+
+    def _reach(self) -> float:
+        """Return how far a query looks [m]: so far that it lasts some ticks at the speeds there are."""
+        fastest = [float(np.sqrt((body.state.velocities**2).sum(axis=0).max())) for body in self._bodies]
+        for here, aim in zip(self._here, self._aims, strict=True):
+            if aim is not None:
+                fastest.append(float(np.sqrt(((aim - here) ** 2).sum(axis=0).max())) / self._tick)
+        least = LEAST_REACH * self._touch
+        wanted = self._touch + 2 * REACH_TIME * max(fastest) * self._tick
+        return float(min(max(wanted, least), max(REACH_EDGE * self._edge, least)))
+
+    def _query(self) -> None:
+        s, x, count = self._surfaces, self._positions(), len(self._part)
+        reach, bodies = self._reach(), len(self._bodies)
+        lows, highs = (np.array([pick(x[part], axis=0) for part in self._part]) for pick in (np.min, np.max))
+        slack, stale, found = np.full(count, np.inf), np.full(count, np.inf), []
+        for i in range(count):
+            for j in range(i, count):
+                if not (self._itself[i] if i == j and i < bodies else i < bodies and i != j):
+                    continue
+                apart = -1.0 if i == j else float(np.maximum(lows[j] - highs[i], lows[i] - highs[j]).max())
+                far = apart > reach
+                most, due = (apart / 2, apart / 4) if far else (reach / 2, STALE * (reach - self._touch) / 2)
+                for k in (i, j):
+                    slack[k], stale[k] = min(slack[k], ROAM * most), min(stale[k], due)
+                if not far:
+                    closest = float(max(self._sizes[i], self._sizes[j]))
+                    found.append(find_pairs(s, x, i, j, reach=reach, closest=closest))
+        pairs = _joined(found)
+        self._bounds: Bounds = bounds_of(x, slack[s.of_vertex], pairs)
+        self._stale = stale
+        self._touches = touching_distance(s, pairs, self._offsets)
+        may = (pairs.weight > 0) & (pairs.gap <= self._touches + STALE * (reach - self._touch) * 1.5)
+        self._candidates, self._touches = _picked(pairs, may), self._touches[may]
+        self._due, self._queries = False, self._queries + 1
+        self._most_pairs = max(self._most_pairs, len(pairs.gap))
+        self._gap = min(self._gap, float(pairs.gap.min(initial=np.inf)))
+
+    def _move_colliders(self, share: float) -> None:
+        """Move colliders on their way; where something that one presses cannot get away, it waits."""
+        for i, aim in enumerate(self._aims):
+            if aim is None:
+                continue
+            part, here = self._part[len(self._bodies) + i], self._here[i]
+            x = (here + share * (aim - here)).T
+            wanted = x.copy()
+            whole = self._bounds.before.copy()
+            whole[part] = x
+            for vertex in np.flatnonzero(beyond(self._bounds, whole)):
+                if not is_allowed(self._bounds, vertex, whole[vertex]):
+                    x[vertex - part.start] = hold_back(self._bounds, vertex, whole[vertex])
+                    self._due = True
+            self._held_back = max(self._held_back, float(np.linalg.norm(wanted - x, axis=1).max()))
+            self._rates[i], self._here[i] = (x.T - here) / self._dt, np.ascontiguousarray(x.T)
+            self._note_way(len(self._bodies) + i, x)
+
+    def _resolve(self) -> None:
+        if not len(self._candidates.gap):
+            return
+        bodies, led = self._bodies, [np.zeros(x.shape[1]) for x in self._here]
+        v = np.concatenate([body.state.velocities.T for body in bodies] + [rate.T for rate in self._rates])
+        friction = np.concatenate([body.model.friction for body in bodies] + self._frictions)
+        inverse_mass = np.concatenate([body.model.inverse_mass for body in bodies] + led)
+        change, got, count = touching.resolve(
+            self._surfaces, self._candidates, self._touches, friction, self._positions(), v, inverse_mass, self._dt
+        )
+        for body, part in zip(bodies, self._part, strict=False):
+            body.state.velocities += change[part].T
+            body.state.positions += self._dt * change[part].T
+        self._impulses += got
+        self._most_touching = max(self._most_touching, count)
+
+    def _bound_bodies(self) -> None:
+        """Hold every vertex of the bodies to its bounds; what of momentum that takes is counted."""
+        x = self._positions()
+        far = beyond(self._bounds, x)
+        for index, (body, part) in enumerate(zip(self._bodies, self._part, strict=False)):
+            for vertex in part.start + np.flatnonzero(far[part]):
+                if not is_allowed(self._bounds, vertex, x[vertex]):
+                    self._bound(body, int(vertex), int(vertex) - part.start, x[vertex])
+            self._note_way(index, body.state.positions.T)
+
+    def _bound(self, body: Twin, vertex: int, own: int, x: Floats) -> None:
+        at = hold_back(self._bounds, vertex, x)
+        back = at - x
+        back = back / max(float(np.linalg.norm(back)), 1e-300)
+        velocity = body.state.velocities[:, own]
+        against = float(velocity @ back)
+        if against < 0:
+            body.state.velocities[:, own] = velocity - against * back
+            if body.model.inverse_mass[own] > 0:
+                self._taken -= against / float(body.model.inverse_mass[own])
+        body.state.positions[:, own] = at
+        self._truncated, self._due = self._truncated + 1, True
+
+    def _note_way(self, index: int, x: Floats) -> None:
+        way = x - self._bounds.before[self._part[index]]
+        if np.einsum("nc,nc->n", way, way).max() > self._stale[index] ** 2:
+            self._due = True
+
+
+def _joined(found: Sequence[Pairs]) -> Pairs:
+    if not found:
+        none, whole = np.zeros(0), np.zeros(0, np.int64)
+        return Pairs(
+            at=whole.reshape(0, 4), ones=whole, part=whole.reshape(0, 2), normal=none.reshape(0, 3), level=none,
+            keep=none, gap=none, weight=none,
+        )  # fmt: skip
+    return Pairs(**{name: np.concatenate([getattr(p, name) for p in found]) for name in Pairs.__slots__})
+
+
+def _picked(pairs: Pairs, which: np.ndarray) -> Pairs:
+    return Pairs(**{name: getattr(pairs, name)[which] for name in Pairs.__slots__})

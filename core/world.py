@@ -1,0 +1,171 @@
+"""Several sessions that meet each other, themselves and colliders: stepped together, so that nothing passes through.
+
+A session alone, with nothing to meet, needs none of this and pays nothing for it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .base import DimpleError, Floats
+from .session import TICKS_AT_ONCE, Session
+from .solver.backend import create_scene
+from .solver.motion import MAX_STEPS
+from .solver.scene import Collider as Collider
+from .solver.scene import ColliderMotion, SceneFrame
+
+
+class Meeting(NamedTuple):
+    """What came of contact in a step.
+
+    touching: the most pairs that touched.
+    truncated: times that a vertex was held back from passing through something.
+    taken: momentum that this took [N s].
+    held_back: the farthest that a collider was behind its way [m].
+    forces: on each surface, mean over the step (k, 3) [N]: bodies, then colliders.
+    queries: of who is near whom.
+    """
+
+    touching: int = 0
+    truncated: int = 0
+    taken: float = 0.0
+    held_back: float = 0.0
+    forces: Floats = np.zeros((0, 3))
+    queries: int = 0
+
+
+class World:
+    """Step sessions together.
+
+    Args:
+        sessions: of one tick and one backend.
+        colliders: where they are now.
+        itself: whether each body meets itself too.
+        names: of the bodies, then of the colliders, for messages.
+
+    Raises:
+        DimpleError: something passes through something else, with what and where.
+    """
+
+    def __init__(
+        self,
+        sessions: Sequence[Session],
+        colliders: Sequence[Collider] = (),
+        *,
+        itself: Sequence[bool] | None = None,
+        names: Sequence[str] = (),
+    ) -> None:
+        self.sessions, self.colliders = list(sessions), list(colliders)
+        self._itself = list(itself) if itself is not None else [False] * len(self.sessions)
+        self._names = [*names, *(f"{i + 1}" for i in range(len(names), len(self.sessions) + len(self.colliders)))]
+        if len({(session.tick, session.backend) for session in self.sessions}) > 1:
+            raise DimpleError("Bodies that meet must be stepped by the same backend, with the same tick.")
+        self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
+        self._ends: list[Floats | None] = [None] * len(self.colliders)
+        self.meeting = Meeting()
+        self._make()
+        self.check()
+
+    def check(self) -> None:
+        """Raise a DimpleError when something passes through something else."""
+        found = self._scene.crossings()
+        if found.count:
+            first, second = (self._names[i] for i in found.surfaces)
+            where = ", ".join(f"{1e3 * c:.1f}" for c in found.place)
+            pair = f'"{first}" passes through itself' if first == second else f'"{first}" and "{second}" intersect'
+            raise DimpleError(f"{pair} at ({where}) mm, {found.count} pairs of faces in all. Move them apart first.")
+
+    def set_colliders(self, ends: Sequence[Floats | None]) -> None:
+        """Say where each collider (m, 3) [m] is to be at the end of the next step; None lets it rest.
+
+        Raises:
+            DimpleError: another number of vertices, or positions that are not numbers.
+        """
+        for i, end in enumerate(ends):
+            if end is None:
+                continue
+            if np.shape(end) != self._at[i].T.shape or not np.isfinite(end).all():
+                name = self._names[len(self.sessions) + i]
+                raise DimpleError(f'Collider "{name}" has other vertices than at the start, or one that is no number.')
+            self._ends[i] = np.ascontiguousarray(np.asarray(end, np.float64).T)
+
+    def collider(self, index: int) -> Floats:
+        """Return where a collider (m, 3) [m] is: behind its way where a body cannot get out of it."""
+        return self._scene.collider(index).T
+
+    def step(self, dt: float, *, budget: float | None = None) -> Meeting:
+        """Advance all sessions by dt [s] in whole ticks; their frames show it.
+
+        Args:
+            budget: stop after this much wall time [s]; the simulated time then lags behind.
+        """
+        if any(session.body is not body for session, body in zip(self.sessions, self._bodies, strict=True)):
+            self._make()
+        started, early, parts = time.perf_counter(), False, []
+        for session in self.sessions:
+            session.begin(dt)
+        substeps = max(session.substeps for session in self.sessions)
+        most = min([MAX_STEPS // substeps - 1 if budget is None else TICKS_AT_ONCE, *(s.most for s in self.sessions)])
+        whole, share = min(session.due for session in self.sessions), 0
+        while share < whole:
+            ticks = min(whole - share, most)
+            parts.append(self._run(ticks, substeps, share, whole))
+            share += ticks
+            results = [s.take(f) for s, f in zip(self.sessions, parts[-1].frames, strict=True)]
+            if not all(results):
+                self._place()
+                break
+            early = budget is not None and time.perf_counter() - started > budget and share < whole
+            if early:
+                break
+        self._arrive(share / whole if early else 1.0)
+        for session in self.sessions:
+            session.finish(early=early)
+        self.meeting = _sum(parts, max(share, 1) * self.sessions[0].tick)
+        return self.meeting
+
+    def reset(self) -> None:
+        """Put all bodies and colliders back to where they were at the start."""
+        for session in self.sessions:
+            session.reset()
+        self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
+        self._ends, self.meeting = [None] * len(self.colliders), Meeting()
+        self._place()
+
+    def _make(self) -> None:
+        """Make what steps, of the bodies that the sessions have now."""
+        self._bodies = [session.body for session in self.sessions]
+        now = [collider._replace(positions=at) for collider, at in zip(self.colliders, self._at, strict=True)]
+        self._scene = create_scene(self._bodies, now, itself=self._itself, backend=self.sessions[0].backend)
+
+    def _place(self) -> None:
+        for i, at in enumerate(self._at):
+            self._scene.set_collider(i, at)
+
+    def _run(self, ticks: int, substeps: int, done: int, whole: int) -> SceneFrame:
+        ways = [
+            None if end is None else ColliderMotion(at, end) for at, end in zip(self._at, self._ends, strict=True)
+        ]
+        motions = [session.motion(ticks, substeps=substeps) for session in self.sessions]
+        return self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
+
+    def _arrive(self, share: float) -> None:
+        """Note where on their ways the colliders are to be now."""
+        for i, end in enumerate(self._ends):
+            if end is not None:
+                self._at[i] = end if share >= 1 else self._at[i] + share * (end - self._at[i])
+                self._ends[i] = None if share >= 1 else end
+
+
+def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
+    if not parts:
+        return Meeting()
+    return Meeting(
+        max(part.touching for part in parts), sum(part.truncated for part in parts),
+        sum(part.taken for part in parts), max(part.held_back for part in parts),
+        sum(part.impulses for part in parts) / seconds, sum(part.queries for part in parts),
+    )  # fmt: skip
