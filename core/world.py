@@ -28,6 +28,7 @@ class Meeting(NamedTuple):
     held_back: the farthest that a collider was behind its way [m].
     forces: on each surface, mean over the step (k, 3) [N]: bodies, then colliders.
     queries: of who is near whom.
+    moments: of the forces about the origin (k, 3) [N m].
     """
 
     touching: int = 0
@@ -36,6 +37,7 @@ class Meeting(NamedTuple):
     held_back: float = 0.0
     forces: Floats = np.zeros((0, 3))
     queries: int = 0
+    moments: Floats = np.zeros((0, 3))
 
 
 class World:
@@ -168,4 +170,5 @@ def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
         max(part.touching for part in parts), sum(part.truncated for part in parts),
         sum(part.taken for part in parts), max(part.held_back for part in parts),
         sum(part.impulses for part in parts) / seconds, sum(part.queries for part in parts),
+        sum(part.moments for part in parts) / seconds,
     )  # fmt: skip
