@@ -11,7 +11,7 @@ import bpy
 
 from ..operators import calibration
 from ..operators.sessions import sessions
-from . import readout, room, shapes
+from . import dent, readout, room, shapes
 from .readout import iface_
 from .room import Room
 from .shapes import Point, Segment
@@ -82,9 +82,10 @@ def overlays_shown(context: bpy.types.Context) -> bool:
 
 
 def draw_bodies() -> None:
-    """Draw fingertips and force arrows in the scene (POST_VIEW)."""
+    """Draw fingertips, force arrows, and dents that a mesh cannot show, in the scene (POST_VIEW)."""
     context = bpy.context
-    for _, entry in shown_bodies(context):
+    for body, entry in shown_bodies(context):
+        dent.draw_dent(body, entry)
         draw_fingers(entry, screen_of(context))
 
 

@@ -86,7 +86,7 @@ class DIMPLE_PT_body(bpy.types.Panel):
         settings = body.dimple
         layout.use_property_split = True
         if body.type != "MESH":
-            draw_notes(context, layout, ["Dimple presses meshes. Convert this object: Object > Convert > Mesh."])
+            draw_notes(context, layout, ["Dimple presses meshes. Make Soft converts this object to one."])
         layout = layout.column()
         layout.enabled = body.type == "MESH" and settings.enabled
         layout.prop(settings, "law_set")

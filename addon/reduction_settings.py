@@ -11,8 +11,8 @@ FIXED = {"options": set(), "translation_context": CONTEXT}
 KEYED = {"options": {"ANIMATABLE"}, "translation_context": CONTEXT}  # a bake and what plays follow its keyframes
 
 _SIMULATED = (
-    ("AUTO", "Automatic", "The full mesh where that runs live, else the smallest proxy within the tolerances"),
-    ("MESH", "Full Mesh", "Every vertex is simulated, however slow that is"),
+    ("AUTO", "Automatic", "The full mesh, cut finer where it is coarse, or the smallest proxy within the tolerances"),
+    ("MESH", "Full Mesh", "Every vertex of the mesh is simulated and no more, however slow or coarse that is"),
     ("PROXY", "Proxy", "A coarser body is simulated in place of the mesh and deforms it"),
 )
 

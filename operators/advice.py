@@ -7,20 +7,30 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from .messages import Note
+
 if TYPE_CHECKING:
     from ..core.body.model import Model
+    from ..core.mesh.refine import Refinement
     from ..core.mesh.surface import Mesh
 
 _MOVING = {"ARMATURE", "LATTICE", "CURVE", "MESH_DEFORM", "SURFACE_DEFORM", "HOOK", "SIMPLE_DEFORM", "DISPLACE"}
 
 
-def on_body(body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene) -> tuple[str, ...]:
+def on_body(
+    body: bpy.types.Object, mesh: Mesh, scene: bpy.types.Scene, refined: Refinement | None
+) -> tuple[str, ...]:
     """Return sentences of advice on a body: modifiers, its size, and the edges of its mesh."""
     notes, size = [], mesh.size
     moving = [modifier.name for modifier in body.modifiers if modifier.type in _MOVING and modifier.show_viewport]
     if moving:
         notes.append(f'The modifier "{moving[0]}" moves the surface after the press: aim at the mesh before it.')
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
+    if refined:
+        notes.append(Note(
+            f"Its own {refined.before:,} vertices are too few for the fingertip: {len(mesh.rest_positions):,} are "
+            "simulated, in the same shape. Make Soft can cut the mesh itself as fine."
+        ))  # fmt: skip
     if radius < size / 100:
         notes.append(
             f"The body is {size:.3g} m large, over 100 times the radius of the fingertip. "

@@ -168,7 +168,7 @@ def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> No
             body.session.set_fingers(live.fingertips(scene, body.link.scale))
             if not np.array_equal(matrix, body.matrix):
                 body.matrix = matrix
-                body.session.set_held(bridge.to_physical(body.link.scale, matrix, body.link.rest))
+                body.session.set_held(bridge.places(body.link, matrix))
             shown = body.session.step(look_s)
             if shown.note:
                 raise DimpleError(f'"{body.link.name}", frame {frame}: {shown.note}')

@@ -21,6 +21,7 @@ from .names import BAKED_KEY, LIVE_KEY, MAPS, REST
 if TYPE_CHECKING:
     from ..core.body.model import Model
     from ..core.material import Material
+    from ..core.mesh.refine import Refinement
     from ..core.mesh.surface import Mesh
 
 LEVEL = 1e-4  # of its size: points of an object as high as its highest one
@@ -41,6 +42,7 @@ class ObjectLink:
     resting: (N, 3) what a frame shows at rest [m].
     rounding: what a vertex at rest may be off it [m].
     slots: of the object's materials that the model has.
+    refined: how the surface that is pressed was cut finer than the object's own; None where it was not.
     """
 
     uid: int
@@ -51,10 +53,16 @@ class ObjectLink:
     resting: Singles
     rounding: float
     slots: tuple[int, ...]
+    refined: Refinement | None = None
 
 
 def read_body(
-    context: bpy.types.Context, body: bpy.types.Object, *, baked: bool = True, identify: str = "BACKGROUND"
+    context: bpy.types.Context,
+    body: bpy.types.Object,
+    *,
+    baked: bool = True,
+    identify: str = "BACKGROUND",
+    refined: Refinement | None = None,
 ) -> tuple[ObjectLink, Model]:
     """Read a mesh object with its materials and settings into a model; change nothing.
 
@@ -62,6 +70,7 @@ def read_body(
         baked: take the shape keys of an earlier bake as part of the rest shape.
         identify: what is done about model constants that are not known yet: "BACKGROUND" (they come later), "WAIT"
             (they are found now) or "NO" (the closed form takes their place).
+        refined: how its surface was cut finer before; None cuts it where it is too coarse for a fingertip.
 
     Raises:
         DimpleError: this object cannot be pressed, with the reason and what to do.
@@ -76,22 +85,29 @@ def read_body(
     if np.linalg.det(matrix[:3, :3]) < 0:  # mirrored: what looked outward looks inward
         triangles = triangles[:, ::-1]
     used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
+    points = to_physical(scale, matrix, rest)
+    if refined is None or refined.before != len(rest):
+        refined = _refined(context.scene, body, points, triangles, triangle_material)
+    if refined:
+        points, triangles = refined.at_vertices(points), refined.triangles
+        triangle_material = triangle_material[refined.origin]
     try:
-        mesh = mesh_from_triangles(to_physical(scale, matrix, rest), triangles, triangle_material=triangle_material)
+        mesh = mesh_from_triangles(points, triangles, triangle_material=triangle_material)
     except DimpleError as error:
         raise DimpleError(f'"{body.name}": {error}') from error
-    resting = mesh.rest_positions[mesh.source].astype(np.float32)
+    resting = mesh.rest_positions[mesh.source][: len(rest)].astype(np.float32)
     link = ObjectLink(
         uid=body.session_uid, name=body.name, rest=rest, scale=scale, matrix=matrix, resting=resting,
         rounding=float(4 * np.finfo(np.float32).eps * np.abs(resting).max()), slots=tuple(map(int, used)),
+        refined=refined,
     )  # fmt: skip
-    return link, read_model(context.scene, body, mesh, link.slots, identify=identify)
+    return link, read_model(context.scene, body, mesh, link, identify=identify)
 
 
 def read_model(
-    scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, slots: tuple[int, ...], *, identify: str = "BACKGROUND"
+    scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink, *, identify: str = "BACKGROUND"
 ) -> Model:
-    """Read the materials and settings of an object into a model on its mesh, whose materials lie in these slots.
+    """Read the materials and settings of an object into a model on the mesh that it was linked with.
 
     Args:
         identify: as for `read_body`.
@@ -107,12 +123,15 @@ def read_model(
         held = base_vertices(mesh) if params["pinned"] == "base" else None
         if params["pinned"] == "group":
             held = _pins(body, params["pin_group"])
+            held = link.refined.least_at_vertices(held) if link.refined else held
         if params["law_set"] == "paper":  # its equations have no model constants
             identify = "NO"
-        found = [_material(body, slot, mesh, held, identify) for slot in slots]
+        found = [_material(body, slot, mesh, held, identify) for slot in link.slots]
         materials, messages = zip(*found, strict=True)
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
         maps = {name: _weights(body, group, name) for name, group in groups.items() if group}
+        if link.refined:
+            maps = {name: link.refined.at_vertices(weights) for name, weights in maps.items()}
         model = build_model(
             mesh, materials, law_set=params["law_set"], held=held, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
@@ -120,7 +139,7 @@ def read_model(
         )  # fmt: skip
     except DimpleError as error:
         raise DimpleError(f'"{body.name}": {error}') from error
-    notes = (*filter(None, messages), *advice.on_body(body, mesh, scene), *advice.on_fill(model))
+    notes = (*filter(None, messages), *advice.on_body(body, mesh, scene, link.refined), *advice.on_fill(model))
     return replace(model, notes=(*model.notes, *notes))
 
 
@@ -152,7 +171,7 @@ def _not_a_mesh(body: bpy.types.Object) -> str:
         )
     kind = body.bl_rna.properties["type"].enum_items[body.type].name.lower()
     article = "an" if kind[0] in "aeiou" else "a"
-    todo = "Convert it first: Object > Convert > Mesh." if body.type in _CONVERTIBLE else "Select a mesh to press."
+    todo = "Make Soft converts it to a mesh." if body.type in _CONVERTIBLE else "Select a mesh to press."
     return f'"{body.name}" is {article} {kind}, not a mesh. {todo}'
 
 
@@ -217,8 +236,18 @@ def to_physical(scale: float, matrix: Floats, local: npt.NDArray[Any]) -> Floats
     return scale * (local.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
 
 
+def places(link: ObjectLink, matrix: Floats) -> Floats:
+    """Return where every input vertex of a session (n, 3) [m] is at rest, with its object there."""
+    points = to_physical(link.scale, matrix, link.rest)
+    return link.refined.at_vertices(points) if link.refined else points
+
+
 def to_local(link: ObjectLink, matrix: Floats, physical: Singles) -> Singles:
-    """Return physical points (N, 3) [m] as coordinates of an object; vertices at rest get their very bits back."""
+    """Return the points of a session (n, 3) [m] as coordinates (N, 3) of its object.
+
+    Vertices at rest get their very bits back. Of a surface that was cut finer the object's own come first.
+    """
+    physical = physical[: len(link.rest)]
     inverse = np.linalg.inv(matrix)
     local = (physical @ (inverse[:3, :3].T / link.scale) + inverse[:3, 3]).astype(np.float32)
     if np.array_equal(matrix, link.matrix):
@@ -259,6 +288,18 @@ def _scale(scene: bpy.types.Scene, name: str, rest: Singles, matrix: Floats, siz
     if size is not None and not size <= FARTHEST:
         raise DimpleError(f'"{name}": a Custom Size of {1e3 * size:.3g} mm is too large. Lower it in Physics > Dimple.')
     return float(scene.unit_settings.scale_length) if size is None else size / largest
+
+
+def _refined(
+    scene: bpy.types.Scene, body: bpy.types.Object, points: Floats, triangles: npt.NDArray[Any], kinds: npt.NDArray[Any]
+) -> Refinement | None:
+    """Return how a surface (N, 3) [m] is cut finer, None where it is fine enough or simulated as it is."""
+    from ..core.mesh.refine import is_coarse, refine
+
+    radius = scene.dimple.finger_radius_mm / 1e3
+    if body.dimple.simulated != "AUTO" or body.dimple.to_params()["law_set"] == "paper":
+        return None
+    return refine(points, triangles, kinds, radius) if is_coarse(points, triangles, radius) else None
 
 
 def _triangles(mesh: bpy.types.Mesh) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:

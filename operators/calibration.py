@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..core.calibration.calibrate import Calibration
+    from ..core.calibration.together import Together
     from ..core.mesh.surface import Mesh
 
 EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
@@ -53,6 +54,22 @@ def to_text(calibration: Calibration, advice: Sequence[str] = ()) -> str:
     record["k_to_use"] = surface.k.value / 1e3 if surface and surface.k else None
     record["unusable"] = _unusable(record)
     return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def joint_text(first: Calibration, found: Together) -> str:
+    """Return the text that keeps a joint fit: as that of its first curve alone, with the constants of all."""
+    from ..core.calibration.record import joint_record
+
+    record, joint = load(to_text(first)), joint_record(found)
+    said = joint.pop("lines")
+    names = ", ".join(each.name for each in found.curves)
+    kept = record | joint | {
+        "provenance": f"{names}: {said[0]}, {said[1]}, calibrated {record['date']}", "band": [],
+        "warnings": [warning for warning in record["warnings"] if found.knee or "knee" not in warning],
+        "notes": [*record["notes"], *said[2:]], "source": names,
+        "residual_share": max(each.rms for each in found.curves),
+    }  # fmt: skip
+    return json.dumps(kept | {"unusable": _unusable(kept)}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
 def headline(warning: str) -> str:

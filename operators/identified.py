@@ -19,7 +19,8 @@ import bpy
 from ..core.base import DimpleError
 from ..core.calibration import cache
 from ..core.calibration.identify import Identification, identification
-from ..core.calibration.indent import Site, find_site, typical_site
+from ..core.calibration.indent import Site, find_site
+from ..core.calibration.place import typical_site
 
 if TYPE_CHECKING:
     from ..core.base import Bools

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.calibration.indent import Site, find_site
+from ..core.calibration.place import typical_site
 from ..core.material import Indenter
 from . import bridge, calibration
 from .names import MAPS
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from ..core.material import Material
     from ..core.mesh.surface import Mesh
     from .bridge import Floats, ObjectLink
-
-DOWN = np.array([0.0, 0.0, -1.0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,9 +76,13 @@ def set_up(
     link, model = bridge.read_body(context, body, baked=False, identify=identify)
     settings, mesh = material.dimple, model.mesh
     tip = tip or Indenter(shape=settings.tip.lower(), radius=settings.tip_radius_mm / 1e3)
-    above, inward = (None, DOWN) if place == "TOP" else _at_cursor(context, link, mesh)
+    held = model.held[mesh.source]
     try:
-        site = find_site(mesh, tip, held=model.held[mesh.source], above=above, inward=inward)
+        if place == "TOP":
+            site = typical_site(mesh, tip, held=held)
+        else:
+            above, inward = _at_cursor(context, link, mesh)
+            site = find_site(mesh, tip, held=held, above=above, inward=inward)
     except DimpleError as error:
         elsewhere = " Press At: 3D Cursor puts the tip elsewhere." if place == "TOP" else ""
         raise DimpleError(f'"{body.name}": {error}{elsewhere}') from error

@@ -136,7 +136,7 @@ def follow(obj: bpy.types.Object, body: LiveBody) -> None:
     matrix = np.array(obj.matrix_world)
     if not np.array_equal(matrix, body.matrix):
         bridge.check_matrix(obj.name, matrix)
-        body.session.set_held(bridge.to_physical(body.link.scale, matrix, body.link.rest))
+        body.session.set_held(bridge.places(body.link, matrix))
         body.matrix = matrix
 
 

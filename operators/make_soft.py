@@ -8,14 +8,16 @@ from bpy.props import BoolProperty, StringProperty
 from . import polls, sessions
 from .messages import report
 from .names import POKE_TOOL, Op
+from .sizing import scale_of, settle_size
 
 if TYPE_CHECKING:
     import numpy as np
 
-LARGEST_M, SMALLEST_M = 2.0, 0.01  # a body as modelled between these is taken as it is
 FINE = 1.1  # fingertip radii: edges no longer than this show a dent that is the fingertip's own
+PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
 MOST_VERTICES = 40_000  # of a mesh that is subdivided
 ROUNDS = 7  # of halving edges
+TEXT_DEPTH = 0.15  # of the size of its letters: half of the depth that flat text gets
 
 
 class DIMPLE_OT_make_soft(bpy.types.Operator):
@@ -38,9 +40,9 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         """Need Object Mode and a mesh of this file."""
         if context.mode != "OBJECT":
             return polls.refuse(cls, "Go back to Object Mode first")
-        if not polls.needs_mesh(cls, context) or not polls.is_own(cls, context.object):
-            return False
-        return polls.is_free(cls)
+        if context.object is None or context.object.type not in PRESSABLE:
+            return polls.refuse(cls, "Select a mesh first")
+        return polls.is_own(cls, context.object) and polls.is_free(cls)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask only where the mesh itself should be changed."""
@@ -65,12 +67,14 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
 
         done, wrong = [], []
         try:
-            bodies = [obj for obj in live.candidates(context) if obj.type == "MESH"]
+            bodies = [obj for obj in live.candidates(context) if obj.type in PRESSABLE]
         except DimpleError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         for obj in bodies:
             try:
+                if obj.type != "MESH":
+                    done.append(convert(context, obj))
                 done.append(make_soft(context, obj, self.preset, subdivide=self.subdivide))
             except DimpleError as error:
                 wrong.append(str(error))
@@ -99,8 +103,7 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
     if obj.active_material is None:
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
-    if not obj.dimple.enabled:
-        settle_size(context.scene, obj)
+    settle_size(context.scene, obj)
     obj.dimple.enabled = True
     if subdivide and is_coarse(context, obj):
         if obj.data.shape_keys or obj.data.users > 1:
@@ -114,36 +117,34 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
     return f'"{obj.name}" is soft: {obj.active_material.name}, {size} large. Press it with the left mouse button.'
 
 
-def settle_size(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
-    """Let a mesh as large as a house stand for an object in the hand, which is what the constants are of."""
-    as_modelled = max(obj.dimensions) * scene.unit_settings.scale_length
-    if SMALLEST_M <= as_modelled < LARGEST_M:
-        obj.dimple.size_mode = "REAL"
-    else:
-        obj.dimple.size_mode = "CUSTOM"
+def convert(context: bpy.types.Context, obj: bpy.types.Object) -> str:
+    """Turn a text, a curve or a metaball into the mesh that it shows, flat text with a depth; return a sentence on it.
 
+    Raises:
+        DimpleError: it shows no faces; it was left as it was.
+    """
+    from ..core.base import DimpleError
 
-def scale_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
-    """Return metres of the real object per unit of its mesh, along the axis that is scaled least."""
-    settings, largest = obj.dimple, max(obj.dimensions)
-    per_unit = scene.unit_settings.scale_length
-    if settings.size_mode == "CUSTOM" and largest > 0:
-        per_unit = settings.size_mm / 1e3 / largest
-    return per_unit * min(map(abs, obj.matrix_world.to_scale()))
+    given = ""
+    if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # flat letters are all rim
+        obj.data.extrude, given = TEXT_DEPTH * obj.data.size, "given a depth and "
+    shown = obj.evaluated_get(context.evaluated_depsgraph_get())
+    faces = len(shown.to_mesh().polygons)
+    shown.to_mesh_clear()
+    if not faces:
+        raise DimpleError(
+            f'"{obj.name}" has no faces, so there is no surface to press. Give it depth or a bevel first.'
+        )
+    with context.temp_override(object=obj, active_object=obj, selected_objects=[obj], selected_editable_objects=[obj]):
+        bpy.ops.object.convert(target="MESH")
+    return f'"{obj.name}" was {given}converted to a mesh.'
 
 
 def is_coarse(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
     """Tell whether the edges of a mesh are longer than the fingertip is wide, at the size it has or will get."""
     import numpy as np
 
-    if obj.dimple.enabled:
-        scale = scale_of(context.scene, obj)
-    else:
-        before = obj.dimple.size_mode
-        settle_size(context.scene, obj)
-        scale = scale_of(context.scene, obj)
-        obj.dimple.size_mode = before
-    lengths = edge_lengths(obj.data)
+    lengths, scale = edge_lengths(obj.data), scale_of(context.scene, obj)
     return bool(len(lengths)) and float(np.median(lengths)) * scale > 2 * context.scene.dimple.finger_radius_mm / 1e3
 
 

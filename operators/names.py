@@ -38,7 +38,10 @@ MAPS = (
     ("thickness", "Thickness Group", "how thick the surface is: 0.5 is k and the mass, 1 twice and 0.25 half of them"),
 )
 PLACES = (
-    ("TOP", "Top Middle", "Straight down on the middle of the body"),
+    (
+        "TOP", "Typical Place",
+        "The middle of the top, unless there is an edge, a hole or a pin: then where the surface is most even",
+    ),
     ("CURSOR", "3D Cursor", "Straight into the surface, where the 3D cursor is nearest to it"),
 )
 
@@ -57,6 +60,7 @@ class Op(StrEnum):
     APPLY_PRESET = "dimple.apply_preset"
     ADD_FINGERTIP = "dimple.add_fingertip"
     CALIBRATE = "dimple.calibrate"
+    CALIBRATE_TOGETHER = "dimple.calibrate_together"
     APPLY_CALIBRATION = "dimple.apply_calibration"
     DISCARD_CALIBRATION = "dimple.discard_calibration"
     IDENTIFY = "dimple.identify"

@@ -167,17 +167,23 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
         return body, []
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
-    from . import bridge, bridge_write, planning, timeline
+    from . import bridge, bridge_write, planning, sizing, timeline
     from .settings import settings_of
 
     bridge.check(obj)
     bridge.check_writable(obj)
     bridge_write.rescue(sessions)  # a duplicate of a body that is live is pressed from its rest shape
-    link, model = bridge.read_body(context, obj)
-    proxy, reason = planning.proxy_for(context.scene, obj, model)
-    # may refuse too, so before the mesh is touched
-    session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
-    messages = [*([reason] if reason else []), *(f'"{obj.name}": {note}' for note in model.notes)]
+    size = sizing.settle_size(context.scene, obj)
+    try:
+        link, model = bridge.read_body(context, obj)
+        proxy, reason = planning.proxy_for(context.scene, obj, model)
+        # may refuse too, so before the mesh is touched
+        session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
+    except BaseException:
+        if size:
+            obj.dimple.property_unset("size_mode")
+        raise
+    messages = [*filter(None, [size, reason]), *(type(note)(f'"{obj.name}": {note}') for note in model.notes)]
     if bridge_write.is_shared(obj.data):
         messages.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
     first = input_vertices(model.mesh)

@@ -63,7 +63,7 @@ def follow_keyframes(
 
     now = settings_of(scene, obj)
     if now != before:
-        model = bridge.read_model(scene, obj, session.model.mesh, link.slots)
+        model = bridge.read_model(scene, obj, session.model.mesh, link)
         proxy = session.proxy and with_constants(session.proxy, model)
         session.change(model, proxy=proxy)
     return now
@@ -75,11 +75,11 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
     scale = bridge.scale_of(context.scene, obj, body.link)
     slots, slots_before = (max(len(each.materials), 1) for each in (now, before))
     if scale == body.link.scale and slots == slots_before:
-        model = bridge.read_model(context.scene, obj, session.model.mesh, body.link.slots)
+        model = bridge.read_model(context.scene, obj, session.model.mesh, body.link)
         proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)
         session.change(model, proxy=proxy)
         return messages
-    link, model = bridge.read_body(context, obj)
+    link, model = bridge.read_body(context, obj, refined=body.link.refined)
     proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)
     session.change(model, proxy=proxy, scale=link.scale / body.link.scale)
     _define(body, link, model)

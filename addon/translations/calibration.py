@@ -3,6 +3,8 @@
 OPERATORS = {
     "Calibrate": "キャリブレーション",
     "Calibrate from File...": "ファイルからキャリブレーション...",
+    "Calibrate Together": "まとめてキャリブレーション",
+    "Calibrate from Several Files...": "複数のファイルからキャリブレーション...",
     "Apply to Material": "マテリアルに適用",
     "Discard": "破棄",
     "Keep as My Material": "自分のマテリアルとして保存",
@@ -98,6 +100,15 @@ RESULT = {
     "Pretension": "初期張力",
     "Hysteresis Loss": "ヒステリシス損失",
     "Residual": "残差",
+    "Spread": "広がり",
+    "Fit one material to several force-depth files of one object; tips of different radius determine the spread": (
+        "同じ物体の複数の力-変位ファイルに一つのマテリアルを当てはめます。半径の異なる先端が広がりを決めます"
+    ),
+    "Not determined by these curves": "これらの曲線からは決まりません",
+    "Folder": "フォルダー",
+    "Where the files are": "ファイルのある場所",
+    "Of files that are dropped together": "まとめてドロップされたファイルのフォルダー",
+    "Files": "ファイル",
     "Largest Error from Points": "測定点からの最大誤差",
     "{} of full scale": "フルスケールの {}",
     "Just-Noticeable Difference": "丁度可知差異",
@@ -124,8 +135,10 @@ VIRTUAL = {
     "Radius of what pressed the object when it was measured": "測定のとき物体を押したものの半径",
     "Press At": "押す場所",
     "Where the tip presses": "先端が入る場所",
-    "Top Middle": "上面の中央",
-    "Straight down on the middle of the body": "物体の中央を真上から押します",
+    "Typical Place": "代表的な場所",
+    "The middle of the top, unless there is an edge, a hole or a pin: then where the surface is most even": (
+        "上面の中央を押します。縁、穴、固定された部分があるときは、表面が最も平らな場所を押します"
+    ),
     "3D Cursor": "3D カーソル",
     "Straight into the surface, where the 3D cursor is nearest to it": "3D カーソルに最も近い表面をまっすぐ押します",
     "Find model constants with which a virtual press of the active object reproduces its measurement": (

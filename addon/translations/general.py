@@ -111,8 +111,8 @@ BODY = {
     ),
     "Size (mm)": "大きさ (mm)",
     "Largest dimension of the real object": "実物の最も長い寸法",
-    "Dimple presses meshes. Convert this object: Object > Convert > Mesh.": (
-        "Dimple が押せるのはメッシュです。オブジェクト > 変換 > メッシュ で変換してください。"
+    "Dimple presses meshes. Make Soft converts this object to one.": (
+        "Dimple が押せるのはメッシュです。「柔らかくする」がこのオブジェクトをメッシュに変換します。"
     ),
 }
 

@@ -10,11 +10,13 @@ WORDS = {
     "Simulate": "計算するもの",
     "What is simulated: the full mesh or a proxy": "計算するもの。元のメッシュ、または代理メッシュ",
     "Automatic": "自動",
-    "The full mesh where that runs live, else the smallest proxy within the tolerances": (
-        "実時間で動くなら元のメッシュ、動かないなら許容差に収まる最小の代理メッシュ"
+    "The full mesh, cut finer where it is coarse, or the smallest proxy within the tolerances": (
+        "実時間で動くなら元のメッシュ、動かないなら許容差に収まる最小の代理メッシュ。粗すぎるメッシュは細かく分割します"
     ),
     "Full Mesh": "元のメッシュ",
-    "Every vertex is simulated, however slow that is": "どれほど遅くても、すべての頂点を計算します",
+    "Every vertex of the mesh is simulated and no more, however slow or coarse that is": (
+        "どれほど遅くても粗くても、メッシュの頂点だけをすべて計算します"
+    ),
     "Proxy": "代理メッシュ",
     "A coarser body is simulated in place of the mesh and deforms it": (
         "粗い物体をメッシュの代わりに計算し、それに合わせてメッシュを変形します"

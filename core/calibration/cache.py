@@ -19,7 +19,7 @@ from ..mesh.surface import Mesh
 from .identify import Identification
 from .indent import Site
 
-VERSION = 3  # of the method: another one identifies anew
+VERSION = 4  # of the method: another one identifies anew
 
 
 def key(mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float) -> str:

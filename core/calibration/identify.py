@@ -1,8 +1,9 @@
 """Model constants such that a simulated press with the measuring tip answers K(x) of the material on its mesh.
 
-The tip goes down once. No vertex is displaced farther than the tip is deep, so the force at one depth depends on the
+A flat tip goes down once. No vertex is displaced farther than the tip is deep, so the force at one depth depends on the
 bed's law up to there only, and grows with its slope on the last piece: piece by piece that slope is found by which the
-force is the measured one. The tension and the factor on k are those of the closed form: one curve does not tell them.
+force is the measured one. A round tip needs all of the law at once (`inversion`). The tension and the factor on k are
+those of the closed form: one curve does not tell them.
 """
 
 from __future__ import annotations
@@ -19,23 +20,19 @@ from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
 from ..session import Session
 from .indent import CLEAR, Site, Station, go_down, press, set_up
+from .inversion import DEPTHS, SWEEPS, bed_in_pieces, inverted, piece_ends
 
 AT = 0.6  # of the knee: where the closed form is scaled to the measured force; a round tip makes it start too softly
 FARTHEST = 10.0  # times the closed form: the most it is scaled
 KNOTS = (0.15, 0.3, 0.5, 0.75, 1.0)  # of the knee of the measured law: where pieces end,
-# times the slope of the closed form, up to the knee: a round tip starts softly whatever the slope is, and what is added
-# for that is too much later; where no knee follows there is room to make up for it
-EARLY, EARLY_ALONE = (0.4, 1.6), (0.2, 3.0)
 BEYOND = 6  # and how many there are beyond it
 TRIALS = 4  # slopes that are tried for a piece
-USUAL = 1.7  # of them are needed: so much of the work is ahead
+USUAL, USUAL_ROUND = 1.7, 2.5  # of them are needed, by a flat tip and by a round one: so much of the work is ahead
 CLOSE = 2e-3  # of the force: near enough
 GROWTH = 2.5  # power of the depth with which the energy of a piece grows, about
-# times the slope of the closed form beyond the knee: good for most; what is tried where the force at the deepest is
-# then too small, and where it is too large, as a round tip's is that touches more vertices meanwhile
-STEEPEST, STEEPER, GENTLER = 2.5, 6.0, 1.3
+# times the slope of the closed form: good for most; what is tried where the force at the deepest is then too small
+STEEPEST, STEEPER = 2.5, 6.0
 NEAR = 0.03  # of the measured force, at the deepest
-CHECKED = 20  # depths of the press that checks the result
 ALLOWED = 0.10  # of the force, or
 ALLOWED_FORCE = 0.3  # [N] whichever is more: what a depth may be off
 WEAK = 0.02  # of full scale: what a depth of a weak press may be off
@@ -97,30 +94,57 @@ def identification(
     measured = replace(material, constants=None, indenter=indenter)
     deep, stopped = _deepest(deepest, site)
     first = _scaled(mesh, measured, site, AT * min(material.x0, deep))
-    knots = _knots(material.x0, deep)
+    if indenter.shape == "sphere":
+        constants, stations = yield from _all_at_once(mesh, measured, first, site, deep)
+    else:
+        constants, stations = yield from _piece_by_piece(mesh, measured, first, site, deep)
+    if len(stations) < DEPTHS:
+        depth = stations[-1].depth if stations else 0.0
+        stopped = f"Deeper than {1e3 * depth:.3g} mm the simulated body finds no rest."
+    wanted = np.array([material.law(station.depth) for station in stations])
+    return _judged(replace(measured, constants=constants), stations, wanted, stopped)
+
+
+def _all_at_once(
+    mesh: Mesh, material: Material, first: ModelConstants, site: Site, deepest: float
+) -> Generator[float, None, tuple[ModelConstants, list[Station]]]:
+    """Find the bed's law under a round tip, and press with it; begin with the closed form where that may do.
+
+    A tip finer than the mesh presses a vertex or three, as a flat one does: then the law is found piece by piece first.
+    """
+    ends, begun = piece_ends(material.x0, deepest), 0.0
+    slopes = np.where(ends <= material.x0, first.kappa1, max(first.kappa1, first.kappa2))
+    if np.median(mesh.rest_lengths) > material.indenter.radius:
+        begun = USUAL_ROUND * len(ends) / (USUAL_ROUND * len(ends) + SWEEPS * DEPTHS)
+        found, _ = yield from _found_slopes(mesh, material, first, site, ends, STEEPEST, (0.0, begun))
+        slopes = np.append(found, np.full(len(ends) - len(found), found[-1]))
+    return (yield from inverted(mesh, material, first, site, ends, slopes, begun))
+
+
+def _piece_by_piece(
+    mesh: Mesh, material: Material, first: ModelConstants, site: Site, deepest: float
+) -> Generator[float, None, tuple[ModelConstants, list[Station]]]:
+    """Find the bed's law under a flat tip, and press with it; yield the share that is done."""
+    knots = _knots(material.x0, deepest)
     found: list[tuple[Floats, float]] = []  # slopes, and the force at the deepest over the measured one
-    done = 1 / (1 + USUAL * len(knots) + CHECKED)
+    done = 1 / (1 + USUAL * len(knots) + DEPTHS)
     yield done
     steepest: float | None = STEEPEST
     while steepest is not None:
-        ahead = USUAL * len(knots) / (USUAL * len(knots) + CHECKED)  # of what is left, if nothing has to be tried again
+        ahead = USUAL * len(knots) / (USUAL * len(knots) + DEPTHS)  # of what is left, if nothing has to be tried again
         before, done = done, done + (1 - done) * ahead
-        slopes, reached = yield from _found_slopes(mesh, measured, first, site, knots, steepest, (before, done))
-        found.append((slopes, reached))
-        again = len(found) == 1 and deep > material.x0 and abs(reached - 1) > NEAR
-        steepest = (STEEPER if reached < 1 else GENTLER) if again else None
-    slopes, _ = min(found, key=lambda each: abs(each[1] - 1))
-    constants = _constants(first, knots, slopes)
-    wanted, stations = [], []
-    depths = deep * np.arange(1, CHECKED + 1) / CHECKED
-    for station in press(mesh, replace(measured, constants=constants), indenter, site, depths.tolist()):
+        found.append((yield from _found_slopes(mesh, material, first, site, knots, steepest, (before, done))))
+        again = len(found) == 1 and deepest > material.x0 and found[0][1] < 1 - NEAR
+        steepest = STEEPER if again else None
+    constants = bed_in_pieces(first, knots, min(found, key=lambda each: abs(each[1] - 1))[0])
+    stations: list[Station] = []
+    depths = deepest * np.arange(1, DEPTHS + 1) / DEPTHS
+    for station in press(mesh, replace(material, constants=constants), material.indenter, site, depths.tolist()):
         if not station.found:
-            stopped = f"Deeper than {1e3 * station.depth:.3g} mm the simulated body finds no rest."
             break
         stations.append(station)
-        wanted.append(material.law(station.depth))
-        yield done + (1 - done) * len(stations) / (CHECKED + 1)
-    return _judged(replace(measured, constants=constants), stations, np.array(wanted), stopped)
+        yield done + (1 - done) * len(stations) / (DEPTHS + 1)
+    return constants, stations
 
 
 def _scaled(mesh: Mesh, material: Material, site: Site, depth: float) -> ModelConstants:
@@ -156,9 +180,8 @@ def _found_slopes(
         the slopes, and the force at the last knot over the measured one.
     """
     steepest *= max(first.kappa1, first.kappa2)
-    early = EARLY if knots[-1] > material.x0 else EARLY_ALONE
     slopes = np.append(first.kappa1, np.full(len(knots) - 1, steepest))  # so its steps are short enough for all of it
-    constants = _constants(first, knots, slopes)
+    constants = bed_in_pieces(first, knots, slopes)
     session = set_up(mesh, replace(material, constants=constants), material.indenter, site)
     model, area = session.model, session.model.matching.k1 / first.kappa1
     before = 0.0
@@ -181,8 +204,7 @@ def _found_slopes(
             if len(tried) > 1 and tried[-2][0] != tried[-1][0]:
                 secant = (tried[-1][1] - tried[-2][1]) / (tried[-1][0] - tried[-2][0])
                 gain = secant if secant > 0.2 * gain else gain
-            low, high = (s * first.kappa1 for s in early) if knot <= material.x0 else (0.0, steepest)
-            slopes[m:] = min(max(slopes[m] - off / max(gain, 1e-30), low), high)
+            slopes[m:] = min(max(slopes[m] - off / max(gain, 1e-30), 0.0), steepest)
             if slopes[m] == tried[-1][0]:
                 break
     return slopes, station.force / wanted
@@ -213,15 +235,6 @@ def _knots(x0: float, deepest: float) -> Floats:
     if deepest <= x0:
         return np.append(knots[knots < 0.99 * deepest], deepest)
     return np.concatenate([knots, x0 + (deepest - x0) * np.arange(1, BEYOND + 1) / BEYOND])
-
-
-def _constants(first: ModelConstants, knots: Floats, slopes: Floats) -> ModelConstants:
-    """Return the constants of a bed's law in pieces; a slope of 0 to begin with is one hardly above it."""
-    slopes = np.maximum(slopes, 1e-6 * first.kappa1)
-    pieces = tuple(zip(knots[: len(slopes) - 1].tolist(), np.diff(slopes).tolist(), strict=True))
-    return replace(
-        first, kappa1=float(slopes[0]), kappa2=float(slopes[0]), pieces=pieces
-    )
 
 
 def _judged(material: Material, stations: list[Station], wanted: Floats, stopped: str) -> Identification:

@@ -23,12 +23,11 @@ from ..mesh.surface import Mesh, base_vertices
 from ..session import Finger, Session
 
 ROWS = 60  # of a virtual press
-ASIDE = (0.37, 0.23, 0.0)  # of an edge: how far beside the middle a sphere presses
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
 MOVING, SETTLING = 0.006, 0.01  # [s] between two depths, and of rest there
 LISTENING = 0.005  # [s] of taking the mean of a reaction
-ROUND = 4  # times as slow goes a sphere: what it touches changes, and friction holds on
+ROUND = 2  # times as slow goes a sphere: what it touches changes, and friction holds on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,22 +105,6 @@ def find_site(
     return Site(
         point=point, inward=way, thickness=beyond[0] if beyond else math.inf, under=under, held=stay
     )  # fmt: skip
-
-
-def typical_site(mesh: Mesh, indenter: Indenter, *, held: Bools | None = None) -> Site:
-    """Find where a tip meets a body in its middle, a sphere a little beside it: few presses are right on a vertex.
-
-    Raises:
-        DimpleError: as `find_site`.
-    """
-    site = find_site(mesh, indenter, held=held)
-    if indenter.shape != "sphere":
-        return site
-    edge = float(np.median(mesh.rest_lengths))
-    try:
-        return find_site(mesh, indenter, held=held, above=(site.point + edge * np.array(ASIDE)).tolist())
-    except DimpleError:  # the middle is all there is
-        return site
 
 
 def _under(mesh: Mesh, point: Floats, way: Floats, radius: float) -> Bools:

@@ -8,6 +8,7 @@ from .calibrate import Calibration, provenance, source_of_k
 from .fit import Constant
 from .misfit import Miss
 from .surface import BALANCE_ASSUMES, PAPER_ASSUMES
+from .together import Together, lines
 
 
 def to_record(calibration: Calibration) -> dict[str, Any]:
@@ -53,6 +54,36 @@ def to_record(calibration: Calibration) -> dict[str, Any]:
         "source_of_k": source_of_k(c),
         "notes": list(c.notes),
         "warnings": list(c.warnings),
+    }
+
+
+def joint_record(found: Together) -> dict[str, Any]:
+    """Return what several curves have in common, as plain data; an interval that has no end ends with None."""
+    low, high = found.interval
+    return {
+        "model": "two" if found.knee else "one",
+        "K1": found.K1.value / 1e3,
+        "K2": found.K2.value / 1e3,
+        "x0": found.x0.value * 1e3,
+        "K1_interval": _interval(found.K1, 1e3),
+        "K2_interval": _interval(found.K2, 1e3),
+        "x0_interval": _interval(found.x0, 1e-3) if found.knee else None,
+        "spread": found.spread.value * 1e3,
+        "spread_interval": [low * 1e3, high * 1e3 if found.told else None],
+        "tip": found.tip.shape,
+        "tip_radius": found.tip.radius * 1e3,
+        "curves": [
+            {
+                "name": each.name,
+                "tip": each.tip.shape,
+                "tip_radius": each.tip.radius * 1e3,
+                "rms": each.rms,
+                "largest_error": _miss(each.miss),
+                "points": [[1e3 * x, f, e] for x, f, e in zip(each.depth, each.force, each.expected, strict=True)],
+            }
+            for each in found.curves
+        ],
+        "lines": lines(found),
     }
 
 

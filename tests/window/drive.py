@@ -310,6 +310,7 @@ def finish(error: str) -> None:
     if error:
         robot.screenshot(OUT / "failed.png")
         check("the run reached its end", False, error)
+    REPORT["measured"]["frames_per_second"] = round(robot.drawn() / (time.monotonic() - STARTED), 1)
     (OUT / "window.json").write_text(json.dumps(REPORT, indent=1))
     bpy.ops.wm.quit_blender()
 

@@ -49,6 +49,11 @@ def run(steps: Waits, finish: Callable[[str], None]) -> None:
     bpy.app.timers.register(tick, first_interval=1.0, persistent=True)  # the run may load a file
 
 
+def drawn() -> int:
+    """Return how often viewports were drawn so far."""
+    return _draws["count"]
+
+
 def _count_draw() -> None:
     _draws["count"] += 1
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import debian
 from PIL import Image
 
-LIMIT_S = 1200
+LIMIT_S = 1600
 VIEWPORT, LOOP_WIDTH, LOOP_MS = (0, 80, 1050, 720), 720, 90  # [px], [px], [ms] a picture
 INSIDE = """
 Xvfb :99 -screen 0 1280x800x24 -nolisten tcp > /tmp/xvfb.log 2>&1 &
@@ -81,6 +81,8 @@ def tell(report: dict, out: Path) -> int:
     for check in checks:
         print(f"  {'ok  ' if check['ok'] else 'FAIL'} {check['name']}", end="")
         print(f": {check['detail']}" if check["detail"] else "")
+    if rate := report.get("measured", {}).get("frames_per_second"):
+        print(f"window: {rate} frames drawn a second, on average")
     print(f"window: {len(checks) - failed} passed, {failed} failed in {report['seconds_in_all']:.0f} s")
     print(f"window: pictures and window.json in {out}")
     return 1 if failed else 0

@@ -9,10 +9,12 @@ import bpy
 import numpy as np
 import robot
 import tuning
+from mathutils import Euler
 
 Check = Callable[..., None]
 FORCE_N, PAINTED = 15.0, 0.375  # past the knee, which is painted to be three quarters as deep
-LOOP, SWELL_S = 24, 4.0  # pictures of it, and how long it takes in simulated time [s]
+LOOP, SWELL_S = 20, 2.4  # pictures of it, and how long it takes in simulated time [s]
+LEAST_N, MOST_N = 1.0, 30.0
 KEYS = ((1, 0.3), (40, 3.0))  # frame and K1 [N/mm]
 
 
@@ -37,7 +39,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     settings = bpy.context.scene.dimple
     settings.press_force_n = FORCE_N
     yield from tuning.leave_resting(at)
-    yield from robot.until(tuning.settled, "it rests", 180)
+    yield from robot.until(tuning.settled, "it rests", 400)
     yield from robot.redrawn()
     plain = robot.screenshot(out / "0-plain.png")
     settings.show_rest = settings.show_profile = True
@@ -73,7 +75,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     cube.vertex_groups.new(name="Reach").add(range(len(cube.data.vertices)), 0.5, "REPLACE")
     cube.dimple.knee_group = "Reach"
     yield from tuning.leave_resting(at)
-    yield from robot.until(tuning.settled, "it rests", 180)
+    yield from robot.until(tuning.settled, "it rests", 400)
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
     brush = bpy.context.tool_settings.weight_paint
@@ -88,7 +90,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
             yield from robot.move(at[0] + 60 - 8 * share, at[1] + 12 * (share % 3 - 1))
         yield from robot.button(at[0] - 60, at[1], "RELEASE")
     yield 1.0
-    yield from robot.until(tuning.settled, "it rests again", 180)
+    yield from robot.until(tuning.settled, "it rests again", 400)
     material = cube.active_material.dimple
     x0 = 2 * PAINTED * material.x0
     wanted = x0 + (FORCE_N - material.K1 * x0) / material.K2
@@ -112,38 +114,47 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
         bpy.ops.dimple.compare_materials()
     twin = bpy.data.objects["Cube B"]
     twin.active_material.dimple.K1, twin.active_material.dimple.x0 = 1.83, 5.0
-    before = view.view_distance, view.view_location.copy()
-    view.view_distance, view.view_location = 9.0, 0.5 * twin.matrix_world.translation
+    before = view.view_distance, view.view_location.copy(), view.view_rotation.copy(), settings.finger_radius_mm
+    settings.finger_radius_mm = 15.0
+    view.view_distance, view.view_location = 7.0, 0.5 * twin.matrix_world.translation
+    across = np.arctan2(*reversed(twin.matrix_world.translation.xy))
+    view.view_rotation = Euler((0.7, 0.0, float(across))).to_quaternion()  # side by side, seen from above
     settings.show_field = "DEPTH"
     yield from robot.redrawn()
     here = robot.on_screen((0.0, 0.0, 1.0))
     yield from tuning.leave_resting(here)
     bodies = robot.extension("operators.sessions").sessions
-    yield from robot.until(tuning.settled, "both rest", 240)
+    yield from robot.until(tuning.settled, "both rest", 400)
     depths = {body.name: 1e3 * float(body.frame.depths[0]) for body in bodies.values()}
     shown = ", ".join(f"{name} {depth:.2f} mm" for name, depth in depths.items())
     check("one press presses both, the softer one deeper", depths["Cube"] > 1.5 * depths["Cube B"] > 0, shown)
     yield from robot.redrawn(3)
     robot.screenshot(out / "0-two-materials.png")
-    yield from loop(out)
     yield from leave(here)
+    yield from loop(here, out)
     settings.show_field, settings.press_force_n = "NONE", FORCE_N
-    view.view_distance, view.view_location = before
+    view.view_distance, view.view_location, view.view_rotation, settings.finger_radius_mm = before
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.dimple.use_material()
     check("the one that is used stays alone", "Cube B" not in bpy.data.objects)
     yield from robot.redrawn()
 
 
-def loop(out: Path) -> robot.Waits:
+def loop(at: tuple[int, int], out: Path) -> robot.Waits:
     """Photograph one swell of the force, which `run.py` makes a looping picture of."""
     settings = bpy.context.scene.dimple
+    settings.active_finger, settings.press_force_n = 1, LEAST_N
+    yield from robot.move(*at)
+    yield from robot.button(*at, "PRESS")
+    yield from robot.until(lambda: tuning.body() is not None and tuning.settled(), "it rests", 400)
     for number in range(LOOP):
-        settings.press_force_n = FORCE_N * (0.52 - 0.48 * np.cos(2 * np.pi * number / LOOP))
+        settings.press_force_n = LEAST_N + (MOST_N - LEAST_N) * (0.5 - 0.5 * np.cos(2 * np.pi * number / LOOP))
         begun = tuning.body().frame.time
         yield from robot.until(lambda begun=begun: tuning.body().frame.time > begun + SWELL_S / LOOP, "it goes on", 60)
         yield from robot.redrawn()
         robot.screenshot(out / f"loop-{number:02}.png")
+    yield from robot.button(*at, "RELEASE")
+    yield from leave(at)
 
 
 def keyframes(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -167,7 +178,7 @@ def keyframes(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     tip.select_set(False)
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=KEYS[1][0])
-    yield from robot.until(lambda: any(each.type == "MESH_CACHE" for each in cube.modifiers), "it is baked", 120)
+    yield from robot.until(lambda: any(each.type == "MESH_CACHE" for each in cube.modifiers), "it is baked", 400)
     cache = next(each for each in cube.modifiers if each.type == "MESH_CACHE")
     table = Path(bpy.path.abspath(cache.filepath)).with_suffix(".csv")
     rows = np.genfromtxt(table, delimiter=",", names=True)

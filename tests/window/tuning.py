@@ -100,7 +100,7 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from robot.button(*at, "PRESS")
     yield from robot.until(lambda: body() is not None, "the tool presses", 60)
 
-    yield from robot.until(settled, "the fingertip rests", 180)
+    yield from robot.until(settled, "the fingertip rests", 400)
     soft = float(body().frame.depths[0])
     yield from robot.redrawn()
     robot.screenshot(out / "0-force-soft.png")
@@ -117,7 +117,7 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     bpy.ops.ed.undo_push(message="K1")
     yield from robot.until(lambda: len(seen) > 2, "frames pass", 30)
     check("K1 acts within two frames", abs(seen[1] - soft) > 1e-6, f"{1e3 * (seen[1] - soft):+.4f} mm")
-    yield from robot.until(lambda: len(seen) > 30 and settled(), "the fingertip rests again", 180)
+    yield from robot.until(lambda: len(seen) > 30 and settled(), "the fingertip rests again", 400)
     del session.step
     hard = float(body().frame.depths[0])
     check("a harder material is pressed less deep", hard < 0.7 * soft, f"{1e3 * soft:.2f} and {1e3 * hard:.2f} mm")

@@ -12,6 +12,7 @@ from tests.blender.operators.device_rig import port  # noqa: F401
 
 CUBE = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+FINE_ENOUGH = 3  # subdivisions of a ball of 165 mm that a fingertip of 10 mm presses as it is
 SIDE = 5  # vertices along an edge of the cube: 98 in all
 
 
@@ -29,7 +30,7 @@ def add(empty_file: ModuleType) -> Callable[..., Any]:
             other.select_set(False)
         obj.select_set(True)
         bpy.context.view_layer.objects.active = obj
-        obj.dimple.size_mode = "CUSTOM"
+        obj.dimple.size_mode, obj.dimple.simulated = "CUSTOM", "MESH"  # so few vertices would be cut finer
         return obj
 
     return add_mesh
@@ -51,6 +52,8 @@ def ball(add: Callable[..., Any]) -> Callable[..., Any]:
     def add_ball(name: str = "Ball", subdivisions: int = 2) -> Any:
         obj = add([], [], name)
         icosphere(obj.data, subdivisions)
+        if subdivisions >= FINE_ENOUGH:
+            obj.dimple.simulated = "AUTO"
         return obj
 
     return add_ball

@@ -150,7 +150,7 @@ def test_what_is_not_a_mesh_is_refused_with_what_to_do(bpy: ModuleType, add: Cal
 
     add().select_set(False)
     bpy.ops.object.text_add()
-    with pytest.raises(RuntimeError, match='"Text" is a text, not a mesh.*Convert'):
+    with pytest.raises(RuntimeError, match='"Text" is a text, not a mesh.*Make Soft converts'):
         bpy.ops.dimple.poke(**QUICK)
     assert not sessions.sessions
 

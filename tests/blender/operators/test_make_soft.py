@@ -34,6 +34,8 @@ def test_the_mesh_is_cut_only_when_asked_and_keeps_its_shape(
     bpy: ModuleType, bare: Any, coordinates: Bits
 ) -> None:
     before = coordinates(bare)
+    bare.active_material = bpy.data.materials.new("Own")
+    bare.dimple.size_mode, bare.dimple.size_mm = "CUSTOM", 60.0  # soon planned
     bpy.ops.dimple.make_soft()
     assert coordinates(bare) == before
     bpy.ops.dimple.make_soft(subdivide=True)

@@ -13,9 +13,10 @@ def test_what_is_measured_on_the_identified_body_calibrates_to_its_material(
     bpy: ModuleType, vinyl: Any, forgetful: Path, tmp_path: Path
 ) -> None:
     """The round trip: constants, identified, measured by a virtual press, fitted again."""
-    bpy.ops.dimple.identify()
+    bpy.context.scene.cursor.location = (0.0, 0.0, 1.0)
+    bpy.ops.dimple.identify(place="CURSOR")
     path = tmp_path / "round.csv"
-    assert bpy.ops.dimple.measure(filepath=str(path), rows=40) == {"FINISHED"}
+    assert bpy.ops.dimple.measure(filepath=str(path), rows=40, place="CURSOR") == {"FINISHED"}
     text = path.read_text()
     assert "Distance x (mm)" in text and "Simulated by Dimple" in text and "identified on its mesh" in text
     assert bpy.ops.dimple.calibrate(filepath=str(path)) == {"FINISHED"}

@@ -1,0 +1,172 @@
+"""The bed's law that makes a round tip answer a measured curve: Gauss-Newton, its derivative from the press itself.
+
+A round tip touches more as it sinks in, so its force at one depth depends on the bed's law at every displacement up to
+there, and a sharp knee asks for a law that jumps and then hardly grows: on a bed of springs alone it is F' / 2 pi R (an
+Abel inversion). The law is in pieces of slopes s_m. The energy E of the body at rest obeys F = dE/dx, and where it
+is at rest dE/ds_m is that of the displacements as they are (Hellmann, Feynman), so that one press gives all of
+
+    dF(x)/ds_m = d/dx (sum over vertices of area times the integral of clip(t - start_m, 0, width_m) from 0 to |u|)
+
+Slopes are kept from falling below 0, where the bed would let go, and from so steep that a step in time would suffer.
+Where a press comes out worse than the best, its change is tried again, damped more (Levenberg, Marquardt).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base import Floats, sums_at
+from ..body.model import Model
+from ..material import Material, ModelConstants
+from ..mesh.surface import Mesh
+from .indent import Site, Station, go_down, set_up
+
+DEPTHS = 24  # of a press
+SWEEPS = 5  # presses
+LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
+# shares of the knee where pieces end, dense where the law must jump, and of what is left beyond it; all of them shares
+# of the deepest where no knee is reached
+BEFORE = (0.06, 0.12, 0.25, 0.4, 0.55, 0.7, 0.8, 0.88, 0.94, 1.0)
+BEYOND = (0.06, 0.14, 0.25, 0.4, 0.6, 0.8, 1.0)
+# times what the tension makes a vertex as stiff as: then a step in time is at most half as long; or, on coarse meshes,
+# times the closed form's slope, whichever is more
+STEEPEST, STEEPEST_COARSE = 3.0, 2.5
+LEAST = 0.2  # of the closed form, the first slope: the body must not become too light to be pressed
+DAMPED, MORE, LESS = 0.01, 4.0, 0.5  # share of a slope that counts as much as one of full scale; times it after a press
+ROUNDS = 300  # of the bounded least squares
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Sweep:
+    """A press to all depths with one law.
+
+    slopes: (m,) [N/m3] of the pieces.
+    stations: where it rests.
+    off: (n,) force missed at each depth over what weighs as much there, 1 or more where there is no rest.
+    gains: (k, m) change of the force with each slope [m3/N], over the same, at the k stations.
+    steepest: slope [N/m3] that the mesh allows.
+    """
+
+    slopes: Floats
+    stations: list[Station]
+    off: Floats
+    gains: Floats
+    steepest: float
+
+
+def inverted(
+    mesh: Mesh, material: Material, first: ModelConstants, site: Site, ends: Floats, slopes: Floats, begun: float
+) -> Generator[float, None, tuple[ModelConstants, list[Station]]]:
+    """Find the bed's law in steps of one rest each.
+
+    Args:
+        material: K1, K2, x0 measured with its indenter.
+        first: constants whose tension and factor on k stay.
+        ends: (m,) displacements [m] where pieces of the law end, the last of them the depth to be pressed to.
+        slopes: (m,) of the pieces [N/m3] to begin with.
+        begun: share of the whole that was done before.
+
+    Yields:
+        the share of the whole that is done.
+
+    Returns:
+        the constants, and the press with them, which ends early where no rest was found.
+    """
+    best, damped = None, DAMPED
+    slopes = np.maximum(slopes, np.where(ends == ends[0], LEAST * first.kappa1, 0.0))
+    for sweep in range(SWEEPS):
+        share = begun + (1 - begun) * sweep / SWEEPS, (1 - begun) / (DEPTHS * SWEEPS + 1)
+        found = yield from _swept(mesh, material, first, site, ends, slopes, share)
+        if best is None or found.off @ found.off < best.off @ best.off:
+            best, damped = found, damped * (1.0 if best is None else LESS)
+        else:
+            damped *= MORE
+        if not len(best.stations):
+            break
+        slopes = _improved(best, first.kappa1, damped)
+    assert best
+    return bed_in_pieces(first, ends, best.slopes), best.stations
+
+
+def bed_in_pieces(first: ModelConstants, ends: Floats, slopes: Floats) -> ModelConstants:
+    """Return the constants of a bed's law whose pieces end at displacements (m,) [m]; 0 to begin with is just above."""
+    slopes = np.maximum(slopes, 1e-6 * first.kappa1)
+    pieces = tuple(zip(ends[: len(slopes) - 1].tolist(), np.diff(slopes).tolist(), strict=True))
+    return replace(first, kappa1=float(slopes[0]), kappa2=float(slopes[0]), pieces=pieces)
+
+
+def piece_ends(x0: float, deepest: float) -> Floats:
+    """Return the displacements (m,) [m] at which the pieces of a round tip's bed end; one is the measured knee."""
+    if deepest <= 1.02 * x0:
+        return deepest * np.array(BEFORE)
+    return np.concatenate([x0 * np.array(BEFORE), x0 + (deepest - x0) * np.array(BEYOND)])
+
+
+def _swept(
+    mesh: Mesh,
+    material: Material,
+    first: ModelConstants,
+    site: Site,
+    ends: Floats,
+    slopes: Floats,
+    share: tuple[float, float],
+) -> Generator[float, None, _Sweep]:
+    """Press with a law of slopes (m,) on pieces that end at (m,); share: of the whole, before and by each depth."""
+    session = set_up(mesh, replace(material, constants=bed_in_pieces(first, ends, slopes)), material.indenter, site)
+    model = session.model
+    area = model.matching.k1 / max(slopes[0], 1e-6 * first.kappa1)
+    depths = ends[-1] * np.arange(1, DEPTHS + 1) / DEPTHS
+    wanted = np.array([material.law(depth) for depth in depths.tolist()])
+    weighs = np.sqrt(wanted.max() * (LIGHT * wanted.max() + wanted))
+    off, stored, stations, before = wanted / weighs, [np.zeros(len(slopes))], [], 0.0
+    for k, depth in enumerate(depths.tolist()):
+        station = go_down(session, material.indenter, site, before, depth)
+        yield share[0] + (k + 1) * share[1]
+        if not station.found:
+            break
+        off[k], before = (station.force - wanted[k]) / weighs[k], depth
+        stations.append(station)
+        stored.append(_stored(model, area, ends, station))
+    at = np.append(0.0, depths[: len(stations)])
+    gains = np.gradient(np.array(stored), at, axis=0)[1:] if stations else np.zeros((0, len(slopes)))
+    steepest = max(STEEPEST * _pulled(model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
+    gains = gains / weighs[: len(stations), None]
+    return _Sweep(slopes=slopes, stations=stations, off=off, gains=gains, steepest=steepest)
+
+
+def _stored(model: Model, area: Floats, ends: Floats, station: Station) -> Floats:
+    """Return the energy (m,) that a body at rest stores per slope of each piece [m5]."""
+    d = np.sqrt(((station.positions - model.matching.rest) ** 2).sum(axis=0))[:, None]
+    width = np.diff(ends, prepend=0.0)
+    within = np.clip(d - (ends - width), 0, width)
+    return np.asarray(area @ (within**2 / 2 + width * np.maximum(d - ends, 0)))
+
+
+def _pulled(model: Model, area: Floats) -> float:
+    """Return how stiff the tension makes a vertex, over its area: the median [N/m3]."""
+    ends = model.matching.pairs
+    stiffness = 2 * sums_at(ends.ravel(), np.repeat(model.matching.tension, 2), len(area))
+    return float(np.median(stiffness[area > 0] / area[area > 0]))
+
+
+def _improved(sweep: _Sweep, kappa1: float, damped: float) -> Floats:
+    """Return the slopes (m,) that would make up for what a press is off, as far as they may change."""
+    scale = kappa1 + sweep.slopes
+    low, high = np.zeros_like(scale), np.maximum(np.full_like(scale, sweep.steepest), kappa1)
+    low[0] = LEAST * kappa1
+    missed = -sweep.off[: len(sweep.stations)]
+    low, high = (low - sweep.slopes) / scale, (high - sweep.slopes) / scale
+    return sweep.slopes + scale * bounded(sweep.gains * scale, missed, low, high, damped)
+
+
+def bounded(matrix: Floats, wanted: Floats, low: Floats, high: Floats, damped: float) -> Floats:
+    """Return y (m,) from low to high with the least |matrix y - wanted|^2 + |damped y|^2, by coordinate descent."""
+    normal, right = matrix.T @ matrix + damped**2 * np.eye(len(low)), matrix.T @ wanted
+    y = np.clip(np.zeros_like(low), low, high)
+    for _ in range(ROUNDS):
+        for m in range(len(y)):
+            y[m] = min(max(y[m] + (right[m] - normal[m] @ y) / normal[m, m], low[m]), high[m])
+    return y

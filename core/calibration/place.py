@@ -1,0 +1,104 @@
+"""Where a body is pressed to find its constants: where most presses are alike, on a broad face away from pins."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base import Bools, DimpleError, Floats, sums_at
+from ..material import Indenter
+from ..mesh.surface import Mesh, base_vertices
+from .indent import Site, find_site
+
+ASIDE = (0.37, 0.23, 0.0)  # of an edge: how far beside the middle a sphere presses
+PLACES = 300  # that are looked at, evenly over the surface
+AROUND = 2.0  # radii of the tip: how far the surface counts
+EDGE = 0.15  # by which a place may be less even than the best, where it lies in the middle of the top
+DOWN = (0.0, 0.0, -1.0)
+
+
+def typical_site(mesh: Mesh, indenter: Indenter, *, held: Bools | None = None) -> Site:
+    """Find where a tip meets a body as it does in most places.
+
+    That is the middle of the top, unless there is a hole, a point, an edge or a pin: then where the surface is the most
+    even. A sphere is put a little beside it, for few presses are right on a vertex.
+
+    Args:
+        held: (N,) input vertices that stay; none is the base.
+
+    Raises:
+        DimpleError: as `find_site`, where it can be pressed nowhere.
+    """
+    if held is None or not np.any(held):
+        held = base_vertices(mesh)
+    points, normals, evenness = _candidates(mesh, indenter, held)
+    best = int((evenness + 1e-3 * normals[:, 2]).argmax())
+    tries: list[tuple[Floats | None, Floats]] = [(points[best], -normals[best])]
+    top = _evenness_at_top(mesh, indenter, held)
+    if top >= evenness[best] - EDGE:
+        tries.insert(0, (None, np.array(DOWN)))
+    error = DimpleError()
+    for above, inward in tries:
+        try:
+            return _beside(mesh, indenter, held, above, inward)
+        except DimpleError as why:
+            error = why
+    raise error
+
+
+def _beside(mesh: Mesh, indenter: Indenter, held: Bools, above: Floats | None, inward: Floats) -> Site:
+    """Return the site at a place, for a sphere a little beside it."""
+    def at(point: Floats | None) -> Site:
+        return find_site(
+            mesh, indenter, held=held, above=None if point is None else point.tolist(), inward=inward.tolist()
+        )  # fmt: skip
+
+    site = at(above)
+    if indenter.shape != "sphere":
+        return site
+    aside = float(np.median(mesh.rest_lengths)) * np.array(ASIDE)
+    if above is not None:  # along the surface
+        aside = aside - (aside @ inward) * inward
+    try:
+        return at(site.point + aside)
+    except DimpleError:  # the middle is all there is
+        return site
+
+
+def _candidates(mesh: Mesh, indenter: Indenter, held: Bools) -> tuple[Floats, Floats, Floats]:
+    """Return places (m, 3) [m] all over the surface, the normals (m, 3) there, and how even it is round them (m,)."""
+    areas = np.cumsum(mesh.triangle_areas)
+    which = np.unique(np.searchsorted(areas, areas[-1] * (np.arange(PLACES) + 0.5) / PLACES))
+    corners = mesh.rest_positions[mesh.triangles[which]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    points = corners.mean(axis=1)
+    return points, normals, _evenness(mesh, indenter, held, points, normals)
+
+
+def _evenness_at_top(mesh: Mesh, indenter: Indenter, held: Bools) -> float:
+    """Return how even the surface is at the middle of the top, below 0 where the tip misses it."""
+    try:
+        site = find_site(mesh, indenter, held=held)
+    except DimpleError:
+        return -1.0
+    return float(_evenness(mesh, indenter, held, site.point[None], -site.inward[None])[0])
+
+
+def _evenness(mesh: Mesh, indenter: Indenter, held: Bools, points: Floats, normals: Floats) -> Floats:
+    """Return how even a surface is round places (m, 3) with normals (m, 3): 1 is a plane, with no pin or border near.
+
+    It is the mean cosine between the normal and those within some radii of the tip, of what area there should be.
+    """
+    x, radius = mesh.rest_positions, AROUND * indenter.radius
+    a, b, c = x[mesh.triangles].transpose(1, 0, 2)
+    corners, across = mesh.triangles.ravel(), np.cross(b - a, c - a) / 6
+    lying = np.stack([sums_at(corners, np.repeat(axis, 3), len(x)) for axis in across.T], axis=1)
+    free = np.ones(len(x))
+    free[mesh.source[np.asarray(held, bool)]] = 0.0
+    found = np.empty(len(points))
+    for i, (point, normal) in enumerate(zip(points, normals, strict=True)):
+        near = ((x - point) ** 2).sum(axis=1) <= radius**2
+        cosines = np.maximum(lying[near] @ normal, 0.0) * free[near]
+        whole = max(float(mesh.vertex_areas[near].sum()), 0.8 * np.pi * radius**2)
+        found[i] = cosines.sum() / whole
+    return found

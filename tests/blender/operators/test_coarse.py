@@ -1,0 +1,125 @@
+"""A mesh that is too coarse for the fingertip is no trap: a bare primitive answers a click as was measured."""
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+KNEE_MM = 16.3
+PRESS: dict[str, Any] = {"depth_mm": KNEE_MM, "press_s": 0.2, "hold_s": 0.3, "release_s": 0.0}
+NEAR = 0.25  # of the law at its knee, which a round tip rounds
+
+
+@pytest.fixture
+def bare(empty_file: ModuleType) -> Callable[[str], Any]:
+    """Return a function that adds one of Blender's primitives, as it comes."""
+
+    def add(name: str) -> Any:
+        getattr(empty_file.ops.mesh, f"primitive_{name}_add")()
+        return empty_file.context.object
+
+    return add
+
+
+@pytest.fixture
+def frames(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """The frames that sessions end with."""
+    from bl_ext.user_default.dimple.operators import sessions
+
+    seen: list[Any] = []
+    stop = sessions.stop
+    monkeypatch.setattr(sessions, "stop", lambda uid, **how: seen.append(sessions.sessions[uid]) or stop(uid, **how))
+    return seen
+
+
+@pytest.mark.parametrize("name", ["cube", "plane", pytest.param("cylinder", marks=pytest.mark.slow)])
+def test_a_click_on_a_bare_primitive_answers_the_law(
+    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], coordinates: Callable[[Any], bytes], name: str
+) -> None:
+    obj = bare(name)
+    before = coordinates(obj)
+    assert bpy.ops.dimple.poke(**PRESS) == {"FINISHED"}
+    frame = frames[0].frame
+    force = float(np.linalg.norm(frame.finger_forces, axis=1).max())
+    assert force == pytest.approx(float(frame.law_forces.max()), rel=NEAR)
+    assert coordinates(obj) == before and obj.dimple.size_mode == "CUSTOM"
+    if name != "plane":
+        assert frame.volume == pytest.approx(frame.rest_volume, rel=0.002)
+
+
+def test_the_artist_hears_at_what_size_and_with_how_many_vertices_it_is_pressed(
+    bpy: ModuleType, bare: Callable[[str], Any], capfd: pytest.CaptureFixture[str]
+) -> None:
+    bare("cube")
+    bpy.ops.dimple.poke(depth_mm=2.0, press_s=0.02, hold_s=0.0, release_s=0.0)
+    said = capfd.readouterr().out
+    assert "2 m large as modelled" in said and "Its own 8 vertices are too few" in said and "Warning" not in said
+
+
+def test_a_size_or_a_mesh_that_was_chosen_is_kept(bpy: ModuleType, bare: Callable[[str], Any]) -> None:
+    from bl_ext.user_default.dimple.operators import bridge
+
+    obj = bare("cube")
+    obj.dimple.size_mode, obj.dimple.simulated = "REAL", "MESH"
+    link, model = bridge.read_body(bpy.context, obj, identify="NO")
+    assert model.mesh.size == pytest.approx(2.0) and link.refined is None and len(model.mass) == 8
+    bpy.ops.dimple.poke(depth_mm=2.0, press_s=0.02, hold_s=0.0, release_s=0.0)
+    assert obj.dimple.size_mode == "REAL"
+
+
+@pytest.fixture
+def small(bpy: ModuleType, add: Callable[..., Any]) -> Any:
+    """The session of a cube of 8 vertices and 60 mm."""
+    from bl_ext.user_default.dimple.operators import sessions
+
+    obj = add()
+    obj.dimple.simulated, obj.dimple.size_mm = "AUTO", 60.0
+    yield sessions.start(obj, bpy.context)[0]
+    sessions.stop_all()
+
+
+def press(body: Any, x: float, y: float, depth: float) -> None:
+    from bl_ext.user_default.dimple.core.session import Finger
+
+    for below in (0.0, depth):
+        body.session.set_fingers([Finger((x, y, 0.04 - below), 0.01)])
+        body.session.step(0.05)
+
+
+def test_a_coarse_mesh_goes_along_with_its_refined_surface(bpy: ModuleType, small: Any) -> None:
+    from bl_ext.user_default.dimple.operators import showing
+
+    assert len(small.link.rest) == 8 and len(small.session.positions()) > 500
+    press(small, 0.03, 0.03, 0.006)
+    local = showing.show(bpy.data.objects[small.name], small)
+    off = np.linalg.norm(local - small.link.rest, axis=1)
+    corner = int((small.link.rest @ np.ones(3)).argmax())
+    assert local.shape == (8, 3) and off.argmax() == corner and off[corner] > 0.1
+
+
+def test_flat_text_becomes_a_body_in_one_click_and_an_undo_takes_it_back(
+    bpy: ModuleType, empty_file: ModuleType
+) -> None:
+    bpy.ops.object.text_add()
+    bpy.ops.ed.undo_push(message="Text")
+    with pytest.raises(RuntimeError, match="Make Soft converts it"):
+        bpy.ops.dimple.poke(depth_mm=1.0)
+    assert bpy.ops.dimple.make_soft() == {"FINISHED"}
+    obj = bpy.context.object
+    assert obj.type == "MESH" and obj.dimensions.z == pytest.approx(0.3, rel=1e-3) and obj.dimple.enabled
+    bpy.ops.ed.undo_push(message="Make Soft")
+    bpy.ops.ed.undo()
+    assert bpy.data.objects["Text"].type == "FONT" and bpy.data.objects["Text"].data.extrude == 0
+
+
+def test_the_overlay_draws_the_dent_that_a_coarse_mesh_cannot_show(bpy: ModuleType, small: Any) -> None:
+    from bl_ext.user_default.dimple.addon.dent import dent_of
+
+    assert dent_of(small) is None
+    press(small, 0.0, 0.0, 0.01)
+    dent = dent_of(small)
+    depth = (dent.mesh_places - dent.places)[:, 2] * small.link.scale
+    assert depth.max() == pytest.approx(0.01, abs=0.001)
+    assert np.abs(dent.places[depth.argmax(), :2]).max() * small.link.scale < 0.004
