@@ -119,6 +119,15 @@ def charts(options: argparse.Namespace) -> int:
     return run([environment(options.blender), "-m", "tools.charts", "--out", out, *options.rest])
 
 
+def contact(options: argparse.Namespace) -> int:
+    """judge ten scenes in which nothing may pass through anything; --quick, --json FILE"""
+    paths = [str(Path(word).resolve()) if before == "--json" else word
+             for before, word in zip(["", *options.rest], options.rest, strict=False)]  # fmt: skip
+    python = environment(options.blender)
+    native_core.provide_library(python)
+    return run([python, "-m", "studies.contact", *paths])
+
+
 def core(options: argparse.Namespace) -> int:
     """run a study without Blender: calibrate, paper, emulator, haptics, grasp, solid, release, dents"""
     python = environment(options.blender)
@@ -146,8 +155,8 @@ def ci(_options: argparse.Namespace) -> int:
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="dev.py", description=(__doc__ or "").partition("\n")[0])
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for action in (demo, test, lint, build, native, wheels, bench, charts, window, samples, core, bake, ci):
-        own_help = action not in (bench, charts, core, bake)  # what they run has a help of its own
+    for action in (demo, test, lint, build, native, wheels, bench, charts, window, samples, core, contact, bake, ci):
+        own_help = action not in (bench, charts, core, contact, bake)  # what they run has a help of its own
         text = action.__doc__
         command = commands.add_parser(
             action.__name__, help=text, description=text, allow_abbrev=False, add_help=own_help
@@ -159,7 +168,7 @@ def main(words: list[str]) -> int:
         if action in (demo, build, wheels, charts, window):
             command.add_argument("--out", type=Path, metavar="DIR", help="where the results go")
     options, options.rest = parser.parse_known_args(words)
-    if options.rest and options.action not in (test, core, bench, charts, bake):
+    if options.rest and options.action not in (test, core, contact, bench, charts, bake):
         parser.error(f"unknown arguments: {' '.join(options.rest)}")
     try:
         return options.action(options)

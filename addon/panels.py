@@ -103,6 +103,29 @@ class DIMPLE_PT_body(bpy.types.Panel):
         row.prop(settings, "size_mm")
 
 
+class DIMPLE_PT_contact(bpy.types.Panel):
+    """What the object meets."""
+
+    bl_label = "Contact"
+    bl_parent_id = "DIMPLE_PT_body"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "physics"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the switches of contact."""
+        settings, layout = context.object.dimple, self.layout
+        layout.use_property_split = True
+        layout.enabled = context.object.type == "MESH"
+        layout.prop(settings, "collider")
+        row = layout.row()
+        row.active = settings.collider and not settings.enabled
+        row.prop(settings, "collider_friction", slider=True)
+        row = layout.row()
+        row.active = settings.enabled
+        row.prop(settings, "self_contact")
+
+
 class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
     """The operators of a session."""
 
@@ -242,7 +265,7 @@ _SIDEBAR = (
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
 _register_properties, _unregister_properties = bpy.utils.register_classes_factory(
-    [DIMPLE_PT_material, DIMPLE_PT_body, *calibration.PROPERTIES]
+    [DIMPLE_PT_material, DIMPLE_PT_body, DIMPLE_PT_contact, *calibration.PROPERTIES]
 )
 
 

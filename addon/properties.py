@@ -207,6 +207,20 @@ class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
         default=165.0, min=0.001, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **FIXED,
     )  # fmt: skip
 
+    collider: BoolProperty(
+        name="Dimple Collider",
+        description="Running bodies meet this object, and each other; nothing passes through anything",
+        default=False, **FIXED,
+    )  # fmt: skip
+    collider_friction: FloatProperty(
+        name="Collider Friction",
+        description="Coefficient of friction of this object with bodies that touch it; 0 is frictionless",
+        default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
+    )  # fmt: skip
+    self_contact: BoolProperty(
+        name="Self Contact", description="The body does not pass through itself where it folds", default=False, **FIXED
+    )
+
     def to_params(self) -> dict[str, float | str | None]:
         """Return law_set, pinned, pin_group, the groups of the maps, and size: the largest [m], None as modelled."""
         return {

@@ -1,136 +1,113 @@
 """Props: rigid meshes with a mass that fall on soft bodies, sink in by their weight, and rest or roll off.
 
-A prop is a collider that goes where it falls. Each tick it is led on by its own velocity, and then given what the
-bodies answered: the reaction of one tick acts in the next. That is stable while a prop is heavier than the skin it
-moves with it, so a lighter one moves as if it were that heavy, though it presses with its own weight.
+A prop is a collider that goes where it falls. Each tick it is led on by its own velocity, and then given its weight and
+what the bodies answered: the reaction of one tick acts in the next. That is stable while a prop is heavier than the
+skin that moves with it, so a lighter one moves as if it were that heavy, though it presses with its own weight.
 """
 
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from .base import Floats, Ints
+from .base import Floats
 from .session import Session
 from .solver import rigid
-from .solver.rigid import RigidShape, RigidState
-from .solver.scene import Collider
-from .world import Meeting, World
+from .solver.rigid import RigidShape
+from .solver.scene import Collider, SceneFrame
+from .world import World
 
 LEAST_SHARE = 0.1  # of the lightest body's mass: what a prop has at least when it moves
 SETTLING = 0.05  # of its critical damping against the softest body that it presses: it comes to rest
 HELD = 1e-9  # [m] a prop that is farther behind its way than this was held back
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Prop:
-    """A rigid mesh with a mass.
-
-    positions: (m, 3) where it is at the start [m].
-    triangles: (t, 3).
-    mass: [kg].
-    friction: coefficient.
-    name: for messages.
-    """
-
-    positions: Floats
-    triangles: Ints
-    mass: float
-    friction: float = 0.5
-    name: str = "Prop"
-
-
-class PropWorld:
-    """Step sessions with props and colliders that are led.
+class PropWorld(World):
+    """Step sessions with colliders some of which fall.
 
     Args:
-        sessions: as for a World.
-        props: that fall.
-        colliders: that are led, after them.
+        sessions, colliders, itself, names: as for a World.
+        masses: of the colliders [kg], None for one that is led.
         gravity: (3,) [m/s2].
-        itself, names: as for a World; names of the bodies and the colliders.
 
     Raises:
         DimpleError: a prop without mass or faces, or something passes through something else.
     """
 
+    most = 1  # tick in one call: each moves the props
+
     def __init__(
         self,
         sessions: Sequence[Session],
-        props: Sequence[Prop],
+        colliders: Sequence[Collider],
         *,
-        colliders: Sequence[Collider] = (),
+        masses: Sequence[float | None],
         gravity: Sequence[float] = (0.0, 0.0, -9.81),
         itself: Sequence[bool] | None = None,
         names: Sequence[str] = (),
     ) -> None:
-        self.gravity, self.props = np.array(gravity, np.float64), list(props)
-        self.shapes = [rigid.rigid_shape(prop.positions, prop.triangles, prop.mass) for prop in self.props]
-        self._moving = [_heavier(shape, sessions) for shape in self.shapes]
-        self.states = [rigid.at_rest(shape) for shape in self.shapes]
-        self._damping = [_damping(shape.mass, sessions) for shape in self._moving]
-        led = [Collider(np.ascontiguousarray(p.positions.T, np.float64), p.triangles, p.friction) for p in self.props]
-        bodies, rest = list(names[: len(sessions)]), list(names[len(sessions) :])
-        bodies += [f"Body {i + 1}" for i in range(len(bodies), len(sessions))]
-        self.world = World(
-            sessions, [*led, *colliders], itself=itself, names=[*bodies, *(prop.name for prop in self.props), *rest]
-        )
-        self._left = 0.0
-
-    def step(self, dt: float, *, budget: float | None = None) -> Meeting:
-        """Advance everything by dt [s] in whole ticks; what is left over is carried to the next call.
-
-        Args:
-            budget: stop after this much wall time [s].
-        """
-        started, tick = time.perf_counter(), self.world.sessions[0].tick
-        self._left += dt
-        while self._left > tick * (1 - 1e-6):
-            self._left -= tick
-            self._tick(tick)
-            if budget is not None and time.perf_counter() - started > budget:
-                self._left = 0.0
-        return self.world.meeting
+        super().__init__(sessions, colliders, itself=itself, names=names)
+        self.gravity = np.array(gravity, np.float64)
+        self.props = [i for i, mass in enumerate(masses) if mass is not None]
+        self.masses = {i: float(masses[i] or 0.0) for i in self.props}
+        self.shapes = {i: _heavier(_shape(colliders[i], self.masses[i]), sessions) for i in self.props}
+        self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
+        self._damping = {i: _damping(shape.mass, sessions) for i, shape in self.shapes.items()}
 
     def positions(self, index: int) -> Floats:
         """Return where the vertices of a prop (m, 3) [m] are."""
         return rigid.positions(self.shapes[index], self.states[index])
 
+    def pose(self, index: int) -> Floats:
+        """Return the rigid motion (4, 4) of a prop since the start; translations in [m]."""
+        state, motion = self.states[index], np.eye(4)
+        motion[:3, :3] = state.turn
+        motion[:3, 3] = state.centre - state.turn @ self.shapes[index].centre
+        return motion
+
     def reset(self) -> None:
         """Put everything back to where it was at the start."""
-        self.world.reset()
-        self.states, self._left = [rigid.at_rest(shape) for shape in self.shapes], 0.0
+        self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
+        super().reset()
 
-    def _tick(self, tick: float) -> None:
-        for moving, state in zip(self._moving, self.states, strict=True):
-            rigid.move(moving, state, tick)
-        self.world.set_colliders([self.positions(i) for i in range(len(self.props))])
-        meeting = self.world.step(tick)
-        first = len(self.world.sessions)
-        for i, (moving, state) in enumerate(zip(self._moving, self.states, strict=True)):
-            self._wait(i, state, tick)
-            force, moment = meeting.forces[first + i], meeting.moments[first + i]
-            # light ones press with their own weight, whatever they move as
-            weight = self.props[i].mass * self.gravity
-            about = moment - np.cross(state.centre, force)
-            rigid.push(state, moving.mass, tick * (force + weight), tick * about)
-            if not force.any():
-                continue
-            share = 1 / (1 + tick * self._damping[i] / moving.mass)
+    def _run(self, ticks: int, substeps: int, done: int, whole: int) -> SceneFrame:
+        """Run a tick: each prop goes on, and is given what the bodies answer."""
+        tick, share = self.sessions[0].tick, (done + ticks) / whole
+        for i in self.props:
+            rigid.move(self.shapes[i], self.states[i], tick)
+            here = self._scene.collider(i)
+            # all ways are of the whole step, of which so much is over at the end of this tick
+            self._at[i], self._ends[i] = here, here + (self.positions(i).T - here) / share
+        frame = super()._run(ticks, substeps, done, whole)
+        for i in self.props:
+            self._at[i], self._ends[i] = self._scene.collider(i), None
+            self._wait(i, tick)
+            self._push(i, frame, tick)
+        return frame
+
+    def _push(self, index: int, frame: SceneFrame, tick: float) -> None:
+        """Give a prop its weight and what it got in a tick [s]."""
+        shape, state, row = self.shapes[index], self.states[index], len(self.sessions) + index
+        impulse, moment = frame.impulses[row], frame.moments[row]
+        weight = self.masses[index] * self.gravity  # its own, whatever it moves as
+        rigid.push(state, shape.mass, impulse + tick * weight, moment - np.cross(state.centre, impulse))
+        if impulse.any():
+            share = 1 / (1 + tick * self._damping[index] / shape.mass)
             state.velocity, state.momentum = share * state.velocity, share * state.momentum
 
-    def _wait(self, index: int, state: RigidState, tick: float) -> None:
+    def _wait(self, index: int, tick: float) -> None:
         """Let a prop that was held back be where it is, at the speed it got there."""
-        wanted, there = self.positions(index), self.world.collider(index)
-        if np.abs(there - wanted).max() < HELD:
-            return
-        behind = (there - wanted).mean(axis=0)
-        state.centre = state.centre + behind
-        state.velocity = state.velocity + behind / tick
+        behind = self._at[index].T - self.positions(index)
+        if np.abs(behind).max() > HELD:
+            state, way = self.states[index], behind.mean(axis=0)
+            state.centre, state.velocity = state.centre + way, state.velocity + way / tick
+
+
+def _shape(collider: Collider, mass: float) -> RigidShape:
+    return rigid.rigid_shape(collider.positions.T, collider.triangles, mass)
 
 
 def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:

@@ -163,7 +163,7 @@ class Session:
         """
         self.begin(dt)
         started, most = time.perf_counter(), MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
-        while self.due and self.take(self.body.step(self.motion(min(self.due, self.most, most)))):
+        while self.due and self.take(self.body.step(self.next_motion(min(self.due, self.most, most)))):
             if budget is not None and time.perf_counter() - started > budget and self.due:
                 return self.finish(early=True)
         return self.finish()
@@ -192,7 +192,7 @@ class Session:
         """Return how many ticks a motion may have."""
         return 1 if any(tip and tip.pushed for tip in self._tips) else MAX_STEPS  # each tick moves what is pushed
 
-    def motion(self, ticks: int, *, substeps: int | None = None) -> Motion:
+    def next_motion(self, ticks: int, *, substeps: int | None = None) -> Motion:
         """Return what happens in some ticks of the step under way."""
         seconds = max(self._last.ticks, 1) * self.tick
         for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):

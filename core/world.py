@@ -43,6 +43,8 @@ class Meeting(NamedTuple):
 class World:
     """Step sessions together.
 
+    most: ticks in one call.
+
     Args:
         sessions: of one tick and one backend.
         colliders: where they are now.
@@ -52,6 +54,8 @@ class World:
     Raises:
         DimpleError: something passes through something else, with what and where.
     """
+
+    most = MAX_STEPS
 
     def __init__(
         self,
@@ -75,11 +79,11 @@ class World:
     def check(self) -> None:
         """Raise a DimpleError when something passes through something else."""
         found = self._scene.crossings()
-        if found.count:
+        if found.pairs:
             first, second = (self._names[i] for i in found.surfaces)
             where = ", ".join(f"{1e3 * c:.1f}" for c in found.place)
             pair = f'"{first}" passes through itself' if first == second else f'"{first}" and "{second}" intersect'
-            raise DimpleError(f"{pair} at ({where}) mm, {found.count} pairs of faces in all. Move them apart first.")
+            raise DimpleError(f"{pair} at ({where}) mm, {found.pairs} pairs of faces in all. Move them apart first.")
 
     def set_colliders(self, ends: Sequence[Floats | None]) -> None:
         """Say where each collider (m, 3) [m] is to be at the end of the next step; None lets it rest.
@@ -94,6 +98,11 @@ class World:
                 name = self._names[len(self.sessions) + i]
                 raise DimpleError(f'Collider "{name}" has other vertices than at the start, or one that is no number.')
             self._ends[i] = np.ascontiguousarray(np.asarray(end, np.float64).T)
+
+    def target(self, index: int) -> Floats:
+        """Return where a collider (m, 3) [m] is to be at the end of the step that was asked for last."""
+        end = self._ends[index]
+        return (self._at[index] if end is None else end).T
 
     def collider(self, index: int) -> Floats:
         """Return where a collider (m, 3) [m] is: behind its way where a body cannot get out of it."""
@@ -111,7 +120,8 @@ class World:
         for session in self.sessions:
             session.begin(dt)
         substeps = max(session.substeps for session in self.sessions)
-        most = min([MAX_STEPS // substeps - 1 if budget is None else TICKS_AT_ONCE, *(s.most for s in self.sessions)])
+        usual = MAX_STEPS // substeps - 1 if budget is None else TICKS_AT_ONCE
+        most = min([usual, self.most, *(session.most for session in self.sessions)])
         whole, share = min(session.due for session in self.sessions), 0
         while share < whole:
             ticks = min(whole - share, most)
@@ -152,7 +162,7 @@ class World:
         ways = [
             None if end is None else ColliderMotion(at, end) for at, end in zip(self._at, self._ends, strict=True)
         ]
-        motions = [session.motion(ticks, substeps=substeps) for session in self.sessions]
+        motions = [session.next_motion(ticks, substeps=substeps) for session in self.sessions]
         return self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
 
     def _arrive(self, share: float) -> None:
@@ -169,6 +179,6 @@ def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
     return Meeting(
         max(part.touching for part in parts), sum(part.truncated for part in parts),
         sum(part.taken for part in parts), max(part.held_back for part in parts),
-        sum(part.impulses for part in parts) / seconds, sum(part.queries for part in parts),
-        sum(part.moments for part in parts) / seconds,
+        np.sum([part.impulses for part in parts], axis=0) / seconds, sum(part.queries for part in parts),
+        np.sum([part.moments for part in parts], axis=0) / seconds,
     )  # fmt: skip

@@ -18,7 +18,7 @@ import numpy as np
 from ..core.base import DimpleError
 from ..core.recording import PointCache
 from ..core.session import Session
-from . import bridge, bridge_write, live, output, planning, shape_keys, timeline, tuning
+from . import bridge, bridge_write, contact, live, output, planning, shape_keys, timeline, tuning
 from .settings import settings_of
 
 if TYPE_CHECKING:
@@ -101,9 +101,11 @@ def simulate(
         files.callback(go_to, scene, before)
         scene.frame_set(plan.first)
         bodies = [_open(context, plan, obj, messages, files) for obj in plan.objects]
+        together = {body.link.uid: (_object(body), body.session, body.link.scale) for body in bodies}
+        worlds = contact.worlds_of(context, together)
         _write(plan, bodies, plan.first)
         for frame in range(plan.first + 1, plan.last + 1):
-            _step(context, bodies, frame)
+            _step(context, bodies, worlds, frame)
             _write(plan, bodies, frame)
             yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
         _close(bodies)
@@ -158,7 +160,9 @@ def _open(
     )  # fmt: skip
 
 
-def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> None:
+def _step(
+    context: bpy.types.Context, bodies: Sequence[Baked], worlds: Sequence[contact.LiveWorld], frame: int
+) -> None:
     """Bring every body from the frame before to this one."""
     scene = context.scene
     for look_s in timeline.looks(scene, frame):
@@ -169,9 +173,15 @@ def _step(context: bpy.types.Context, bodies: Sequence[Baked], frame: int) -> No
             if not np.array_equal(matrix, body.matrix):
                 body.matrix = matrix
                 body.session.set_held(bridge.places(body.link, matrix))
-            shown = body.session.step(look_s)
-            if shown.note:
-                raise DimpleError(f'"{body.link.name}", frame {frame}: {shown.note}')
+        for world in worlds:
+            contact.lead_colliders(context, world)
+            world.world.step(look_s)
+        met = {uid for world in worlds for uid in world.uids}
+        for body in bodies:
+            if body.link.uid not in met:
+                body.session.step(look_s)
+            if body.session.frame.note:
+                raise DimpleError(f'"{body.link.name}", frame {frame}: {body.session.frame.note}')
 
 
 def _object(body: Baked) -> bpy.types.Object:

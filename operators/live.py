@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, haptic, sessions, showing, tuning, twins
+from . import bridge, contact, haptic, sessions, showing, tuning, twins
 from .messages import Note
 from .sessions import LiveBody, ModalRun
+
+if TYPE_CHECKING:
+    from ..core.world import World
 
 LONGEST_S = 0.1  # after a hiccup of Blender, time is lost rather than jumped over
 SHORTEST_S = 0.002
@@ -55,6 +59,8 @@ def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], li
             messages += notes
     if not bodies:
         raise DimpleError(" ".join(wrong))
+    if crossing := _meet(context):
+        raise DimpleError(crossing[0])
     return bodies, messages, wrong
 
 
@@ -79,13 +85,12 @@ def advance(
     pressed = twins.shared(pressed or {}, context.scene)
     share = budget / len(sessions.sessions) if budget and sessions.sessions else budget
     for uid, body in list(sessions.sessions.items()):
-        obj = bridge.find(uid, body.name)
-        assert obj  # else its session has just ended
-        try:
-            messages += step(context, obj, body, max(dt - body.lead, 0.0), pressed.get(uid, ()), share)
-            body.lead += body.frame.steps * body.session.tick
-        except DimpleError as error:
-            messages += [str(error), *sessions.stop(uid)]
+        messages += _trying(uid, prepare, context, body, pressed.get(uid, ()))
+    messages += _meet(context)
+    for group in _groups():
+        messages += _run(group, dt, share and share * len(group[0]))
+    for uid, body in list(sessions.sessions.items()):
+        messages += _trying(uid, finish, body)
         if body.frame.note:
             sessions.disarm()  # it is back at rest at once, which may be on a fingertip
             messages.append(f'"{body.name}": {body.frame.note}')
@@ -96,16 +101,59 @@ def advance(
     return messages
 
 
-def step(
-    context: bpy.types.Context,
-    obj: bpy.types.Object,
-    body: LiveBody,
-    dt: float,
-    pressed: Sequence[Finger | None],
-    budget: float | None,
-) -> list[str]:
-    """Step one session, show and record it; return sentences for the artist."""
-    link, messages = body.link, tuning.follow(context, obj, body)
+def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str]:
+    """Do something with a session; where it cannot go on it ends, with the reason."""
+    try:
+        return do(*arguments)
+    except DimpleError as error:
+        return [str(error), *sessions.stop(uid)]
+
+
+def _meet(context: bpy.types.Context) -> list[str]:
+    """Bring up to date which bodies are stepped together, and where their colliders go; end all that cannot be."""
+    bodies = {uid: (_object(body), body.session, body.link.scale) for uid, body in sessions.sessions.items()}
+    try:
+        sessions.worlds[:] = contact.worlds_of(context, bodies, sessions.worlds)
+        for world in sessions.worlds:
+            contact.lead_colliders(context, world)
+    except DimpleError as error:
+        return [str(error), *(each for uid in list(sessions.sessions) for each in sessions.stop(uid))]
+    return []
+
+
+def _groups() -> list[tuple[list[LiveBody], World | None]]:
+    """Return the running bodies in groups that are stepped together, each with its world, None where one is alone."""
+    together = [([sessions.sessions[uid] for uid in each.uids], each.world) for each in sessions.worlds]
+    met = {uid for each in sessions.worlds for uid in each.uids}
+    return [*together, *(([body], None) for uid, body in sessions.sessions.items() if uid not in met)]
+
+
+def _run(group: tuple[list[LiveBody], World | None], dt: float, budget: float | None) -> list[str]:
+    """Step a group of bodies."""
+    bodies, world = group
+    left = max(dt - max(body.lead for body in bodies), 0.0)
+    try:
+        if world:
+            world.step(left, budget=budget)
+        else:
+            bodies[0].session.step(left, budget=budget)
+    except DimpleError as error:
+        return [str(error), *(each for body in bodies for each in sessions.stop(body.link.uid))]
+    for body in bodies:
+        body.lead += body.frame.steps * body.session.tick
+    return []
+
+
+def _object(body: LiveBody) -> bpy.types.Object:
+    obj = bridge.find(body.link.uid, body.name)
+    assert obj  # else its session has just ended
+    return obj
+
+
+def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger | None]) -> list[str]:
+    """Bring settings, pins and fingertips of a session up to date; return sentences for the artist."""
+    obj, link = _object(body), body.link
+    messages = tuning.follow(context, obj, body)
     if body.link is not link:
         pressed = ()  # those were in metres of another size
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once
@@ -116,12 +164,18 @@ def step(
     # one that goes from hand to hand is lifted: it would fly through the body, and a device would render the flight
     body.session.set_fingers([None if i in before ^ body.poked else finger for i, finger in enumerate(fingers)])
     body.session.set_fingers(fingers)
-    frame = body.session.step(dt, budget=budget)
+    return messages
+
+
+def finish(body: LiveBody) -> list[str]:
+    """Show and record what a session came to; return sentences for the artist."""
+    frame = body.frame
+    messages: list[str] = []
     body.fingers = merged(body.session.placed, ())
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
         body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
-    local = showing.show(obj, body)
+    local = showing.show(_object(body), body)
     if body.recorder:
         try:
             body.recorder.append(frame.time, local, frame)

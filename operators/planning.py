@@ -17,6 +17,7 @@ import bpy
 from ..core.base import DimpleError
 from ..core.reduction.planner import Plan, plan, plan_full_mesh, plan_proxy
 from ..core.reduction.proxy import build_proxy
+from . import contact
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
@@ -31,6 +32,8 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     Raises:
         DimpleError: the proxy that was asked for cannot be made.
     """
+    if contact.is_on(scene):
+        return None, ""
     settings, now = obj.dimple, key(scene, obj, model)
     if settings.plan_key == now:
         return build_proxy(model, settings.plan_vertices) if settings.plan_vertices else None, ""

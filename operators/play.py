@@ -128,6 +128,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             return showing.end_changed(context.view_layer)
         for body in sessions.sessions.values():
             body.session.reset()
+            sessions.worlds.clear()
             body.matrix = body.link.matrix
         return live.advance(context, 0.0)
 

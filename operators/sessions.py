@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..core.session import Finger, Frame, Session
     from .bridge import ObjectLink, Singles
     from .bridge_write import Borrowed
+    from .contact import LiveWorld
     from .output import Recorder
     from .settings import Settings
 
@@ -133,6 +134,7 @@ class ModalRun:
 
 sessions: dict[int, LiveBody] = {}
 runs: list[ModalRun] = []
+worlds: list[LiveWorld] = []  # the sessions that are stepped together
 disarming: list[Callable[[], None]] = []  # what ends all force of the haptic device: `haptic` adds itself
 
 
@@ -210,6 +212,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     body = sessions.pop(uid, None)
     if body is None:
         return []
+    worlds.clear()  # made anew of those that are left
     from . import bridge, bridge_write, output
 
     obj = bridge.find(uid, body.name)

@@ -16,9 +16,11 @@ import numpy.typing as npt
 from ..base import Bools, Floats, Ints
 
 OFFSET = 0.05  # of the mean edge: each of two surfaces holds this distance
-BOUND = 0.9  # of half the distance: what two primitives may go towards each other
+BOUND = 0.9  # of the distance: what two primitives may go towards each other
+LEAST_SHARE = 0.1  # of that which a side gets at least; more the faster it comes
+SLOW = 1e-3  # [m/s] below this, both sides count as equally fast
 CLOSEST = 1e-5  # of a body's size: nearer, nothing goes nearer still; rounding is far smaller
-FLAT, SHARP = 0.1, 0.3  # slopes of the faces beside an edge between which it begins to count as one
+FLAT, SHARP = 0.01, 0.05  # slopes of the faces beside an edge between which it begins to count as one
 SELF_SHARE = 0.5  # of the distance at rest: nearer, a body touches itself
 
 
@@ -56,7 +58,8 @@ class Pairs:
     part: (m, 2) the triangle of the face, or both edges.
     normal: (m, 3) unit, towards the first.
     level: (m,) they keep apart by normal . x = level,
-    keep: (m,) each by at least this [m].
+    keep: (m, 2) each side by at least this [m].
+    way: (m, 2) that each side may go towards the other [m].
     gap: (m,) their distance [m].
     weight: (m,) of what they do: fades where edges are flat.
     """
@@ -67,6 +70,7 @@ class Pairs:
     normal: Floats
     level: Floats
     keep: Floats
+    way: Floats
     gap: Floats
     weight: Floats
 
@@ -149,10 +153,13 @@ def measure(x: Floats, ones: Ints) -> tuple[Floats, Floats, Floats]:
     return w, between, np.sqrt(_dot(between, between))
 
 
-def find_pairs(s: Surfaces, x: Floats, first: int, second: int, *, reach: float, closest: float) -> Pairs:
+def find_pairs(
+    s: Surfaces, x: Floats, v: Floats, first: int, second: int, *, reach: float, closest: float
+) -> Pairs:
     """Find what of two surfaces, or of one, is nearer than a reach [m] at positions x (n, 3) [m].
 
     Args:
+        v: (n, 3) velocities [m/s].
         closest: nearer than this [m], nothing goes nearer still.
     """
     low = np.maximum(_box(x, s, first)[0], _box(x, s, second)[0]) - reach
@@ -180,7 +187,7 @@ def find_pairs(s: Surfaces, x: Floats, first: int, second: int, *, reach: float,
     at.append(np.column_stack([s.edges[i], s.edges[j]]))
     part.append(np.column_stack([i, j]))
     ones.append(np.full(len(i), 2))
-    return _with_planes(s, x, np.concatenate(at), np.concatenate(ones), np.concatenate(part), reach, closest)
+    return _with_planes(s, x, v, np.concatenate(at), np.concatenate(ones), np.concatenate(part), reach, closest)
 
 
 def touching_distance(s: Surfaces, pairs: Pairs, offsets: Floats) -> Floats:
@@ -193,7 +200,7 @@ def touching_distance(s: Surfaces, pairs: Pairs, offsets: Floats) -> Floats:
 
 
 def _with_planes(
-    s: Surfaces, x: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float
+    s: Surfaces, x: Floats, v: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float
 ) -> Pairs:
     w, between, gap = measure(x[at], ones)
     near = gap < reach
@@ -202,7 +209,12 @@ def _with_planes(
     side = np.arange(4) < ones[:, None]
     point = np.einsum("mk,mkc->mc", np.where(side, w, 0), x[at])
     other = point - between
-    keep = np.where(gap > closest, closest / 2 + (1 - BOUND) * (gap - closest) / 2, gap / 2 * (1 - 1e-6))
+    along = -np.einsum("mkc,mc->mk", v[at], normal) * w
+    u, back = (np.maximum((along * here).sum(axis=1), 0) + SLOW for here in (side, ~side))
+    one = np.where(gap > closest, np.clip(u / (u + back), LEAST_SHARE, 1 - LEAST_SHARE), 0.5)
+    whole = np.stack([one, 1 - one], axis=1) * gap[:, None]
+    least = np.minimum(whole, closest) / 2
+    keep = np.where((gap > closest)[:, None], least + (1 - BOUND) * (whole - least), whole * (1 - 1e-6))
     weight = np.ones(len(at))
     edge = np.flatnonzero(ones == 2)
     inside = (np.abs(w[edge]) > 0).all(axis=1)
@@ -212,8 +224,8 @@ def _with_planes(
         * _sharpness(s, x, part[edge, 1], other[edge], normal[edge])
     )
     return Pairs(
-        at=at, ones=ones, part=part, normal=normal, level=_dot(normal, other + between / 2), keep=keep, gap=gap,
-        weight=weight,
+        at=at, ones=ones, part=part, normal=normal, level=_dot(normal, other + (1 - one)[:, None] * between), keep=keep,
+        way=whole - keep, gap=gap, weight=weight,
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ static void dm_link_pairs(dm_scene_state *s) {
         const dm_pair *p = s->pairs + k / 4;
         dm_neighbour *n = s->near + p->at[k % 4];
         s->pairs_of[n->first_pair + n->pair_count++] = k;
-        double free_way = p->gap / 2 - p->keep, *roam = s->roam + n->vertex;
+        double free_way = p->way[k % 4 >= p->ones], *roam = s->roam + n->vertex;
         *roam = free_way < *roam ? free_way : *roam;
     }
 }
@@ -30,6 +30,8 @@ DM_INLINE double dm_side(const dm_pair *p, uint32_t corner, const double *x) {
     return corner < p->ones ? along : -along;
 }
 
+DM_INLINE double dm_kept(const dm_pair *p, uint32_t corner) { return p->keep[corner >= p->ones]; }
+
 static int dm_is_allowed(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, const double *x) {
     double way[3];
     dm_minus(x, s->before[vertex], way);
@@ -39,7 +41,7 @@ static int dm_is_allowed(const dm_scene_state *s, const dm_surface *f, uint32_t 
     for (uint32_t k = 0; k < n->pair_count; k++) {
         uint32_t which = s->pairs_of[n->first_pair + k];
         const dm_pair *p = s->pairs + which / 4;
-        if (!(dm_side(p, which % 4, x) >= p->keep)) return 0;
+        if (!(dm_side(p, which % 4, x) >= dm_kept(p, which % 4))) return 0;
     }
     return 1;
 }
@@ -56,34 +58,96 @@ static void dm_shorten(const double *from, double *x, double most) {
 /* Bring a vertex to where it may be: onto its planes where it is beyond them, so that it still slides along; where that
  * is not enough, so far back on its way as it must. */
 static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
-    const double *from = s->before[vertex];
+    const double *begin = s->before[vertex];
     double most = f->slack * (1 - 1e-6), share = 1;
-    dm_shorten(from, x, most);
+    dm_shorten(begin, x, most);
     if (s->place[vertex] == DM_NO_VERTEX) return;
     const dm_neighbour *n = s->near + s->place[vertex];
+    const double *from = n->last;
     const uint32_t *mine = s->pairs_of + n->first_pair;
     for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
         int moved = 0;
         for (uint32_t k = 0; k < n->pair_count; k++) {
             const dm_pair *p = s->pairs + mine[k] / 4;
-            double short_of = p->keep * (1 + 1e-6) - dm_side(p, mine[k] % 4, x);
+            double short_of = dm_kept(p, mine[k] % 4) * (1 + 1e-6) - dm_side(p, mine[k] % 4, x);
             if (!(short_of > 0)) continue;
             double by = mine[k] % 4 < p->ones ? short_of : -short_of;
             for (int c = 0; c < 3; c++) x[c] += by * p->normal[c];
             moved = 1;
         }
         if (!moved) return;
-        dm_shorten(from, x, most);
+        dm_shorten(begin, x, most);
     }
     for (uint32_t k = 0; k < n->pair_count; k++) {
         const dm_pair *p = s->pairs + mine[k] / 4;
         double there = dm_side(p, mine[k] % 4, x), here = dm_side(p, mine[k] % 4, from);
-        if (there < p->keep && here > there) {
-            double part = (here - p->keep) / (here - there) * (1 - 1e-6);
+        double keep = dm_kept(p, mine[k] % 4);
+        if (there < keep && here > there) {
+            double part = (here - keep) / (here - there) * (1 - 1e-6);
             share = part < share ? (part > 0 ? part : 0) : share;
         }
     }
     for (int c = 0; c < 3; c++) x[c] = from[c] + share * (x[c] - from[c]);
+}
+
+static void dm_note_held(dm_scene_state *s, uint32_t vertex) {
+    if (s->place[vertex] == DM_NO_VERTEX) {
+        s->due = 1; /* it wants to go farther than anybody has looked */
+        return;
+    }
+    s->held = dm_grown(s, s->held, s->held_count, &s->held_room, sizeof *s->held);
+    if (dm_has_room(s)) s->held[s->held_count++] = s->place[vertex];
+    else s->due = 1;
+}
+
+static void dm_renew_plane(dm_scene_state *s, dm_pair *p) {
+    double x[4][3], w[4], between[3];
+    if (p->renewed == s->renewal) return;
+    p->renewed = s->renewal;
+    for (int j = 0; j < 4; j++) {
+        const dm_neighbour *m = s->near + p->at[j];
+        dm_world_of(s, s->surfaces + m->surface, m->vertex, x[j]);
+    }
+    const double *at[4] = {x[0], x[1], x[2], x[3]};
+    double gap = dm_measure_pair(at, p->ones, w, between);
+    dm_set_plane(s, p, at, w, between, gap);
+}
+
+/* How far a vertex of a body may go from where it is now before its planes are looked at. */
+static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
+    const dm_surface *f = s->surfaces + n->surface;
+    double x[3], way[3];
+    if (!f->body || n->renewed == s->renewal) return;
+    n->renewed = s->renewal;
+    dm_world_of(s, f, n->vertex, x);
+    dm_minus(x, s->before[n->vertex], way);
+    double gone = sqrt(dm_inner3(way, way)), most = f->slack - gone;
+    for (uint32_t k = 0; k < n->pair_count; k++) {
+        uint32_t which = s->pairs_of[n->first_pair + k];
+        double left = dm_side(s->pairs + which / 4, which % 4, x) - dm_kept(s->pairs + which / 4, which % 4);
+        most = left < most ? left : most;
+    }
+    uint32_t i = n->vertex - f->first;
+    dm_set_lane3(&f->before[i / DM_LANES], i, f->body->records[i].x);
+    most *= DM_ALERT;
+    f->bound[i / DM_LANES][i % DM_LANES] = (dm_real)(most > 0 ? most * most : -1);
+    if (gone > f->stale) s->due = 1;
+}
+
+/* Set the planes anew of what has used its way, where things are now: it may go on from there in the next substep. */
+static void dm_renew_planes(dm_scene_state *s) {
+    s->renewal++;
+    for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
+        const dm_neighbour *n = s->near + s->held[h];
+        for (uint32_t k = 0; k < n->pair_count; k++) dm_renew_plane(s, s->pairs + s->pairs_of[n->first_pair + k] / 4);
+    }
+    for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
+        const dm_neighbour *n = s->near + s->held[h];
+        for (uint32_t k = 0; k < n->pair_count; k++)
+            for (int j = 0; j < 4; j++)
+                dm_renew_bound(s, s->near + s->pairs[s->pairs_of[n->first_pair + k] / 4].at[j]);
+    }
+    s->held_count = 0;
 }
 
 /* Hold a vertex of a body back, and take the speed with which it would go on; what of momentum that takes is counted. */
@@ -92,7 +156,10 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     uint32_t vertex = f->first + i;
     double x[3], at[3], back[3];
     dm_world_of(s, f, vertex, x);
-    if (dm_is_allowed(s, f, vertex, x)) return;
+    if (dm_is_allowed(s, f, vertex, x)) {
+        dm_note_held(s, vertex);
+        return;
+    }
     memcpy(at, x, sizeof at);
     dm_hold_back(s, f, vertex, at);
     dm_record *r = b->records + i;
@@ -101,8 +168,9 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     dm_quad rounded = dm_quad_of(local);
     for (int c = 0; c < 3; c++) at[c] = b->origin[c] + (double)rounded[c];
     if (!dm_is_allowed(s, f, vertex, at)) {
-        rounded = dm_lane3(&f->before[i / DM_LANES], i);
-        memcpy(at, s->before[vertex], sizeof at);
+        if (s->place[vertex] != DM_NO_VERTEX) memcpy(at, s->near[s->place[vertex]].last, sizeof at);
+        else memcpy(at, s->before[vertex], sizeof at);
+        dm_minus(at, b->origin, local), rounded = dm_quad_of(local);
     }
     dm_minus(at, x, back);
     double length = sqrt(dm_inner3(back, back)), against = 0;
@@ -114,7 +182,7 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     }
     dm_set_vertex(b, i, rounded, v);
     b->pins_met |= !(b->inverse_mass[i] > 0);
-    s->out->truncated++, s->due = 1;
+    s->out->truncated++, dm_note_held(s, vertex);
 }
 
 /* Hold every vertex of a body to its bounds. */
@@ -143,8 +211,8 @@ static void dm_move_collider(dm_scene_state *s, dm_surface *f, double share) {
         memcpy(way, x, sizeof x);
         if (!dm_is_allowed(s, f, i, x)) {
             dm_hold_back(s, f, i, x);
-            if (!dm_is_allowed(s, f, i, x)) memcpy(x, s->before[i], sizeof x);
-            s->due = 1;
+            if (!dm_is_allowed(s, f, i, x)) memcpy(x, s->here[i], sizeof x);
+            dm_note_held(s, i);
         }
         dm_minus(way, x, way);
         double late = sqrt(dm_inner3(way, way)), gone = 0;

@@ -87,6 +87,42 @@ static double dm_friction_of(const dm_surface *f, const uint32_t *at, const doub
     return mu;
 }
 
+DM_INLINE double dm_approach(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w) {
+    double speed = 0;
+    for (uint32_t k = from; k < to; k++) {
+        const dm_neighbour *n = s->near + p->at[k];
+        const dm_surface *f = s->surfaces + n->surface;
+        double v[3];
+        if (f->body) dm_velocity(f->body, n->vertex - f->first, v);
+        else memcpy(v, s->rate[n->vertex], sizeof v);
+        speed -= w[k] * dm_inner3(p->normal, v);
+    }
+    return speed > 0 ? speed : 0;
+}
+
+/* Set the plane between the nearest points of a pair at positions x, and how near each may come to it: the faster it
+ * comes towards the other, the larger its part of the distance. */
+static void dm_set_plane(const dm_scene_state *s, dm_pair *p, const double *const *x, const double *w,
+                         const double *between, double gap) {
+    double a = s->surfaces[p->surface[0]].closest, b = s->surfaces[p->surface[1]].closest, closest = a > b ? a : b;
+    for (int c = 0; c < 3; c++) p->normal[c] = gap > 0 ? between[c] / gap : 0;
+    double u = dm_approach(s, p, 0, p->ones, w) + DM_SLOW, v = dm_approach(s, p, p->ones, 4, w) + DM_SLOW;
+    double share[2] = {u / (u + v), 0}, most = 1 - DM_LEAST_SHARE;
+    if (gap <= closest) share[0] = 0.5;
+    share[0] = share[0] < DM_LEAST_SHARE ? DM_LEAST_SHARE : share[0] > most ? most : share[0];
+    share[1] = 1 - share[0], p->level = 0;
+    for (int c = 0; c < 3; c++) {
+        double other = 0;
+        for (uint32_t k = p->ones; k < 4; k++) other -= w[k] * x[k][c];
+        p->level += p->normal[c] * (other + share[1] * between[c]);
+    }
+    for (int k = 0; k < 2; k++) {
+        double whole = share[k] * gap, least = whole / 2 < closest / 2 ? whole / 2 : closest / 2;
+        p->keep[k] = gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - 1e-6);
+        p->way[k] = whole - p->keep[k];
+    }
+}
+
 /* Note a pair that is near, with the plane between its two. parts: the triangle of the face, or both edges. */
 static void dm_note_pair(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const uint32_t *at, uint32_t ones,
                          const uint32_t *parts) {
@@ -99,14 +135,7 @@ static void dm_note_pair(dm_scene_state *s, const dm_surface *f, const dm_surfac
     for (uint32_t k = 0; k < 4; k++) p.at[k] = dm_note_near(s, k < ones ? f : g, at[k]);
     if (!dm_has_room(s)) return;
     p.surface[0] = (uint32_t)(f - s->surfaces), p.surface[1] = (uint32_t)(g - s->surfaces);
-    for (int c = 0; c < 3; c++) {
-        p.normal[c] = gap > 0 ? between[c] / gap : 0;
-        double other = 0;
-        for (uint32_t k = ones; k < 4; k++) other -= w[k] * x[k][c];
-        p.level += p.normal[c] * (other + between[c] / 2);
-    }
-    double closest = f->closest > g->closest ? f->closest : g->closest;
-    p.keep = gap > closest ? closest / 2 + (1 - DM_BOUND) * (gap - closest) / 2 : gap / 2 * (1 - 1e-6);
+    dm_set_plane(s, &p, x, w, between, gap);
     if (f == g) {
         const double *rest[4] = {s->rest[at[0]], s->rest[at[1]], s->rest[at[2]], s->rest[at[3]]};
         double was[4], apart[3], far = DM_SELF_SHARE * dm_measure_pair(rest, ones, was, apart);
@@ -132,28 +161,49 @@ DM_INLINE int dm_share_a_vertex(const uint32_t *a, int m, const uint32_t *b, int
     return 0;
 }
 
-static int dm_points_apart(const dm_scene_state *s, const uint32_t *a, int m, const uint32_t *b, int n) {
-    double low[3], high[3], lower[3], higher[3];
-    dm_bound_points((const double(*)[3])s->before, a, m, low, high);
-    dm_bound_points((const double(*)[3])s->before, b, n, lower, higher);
-    return dm_boxes_apart(low, high, lower, higher) >= s->reach;
+/* Is a point, or the ball round an edge, farther than the reach from the ball round a triangle or another edge? */
+DM_INLINE int dm_balls_apart(const dm_scene_state *s, const double *a, double r, const double *b, double q) {
+    double way[3], most = s->reach + r + q;
+    dm_minus(a, b, way);
+    return dm_inner3(way, way) >= most * most;
+}
+
+DM_INLINE double dm_ball_round_edge(const dm_scene_state *s, const uint32_t *edge, double *middle) {
+    const double *a = s->before[edge[0]], *b = s->before[edge[1]];
+    double square = 0;
+    for (int c = 0; c < 3; c++) middle[c] = (a[c] + b[c]) / 2, square += (a[c] - b[c]) * (a[c] - b[c]);
+    return sqrt(square) / 2;
+}
+
+static void dm_note_edges(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+    for (int k = 0; k < 3; k++) {
+        uint32_t pair[2] = {s->edges_of[i][k]};
+        const uint32_t *e = s->edges[pair[0]];
+        double middle[3], other[3];
+        if (!(s->owns[i] >> (3 + k) & 1)) continue;
+        double radius = dm_ball_round_edge(s, e, middle);
+        if (dm_balls_apart(s, middle, radius, s->balls[j], s->balls[j][3])) continue;
+        for (int l = 0; l < 3; l++) {
+            if (!(s->owns[j] >> (3 + l) & 1)) continue;
+            const uint32_t *h = s->edges[pair[1] = s->edges_of[j][l]];
+            if (dm_share_a_vertex(e, 2, h, 2)) continue;
+            double size = dm_ball_round_edge(s, h, other);
+            if (!dm_balls_apart(s, middle, radius, other, size))
+                dm_note_pair(s, f, g, (uint32_t[4]){e[0], e[1], h[0], h[1]}, 2, pair);
+        }
+    }
 }
 
 /* Note what of triangle i, and of what it stands for, is near triangle j. */
 static void dm_note_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     const uint32_t *a = s->corners[i], *b = s->corners[j];
-    if (dm_points_apart(s, a, 3, b, 3)) return;
+    const double *p = s->balls[i], *q = s->balls[j];
+    if (dm_balls_apart(s, p, p[3], q, q[3])) return;
     for (int k = 0; k < 3; k++) {
-        if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_points_apart(s, a + k, 1, b, 3))
+        if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_balls_apart(s, s->before[a[k]], 0, q, q[3]))
             dm_note_pair(s, f, g, (uint32_t[4]){a[k], b[0], b[1], b[2]}, 1, &j);
-        if (s->owns[j] >> k & 1 && !dm_share_a_vertex(b + k, 1, a, 3) && !dm_points_apart(s, b + k, 1, a, 3))
+        if (s->owns[j] >> k & 1 && !dm_share_a_vertex(b + k, 1, a, 3) && !dm_balls_apart(s, s->before[b[k]], 0, p, p[3]))
             dm_note_pair(s, g, f, (uint32_t[4]){b[k], a[0], a[1], a[2]}, 1, &i);
     }
-    for (int k = 0; k < 9; k++) {
-        if (!(s->owns[i] >> (3 + k / 3) & 1 && s->owns[j] >> (3 + k % 3) & 1)) continue;
-        uint32_t pair[2] = {s->edges_of[i][k / 3], s->edges_of[j][k % 3]};
-        const uint32_t *e = s->edges[pair[0]], *h = s->edges[pair[1]];
-        if (!dm_share_a_vertex(e, 2, h, 2) && !dm_points_apart(s, e, 2, h, 2))
-            dm_note_pair(s, f, g, (uint32_t[4]){e[0], e[1], h[0], h[1]}, 2, pair);
-    }
+    dm_note_edges(s, f, g, i, j);
 }

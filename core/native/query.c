@@ -74,14 +74,14 @@ static void dm_list_candidates(dm_scene_state *s) {
 static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
     for (int64_t g = 0; f->body && g < f->body->groups; g++)
         for (int l = 0; l < DM_LANES; l++) {
-            double way = s->roam[f->first + (uint32_t)(g * DM_LANES + l)] * (1 - 1e-4);
+            double way = s->roam[f->first + (uint32_t)(g * DM_LANES + l)] * DM_ALERT;
             f->bound[g][l] = (dm_real)(way < 1e18 ? way * way : 1e36);
         }
 }
 
 static void dm_query(dm_scene_state *s) {
     for (const dm_neighbour *n = s->near; n < s->near + s->near_count; n++) s->place[n->vertex] = DM_NO_VERTEX;
-    s->near_count = s->pair_count = s->candidate_count = 0, s->due = 0, s->gap = INFINITY;
+    s->near_count = s->pair_count = s->candidate_count = s->held_count = 0, s->due = 0, s->gap = INFINITY;
     s->reach = dm_reach_of(s);
     uint8_t *fitted = s->fitted;
     memset(fitted, 0, (size_t)s->surface_count);

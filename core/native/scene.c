@@ -5,9 +5,10 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
     for (int64_t k = 0; s->surfaces && k < s->surface_count; k++)
         dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
-                           s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->fitted};
+                           s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->fitted,
+                           s->balls};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
-    free(s->near), free(s->pairs), free(s->pairs_of), free(s->meetings), free(s->candidates);
+    free(s->near), free(s->pairs), free(s->pairs_of), free(s->meetings), free(s->candidates), free(s->held);
     dm_free(s);
 }
 
@@ -20,6 +21,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->edges = room(3 * t, sizeof *s->edges)) && (s->across = room(3 * t, sizeof *s->across));
     whole = whole && (s->owns = room(t, 1)) && (s->place = room(n, sizeof(uint32_t)));
     whole = whole && (s->nodes = room(2 * t + s->surface_count, sizeof *s->nodes));
+    whole = whole && (s->balls = room(t, sizeof *s->balls));
     whole = whole && (s->fitted = room(s->surface_count, 1));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
     return whole ? DM_OK : DM_MEMORY;
@@ -146,6 +148,8 @@ static int dm_origin_moved(const dm_scene_state *s) {
 
 static void dm_run_scene_substep(dm_scene_state *s, dm_frame *frames, double share) {
     if (s->due) dm_query(s);
+    for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++)
+        dm_world_of(s, s->surfaces + n->surface, n->vertex, n->last);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         if (f->body) dm_run_substep(f->body, frames + (f - s->surfaces));
         else if (f->moving) dm_move_collider(s, f, share);
@@ -153,6 +157,7 @@ static void dm_run_scene_substep(dm_scene_state *s, dm_frame *frames, double sha
     dm_resolve_touching(s);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         if (f->body) dm_bound_body(s, f);
+    dm_renew_planes(s);
 }
 
 static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, const dm_collider_motion *colliders,

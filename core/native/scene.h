@@ -21,12 +21,16 @@
 #define DM_ROAM 0.99          /* of half the reach: what is near nothing may go */
 #define DM_STALE 0.8          /* of the way after which something unknown might touch */
 #define DM_CLOSEST 1e-5       /* of a body's size: nearer, nothing goes nearer still; rounding is far smaller */
+#define DM_LEAST_SHARE 0.1    /* of the distance that a side gets at least; more the faster it comes */
+#define DM_SLOW 1e-3          /* [m/s] below this, both sides count as equally fast */
+#define DM_ALERT 0.5          /* of the way it may go, after which a vertex gets new planes */
 #define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
 #define DM_CONTACT_STIFFNESS 1.0 /* of the mass over the substep squared, at the surface; grows as 1 / distance */
 #define DM_CONTACT_DAMPING 0.5   /* of the mass over the substep */
+#define DM_PART_TIME 1e-2        /* [s] in which what is too near parts at the soonest */
 #define DM_LEAST_GAP 0.02     /* of the touching distance: the stiffness grows no further */
-#define DM_FLAT 0.1           /* slope of the faces beside an edge below which it is none, */
-#define DM_SHARP 0.3          /* and above which it is one */
+#define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
+#define DM_SHARP 0.05          /* and above which it is one */
 #define DM_SELF_SHARE 0.5     /* of the distance at rest: nearer, a body touches itself */
 
 typedef struct { /* the surface of a body, or a collider */
@@ -51,8 +55,9 @@ typedef struct { /* a box with the triangles in it; its first child follows it, 
 typedef struct { /* a vertex and a face, or two edges; a plane between them */
     uint32_t at[4]; /* in the list of what is near: vertex and corners, or ends of both edges */
     uint32_t ones;  /* how many of them lie on the side of the normal: 1 or 2 */
-    uint32_t surface[2], triangle; /* that the face is */
-    double normal[3], level, keep; /* they keep at least `keep` from normal . x = level */
+    uint32_t surface[2], triangle, renewed; /* that the face is; when its plane was set */
+    double normal[3], level, keep[2]; /* each side keeps at least so far from normal . x = level */
+    double way[2];                 /* [m] that each side may go towards the other */
     double gap, touch;             /* their distance at the query, and at which they touch [m] */
     double weight;                 /* of what they do: fades where edges are flat */
     double friction;
@@ -64,8 +69,8 @@ typedef struct { /* two that touch in this substep */
 } dm_meeting;
 
 typedef struct { /* a vertex that is near something */
-    uint32_t vertex, surface, shares, first_pair, pair_count;
-    double x[3], v[3], push[3], inverse_mass; /* push: by which contact changes v */
+    uint32_t vertex, surface, shares, first_pair, pair_count, renewed;
+    double x[3], v[3], last[3], push[3], inverse_mass; /* last: where it was before this substep */ /* push: by which contact changes v */
 } dm_neighbour;
 
 typedef struct dm_scene_state {
@@ -78,9 +83,11 @@ typedef struct dm_scene_state {
     uint8_t *owns; /* bits: a triangle stands for these of its corners, and of its edges */
     uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; where it is in the list of what is near */
     dm_node *nodes;
+    double (*balls)[4]; /* middle and radius of each triangle at the last query */
     dm_neighbour *near;
     uint32_t near_count, near_room, pair_count, pair_room, meeting_count, meeting_room, *pairs_of, pairs_of_room;
     uint32_t candidate_count, candidate_room, *candidates; /* pairs that may touch before the next query */
+    uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
     double travel; /* [m] that what is near has gone since the query */
     int due;       /* a query is */
     dm_pair *pairs;

@@ -4,6 +4,7 @@
  * the substep h already: d' = d + h j g, u' = u + j g, where g is what the pair gives, 1/mass. From
  *     j = h (k (r - d') - c u'),   k = K / (h^2 g) r / d,   c = C / (h g)
  * follows j = (K r/d (r - d) / h - C u) / ((1 + K r/d + C) g): stable for any K, and the harder the nearer.
+ * It leaves the pair no faster apart than r in 10 ms: so what starts too near is not flung off.
  * A vertex in several pairs is shared between them, each taking an equal part of its mass, so pairs are independent.
  */
 #include "scene.h"
@@ -93,7 +94,10 @@ static void dm_resolve_meeting(dm_scene_state *s, const dm_meeting *m) {
     double along = dm_inner3(u, m->normal), least = DM_LEAST_GAP * p->touch;
     double hard = DM_CONTACT_STIFFNESS * p->touch / (m->gap > least ? m->gap : least);
     double push = hard * (p->touch - m->gap) / s->dt - DM_CONTACT_DAMPING * along;
-    push = push > 0 ? p->weight * push / ((1 + hard + DM_CONTACT_DAMPING) * give) : 0;
+    double most_push = (p->touch / DM_PART_TIME - along) / give; /* what is too near parts slowly, and gains no energy */
+    push = push / ((1 + hard + DM_CONTACT_DAMPING) * give);
+    push = push < most_push ? push : most_push;
+    push = push > 0 ? p->weight * push : 0;
     for (int c = 0; c < 3; c++) u[c] -= along * m->normal[c];
     double slide = sqrt(dm_inner3(u, u)), drag = p->friction * push, most = p->weight * slide / give;
     drag = slide > 0 ? (drag < most ? drag : most) / slide : 0;

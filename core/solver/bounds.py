@@ -9,6 +9,7 @@ import numpy as np
 from ..base import Bools, Floats, Ints
 from ..body.proximity import Pairs
 
+ALERT = 0.5  # of the way it may go, after which a vertex gets new planes
 SWEEPS = 4  # projections on the planes of a vertex before its way is cut short
 
 
@@ -38,7 +39,8 @@ def bounds_of(before: Floats, slack: Floats, pairs: Pairs) -> Bounds:
     flat = pairs.at.ravel()
     order = np.argsort(flat, kind="stable")
     roam = slack.copy()
-    np.minimum.at(roam, flat, np.repeat(pairs.gap / 2 - pairs.keep, 4))
+    side = (np.arange(4) >= pairs.ones[:, None]).astype(np.int64)
+    np.minimum.at(roam, flat, np.take_along_axis(pairs.way, side, axis=1).ravel())
     return Bounds(
         before=before, slack=slack, roam=roam, pairs=pairs, rows=order // 4, corners=order % 4,
         start=np.searchsorted(flat[order], np.arange(len(slack) + 1)),
@@ -46,9 +48,9 @@ def bounds_of(before: Floats, slack: Floats, pairs: Pairs) -> Bounds:
 
 
 def beyond(b: Bounds, x: Floats) -> Bools:
-    """Return which vertices at x (n, 3) have gone so far that their planes must be looked at, (n,)."""
+    """Return which vertices at x (n, 3) have gone so far that their planes must be looked at, and set anew, (n,)."""
     way = x - b.before
-    far: Bools = np.einsum("nc,nc->n", way, way) > (b.roam * (1 - 1e-4)) ** 2
+    far: Bools = np.einsum("nc,nc->n", way, way) > (b.roam * ALERT) ** 2
     return far
 
 
@@ -56,7 +58,7 @@ def is_allowed(b: Bounds, vertex: int, x: Floats) -> bool:
     """Tell whether a vertex may be at x (3,)."""
     if not float(np.linalg.norm(x - b.before[vertex])) <= b.slack[vertex]:
         return False
-    return bool((_sides(b, vertex, x) >= b.pairs.keep[_planes(b, vertex)]).all())
+    return bool((_sides(b, vertex, x) >= _kept(b, vertex)).all())
 
 
 def hold_back(b: Bounds, vertex: int, x: Floats) -> Floats:
@@ -67,14 +69,14 @@ def hold_back(b: Bounds, vertex: int, x: Floats) -> Floats:
     sign = np.where(b.corners[b.start[vertex] : b.start[vertex + 1]] < pairs.ones[planes], 1.0, -1.0)
     for _ in range(SWEEPS):
         moved = False
-        for plane, way in zip(planes, sign, strict=True):
-            short = pairs.keep[plane] * (1 + 1e-6) - way * (pairs.normal[plane] @ x - pairs.level[plane])
+        for plane, way, keep in zip(planes, sign, _kept(b, vertex), strict=True):
+            short = keep * (1 + 1e-6) - way * (pairs.normal[plane] @ x - pairs.level[plane])
             if short > 0:
                 x, moved = x + way * short * pairs.normal[plane], True
         if not moved:
             return x
         x = _shortened(before, x, most)
-    there, here, keep = _sides(b, vertex, x), _sides(b, vertex, before), pairs.keep[planes]
+    there, here, keep = _sides(b, vertex, x), _sides(b, vertex, before), _kept(b, vertex)
     late = (there < keep) & (here > there)
     part = (here[late] - keep[late]) / (here[late] - there[late]) * (1 - 1e-6)
     share = min(1.0, max(float(part.min(initial=1.0)), 0.0))
@@ -84,6 +86,13 @@ def hold_back(b: Bounds, vertex: int, x: Floats) -> Floats:
 
 def _planes(b: Bounds, vertex: int) -> Ints:
     return b.rows[b.start[vertex] : b.start[vertex + 1]]
+
+
+def _kept(b: Bounds, vertex: int) -> Floats:
+    """Return how far the vertex must stay on its own side of each of its planes [m]."""
+    planes, corners = _planes(b, vertex), b.corners[b.start[vertex] : b.start[vertex + 1]]
+    kept: Floats = b.pairs.keep[planes, (corners >= b.pairs.ones[planes]).astype(np.int64)]
+    return kept
 
 
 def _sides(b: Bounds, vertex: int, x: Floats) -> Floats:

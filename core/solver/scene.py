@@ -63,7 +63,7 @@ class SceneFrame(NamedTuple):
 class Crossings(NamedTuple):
     """What passes through each other: how many pairs of triangles, and of the first both surfaces and the place [m]."""
 
-    count: int
+    pairs: int
     surfaces: tuple[int, int]
     place: tuple[float, float, float]
 

@@ -118,6 +118,10 @@ class TwinScene:
         parts = [body.state.positions.T for body in self._bodies] + [x.T for x in self._here]
         return np.concatenate(parts)
 
+    def _velocities(self) -> Floats:
+        parts = [body.state.velocities.T for body in self._bodies] + [rate.T for rate in self._rates]
+        return np.concatenate(parts)
+
     def _reach(self) -> float:
         """Return how far a query looks [m]: so far that it lasts some ticks at the speeds there are."""
         fastest = [float(np.sqrt((body.state.velocities**2).sum(axis=0).max())) for body in self._bodies]
@@ -144,7 +148,7 @@ class TwinScene:
                     slack[k], stale[k] = min(slack[k], ROAM * most), min(stale[k], due)
                 if not far:
                     closest = float(max(self._sizes[i], self._sizes[j]))
-                    found.append(find_pairs(s, x, i, j, reach=reach, closest=closest))
+                    found.append(find_pairs(s, x, self._velocities(), i, j, reach=reach, closest=closest))
         pairs = _joined(found)
         self._bounds: Bounds = bounds_of(x, slack[s.of_vertex], pairs)
         self._stale = stale
@@ -177,11 +181,11 @@ class TwinScene:
         if not len(self._candidates.gap):
             return
         bodies, led = self._bodies, [np.zeros(x.shape[1]) for x in self._here]
-        v = np.concatenate([body.state.velocities.T for body in bodies] + [rate.T for rate in self._rates])
         friction = np.concatenate([body.model.friction for body in bodies] + self._frictions)
         inverse_mass = np.concatenate([body.model.inverse_mass for body in bodies] + led)
+        x, v = self._positions(), self._velocities()
         change, got, count = touching.resolve(
-            self._surfaces, self._candidates, self._touches, friction, self._positions(), v, inverse_mass, self._dt
+            self._surfaces, self._candidates, self._touches, friction, x, v, inverse_mass, self._dt
         )
         for body, part in zip(bodies, self._part, strict=False):
             body.state.velocities += change[part].T
@@ -195,6 +199,7 @@ class TwinScene:
         far = beyond(self._bounds, x)
         for index, (body, part) in enumerate(zip(self._bodies, self._part, strict=False)):
             for vertex in part.start + np.flatnonzero(far[part]):
+                self._due = True
                 if not is_allowed(self._bounds, vertex, x[vertex]):
                     self._bound(body, int(vertex), int(vertex) - part.start, x[vertex])
             self._note_way(index, body.state.positions.T)
@@ -210,7 +215,7 @@ class TwinScene:
             if body.model.inverse_mass[own] > 0:
                 self._taken -= against / float(body.model.inverse_mass[own])
         body.state.positions[:, own] = at
-        self._truncated, self._due = self._truncated + 1, True
+        self._truncated += 1
 
     def _note_way(self, index: int, x: Floats) -> None:
         way = x - self._bounds.before[self._part[index]]
@@ -223,7 +228,7 @@ def _joined(found: Sequence[Pairs]) -> Pairs:
         none, whole = np.zeros(0), np.zeros(0, np.int64)
         return Pairs(
             at=whole.reshape(0, 4), ones=whole, part=whole.reshape(0, 2), normal=none.reshape(0, 3), level=none,
-            keep=none, gap=none, weight=none,
+            keep=none.reshape(0, 2), way=none.reshape(0, 2), gap=none, weight=none,
         )  # fmt: skip
     return Pairs(**{name: np.concatenate([getattr(p, name) for p in found]) for name in Pairs.__slots__})
 

@@ -12,7 +12,7 @@ from core.body import pressure, shape_matching, springs
 from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
-from core.props import Prop, PropWorld
+from core.props import PropWorld
 from core.session import Session
 from core.solver import rigid
 from core.solver.scene import Collider
@@ -46,6 +46,10 @@ def vinyl(cells: int = 12, **changes: float) -> Model:
     return build_model(mesh, [material], held=base_vertices(mesh))
 
 
+def falling(session: Session, start: Floats, faces: Ints, mass: float) -> PropWorld:
+    return PropWorld([session], [Collider(np.ascontiguousarray(start.T), faces)], masses=[mass])
+
+
 def led(model: Model, depth: float) -> float:
     """Return the force [N] with which a body answers the disc that is led to a depth [m]."""
     (start, faces), session = disc(), Session(model)
@@ -64,7 +68,7 @@ def led(model: Model, depth: float) -> float:
 def test_it_rests_at_the_depth_at_which_the_body_answers_its_weight(mass: float) -> None:
     model, (start, faces) = vinyl(), disc()
     session = Session(model)
-    world = PropWorld([session], [Prop(positions=start, triangles=faces, mass=mass)])
+    world = falling(session, start, faces, mass)
     world.step(2.0)
     depth = SIDE / 2 - float(world.positions(0)[:, 2].min())
     assert led(model, depth) == pytest.approx(mass * G, rel=0.02), "as much as if it were held there"
@@ -96,7 +100,7 @@ def test_what_falls_free_falls_as_newton_says_and_keeps_its_spin() -> None:
 def test_energy_does_not_grow(backend: str) -> None:
     model, (start, faces) = vinyl(), disc()
     session, gravity = Session(model, backend=backend), np.array([0.0, 0.0, -G])
-    world = PropWorld([session], [Prop(positions=start, triangles=faces, mass=1.0)])
+    world = falling(session, start, faces, 1.0)
     begun, left = rigid.energy(world.shapes[0], world.states[0], gravity), [0.0]
     for _ in range(250):
         world.step(0.001)
@@ -123,8 +127,7 @@ def test_a_ball_that_lands_beside_the_middle_of_a_ball_rolls_off_it() -> None:
     mesh = ball(2, 0.08)
     session = Session(build_model(mesh, [PRESETS[1].material], held=base_vertices(mesh)))
     small = trimesh.creation.icosphere(2, 0.02)
-    prop = Prop(positions=np.array(small.vertices) + [0.05, 0, 0.095], triangles=np.array(small.faces), mass=0.1)
-    world = PropWorld([session], [prop])
+    world = falling(session, np.array(small.vertices) + [0.05, 0, 0.095], np.array(small.faces), 0.1)
     world.step(0.5)
     assert world.states[0].centre[0] > 0.1 and world.states[0].centre[2] < 0.02
     assert rigid.spin(world.shapes[0], world.states[0])[1] > 1.0, "it turns as it rolls"

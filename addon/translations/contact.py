@@ -1,0 +1,17 @@
+"""Japanese of what bodies meet."""
+
+OPERATORS: dict[str, str] = {}
+
+WORDS = {
+    "Contact": "接触",
+    "Dimple Collider": "Dimple コライダー",
+    "Running bodies meet this object, and each other; nothing passes through anything": (
+        "動いている物体がこのオブジェクトや互いにぶつかります。何も突き抜けません"
+    ),
+    "Collider Friction": "コライダーの摩擦係数",
+    "Coefficient of friction of this object with bodies that touch it; 0 is frictionless": (
+        "このオブジェクトと、触れる物体との間の摩擦係数。0 は摩擦なしです"
+    ),
+    "Self Contact": "自己接触",
+    "The body does not pass through itself where it folds": "折り重なったところで、物体が自分自身を突き抜けません",
+}

@@ -1,0 +1,149 @@
+"""What running bodies meet: objects with Dimple Collider ticked, each other, themselves.
+
+Once an object of the scene is ticked, all running bodies meet it and each other, where they are of one scale; without
+one, bodies run alone and nothing of this is paid for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from ..core.base import DimpleError
+from . import sessions
+
+if TYPE_CHECKING:
+    from ..core.base import Floats, Ints
+    from ..core.session import Session
+    from ..core.world import World
+
+SAME_SCALE = 1e-6
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class LiveWorld:
+    """Bodies that are stepped together.
+
+    key: what it was made of.
+    uids: of the bodies.
+    scale: physical metres per scene unit.
+    colliders: names of the objects.
+    world: what steps them.
+    """
+
+    key: tuple[Any, ...]
+    uids: tuple[int, ...]
+    scale: float
+    colliders: tuple[str, ...]
+    world: World
+
+
+def is_on(scene: bpy.types.Scene) -> bool:
+    """Tell whether anything in a scene is ticked: then bodies are simulated in full, without a proxy."""
+    return any(obj.dimple.collider or (obj.dimple.enabled and obj.dimple.self_contact) for obj in scene.objects)
+
+
+def worlds_of(
+    context: bpy.types.Context,
+    bodies: Mapping[int, tuple[bpy.types.Object, Session, float]],
+    before: Sequence[LiveWorld] = (),
+) -> list[LiveWorld]:
+    """Return the worlds of bodies: object, session and scale by uid; those of `before` that are still right go on.
+
+    Raises:
+        DimpleError: something passes through something else.
+    """
+    if not is_on(context.scene):
+        return []
+    colliders = [obj for obj in context.scene.objects if _is_collider(context.scene, obj, bodies)]
+    frictions = [(obj.session_uid, obj.dimple.collider_friction) for obj in colliders]
+    found = []
+    for scale, uids in _groups(bodies).items():
+        itself = [bool(bodies[uid][0].dimple.self_contact) for uid in uids]
+        if not colliders and not any(itself) and len(uids) < 2:
+            continue
+        key = (scale, tuple(uids), tuple(itself), tuple(frictions), tuple(id(bodies[uid][1]) for uid in uids))
+        same = next((world for world in before if world.key == key), None)
+        found.append(same or _make(context, key, scale, [bodies[uid] for uid in uids], colliders, itself))
+    return found
+
+
+def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
+    """Say where the colliders of a world are to be at the end of the next step: where their objects are now.
+
+    Raises:
+        DimpleError: one is gone, or has other vertices.
+    """
+    graph = context.evaluated_depsgraph_get()
+    ends = []
+    for i, name in enumerate(live.colliders):
+        obj = context.scene.objects.get(name)
+        if obj is None:
+            raise DimpleError(f'Collider "{name}" is gone. Start again.')
+        end = _surface(graph, obj, live.scale)[0]
+        same = end.shape == live.world.target(i).shape and np.array_equal(end, live.world.target(i))
+        ends.append(None if same else end)
+    live.world.set_colliders(ends)
+
+
+def _is_collider(scene: bpy.types.Scene, obj: bpy.types.Object, bodies: Mapping[int, Any]) -> bool:
+    return (
+        obj.dimple.collider
+        and obj.type == "MESH"
+        and obj.session_uid not in bodies
+        and obj not in sessions.fingertip_objects(scene)
+    )
+
+
+def _groups(bodies: Mapping[int, tuple[bpy.types.Object, Session, float]]) -> dict[float, list[int]]:
+    """Return the bodies of each scale: only those are in one space."""
+    groups: dict[float, list[int]] = {}
+    for uid, (_, _, scale) in bodies.items():
+        near = next((other for other in groups if abs(other - scale) <= SAME_SCALE * scale), scale)
+        groups.setdefault(near, []).append(uid)
+    return groups
+
+
+def _make(
+    context: bpy.types.Context,
+    key: tuple[Any, ...],
+    scale: float,
+    bodies: Sequence[tuple[bpy.types.Object, Session, float]],
+    colliders: Sequence[bpy.types.Object],
+    itself: Sequence[bool],
+) -> LiveWorld:
+    from ..core.world import Collider, World
+
+    graph, made = context.evaluated_depsgraph_get(), []
+    for obj in colliders:
+        points, triangles = _surface(graph, obj, scale)
+        if not len(triangles) or not np.isfinite(points).all():
+            raise DimpleError(f'Collider "{obj.name}" has no faces, or a vertex that is no number.')
+        made.append(Collider(points.T.copy(), triangles, obj.dimple.collider_friction))
+    for _, session, _ in bodies:
+        if session.proxy is not None:  # what is seen must not pass through anything, so that is what is simulated
+            session.change(session.model, proxy=None)
+    names = [obj.name for obj, _, _ in bodies] + [obj.name for obj in colliders]
+    world = World([session for _, session, _ in bodies], made, itself=itself, names=names)
+    uids = tuple(obj.session_uid for obj, _, _ in bodies)
+    return LiveWorld(key=key, uids=uids, scale=scale, colliders=tuple(obj.name for obj in colliders), world=world)
+
+
+def _surface(graph: bpy.types.Depsgraph, obj: bpy.types.Object, scale: float) -> tuple[Floats, Ints]:
+    """Return where the vertices (m, 3) [m] of an object are, as its modifiers leave it, and its triangles (t, 3)."""
+    from .bridge import get_points, to_physical
+
+    evaluated = obj.evaluated_get(graph)
+    mesh = evaluated.to_mesh()
+    try:
+        mesh.calc_loop_triangles()
+        points = get_points(mesh.vertices, len(mesh.vertices), "co")
+        corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
+        mesh.loop_triangles.foreach_get("vertices", corners)
+        return to_physical(scale, np.array(evaluated.matrix_world), points), corners.reshape(-1, 3).astype(np.int64)
+    finally:
+        evaluated.to_mesh_clear()

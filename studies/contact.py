@@ -1,0 +1,157 @@
+"""Judge the guarantee: nothing passes through anything. `python3 dev.py contact [--quick] [--json FILE] [SCENE...]`
+
+The referee is the PyPI package ipctk (development only), which looks for intersections after every tick; a winding
+number tells whether something has been swallowed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from core.base import Floats, Ints
+from core.session import Session
+
+from .contact_scenes import SCENES, Played
+
+STARTS, QUICK_STARTS, QUICK_SHARE = 10, 1, 1.0
+MISSING = "The referee is missing: pip install --no-deps ipctk==1.6.1"
+
+
+class Referee:
+    """Look for intersections between the surfaces of a world, with another library's code."""
+
+    def __init__(self, played: Played) -> None:
+        import ipctk  # type: ignore[import-not-found]
+
+        world = played.world
+        faces = [session.body.model.mesh.triangles for session in world.sessions]
+        faces += [collider.triangles for collider in world.colliders]
+        counts = [len(session.body.model.mesh.rest_positions) for session in world.sessions]
+        counts += [collider.positions.shape[1] for collider in world.colliders]
+        starts = np.cumsum([0, *counts])
+        self._world, self.bodies = world, len(world.sessions)
+        self.parts = [slice(a, b) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+        self.faces = faces
+        every = np.concatenate([f + start for f, start in zip(faces, starts, strict=False)]).astype(np.int32)
+        self._mesh = ipctk.CollisionMesh(self.positions(), ipctk.edges(every), every)
+        # colliders go where they are led, through each other too
+        self._mesh.can_collide = ipctk.make_static_obstacle_filter(int(starts[self.bodies]))
+        self._count = ipctk.has_intersections
+
+    def positions(self) -> Floats:
+        """Return where all vertices (n, 3) [m] are."""
+        world = self._world
+        parts = [session.body.positions().T for session in world.sessions]
+        return np.concatenate([*parts, *(world.collider(i) for i in range(len(world.colliders)))])
+
+    def intersects(self) -> bool:
+        """Tell whether anything passes through anything."""
+        return bool(self._count(self._mesh, self.positions()))
+
+    def swallowed(self) -> int:
+        """Return how many bodies have a vertex inside another closed surface."""
+        x, found = self.positions(), 0
+        for i in range(self.bodies):
+            points = x[self.parts[i]][:: max(len(x[self.parts[i]]) // 60, 1)]
+            for j, part in enumerate(self.parts):
+                if i != j and _closed(self.faces[j]) and (np.abs(winding(points, x[part], self.faces[j])) > 0.5).any():
+                    found += 1
+                    break
+        return found
+
+
+def winding(points: Floats, x: Floats, faces: Ints) -> Floats:
+    """Return the winding number (p,) of a surface round points (p, 3). Source: van Oosterom and Strackee 1983."""
+    a, b, c = (x[faces[:, k]] - points[:, None] for k in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=2) for v in (a, b, c))
+    dots = [np.einsum("pfc,pfc->pf", u, v) for u, v in ((a, b), (b, c), (c, a))]
+    whole = np.einsum("pfc,pfc->pf", a, np.cross(b, c))
+    below = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
+    total: Floats = np.arctan2(whole, below).sum(axis=1) / (2 * np.pi)
+    return total
+
+
+def judge(name: str, starts: int, share: float) -> dict[str, Any]:
+    """Play a scene from several starts and return what came of it."""
+    found = dict.fromkeys(("intersections", "swallowed"), 0)
+    finite, taken, truncated, spent, alone, ticks, held_back, touching = True, 0.0, 0, 0.0, 0.0, 0, 0.0, 0
+    for start in range(starts):
+        played = SCENES[name](np.random.default_rng(start))
+        referee, world = Referee(played), played.world
+        count = max(round(share * played.ticks), 1)
+        for tick in range(count):
+            at = (tick + 1) / played.ticks
+            world.set_colliders([lead and lead(at) for lead in played.colliders])
+            for session, lead in zip(world.sessions, played.pins, strict=True):
+                if lead:
+                    session.set_held(lead(at))
+            began = time.process_time()
+            meeting = world.step(session.tick if (session := world.sessions[0]) else 0.0)
+            spent += time.process_time() - began
+            taken, truncated = taken + meeting.taken, truncated + meeting.truncated
+            held_back, touching = max(held_back, meeting.held_back), max(touching, meeting.touching)
+            finite = finite and all(session.frame.finite for session in world.sessions)
+            found["intersections"] += referee.intersects()
+        found["swallowed"] += referee.swallowed()
+        ticks += count
+        alone += _alone(world.sessions, count)
+    return {
+        "name": name, "starts": starts, "ticks": ticks, **found, "finite": finite,
+        "cost_ratio": round(spent / max(alone, 1e-9), 2), "momentum_taken": taken, "truncated": truncated,
+        "held_back_mm": 1e3 * held_back, "touching": touching,
+    }  # fmt: skip
+
+
+def _alone(sessions: list[Session], ticks: int) -> float:
+    """Return the processor time [s] that the bodies take alone, tick by tick as in the scene."""
+    for session in sessions:
+        session.reset()
+    began = time.process_time()
+    for session in sessions:
+        for _ in range(ticks):
+            session.step(session.tick)
+    return time.process_time() - began
+
+
+def _closed(faces: Ints) -> bool:
+    sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    return bool((np.unique(sides, axis=0, return_counts=True)[1] == 2).all())
+
+
+def main(words: list[str]) -> int:
+    """Run the command and return its exit code: 0 only where nothing passed through anything."""
+    parser = argparse.ArgumentParser(prog="dev.py contact", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="one start of each scene")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="where the results go")
+    parser.add_argument("scenes", nargs="*", choices=[*SCENES, []], metavar="SCENE", help=", ".join(SCENES))
+    options = parser.parse_args(words)
+    try:
+        import ipctk  # noqa: F401
+    except ImportError:
+        print(MISSING, file=sys.stderr)
+        return 1
+    rows = []
+    print("scene                 starts  ticks  intersections  swallowed  finite  cost  taken [N s]  held back [mm]")
+    for name in options.scenes or SCENES:
+        row = judge(name, QUICK_STARTS if options.quick else STARTS, QUICK_SHARE)
+        rows.append(row)
+        print(
+            f"{name:21} {row['starts']:6} {row['ticks']:6} {row['intersections']:14} {row['swallowed']:10}"
+            f"  {'yes' if row['finite'] else 'NO':6} {row['cost_ratio']:5.2f} {row['momentum_taken']:11.3g}"
+            f" {row['held_back_mm']:14.2f}",
+            flush=True,
+        )
+    if options.json:
+        options.json.write_text(json.dumps({"scenes": rows}, indent=1) + "\n")
+    return 0 if all(not row["intersections"] and not row["swallowed"] and row["finite"] for row in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,56 @@
+"""The library and its numpy twin let bodies meet alike."""
+
+import numpy as np
+
+from core import native
+from core.body.model import build_model
+from core.material import Material
+from core.mesh.surface import mesh_from_triangles
+from core.solver.motion import Motion
+from core.solver.scene import Collider, ColliderMotion
+from core.solver.twin import Twin
+from core.solver.twin_scene import TwinScene
+from tests.bodies import ball, sheet
+
+SOFT = Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.2)
+
+
+def test_two_balls_on_a_moving_sheet_go_the_same_way() -> None:
+    models = []
+    for level, at in ((1, (0.003, 0.001, 0.0525)), (1, (0.008, 0.002, 0.1575))):
+        points, faces = ball(level, 0.05)
+        models.append(build_model(mesh_from_triangles(points + at, faces), [SOFT], gravity=(0, 0, -9.81)))
+    floor, faces = sheet(5, 0.4)
+    collider, start = Collider(floor.T.copy(), faces, 0.5), floor.T.copy()
+    substeps = max(model.substeps(1e-3) for model in models)
+    own, twins = [native.Body(m, native.library(), bits=64) for m in models], [Twin(m) for m in models]
+    scenes = (
+        native.Scene(own, [collider], native.library(), itself=[True, False]),
+        TwinScene(twins, [collider], itself=[True, False]),
+    )
+    most = 0
+    for _ in range(5):
+        way = ColliderMotion(start, start + [[3e-4], [0.0], [0.0]])
+        found = [scene.step([Motion(10, substeps, 1e-3)] * 2, [way], 0.1, 1.0) for scene in scenes]
+        start, most = way.end, max(most, found[0].touching)
+        assert found[0].touching == found[1].touching
+        assert np.abs(found[0].impulses - found[1].impulses).max() < 1e-9
+        for body, twin in zip(own, twins, strict=True):
+            assert np.abs(body.positions() - twin.positions()).max() < 1e-9
+    assert most > 2
+
+
+def test_neither_lets_a_collider_through_however_fast() -> None:
+    points, faces = ball(1, 0.05)
+    model = build_model(mesh_from_triangles(points, faces), [SOFT], gravity=(0, 0, 0), held=points[:, 2] < -0.02)
+    tip, tip_faces = ball(0, 0.015)
+    start = (tip + (0.002, 0.001, 0.08)).T.copy()
+    collider, motion = Collider(start, tip_faces, 0.5), [Motion(20, model.substeps(1e-3), 1e-3)]
+    way = ColliderMotion(start, start - [[0.0], [0.0], [0.09]])
+    for scene in (
+        native.Scene([native.Body(model, native.library())], [collider], native.library(), itself=[True]),
+        TwinScene([Twin(model)], [collider], itself=[True]),
+    ):
+        frame = scene.step(motion, [way], 0.05, 1.0)
+        assert frame.frames[0].finite and frame.held_back > 0
+        assert scene.crossings().pairs == 0
