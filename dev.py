@@ -102,7 +102,7 @@ def wheels(options: argparse.Namespace) -> int:
 
 
 def bench(options: argparse.Namespace) -> int:
-    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --enabling, --exports"""
+    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --scale, --enabling, --exports"""
     if "--exports" in options.rest:
         return in_blender("tests/bench/exports.py", options.blender, BUILD / "exports")
     python = environment(options.blender)

@@ -9,6 +9,7 @@ from . import (
     presets,
     properties,
     reduction,
+    still_warning,
     surface_colours,
     tool,
     translations,
@@ -18,7 +19,7 @@ from . import (
 # the preferences move the panels
 PARTS = (
     translations, properties, operators, presets, panels, reduction, preferences, surface_colours, overlay,
-    comparison_chart, tool,
+    comparison_chart, tool, still_warning,
 )  # fmt: skip
 
 

@@ -145,7 +145,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
         rows = readout.rows(entry.frame, entry.session.tick)
         notes = readout.sentences([*entry.session.model.notes, *filter(None, [entry.refused])], entry.frame)
         lines += [(f"{label}: {value}", TEXT) for label, value in rows]
-        lines += [(line, TEXT) for sentence in notes for line in readout.wrapped(sentence, 60)]
+        lines += [(line, TEXT) for sentence in notes for line in wrapped(sentence, 60)]
     # what finds no room is left out, the last first
     lines = lines[: max(int((free.top - free.bottom) / (LINE_HEIGHT * scale)), 0)]
     if not lines:

@@ -97,6 +97,7 @@ class DIMPLE_PT_body(bpy.types.Panel):
         column = layout.column(align=True)
         for name, _, _ in MAPS:
             column.prop_search(settings, f"{name}_group", body, "vertex_groups")
+        column.operator(Op.SOFTNESS_FROM_POKES, text="Softness from Pokes...", icon="IMPORT")
         layout.prop(settings, "size_mode")
         row = layout.row()
         row.active = settings.size_mode == "CUSTOM"
@@ -144,7 +145,7 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.scale_y = 1.4
         row = column.row(align=True)
-        row.enabled = body is not None and body.type == "MESH" and not body.dimple.enabled
+        row.enabled = body is not None and not (body.type == "MESH" and body.dimple.enabled)
         row.operator(Op.MAKE_SOFT, icon="MOD_SOFT")
         column.operator(Op.POKE, icon="RESTRICT_SELECT_OFF")
         row = layout.row()

@@ -67,24 +67,3 @@ def volume_text(volume: float) -> str:
 def sentences(notes: Sequence[str], frame: Any | None) -> list[str]:
     """Return the messages for the artist: notes on the mesh, then that of the last frame."""
     return [*notes, frame.note] if frame is not None and frame.note else list(notes)
-
-
-def wrapped(sentence: str, width: int) -> list[str]:
-    """Break a sentence into lines of at most `width` columns; text without spaces breaks anywhere."""
-    lines, line = [], ""
-    for word in _words(sentence):
-        if line and _columns(line + word.rstrip()) > width:
-            lines.append(line.rstrip())
-            line = ""
-        line += word
-    return [*lines, line.rstrip()]
-
-
-def _words(sentence: str) -> list[str]:
-    words = [word + " " for word in sentence.split()]
-    return [piece for word in words for piece in (word if _columns(word) > len(word) else [word])]
-
-
-def _columns(text: str) -> int:
-    # Japanese characters are two columns wide
-    return sum(2 if ord(character) > 0x2E7F else 1 for character in text)

@@ -53,7 +53,8 @@ def displace(obj: Any, folder: Path, *, picture: str = "offsets.exr", first: int
     texel.image.colorspace_settings.name = "Non-Color"
     tree.links.new(_moved(tree, uv.outputs["UV"], layout, first), texel.inputs["Vector"])
     move = tree.nodes.new("ShaderNodeVectorDisplacement")
-    move.space, move.inputs["Midlevel"].default_value = "OBJECT", 0.0
+    move.space = "OBJECT"
+    move.inputs["Midlevel"].default_value, move.inputs["Scale"].default_value = 0.0, 1.0  # it is 0.01 in some versions
     tree.links.new(_offset(tree, texel.outputs["Color"], layout, picture), move.inputs["Vector"])
     output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
     tree.links.new(move.outputs["Displacement"], output.inputs["Displacement"])

@@ -61,12 +61,12 @@ def stretch(mesh: Mesh, skin: Floats) -> Floats:
 def pressure(session: Session) -> Floats:
     """Return the pressure (n,) [Pa] with which the surface is pressed from outside, about.
 
-    A vertex that is touched is held by the contact against its own forces, and these are known. Its inertia is left
-    out, so the sum is that of the contact when the body rests. Of a proxy it is interpolated.
+    A vertex that is touched is held by the contact against its own forces, and these are known. Inertia and damping
+    are left out, so the sum is that of the contact when the body rests. Of a proxy it is interpolated.
     """
     model, x = session.body.model, session.body.positions()
     pose = None if model.free else _pose(model, x)
-    state = State(positions=x, velocities=session.body.velocities(), pose=pose)
+    state = State(positions=x, velocities=np.zeros_like(x), pose=pose)
     state.inner_force = float(session.frame.law_forces.sum())
     normals = vertex_normals(model.mesh.triangles, x.T)
     outward = (forces(model, state).T * normals).sum(axis=1)

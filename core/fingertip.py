@@ -47,7 +47,9 @@ class FingerOnItsWay:
 
     def motion(self, first: float, last: float) -> FingertipMotion:
         """Return the motion of some ticks, as shares of the way that are over at the end of the first and the last."""
-        return FingertipMotion(self.here, self._at(first), self._at(last), self.target.radius, self.fresh)
+        soon = self._at(first)
+        late = soon if last == first else self._at(last)
+        return FingertipMotion(self.here, soon, late, self.target.radius, self.fresh)
 
     def push(self, model: Model, touch: Touch | None, seconds: float, tick: float) -> None:
         """Move one that a force pushes by a tick [s]; touch: of the last ticks, which took so many seconds."""
@@ -66,8 +68,10 @@ class FingerOnItsWay:
         self.pushed = self.pushed and Pushed(way=scale * self.pushed.way)
 
     def _at(self, share: float) -> Vector:
-        at, (x, y, z) = between(self.origin, self.target.position, share), self.target.inward
-        way = self.pushed.way if self.pushed else 0.0
+        at = between(self.origin, self.target.position, share)
+        if self.pushed is None:
+            return at
+        way, (x, y, z) = self.pushed.way, self.target.inward
         return at[0] + way * x, at[1] + way * y, at[2] + way * z
 
 
@@ -104,4 +108,6 @@ def along(a: Vector, b: Vector, direction: Vector) -> float:
 
 def between(a: Vector, b: Vector, share: float) -> Vector:
     """Return the point at a share of the way from a to b."""
+    if share == 1.0:
+        return b
     return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])

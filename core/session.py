@@ -19,7 +19,7 @@ import numpy.typing as npt
 from .base import TICK, DimpleError, Floats
 from .body.model import Model
 from .fingertip import Finger as Finger
-from .fingertip import FingerOnItsWay, between, sent
+from .fingertip import FingerOnItsWay, along, between, sent
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
 from .reduction.proxy import Proxy, carry
@@ -115,9 +115,11 @@ class Session:
         self.body.set_state(self.body.model.matching.rest)
         self._time, self._ticks, self._cost, self._work = 0.0, 0, 0.0, 0.0
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
+        self._pushes = False  # a force pushes one of them
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
         self._pins_target: Floats | None = None
+        self._shown: npt.NDArray[np.float32] | None = None  # what `positions` returned, until something moves
         self._last = motion.Frame((), (0.0,) * 12, self.body.model.mesh.volume, 0.0, 0, True)
         self.frame = self._show(np.zeros((0, 3)), 0, 0.0, "")
 
@@ -130,14 +132,13 @@ class Session:
         if len(fingers) > MAX_FINGERS:
             raise DimpleError(f"There are at most {MAX_FINGERS} fingertips.")
         for finger in fingers:
-            if finger and not (
-                finger.radius > 0
-                and len(finger.position) == 3
-                and all(map(math.isfinite, (*finger.position, *finger.inward, finger.radius, finger.force or 0.0)))
-            ):
+            if finger and not (finger.radius > 0 and len(finger.position) == 3 and math.isfinite(
+                sum(finger.position) + sum(finger.inward) + finger.radius + (finger.force or 0.0)
+            )):  # fmt: skip
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         before = [*self._tips, *[None] * len(fingers)]
         self._tips = [sent(tip, finger) for tip, finger in zip(before, fingers, strict=False)]
+        self._pushes = any(tip is not None and tip.pushed is not None for tip in self._tips)
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -190,15 +191,18 @@ class Session:
     @property
     def most(self) -> int:
         """Return how many ticks a motion may have."""
-        return 1 if any(tip and tip.pushed for tip in self._tips) else MAX_STEPS  # each tick moves what is pushed
+        return 1 if self._pushes else MAX_STEPS  # each tick moves what is pushed
 
     def next_motion(self, ticks: int, *, substeps: int | None = None) -> Motion:
         """Return what happens in some ticks of the step under way."""
-        seconds = max(self._last.ticks, 1) * self.tick
-        for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
-            if tip:
-                tip.push(self.body.model, touch, seconds, self.tick)
-        first, last = self._share((self._ticks + 1) * self.tick), self._share((self._ticks + ticks) * self.tick)
+        if self._pushes:
+            seconds = max(self._last.ticks, 1) * self.tick
+            for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
+                if tip:
+                    tip.push(self.body.model, touch, seconds, self.tick)
+        first = last = self._share((self._ticks + ticks) * self.tick)
+        if ticks > 1:
+            first = self._share((self._ticks + 1) * self.tick)
         self._way.pins = self._pins(first, last)
         return Motion(ticks, substeps or self.substeps, self.tick, self._fingertips(first, last), self._way.pins)
 
@@ -206,13 +210,14 @@ class Session:
         """Take what a motion came to; tell whether the step goes on."""
         self._last, way = result, self._way
         self._ticks += result.ticks
+        if result.moved:
+            self._shown = None
         if way.pins and way.pins.last >= 1 and self._pins_target is not None:  # they have arrived
             self._pins_origin, self._pins_target = self._pins_target, None
         for i, (tip, touch) in enumerate(zip(self._tips, result.touches, strict=True)):
             if tip and touch:
                 # force and way of straight, even motion: the work is exact
-                axes = zip(touch.impulse, touch.centre, tip.here, strict=True)
-                self._work -= sum(push * (now - before) for push, now, before in axes) / (result.ticks * self.tick)
+                self._work -= along(touch.centre, tip.here, touch.impulse) / (result.ticks * self.tick)
                 tip.here, tip.fresh = touch.centre, False
                 (a, b, c), (x, y, z) = way.impulses[i], touch.impulse
                 way.impulses[i] = a + x, b + y, c + z
@@ -234,11 +239,16 @@ class Session:
             self._time = end
         forces, impulses = self.frame.finger_forces, way.impulses  # as before where no tick was due
         if way.done or len(forces) != len(impulses):
-            seconds = max(way.done, 1) * self.tick
-            forces = np.array([(x / seconds, y / seconds, z / seconds) for x, y, z in impulses]).reshape(-1, 3)
+            forces = np.array(impulses) if impulses else np.zeros((0, 3))
+            forces /= max(way.done, 1) * self.tick
         cost = time.perf_counter() - way.started
         self.frame = self._show(forces if not way.note else forces[:0], way.done, cost, way.note)
         return self.frame
+
+    @property
+    def moved(self) -> bool:
+        """Tell whether anything moved in the last step; False where the body slept all the time."""
+        return self._last.moved
 
     @property
     def placed(self) -> tuple[Finger | None, ...]:
@@ -252,7 +262,9 @@ class Session:
 
     def positions(self) -> npt.NDArray[np.float32]:
         """Return where the input vertices (N, 3) [m] are now."""
-        return self.skin()[self.model.mesh.source].astype(np.float32)
+        if self._shown is None:
+            self._shown = self.skin()[self.model.mesh.source].astype(np.float32)
+        return self._shown.copy()
 
     def touches(self) -> tuple[Touching | None, ...]:
         """Return how each fingertip meets the surface at rest, which a device renders."""
@@ -295,7 +307,7 @@ class Session:
                 tip.scale(scale)
             self._pins_target = None
         self._define(model, proxy)
-        self._pins_origin = skin.T
+        self._pins_origin, self._shown = skin.T, None
 
     def _define(self, model: Model, proxy: Proxy | None) -> Model:
         """Set what follows from a model and its proxy; return the one that moves."""
@@ -312,14 +324,14 @@ class Session:
 
     def _share(self, time: float) -> float:
         """Return how much of the step under way is over at a time [s]: 0 at its begin, 1 at its end."""
-        return min((time - self._begin) / max(self._end - self._begin, 1e-30), 1.0)
+        return 1.0 if time >= self._end else (time - self._begin) / max(self._end - self._begin, 1e-30)
 
     def _move_origins(self, share: float) -> None:
         for tip in self._tips:
             if tip:
                 tip.origin = between(tip.origin, tip.target.position, share)
         if self._pins_target is not None:
-            whole = share >= 1
+            self._shown, whole = None, share >= 1
             way = self._pins_target - self._pins_origin
             self._pins_origin = self._pins_target if whole else self._pins_origin + share * way
 

@@ -23,6 +23,7 @@ from . import (
     play,
     poke,
     record,
+    softness,
 )
 
 PARTS = (
@@ -37,6 +38,7 @@ PARTS = (
     calibrate,
     calibrate_apply,
     calibrate_together,
+    softness,
     identify,
     measure,
     compare_proxies,

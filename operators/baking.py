@@ -1,6 +1,6 @@
 """Simulate bodies over a range of frames and write what they do; all of it, or nothing.
 
-Files are written beside their final name and take it at the end.
+Files are written in a folder of their own beside where they go, and go there at the end.
 """
 
 from __future__ import annotations
@@ -18,14 +18,15 @@ import numpy as np
 from ..core.base import DimpleError
 from ..core.recording import PointCache
 from ..core.session import Session
-from . import bridge, bridge_write, contact, live, output, planning, props, sessions, shape_keys, timeline, tuning
+from . import (
+    bridge, bridge_write, contact, live, output, planning, props, recorder, sessions, shape_keys, timeline, tuning,
+    work_folder,
+)  # fmt: skip
 from .settings import settings_of
 
 if TYPE_CHECKING:
     from .bridge import ObjectLink, Singles
     from .settings import Settings
-
-PART = ".part"  # ends the names of files that are being written
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -36,7 +37,8 @@ class Baked:
     session: what moves it.
     settings: what it has of the panels, which may be keyframed.
     matrix: (4, 4) of the object when it was last stepped.
-    path: the name of the PC2 file once it is whole.
+    path: where the PC2 file goes.
+    part: where it is until it is whole.
     cache: the PC2 file under way, None for shape keys.
     table: the table of forces under way.
     shapes: frame and coordinates (N, 3) of each shape key.
@@ -47,8 +49,9 @@ class Baked:
     settings: Settings
     matrix: np.ndarray
     path: Path
+    part: Path
     cache: PointCache | None
-    table: output.ForceTable
+    table: recorder.ForceTable
     shapes: list[tuple[int, Singles]] = field(default_factory=list)
 
 
@@ -61,6 +64,7 @@ class BakePlan:
     target: "MESH_CACHE", "SHAPE_KEYS", or "FILES": nothing plays it.
     step: frames from one shape key to the next.
     folder: where the files go; None is where bakes of the scene go.
+    identify: what is done about model constants that are not known yet, as for `bridge.read_body`.
     """
 
     objects: Sequence[bpy.types.Object]
@@ -69,6 +73,7 @@ class BakePlan:
     target: str
     step: int = 1
     folder: Path | None = None
+    identify: str = "WAIT"
 
 
 def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Iterator[float]:
@@ -116,8 +121,8 @@ def simulate(
         sessions.fallen.clear()
         props.keyframe(poses)
         for body in bodies:
-            for path in _files(body):
-                os.replace(f"{path}{PART}", path)
+            for part, path in _files(body):
+                os.replace(part, path)
     return bodies
 
 
@@ -141,8 +146,8 @@ def _check(plan: BakePlan) -> None:
 def _open(
     context: bpy.types.Context, plan: BakePlan, obj: bpy.types.Object, messages: list[str], files: contextlib.ExitStack
 ) -> Baked:
-    """Return an object ready to be baked; its files are deleted with `files`, until they have their own names."""
-    link, model = bridge.read_body(context, obj, baked=False, identify="WAIT")
+    """Return an object ready to be baked; its files are closed, and deleted where they are, with `files`."""
+    link, model = bridge.read_body(context, obj, baked=False, identify=plan.identify)
     proxy, reason = planning.proxy_for(context.scene, obj, model)
     session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
@@ -154,15 +159,17 @@ def _open(
         if plan.target == "SHAPE_KEYS":
             messages.append("Their animation adds to the bake: mute those keys, or bake to a Mesh Cache.")
     path, cache = output.bake_path(context, obj, plan.folder), None
+    part = (plan.folder or files.enter_context(work_folder.opened(path.parent))) / path.name
     if plan.target != "SHAPE_KEYS":
-        part = Path(f"{path}{PART}")
-        cache = output.open_file(files, part, lambda name: PointCache(name, len(link.rest), plan.first))
-    table = output.open_file(files, Path(f"{path.with_suffix('.csv')}{PART}"), output.ForceTable)
+        cache = PointCache(part, len(link.rest), plan.first)
+        files.callback(recorder.quietly, cache.close)
+    table = recorder.ForceTable(part.with_suffix(".csv"))
+    files.callback(recorder.quietly, table.close)
     session.set_fingers(live.fingertips(context.scene, link.scale))
     session.step(0.0)  # the first frame shows what touches already
     return Baked(
         link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, path=path,
-        cache=cache, table=table,
+        part=part, cache=cache, table=table,
     )  # fmt: skip
 
 
@@ -222,8 +229,10 @@ def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
         body.table.append(frame, shown.time, shown)
 
 
-def _files(body: Baked) -> list[Path]:
-    return [body.path.with_suffix(".csv"), *([body.path] if body.cache else [])]
+def _files(body: Baked) -> list[tuple[Path, Path]]:
+    """Return where the files of a body are, and where they go."""
+    endings = [".csv", *([".pc2"] if body.cache else [])]
+    return [(body.part.with_suffix(ending), body.path.with_suffix(ending)) for ending in endings]
 
 
 def _close(bodies: Sequence[Baked]) -> None:

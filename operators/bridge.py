@@ -299,7 +299,8 @@ def _refined(
     radius = scene.dimple.finger_radius_mm / 1e3
     if body.dimple.simulated != "AUTO" or body.dimple.to_params()["law_set"] == "paper":
         return None
-    return refine(points, triangles, kinds, radius) if is_coarse(points, triangles, radius) else None
+    found = refine(points, triangles, kinds, radius) if is_coarse(points, triangles, radius) else None
+    return found if found and found.rounds else None
 
 
 def _triangles(mesh: bpy.types.Mesh) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:

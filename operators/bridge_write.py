@@ -233,3 +233,12 @@ def _showing(mesh: bpy.types.Mesh) -> Singles | None:
 def _is_pressed(mesh: bpy.types.Mesh) -> bool:
     keys = mesh.shape_keys
     return REST in mesh.attributes or bool(keys and LIVE_KEY in keys.key_blocks)
+
+
+def paint(body: bpy.types.Object, group: str, weights: Singles, attribute: str, values: Singles) -> None:
+    """Give every vertex a weight (N,) in a vertex group, and a value (N,) of a float attribute."""
+    painted = body.vertex_groups.get(group) or body.vertex_groups.new(name=group)
+    for vertex, weight in enumerate(weights.tolist()):
+        painted.add([vertex], weight, "REPLACE")
+    layer = body.data.attributes.get(attribute) or body.data.attributes.new(attribute, "FLOAT", "POINT")
+    layer.data.foreach_set("value", values.astype(np.float32))

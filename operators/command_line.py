@@ -1,7 +1,7 @@
 """`blender --command dimple bake FILE.blend ...`: export without a window, for farms and pipelines.
 
-It prints one line of JSON at the end. Exit codes: 0 all is written; 1 something is wrong, and the JSON says what; 2 the
-words of the command are.
+It prints one line of JSON, which --json writes to a file too. Exit codes: 0 all is written; 1 something is wrong, and
+the JSON says what; 2 the words of the command are.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from .names import EXPORTS
 
 COMMAND = "dimple"
 NAMES = {
-    "abc": "ALEMBIC", "alembic": "ALEMBIC", "usd": "USD", "usdc": "USD", "glb": "GLB", "gltf": "GLB", "fbx": "FBX",
-    "pc2": "PC2", "mdd": "MDD", "stl": "STL", "ply": "PLY", "vat": "VAT",
+    "abc": "ALEMBIC", "alembic": "ALEMBIC", "usd": "USD", "usdc": "USD", "usdskel": "USD_SHAPES", "glb": "GLB",
+    "gltf": "GLB", "fbx": "FBX", "pc2": "PC2", "mdd": "MDD", "stl": "STL", "ply": "PLY", "vat": "VAT",
 }  # fmt: skip
 ENDED, WRONG = 0, 1
 

@@ -101,7 +101,7 @@ def _is_collider(scene: bpy.types.Scene, obj: bpy.types.Object, bodies: Mapping[
         obj.dimple.collider
         and obj.type == "MESH"
         and obj.session_uid not in bodies
-        and obj not in sessions.fingertip_objects(scene)
+        and obj not in [getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)]
     )
 
 

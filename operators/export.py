@@ -1,19 +1,29 @@
 """File > Export > Dimple Animation: one dialog for every format."""
 
+import contextlib
 from pathlib import Path
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import polls, sessions
+from .messages import duration, megabytes, wrapped
 from .names import EXPORTS, Op
 from .working import Working
 
+CHARACTER = 11.0  # [px] of a line of the dialog for each character, its icon and borders included
 _ASKED = ("formats", "source", "frame_start", "frame_end", "step", "key_error", "normals", "overwrite")
 _SOURCES = (
     ("PLAYED", "Bake or Recording", "What the objects play; those that play nothing are simulated"),
     ("SIMULATE", "Simulate Anew", "Simulate the objects as a bake does, whatever they play"),
 )
+
+
+def _measure(_settings: bpy.types.OperatorProperties, context: bpy.types.Context) -> None:
+    """Measure what a choice in the dialog takes: Blender's file browser calls no `check` for it."""
+    dialog = getattr(context.space_data, "active_operator", None)
+    if dialog is not None and dialog.bl_idname == DIMPLE_OT_export_animation.__name__:
+        dialog.measure(context)
 
 
 class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
@@ -28,23 +38,25 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )  # fmt: skip
     formats: EnumProperty(
-        name="Formats", description="What to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"}
-    )
-    source: EnumProperty(name="Source", description="What is exported", items=_SOURCES)
+        name="Formats", description="What to write", items=EXPORTS, options={"ENUM_FLAG"}, default={"ALEMBIC"},
+        update=_measure,
+    )  # fmt: skip
+    source: EnumProperty(name="Source", description="What is exported", items=_SOURCES, update=_measure)
     frame_start: IntProperty(name="First Frame", description="By default the scene's first frame", default=1)
     frame_end: IntProperty(name="Last Frame", description="By default the scene's last frame", default=250)
     step: IntProperty(
-        name="Every n Frames", description="In glTF and FBX, one shape key for this many frames", default=1, min=1,
-        soft_max=25,
+        name="Every n Frames",
+        description="In formats with shape keys, one for this many frames; the JSON says how far those between are off",
+        default=1, min=1, soft_max=25,
     )  # fmt: skip
     key_error: FloatProperty(
         name="Key Error (%)",
-        description="In glTF and FBX, few shape keys with which no vertex is off by more of the object's size. "
-        "0 makes one for each frame",
+        description="In formats with shape keys, few with which no vertex is off by more of the object's size. "
+        "0 makes one every n frames",
         default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
     )  # fmt: skip
     normals: BoolProperty(
-        name="Normals", description="Write how the surface is shaded; files are larger", default=True
+        name="Normals", description="Write how the surface is shaded; files are larger", default=True, update=_measure
     )
     overwrite: BoolProperty(name="Overwrite", description="Replace files that are there already", default=False)
 
@@ -61,8 +73,18 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             return Working.invoke(self, context, event)
         self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
         self._browsing = True
+        self.measure(context)
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
+
+    def measure(self, context: bpy.types.Context) -> None:
+        """Measure how long the export will take; not while a body is live, whose mesh is in use."""
+        from ..core.base import DimpleError
+        from . import export_time
+
+        if not sessions.sessions:
+            with contextlib.suppress(DimpleError):  # which `draw` says
+                export_time.measure(context, self._plan(context))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Export at once; behind the file browser start anew, for this one cannot go on between events."""
@@ -73,24 +95,37 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         return Working.execute(self, context)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the settings, and how large the files will be."""
-        from bpy.app.translations import pgettext_iface as iface_
-
-        from ..core.base import DimpleError
-        from . import exporting
-
+        """Draw the settings, and how large the files will be and how long they will take."""
         layout = self.layout
         layout.use_property_split = True
         layout.column().prop(self, "formats")
         for name in _ASKED[1:]:
-            layout.prop(self, name)
+            row = layout.row()
+            row.active = name != "step" or not self.key_error  # with few shape keys every frame counts
+            row.prop(self, name)
+        sentence, icon = self._estimate(context)
+        column = layout.box().column(align=True)
+        for line in wrapped(sentence, int(context.region.width / context.preferences.system.ui_scale / CHARACTER)):
+            column.label(text=line, translate=False, icon=icon)
+            icon = "BLANK1"
+
+    def _estimate(self, context: bpy.types.Context) -> tuple[str, str]:
+        """Return a sentence on frames, size and time, and its icon."""
+        from bpy.app.translations import pgettext_iface as iface_
+
+        from ..core.base import DimpleError
+        from . import export_plan, export_time
+
         try:
-            size = exporting.estimate(self._plan(context))
+            plan = self._plan(context)
+            export_plan.check_choice(plan)
+            size, took = export_plan.estimate(context, plan), export_time.seconds(plan)
         except DimpleError as error:
-            layout.label(text=str(error), translate=False, icon="ERROR")
-        else:
-            megabytes = round(size / 1e6)
-            layout.label(text=iface_("About {} MB").format(megabytes), translate=False)
+            return str(error), "ERROR"
+        text = iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, megabytes(size))
+        if took is not None:
+            text += iface_(", {} on this computer").format(duration(took))
+        return text, "TIME"
 
     def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
         return sessions.open_run(context, "export", "Exporting: Esc cancels", interval=0.01)

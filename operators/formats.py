@@ -9,61 +9,32 @@ from __future__ import annotations
 import contextlib
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import bpy
 import numpy as np
 
-from ..core.base import DimpleError
 from ..core.recording import PointCache
 from . import stage, timeline
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    from ..core.animation.basis import Basis
+from .clip import Clip
+from .exporters import ask
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Clip:
-    """An object and what it does.
+class Size(NamedTuple):
+    """What the length of a file depends on: a mesh, and how its shading is written.
 
-    obj: the object.
-    cache: a PC2 file that it can play.
-    cache_first: frame of the first sample of that.
-    samples: (frames, vertices, 3) its own coordinates, in frames first to last.
-    first, last: frames.
-    step: frames from one shape key to the next.
-    key_error: how far a vertex may be off where shape keys are few, as a share of the object's size; 0 for one a frame.
-    normals: write how the surface is shaded.
-    found: the few shape keys, once they are known.
+    vertices, corners, triangles: how many it has; a quad is two triangles.
+    normals: they are written.
+    sharp: they differ from corner to corner of a vertex.
     """
 
-    obj: bpy.types.Object
-    cache: Path
-    cache_first: int
-    samples: npt.NDArray[np.float32]
-    first: int
-    last: int
-    step: int
-    key_error: float
+    vertices: int
+    corners: int
+    triangles: int
     normals: bool
-    found: list[Basis] = field(default_factory=list)
-
-    def basis(self, samples: npt.NDArray[np.float32]) -> Basis:
-        """Return the few shapes that samples are made of; found once."""
-        from ..core.animation.basis import reduce
-
-        if not self.found:
-            self.found.append(reduce(samples, self.key_error * float(np.ptp(samples[0], axis=0).max())))
-        return self.found[0]
-
-    @property
-    def key_frames(self) -> list[int]:
-        """Return the frames that have a shape key."""
-        return sorted({*range(self.first, self.last + 1, self.step), self.last})
+    sharp: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,14 +45,20 @@ class Format:
     ending: of the file; None for a folder of files.
     space: which coordinates, axes and units it holds.
     write: the writer.
-    bytes_of: about how long the file is.
+    bytes_of: about how long a frame of a mesh is.
+    keyed: it holds shape keys.
+    modified: it holds the mesh after its modifiers.
+    exporter: the operator of Blender's that writes it, if one does.
     """
 
     label: str
     ending: str
     space: str
     write: Callable[[bpy.types.Context, Clip, Path], Iterator[float]]
-    bytes_of: Callable[[int, int, int], float]
+    bytes_of: Callable[[Size], float]
+    keyed: bool = False
+    modified: bool = False
+    exporter: str = ""
 
 
 def _pc2(_context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
@@ -99,8 +76,8 @@ def _mdd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
 
 def _alembic(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     with _playing(context, clip):
-        _asked(
-            bpy.ops.wm.alembic_export, filepath=str(path), check_existing=False, start=clip.first, end=clip.last,
+        ask(
+            "wm.alembic_export", filepath=str(path), check_existing=False, start=clip.first, end=clip.last,
             selected=True, normals=clip.normals, evaluation_mode="RENDER", as_background_job=False,
         )  # fmt: skip
     yield 1.0
@@ -108,18 +85,28 @@ def _alembic(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
 
 def _usd(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     with _playing(context, clip):
-        _asked(
-            bpy.ops.wm.usd_export, filepath=str(path), check_existing=False, selected_objects_only=True,
-            export_animation=True, export_normals=clip.normals, evaluation_mode="RENDER", export_textures_mode="KEEP",
-            relative_paths=False,
-        )  # fmt: skip
+        _ask_usd(clip, path, export_shapekeys=False)  # else an object with keys of its own is a still
     yield 1.0
+
+
+def _usd_shapes(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
+    with _keyed(context, clip):
+        _ask_usd(clip, path, export_shapekeys=True)
+    yield 1.0
+
+
+def _ask_usd(clip: Clip, path: Path, *, export_shapekeys: bool) -> None:
+    ask(
+        "wm.usd_export", filepath=str(path), check_existing=False, selected_objects_only=True,
+        export_animation=True, export_normals=clip.normals, evaluation_mode="RENDER", export_textures_mode="KEEP",
+        relative_paths=False, export_armatures=False, export_shapekeys=export_shapekeys,
+    )  # fmt: skip
 
 
 def _glb(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     with _keyed(context, clip):
-        _asked(
-            bpy.ops.export_scene.gltf, filepath=str(path), check_existing=False, export_format="GLB",
+        ask(
+            "export_scene.gltf", filepath=str(path), check_existing=False, export_format="GLB",
             use_selection=True, export_animations=True, export_animation_mode="SCENE", export_frame_range=True,
             export_anim_slide_to_zero=True, export_force_sampling=True, export_optimize_animation_size=False,
             export_morph=True, export_morph_animation=True, export_morph_normal=clip.normals, export_apply=False,
@@ -131,8 +118,8 @@ def _glb(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
 def _fbx(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
     with _keyed(context, clip):
         # with NLA strips or all actions it would write no movement, or that of other objects
-        _asked(
-            bpy.ops.export_scene.fbx, filepath=str(path), check_existing=False, use_selection=True,
+        ask(
+            "export_scene.fbx", filepath=str(path), check_existing=False, use_selection=True,
             object_types={"MESH"}, use_mesh_modifiers=False, bake_anim=True, bake_anim_use_nla_strips=False,
             bake_anim_use_all_actions=False, bake_anim_simplify_factor=0.0, bake_anim_step=1.0,
             path_mode="ABSOLUTE",
@@ -141,35 +128,31 @@ def _fbx(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
 
 
 def _stl(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    def one(file: str) -> None:
-        _asked(
-            bpy.ops.wm.stl_export, filepath=file, check_existing=False, export_selected_objects=True,
-            apply_modifiers=True, forward_axis="Y", up_axis="Z", global_scale=1.0, use_scene_unit=False,
-        )  # fmt: skip
-
-    yield from _sequence(context, clip, path, one)
+    yield from _sequence(context, clip, path, "wm.stl_export", use_scene_unit=False)
 
 
 def _ply(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[float]:
-    def one(file: str) -> None:
-        _asked(
-            bpy.ops.wm.ply_export, filepath=file, check_existing=False, export_selected_objects=True,
-            apply_modifiers=True, forward_axis="Y", up_axis="Z", global_scale=1.0, export_uv=False,
-            export_colors="NONE", export_normals=clip.normals,
-            export_triangulated_mesh=True,  # trimesh and others read no faces of several sizes
-        )  # fmt: skip
-
-    yield from _sequence(context, clip, path, one)
+    # trimesh and others read no faces of several sizes
+    yield from _sequence(
+        context, clip, path, "wm.ply_export", export_uv=False, export_colors="NONE", export_normals=clip.normals,
+        export_triangulated_mesh=True,
+    )  # fmt: skip
 
 
-def _sequence(context: bpy.types.Context, clip: Clip, path: Path, one: Callable[[str], None]) -> Iterator[float]:
+def _sequence(
+    context: bpy.types.Context, clip: Clip, path: Path, exporter: str, **options: object
+) -> Iterator[float]:
     """Write a file a frame into a folder, whose name ends in that of the format."""
     stem, ending = path.name.rsplit("_", 1)
     path.mkdir()
     with _playing(context, clip):
         for frame in range(clip.first, clip.last + 1):
             context.scene.frame_set(frame)
-            one(str(path / f"{stem}_{frame:04d}.{ending}"))
+            ask(
+                exporter, filepath=str(path / f"{stem}_{frame:04d}.{ending}"), check_existing=False,
+                export_selected_objects=True, apply_modifiers=True, forward_axis="Y", up_axis="Z", global_scale=1.0,
+                **options,
+            )  # fmt: skip
             yield (frame - clip.first + 1) / (clip.last - clip.first + 1)
 
 
@@ -187,8 +170,8 @@ def _texture(context: bpy.types.Context, clip: Clip, path: Path) -> Iterator[flo
     least, most = vertex_texture.write_png(path / "offsets.png", picture)
     yield 0.8
     with stage.mapped(context, clip.obj, clip.samples[0], vertex_texture.uv(vertices, where)):
-        _asked(
-            bpy.ops.export_scene.gltf, filepath=str(path / "mesh.glb"), check_existing=False, export_format="GLB",
+        ask(
+            "export_scene.gltf", filepath=str(path / "mesh.glb"), check_existing=False, export_format="GLB",
             use_selection=True, export_animations=False, export_apply=False, export_skins=False, export_yup=True,
             export_attributes=False,
         )  # fmt: skip
@@ -211,97 +194,53 @@ def _playing(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
 @contextlib.contextmanager
 def _keyed(context: bpy.types.Context, clip: Clip) -> Iterator[None]:
     with stage.ranged(context.scene, clip.first, clip.last):
-        with stage.keyed(context, clip.obj, clip.samples[0], shape_keys(clip)):
+        with stage.keyed(context, clip.obj, clip.samples[0], clip.keys().shapes):
             yield
 
 
-def shape_keys(clip: Clip) -> list[stage.KeyedShape]:
-    """Return the shape keys of a clip: one for each frame that has one, or a few that all frames are made of."""
-    frames = clip.key_frames
-    samples = clip.samples if clip.step == 1 else clip.samples[[frame - clip.first for frame in frames]]
-    if not clip.key_error:
-        near = [frames[max(at - 1, 0) : at + 2] for at in range(len(frames))]
-        return [
-            stage.KeyedShape(f"Frame {frame:04d}", sample, some, [float(each == frame) for each in some])
-            for frame, sample, some in zip(frames, samples, near, strict=True)
-        ]
-    basis = clip.basis(samples)
-    return [
-        stage.KeyedShape(f"Shape {number:03d}", samples[0] + shape, frames, weights)
-        for number, (shape, weights) in enumerate(zip(basis.shapes, basis.weights.T, strict=True), start=1)
-    ]
+def _baked(size: Size) -> float:
+    return 12 * (size.vertices + size.corners * size.normals)
 
 
-def _asked(export: Callable[..., set[str]], *, filepath: str, **options: object) -> None:
-    """Ask an exporter of Blender's, with the options that this Blender has.
-
-    Raises:
-        DimpleError: it refused, or wrote nothing.
-    """
-    known = export.get_rna_type().properties.keys()  # type: ignore[attr-defined]
-    try:
-        result = export(filepath=filepath, **{name: value for name, value in options.items() if name in known})
-    except RuntimeError as error:
-        raise DimpleError(f"Blender's exporter failed at {filepath}: {_last_line(str(error))}") from error
-    if "FINISHED" not in result or not is_whole(Path(filepath)):
-        raise DimpleError(f"Blender's exporter could not finish {filepath}. Is the disk full, or the folder read-only?")
-
-
-def _last_line(text: str) -> str:
-    """Return what an error says, without where in Blender it was raised."""
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith((" ", "Location:"))]
-    return lines[-1].removeprefix("Error: ") if lines else text
-
-
-def is_whole(path: Path) -> bool:
-    """Tell whether a file ends where it says it does; some exporters do not notice that a disk is full."""
-    if not path.is_file():
-        return False
-    size = path.stat().st_size
-    with path.open("rb") as file:
-        head = file.read(4096)
-    if path.suffix == ".abc":  # set when an Ogawa archive is closed
-        return head[:6] == b"Ogawa\xff"
-    if path.suffix == ".usdc":  # the table of contents is written last
-        return len(head) >= 24 and 24 <= int.from_bytes(head[16:24], "little") < size
-    if path.suffix == ".glb":
-        return int.from_bytes(head[8:12], "little") == size
-    if path.suffix == ".stl":
-        return size == 84 + 50 * int.from_bytes(head[80:84], "little")
-    if path.suffix == ".ply":
-        text, _, _ = head.partition(b"end_header\n")
-        vertices, triangles = (int(text.split(b"element " + each)[1].split()[0]) for each in (b"vertex", b"face"))
-        return size == len(text) + 11 + 4 * text.count(b"property float") * vertices + 13 * triangles
-    return size > 0
-
-
-def _points(vertices: int, frames: int, _corners: int) -> float:
-    return 12 * vertices * frames
-
-
-def _keys(vertices: int, frames: int, corners: int) -> float:
-    return (24 if corners else 12) * vertices * frames
-
-
-def _texels(vertices: int, frames: int, _corners: int) -> float:
-    return 18 * vertices * frames
-
-
-def _baked(vertices: int, frames: int, corners: int) -> float:
-    return 12 * (vertices + corners) * frames
+def _split(size: Size) -> float:
+    """Return the length of a frame where a vertex has one normal: a sharp one is written for each triangle at it."""
+    return 12 * (1 + size.normals) * (3 * size.triangles if size.sharp else size.vertices)
 
 
 OBJECT = "the object's own coordinates: x, y and z as in Blender, before its modifiers, in its own scale"
 SCENE = "the scene's coordinates: Z up, in scene units, after modifiers"
+USD = "Z up, in scene units"
 TEXTURE = "offsets in the coordinates of mesh.glb: Y up, in scene units, before modifiers; layout.json says how"
 FORMATS = {
-    "ALEMBIC": Format("Alembic", ".abc", "Y up, as Alembic has it, in scene units, after modifiers", _alembic, _baked),
-    "USD": Format("USD", ".usdc", "Z up, metersPerUnit says the unit, after modifiers", _usd, _baked),
-    "GLB": Format("glTF", ".glb", "Y up, as glTF has it, in scene units; modifiers are left out", _glb, _keys),
-    "FBX": Format("FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit; no modifiers", _fbx, _keys),
-    "PC2": Format("PC2", ".pc2", OBJECT, _pc2, _points),
-    "MDD": Format("MDD", ".mdd", OBJECT, _mdd, _points),
-    "STL": Format("STL", "_stl", SCENE, _stl, lambda vertices, frames, _: 100 * vertices * frames),
-    "PLY": Format("PLY", "_ply", SCENE, _ply, _baked),
-    "VAT": Format("Vertex Animation Texture", "_vat", TEXTURE, _texture, _texels),
-}
+    "ALEMBIC": Format(
+        "Alembic", ".abc", "Y up, as Alembic has it, in scene units, after modifiers", _alembic,
+        lambda size: 12 * (size.vertices + size.corners * (size.normals and size.sharp)), modified=True,
+        exporter="wm.alembic_export",
+    ),
+    "USD": Format("USD", ".usdc", f"{USD}, after modifiers", _usd, _baked, modified=True, exporter="wm.usd_export"),
+    "USD_SHAPES": Format(
+        "USD Blend Shapes", "_shapes.usdc", f"{USD}; modifiers are left out", _usd_shapes,
+        lambda size: 16 * size.vertices, keyed=True, exporter="wm.usd_export",
+    ),
+    "GLB": Format(
+        "glTF", ".glb", "Y up, as glTF has it, in scene units; modifiers are left out", _glb, _split, keyed=True,
+        exporter="export_scene.gltf",
+    ),
+    "FBX": Format(
+        "FBX", ".fbx", "Y up, -Z forward, UnitScaleFactor says the unit; no modifiers", _fbx,
+        lambda size: 15 * size.vertices, keyed=True, exporter="export_scene.fbx",  # it is compressed
+    ),
+    "PC2": Format("PC2", ".pc2", OBJECT, _pc2, lambda size: 12 * size.vertices),
+    "MDD": Format("MDD", ".mdd", OBJECT, _mdd, lambda size: 12 * size.vertices),
+    "STL": Format(
+        "STL", "_stl", SCENE, _stl, lambda size: 84 + 50 * size.triangles, modified=True, exporter="wm.stl_export"
+    ),
+    "PLY": Format(
+        "PLY", "_ply", SCENE, _ply, lambda size: 12 * (1 + size.normals) * size.vertices + 13 * size.triangles,
+        modified=True, exporter="wm.ply_export",
+    ),
+    "VAT": Format(
+        "Vertex Animation Texture", "_vat", TEXTURE, _texture, lambda size: 18 * size.vertices,
+        exporter="export_scene.gltf",
+    ),
+}  # fmt: skip

@@ -113,7 +113,14 @@ def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str
 
 def _meet(context: bpy.types.Context) -> list[str]:
     """Bring up to date which bodies are stepped together, and where their colliders go; end all that cannot be."""
-    bodies = {uid: (_object(body), body.session, body.link.scale) for uid, body in sessions.sessions.items()}
+    if not contact.is_on(context.scene):
+        sessions.worlds.clear()
+        return []
+    bodies = {
+        uid: (obj, body.session, body.link.scale)
+        for uid, body in sessions.sessions.items()
+        if (obj := bridge.find(uid, body.name))  # else its session is about to end
+    }
     try:
         sessions.worlds[:] = contact.worlds_of(context, bodies, sessions.worlds)
         for world in sessions.worlds:

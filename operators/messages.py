@@ -15,3 +15,37 @@ def report(operator: bpy.types.Operator, sentences: Iterable[str]) -> None:
     """Say sentences: those that are no notes are warnings."""
     for sentence in sentences:
         operator.report({"INFO" if isinstance(sentence, Note) else "WARNING"}, sentence)
+
+
+def duration(seconds: float) -> str:
+    """Return a time as one reads it: "<1 s", "48 s", "3 min 5 s", "2 h 10 min"."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s" if whole else "<1 s"
+    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def megabytes(size: float) -> str:
+    """Return a size [bytes] in MB as one reads it: "0.2", "6.4", "213"."""
+    return f"{max(size / 1e6, 0.1):.1f}" if size < 1e7 else f"{size / 1e6:.0f}"
+
+
+def wrapped(sentence: str, width: int) -> list[str]:
+    """Break a sentence into lines of at most `width` columns; text without spaces breaks anywhere."""
+    lines, line = [], ""
+    for word in _words(sentence):
+        if line and _columns(line + word.rstrip()) > width:
+            lines.append(line.rstrip())
+            line = ""
+        line += word
+    return [*lines, line.rstrip()]
+
+
+def _words(sentence: str) -> list[str]:
+    words = [word + " " for word in sentence.split()]
+    return [piece for word in words for piece in (word if _columns(word) > len(word) else [word])]
+
+
+def _columns(text: str) -> int:
+    # Japanese characters are two columns wide
+    return sum(2 if ord(character) > 0x2E7F else 1 for character in text)

@@ -22,6 +22,7 @@ TIPS = (
 EXPORTS = (
     ("ALEMBIC", "Alembic (.abc)", "For other 3D programs and renderers", 1),
     ("USD", "USD (.usdc)", "For other 3D programs, renderers and pipelines", 2),
+    ("USD_SHAPES", "USD Blend Shapes (.usdc)", "Smaller with few shape keys, for programs that read UsdSkel", 512),
     ("GLB", "glTF Binary (.glb)", "For game engines and the web, with a morph target for each frame", 4),
     ("FBX", "FBX (.fbx)", "For game engines, with a shape key for each frame", 8),
     ("PC2", "PC2 Point Cache (.pc2)", "For 3ds Max, and Blender's Mesh Cache modifier", 16),
@@ -60,6 +61,7 @@ class Op(StrEnum):
     APPLY_PRESET = "dimple.apply_preset"
     ADD_FINGERTIP = "dimple.add_fingertip"
     CALIBRATE = "dimple.calibrate"
+    SOFTNESS_FROM_POKES = "dimple.softness_from_pokes"
     CALIBRATE_TOGETHER = "dimple.calibrate_together"
     APPLY_CALIBRATION = "dimple.apply_calibration"
     DISCARD_CALIBRATION = "dimple.discard_calibration"

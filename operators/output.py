@@ -1,169 +1,24 @@
-"""What leaves a session: point caches, the table of forces beside them, and the modifier that plays them."""
+"""Where bakes and recordings go on the disk, and the modifier that plays them."""
 
 from __future__ import annotations
 
 import contextlib
-import csv
 import itertools
 import os
 import tomllib
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import bpy
 
 from ..core.base import DimpleError
-from ..core.recording import PointCache
 from . import curves
 from .bridge_write import is_cache
 from .names import CACHE
 
-if TYPE_CHECKING:
-    from ..core.session import Frame
-    from .bridge import Singles
-
-FINGERS = 3
 LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
 _PACKAGE = (__package__ or "").rpartition(".")[0]
-
-
-class ForceTable:
-    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3], work of the fingertips [J]; steps."""
-
-    def __init__(self, path: Path) -> None:
-        self._file = path.open("w", buffering=1, newline="", encoding="utf-8")  # a line is the system's once written
-        self._rows = csv.writer(self._file)
-        columns = ["frame", "time_s"]
-        for number in range(1, FINGERS + 1):
-            columns += [f"force_{number}_n", f"law_force_{number}_n", f"depth_{number}_mm"]
-        self._rows.writerow([*columns, "pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "steps"])
-
-    def append(self, number: float, time_s: float, frame: Frame) -> None:
-        """Add the line of one frame of the animation."""
-        row: list[float] = []
-        for i in range(FINGERS):
-            down = i < len(frame.finger_forces)
-            force = float((frame.finger_forces[i] ** 2).sum() ** 0.5) if down else 0.0
-            law, depth = (float(frame.law_forces[i]), float(frame.depths[i])) if down else (0.0, 0.0)
-            row += [force, law, depth * 1e3]
-        numbers = [
-            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, frame.total_steps
-        ]  # fmt: skip
-        self._rows.writerow([f"{number:g}", *(f"{value:.9g}" for value in numbers)])
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-
-
-class Recorder:
-    """Record a live session at the frame rate of the scene, whatever the rhythm of the steps.
-
-    Args:
-        path: the PC2 file; the table of forces goes beside it.
-        start_frame: the frame of the animation that is now.
-        fps: frames per second.
-        time: of the session now [s].
-        local: (N, 3) the coordinates that show now.
-    """
-
-    def __init__(self, path: Path, start_frame: int, fps: float, time: float, local: Singles, frame: Frame) -> None:
-        self._path, self._start_frame, self._fps = path, start_frame, fps
-        self._began = self._time = time
-        self._local = local
-        with contextlib.ExitStack() as self._files:
-            self._cache = open_file(self._files, path, lambda name: PointCache(name, len(local), start_frame))
-            self._table = open_file(self._files, path.with_suffix(".csv"), ForceTable)
-            self.append(time, local, frame)
-            self._files = self._files.pop_all()
-
-    @property
-    def take(self) -> tuple[str, int]:
-        """Return the path of the PC2 file and its first frame."""
-        return str(self._path), self._start_frame
-
-    def append(self, time: float, local: Singles, frame: Frame) -> None:
-        """Take in the state at a time [s]; what falls on frames in between is interpolated.
-
-        Raises:
-            OSError: the disk refuses; what was written before is kept.
-        """
-        if time < self._time:  # the session was put back to rest: its clock began anew
-            self._began -= self._time - time
-            self._time = time
-        span = time - self._time
-        while (due := self._began + self._cache.samples / self._fps) <= time + 1e-9:
-            self._table.append(self._start_frame + self._cache.samples, due - self._began, frame)
-            self._cache.append(local if time - due < 1e-9 else self._between(local, (due - self._time) / span))
-        self._time, self._local = time, local
-
-    def _between(self, local: Singles, share: float) -> Singles:
-        return self._local + (local - self._local) * max(share, 0.0)
-
-    @property
-    def frames(self) -> int:
-        """Return how many frames there are so far."""
-        return self._cache.samples
-
-    def summary(self, name: str, scene_end: int) -> str:
-        """Return the sentence for the artist on a recording of an object that has ended."""
-        last = self._start_frame + self.frames - 1
-        beyond = f", beyond the scene's last frame {scene_end}" if last > scene_end else ""
-        return (
-            f'Recorded {self.frames} frames of "{name}" to {self._path.name}: when its session has ended, it plays '
-            f"them from frame {self._start_frame} to {last}{beyond}."
-        )
-
-    def close(self) -> None:
-        """Close the files.
-
-        Raises:
-            OSError: the disk refuses; the files are closed all the same.
-        """
-        try:
-            self._cache.close()
-        finally:
-            self._table.close()
-
-    def discard(self) -> None:
-        """Close the files and delete them."""
-        self._files.close()
-
-    def cut_short(self, name: str, error: OSError) -> str:
-        """Return the sentence for the artist when the disk refuses the recording of an object."""
-        return (
-            f'The recording of "{name}" has ended early: {error.strerror} ({self._path}). '
-            "What was recorded until then is kept."
-        )
-
-
-Opened = TypeVar("Opened", bound="Closes")
-
-
-class Closes(Protocol):
-    """What can be closed."""
-
-    def close(self) -> None:
-        """Close it."""
-
-
-def open_file(files: contextlib.ExitStack, path: Path, make: Callable[[Path], Opened]) -> Opened:
-    """Open a file that is closed and deleted when `files` are, unless it has another name by then.
-
-    Raises:
-        OSError: it cannot be made.
-    """
-    files.callback(_quietly, path.unlink)
-    opened = make(path)
-    files.callback(_quietly, opened.close)
-    return opened
-
-
-def _quietly(action: Callable[[], None]) -> None:
-    with contextlib.suppress(OSError):
-        action()
 
 
 def take_path(context: bpy.types.Context, obj: bpy.types.Object) -> Path:

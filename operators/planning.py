@@ -6,24 +6,33 @@ it. Another version of numpy may round differently and plan again.
 
 from __future__ import annotations
 
-import math
-import time
 import zlib
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 
 from ..core.base import DimpleError
 from ..core.reduction.planner import Plan, plan, plan_full_mesh, plan_proxy
-from ..core.reduction.proxy import build_proxy
+from ..core.reduction.proxy import build_proxy, with_constants
+from ..core.session import MAX_FINGERS
 from . import contact
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
     from ..core.reduction.proxy import Proxy
 
-USUAL_S = 2.0  # [s] that planning takes, about: nobody knows beforehand how many presses it needs
+KEPT = 4  # choices: bodies that are alike are planned once
+
+
+class Choice(NamedTuple):
+    """What was chosen for a body: its proxy, the vertices it was made with (0 for the full mesh), and why."""
+
+    proxy: Proxy | None
+    vertices: int
+    reason: str
+
+
+_choices: dict[str, Choice] = {}
 
 
 def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tuple[Proxy | None, str]:
@@ -35,19 +44,27 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     if contact.is_on(scene):
         return None, ""
     settings, now = obj.dimple, key(scene, obj, model)
-    if settings.plan_key == now:
-        return build_proxy(model, settings.plan_vertices) if settings.plan_vertices else None, ""
-    manager = bpy.context.window_manager
-    manager.progress_begin(0, 100)  # the presses of the planner take some seconds
-    try:
-        chosen = choose(scene, obj, model)
-    except DimpleError as error:
-        way_out = " Choose another number, or Automatic, in Physics > Dimple." if settings.simulated == "PROXY" else ""
-        raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
-    finally:
-        manager.progress_end()
-    settings.plan_key, settings.plan_vertices, settings.plan_reason = now, chosen.asked, chosen.reason
-    return chosen.proxy, f'"{obj.name}": {chosen.reason}' if chosen.proxy else ""
+    known, old = settings.plan_key == now, _choices.get(now)
+    if old:
+        proxy = with_constants(old.proxy, model) if old.proxy else None  # gravity and ground are its own
+        made = old._replace(proxy=proxy)
+    elif known:
+        vertices = settings.plan_vertices
+        made = Choice(build_proxy(model, vertices) if vertices else None, vertices, settings.plan_reason)
+    else:
+        try:
+            chosen = choose(scene, obj, model)
+        except DimpleError as error:
+            way_out = ""
+            if settings.simulated == "PROXY":
+                way_out = " Choose another number, or Automatic, in Physics > Dimple."
+            raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
+        made = Choice(chosen.proxy, chosen.asked, chosen.reason)
+    _choices[now] = made
+    while len(_choices) > KEPT:
+        del _choices[next(iter(_choices))]
+    settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
+    return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
 
 
 def choose(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Plan:
@@ -58,25 +75,16 @@ def choose(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Plan:
     if wanted["simulated"] == "proxy":
         return plan_proxy(model, wanted["vertices"], radius=radius, budget=budget)
     return plan(
-        model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius, budget=budget,
-        watch=_ticking(),
-    )  # fmt: skip
-
-
-def _ticking() -> Callable[[], None]:
-    """Return what shows at the pointer how much of the usual time has gone by."""
-    began, manager = time.perf_counter(), bpy.context.window_manager
-
-    def tick() -> None:
-        manager.progress_update(round(100 * (1 - math.exp(-(time.perf_counter() - began) / USUAL_S))))
-
-    return tick
+        model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius, budget=budget
+    )
 
 
 def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
-    """Return the processor time [s] per second for one object: all bodies of the scene share it evenly."""
-    others = sum(each != obj and each.type == "MESH" and each.dimple.enabled for each in scene.objects)
-    return scene.dimple.frame_budget_percent / 100 / (1 + others)
+    """Return the processor time [s] per second for one object: at rest the others cost nothing, and no more than
+    MAX_FINGERS are pressed at a time.
+    """
+    bodies = 1 + sum(each != obj and each.type == "MESH" and each.dimple.enabled for each in scene.objects)
+    return scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERS)
 
 
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:

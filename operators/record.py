@@ -14,10 +14,10 @@ def begin(context: bpy.types.Context) -> None:
     Raises:
         DimpleError: a file cannot be written; nothing is recorded.
     """
-    from . import bridge, output
+    from . import bridge, output, recorder
 
     render = context.scene.render
-    begun: list[tuple[sessions.LiveBody, output.Recorder]] = []
+    begun: list[tuple[sessions.LiveBody, recorder.Recorder]] = []
     try:
         for uid, body in sessions.sessions.items():
             obj = bridge.find(uid, body.name)
@@ -26,16 +26,16 @@ def begin(context: bpy.types.Context) -> None:
             path = output.take_path(context, obj)
             local = bridge.to_local(body.link, body.matrix, body.session.positions())
             with output.plain_os_errors("Recording"):
-                recorder = output.Recorder(
+                each = recorder.Recorder(
                     path, context.scene.frame_current, render.fps / render.fps_base, body.frame.time, local, body.frame
                 )
-            begun.append((body, recorder))
+            begun.append((body, each))
     except DimpleError:
-        for _, recorder in begun:
-            recorder.discard()
+        for _, each in begun:
+            each.discard()
         raise
-    for body, recorder in begun:
-        body.recorder = recorder
+    for body, each in begun:
+        body.recorder = each
 
 
 def end() -> list[str]:

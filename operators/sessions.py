@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .bridge import ObjectLink, Singles
     from .bridge_write import Borrowed
     from .contact import LiveWorld
-    from .output import Recorder
+    from .recorder import Recorder
     from .settings import Settings
 
 PAUSED = "Paused: Space or Play goes on, Esc ends and puts the rest shape back"

@@ -14,7 +14,8 @@ import bpy
 import numpy as np
 
 from . import bridge, output
-from .formats import FORMATS, Clip
+from .clip import Clip
+from .formats import FORMATS
 
 if TYPE_CHECKING:
     from ..core.session import Session
@@ -68,7 +69,7 @@ def describe_session(session: Session) -> dict[str, Any]:
 def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
     """Return what is in a file, or in the files of a folder, with its size and checksum."""
     kind = FORMATS[each]
-    keyed = each in ("GLB", "FBX")
+    keys = clip.keys() if kind.keyed else None
     files = sorted(path.iterdir()) if path.is_dir() else [path]
     checksum = hashlib.sha256()
     for file in files:
@@ -78,9 +79,8 @@ def describe_file(path: Path, each: str, clip: Clip) -> dict[str, Any]:
     return {
         "format": kind.label,
         "coordinates": kind.space,
-        "shape_key_frames": clip.key_frames if keyed and clip.step > 1 else None,
-        "shape_keys": len(clip.found[0].shapes) if keyed and clip.found else None,
-        "worst_vertex_error": clip.found[0].error if keyed and clip.found else 0.0,
+        "shape_keys": len(keys.shapes) if keys else None,
+        "worst_vertex_error": keys.error if keys else 0.0,
         "bytes": sum(file.stat().st_size for file in files),
         "sha256": checksum.hexdigest(),
     }

@@ -8,24 +8,15 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import bpy
 import numpy as np
 import numpy.typing as npt
 
 from . import bridge_write
+from .clip import KeyedShape
 
 Singles = npt.NDArray[np.float32]
-
-
-class KeyedShape(NamedTuple):
-    """A shape key: its name, coordinates (vertices, 3), and its value at some frames."""
-
-    name: str
-    shape: Singles
-    frames: Sequence[int]
-    values: Sequence[float]
 
 
 UV_MAP = "dimple_vertex"

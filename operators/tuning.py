@@ -115,7 +115,7 @@ def _proxy(
 
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
-    """Plan anew for constants that were tuned, once nothing presses: the presses of the planner take some seconds."""
+    """Plan anew for constants that were tuned, once nothing presses: a proxy takes a while to make."""
     session = body.session
     if body.changed_at is None or body.frame.time < body.changed_at + UNTOUCHED_S:
         return []

@@ -5,6 +5,7 @@ import time
 import bpy
 
 from . import sessions
+from .messages import duration
 
 SLICE_S = 0.1  # between two looks at the keyboard
 
@@ -92,7 +93,7 @@ class Working:
     def _show(self, context: bpy.types.Context, share: float) -> None:
         left = (time.perf_counter() - self._began) * (1 / share - 1) if share else 0.0
         context.window_manager.progress_update(share)
-        context.workspace.status_text_set(f"{self.verb} {share:.0%}, {left:.0f} s left | Esc: cancel")
+        context.workspace.status_text_set(f"{self.verb} {share:.0%}, {duration(left)} left | Esc: cancel")
 
     def _leave(self) -> None:
         self._steps.close()

@@ -17,8 +17,8 @@ import numpy as np
 
 from core.base import TICK, DimpleError
 from core.body.model import Model
-from core.reduction.benchmark import DOWN, HOLD, Outcome, choose_presses, outcome_of, press_variant, result_of
-from core.reduction.planner import FEW, Plan, measured_cost, plan
+from core.reduction.benchmark import Outcome, choose_presses, outcome_of, press_variant, result_of
+from core.reduction.planner import Plan, plan
 from core.reduction.proxy import mean_spacing, most_of
 
 from .bodies import BodyCase
@@ -28,7 +28,6 @@ SEED = 11  # of their places; the planner takes others
 GROWTH = math.sqrt(2)  # of the vertices from rung to rung
 FEWEST = 100  # vertices of the lowest rung
 SLACK = 4 / 3
-HEAVY = 0.6  # of the cost of pressing the full mesh: a proxy with about half its vertices is pressed in its place
 NEVER = 0.0  # [s] per second: a budget that no mesh is within
 LINE = 1.5  # a choice may cost so many times the work of the best
 NEAR = ((0.03, 0.10), (0.05, 0.20), (0.08, 0.30))  # tolerances: of the fingertip's radius, and of the force
@@ -85,7 +84,6 @@ class Choice:
     tolerance: of the surface [m].
     force_tolerance: of the force, as a share.
     budget: processor time [s] per simulated second.
-    by: how the planner measured: "presses", "heavy" or "fit".
     plan: the planner's choice.
     ours: that choice, measured.
     best: the cheapest candidate that meets the tolerances.
@@ -95,7 +93,6 @@ class Choice:
     tolerance: float
     force_tolerance: float
     budget: float
-    by: str
     plan: Plan
     ours: Candidate
     best: Candidate
@@ -158,12 +155,12 @@ class ProxyBenchmark:
         rungs = (self.proxy(round(FEWEST * GROWTH**k)) for k in range(count))
         return [*(rung for rung in rungs if rung.vertices and math.isfinite(rung.error)), self.mesh]
 
-    def rated(self, chosen: Plan, near: tuple[float, float], *, budget: float, by: str) -> Choice:
+    def rated(self, chosen: Plan, near: tuple[float, float], *, budget: float) -> Choice:
         """Measure a plan and find the best candidate, the plan's own proxy among them."""
         ours = self.proxy(chosen.asked)
         good = [candidate for candidate in (*self.ladder(), ours) if candidate.meets(*near)]
         return Choice(
-            body=self.body, tolerance=near[0], force_tolerance=near[1], budget=budget, by=by, plan=chosen, ours=ours,
+            body=self.body, tolerance=near[0], force_tolerance=near[1], budget=budget, plan=chosen, ours=ours,
             best=min(good, key=lambda candidate: candidate.work),
         )  # fmt: skip
 
@@ -176,20 +173,17 @@ def tolerances(body: BodyCase) -> list[tuple[float, float]]:
 def choices(
     benchmark: ProxyBenchmark, *, budget: float, near: Sequence[tuple[float, float]] | None = None
 ) -> Iterator[Choice]:
-    """Plan one body for several tolerances, by pressing its mesh and as if that were too heavy to be pressed.
+    """Plan one body for several tolerances.
 
     Args:
         budget: processor time [s] per simulated second. With NEVER no mesh runs live, so the planner must choose.
         near: pairs of tolerances, those of `tolerances` where None.
     """
     for wanted in near or tolerances(benchmark.body):
-        heavy = HEAVY * FEW * (DOWN + HOLD) * measured_cost(benchmark.model)
-        for by, allowance in (("presses", math.inf), ("heavy", heavy)):
-            chosen = plan(
-                benchmark.model, tolerance=wanted[0], force_tolerance=wanted[1], radius=benchmark.body.radius,
-                budget=budget, allowance=allowance,
-            )  # fmt: skip
-            yield benchmark.rated(chosen, wanted, budget=budget, by=by)
+        chosen = plan(
+            benchmark.model, tolerance=wanted[0], force_tolerance=wanted[1], radius=benchmark.body.radius, budget=budget
+        )
+        yield benchmark.rated(chosen, wanted, budget=budget)
 
 
 def over_budgets(benchmark: ProxyBenchmark, budgets: Sequence[float]) -> Iterator[Choice]:
@@ -197,10 +191,9 @@ def over_budgets(benchmark: ProxyBenchmark, budgets: Sequence[float]) -> Iterato
     near = tolerances(benchmark.body)[1]
     for budget in budgets:
         chosen = plan(
-            benchmark.model, tolerance=near[0], force_tolerance=near[1], radius=benchmark.body.radius, budget=budget,
-            allowance=0.0,
-        )  # fmt: skip
-        yield benchmark.rated(chosen, near, budget=budget, by="fit")
+            benchmark.model, tolerance=near[0], force_tolerance=near[1], radius=benchmark.body.radius, budget=budget
+        )
+        yield benchmark.rated(chosen, near, budget=budget)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

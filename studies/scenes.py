@@ -109,9 +109,9 @@ def poke(session: Session, *, depth: float = 0.020, frame_rate: float = 60.0, se
     top = x[:, 2].max() + FINGERTIP
     times, shares = zip((0.0, 0.0), *POKE, strict=True)
     session.set_fingers([Finger((0.0, 0.0, top), FINGERTIP)])
-    for i in range(1, round(seconds * frame_rate) + 1):
-        down = float(np.interp(i / frame_rate, times, shares)) * depth
-        session.set_fingers([Finger((0.0, 0.0, top - down), FINGERTIP)])
+    frames = np.arange(1, round(seconds * frame_rate) + 1)
+    for height in (top - depth * np.interp(frames / frame_rate, times, shares)).tolist():
+        session.set_fingers([Finger((0.0, 0.0, height), FINGERTIP)])
         yield session.step(1 / frame_rate)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,7 +16,6 @@ from studies.proxies import COARSEST, FINEST, LINE, NEVER, SLACK, Choice, ProxyB
 from .drawing import save, table, write_csv
 
 BUDGETS = (0.05, 0.2, 0.6, 2.0)  # [s] per second
-COLOURS = {"presses": "tab:blue", "heavy": "tab:orange"}
 FITS = (  # field of a row, label, factor and power of the planner's fit
     ("error", "surface: error over fingertip radius", planner.ERROR, planner.ERROR_POWER),
     ("force_error", "force: error as a share", planner.FORCE_ERROR, planner.FORCE_POWER),
@@ -71,9 +69,9 @@ def write_rows(out: Path, known: Sequence[Row], unseen: Sequence[Row], choices: 
     )  # fmt: skip
     write_csv(
         out / "proxies.csv",
-        ("body", "tolerance_mm", "force_tolerance", "by", "vertices", "steps", "error_mm", "force_error",
+        ("body", "tolerance_mm", "force_tolerance", "vertices", "steps", "error_mm", "force_error",
          "cost_s_per_s", "best_vertices", "best_steps", "best_cost_s_per_s", "excess", "work_ratio", "cost_ratio"),
-        ((c.body.name, f"{1e3 * c.tolerance:.3g}", c.force_tolerance, c.by, c.ours.vertices, c.ours.steps,
+        ((c.body.name, f"{1e3 * c.tolerance:.3g}", c.force_tolerance, c.ours.vertices, c.ours.steps,
           f"{1e3 * c.ours.error:.3g}", f"{c.ours.force_error:.3g}", f"{c.ours.cost:.3g}", c.best.vertices,
           c.best.steps, f"{c.best.cost:.3g}", f"{c.excess:.3g}", f"{c.ratio:.3g}", f"{c.cost_ratio:.3g}")
          for c in choices),
@@ -97,7 +95,7 @@ def draw_ladders(axes: Axes, benchmarks: Sequence[ProxyBenchmark], choices: Sequ
         rungs = [rung for rung in benchmark.ladder() if rung.asked]
         label = f"{benchmark.body.name}: the mesh {benchmark.mesh.cost:.2g}"
         axes.loglog([r.cost for r in rungs], [r.error / radius for r in rungs], color=colour, lw=1, label=label)
-        taken = [c.ours for c in choices if c.body is benchmark.body and c.by == "presses" and c.plan.asked]
+        taken = [c.ours for c in choices if c.body is benchmark.body and c.plan.asked]
         axes.loglog([t.cost for t in taken], [t.error / radius for t in taken], "o", ms=5, color=colour)
     axes.set(xlabel="processor time [s] per second", ylabel="error of the surface over fingertip radius")
     axes.set_title("ladders of proxies; points: the planner's choices", fontsize=9)
@@ -106,35 +104,31 @@ def draw_ladders(axes: Axes, benchmarks: Sequence[ProxyBenchmark], choices: Sequ
 
 def draw_verdict(axes: Axes, choices: Sequence[Choice]) -> None:
     """Draw work over that of the best choice against error over tolerance; good choices are lower left."""
-    for by, colour in COLOURS.items():
-        some = [c for c in choices if c.by == by]
-        label = {"presses": "pressed first", "heavy": "as if the mesh were too heavy to press"}[by]
-        axes.semilogy([c.excess for c in some], [c.ratio for c in some], "o", color=colour, alpha=0.6, label=label)
+    axes.semilogy([c.excess for c in choices], [c.ratio for c in choices], "o", alpha=0.6)
     axes.axvline(SLACK, color="0.5", lw=1)
     axes.axhline(LINE, color="0.5", lw=1)
     axes.set(xlabel="larger error over its tolerance (0: the full mesh)", ylabel="work over that of the best choice")
     axes.set_title(f"kept: below {LINE:g} and left of {SLACK:.2f}", fontsize=9)
-    axes.legend(frameon=False, fontsize=8)
 
 
 def choices_table(choices: Sequence[Choice]) -> str:
     """Return every choice beside the best one, then a summary for each set of bodies."""
-    lines = [("body", "asked", "by", "chosen", "error", "force", "best", "work", "cost", "")]
+    lines = [("body", "asked", "chosen", "error", "force", "best", "work", "cost", "")]
     for c in choices:
         lines.append((
-            c.body.name, f"{1e3 * c.tolerance:.2f} mm {c.force_tolerance:.0%}", c.by, f"{c.ours.vertices}",
+            c.body.name, f"{1e3 * c.tolerance:.2f} mm {c.force_tolerance:.0%}", f"{c.ours.vertices}",
             f"{1e3 * c.ours.error:.2f} mm", f"{c.ours.force_error:.0%}", f"{c.best.vertices}", f"{c.ratio:.2f}",
             f"{c.cost_ratio:.2f}", "" if c.keeps and c.ratio <= LINE else "not kept",
         ))  # fmt: skip
     parts = [table(lines)]
     sets = [("unseen", bodies.UNSEEN), ("fresh", bodies.FRESH)]
-    for by, (name, members) in itertools.product(COLOURS, sets):
-        some = [c for c in choices if c.by == by and c.body in members]
+    for name, members in sets:
+        some = [c for c in choices if c.body in members]
         if not some:
             continue
         near = sum(c.keeps for c in some)
         parts.append(
-            f"By {by}, {name}: at most {max(c.ratio for c in some):.2f} times the work of the best choice, "
+            f"{name}: at most {max(c.ratio for c in some):.2f} times the work of the best choice, "
             f"{sum(c.ratio <= LINE for c in some)} of {len(some)} within {LINE:g}; "
             f"tolerances kept up to a third over by {near} of {len(some)}, the worst {max(c.excess for c in some):.2f}"
         )

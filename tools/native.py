@@ -59,7 +59,7 @@ def provide_library(python: str | Path) -> bool:
         return False
     place = SOURCES / PLATFORMS[name].library
     try:
-        built = compile_library(python, name)
+        built = compile_library(python, name, "-DDM_SCENES_64")  # for tests; what ships is smaller
     except Stop as stop:
         say(f"the native core was not compiled, numpy stands in: {stop}")
         return False
@@ -126,7 +126,7 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
     zig = compiler(python)
     say(f"compiling the native core for {name}")
     folder.mkdir(parents=True, exist_ok=True)
-    words: list[list[str | Path]] = [[SOURCES / "api.c", "-o", folder / "api.o"]]
+    words: list[list[str | Path]] = [[SOURCES / f"{each}.c", "-o", folder / f"{each}.o"] for each in ("api", "many")]
     for kind in target.sets:
         for bits in (32, 64):
             options: list[str | Path] = [f"-DDM_BITS={bits}", f"-DDM_SET={kind}", *VARIANTS[kind], FUSE[bits]]
@@ -135,7 +135,8 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(lambda rest: quiet([*command, *FLAGS, "-c", *rest]), words))
     objects = [rest[-1] for rest in words]
-    quiet([*command, "-shared", "-s", "-o", library, *objects, *(["-lm"] if name.startswith("linux") else [])])
+    system = ["-lm", "-lpthread"] if name.startswith("linux") else []
+    quiet([*command, "-shared", "-s", "-o", library, *objects, *system])
     stamp.write_text(sources_hash())
     return library
 

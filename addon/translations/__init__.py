@@ -2,14 +2,14 @@
 
 import bpy
 
-from . import calibration, devices, everyday, exports, general, planner, polls, tuning
+from . import calibration, contact, devices, everyday, exports, general, planner, polls, tuning
 
 # Blender translates some of our words in another sense: its "Air" is air drag. A context of our own avoids that
 CONTEXT = "Dimple"
 
 # one file for each subject: OPERATORS (labels of operators, which Blender looks up in a context of their own) and
 # WORDS (the rest)
-SUBJECTS = (general, calibration, planner, devices, exports, polls, tuning, everyday)
+SUBJECTS = (general, calibration, planner, devices, exports, polls, tuning, everyday, contact)
 OPERATORS = {english: text for subject in SUBJECTS for english, text in subject.OPERATORS.items()}
 EVERYTHING = OPERATORS | {english: text for subject in SUBJECTS for english, text in subject.WORDS.items()}
 JAPANESE = {

@@ -3,6 +3,8 @@
 OPERATORS = {
     "Calibrate": "キャリブレーション",
     "Calibrate from File...": "ファイルからキャリブレーション...",
+    "Softness from Pokes": "押した記録から柔らかさ",
+    "Softness from Pokes...": "押した記録から柔らかさ...",
     "Calibrate Together": "まとめてキャリブレーション",
     "Calibrate from Several Files...": "複数のファイルからキャリブレーション...",
     "Apply to Material": "マテリアルに適用",
@@ -105,6 +107,10 @@ RESULT = {
         "同じ物体の複数の力-変位ファイルに一つのマテリアルを当てはめます。半径の異なる先端が広がりを決めます"
     ),
     "Not determined by these curves": "これらの曲線からは決まりません",
+    "Paint softness from a table of pokes: x, y, z, depth and force, in places on the object as it stands": (
+        "押した記録の表 (x, y, z, 深さ, 力) から柔らかさを塗ります。場所は今ある物体の上の位置です"
+    ),
+    "Table of pokes: CSV or text": "押した記録の表。CSV またはテキスト",
     "Folder": "フォルダー",
     "Where the files are": "ファイルのある場所",
     "Of files that are dropped together": "まとめてドロップされたファイルのフォルダー",

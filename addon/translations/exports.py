@@ -47,14 +47,14 @@ WORDS = {
     "Simulate the objects as a bake does, whatever they play": (
         "何を再生していても、ベイクと同じようにオブジェクトを計算します"
     ),
-    "In glTF and FBX, one shape key for this many frames": (
-        "glTF と FBX で、このフレーム数ごとにシェイプキーを一つ作ります"
+    "In formats with shape keys, one for this many frames; the JSON says how far those between are off": (
+        "シェイプキーを使う形式で、このフレーム数ごとに一つ作ります。間のフレームのずれは JSON に書きます"
     ),
     "Key Error (%)": "キーの誤差 (%)",
-    "In glTF and FBX, few shape keys with which no vertex is off by more of the object's size. "
-    "0 makes one for each frame": (
-        "glTF と FBX で、どの頂点のずれもオブジェクトの大きさのこの割合以下になる少数のシェイプキーを使います。"
-        "0 ならフレームごとに一つ作ります"
+    "In formats with shape keys, few with which no vertex is off by more of the object's size. "
+    "0 makes one every n frames": (
+        "シェイプキーを使う形式で、どの頂点のずれもオブジェクトの大きさのこの割合以下になる少数のキーを使います。"
+        "0 なら n フレームごとに一つ作ります"
     ),
     "Normals": "法線",
     "Write how the surface is shaded; files are larger": "表面の陰影も書き出します。ファイルは大きくなります",
@@ -64,7 +64,18 @@ WORDS = {
     "Keyframe force, depth and pressure as custom properties, for drivers": (
         "力、深さ、圧力をドライバー用のカスタムプロパティとしてキーフレームにします"
     ),
-    "About {} MB": "約 {} MB",
+    "{} frames, about {} MB": "{} フレーム、約 {} MB",
+    ", {} on this computer": "、このコンピューターで {}",
+    "USD Blend Shapes (.usdc)": "USD ブレンドシェイプ (.usdc)",
+    "Smaller with few shape keys, for programs that read UsdSkel": (
+        "シェイプキーが少なければ小さくなります。UsdSkel を読むソフト用"
+    ),
+    "The bakes of these objects would be exported as stills:": (
+        "次のオブジェクトのベイクは、動かない形としてエクスポートされます:"
+    ),
+    "File > Export > Dimple Animation writes them as they move.": (
+        "「ファイル > エクスポート > Dimple アニメーション」なら動きのまま書き出します。"
+    ),
     "Exporting: Esc cancels": "エクスポート中：Esc で中止",
     "Go back to Object Mode to export": "エクスポートするにはオブジェクトモードに戻ってください",
 }

@@ -62,3 +62,15 @@ def _error(offsets: Singles, shapes: Singles, weights: npt.NDArray[np.floating],
         left = (offset - weight @ flat).reshape(-1, 3)
         worst = max(worst, float(np.einsum("vc,vc->v", left, left).max()))
     return worst**0.5
+
+
+def error_between(samples: Singles, at: list[int]) -> float:
+    """Return the farthest that a vertex of samples (frames, vertices, 3) is from the straight lines between some of
+    them, those at these places; the first and the last are among them."""
+    worst = 0.0
+    for begin, end in zip(at, at[1:], strict=False):
+        for place in range(begin + 1, end):
+            share = np.float32((place - begin) / (end - begin))
+            left = samples[place] - (samples[begin] + share * (samples[end] - samples[begin]))
+            worst = max(worst, float(np.einsum("vc,vc->v", left, left).max()))
+    return worst**0.5

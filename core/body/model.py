@@ -24,7 +24,7 @@ from ..base import (
 from ..material import Material
 from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, spans_a_plane
-from . import paper, pressure, shape_matching, springs
+from . import bound, paper, pressure, shape_matching, springs
 from .estimate import estimate
 from .maps import Maps, painted
 from .pressure import Pressure
@@ -233,23 +233,20 @@ def assemble(
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
     dashpots = 2 * damping[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
     inverse_mass = np.where(held, 0.0, 1 / mass)
-    x = np.array(mesh.rest_positions.T, order="C")
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
     shape = replace(
         shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, LOOSE_MASS * mass, mass)
     )
     inside = pressure.build_pressure(mesh, fill)
-    row_k, row_c = springs.row_bounds(membrane, n)
     # Eq. (4) stiffens with stretch: k (2 |l| / |l0| - 1); allow for twice the rest length
-    stretch = 3.0 if law_set == "paper" else 1.0
+    along, at = (3.0 if law_set == "paper" else 1.0) * stiffness + tension, shape_matching.stiffest(shape)
     return Model(
         mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, held=held,
         friction=friction, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
-        omega_squared=float(((stretch * row_k + met) * inverse_mass).max())
-        + STIFFENS[inside.fill] * pressure.omega_squared(inside, x, inverse_mass),
-        decay=float(((row_c + shape.damping) * inverse_mass).max()),
+        omega_squared=bound.of_body(mesh, along, at, inverse_mass, inside, STIFFENS[inside.fill]),
+        decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
         notes=mesh.notes + notes + ((_ALL_HELD,) if held.all() else ()),
     )  # fmt: skip
 

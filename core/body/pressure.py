@@ -101,14 +101,6 @@ def force(law: Pressure, x: Floats, arms: Floats | None = None) -> Floats:
     return pressure_at(law, volume) * gradient
 
 
-def omega_squared(law: Pressure, x: Floats, inverse_mass: Floats) -> float:
-    """Return the square of the angular frequency [1/s2] of the fill: -dp/dV g . M^-1 g."""
-    if law.fill == "none":
-        return 0.0
-    volume, gradient = volume_and_gradient(law, x)
-    return pressure_slope(law, volume) * float((gradient**2).sum(axis=0) @ inverse_mass)
-
-
 def _add_corners(law: Pressure, n: Floats, x: Floats) -> None:
     """Add what the rings leave out: faces at vertices without a ring, and the cones that close the holes."""
     size = x.shape[1]

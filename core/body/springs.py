@@ -100,15 +100,6 @@ def force(law: Springs, x: Floats, v: Floats | None = None, arms: Floats | None 
     return f
 
 
-def row_bounds(law: Springs, n: int) -> tuple[Floats, Floats]:
-    """Return (n,) each twice the stiffness [N/m] and twice the damping [N s/m] met in a vertex (Gershgorin)."""
-    both = np.concatenate([law.pairs[:, 0], law.pairs[:, 1]])
-    return (
-        2 * sums_at(both, np.tile(law.stiffness, 2), n),
-        2 * sums_at(both, np.tile(law.damping, 2), n),
-    )
-
-
 def _add_irregular(law: Springs, f: Floats, x: Floats, v: Floats | None) -> None:
     irregular = law.rings.irregular_springs
     if not len(irregular):

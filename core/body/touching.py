@@ -6,7 +6,7 @@ substep h already: d' = d + h j g, u' = u + j g, where g is what the pair gives,
     j = h (k (r - d') - c u'),   k = K / (h^2 g) r / d,   c = C / (h g)
 
 follows j = (K r/d (r - d) / h - C u) / ((1 + K r/d + C) g): stable for any K, and the harder the nearer. It leaves the
-pair no faster apart than r in 10 ms: so what starts too near is not flung off. A vertex in
+pair no faster apart than r/d (r - d) in 5 ms: so what starts too near is not flung off. A vertex in
 several pairs is shared between them, each taking an equal part of its mass, so pairs are independent.
 """
 
@@ -20,7 +20,7 @@ from .proximity import Pairs, Surfaces, measure
 
 STIFFNESS = 1.0  # of the mass over the substep squared, at the surface; grows as 1 / distance
 DAMPING = 0.5  # of the mass over the substep
-PART_TIME = 1e-2  # [s] in which what is too near parts at the soonest
+PART_TIME = 5e-3  # [s] in which what is too near parts at the soonest
 LEAST_GAP = 0.02  # of the touching distance: the stiffness grows no further
 
 
@@ -56,8 +56,9 @@ def resolve(
     u = np.einsum("mk,mkc->mc", w, v[at])
     along = np.einsum("mc,mc->m", u, normal)
     hard = STIFFNESS * touch / np.maximum(gap, LEAST_GAP * touch)
+    apart = hard / STIFFNESS * (touch - gap) / PART_TIME
     push = (hard * (touch - gap) / dt - DAMPING * along) / ((1 + hard + DAMPING) * give)
-    push = np.clip(push, 0, np.maximum((touch / PART_TIME - along) / give, 0)) * weight * moves
+    push = np.clip(push, 0, np.maximum((apart - along) / give, 0)) * weight * moves
     u = u - along[:, None] * normal
     slide = np.sqrt(np.einsum("mc,mc->m", u, u))
     drag = np.minimum(_friction(pairs, at, w, friction, meets) * push, weight * moves * slide / give)

@@ -7,6 +7,7 @@ import numpy as np
 from ..base import Floats, sums_at
 from .surface import Mesh
 
+LEAST = 0.25  # of its weights a vertex keeps, where nearly all triangles round it are blunt
 LARGEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no better
 
 
@@ -14,7 +15,8 @@ def cotangent_weights(mesh: Mesh) -> Floats:
     """Return w (m,) of every spring of a mesh: half the sum of the cotangents of the angles opposite the edge.
 
     The sum over edges of w |u_i - u_j|^2 is the integral of |grad u|^2. Where angles are so blunt that w would be
-    negative it is 0, so that no energy is.
+    negative it is 0, so that no energy is; the weights round such an edge are less by as much, or a surface of blunt
+    triangles would be stiffer than its area.
     """
     x, corners, n = mesh.rest_positions, mesh.triangles, len(mesh.rest_positions)
     total = np.zeros(len(mesh.springs))
@@ -25,4 +27,7 @@ def cotangent_weights(mesh: Mesh) -> Floats:
         cotangent = (a * b).sum(axis=1) / np.maximum(2 * mesh.triangle_areas, 1e-12 * mesh.size**2)
         edge = np.searchsorted(order, np.minimum(low, high) * n + np.maximum(low, high))
         total += sums_at(edge, cotangent, len(total)) / 2
-    return np.clip(total, 0, LARGEST)
+    weights = np.clip(total, 0, LARGEST)
+    ends, square = mesh.springs, mesh.rest_lengths**2
+    wanted, kept = (sums_at(ends.ravel(), np.repeat(w * square, 2), n) for w in (total, weights))
+    return weights * np.clip(wanted / np.maximum(kept, 1e-30), LEAST, 1.0)[ends].mean(axis=1)

@@ -15,8 +15,9 @@ from ..base import Floats, Ints, sums_at
 
 COARSE = 1.5  # fingertip radii: longer edges press wrong, and
 COARSE_SHARE = 0.1  # of the surface between such edges is enough for that
-FINE = 0.75  # fingertip radii: the longest edge that is left
+FINE = 0.95  # fingertip radii: the longest edge that is left
 MOST = 8000  # vertices: more do not run live beside Blender's own work
+LONGER = 1.1  # times as long may edges be where that leaves too many vertices
 EVEN = 0.45  # of the square of the longest edge: area of a vertex where all edges are about as long
 STEP = 0.7  # of the longest edge: what is halved in one round
 ROUNDS, FLIPS = 40, 24
@@ -65,10 +66,19 @@ def refine(positions: Floats, triangles: Ints, kinds: Ints, radius: float, *, mo
         triangles: (t, 3).
         kinds: (t,) edges are flipped between triangles of one kind only.
         radius: of the fingertip [m].
-        most: vertices, about.
+        most: vertices, or half as many again as there are.
     """
     areas, _ = _sizes(positions, triangles)
+    most = max(most, 3 * len(positions) // 2)
     longest = max(FINE * radius, float(np.sqrt(areas.sum() / (EVEN * most))))
+    while True:
+        if found := _refined(positions, triangles, kinds, longest, most):
+            return found
+        longest *= LONGER
+
+
+def _refined(positions: Floats, triangles: Ints, kinds: Ints, longest: float, most: int) -> Refinement | None:
+    """Halve edges until none is longer than this [m]; None where that takes more vertices than so many."""
     found: list[Ints] = []
     origin, now = np.arange(len(triangles)), positions
     triangles = np.asarray(triangles, np.int64)
@@ -77,8 +87,10 @@ def refine(positions: Floats, triangles: Ints, kinds: Ints, radius: float, *, mo
         edges, of_triangle = _edges(triangles, len(now))
         lengths = np.linalg.norm(now[edges[:, 0]] - now[edges[:, 1]], axis=1)
         long = lengths > max(longest, STEP * float(lengths.max()))  # the longest first: then flips have room
-        if not long.any() or len(now) + int(long.sum()) > 2 * most:
+        if not long.any():
             break
+        if len(now) + int(long.sum()) > most:
+            return None
         middle = np.where(long, len(now) + np.cumsum(long) - 1, -1)
         found.append(edges[long])
         now = np.concatenate([now, (now[edges[long, 0]] + now[edges[long, 1]]) / 2])

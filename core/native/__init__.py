@@ -23,13 +23,13 @@ from .body import AVX2 as AVX2
 from .body import BASE as BASE
 from .body import BEST as BEST
 from .body import Body as Body
-from .body import CFrame, CMotion
 from .body import NativeError as NativeError
+from .body import step_many as step_many
 from .definition import BodyDef, Constants
-from .scene import CColliderMotion, CCrossings, ColliderDef, CSceneFrame
+from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 6
+ABI = 7
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
@@ -38,7 +38,8 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {  # fmt: skip
     "dm_set_constants": (c_void_p, POINTER(Constants)),
     "dm_set_state": (c_void_p, c_void_p, c_void_p),
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
-    "dm_step": (c_void_p, POINTER(CMotion), POINTER(CFrame)),
+    "dm_step": (c_void_p, c_void_p, c_void_p),  # addresses: made once, and quicker to hand over
+    "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
     "dm_fit_rotation": (c_void_p, c_void_p),
     "dm_scene_create": (
         POINTER(c_void_p), c_int64, POINTER(c_void_p), POINTER(c_uint8), c_int64, POINTER(ColliderDef),
@@ -46,9 +47,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {  # fmt: skip
     "dm_scene_find_crossings": (c_void_p, POINTER(CCrossings)),
     "dm_scene_set_collider": (c_void_p, c_int64, c_void_p),
     "dm_scene_get_collider": (c_void_p, c_int64, c_void_p),
-    "dm_scene_step": (
-        c_void_p, POINTER(CMotion), POINTER(CColliderMotion), c_double, c_double, POINTER(CFrame), POINTER(CSceneFrame),
-    ),
+    "dm_scene_step": (c_void_p, c_void_p, c_void_p, c_double, c_double, c_void_p, c_void_p),
 }
 
 

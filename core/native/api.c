@@ -1,4 +1,5 @@
 /* The door: every argument is checked, and the best instruction set chosen. */
+#include "many.h"
 #include "methods.h"
 #include <math.h>
 #include <stddef.h>
@@ -223,7 +224,8 @@ int32_t dm_get_state(const dm_body *body, double *positions, double *velocities)
     return DM_OK;
 }
 
-static int32_t dm_check_motion(const dm_body *body, const dm_motion *m) {
+int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
+    if (!body || !m) return DM_SIZE;
     if (m->ticks < 0 || m->ticks > DM_MAX_STEPS) return DM_SIZE;
     if (m->substeps < 1 || m->substeps > DM_MAX_STEPS / (m->ticks + 1)) return DM_SIZE;
     if (!isfinite(m->tick) || !(m->tick > 0)) return DM_NUMBER;
@@ -241,12 +243,16 @@ static int32_t dm_check_motion(const dm_body *body, const dm_motion *m) {
     return DM_OK;
 }
 
-int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
-    if (!body || !m || !frame) return DM_SIZE;
-    DM_CHECK(dm_check_motion(body, m));
+void dm_run_checked(dm_body *body, const dm_motion *m, dm_frame *frame) {
     uint64_t before = dm_flush_denormals();
     body->does->step(body->state, m, frame);
     dm_keep_denormals(before);
+}
+
+int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
+    if (!frame) return DM_SIZE;
+    DM_CHECK(dm_check_step(body, m));
+    dm_run_checked(body, m, frame);
     return DM_OK;
 }
 

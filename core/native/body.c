@@ -6,11 +6,13 @@ static void dm_state_destroy(dm_state *b) {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next, b->pieces,
         b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
-        b->inverse_mass, b->friction, b->hits, b->before, b->pin_room, b->shares, b->moved,
+        b->inverse_mass, b->friction, b->hits, b->before, b->still, b->pin_room, b->shares, b->moved,
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
-    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_free(b->touches[k].vertices), dm_free(b->touches[k].faces);
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
+        dm_free(b->touches[k].vertices), dm_free(b->touches[k].faces), dm_free(b->touches[k].noted);
+    }
     dm_free(b);
 }
 
@@ -24,6 +26,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->records = room(size, sizeof(dm_record)));
     whole = whole && (b->state = room(b->groups, sizeof(dm_group_state)));
     whole = whole && (b->matter = room(b->groups, sizeof(dm_group_matter)));
+    whole = whole && (b->still = room(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->next = room(b->groups, sizeof(dm_group_next)));
     whole = whole && (b->inverse_mass = room(size, sizeof(dm_real))) && (b->friction = room(size, sizeof(dm_real)));
     whole = whole && (b->before = room(size, sizeof *b->before));
@@ -36,7 +39,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->fans = room(d->fans, sizeof *b->fans)) && (b->caps = room(d->cap_edges, sizeof *b->caps));
     whole = whole && (b->cap_hole = room(d->cap_edges, sizeof(uint32_t)));
     whole = whole && (b->holes = room(d->cap_edges, sizeof *b->holes));
-    whole = whole && (b->triangles = room(t, sizeof *b->triangles)) && (b->hits = room(t, sizeof(dm_contact)));
+    whole = whole && (b->triangles = room(t + DM_LANES, sizeof *b->triangles)) && (b->hits = room(t, sizeof(dm_contact)));
     b->box_count = (t + DM_BLOCK - 1) / DM_BLOCK;
     whole = whole && (b->box_start = room(b->box_count + 1, sizeof(uint32_t)));
     whole = whole && (b->box_vertex = room(3 * t, sizeof(uint32_t)));
@@ -44,6 +47,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         whole = whole && (b->touches[k].vertices = room(size, sizeof(uint32_t)));
         whole = whole && (b->touches[k].faces = room(t + DM_LANES, sizeof *b->touches[k].faces));
+        whole = whole && (b->touches[k].noted = room(size, sizeof(uint32_t)));
     }
     return whole ? DM_OK : DM_MEMORY;
 }
@@ -233,6 +237,9 @@ static void dm_pin(dm_state *b, const double *inverse_mass) {
     b->pinned_count = count;
 }
 
+/* Let a body be stepped again; where it is and how fast do not change. */
+static void dm_wake(dm_state *b) { b->asleep = 0, b->quiet = 0; }
+
 /* Start without a pressure, and without the contact that Eq. (2) takes from the step before. */
 static void dm_forget_pressure(dm_state *b) {
     b->pressure = 0;
@@ -240,6 +247,7 @@ static void dm_forget_pressure(dm_state *b) {
 }
 
 static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
+    dm_wake(b);
     double (*laws)[3] = room(c->materials, sizeof *laws);
     dm_piece *pieces = room(b->groups * c->pieces, sizeof *pieces);
     if (!laws || !pieces) return dm_free(laws), dm_free(pieces), DM_MEMORY;
@@ -281,6 +289,7 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     memcpy(b->turned, b->pose, sizeof b->turned);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
     b->led = b->carried = 0;
+    dm_wake(b);
     dm_forget_pressure(b);
     dm_place_pose(b);
 }

@@ -22,6 +22,10 @@
 #define DM_FASTEST 1e6
 #define DM_PIN_BEHIND 1e-4 /* of the size: a pin that is farther from its place was held back */
 #define DM_SAME_SIDE 0.5 /* as in core/mesh/depth.py */
+#define DM_REST_SPEED 1e-3 /* as in core/base.py, with the three below */
+#define DM_REST_TIME 0.25
+#define DM_REST_WAY 1e-6
+#define DM_REST_CLEAR 0.05
 
 /* Vertices lie in the order in which a wave over the surface meets them, so that neighbours are near in memory; runs of
  * eight with about as many neighbours each make a group. */
@@ -79,8 +83,10 @@ typedef struct { /* what a fingertip may meet within a tick */
     int finger;
     dm_quad centre, velocity;
     dm_real radius;
-    int64_t vertex_count, face_count;
+    double reach; /* [m] from the centre: what a body that does not move may be touched by in the tick */
+    int64_t vertex_count, face_count, noted_count;
     uint32_t *vertices, (*faces)[3]; /* by their corners, the last one repeated to fill eight lanes */
+    uint32_t *noted;                 /* each of those vertices and corners once */
 } dm_near;
 
 typedef struct { /* a triangle of the surface at rest, below which fingertips are measured */
@@ -138,6 +144,11 @@ struct dm_state {
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */
     uint8_t *is_moved, *touching;
     double inner_force;
+
+    int asleep;            /* at rest, and not stepped until something wakes it */
+    double fastest, quiet; /* [m/s] of the last tick; [s] how long nothing has moved */
+    dm_vec3 *still;        /* (groups,) where it was when that began */
+    double bounds[2][3], still_pose[12], still_volume; /* of what is asleep */
 
     dm_facet *facets;
     double (*facet_boxes)[6]; /* low and high corners of runs of them */

@@ -5,7 +5,8 @@ from __future__ import annotations
 import ctypes
 import struct
 import weakref
-from ctypes import Structure, byref, c_double, c_void_p
+from collections.abc import Sequence
+from ctypes import Structure, addressof, byref, c_double, c_void_p
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,10 @@ class CTouch(Structure):
 class CFrame(Structure):
     """What a call came to: dm_frame."""
 
-    _fields_ = [("touches", CTouch * 3), *fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n")]
+    _fields_ = [
+        ("touches", CTouch * 3),
+        *fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n", moved="n"),
+    ]
 
 
 def _letters(kind: Any) -> str:
@@ -95,7 +99,7 @@ class Body:
         self.library = library
         self.model, self._surface = model, surface or model
         self._shape = model.matching.rest.shape
-        self._placed: Floats | None = model.matching.rest  # what has not been stepped since keeps its digits
+        self._placed: Floats | None = model.matching.rest  # where it is, while that is known
         self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
         with Arrays() as arrays:
             definition = define(self.library, model, self._surface, arrays)
@@ -103,7 +107,7 @@ class Body:
         weakref.finalize(self, self.library.dm_destroy, self._handle.value)
         # what every step hands over: made once
         self._step = self.library.dm_step
-        self._step_arguments = self._handle, byref(self._motion), byref(self._frame)
+        self._step_arguments = self._handle.value, addressof(self._motion), addressof(self._frame)
 
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
         """Give the living body the numbers of other models of the same meshes.
@@ -132,11 +136,10 @@ class Body:
 
     def positions(self) -> Floats:
         """Return where the vertices are, (3, n) [m]."""
-        if self._placed is not None:
-            return self._placed.copy()
-        x = np.empty(self._shape)
-        self._call("dm_get_state", self._handle, x.ctypes.data, None)
-        return x
+        if self._placed is None:
+            self._placed = np.empty(self._shape)
+            self._call("dm_get_state", self._handle, self._placed.ctypes.data, None)
+        return self._placed.copy()
 
     def velocities(self) -> Floats:
         """Return how fast the vertices move, (3, n) [m/s]."""
@@ -163,9 +166,7 @@ class Body:
         return self._handle
 
     def pack(self, motion: Motion, to: CMotion) -> list[Floats]:
-        """Write a motion as the library reads it; return arrays that must live until it has."""
-        if motion.ticks:
-            self._placed = None
+        """Write a motion as the library reads it; return the arrays it points to."""
         numbers: list[Any] = [motion.ticks, motion.substeps, motion.tick]
         for tip in motion.fingertips:
             numbers += _LIFTED if tip is None else (
@@ -182,11 +183,13 @@ class Body:
         return pins
 
     def unpack(self, motion: Motion, frame: CFrame) -> Frame:
-        """Return what a motion came to."""
+        """Return what a motion that has been run came to."""
         found = _PACKED_FRAME.unpack_from(frame)
         touches = tuple([_touch(found, i * _TOUCH_NUMBERS) if tip else None for i, tip in enumerate(motion.fingertips)])
-        volume, pressure, ticks, finite = found[-4:]
-        return Frame(touches, found[-16:-4], volume, pressure, ticks, bool(finite))
+        volume, pressure, ticks, finite, moved = found[-5:]
+        if moved:
+            self._placed = None
+        return Frame(touches, found[-17:-5], volume, pressure, ticks, bool(finite), bool(moved))
 
     def _places(self, pins: PinMotion) -> list[Floats]:
         """Return where pins start and end, as the library reads it."""
@@ -205,3 +208,21 @@ class Body:
 def _touch(a: tuple[Any, ...], i: int) -> Touch:
     """Return the touch whose numbers begin at i."""
     return Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11])
+
+
+def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int) -> list[Frame]:
+    """Run a motion of each of several bodies of one library, on so many threads; the bits are those of `Body.step`.
+
+    Raises:
+        NativeError: a motion has a number that is none, or a body is there twice; none has moved.
+    """
+    if not bodies:
+        return []
+    library, count = bodies[0].library, len(bodies)
+    kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]
+    columns = zip(*(body._step_arguments for body in bodies), strict=True)
+    code = library.dm_step_many(count, *((c_void_p * count)(*column) for column in columns), workers)
+    del kept
+    if code:
+        raise NativeError(f"dm_step_many: {library.dm_message(code).decode()}", code)
+    return [body.unpack(motion, body._frame) for body, motion in zip(bodies, motions, strict=True)]

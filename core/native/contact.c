@@ -13,9 +13,7 @@ DM_INLINE void dm_note_before(dm_state *b, uint32_t i) {
 }
 
 static void dm_note_all_before(dm_state *b, const dm_near *t) {
-    for (int64_t k = 0; k < t->vertex_count; k++) dm_note_before(b, t->vertices[k]);
-    for (int64_t k = 0; k < t->face_count; k++)
-        for (int c = 0; c < 3; c++) dm_note_before(b, t->faces[k][c]);
+    for (int64_t k = 0; k < t->noted_count; k++) dm_note_before(b, t->noted[k]);
 }
 
 /* What friction takes back, over what gives, of the way that a point went along the skin in this substep. */

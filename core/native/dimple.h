@@ -19,12 +19,14 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 6 /* changes with anything below */
+#define DM_ABI 7 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
 #define DM_MAX_PIECES 32
 #define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
+#define DM_MAX_BODIES 4096   /* in one call */
+#define DM_MAX_WORKERS 64
 
 #define DM_MAX_SURFACES 1024 /* in one scene */
 #define DM_SCENE_IMPULSES 64
@@ -136,6 +138,7 @@ typedef struct {
     double pressure;  /* [Pa] when the forces were last evaluated */
     int64_t ticks;    /* done */
     int64_t finite;   /* 0: it has blown up in the last of them */
+    int64_t moved;    /* 0: it was asleep all the time, at rest, and is where it was */
 } dm_frame;
 
 DM_API int32_t dm_abi(void);
@@ -160,6 +163,10 @@ DM_API int32_t dm_get_state(const dm_body *body, double *positions, double *velo
 
 /* Run the ticks of a motion. */
 DM_API int32_t dm_step(dm_body *body, const dm_motion *motion, dm_frame *frame);
+/* Run a motion of each of several bodies, on so many threads; the bits are those of dm_step. Where one is refused,
+ * none is run. */
+DM_API int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *const *motions,
+                            dm_frame *const *frames, int64_t workers);
 
 /* A mesh that bodies meet and that goes where it is led. */
 typedef struct {

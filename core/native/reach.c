@@ -37,6 +37,8 @@ static void dm_find_near_vertices(const dm_state *b, dm_near *t, dm_real reach) 
 
 /* A triangle is within reach when the sphere round its middle that holds its corners is. */
 static void dm_find_near_faces(const dm_state *b, dm_near *t, dm_real reach) {
+    dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
+    dm_lanes third = dm_splat((dm_real)1 / 3);
     t->face_count = 0;
     for (int64_t k = 0; k < b->box_count; k++) {
         /* the middle of a triangle lies in its box, and no corner farther off than two thirds of the diagonal */
@@ -49,31 +51,43 @@ static void dm_find_near_faces(const dm_state *b, dm_near *t, dm_real reach) {
         }
         if (DM_SQRT(away) > reach + span) continue;
         int64_t end = (k + 1) * DM_BLOCK < b->triangle_count ? (k + 1) * DM_BLOCK : b->triangle_count;
-        for (int64_t i = k * DM_BLOCK; i < end; i++) {
-            const uint32_t *at = b->triangles[i];
-            dm_quad x = b->records[at[0]].x, y = b->records[at[1]].x, z = b->records[at[2]].x, middle = (x + y + z) / 3;
-            dm_real most = dm_dot3(x - middle, x - middle), second = dm_dot3(y - middle, y - middle);
-            dm_real third = dm_dot3(z - middle, z - middle);
-            most = second > most ? second : most, most = third > most ? third : most;
-            dm_real limit = reach + DM_SQRT(most);
-            if (dm_dot3(middle - t->centre, middle - t->centre) < limit * limit &&
-                (b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0))
-                memcpy(t->faces[t->face_count++], at, sizeof *t->faces);
+        for (int64_t i = k * DM_BLOCK; i < end; i += DM_LANES) {
+            const uint32_t (*face)[3] = (const uint32_t (*)[3])b->triangles + i;
+            dm_vec3 x = dm_corners_at(b, face, 0, centre), y = dm_corners_at(b, face, 1, centre);
+            dm_vec3 z = dm_corners_at(b, face, 2, centre);
+            dm_vec3 middle = {(x.x + y.x + z.x) * third, (x.y + y.y + z.y) * third, (x.z + y.z + z.z) * third};
+            x = dm_sub(x, middle), y = dm_sub(y, middle), z = dm_sub(z, middle);
+            dm_lanes most = dm_vmax(dm_vmax(dm_dot(x, x), dm_dot(y, y)), dm_dot(z, z));
+            dm_lanes limit = dm_splat(reach) + dm_vsqrt(most);
+            dm_mask near = (dm_mask)(dm_dot(middle, middle) < limit * limit);
+            for (int64_t l = 0; dm_any_of(near) && l < DM_LANES && i + l < end; l++) {
+                const uint32_t *at = face[l];
+                if (near[l] && (b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0))
+                    memcpy(t->faces[t->face_count++], at, sizeof *t->faces);
+            }
         }
     }
     for (int64_t k = t->face_count; k % DM_LANES; k++) memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);
 }
 
-/* Move the fingertips by a tick, no faster than they may without skipping a skin, and find what they may meet in it.
- * t: of the tick in the motion. */
-static void dm_move_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
-    b->skin_travel = 0, b->finger_count = 0;
+/* List the vertices and the corners of the faces within reach, each once. */
+static void dm_list_noted(dm_state *b, dm_near *t) {
+    t->noted_count = 0;
+    for (int64_t k = 0; k < t->vertex_count + 3 * t->face_count; k++) {
+        int64_t corner = k - t->vertex_count;
+        uint32_t i = corner < 0 ? t->vertices[k] : t->faces[corner / 3][corner % 3];
+        if (!b->is_moved[i]) b->is_moved[i] = 1, t->noted[t->noted_count++] = i;
+    }
+    for (int64_t k = 0; k < t->noted_count; k++) b->is_moved[t->noted[k]] = 0;
+}
+
+/* Move the fingertips by a tick, no faster than they may without skipping a skin. t: of the tick in the motion. */
+static void dm_carry_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
     double share = m->ticks > 1 ? (double)t / (double)(m->ticks - 1) : 0;
-    dm_real speed = 0;
+    b->finger_count = 0;
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         const dm_fingertip *f = m->fingertips + k;
         if (!f->down) continue;
-        if (!b->finger_count) speed = dm_greatest_speed(b), dm_bound_boxes(b);
         dm_near *to = b->touches + b->finger_count++;
         double *here = b->fingers[k].centre, way[3], at[3], far = 0;
         for (int c = 0; c < 3; c++) {
@@ -87,10 +101,22 @@ static void dm_move_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
         }
         to->finger = k, to->radius = (dm_real)f->radius;
         to->centre = dm_quad_of(at), to->velocity = dm_quad_of(way);
-        dm_real reach = (dm_real)(f->radius + 2 * slow * sqrt(far) + 2 * (double)speed * m->tick);
+        to->reach = f->radius + 2 * slow * sqrt(far);
+    }
+}
+
+/* Find what the fingertips may meet within the tick. */
+static void dm_find_near(dm_state *b, const dm_motion *m) {
+    b->skin_travel = 0;
+    if (!b->finger_count) return;
+    double speed = (double)dm_greatest_speed(b);
+    dm_bound_boxes(b);
+    for (dm_near *to = b->touches; to < b->touches + b->finger_count; to++) {
+        dm_real reach = (dm_real)(to->reach + 2 * speed * m->tick);
         dm_find_near_vertices(b, to, reach);
         dm_find_near_faces(b, to, reach);
-        double travel = DM_SKIN_TRAVEL * f->radius;
+        dm_list_noted(b, to);
+        double travel = DM_SKIN_TRAVEL * (double)to->radius;
         if (to->vertex_count + to->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
             b->skin_travel = travel;
     }

@@ -173,7 +173,10 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     for (int64_t t = 0; t < ticks && finite && s->code == DM_OK; t++) {
         double share = ticks > 1 ? first + (double)t / (double)(ticks - 1) * (last - first) : first;
         if (ticks > 1 && t == ticks - 1) share = last;
-        for (int64_t k = 0; k < bodies; k++) dm_begin_tick(s->surfaces[k].body, motions + k, t, frames + k);
+        for (int64_t k = 0; k < bodies; k++) {
+            dm_wake(s->surfaces[k].body); /* what it meets may move */
+            dm_begin_tick(s->surfaces[k].body, motions + k, t, frames + k);
+        }
         dm_aim_colliders(s, colliders, share);
         if (dm_origin_moved(s)) s->due = 1;
         for (int64_t i = 0; i < substeps && s->code == DM_OK; i++)

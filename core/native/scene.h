@@ -27,7 +27,7 @@
 #define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
 #define DM_CONTACT_STIFFNESS 1.0 /* of the mass over the substep squared, at the surface; grows as 1 / distance */
 #define DM_CONTACT_DAMPING 0.5   /* of the mass over the substep */
-#define DM_PART_TIME 1e-2        /* [s] in which what is too near parts at the soonest */
+#define DM_PART_TIME 5e-3        /* [s] in which what is too near parts at the soonest */
 #define DM_LEAST_GAP 0.02     /* of the touching distance: the stiffness grows no further */
 #define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
 #define DM_SHARP 0.05          /* and above which it is one */

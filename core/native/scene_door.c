@@ -23,7 +23,7 @@ int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, 
     int64_t total = 0;
     for (int64_t k = 0; k < bodies; k++) {
         if (!body[k]) return DM_SIZE;
-        if (body[k]->does != body[0]->does) return DM_OPTION;
+        if (body[k]->does != body[0]->does || !body[k]->does->scene_create) return DM_OPTION;
         total += body[k]->vertices;
     }
     for (int64_t k = 0; k < colliders; k++) {
@@ -84,7 +84,7 @@ int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collid
     for (int64_t k = 0; k < scene->bodies; k++) {
         const dm_motion *m = motions + k;
         if (m->ticks != motions->ticks || m->substeps != motions->substeps || m->tick != motions->tick) return DM_SIZE;
-        DM_CHECK(dm_check_motion(scene->body[k], m));
+        DM_CHECK(dm_check_step(scene->body[k], m));
     }
     DM_CHECK(dm_check_numbers(1, &first, 1) | dm_check_numbers(1, &last, 1));
     for (int64_t k = 0; k < scene->colliders; k++) {

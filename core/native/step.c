@@ -148,8 +148,12 @@ static int dm_is_finite(dm_state *b, double tick, double *centre) {
     }
     dm_fold(part, sum, 3);
     for (int c = 0; c < 3; c++) centre[c] = dm_sum_of(sum[c]) / b->mass_total;
-    for (int l = 0; l < DM_LANES; l++)
-        if (!(probe[l] == 0 && sqrt((double)fastest[l]) * tick < DM_FASTEST * b->size)) return 0;
+    b->fastest = 0;
+    for (int l = 0; l < DM_LANES; l++) {
+        double speed = sqrt((double)fastest[l]);
+        if (!(probe[l] == 0 && speed * tick < DM_FASTEST * b->size)) return 0;
+        b->fastest = speed > b->fastest ? speed : b->fastest;
+    }
     double bottom[3] = {INFINITY, INFINITY, INFINITY}, top[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int64_t k = 0; b->any_loose && k < b->n; k++) /* what belongs to no face may be anywhere */
         for (int c = 0; c < 3 && !b->loose[k]; c++) {
@@ -192,9 +196,13 @@ static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
 static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double way = m->ticks > 1 ? (m->pins_last - m->pins_first) / (double)(m->ticks - 1) : 0;
     b->dt = m->tick / (double)m->substeps;
+    if (b->law_set == DM_LAWS_PAPER && !b->asleep) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
+    dm_carry_fingertips(b, m, t);
+    if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
+    if (b->asleep) return;
+    frame->moved = 1;
     if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
-    if (b->law_set == DM_LAWS_PAPER) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
-    DM_TIMED(DM_REACH, dm_move_fingertips(b, m, t));
+    DM_TIMED(DM_REACH, dm_find_near(b, m));
 }
 
 static void dm_run_substep(dm_state *b, dm_frame *frame) {
@@ -204,18 +212,21 @@ static void dm_run_substep(dm_state *b, dm_frame *frame) {
 
 static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double centre[3];
-    frame->ticks = t + 1, frame->finite = dm_is_finite(b, m->tick, centre);
-    if (frame->finite) dm_move_origin(b, centre);
+    frame->ticks = t + 1;
+    if (b->asleep) return;
+    frame->finite = dm_is_finite(b, m->tick, centre);
+    if (frame->finite) dm_move_origin(b, centre), dm_watch_rest(b, m);
 }
 
 static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
-    if (m->pins_to && m->ticks) dm_finish_pins(b, m);
+    if (m->pins_to && frame->moved) dm_finish_pins(b, m);
     frame->pressure = b->pressure;
     if (!frame->finite) return;
     int known = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE && frame->ticks;
-    frame->volume = known ? b->volume : dm_volume_of_faces(b);
+    frame->volume = b->asleep ? b->still_volume : known ? b->volume : dm_volume_of_faces(b);
     if (m->fingertips[0].down || m->fingertips[1].down || m->fingertips[2].down) {
-        dm_fit_whole(b, frame->pose);
+        if (b->asleep) memcpy(frame->pose, b->still_pose, sizeof b->still_pose);
+        else dm_fit_whole(b, frame->pose);
         dm_measure_depths(b, m, frame);
     }
 }
@@ -224,7 +235,7 @@ static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
     dm_begin_motion(b, m, frame);
     for (int64_t t = 0; t < m->ticks && frame->finite; t++) {
         dm_begin_tick(b, m, t, frame);
-        for (int64_t s = 0; s < m->substeps; s++) dm_run_substep(b, frame);
+        for (int64_t s = 0; s < m->substeps && !b->asleep; s++) dm_run_substep(b, frame);
         dm_end_tick(b, m, t, frame);
     }
     dm_end_motion(b, m, frame);

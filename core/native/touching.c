@@ -4,7 +4,7 @@
  * the substep h already: d' = d + h j g, u' = u + j g, where g is what the pair gives, 1/mass. From
  *     j = h (k (r - d') - c u'),   k = K / (h^2 g) r / d,   c = C / (h g)
  * follows j = (K r/d (r - d) / h - C u) / ((1 + K r/d + C) g): stable for any K, and the harder the nearer.
- * It leaves the pair no faster apart than r in 10 ms: so what starts too near is not flung off.
+ * It leaves the pair no faster apart than r/d (r - d) in 5 ms: so what starts too near is not flung off.
  * A vertex in several pairs is shared between them, each taking an equal part of its mass, so pairs are independent.
  */
 #include "scene.h"
@@ -91,16 +91,17 @@ static void dm_resolve_meeting(dm_scene_state *s, const dm_meeting *m) {
         for (int c = 0; c < 3; c++) u[c] += m->weight[j] * n->v[c];
     }
     if (!(give > 0)) return;
-    double along = dm_inner3(u, m->normal), least = DM_LEAST_GAP * p->touch;
-    double hard = DM_CONTACT_STIFFNESS * p->touch / (m->gap > least ? m->gap : least);
+    double along = dm_inner3(u, m->normal);
+    double least = DM_LEAST_GAP * p->touch, near = p->touch / (m->gap > least ? m->gap : least);
+    double hard = DM_CONTACT_STIFFNESS * near, apart = near * (p->touch - m->gap) / DM_PART_TIME;
+    double most = (apart - along) / give; /* what is too near parts slowly, and gains no energy */
     double push = hard * (p->touch - m->gap) / s->dt - DM_CONTACT_DAMPING * along;
-    double most_push = (p->touch / DM_PART_TIME - along) / give; /* what is too near parts slowly, and gains no energy */
     push = push / ((1 + hard + DM_CONTACT_DAMPING) * give);
-    push = push < most_push ? push : most_push;
+    push = push < most ? push : most;
     push = push > 0 ? p->weight * push : 0;
     for (int c = 0; c < 3; c++) u[c] -= along * m->normal[c];
-    double slide = sqrt(dm_inner3(u, u)), drag = p->friction * push, most = p->weight * slide / give;
-    drag = slide > 0 ? (drag < most ? drag : most) / slide : 0;
+    double slide = sqrt(dm_inner3(u, u)), drag = p->friction * push, stop = p->weight * slide / give;
+    drag = slide > 0 ? (drag < stop ? drag : stop) / slide : 0;
     double impulse[3], point[3] = {0}, moment[3];
     for (int c = 0; c < 3; c++) {
         impulse[c] = push * m->normal[c] - drag * u[c];

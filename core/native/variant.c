@@ -12,13 +12,20 @@
 #include "reach.c"
 #include "surface.c"
 #include "body.c"
+#include "rest.c"
 #include "step.c"
+/* scenes of double precision are for tests: what ships leaves them out */
+#if DM_BITS == 32 || defined(DM_SCENES_64)
+#define DM_SCENES 1
+#pragma clang attribute push(__attribute__((minsize)), apply_to = function)
 #include "tree.c"
 #include "proximity.c"
 #include "bounds.c"
 #include "touching.c"
 #include "query.c"
 #include "scene.c"
+#pragma clang attribute pop
+#endif
 
 #define DM_GLUE(set, bits) dm_##set##_##bits
 #define DM_NAME(set, bits) DM_GLUE(set, bits)
@@ -26,6 +33,11 @@
 extern const dm_methods DM_NAME(DM_SET, DM_BITS);
 const dm_methods DM_NAME(DM_SET, DM_BITS) = {
     dm_state_create, dm_state_destroy, dm_state_set_constants, dm_state_place, dm_state_read, dm_state_pinned,
-    dm_state_step, dm_nearest_rotation, dm_scene_state_create, dm_scene_state_destroy, dm_scene_state_find, dm_scene_state_place,
-    dm_scene_state_read, dm_scene_state_step,
+    dm_state_step, dm_nearest_rotation,
+#ifdef DM_SCENES
+    dm_scene_state_create, dm_scene_state_destroy, dm_scene_state_find, dm_scene_state_place, dm_scene_state_read,
+    dm_scene_state_step,
+#else
+    NULL, NULL, NULL, NULL, NULL, NULL,
+#endif
 };

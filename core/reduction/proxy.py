@@ -17,6 +17,7 @@ from ..body.springs import membrane_stiffness
 from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, mesh_from_triangles
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
+from .flips import flip_edges
 
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
@@ -161,7 +162,8 @@ def check(model: Model) -> None:
 
 
 def _coarse_mesh(fine: Mesh, seeds: Ints, triangles: Ints) -> Mesh:
-    mesh = mesh_from_triangles(fine.rest_positions[seeds], triangles)
+    points = fine.rest_positions[seeds]
+    mesh = mesh_from_triangles(points, flip_edges(points, triangles))
     if len(mesh.rest_positions) != len(seeds) or mesh.loose.any():
         raise DimpleError("its surface is too crumpled for a proxy of this size")
     if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):

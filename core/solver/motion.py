@@ -89,6 +89,7 @@ class Frame(NamedTuple):
     pressure: [Pa] when the forces were last evaluated.
     ticks: done.
     finite: False where the body has blown up in the last of them.
+    moved: False where it was asleep all the time, at rest, and is where it was.
     """
 
     touches: tuple[Touch | None, ...]
@@ -97,3 +98,4 @@ class Frame(NamedTuple):
     pressure: float
     ticks: int
     finite: bool
+    moved: bool = True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ..mesh.depth import RestSurface, Touching, rest_surface, touching
 from . import semi_implicit
 from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch
 from .path import FingerPath
+from .rest import Rest, reaches
 
 
 @dataclass(slots=True, kw_only=True)
@@ -27,6 +28,8 @@ class Call:
     impulses: (k, 3) on the fingertips so far [N s].
     ticks: done.
     finite: False where the body has blown up.
+    moved: it was not asleep all the time.
+    path: of the fingertips in the tick under way.
     """
 
     motion: Motion
@@ -35,6 +38,8 @@ class Call:
     impulses: Floats
     ticks: int = 0
     finite: bool = True
+    moved: bool = False
+    path: FingerPath = field(default_factory=lambda: FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0)))
 
 
 class Twin:
@@ -57,14 +62,14 @@ class Twin:
             self._state.pose = None
         self._rest_pins(model.held)
         self._fine = surface or (model if self._fine is old else self._fine)
-        self.model = model
+        self.model, self._rest = model, Rest()
 
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
         state = self._state = initial_state(self.model)
         state.positions[:] = positions
         state.velocities[:] = 0.0 if velocities is None else velocities
-        self._led = False
+        self._led, self._rest = False, Rest()
 
     def positions(self) -> Floats:
         """Return where the vertices are, (3, n) [m]."""
@@ -78,10 +83,12 @@ class Twin:
         """Run the ticks of a motion."""
         call = self.begin(motion)
         while call.ticks < motion.ticks and call.finite:
+            path = self.begin_tick(call)
             with np.errstate(all="ignore"):  # the frame says when it has blown up
-                call.impulses[call.down] += semi_implicit.run(
-                    self.model, self._state, self.begin_tick(call), tick=motion.tick, substeps=motion.substeps
-                )
+                if not self._rest.asleep:
+                    call.impulses[call.down] += semi_implicit.run(
+                        self.model, self._state, path, tick=motion.tick, substeps=motion.substeps
+                    )
             self.end_tick(call)
         return self.end(call)
 
@@ -89,6 +96,10 @@ class Twin:
     def state(self) -> State:
         """Return what moves, for a scene that steps several bodies together."""
         return self._state
+
+    def wake(self) -> None:
+        """Let the body move again after it has come to rest."""
+        self._rest = Rest()
 
     def begin(self, motion: Motion) -> Call:
         """Begin a motion; its ticks follow one by one."""
@@ -106,26 +117,39 @@ class Twin:
         """Lead the pins of a tick and return where the fingertips go in it."""
         motion, tips = call.motion, call.motion.fingertips
         share = call.ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
-        if motion.pins:
-            self._lead_pins(motion, motion.pins, share)
-        if self.model.law_set == "paper":
+        if self.model.law_set == "paper" and not self._rest.asleep:
             touches = [self._touching(tips, i, call.here[i]) for i in call.down]
             self._state.inner_force = sum(self._law(touch) for touch in touches)
         centres = np.empty((len(call.down), 2, 3))
         for row, i in enumerate(call.down):
             centres[row, 0] = call.here[i]
             centres[row, 1] = call.here[i] = _moved(call.here[i], tips[i], share)
-        return FingerPath(centres=centres, radii=np.array([tips[i].radius for i in call.down]))  # type: ignore[union-attr]
+        path = FingerPath(centres=centres, radii=np.array([tips[i].radius for i in call.down]))  # type: ignore[union-attr]
+        if self._rest.asleep and self._is_woken(motion, path):
+            self._rest = Rest()
+        call.moved |= not self._rest.asleep
+        if motion.pins and not self._rest.asleep:
+            self._lead_pins(motion, motion.pins, share)
+        call.path = path
+        return path
 
     def end_tick(self, call: Call) -> None:
-        """Count a tick, and see whether the body is still whole."""
+        """Count a tick, and see whether the body is still whole, or has come to rest."""
+        call.ticks += 1
+        if self._rest.asleep:
+            return
+        state, tick = self._state, call.motion.tick
         with np.errstate(all="ignore"):
-            call.ticks, call.finite = call.ticks + 1, self._is_finite(call.motion.tick)
+            call.finite = self._is_finite(tick)
+        if call.finite:
+            size, led = self.model.mesh.size, call.motion.pins is not None
+            quiet = self._rest.watch(state.positions, state.velocities, size, tick, led=led)
+            self._rest.asleep = quiet and not self._is_woken(call.motion, call.path)
 
     def end(self, call: Call) -> Frame:
         """End a motion and return what it came to."""
         motion, tips, down, state = call.motion, call.motion.fingertips, call.down, self._state
-        if motion.pins and motion.ticks:
+        if motion.pins and call.moved:
             self._arrive(motion.pins)
         found: list[Touch | None] = [None] * len(tips)
         for i in down if call.finite else ():
@@ -138,8 +162,17 @@ class Twin:
         return Frame(
             touches=tuple(found), pose=(*pose[0].ravel().tolist(), *pose[1].tolist()),
             volume=self._volume(call.ticks) if call.finite else 0.0, pressure=state.pressure, ticks=call.ticks,
-            finite=call.finite,
+            finite=call.finite, moved=call.moved,
         )  # fmt: skip
+
+    def _is_woken(self, motion: Motion, path: FingerPath) -> bool:
+        """Tell whether a fingertip or a pin that is led elsewhere wakes the body in the tick that begins."""
+        x, model = self._state.positions, self.model
+        if motion.pins and not np.array_equal(x[:, model.held], motion.pins.end):
+            return True
+        used = x[:, ~model.mesh.loose]
+        ways = zip(path.centres[:, 0], path.centres[:, 1], path.radii, strict=True)
+        return any(reaches(used, start, end, radius) for start, end, radius in ways)
 
     def _volume(self, ticks: int) -> float:
         known = self.model.law_set == "consistent" and self.model.pressure.fill != "none" and ticks

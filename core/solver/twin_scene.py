@@ -81,6 +81,7 @@ class TwinScene:
     def _run_tick(self, calls: Sequence[Call], ways: Sequence[ColliderMotion | None], share: float) -> None:
         substeps, touches = calls[0].motion.substeps, []
         for body, call in zip(self._bodies, calls, strict=True):
+            body.wake()
             path = body.begin_tick(call)
             touches.append(next(each_tick(body.model, body.state, path, self._tick)))
         self._aims = [None if way is None else way.start + share * (way.end - way.start) for way in ways]

@@ -249,7 +249,16 @@ def main(words: list[str]) -> int:
     parser.add_argument("--profile", action="store_true", help="what each part of a step costs, instead")
     parser.add_argument("--peers", action="store_true", help="Dimple beside Bullet on the same bodies, instead")
     parser.add_argument("--enabling", action="store_true", help="what enabling costs in Blender, instead")
+    parser.add_argument("--scale", action="store_true", help="many bodies, many vertices, instead")
+    parser.add_argument("--full", action="store_true", help="with --scale: the full million too, minutes")
     options = parser.parse_args(words)
+    if options.scale:
+        from tests.bench import scale
+
+        found = scale.main(full=options.full)
+        if options.json:
+            options.json.write_text(json.dumps({"machine": machine()} | found, indent=1) + "\n")
+        return 0
     if options.enabling:
         from tests.bench import enabling
 

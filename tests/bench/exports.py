@@ -5,6 +5,7 @@
 
 import argparse
 import csv
+import importlib
 import shutil
 import time
 from collections.abc import Callable
@@ -13,7 +14,7 @@ from pathlib import Path
 import bpy
 
 VERTICES, FRAMES = 40_962, 250
-FORMATS = ("PC2", "MDD", "ALEMBIC", "USD", "PLY", "STL", "VAT", "GLB", "FBX")
+FORMATS = ("PC2", "MDD", "ALEMBIC", "USD", "USD_SHAPES", "PLY", "STL", "VAT", "GLB", "FBX")
 
 
 def press() -> bpy.types.Object:
@@ -50,18 +51,25 @@ class Table:
     def __init__(self) -> None:
         self.rows: list[dict[str, str]] = []
 
-    def add(self, what: str, seconds: float, size: int) -> None:
+    def add(self, what: str, seconds: float, size: int, expected: tuple[float, float] | None) -> None:
+        said = {"estimate_s": f"{expected[0]:.1f}", "estimate_MB": f"{expected[1] / 1e6:.1f}"} if expected else {}
         each = f"{size / VERTICES / FRAMES:.1f}"
         row = {"what": what, "seconds": f"{seconds:.1f}", "MB": f"{size / 1e6:.1f}", "bytes_a_vertex_a_frame": each}
-        self.rows.append(row)
-        print(f"ROW {what:44} {seconds:8.1f} s {size / 1e6:8.1f} MB", flush=True)
+        self.rows.append(row | said)
+        print(f"ROW {what:44} {seconds:8.1f} s {size / 1e6:8.1f} MB {said}", flush=True)
 
-    def measure(self, what: str, folder: Path, action: Callable[[Path], object]) -> None:
-        """Measure once, in a folder that is deleted."""
+    def measure(
+        self, what: str, folder: Path, action: Callable[[Path], object], expected: tuple[float, float] | None = None
+    ) -> None:
+        """Measure once, in a folder that is deleted.
+
+        Args:
+            expected: what the dialog said before, [s] and [bytes].
+        """
         folder.mkdir()
         started = time.perf_counter()
         action(folder)
-        self.add(what, time.perf_counter() - started, size_of(folder))
+        self.add(what, time.perf_counter() - started, size_of(folder), expected)
         shutil.rmtree(folder)
 
 
@@ -69,6 +77,17 @@ def exported(kind: str, normals: bool, key_error: float = 0.0) -> Callable[[Path
     return lambda folder: bpy.ops.dimple.export_animation(
         directory=str(folder), formats={kind}, frame_start=1, frame_end=FRAMES, normals=normals, key_error=key_error
     )
+
+
+def estimated(kind: str, normals: bool) -> tuple[float, float]:
+    """Return the time [s] and size [bytes] that the export dialog says."""
+    operators = importlib.import_module("bl_ext.user_default.dimple.operators.export_time")
+    plans = importlib.import_module("bl_ext.user_default.dimple.operators.export_plan")
+    plan = plans.ExportPlan(
+        objects=[bpy.context.object], formats=[kind], folder=Path(), first=1, last=FRAMES, normals=normals
+    )
+    operators.measure(bpy.context, plan)
+    return operators.seconds(plan), plans.estimate(bpy.context, plan)
 
 
 def main() -> None:
@@ -94,12 +113,13 @@ def main() -> None:
         table.measure(f"Blender's own USD exporter{words}", work / "a", _blenders_usd(normals))
         for kind in FORMATS:
             if normals or kind in ("ALEMBIC", "USD", "PLY", "GLB"):
-                table.measure(f"Dimple {kind}{words}", work / "a", exported(kind, normals))
-    for kind in ("GLB", "FBX"):
+                expected = estimated(kind, normals)
+                table.measure(f"Dimple {kind}{words}", work / "a", exported(kind, normals), expected)
+    for kind in ("GLB", "FBX", "USD_SHAPES"):
         table.measure(f"Dimple {kind}, key error 0.05 %", work / "a", exported(kind, True, 0.05))
     shutil.rmtree(work)
     with (options.out / "exports.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(table.rows[0]))
+        writer = csv.DictWriter(file, [*table.rows[0], "estimate_s", "estimate_MB"])
         writer.writeheader()
         writer.writerows(table.rows)
 

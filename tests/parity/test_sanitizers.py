@@ -17,7 +17,9 @@ FLAGS = ("-std=c11", "-O1", "-g", "-fPIC", "-fvisibility=hidden", "-fno-math-err
 
 def compiled(folder: Path) -> Path:
     """Compile the sources as the extension does, but with gcc and its sanitizers."""
-    running = [[*FLAGS, *SANITIZE, "-c", SOURCES / "api.c", "-o", folder / "api.o"]]
+    running = [
+        [*FLAGS, *SANITIZE, "-c", SOURCES / f"{each}.c", "-o", folder / f"{each}.o"] for each in ("api", "many")
+    ]
     for kind, options in VARIANTS.items():
         for bits in (32, 64):
             named = [f"-DDM_BITS={bits}", f"-DDM_SET={kind}", "-o", folder / f"{kind}{bits}.o"]
@@ -25,7 +27,7 @@ def compiled(folder: Path) -> Path:
     started = [subprocess.Popen(["gcc", *words]) for words in running]
     assert [process.wait() for process in started] == [0] * len(started)
     library = folder / "libdimple_core.so"
-    subprocess.run(["gcc", "-shared", *SANITIZE, "-o", library, *folder.glob("*.o"), "-lm"], check=True)
+    subprocess.run(["gcc", "-shared", *SANITIZE, "-o", library, *folder.glob("*.o"), "-lm", "-lpthread"], check=True)
     return library
 
 

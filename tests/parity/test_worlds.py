@@ -37,7 +37,7 @@ def test_two_balls_on_a_moving_sheet_go_the_same_way() -> None:
         assert np.abs(found[0].impulses - found[1].impulses).max() < 1e-9
         for body, twin in zip(own, twins, strict=True):
             assert np.abs(body.positions() - twin.positions()).max() < 1e-9
-    assert most > 2
+    assert most >= 2
 
 
 def test_neither_lets_a_collider_through_however_fast() -> None:

@@ -94,9 +94,13 @@ def test_a_body_falls_4_9_metres_in_a_second_at_any_frame_rate(rate: float, back
 
 
 def momentum(model: Model, state: State) -> tuple[Floats, Floats]:
-    """Return linear [N s] and angular momentum [N m s]."""
-    per_vertex = (model.mass * state.velocities).T
-    return per_vertex.sum(axis=0), np.cross(state.positions.T, per_vertex).sum(axis=0)
+    """Return linear [N s] and angular momentum about the centre of mass [N m s]."""
+    per_vertex, arms = (model.mass * state.velocities).T, state.positions.T - centre(model, state)
+    return per_vertex.sum(axis=0), np.cross(arms, per_vertex).sum(axis=0)
+
+
+def centre(model: Model, state: State) -> Floats:
+    return np.asarray(state.positions @ model.mass / model.mass.sum())
 
 
 def thrown(shape: str, material: str) -> tuple[Model, State]:
@@ -133,13 +137,16 @@ def test_a_free_body_keeps_its_momentum(backend: str, shape: str, material: str)
 @pytest.mark.parametrize("backend", backends("native64", "native") or ["numpy"])
 def test_momentum_is_kept_over_ten_thousand_steps(backend: str) -> None:
     model, state = thrown("ball", "liquid")
-    rounding = 2e-3 if backend == "native" else 1e-11  # single precision and double
+    rounding, off = (1e-4, 1e-5) if backend == "native" else (1e-11, 1e-11)  # single precision and double
     session = Session(model, backend=backend)
     session.body.set_state(state.positions, state.velocities)
     before = momentum(model, state)
     session.step(10_000 / session.substeps * 1e-3)
     assert session.frame.total_steps >= 9_990
-    assert change(model, state_of(session.body), before) < rounding
+    after = state_of(session.body)
+    assert change(model, after, before) < rounding
+    way = before[0] / model.mass.sum() * session.frame.time
+    assert np.linalg.norm(centre(model, after) - centre(model, state) - way) < off * np.linalg.norm(way), "straight on"
 
 
 def energy(model: Model, state: State) -> float:
@@ -228,15 +235,13 @@ def highest_frequency(model: Model) -> float:
 
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("fill", ["air", "none"])
-def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str) -> None:
+def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(STIFFENS, fill, 1.0)  # what is kept in reserve for a body pressed flat does not count at rest
     mesh = BODIES[body]
     for held in (None, base_vertices(mesh)):
         model = build_model(mesh, [replace(scenes.BALL, fill=fill, K2=610.0, damping_ratio=0.0)], held=held)
-        # what is kept in reserve for a fill that is pressed flat does not count at rest
-        at_rest = pressure.omega_squared(model.pressure, model.matching.rest, model.inverse_mass)
-        bound = np.sqrt(model.omega_squared - (STIFFENS[model.pressure.fill] - 1) * at_rest)
-        assert highest_frequency(model) <= bound * (1 + 1e-6)
-        assert bound < 2.5 * highest_frequency(model)
+        assert highest_frequency(model) <= np.sqrt(model.omega_squared) * (1 + 1e-6)
+        assert np.sqrt(model.omega_squared) < 1.6 * highest_frequency(model)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.2, 1.0])

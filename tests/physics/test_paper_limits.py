@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body import paper, pressure, springs
+from core.body import bound, paper, pressure, springs
 from core.body.model import Model, State, build_model, forces, initial_state
 from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
@@ -151,7 +151,6 @@ def skin_only(size: float, k: float, cells: int = 4) -> Model:
     model = build_model(mesh, [material], held=base_vertices(mesh))
     stiffness = np.full(len(mesh.springs), k)
     skin = springs.build_springs(mesh, stiffness, np.sqrt(stiffness * model.mass.min() / 2))
-    row_k, row_c = springs.row_bounds(skin, len(model.mass))
     matching = model.matching
     return replace(
         model, springs=skin,
@@ -159,9 +158,8 @@ def skin_only(size: float, k: float, cells: int = 4) -> Model:
             matching, k1=1e-9 * matching.k1, k2=1e-9 * matching.k2, damping=1e-9 * matching.damping,
             tension=1e-9 * matching.tension, pull=1e-9 * matching.pull,
         ),
-        omega_squared=float((row_k * model.inverse_mass).max())
-        + pressure.omega_squared(model.pressure, mesh.rest_positions.T, model.inverse_mass),
-        decay=float((row_c * model.inverse_mass).max()),
+        omega_squared=bound.of_body(mesh, stiffness, 0 * model.mass, model.inverse_mass, model.pressure),
+        decay=bound.of_edges(mesh, skin.damping, 0 * model.mass, model.inverse_mass),
     )  # fmt: skip
 
 

@@ -12,15 +12,7 @@ BEFORE_TENSION = {
         "test_the_kept_map_has_limits_within_a_tenth_of_theory_over_four_decades_and_none_for_the_rest",
     ),
     "test_grasp.py": ("test_the_device_renders_the_squeeze_and_the_weight",),
-    "test_implicit.py": (
-        "test_an_implicit_step_ten_times_beyond_the_explicit_limit_is_solved",
-        "test_pressed_by_a_fingertip_implicit_midpoint_rattles_where_backward_euler_is_still",
-    ),
     "test_proxies.py": ("test_a_fitted_body_measured_again_gives_what_was_kept",),
-    "test_sweeping.py": (
-        "test_vertex_block_descent_comes_to_rest_where_the_equilibrium_is",
-        "test_position_based_dynamics_nears_the_equilibrium_as_its_substeps_get_small",
-    ),
 }
 
 

@@ -21,13 +21,14 @@ from studies.work_precision import cases, exact, run
 IMPLICIT = [name for name, method in METHODS.items() if method.kind == "implicit"]
 
 
-@pytest.mark.parametrize("method", IMPLICIT)
-def test_an_implicit_step_ten_times_beyond_the_explicit_limit_is_solved(method: str) -> None:
+@pytest.mark.parametrize(("method", "left"), [("backward_euler", 1e-6), ("implicit_midpoint", 0.2)])
+def test_an_implicit_step_ten_times_beyond_the_explicit_limit_is_solved(method: str, left: float) -> None:
+    """Backward Euler damps what it cannot follow; implicit midpoint rings on with what swings within a step."""
     model, state = twisted_ball(1)
     start = energy(model, state)
     move(model, state, method, seconds=0.05, steps=int(0.05 * model.omega_squared**0.5 / 20))
     assert state.unsolved == 0
-    assert energy(model, state) < 0.01 * start  # in several swings the damping has brought it to rest
+    assert energy(model, state) < left * start
 
 
 @pytest.mark.parametrize("method", IMPLICIT)
@@ -60,7 +61,7 @@ def test_pressed_by_a_fingertip_implicit_midpoint_rattles_where_backward_euler_i
     wanted = exact(case, None)
     rattling, still = (run(case, method, 17, wanted) for method in ("implicit_midpoint", "backward_euler"))
     assert still.error < 0.05
-    assert rattling.error > 5 * still.error
+    assert rattling.error > 3 * still.error
 
 
 def test_a_step_that_finds_no_solution_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,6 +16,7 @@ FLOORS = {
     "core.calibration": 4,
     "core.haptics": 4,
     "core.session": 3,
+    "core.world": 3,
     "core.poke": 3,
     "core.fingertip": 3,
     "core.fields": 5,

@@ -9,11 +9,13 @@ from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
 from core.body.shape_matching import fit_pose
 from core.material import PRESETS
+from core.mesh.cotangents import cotangent_weights
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
 from core.reduction.proxy import NORMAL_SHARE, Proxy, build_proxy, carry, mean_spacing
 from core.session import Finger, Session
 from studies import bodies
+from studies.dents import jittered
 from studies.scenes import BALL, ball, cube
 from tests.bodies import REAL, after, hemisphere, joined, real, soup
 from tests.bodies import ball as ball_shape
@@ -50,6 +52,30 @@ def test_at_rest_the_surface_is_the_mesh_bit_for_bit(model: Model, proxy: Proxy)
     np.testing.assert_allclose(after(session, 0.01), model.mesh.rest_positions, atol=1e-7)
 
 
+@pytest.mark.parametrize("vertices", [700, 4000])
+def test_a_proxy_has_no_blunt_edges_so_its_tension_is_that_of_its_area(model: Model, vertices: int) -> None:
+    """Stretched alike in all directions a membrane stores T times its area: it was 8 to 16 % more."""
+    mesh = build_proxy(model, vertices).model.mesh
+    weights = cotangent_weights(mesh)
+    assert weights @ mesh.rest_lengths**2 == pytest.approx(2 * mesh.triangle_areas.sum(), rel=2e-3)
+    assert (weights <= 0).mean() < 0.01 and mesh.closed
+
+
+@pytest.mark.parametrize("vertices", [1000, 4000])
+def test_a_dent_of_a_proxy_is_as_stiff_as_its_meshs(model: Model, vertices: int) -> None:
+    whole = pressed(model, None)[1]
+    assert pressed(model, build_proxy(model, vertices))[1] == pytest.approx(whole, rel=0.06)
+
+
+def test_blunt_triangles_are_no_stiffer_than_their_area() -> None:
+    """A negative weight is left out, and what is round it is less by as much."""
+    points, faces = jittered(12, shift=0.45)
+    mesh = mesh_from_triangles(points, faces)
+    weights = cotangent_weights(mesh)
+    assert (weights <= 0).mean() > 0.05 and weights.min() >= 0
+    assert weights @ mesh.rest_lengths**2 == pytest.approx(2 * mesh.triangle_areas.sum(), rel=0.03)
+
+
 def test_a_rigid_motion_of_the_proxy_is_one_of_the_surface(proxy: Proxy) -> None:
     turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
     turn *= np.sign(np.linalg.det(turn))
@@ -82,7 +108,7 @@ def test_mass_shape_matching_and_pins_are_conserved(model: Model, proxy: Proxy) 
 
 
 def test_a_press_of_the_proxy_is_that_of_the_mesh(model: Model, proxy: Proxy) -> None:
-    """Force within 15 %, the surface of a 10 mm dent within 1 mm (root mean square), for a twelfth of the work.
+    """Force within 15 %, the surface of a 10 mm dent within 1 mm (root mean square), for a tenth of the work.
 
     The error is nowhere larger than twice the sagitta of a facet, h^2 / 6 R.
     """
@@ -95,7 +121,7 @@ def test_a_press_of_the_proxy_is_that_of_the_mesh(model: Model, proxy: Proxy) ->
     assert coarse.frame.volume == pytest.approx(fine.frame.volume, rel=2e-3)
     assert coarse.frame.depths == pytest.approx(fine.frame.depths, abs=2e-4)
     steps = [session.substeps * len(m.mass) for session, m in ((fine, model), (coarse, proxy.model))]
-    assert steps[1] < steps[0] / 12
+    assert steps[1] < steps[0] / 10
 
 
 def test_finer_proxies_have_smaller_errors(model: Model) -> None:

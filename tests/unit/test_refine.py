@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.base import Floats, Ints
-from core.mesh.refine import COARSE, FINE, Refinement, is_coarse, refine
+from core.mesh.refine import COARSE, FINE, MOST, Refinement, is_coarse, refine
 from core.mesh.surface import Mesh, mesh_from_triangles
 
 RADIUS = 0.010
@@ -41,7 +41,7 @@ def test_a_refined_surface_has_the_same_shape_and_its_own_vertices_first(shape) 
     assert np.array_equal(found.at_vertices(positions)[: len(positions)], positions)
     assert mesh.closed and mesh.volume == pytest.approx(before.volume, rel=1e-12)
     assert mesh.triangle_areas.sum() == pytest.approx(before.triangle_areas.sum(), rel=1e-12)
-    assert mesh.rest_lengths.max() <= FINE * RADIUS
+    assert mesh.rest_lengths.max() <= 1.3 * FINE * RADIUS and len(mesh.rest_positions) <= MOST
     assert is_coarse(positions, triangles, RADIUS) and not is_coarse(mesh.rest_positions, mesh.triangles, RADIUS)
 
 
@@ -52,7 +52,7 @@ def test_flips_make_fans_of_slivers_even() -> None:
     areas, corners = mesh.triangle_areas[end], mesh.rest_positions[mesh.triangles[end]]
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     shape = 4 * np.sqrt(3) * areas / (sides**2).sum(axis=1)  # 1 where all sides are equal
-    assert np.median(shape) > 0.8 and np.average(shape > 0.5, weights=areas) > 0.95
+    assert np.median(shape) > 0.8 and np.average(shape > 0.5, weights=areas) > 0.9
 
 
 def test_what_moves_the_vertices_carries_the_refined_surface_along_and_pins_do_not_spread() -> None:
@@ -70,7 +70,7 @@ def test_what_moves_the_vertices_carries_the_refined_surface_along_and_pins_do_n
 def test_a_surface_far_larger_than_the_fingertip_is_cut_as_finely_as_runs_live() -> None:
     positions, triangles = cube()
     _, mesh = refined(100 * positions, triangles, most=2000)
-    assert 500 < len(mesh.rest_positions) <= 4000 and mesh.rest_lengths.max() > COARSE * RADIUS
+    assert 500 < len(mesh.rest_positions) <= 2000 and mesh.rest_lengths.max() > COARSE * RADIUS
 
 
 def test_materials_keep_their_faces() -> None:

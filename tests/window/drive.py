@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import calibrating
 import comparing
 import device
+import exporting
 import robot
 import tuning
 
@@ -168,6 +169,7 @@ def play() -> robot.Waits:
     yield from comparing.compare_proxies(at, BODY, OUT, check)
     yield from calibrating.calibrate(at, BODY, OUT, check)
     yield from device.feel(BODY, (0.0, 0.0, 1.2), OUT, check)
+    yield from exporting.export(at, BODY, OUT, check)
     yield from show_panels()
     yield from in_japanese()
     yield from play_on(rest)

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import argparse
 import json
+import shutil
 import sys
 import time
 from pathlib import Path
 
+import command
 import debian
 from PIL import Image
 
@@ -44,6 +46,7 @@ def press(zip_path: Path, out: Path) -> dict:
     root = debian.chroot_folder()
     for old in [*out.glob("*.png"), out / "window.json"]:
         old.unlink(missing_ok=True)
+    shutil.rmtree(out / "command", ignore_errors=True)
     log = out / "blender.log"
     files = {"zip": zip_path, "out": out, "window": Path(__file__).parent}
     started = time.monotonic()
@@ -58,6 +61,7 @@ def press(zip_path: Path, out: Path) -> dict:
         {"name": "Blender closes in good order", "ok": code == 0, "detail": ended},
         {"name": "Blender printed no error", "ok": not bad, "detail": "; ".join(bad)},
     ]
+    report["checks"] += command.run(root, zip_path, out)
     report["seconds_in_all"] = round(time.monotonic() - started, 1)
     written.write_text(json.dumps(report, indent=1) + "\n")
     return report

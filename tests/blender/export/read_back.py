@@ -16,9 +16,8 @@ def usd(path: Path) -> dict[str, Any]:
 
     stage = Usd.Stage.Open(str(path))
     (mesh,) = (UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
-    codes = mesh.GetPointsAttr().GetTimeSamples()
+    codes, local = blended(stage, mesh)
     worlds = [np.array(UsdGeom.XformCache(code).GetLocalToWorldTransform(mesh.GetPrim())) for code in codes]
-    local = [np.array(mesh.GetPointsAttr().Get(code), np.float64) for code in codes]
     return {
         "local": np.array(local),
         "points": np.array([p @ m[:3, :3] + m[3, :3] for p, m in zip(local, worlds, strict=True)]),
@@ -30,6 +29,29 @@ def usd(path: Path) -> dict[str, Any]:
         "unit": UsdGeom.GetStageMetersPerUnit(stage),
         "up": str(UsdGeom.GetStageUpAxis(stage)),
     }
+
+
+def blended(stage: Any, mesh: Any) -> tuple[list[float], list[np.ndarray]]:
+    """Return the time codes and points of a mesh: its samples, or the sums of its blend shapes."""
+    from pxr import UsdSkel
+
+    points = mesh.GetPointsAttr()
+    animations = [UsdSkel.Animation(prim) for prim in stage.Traverse() if prim.IsA(UsdSkel.Animation)]
+    if not animations:
+        return points.GetTimeSamples(), [np.array(points.Get(code), np.float64) for code in points.GetTimeSamples()]
+    (animation,) = animations
+    rest, shapes = np.array(points.Get(), np.float64), {}
+    binding = UsdSkel.BindingAPI(mesh)
+    targets = binding.GetBlendShapeTargetsRel().GetTargets()
+    for name, target in zip(binding.GetBlendShapesAttr().Get(), targets, strict=True):
+        shape = UsdSkel.BlendShape(stage.GetPrimAtPath(target))
+        offsets, some = np.array(shape.GetOffsetsAttr().Get(), np.float64), shape.GetPointIndicesAttr().Get()
+        shapes[name] = np.zeros_like(rest)
+        shapes[name][slice(None) if some is None else np.array(some)] = offsets.reshape(-1, 3)
+    weights, names = animation.GetBlendShapeWeightsAttr(), animation.GetBlendShapesAttr().Get()
+    basis = np.array([shapes[name] for name in names])
+    codes = weights.GetTimeSamples()
+    return codes, [rest + np.tensordot(np.array(weights.Get(code), np.float64), basis, 1) for code in codes]
 
 
 def glb(path: Path) -> dict[str, Any]:

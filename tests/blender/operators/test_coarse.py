@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 KNEE_MM = 16.3
-PRESS: dict[str, Any] = {"depth_mm": KNEE_MM, "press_s": 0.2, "hold_s": 0.3, "release_s": 0.0}
-NEAR = 0.25  # of the law at its knee, which a round tip rounds
+BESIDE = (0.15, -0.27, 1.0)  # where a hand may click: not on the very middle, where there is a vertex
+PRESS: dict[str, Any] = {"depth_mm": KNEE_MM, "press_s": 0.2, "hold_s": 0.3, "release_s": 0.0, "location": BESIDE}
+NEAR = 0.1  # of the law at its knee, which a round tip rounds
 
 
 @pytest.fixture
@@ -34,7 +35,7 @@ def frames(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return seen
 
 
-@pytest.mark.parametrize("name", ["cube", "plane", pytest.param("cylinder", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["cube", "plane"])
 def test_a_click_on_a_bare_primitive_answers_the_law(
     bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], coordinates: Callable[[Any], bytes], name: str
 ) -> None:

@@ -19,12 +19,10 @@ def fine(ball: Callable[..., Any]) -> Any:
 
 @pytest.fixture
 def heavy(monkeypatch: pytest.MonkeyPatch, bpy: ModuleType) -> None:
-    """Nothing above 2000 vertices runs live, however fast this computer is, and nothing is measured."""
+    """Nothing above 2000 vertices runs live."""
     from bl_ext.user_default.dimple.core.reduction import planner
 
-    monkeypatch.setattr(planner, "measured_cost", lambda model: len(model.mass) / 2000)
-    monkeypatch.setattr(planner, "ALLOWANCE", 0.0)
-    monkeypatch.setitem(planner.plan.__kwdefaults__, "allowance", 0.0)
+    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 2000)
 
 
 def start(bpy: ModuleType, obj: Any) -> Any:

@@ -1,0 +1,56 @@
+/* Bodies at rest: they are not stepped until something wakes them, and go on from the very state they were in.
+ * Source: core/solver/rest.py. */
+#include "body.h"
+
+/* Tell whether a fingertip or a pin that is led elsewhere wakes a body in the tick that begins. */
+static int dm_is_woken(const dm_state *b, const dm_motion *m) {
+    for (int64_t k = 0; m->pins_to && k < b->pinned_count; k++)
+        for (int c = 0; c < 3; c++)
+            if (m->pins_to[c * b->pinned_count + k] != b->pins[c * b->n + k]) return 1;
+    for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++) {
+        double away = 0;
+        for (int c = 0; c < 3; c++) {
+            double x = b->fingers[t->finger].centre[c], below = b->bounds[0][c] - x, above = x - b->bounds[1][c];
+            double gap = below > above ? below : above;
+            away += gap > 0 ? gap * gap : 0;
+        }
+        if (sqrt(away) < t->reach + DM_REST_CLEAR * (double)t->radius) return 1;
+    }
+    return 0;
+}
+
+/* Let a body sleep, unless a fingertip would wake it. */
+static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
+    for (int c = 0; c < 3; c++) b->bounds[0][c] = INFINITY, b->bounds[1][c] = -INFINITY;
+    for (int64_t k = 0; k < b->n; k++)
+        for (int c = 0; c < 3 && !b->loose[k]; c++) {
+            double x = b->origin[c] + (double)b->records[b->place[k]].x[c];
+            b->bounds[0][c] = x < b->bounds[0][c] ? x : b->bounds[0][c];
+            b->bounds[1][c] = x > b->bounds[1][c] ? x : b->bounds[1][c];
+        }
+    if (dm_is_woken(b, m)) return;
+    dm_fit_whole(b, b->still_pose);
+    b->still_volume = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE ? b->volume : dm_volume_of_faces(b);
+    b->asleep = 1;
+}
+
+/* After a tick: let a body sleep that has been slow for long and is where it was when that began. */
+static void dm_watch_rest(dm_state *b, const dm_motion *m) {
+    if (b->fastest > DM_REST_SPEED * b->size || m->pins_to) {
+        b->quiet = 0;
+        return;
+    }
+    if (b->quiet == 0)
+        for (int64_t g = 0; g < b->groups; g++) b->still[g] = b->state[g].x;
+    b->quiet += m->tick;
+    if (b->quiet < DM_REST_TIME) return;
+    dm_lanes most = dm_splat(0);
+    for (int64_t g = 0; g < b->groups; g++) {
+        dm_vec3 way = dm_sub(b->state[g].x, b->still[g]);
+        most = dm_vmax(dm_dot(way, way), most);
+    }
+    b->quiet = 0;
+    for (int l = 0; l < DM_LANES; l++)
+        if (sqrt((double)most[l]) > DM_REST_WAY * b->size) return;
+    dm_fall_asleep(b, m);
+}

@@ -1,0 +1,46 @@
+"""Bodies at rest sleep: they are not stepped until something wakes them, and go on from the very state they were in.
+
+A body falls asleep when for REST_TIME it has been slower than REST_SPEED and no vertex is farther than REST_WAY from
+where it was when that began. Its velocities stay as they are, so neither position nor velocity jumps when it wakes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import REST_CLEAR, REST_SPEED, REST_TIME, REST_WAY, Floats
+
+
+@dataclass(slots=True)
+class Rest:
+    """How long a body has been at rest.
+
+    quiet: [s] since it was slow last.
+    still: (3, n) where it was then [m].
+    asleep: it is not stepped.
+    """
+
+    quiet: float = 0.0
+    still: Floats | None = None
+    asleep: bool = False
+
+    def watch(self, x: Floats, v: Floats, size: float, tick: float, *, led: bool) -> bool:
+        """Look at a body (3, n) [m], [m/s] after a tick [s] and tell whether it may sleep; led: its pins were."""
+        if led or float(np.sqrt((v * v).sum(axis=0).max(initial=0))) > REST_SPEED * size:
+            self.quiet = 0.0
+            return False
+        if self.still is None or self.quiet == 0:
+            self.still = x.copy()
+        self.quiet += tick
+        if self.quiet < REST_TIME:
+            return False
+        self.quiet, way = 0.0, x - self.still
+        return bool(np.sqrt((way * way).sum(axis=0).max(initial=0)) <= REST_WAY * size)
+
+
+def reaches(x: Floats, start: Floats, end: Floats, radius: float) -> bool:
+    """Tell whether a fingertip going from start to end (3,) in a tick comes near the box of a body (3, n) [m]."""
+    gap = np.maximum(np.maximum(x.min(axis=1) - end, end - x.max(axis=1)), 0)
+    return float(np.linalg.norm(gap)) < (1 + REST_CLEAR) * radius + 2 * float(np.linalg.norm(end - start))

@@ -1,0 +1,69 @@
+"""Paint softness from a table of pokes: a vertex group that every vertex gets a weight in, and the interval it has."""
+
+import bpy
+from bpy.props import StringProperty
+
+from . import polls, sessions
+from .names import Op
+
+GROUP, INTERVAL = "Softness from Pokes", "dimple_softness_interval"
+PAINTED = 0.02  # of the vertices may lie beyond what a map can say, before a warning
+
+
+class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
+    """Paint softness from a table of pokes: x, y, z, depth and force, in places on the object as it stands"""
+
+    bl_idname = Op.SOFTNESS_FROM_POKES
+    bl_label = "Softness from Pokes"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filepath: StringProperty(
+        name="File", description="Table of pokes: CSV or text", subtype="FILE_PATH", options={"SKIP_SAVE"}
+    )
+    filter_glob: StringProperty(
+        name="Filter", description="Files that are shown", options={"HIDDEN"}, default="*.csv;*.txt;*.tsv"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Need Object Mode and a mesh of this file."""
+        if context.mode != "OBJECT":
+            return polls.refuse(cls, "Go back to Object Mode first")
+        return polls.needs_mesh(cls, context) and polls.is_own(cls, context.object) and polls.is_free(cls)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Ask for the file."""
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Read, map and paint; nothing is lost where that fails."""
+        from ..core.base import DimpleError
+        from ..core.calibration.poke_map import map_pokes
+        from ..core.calibration.poke_table import read_pokes
+        from . import bridge, bridge_write
+
+        body = context.object
+        sessions.stop(body.session_uid)
+        try:
+            pokes = read_pokes(self.filepath)
+            link, model = bridge.read_body(context, body, baked=False, identify="NO")
+            found = map_pokes(model.mesh, model.materials[0], pokes)
+        except DimpleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        own = model.mesh.source[: len(link.rest)]
+        bridge_write.paint(body, GROUP, found.weights[own], INTERVAL, found.interval[own])
+        body.dimple.softness_group = GROUP
+        self.report({"INFO"}, found.text)
+        if link.refined:
+            self.report({"WARNING"}, "The mesh has too few vertices to hold the map: Make Soft can cut it finer first.")
+        if found.outside > PAINTED:
+            self.report({"WARNING"}, (
+                f"{found.outside:.0%} of the vertices are over four times softer or stiffer than the material, beyond "
+                "what a map can say: change K1 and K2."
+            ))  # fmt: skip
+        return {"FINISHED"}
+
+
+register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_softness_from_pokes])

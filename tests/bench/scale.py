@@ -1,0 +1,137 @@
+"""Measure what many bodies and many vertices cost: `python3 dev.py bench --scale [--json FILE]`.
+
+Times are medians, of processor time but for the workers, whose wall time is what they are for: on a machine that does
+other work too, two of them have less than two cores. The full mesh of a million vertices is pressed only with
+--full, for it takes minutes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import resource
+import time
+from collections.abc import Sequence
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from core import native
+from core.base import TICK
+from core.body.model import build_model
+from core.mesh.surface import base_vertices
+from core.native.body import step_many
+from core.reduction.benchmark import BenchmarkPress, dent_error, press_body
+from core.reduction.planner import plan
+from core.reduction.proxy import carry
+from core.session import Finger, Session
+from core.solver.backend import create
+from core.solver.motion import Motion
+from studies import bodies, scenes
+from tests.bench.bench import straight
+
+FRAME = 1 / 60  # [s]
+CROWD, TOUCHED, FRAMES = 100, 5, 12
+WORKERS_BODIES, CALLS = 8, 60  # of 2,562 vertices each: 20,000 together
+MILLION, SIZE, RADIUS = 408, 0.2, 0.016  # squares along a side of the head; [m]
+TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
+
+
+def crowd() -> dict[str, float]:
+    """Return what five touched bodies of a hundred cost over the five alone, and all touched over twenty times that."""
+    sessions = [scenes.poke_ball(4) for _ in range(CROWD)]
+    for session in sessions:
+        session.step(0.4)  # they fall asleep
+    alone = frames(sessions[:TOUCHED], TOUCHED)
+    five = frames(sessions, TOUCHED)
+    return {
+        "five_alone_ms": round(1e3 * alone, 3), "five_of_100": round(five / alone, 3),
+        "all_of_100": round(frames(sessions, CROWD) / (CROWD / TOUCHED * alone), 3),
+    }  # fmt: skip
+
+
+def frames(sessions: Sequence[Session], touched: int) -> float:
+    """Return the processor time [s] of a frame: a fingertip goes into the first bodies, and all are looked at."""
+    for session in sessions:
+        session.reset()
+        session.set_fingers([])
+        session.step(0.4)
+        session.positions()
+    costs = []
+    for frame in range(FRAMES):
+        started = time.process_time()
+        for i, session in enumerate(sessions):
+            session.set_fingers([Finger((0.0, 0.0, TOP - 1e-3 * frame), scenes.FINGERTIP)] if i < touched else [])
+            session.step(FRAME)
+            session.positions()
+        costs.append(time.process_time() - started)
+    return median(costs)
+
+
+def workers() -> dict[str, Any]:
+    """Return the wall time of a call with one worker and with two, and whether all bits are the same."""
+    model, top = scenes.poke_ball(4).model, TOP
+    substeps, still = model.substeps(TICK), straight(top - 0.01, top - 0.01, 8, 1)
+    groups = {count: [native.Body(model, native.library()) for _ in range(WORKERS_BODIES)] for count in (1, 2)}
+    times: dict[int, list[float]] = {1: [], 2: []}
+    down = Motion(8, substeps, TICK, straight(top, top - 0.01, 8, 1))
+    for group in groups.values():
+        step_many(group, [down] * len(group), workers=1)
+    for _ in range(CALLS):
+        for count, group in groups.items():
+            started = time.perf_counter()
+            step_many(group, [Motion(8, substeps, TICK, still)] * len(group), workers=count)
+            times[count].append(time.perf_counter() - started)
+    hashes = {
+        hashlib.sha256(b"".join(body.positions().tobytes() for body in group)).hexdigest() for group in groups.values()
+    }
+    return {
+        "vertices": WORKERS_BODIES * len(model.mass), "one_ms": round(1e3 * median(times[1]), 2),
+        "two_ms": round(1e3 * median(times[2]), 2), "least_ms": [round(1e3 * min(times[k]), 2) for k in (1, 2)],
+        "same_hash": len(hashes) == 1,
+    }  # fmt: skip
+
+
+def million(*, full: bool) -> dict[str, Any]:
+    """Return what a head of a million vertices takes to set up and to press live by its proxy, and how near that is."""
+    mesh = bodies.head(MILLION, SIZE)
+    started = time.perf_counter()
+    model = build_model(mesh, [bodies.GEL], held=base_vertices(mesh))
+    modelled = time.perf_counter()
+    chosen = plan(model, radius=RADIUS)
+    session = Session(model, proxy=chosen.proxy)
+    ready = time.perf_counter()
+    at = int(mesh.rest_positions[:, 2].argmax())
+    outward = np.array([0.0, 0.0, 1.0])
+    press = BenchmarkPress(at=mesh.rest_positions[at], outward=outward, radius=RADIUS, depth=RADIUS / 2)
+    costs = []
+    for frame in range(FRAMES):
+        centre = press.at + outward * (RADIUS - press.depth * frame / FRAMES)
+        session.set_fingers([Finger(tuple(centre.tolist()), RADIUS)])
+        began = time.process_time()
+        session.step(FRAME)
+        session.positions()
+        costs.append(time.process_time() - began)
+    found: dict[str, Any] = {
+        "vertices": len(mesh.rest_positions), "moving": chosen.vertices, "model_s": round(modelled - started, 2),
+        "setup_s": round(ready - started, 2), "frame_ms": round(1e3 * median(costs), 2),
+        "memory_gb": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6, 3),
+        "force_error": None, "surface_error": None,
+    }  # fmt: skip
+    if full and chosen.proxy:
+        moves = chosen.proxy.model
+        *_, (_, ours) = press_body(create(moves), press, substeps=moves.substeps(TICK))
+        *_, (_, wanted) = press_body(create(model), press, substeps=model.substeps(TICK))
+        error = dent_error(mesh, carry(chosen.proxy, ours.positions), wanted.positions.T)
+        found["force_error"] = round(abs(ours.force / wanted.force - 1), 4)
+        found["surface_error"] = round(error / RADIUS, 4)
+    return found
+
+
+def main(*, full: bool) -> dict[str, Any]:
+    """Measure all, print each as it is known and return it."""
+    found: dict[str, Any] = {}
+    for name, measure in (("crowd", crowd), ("workers", workers), ("million", lambda: million(full=full))):
+        found[name] = measure()
+        print(f"{name}: " + ", ".join(f"{key} {value}" for key, value in found[name].items()), flush=True)
+    return found

@@ -1,0 +1,73 @@
+"""What the export dialog says beforehand: how large the files will be and how long they will take."""
+
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from tests.blender.export.reading import ENDINGS, EVERY
+from tests.blender.operators.conftest import icosphere
+
+FRAMES = 24
+
+
+def plan_of(bpy: ModuleType, folder: Path, **changes: Any) -> Any:
+    from bl_ext.user_default.dimple.operators.export_plan import ExportPlan
+
+    plan = {"objects": [bpy.data.objects["Ball"]], "formats": EVERY, "folder": folder, "first": 1, "last": FRAMES}
+    return ExportPlan(**{**plan, **changes})
+
+
+def size_of(path: Path) -> int:
+    return sum(each.stat().st_size for each in (path.iterdir() if path.is_dir() else [path]))
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+def test_the_size_is_at_most_a_third_off(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, smooth: bool
+) -> None:
+    from bl_ext.user_default.dimple.operators import export_plan
+
+    obj = pressed()
+    icosphere(obj.data, 4)
+    obj.data.polygons.foreach_set("use_smooth", [smooth] * len(obj.data.polygons))
+    for frame in range(1, FRAMES + 1):  # every frame differs from the one before
+        scene.dimple.finger_1.location.z += 0.001 * (-1) ** frame
+        scene.dimple.finger_1.keyframe_insert("location", index=2, frame=frame)
+    bpy.ops.dimple.export_animation(directory=str(tmp_path), formats=set(EVERY), frame_start=1, frame_end=FRAMES)
+    for each, ending in zip(EVERY, ENDINGS, strict=True):
+        said = export_plan.estimate(bpy.context, plan_of(bpy, tmp_path, formats=(each,)))
+        real = size_of(tmp_path / f"Ball{ending}")
+        assert 0.67 < said / real < 1.5, f"{each}: {said:.0f} bytes for {real}"
+
+
+def test_the_time_is_measured_on_the_body_and_its_formats_and_changes_nothing(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], coordinates: Callable[[Any], bytes], tmp_path: Path
+) -> None:
+    from bl_ext.user_default.dimple.operators import export_time
+
+    obj = pressed()
+    scene.frame_set(3)
+    bits = coordinates(obj)
+    plan = plan_of(bpy, tmp_path / "out", formats=("PC2", "GLB"))
+    assert export_time.seconds(plan) is None
+    export_time.measure(bpy.context, plan)
+    took = export_time.seconds(plan)
+    assert took > 0 and export_time.seconds(plan_of(bpy, tmp_path, formats=("PC2", "GLB"), last=10 * FRAMES)) > 5 * took
+    assert export_time.seconds(plan_of(bpy, tmp_path, formats=("PC2",))) < took
+    assert export_time.seconds(plan_of(bpy, tmp_path)) is None, "the other formats were not measured"
+    assert coordinates(obj) == bits and not obj.modifiers and scene.frame_current == 3
+    assert not (tmp_path / "out").exists()
+    bpy.ops.dimple.bake(frame_start=1, frame_end=3)
+    assert export_time.seconds(plan) < took, "what plays is not simulated"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(0.2, "<1 s"), (47.6, "48 s"), (59.7, "1 min 0 s"), (185, "3 min 5 s"), (7800, "2 h 10 min")]
+)
+def test_a_time_is_said_as_one_reads_it(bpy: ModuleType, seconds: float, text: str) -> None:
+    from bl_ext.user_default.dimple.operators.messages import duration
+
+    assert duration(seconds) == text

@@ -1,0 +1,93 @@
+"""Formats with shape keys: one a frame, one every few, or a few that every frame is a sum of, with the error stated."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.blender.export.reading import FINEST, FIRST, FPS, LAST, Exported, carried, imported, nearest, seen, worst
+
+
+@pytest.mark.parametrize("percent", [1.0, 0.01])
+def test_few_shape_keys_play_the_press_within_the_error_that_is_said(
+    bpy: ModuleType, exported: Exported, read_back: Any, tmp_path: Path, percent: float
+) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    scene.render.fps = FPS
+    carried(bpy)
+    bpy.ops.dimple.export_animation(
+        directory=str(tmp_path), formats={"GLB", "FBX"}, frame_start=FIRST, frame_end=LAST, key_error=percent
+    )
+    said = json.loads((tmp_path / "Cushion.json").read_text())["files"]["Cushion.glb"]
+    found = read_back(tmp_path / "Cushion.glb")
+    local = found["local"][..., [0, 2, 1]] * (1, -1, 1)
+    which = nearest(local[0], exported.local[0])
+    error = worst(local, exported.local[:, which])
+    assert error <= percent / 100 * exported.size + FINEST * exported.size
+    assert error == pytest.approx(said["worst_vertex_error"], abs=FINEST * exported.size)
+    assert 0 < said["shape_keys"] < (6 if percent == 1 else LAST - FIRST + 1)
+    obj = imported(bpy, lambda: bpy.ops.import_scene.fbx(filepath=str(tmp_path / "Cushion.fbx"), anim_offset=0.0))
+    assert worst(seen(bpy, obj, range(FIRST, LAST + 1)), exported.world) <= 1.3 * (
+        said["worst_vertex_error"] + FINEST * exported.world_size
+    ), "the object is 1.2 times as large in the scene"
+
+
+
+
+def test_the_error_of_a_shape_key_every_few_frames_is_stated(
+    bpy: ModuleType, exported: Exported, read_back: Any, tmp_path: Path
+) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    bpy.context.scene.render.fps = FPS
+    carried(bpy)
+    bpy.ops.dimple.export_animation(
+        directory=str(tmp_path), formats={"GLB"}, frame_start=FIRST, frame_end=LAST, step=4
+    )
+    said = json.loads((tmp_path / "Cushion.json").read_text())["files"]["Cushion.glb"]
+    local = read_back(tmp_path / "Cushion.glb")["local"][..., [0, 2, 1]] * (1, -1, 1)
+    which = nearest(local[0], exported.local[0])
+    assert said["shape_keys"] == 4
+    assert worst(local, exported.local[:, which]) == pytest.approx(said["worst_vertex_error"], rel=1e-3)
+    assert said["worst_vertex_error"] > 1e-3 * exported.size
+    assert worst(local[::4], exported.local[::4, which]) <= FINEST * exported.size, "the frames with keys are exact"
+
+
+def test_usd_core_reads_every_vertex_of_the_blend_shapes(exported: Exported, read_back: Any) -> None:
+    found = read_back(exported.folder / "Cushion_shapes.usdc")
+    assert worst(found["local"], exported.local) <= FINEST * exported.size
+    assert found["frame_rate"] == FPS and np.allclose(found["times"] * FPS, np.arange(FIRST, LAST + 1))
+    assert found["corners"].tolist() == exported.corners.tolist()
+
+
+@pytest.mark.parametrize("kind", ["USD", "ALEMBIC", "GLB", "FBX"])
+def test_an_object_with_shape_keys_of_its_own_is_no_still(
+    bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, kind: str
+) -> None:
+    """Blender's USD exporter writes such an object without what deforms it, unless it is kept from it."""
+    from bl_ext.user_default.dimple.core.recording import read_point_cache
+
+    obj = pressed()
+    for name in ("Basis", "Large"):
+        obj.shape_key_add(name=name)
+    for point in obj.data.shape_keys.key_blocks["Large"].data:
+        point.co *= 1.2
+    obj.data.shape_keys.key_blocks["Large"].value = 0.5
+    bpy.ops.dimple.export_animation(directory=str(tmp_path), formats={kind, "PC2"}, frame_start=1, frame_end=9)
+    wanted = read_point_cache(tmp_path / "Ball.pc2")[2].astype(np.float64)
+    assert np.abs(wanted - wanted[0]).max() > 0.05
+    path = str(next(tmp_path.glob(f"Ball.{ {'USD': 'usdc', 'ALEMBIC': 'abc'}.get(kind, kind.lower()) }")))
+    fps = scene.render.fps
+    found = imported(bpy, {
+        "USD": lambda: bpy.ops.wm.usd_import(filepath=path),
+        "ALEMBIC": lambda: bpy.ops.wm.alembic_import(filepath=path, as_background_job=False),
+        "GLB": lambda: bpy.ops.import_scene.gltf(filepath=path),
+        "FBX": lambda: bpy.ops.import_scene.fbx(filepath=path, anim_offset=0.0),
+    }[kind], fps)  # fmt: skip
+    shown = seen(bpy, found, range(9) if kind == "GLB" else range(1, 10))
+    which = nearest(shown[0], wanted[0])
+    assert worst(shown, wanted[:, which]) <= FINEST * float(np.ptp(wanted[0], axis=0).max())

@@ -1,0 +1,47 @@
+"""Several bodies in one call: the bits of each alone, on any number of threads."""
+
+import numpy as np
+import pytest
+
+from core import native
+from core.native import NativeError
+from core.native.body import Body, step_many
+from core.solver.motion import Motion
+from tests.parity.cases import CASES, build
+
+NAMES = ("liquid", "free on the ground", "paper laws")
+
+
+def bodies() -> tuple[list[Body], list[Motion]]:
+    made, motions = [], []
+    for name in NAMES * 3:
+        model, velocities, motion = build(CASES[name])
+        body = Body(model, native.library())
+        body.set_state(model.matching.rest, velocities)
+        made.append(body), motions.append(motion._replace(substeps=model.substeps(motion.tick)))
+    return made, motions
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5, 20])
+def test_any_number_of_threads_gives_the_bits_of_each_body_alone(workers: int) -> None:
+    alone, motions = bodies()
+    expected = [body.step(motion) for body, motion in zip(alone, motions, strict=True)]
+    together, motions = bodies()
+    assert step_many(together, motions, workers=workers) == expected
+    for body, other in zip(together, alone, strict=True):
+        assert np.array_equal(body.positions(), other.positions())
+        assert np.array_equal(body.velocities(), other.velocities())
+
+
+def test_where_one_motion_is_refused_none_is_run() -> None:
+    made, motions = bodies()
+    before = [body.positions() for body in made]
+    for bad in (motions[-1]._replace(tick=float("nan")), motions[-1]._replace(substeps=0)):
+        with pytest.raises(NativeError):
+            step_many(made, [*motions[:-1], bad], workers=2)
+    with pytest.raises(NativeError):
+        step_many([*made[:-1], made[0]], motions, workers=2)  # one twice
+    with pytest.raises(NativeError):
+        step_many(made, motions, workers=0)
+    assert all(np.array_equal(body.positions(), x) for body, x in zip(made, before, strict=True))
+    assert step_many([], [], workers=2) == []

@@ -1,0 +1,80 @@
+"""Export in the window test: the dialog with its estimate, a format clicked, exported; Blender's own dialog warns."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import robot
+
+Check = Callable[..., None]
+FRAMES = 24
+GLTF = (1190, 650)  # [px] where its button is
+
+
+def export(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Waits:
+    """Export a body by the dialog, then bake it and look at what Blender's glTF exporter says."""
+    bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
+    scene, obj = bpy.context.scene, bpy.data.objects[body]
+    scene.frame_start, scene.frame_end = 1, FRAMES
+    obj.dimple.simulated = "MESH"
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place) / "exported"
+        scene.dimple.cache_dir = str(Path(place) / "cache")
+        folder.mkdir()
+        yield from _in_dialog(at, folder, out, check)
+        bpy.ops.dimple.bake(frame_start=1, frame_end=3)
+        yield from _open(lambda: bpy.ops.export_scene.gltf("INVOKE_DEFAULT"))
+        robot.screenshot(out / "11-gltf.png")
+        warning = robot.extension("addon.still_warning")
+        check("Blender's glTF dialog warns of a still", warning.stills(bpy.context, _dialog()) == [body])
+        yield from _close(at)
+        bpy.ops.dimple.unbake()
+    obj.dimple.simulated, scene.dimple.cache_dir = "AUTO", ""
+
+
+def _in_dialog(at: tuple[int, int], folder: Path, out: Path, check: Check) -> robot.Waits:
+    yield from _open(lambda: bpy.ops.dimple.export_animation("INVOKE_DEFAULT", formats={"PC2"}))
+    robot.screenshot(out / "11-export.png")
+    before = _dialog()._estimate(bpy.context)[0]
+    check("the export dialog says frames, size and time", before.startswith(f"{FRAMES} frames, ") and "comp" in before)
+    yield from robot.click(*GLTF)
+    yield from robot.until(lambda: _dialog().formats == {"GLB"}, "a click chooses a format", 60)
+    yield 2.0
+    robot.screenshot(out / "11-export-2.png")
+    after = _dialog()._estimate(bpy.context)[0]
+    measured = {key[2] for key in robot.extension("operators.export_time")._known}
+    check("a click on a format measures it, and its time is said", "GLB" in measured and "comp" in after, after)
+    _browser().spaces.active.params.directory = str(folder).encode()
+    yield 1.0
+    yield from robot.key("RET", 640, 400)
+    yield from robot.until(lambda: "DIMPLE_OT_export_animation" in robot.modal_operators(), "the export begins", 60)
+    yield from robot.until(lambda: list(folder.glob(".dimple-*/simulated/*.pc2")), "it simulates", 60)
+    robot.screenshot(out / "11-exporting.png")
+    yield from robot.until(lambda: not robot.modal_operators(), "the export ends", 300)
+    names = sorted(path.name for path in folder.iterdir())
+    check("the export wrote its files and nothing else", names == [f"Ball.{e}" for e in ("csv", "glb", "json")])
+    yield from robot.redrawn()
+
+
+def _open(ask: Callable[[], object]) -> robot.Waits:
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        ask()
+    yield from robot.until(lambda: _browser() is not None, "the file browser opens", 60)
+    yield 1.0
+
+
+def _browser() -> bpy.types.Area | None:
+    return next((area for area in robot.window().screen.areas if area.type == "FILE_BROWSER"), None)
+
+
+def _dialog() -> bpy.types.Operator:
+    return _browser().spaces.active.active_operator
+
+
+def _close(at: tuple[int, int]) -> robot.Waits:
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: _browser() is None, "ESC closes the file browser", 30)
+    yield from robot.redrawn()
