@@ -19,7 +19,18 @@ from ..core.base import DimpleError
 from ..core.recording import PointCache
 from ..core.session import Session
 from . import (
-    bridge, bridge_write, contact, live, output, planning, props, recorder, sessions, shape_keys, timeline, tuning,
+    bridge,
+    bridge_write,
+    contact,
+    live,
+    output,
+    planning,
+    props,
+    recorder,
+    sessions,
+    shape_keys,
+    timeline,
+    tuning,
     work_folder,
 )  # fmt: skip
 from .settings import settings_of

@@ -15,7 +15,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.base import DimpleError
-from . import bridge, props, sessions
+from . import bridge, props
 
 if TYPE_CHECKING:
     from ..core.base import Floats, Ints
