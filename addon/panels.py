@@ -127,6 +127,12 @@ class DIMPLE_PT_contact(bpy.types.Panel):
         row = layout.row()
         row.active = settings.collider and not settings.enabled
         row.prop(settings, "collider_friction", slider=True)
+        column = layout.column()
+        column.active = settings.collider and not settings.enabled
+        column.prop(settings, "is_prop")
+        row = column.row()
+        row.active = settings.is_prop
+        row.prop(settings, "prop_mass_kg")
         row = layout.row()
         row.active = settings.enabled
         row.prop(settings, "self_contact")

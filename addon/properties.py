@@ -217,6 +217,14 @@ class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
         description="Coefficient of friction of this object with bodies that touch it; 0 is frictionless",
         default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
     )  # fmt: skip
+    is_prop: BoolProperty(
+        name="Falls", description="The collider is a prop: it falls by its weight, rests in soft bodies and rolls off",
+        default=False, **FIXED,
+    )  # fmt: skip
+    prop_mass_kg: FloatProperty(
+        name="Prop Mass (kg)", description="Mass of what falls", default=1.0, min=0.0, soft_min=0.001, soft_max=100.0,
+        step=10, precision=3, **FIXED,
+    )  # fmt: skip
     self_contact: BoolProperty(
         name="Self Contact", description="The body does not pass through itself where it folds", default=False, **FIXED
     )

@@ -28,6 +28,7 @@ class Meeting(NamedTuple):
     held_back: the farthest that a collider was behind its way [m].
     forces: on each surface, mean over the step (k, 3) [N]: bodies, then colliders.
     queries: of who is near whom.
+    moments: of the forces about the origin (k, 3) [N m].
     """
 
     touching: int = 0
@@ -36,10 +37,13 @@ class Meeting(NamedTuple):
     held_back: float = 0.0
     forces: Floats = np.zeros((0, 3))
     queries: int = 0
+    moments: Floats = np.zeros((0, 3))
 
 
 class World:
     """Step sessions together.
+
+    most: ticks in one call.
 
     Args:
         sessions: of one tick and one backend.
@@ -50,6 +54,8 @@ class World:
     Raises:
         DimpleError: something passes through something else, with what and where.
     """
+
+    most = MAX_STEPS
 
     def __init__(
         self,
@@ -114,7 +120,8 @@ class World:
         for session in self.sessions:
             session.begin(dt)
         substeps = max(session.substeps for session in self.sessions)
-        most = min([MAX_STEPS // substeps - 1 if budget is None else TICKS_AT_ONCE, *(s.most for s in self.sessions)])
+        usual = MAX_STEPS // substeps - 1 if budget is None else TICKS_AT_ONCE
+        most = min([usual, self.most, *(session.most for session in self.sessions)])
         whole, share = min(session.due for session in self.sessions), 0
         while share < whole:
             ticks = min(whole - share, most)
@@ -173,4 +180,5 @@ def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
         max(part.touching for part in parts), sum(part.truncated for part in parts),
         sum(part.taken for part in parts), max(part.held_back for part in parts),
         np.sum([part.impulses for part in parts], axis=0) / seconds, sum(part.queries for part in parts),
+        np.sum([part.moments for part in parts], axis=0) / seconds,
     )  # fmt: skip

@@ -18,7 +18,21 @@ import numpy as np
 from ..core.base import DimpleError
 from ..core.recording import PointCache
 from ..core.session import Session
-from . import bridge, bridge_write, contact, live, output, planning, recorder, shape_keys, timeline, tuning, work_folder
+from . import (
+    bridge,
+    bridge_write,
+    contact,
+    live,
+    output,
+    planning,
+    props,
+    recorder,
+    sessions,
+    shape_keys,
+    timeline,
+    tuning,
+    work_folder,
+)  # fmt: skip
 from .settings import settings_of
 
 if TYPE_CHECKING:
@@ -105,12 +119,18 @@ def simulate(
         bodies = [_open(context, plan, obj, messages, files) for obj in plan.objects]
         together = {body.link.uid: (_object(body), body.session, body.link.scale) for body in bodies}
         worlds = contact.worlds_of(context, together)
+        poses: props.Poses = {}
+        files.callback(props.put_back)
         _write(plan, bodies, plan.first)
+        _show_props(worlds, plan.first, poses)
         for frame in range(plan.first + 1, plan.last + 1):
             _step(context, bodies, worlds, frame)
+            _show_props(worlds, frame, poses)
             _write(plan, bodies, frame)
             yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
         _close(bodies)
+        sessions.fallen.clear()
+        props.keyframe(poses)
         for body in bodies:
             for part, path in _files(body):
                 os.replace(part, path)
@@ -186,6 +206,13 @@ def _step(
                 body.session.step(look_s)
             if body.session.frame.note:
                 raise DimpleError(f'"{body.link.name}", frame {frame}: {body.session.frame.note}')
+
+
+def _show_props(worlds: Sequence[contact.LiveWorld], frame: int, poses: props.Poses) -> None:
+    """Put props where they are at a frame, and note it for their keyframes."""
+    for world in worlds:
+        props.show(world)
+        props.note(world, frame, poses)
 
 
 def _object(body: Baked) -> bpy.types.Object:

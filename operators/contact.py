@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..core.base import DimpleError
+from . import bridge, props
 
 if TYPE_CHECKING:
     from ..core.base import Floats, Ints
@@ -31,6 +33,7 @@ class LiveWorld:
     uids: of the bodies.
     scale: physical metres per scene unit.
     colliders: names of the objects.
+    props: which of them fall: session_uid, name and matrix in the scene when the world was made.
     world: what steps them.
     """
 
@@ -38,6 +41,7 @@ class LiveWorld:
     uids: tuple[int, ...]
     scale: float
     colliders: tuple[str, ...]
+    props: dict[int, tuple[int, str, Matrix]]
     world: World
 
 
@@ -59,7 +63,7 @@ def worlds_of(
     if not is_on(context.scene):
         return []
     colliders = [obj for obj in context.scene.objects if _is_collider(context.scene, obj, bodies)]
-    frictions = [(obj.session_uid, obj.dimple.collider_friction) for obj in colliders]
+    frictions = [(obj.session_uid, obj.dimple.collider_friction, props.mass_of(obj)) for obj in colliders]
     found = []
     for scale, uids in _groups(bodies).items():
         itself = [bool(bodies[uid][0].dimple.self_contact) for uid in uids]
@@ -80,6 +84,9 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
     graph = context.evaluated_depsgraph_get()
     ends = []
     for i, name in enumerate(live.colliders):
+        if i in live.props:  # it goes where it falls
+            ends.append(None)
+            continue
         obj = context.scene.objects.get(name)
         if obj is None:
             raise DimpleError(f'Collider "{name}" is gone. Start again.')
@@ -115,6 +122,7 @@ def _make(
     colliders: Sequence[bpy.types.Object],
     itself: Sequence[bool],
 ) -> LiveWorld:
+    from ..core.props import PropWorld
     from ..core.world import Collider, World
 
     graph, made = context.evaluated_depsgraph_get(), []
@@ -127,22 +135,31 @@ def _make(
         if session.proxy is not None:  # what is seen must not pass through anything, so that is what is simulated
             session.change(session.model, proxy=None)
     names = [obj.name for obj, _, _ in bodies] + [obj.name for obj in colliders]
-    world = World([session for _, session, _ in bodies], made, itself=itself, names=names)
+    falling = {i: (obj.session_uid, obj.name, obj.matrix_world.copy()) for i, obj in enumerate(colliders)}
+    falling = {i: prop for i, prop in falling.items() if props.mass_of(colliders[i]) is not None}
+    running = [session for _, session, _ in bodies]
+    if falling:
+        world: World = PropWorld(
+            running, made, masses=[props.mass_of(obj) for obj in colliders], gravity=bridge.gravity(context.scene),
+            itself=itself, names=names,
+        )  # fmt: skip
+    else:
+        world = World(running, made, itself=itself, names=names)
     uids = tuple(obj.session_uid for obj, _, _ in bodies)
-    return LiveWorld(key=key, uids=uids, scale=scale, colliders=tuple(obj.name for obj in colliders), world=world)
+    names = [obj.name for obj in colliders]
+    return LiveWorld(key=key, uids=uids, scale=scale, colliders=tuple(names), props=falling, world=world)
 
 
 def _surface(graph: bpy.types.Depsgraph, obj: bpy.types.Object, scale: float) -> tuple[Floats, Ints]:
     """Return where the vertices (m, 3) [m] of an object are, as its modifiers leave it, and its triangles (t, 3)."""
-    from .bridge import get_points, to_physical
-
     evaluated = obj.evaluated_get(graph)
     mesh = evaluated.to_mesh()
     try:
         mesh.calc_loop_triangles()
-        points = get_points(mesh.vertices, len(mesh.vertices), "co")
+        points = bridge.get_points(mesh.vertices, len(mesh.vertices), "co")
         corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
         mesh.loop_triangles.foreach_get("vertices", corners)
-        return to_physical(scale, np.array(evaluated.matrix_world), points), corners.reshape(-1, 3).astype(np.int64)
+        placed = bridge.to_physical(scale, np.array(evaluated.matrix_world), points)
+        return placed, corners.reshape(-1, 3).astype(np.int64)
     finally:
         evaluated.to_mesh_clear()

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, contact, haptic, sessions, showing, tuning, twins
+from . import bridge, contact, haptic, props, sessions, showing, tuning, twins
 from .messages import Note
 from .sessions import LiveBody, ModalRun
 
@@ -89,6 +89,8 @@ def advance(
     messages += _meet(context)
     for group in _groups():
         messages += _run(group, dt, share and share * len(group[0]))
+    for world in sessions.worlds:
+        props.show(world)
     for uid, body in list(sessions.sessions.items()):
         messages += _trying(uid, finish, body)
         if body.frame.note:

@@ -117,7 +117,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
         Wound back, it begins anew at rest.
         """
-        from . import live, timeline
+        from . import live, props, timeline
 
         scene, before = context.scene, self._frame
         if scene.frame_current > before:
@@ -129,6 +129,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         for body in sessions.sessions.values():
             body.session.reset()
             sessions.worlds.clear()
+            props.put_back()
             body.matrix = body.link.matrix
         return live.advance(context, 0.0)
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import bpy
+from mathutils import Matrix
 
 from .messages import Note
 
@@ -135,6 +136,7 @@ class ModalRun:
 sessions: dict[int, LiveBody] = {}
 runs: list[ModalRun] = []
 worlds: list[LiveWorld] = []  # the sessions that are stepped together
+fallen: dict[int, tuple[str, Matrix]] = {}  # props that have fallen, by session_uid: name and what to put back
 disarming: list[Callable[[], None]] = []  # what ends all force of the haptic device: `haptic` adds itself
 
 
@@ -213,8 +215,12 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     if body is None:
         return []
     worlds.clear()  # made anew of those that are left
-    from . import bridge, bridge_write, output
+    from . import bridge, bridge_write, output, props
 
+    if not sessions and restore and not undoing:
+        props.put_back()
+    elif not sessions:
+        fallen.clear()
     obj = bridge.find(uid, body.name)
     if obj and restore:
         bridge_write.give_back(obj, body.link, body.borrowed, body.shown, undoing=undoing)

@@ -61,9 +61,10 @@ def show(obj: bpy.types.Object, body: sessions.LiveBody) -> Singles:
 
 def rest_all(*, for_file: bool = False) -> None:
     """Put every object back as it was; the sessions go on, but for those whose object was edited."""
-    from . import bridge, bridge_write
+    from . import bridge, bridge_write, props
 
     end_changed()
+    props.put_back(forget=False)
     bridge_write.rescue(sessions.sessions)
     for uid, body in sessions.sessions.items():
         if obj := bridge.find(uid, body.name):
@@ -72,8 +73,10 @@ def rest_all(*, for_file: bool = False) -> None:
 
 def show_all() -> None:
     """Show every session again, after its mesh was put at rest."""
-    from . import bridge, bridge_write
+    from . import bridge, bridge_write, props
 
+    for world in sessions.worlds:
+        props.show(world)
     for uid, body in sessions.sessions.items():
         if obj := bridge.find(uid, body.name):
             bridge_write.resume(obj, body.borrowed)

@@ -12,6 +12,12 @@ WORDS = {
     "Coefficient of friction of this object with bodies that touch it; 0 is frictionless": (
         "このオブジェクトと、触れる物体との間の摩擦係数。0 は摩擦なしです"
     ),
+    "Falls": "落ちる",
+    "The collider is a prop: it falls by its weight, rests in soft bodies and rolls off": (
+        "コライダーは小道具です。自分の重さで落ち、柔らかい物体に沈んで止まるか、転がり落ちます"
+    ),
+    "Prop Mass (kg)": "小道具の質量 (kg)",
+    "Mass of what falls": "落ちるものの質量",
     "Self Contact": "自己接触",
     "The body does not pass through itself where it folds": "折り重なったところで、物体が自分自身を突き抜けません",
 }

@@ -38,7 +38,8 @@ def resolve(
         dt: the substep [s].
 
     Returns:
-        them, the impulses (k, 3) [N s] that each surface got, and how many pairs touch.
+        them, the impulses (k, 3) [N s] that each surface got and (k, 3) [N m s] their moments about the origin, side by
+        side, and how many pairs touch.
     """
     w, between, gap = measure(x[pairs.at], pairs.ones)
     meets = (gap < touch) & (gap > 0)
@@ -66,9 +67,12 @@ def resolve(
     change = np.stack([sums_at(at.ravel(), parts[..., c].ravel(), len(x)) for c in range(3)], axis=1)
     change *= inverse_mass[:, None]
     count = int(s.of_vertex[-1]) + 1
-    got = np.zeros((count, 3))
-    np.add.at(got, s.of_vertex[at[:, 0]], impulse)
-    np.subtract.at(got, s.of_vertex[at[:, 3]], impulse)
+    side = np.arange(4) < pairs.ones[meets][:, None]
+    point = np.einsum("mk,mkc->mc", w * side, x[at])
+    given = np.concatenate([impulse, np.cross(point, impulse)], axis=1)
+    got = np.zeros((count, 6))
+    np.add.at(got, s.of_vertex[at[:, 0]], given)
+    np.subtract.at(got, s.of_vertex[at[:, 3]], given)
     return change, got, int(meets.sum())
 
 

@@ -191,6 +191,7 @@ typedef struct {
     double held_back;   /* the farthest that a collider was behind its way [m] */
     double gap;         /* the least distance at a query [m], infinite where nothing was near */
     double impulse[DM_SCENE_IMPULSES][3]; /* that each surface got from others [N s]: bodies, then colliders */
+    double moment[DM_SCENE_IMPULSES][3];  /* of those about the origin [N m s] */
 } dm_scene_frame;
 
 typedef struct { /* what passes through each other */

@@ -168,7 +168,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     s->out = out, s->code = DM_OK, s->due = 1, s->tick = motions->tick, s->dt = s->tick / (double)substeps;
     for (; bodies < s->surface_count && s->surfaces[bodies].body; bodies++)
         dm_begin_motion(s->surfaces[bodies].body, motions + bodies, frames + bodies);
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) memset(f->impulse, 0, sizeof f->impulse);
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment);
     int finite = 1;
     for (int64_t t = 0; t < ticks && finite && s->code == DM_OK; t++) {
         double share = ticks > 1 ? first + (double)t / (double)(ticks - 1) * (last - first) : first;
@@ -189,6 +189,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     }
     for (int64_t k = 0; k < bodies; k++) dm_end_motion(s->surfaces[k].body, motions + k, frames + k);
     for (int64_t k = 0; k < s->surface_count && k < DM_SCENE_IMPULSES; k++)
-        memcpy(out->impulse[k], s->surfaces[k].impulse, sizeof out->impulse[k]);
+        memcpy(out->impulse[k], s->surfaces[k].impulse, sizeof out->impulse[k]),
+            memcpy(out->moment[k], s->surfaces[k].moment, sizeof out->moment[k]);
     return s->code;
 }

@@ -41,6 +41,7 @@ typedef struct { /* the surface of a body, or a collider */
     double slack, stale;    /* [m] how far any vertex may go; after what way a query is due */
     double origin[3];       /* of the body at the last query */
     double impulse[3];      /* that others gave it in a call [N s] */
+    double moment[3];       /* of that about the origin [N m s] */
     dm_vec3 *before;        /* (groups,) of the body's vertices at the last query */
     dm_lanes *bound;        /* (groups,) square of how far each may go before its planes are looked at */
     uint8_t self, moving;

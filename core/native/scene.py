@@ -35,6 +35,7 @@ class CSceneFrame(Structure):
     _fields_ = [
         *fields(ticks="n", queries="n", pairs="n", touching="n", truncated="n", taken="d", held_back="d", gap="d"),
         ("impulse", c_double * 3 * MAX_IMPULSES),
+        ("moment", c_double * 3 * MAX_IMPULSES),
     ]
 
 
@@ -109,7 +110,7 @@ class Scene:
         count = min(len(self.bodies) + len(self._shapes), MAX_IMPULSES)
         return SceneFrame(
             tuple(frames), out.ticks, out.queries, out.pairs, out.touching, out.truncated, out.taken, out.held_back,
-            out.gap, np.array(out.impulse)[:count],
+            out.gap, np.array(out.impulse)[:count], np.array(out.moment)[:count],
         )  # fmt: skip
 
     def crossings(self) -> Crossings:

@@ -102,14 +102,19 @@ static void dm_resolve_meeting(dm_scene_state *s, const dm_meeting *m) {
     for (int c = 0; c < 3; c++) u[c] -= along * m->normal[c];
     double slide = sqrt(dm_inner3(u, u)), drag = p->friction * push, stop = p->weight * slide / give;
     drag = slide > 0 ? (drag < stop ? drag : stop) / slide : 0;
+    double impulse[3], point[3] = {0}, moment[3];
     for (int c = 0; c < 3; c++) {
-        double impulse = push * m->normal[c] - drag * u[c];
+        impulse[c] = push * m->normal[c] - drag * u[c];
         for (int j = 0; j < 4; j++) {
             dm_neighbour *n = s->near + p->at[j];
-            n->push[c] += m->weight[j] * n->inverse_mass * impulse;
+            n->push[c] += m->weight[j] * n->inverse_mass * impulse[c];
+            if (j < (int)p->ones) point[c] += m->weight[j] * n->x[c];
         }
-        s->surfaces[p->surface[0]].impulse[c] += impulse, s->surfaces[p->surface[1]].impulse[c] -= impulse;
+        s->surfaces[p->surface[0]].impulse[c] += impulse[c], s->surfaces[p->surface[1]].impulse[c] -= impulse[c];
     }
+    dm_cross3(point, impulse, moment);
+    for (int c = 0; c < 3; c++)
+        s->surfaces[p->surface[0]].moment[c] += moment[c], s->surfaces[p->surface[1]].moment[c] -= moment[c];
 }
 
 /* Resolve what touches, all from the same state. */

@@ -44,6 +44,7 @@ class SceneFrame(NamedTuple):
     held_back: the farthest that a collider was behind its way [m].
     gap: the least distance at a query [m], infinite where nothing was near.
     impulses: that each surface got from others [N s], (k, 3): bodies, then colliders; the first MAX_IMPULSES of them.
+    moments: of those about the origin [N m s], (k, 3).
     """
 
     frames: tuple[Frame, ...]
@@ -56,6 +57,7 @@ class SceneFrame(NamedTuple):
     held_back: float
     gap: float
     impulses: Floats
+    moments: Floats
 
 
 class Crossings(NamedTuple):

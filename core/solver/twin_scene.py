@@ -65,7 +65,7 @@ class TwinScene:
         self._due, self._tick, self._dt = True, motions[0].tick, motions[0].tick / motions[0].substeps
         self._queries = self._most_pairs = self._most_touching = self._truncated = 0
         self._taken = self._held_back = 0.0
-        self._gap, self._impulses = np.inf, np.zeros((len(self._part), 3))
+        self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
         calls = [body.begin(motion) for body, motion in zip(self._bodies, motions, strict=True)]
         count, done = motions[0].ticks, 0
         while done < count and all(call.finite for call in calls):
@@ -75,7 +75,7 @@ class TwinScene:
         frames = tuple(body.end(call) for body, call in zip(self._bodies, calls, strict=True))
         return SceneFrame(
             frames, done, self._queries, self._most_pairs, self._most_touching, self._truncated, self._taken,
-            self._held_back, self._gap, self._impulses,
+            self._held_back, self._gap, self._impulses[:, :3], self._impulses[:, 3:],
         )  # fmt: skip
 
     def _run_tick(self, calls: Sequence[Call], ways: Sequence[ColliderMotion | None], share: float) -> None:

@@ -21,6 +21,7 @@ FLOORS = {
     "core.poke": 3,
     "core.fingertip": 3,
     "core.fields": 5,
+    "core.props": 5,
     "core.recording": 3,
     "core.animation": 3,
     "core.reduction": 3,

@@ -27,6 +27,7 @@ def see(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from paint_knee(at, out, check)
     yield from two_materials(at, out, check)
     yield from keyframes(at, out, check)
+    yield from weight(at, out, check)
 
 
 def leave(at: tuple[int, int]) -> robot.Waits:
@@ -197,6 +198,33 @@ def keyframes(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     bpy.data.objects.remove(tip)
     bpy.data.materials[cube.active_material.name].animation_data_clear()
     scene.frame_set(1)
+    yield from robot.redrawn()
+
+
+def weight(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Let a weight of 1 kg fall on the cube while that plays."""
+    cube = bpy.data.objects["Cube"]
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.mesh.primitive_cylinder_add(radius=0.4, depth=0.3, location=(0.0, 0.0, 1.25))
+    prop = bpy.context.object
+    prop.dimple.collider = prop.dimple.is_prop = True
+    start = prop.matrix_basis.copy()
+    prop.select_set(False)
+    cube.select_set(True)
+    bpy.context.view_layer.objects.active = cube
+    cube.active_material.dimple.K1 = 0.61
+    bpy.context.scene.dimple.show_field = "PRESSURE"
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.play("INVOKE_DEFAULT")
+    yield from robot.until(lambda: tuning.body() is not None and tuning.body().frame.time > 0.8, "it falls", 300)
+    sunk = 1.0 - (prop.matrix_world.translation.z - 0.15)
+    check("a weight of 1 kg rests in the cube", 0.0 < sunk < 0.5, f"{sunk * 82.5:.2f} mm deep")
+    yield from robot.redrawn(3)
+    robot.screenshot(out / "0-weight.png")
+    yield from leave(at)
+    check("and is put back when that ends", prop.matrix_basis == start)
+    bpy.context.scene.dimple.show_field = "NONE"
+    bpy.data.objects.remove(prop)
     yield from robot.redrawn()
 
 

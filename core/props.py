@@ -1,0 +1,123 @@
+"""Props: rigid meshes with a mass that fall on soft bodies, sink in by their weight, and rest or roll off.
+
+A prop is a collider that goes where it falls. Each tick it is led on by its own velocity, and then given its weight and
+what the bodies answered: the reaction of one tick acts in the next. That is stable while a prop is heavier than the
+skin that moves with it, so a lighter one moves as if it were that heavy, though it presses with its own weight.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from .base import Floats
+from .session import Session
+from .solver import rigid
+from .solver.rigid import RigidShape
+from .solver.scene import Collider, SceneFrame
+from .world import World
+
+LEAST_SHARE = 0.1  # of the lightest body's mass: what a prop has at least when it moves
+SETTLING = 0.05  # of its critical damping against the softest body that it presses: it comes to rest
+HELD = 1e-9  # [m] a prop that is farther behind its way than this was held back
+
+
+class PropWorld(World):
+    """Step sessions with colliders some of which fall.
+
+    Args:
+        sessions, colliders, itself, names: as for a World.
+        masses: of the colliders [kg], None for one that is led.
+        gravity: (3,) [m/s2].
+
+    Raises:
+        DimpleError: a prop without mass or faces, or something passes through something else.
+    """
+
+    most = 1  # tick in one call: each moves the props
+
+    def __init__(
+        self,
+        sessions: Sequence[Session],
+        colliders: Sequence[Collider],
+        *,
+        masses: Sequence[float | None],
+        gravity: Sequence[float] = (0.0, 0.0, -9.81),
+        itself: Sequence[bool] | None = None,
+        names: Sequence[str] = (),
+    ) -> None:
+        super().__init__(sessions, colliders, itself=itself, names=names)
+        self.gravity = np.array(gravity, np.float64)
+        self.props = [i for i, mass in enumerate(masses) if mass is not None]
+        self.masses = {i: float(masses[i] or 0.0) for i in self.props}
+        self.shapes = {i: _heavier(_shape(colliders[i], self.masses[i]), sessions) for i in self.props}
+        self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
+        self._damping = {i: _damping(shape.mass, sessions) for i, shape in self.shapes.items()}
+
+    def positions(self, index: int) -> Floats:
+        """Return where the vertices of a prop (m, 3) [m] are."""
+        return rigid.positions(self.shapes[index], self.states[index])
+
+    def pose(self, index: int) -> Floats:
+        """Return the rigid motion (4, 4) of a prop since the start; translations in [m]."""
+        state, motion = self.states[index], np.eye(4)
+        motion[:3, :3] = state.turn
+        motion[:3, 3] = state.centre - state.turn @ self.shapes[index].centre
+        return motion
+
+    def reset(self) -> None:
+        """Put everything back to where it was at the start."""
+        self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
+        super().reset()
+
+    def _run(self, ticks: int, substeps: int, done: int, whole: int) -> SceneFrame:
+        """Run a tick: each prop goes on, and is given what the bodies answer."""
+        tick, share = self.sessions[0].tick, (done + ticks) / whole
+        for i in self.props:
+            rigid.move(self.shapes[i], self.states[i], tick)
+            here = self._scene.collider(i)
+            # all ways are of the whole step, of which so much is over at the end of this tick
+            self._at[i], self._ends[i] = here, here + (self.positions(i).T - here) / share
+        frame = super()._run(ticks, substeps, done, whole)
+        for i in self.props:
+            self._at[i], self._ends[i] = self._scene.collider(i), None
+            self._wait(i, tick)
+            self._push(i, frame, tick)
+        return frame
+
+    def _push(self, index: int, frame: SceneFrame, tick: float) -> None:
+        """Give a prop its weight and what it got in a tick [s]."""
+        shape, state, row = self.shapes[index], self.states[index], len(self.sessions) + index
+        impulse, moment = frame.impulses[row], frame.moments[row]
+        weight = self.masses[index] * self.gravity  # its own, whatever it moves as
+        rigid.push(state, shape.mass, impulse + tick * weight, moment - np.cross(state.centre, impulse))
+        if impulse.any():
+            share = 1 / (1 + tick * self._damping[index] / shape.mass)
+            state.velocity, state.momentum = share * state.velocity, share * state.momentum
+
+    def _wait(self, index: int, tick: float) -> None:
+        """Let a prop that was held back be where it is, at the speed it got there."""
+        behind = self._at[index].T - self.positions(index)
+        if np.abs(behind).max() > HELD:
+            state, way = self.states[index], behind.mean(axis=0)
+            state.centre, state.velocity = state.centre + way, state.velocity + way / tick
+
+
+def _shape(collider: Collider, mass: float) -> RigidShape:
+    return rigid.rigid_shape(collider.positions.T, collider.triangles, mass)
+
+
+def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
+    """Return a rigid body that is heavy enough to be moved tick by tick."""
+    least = LEAST_SHARE * min(float(session.model.mass.sum()) for session in sessions)
+    if shape.mass >= least:
+        return shape
+    return replace(shape, mass=least, inertia=least / shape.mass * shape.inertia)
+
+
+def _damping(mass: float, sessions: Sequence[Session]) -> float:
+    softest = min(min(m.K1, m.K2) for session in sessions for m in session.model.materials)
+    return SETTLING * 2 * math.sqrt(softest * mass)

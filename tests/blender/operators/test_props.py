@@ -1,0 +1,82 @@
+"""A prop falls on a soft body in the viewport, rests in it, and is put back exactly."""
+
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+DROP = 0.05  # [scene units] above the cube, which stands for one of 165 mm and is 2 wide
+
+
+@pytest.fixture
+def weight(bpy: ModuleType, vinyl: Any, cube: Any) -> Any:
+    """A flat weight of 1 kg above the vinyl cube; the cube is selected."""
+    bpy.ops.mesh.primitive_cylinder_add(vertices=16, radius=0.5, depth=0.2, location=(0.0, 0.0, 1.1 + DROP))
+    prop = bpy.context.object
+    prop.name = "Weight"
+    prop.dimple.collider = prop.dimple.is_prop = True
+    prop.select_set(False)
+    cube.select_set(True)
+    bpy.context.view_layer.objects.active = cube
+    return prop
+
+
+def advance(bpy: ModuleType, seconds: float) -> None:
+    from bl_ext.user_default.dimple.operators import live
+
+    for _ in range(round(30 * seconds)):
+        assert live.advance(bpy.context, 1 / 30) == []
+
+
+def test_it_falls_dents_the_body_and_is_put_back_bit_for_bit(
+    bpy: ModuleType, sessions: Any, weight: Any, cube: Any
+) -> None:
+    from bl_ext.user_default.dimple.operators import live
+
+    before = np.array(weight.matrix_basis)
+    live.start_all(bpy.context)
+    advance(bpy, 0.6)
+    (body,) = sessions.sessions.values()
+    low = weight.matrix_world.translation.z - 0.1
+    assert low < 1.0 - 0.004, "it has sunk in"
+    middle = np.linalg.norm(body.session.skin()[:, :2], axis=1).argmin()
+    assert body.session.skin()[middle, 2] < 0.0825 - 5e-4
+    sessions.stop_all()
+    np.testing.assert_array_equal(np.array(weight.matrix_basis), before)
+
+
+def test_a_heavier_one_sinks_deeper_and_its_mass_can_be_changed_while_it_rests(
+    bpy: ModuleType, sessions: Any, weight: Any
+) -> None:
+    from bl_ext.user_default.dimple.operators import live
+
+    weight.dimple.prop_mass_kg = 0.3
+    live.start_all(bpy.context)
+    advance(bpy, 0.6)
+    light = weight.matrix_world.translation.z
+    weight.dimple.prop_mass_kg = 2.0
+    advance(bpy, 0.6)
+    assert weight.matrix_world.translation.z < light - 0.02
+    sessions.stop_all()
+
+
+def test_a_prop_without_a_mass_is_refused_in_words(bpy: ModuleType, sessions: Any, weight: Any) -> None:
+    from bl_ext.user_default.dimple.core.errors import DimpleError
+    from bl_ext.user_default.dimple.operators import live
+
+    weight.dimple.prop_mass_kg = 0.0
+    with pytest.raises(DimpleError, match="greater than 0 kg"):
+        live.start_all(bpy.context)
+    sessions.stop_all()
+
+
+def test_a_bake_keyframes_where_it_falls(bpy: ModuleType, sessions: Any, weight: Any, tmp_path: Any) -> None:
+    bpy.context.scene.dimple.cache_dir = str(tmp_path)
+    start = weight.matrix_world.translation.z
+    assert bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=12) == {"FINISHED"}
+    heights = []
+    for frame in (1, 6, 12):
+        bpy.context.scene.frame_set(frame)
+        heights.append(weight.matrix_world.translation.z)
+    assert heights[0] == pytest.approx(start) and heights[1] < start - 0.01 and heights[2] < heights[0] - DROP

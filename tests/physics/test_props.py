@@ -1,0 +1,149 @@
+"""A prop falls on a soft body, sinks in until the body carries its weight, and rests there."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core import fields
+from core.base import DimpleError, Floats, Ints
+from core.body import pressure, shape_matching, springs
+from core.body.model import Model, build_model
+from core.material import PRESETS
+from core.mesh.surface import base_vertices
+from core.props import PropWorld
+from core.session import Session
+from core.solver import rigid
+from core.solver.scene import Collider
+from core.world import World
+from studies.scenes import cube
+from tests.bodies import backends
+
+G, SIDE = 9.81, 0.165
+DISC, THICK = 0.04, 0.02  # [m] radius and height of a flat weight
+ABOVE = 0.002  # [m] where it falls from
+
+
+def block(size: Sequence[float]) -> tuple[Floats, Ints]:
+    """Return a box about the origin."""
+    import trimesh
+
+    box = trimesh.creation.box(size)
+    return np.array(box.vertices), np.array(box.faces)
+
+
+def disc() -> tuple[Floats, Ints]:
+    import trimesh
+
+    made = trimesh.creation.cylinder(radius=DISC, height=THICK, sections=24)
+    return np.array(made.vertices) + [0, 0, SIDE / 2 + THICK / 2 + ABOVE], np.array(made.faces)
+
+
+def vinyl(cells: int = 12, **changes: float) -> Model:
+    mesh = cube(cells, SIDE)
+    material = replace(PRESETS[1].material, damping_ratio=0.5, **changes)  # type: ignore[arg-type]
+    return build_model(mesh, [material], held=base_vertices(mesh))
+
+
+def falling(session: Session, start: Floats, faces: Ints, mass: float) -> PropWorld:
+    return PropWorld([session], [Collider(np.ascontiguousarray(start.T), faces)], masses=[mass])
+
+
+def led(model: Model, depth: float) -> float:
+    """Return the force [N] with which a body answers the disc that is led to a depth [m]."""
+    (start, faces), session = disc(), Session(model)
+    world = World([session], [Collider(np.ascontiguousarray(start.T), faces)])
+    for share in np.linspace(0, 1, 21)[1:]:
+        world.set_colliders([start - [0, 0, share * (ABOVE + depth)]])
+        world.step(0.03)
+    world.set_colliders([None])
+    world.step(0.6)
+    return float(world.step(0.1).forces[1, 2])
+
+
+@pytest.mark.parametrize(
+    "mass", [pytest.param(0.5, marks=pytest.mark.slow), 1.0, pytest.param(2.0, marks=pytest.mark.slow)]
+)
+def test_it_rests_at_the_depth_at_which_the_body_answers_its_weight(mass: float) -> None:
+    model, (start, faces) = vinyl(), disc()
+    session = Session(model)
+    world = falling(session, start, faces, mass)
+    world.step(2.0)
+    depth = SIDE / 2 - float(world.positions(0)[:, 2].min())
+    assert led(model, depth) == pytest.approx(mass * G, rel=0.02), "as much as if it were held there"
+    assert 0 < fields.depth(session).max() - depth < 0.0025, "but for the distance at which surfaces touch"
+    assert np.linalg.norm(world.states[0].velocity) < 0.01
+
+
+def test_what_falls_free_falls_as_newton_says_and_keeps_its_spin() -> None:
+    points, faces = block((0.1, 0.06, 0.02))
+    shape = rigid.rigid_shape(points + [0.5, 0, 0], faces, 2.0)
+    np.testing.assert_allclose(shape.centre, [0.5, 0, 0], atol=1e-9)
+    wanted = 2.0 / 12 * np.array([0.06**2 + 0.02**2, 0.1**2 + 0.02**2, 0.1**2 + 0.06**2])
+    np.testing.assert_allclose(np.diag(shape.inertia), wanted, rtol=1e-2)
+    state = rigid.at_rest(shape)
+    rigid.push(state, shape.mass, np.zeros(3), shape.inertia @ [2.0, 9.0, 1.0])
+    before, momentum = rigid.energy(shape, state, np.zeros(3)), state.momentum.copy()
+    for _ in range(1000):
+        rigid.push(state, shape.mass, 1e-3 * shape.mass * np.array([0, 0, -G]), np.zeros(3))
+        rigid.move(shape, state, 1e-3)
+    assert state.centre[2] == pytest.approx(-G / 2, rel=2e-3)
+    np.testing.assert_array_equal(state.momentum, momentum)
+    state.velocity[:] = 0
+    assert rigid.energy(shape, state, np.zeros(3)) == pytest.approx(before, rel=0.02)
+    gaps = np.linalg.norm(rigid.positions(shape, state)[:, None] - rigid.positions(shape, state), axis=2)
+    np.testing.assert_allclose(gaps, np.linalg.norm(points[:, None] - points, axis=2), atol=1e-12)
+
+
+@pytest.mark.parametrize("backend", backends("native64", "numpy")[:1])
+def test_energy_does_not_grow(backend: str) -> None:
+    model, (start, faces) = vinyl(), disc()
+    session, gravity = Session(model, backend=backend), np.array([0.0, 0.0, -G])
+    world = falling(session, start, faces, 1.0)
+    begun, left = rigid.energy(world.shapes[0], world.states[0], gravity), [0.0]
+    for _ in range(250):
+        world.step(0.001)
+        left.append(held_by(session, model) + rigid.energy(world.shapes[0], world.states[0], gravity) - begun)
+    lowest = np.minimum.accumulate(left)
+    assert lowest[-1] < -0.008, "it has sunk in"
+    # a tick's speed is half a tick ahead of its place
+    assert (left - lowest).max() < G * np.sqrt(2 * G * ABOVE) * 0.001, "nothing comes back"
+
+
+def held_by(session: Session, model: Model) -> float:
+    """Return the energy of a body's motion and shape [J]."""
+    x, v, pose = session.body.positions(), session.body.velocities(), (np.eye(3), np.zeros(3))
+    moving = 0.5 * float((model.mass * (v * v).sum(axis=0)).sum())
+    shape = springs.energy(model.springs, x) + shape_matching.energy(model.matching, x, pose)
+    return moving + shape + pressure.energy(model.pressure, x)
+
+
+def test_a_ball_that_lands_beside_the_middle_of_a_ball_rolls_off_it() -> None:
+    import trimesh
+
+    from studies.scenes import ball
+
+    mesh = ball(2, 0.08)
+    session = Session(build_model(mesh, [PRESETS[1].material], held=base_vertices(mesh)))
+    small = trimesh.creation.icosphere(2, 0.02)
+    world = falling(session, np.array(small.vertices) + [0.05, 0, 0.095], np.array(small.faces), 0.1)
+    world.step(0.5)
+    assert world.states[0].centre[0] > 0.1 and world.states[0].centre[2] < 0.02
+    assert rigid.spin(world.shapes[0], world.states[0])[1] > 1.0, "it turns as it rolls"
+
+
+def test_a_prop_without_mass_or_faces_is_refused() -> None:
+    start, faces = disc()
+    for mass in (0.0, float("inf"), float("nan")):
+        with pytest.raises(DimpleError, match="greater than 0 kg"):
+            rigid.rigid_shape(start, faces, mass)
+    with pytest.raises(DimpleError, match="no faces"):
+        rigid.rigid_shape(np.zeros((3, 3)), np.array([[0, 1, 2]]), 1.0)
+
+
+def test_a_sheet_is_a_shell_whose_centre_is_its_own() -> None:
+    points = np.array([[0.0, 0, 0], [0.2, 0, 0], [0.2, 0.1, 0], [0, 0.1, 0]])
+    shape = rigid.rigid_shape(points, np.array([[0, 1, 2], [0, 2, 3]]), 3.0)
+    np.testing.assert_allclose(shape.centre, [0.1, 0.05, 0])
+    assert shape.inertia[2, 2] == pytest.approx(3.0 / 12 * (0.2**2 + 0.1**2), rel=1e-2)
