@@ -27,7 +27,6 @@ from . import (
     planning,
     props,
     recorder,
-    sessions,
     shape_keys,
     timeline,
     tuning,
@@ -129,7 +128,7 @@ def simulate(
             _write(plan, bodies, frame)
             yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
         _close(bodies)
-        sessions.fallen.clear()
+        props.fallen.clear()
         props.keyframe(poses)
         for body in bodies:
             for part, path in _files(body):

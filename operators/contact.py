@@ -15,7 +15,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.base import DimpleError
-from . import bridge, props
+from . import bridge
 
 if TYPE_CHECKING:
     from ..core.base import Floats, Ints
@@ -63,7 +63,7 @@ def worlds_of(
     if not is_on(context.scene):
         return []
     colliders = [obj for obj in context.scene.objects if _is_collider(context.scene, obj, bodies)]
-    frictions = [(obj.session_uid, obj.dimple.collider_friction, props.mass_of(obj)) for obj in colliders]
+    frictions = [(obj.session_uid, obj.dimple.collider_friction, _mass_of(obj)) for obj in colliders]
     found = []
     for scale, uids in _groups(bodies).items():
         itself = [bool(bodies[uid][0].dimple.self_contact) for uid in uids]
@@ -114,6 +114,11 @@ def _groups(bodies: Mapping[int, tuple[bpy.types.Object, Session, float]]) -> di
     return groups
 
 
+def _mass_of(obj: bpy.types.Object) -> float | None:
+    """Return the mass of an object that falls [kg], None where it is led."""
+    return obj.dimple.prop_mass_kg if obj.dimple.is_prop else None
+
+
 def _make(
     context: bpy.types.Context,
     key: tuple[Any, ...],
@@ -136,11 +141,11 @@ def _make(
             session.change(session.model, proxy=None)
     names = [obj.name for obj, _, _ in bodies] + [obj.name for obj in colliders]
     falling = {i: (obj.session_uid, obj.name, obj.matrix_world.copy()) for i, obj in enumerate(colliders)}
-    falling = {i: prop for i, prop in falling.items() if props.mass_of(colliders[i]) is not None}
+    falling = {i: prop for i, prop in falling.items() if _mass_of(colliders[i]) is not None}
     running = [session for _, session, _ in bodies]
     if falling:
         world: World = PropWorld(
-            running, made, masses=[props.mass_of(obj) for obj in colliders], gravity=bridge.gravity(context.scene),
+            running, made, masses=[_mass_of(obj) for obj in colliders], gravity=bridge.gravity(context.scene),
             itself=itself, names=names,
         )  # fmt: skip
     else:

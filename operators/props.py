@@ -7,17 +7,13 @@ from typing import TYPE_CHECKING
 import bpy
 from mathutils import Matrix
 
-from . import bridge, sessions
+from . import bridge
 
 if TYPE_CHECKING:
     from .contact import LiveWorld
 
 Poses = dict[int, list[tuple[int, Matrix]]]  # by session_uid: frame and matrix in the scene
-
-
-def mass_of(obj: bpy.types.Object) -> float | None:
-    """Return the mass of an object that falls [kg], None where it is led."""
-    return obj.dimple.prop_mass_kg if obj.dimple.is_prop else None
+fallen: dict[int, tuple[str, Matrix]] = {}  # what has fallen, by session_uid: its name and what to put back
 
 
 def show(live: LiveWorld) -> None:
@@ -26,7 +22,7 @@ def show(live: LiveWorld) -> None:
         obj = bridge.find(uid, name)
         if obj is None:
             continue
-        sessions.fallen.setdefault(uid, (name, obj.matrix_basis.copy()))
+        fallen.setdefault(uid, (name, obj.matrix_basis.copy()))
         pose = Matrix(live.world.pose(index).tolist())
         pose.translation /= live.scale
         obj.matrix_world = pose @ start
@@ -34,11 +30,11 @@ def show(live: LiveWorld) -> None:
 
 def put_back(*, forget: bool = True) -> None:
     """Put all props back to where they were before anything ran."""
-    for uid, (name, basis) in sessions.fallen.items():
+    for uid, (name, basis) in fallen.items():
         if obj := bridge.find(uid, name):
             obj.matrix_basis = basis
     if forget:
-        sessions.fallen.clear()
+        fallen.clear()
 
 
 def note(live: LiveWorld, frame: int, poses: Poses) -> None:

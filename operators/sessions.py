@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import bpy
-from mathutils import Matrix
 
 from .messages import Note
 
@@ -136,7 +135,6 @@ class ModalRun:
 sessions: dict[int, LiveBody] = {}
 runs: list[ModalRun] = []
 worlds: list[LiveWorld] = []  # the sessions that are stepped together
-fallen: dict[int, tuple[str, Matrix]] = {}  # props that have fallen, by session_uid: name and what to put back
 disarming: list[Callable[[], None]] = []  # what ends all force of the haptic device: `haptic` adds itself
 
 
@@ -220,7 +218,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     if not sessions and restore and not undoing:
         props.put_back()
     elif not sessions:
-        fallen.clear()
+        props.fallen.clear()
     obj = bridge.find(uid, body.name)
     if obj and restore:
         bridge_write.give_back(obj, body.link, body.borrowed, body.shown, undoing=undoing)
