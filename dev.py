@@ -63,7 +63,9 @@ def test(options: argparse.Namespace) -> int:
     inside = [path for path in paths if Path(path).parts[:2] == ("tests", "blender")]
     outside = [path for path in paths if path not in inside]
     # core and the installed extension are the same modules under two names: one process never holds both
-    rounds = [[outside], [inside]] if paths else [[REAL_TIME], [OTHERS, LONG, BLENDERS_OWN]]
+    folders = [[path] for path in inside if Path(path).is_dir()]
+    files = [path for path in inside if [path] not in folders]
+    rounds = [[outside], [*folders, files]] if paths else [[REAL_TIME], [OTHERS, LONG, BLENDERS_OWN]]
     codes = []
     for places in rounds:
         commands = [[python, "-m", "pytest", *flags, *some] for some in places if some]
