@@ -37,7 +37,7 @@ def field(session: Session, name: str) -> Floats:
 
 def at_rest(session: Session) -> Floats:
     """Return the shape at rest (n, 3) [m] where it is now: it follows the pins, or a body that is free."""
-    rotation, translation = _pose(session.body.model, session.body.positions())
+    rotation, translation = pose_now(session.body.model, session.body.positions())
     rest: Floats = session.model.mesh.rest_positions @ rotation.T + translation
     return rest
 
@@ -65,7 +65,7 @@ def pressure(session: Session) -> Floats:
     are left out, so the sum is that of the contact when the body rests. Of a proxy it is interpolated.
     """
     model, x = session.body.model, session.body.positions()
-    pose = None if model.free else _pose(model, x)
+    pose = None if model.free else pose_now(model, x)
     state = State(positions=x, velocities=np.zeros_like(x), pose=pose)
     state.inner_force = float(session.frame.law_forces.sum())
     normals = vertex_normals(model.mesh.triangles, x.T)
@@ -107,7 +107,7 @@ def profile(session: Session, finger: int) -> tuple[Floats, Floats]:
     return at[order], deep[order]
 
 
-def _pose(model: Model, x: Floats) -> Pose:
+def pose_now(model: Model, x: Floats) -> Pose:
     """Return where the shape at rest is for positions (3, n) [m] of a model."""
     if model.free:
         return pose_of(model.matching, x, None)

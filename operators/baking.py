@@ -230,13 +230,12 @@ def _matrix(body: Baked) -> np.ndarray:
 
 def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
-        shown = body.session.frame
         local = bridge.to_local(body.link, _matrix(body), body.session.positions())
         if body.cache:
             body.cache.append(local)
         elif (frame - plan.first) % plan.step == 0 or frame == plan.last:
             body.shapes.append((frame, local))
-        body.table.append(frame, shown.time, shown)
+        body.table.append(frame, body.session.frame.time, body.session)
 
 
 def _files(body: Baked) -> list[tuple[Path, Path]]:

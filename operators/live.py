@@ -187,7 +187,7 @@ def finish(body: LiveBody) -> list[str]:
     local = showing.show(_object(body), body)
     if body.recorder:
         try:
-            body.recorder.append(frame.time, local, frame)
+            body.recorder.append(frame.time, local, body.session)
         except OSError as error:
             ended = body.recorder.cut_short(body.name, error)
             messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]

@@ -26,9 +26,8 @@ def begin(context: bpy.types.Context) -> None:
             path = output.take_path(context, obj)
             local = bridge.to_local(body.link, body.matrix, body.session.positions())
             with output.plain_os_errors("Recording"):
-                each = recorder.Recorder(
-                    path, context.scene.frame_current, render.fps / render.fps_base, body.frame.time, local, body.frame
-                )
+                fps = render.fps / render.fps_base
+                each = recorder.Recorder(path, context.scene.frame_current, fps, body.frame.time, local, body.session)
             begun.append((body, each))
     except DimpleError:
         for _, each in begun:

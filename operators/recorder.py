@@ -11,14 +11,17 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 from ..core.recording import PointCache
 
 if TYPE_CHECKING:
-    from ..core.session import Frame
+    from ..core.session import Session
     from .bridge import Singles
 
 FINGERS = 3
 
 
 class ForceTable:
-    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3], work of the fingertips [J]; steps."""
+    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3], energy [J]; steps.
+
+    work_j is what the fingertips have put in, elastic_j what the shape holds, kinetic_j what the motion does.
+    """
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w", buffering=1, newline="", encoding="utf-8")  # a line is the system's once written
@@ -26,18 +29,22 @@ class ForceTable:
         columns = ["frame", "time_s"]
         for number in range(1, FINGERS + 1):
             columns += [f"force_{number}_n", f"law_force_{number}_n", f"depth_{number}_mm"]
-        self._rows.writerow([*columns, "pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "steps"])
+        columns += ["pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "elastic_j", "kinetic_j", "steps"]
+        self._rows.writerow(columns)
 
-    def append(self, number: float, time_s: float, frame: Frame) -> None:
+    def append(self, number: float, time_s: float, session: Session) -> None:
         """Add the line of one frame of the animation."""
-        row: list[float] = []
+        from ..core.energy import energies
+
+        frame, row = session.frame, list[float]()
         for i in range(FINGERS):
             down = i < len(frame.finger_forces)
             force = float((frame.finger_forces[i] ** 2).sum() ** 0.5) if down else 0.0
             law, depth = (float(frame.law_forces[i]), float(frame.depths[i])) if down else (0.0, 0.0)
             row += [force, law, depth * 1e3]
         numbers = [
-            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, frame.total_steps
+            time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, *energies(session),
+            frame.total_steps,
         ]  # fmt: skip
         self._rows.writerow([f"{number:g}", *(f"{value:.9g}" for value in numbers)])
 
@@ -57,14 +64,14 @@ class Recorder:
         local: (N, 3) the coordinates that show now.
     """
 
-    def __init__(self, path: Path, start_frame: int, fps: float, time: float, local: Singles, frame: Frame) -> None:
+    def __init__(self, path: Path, start_frame: int, fps: float, time: float, local: Singles, session: Session) -> None:
         self._path, self._start_frame, self._fps = path, start_frame, fps
         self._began = self._time = time
         self._local = local
         with contextlib.ExitStack() as self._files:
             self._cache = open_file(self._files, path, lambda name: PointCache(name, len(local), start_frame))
             self._table = open_file(self._files, path.with_suffix(".csv"), ForceTable)
-            self.append(time, local, frame)
+            self.append(time, local, session)
             self._files = self._files.pop_all()
 
     @property
@@ -72,8 +79,8 @@ class Recorder:
         """Return the path of the PC2 file and its first frame."""
         return str(self._path), self._start_frame
 
-    def append(self, time: float, local: Singles, frame: Frame) -> None:
-        """Take in the state at a time [s]; what falls on frames in between is interpolated.
+    def append(self, time: float, local: Singles, session: Session) -> None:
+        """Take in the state of a session at a time [s]; what falls on frames in between is interpolated.
 
         Raises:
             OSError: the disk refuses; what was written before is kept.
@@ -83,7 +90,7 @@ class Recorder:
             self._time = time
         span = time - self._time
         while (due := self._began + self._cache.samples / self._fps) <= time + 1e-9:
-            self._table.append(self._start_frame + self._cache.samples, due - self._began, frame)
+            self._table.append(self._start_frame + self._cache.samples, due - self._began, session)
             self._cache.append(local if time - due < 1e-9 else self._between(local, (due - self._time) / span))
         self._time, self._local = time, local
 

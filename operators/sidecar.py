@@ -42,7 +42,7 @@ def describe(
         "frame_rate": render.fps / render.fps_base,
         "metres_per_scene_unit": bridge.scale_and_top(context, obj)[0],
         "scene_unit_scale": context.scene.unit_settings.scale_length,
-        "table_units": "force N, depth mm, pressure Pa, volume m3, work of the fingertips J, time s",
+        "table_units": "force N, depth mm, pressure Pa, volume m3, work and energy J, time s",
         "seeds": [],  # nothing is random: the same file gives the same bytes
         "simulation": simulated or "a bake or recording made before this export",
         "body": _plain(obj.dimple.to_params()),

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.body import pressure, shape_matching, springs
 from core.body.model import Model, State
+from core.energy import stored
 
 from .motion import move
 from .scenes import oscillator
@@ -33,10 +33,7 @@ class Trace:
 
 def energy(model: Model, state: State) -> float:
     """Return potential and kinetic energy [J], gravity left out."""
-    x = state.positions
-    stored = springs.energy(model.springs, x) + pressure.energy(model.pressure, x)
-    stored += shape_matching.energy(model.matching, x, state.pose)
-    return stored + float((state.velocities**2).sum(axis=0) @ model.mass) / 2
+    return stored(model, state.positions, state.pose) + float((state.velocities**2).sum(axis=0) @ model.mass) / 2
 
 
 def energy_trace(method: str, *, omega_dt: float, steps: int, samples: int = 100) -> Trace:

@@ -32,6 +32,9 @@ def test_the_table_beside_the_cache_has_force_depth_pressure_and_volume(
     assert held["force_1_n"] > 1 and held["pressure_pa"] > 0
     assert 0.9 < held["volume_m3"] / held["rest_volume_m3"] < 1
     assert rows[0]["force_1_n"] == 0 and held["force_2_n"] == 0
+    # of what the fingertip puts in the body holds most, and damping takes the rest
+    assert rows[0]["elastic_j"] == pytest.approx(0, abs=1e-6) and held["elastic_j"] > 0.5 * held["work_j"] > 0.01
+    assert all(row["elastic_j"] + row["kinetic_j"] < 1.02 * row["work_j"] + 1e-4 for row in rows)
 
 
 def test_the_demo_sums_up_the_table_that_a_bake_writes(
