@@ -34,14 +34,25 @@ def opened(parent: Path) -> Iterator[Path]:
         with _held(folder):
             yield folder
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        _remove(folder)
 
 
 def clear(parent: Path) -> None:
     """Delete the folders that killed Blenders of this computer left in a place."""
     for lock in sorted(parent.glob(f"{_prefix()}*/{LOCK}")):
         if _is_free(lock):
-            shutil.rmtree(lock.parent, ignore_errors=True)
+            _remove(lock.parent)
+
+
+def _remove(folder: Path) -> None:
+    """Delete a folder, its lock last: whoever is killed on the way leaves what can be found again."""
+    with contextlib.suppress(OSError):
+        for path in folder.iterdir():
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            elif path.name != LOCK:
+                path.unlink(missing_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _prefix() -> str:

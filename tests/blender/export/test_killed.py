@@ -1,6 +1,7 @@
 """An export or a bake that is killed leaves whole files under their names, and what can be read beside them."""
 
 import json
+import os
 import random
 import signal
 import subprocess
@@ -124,3 +125,21 @@ def test_the_folders_of_those_that_are_at_work_are_left_alone(bpy: ModuleType, t
         work_folder.clear(tmp_path)
         assert (running / "half").exists() and elsewhere.exists() and not begun.exists()
     assert sorted(path.name for path in tmp_path.iterdir()) == [elsewhere.name]
+
+
+def test_the_lock_of_a_folder_is_deleted_last_so_that_one_half_deleted_is_found_again(
+    bpy: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import work_folder
+
+    gone, unlink = [], os.unlink
+
+    def noted(path: Any, **options: Any) -> None:
+        gone.append(os.path.basename(path))
+        unlink(path, **options)
+
+    with work_folder.opened(tmp_path) as folder:
+        for number in range(20):
+            (folder / f"frame_{number}").touch()
+        monkeypatch.setattr(os, "unlink", noted)
+    assert len(gone) == 21 and gone[-1] == "lock" and not folder.exists()
