@@ -9,6 +9,7 @@ from ..operators import twins
 from ..operators.names import MAPS, Op
 from ..operators.sessions import identifying, sessions
 from . import calibration, device, experiment, readout
+from .contact import DIMPLE_PT_contact
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
 
@@ -102,40 +103,6 @@ class DIMPLE_PT_body(bpy.types.Panel):
         row = layout.row()
         row.active = settings.size_mode == "CUSTOM"
         row.prop(settings, "size_mm")
-
-
-class DIMPLE_PT_contact(bpy.types.Panel):
-    """What the object meets."""
-
-    bl_label = "Contact"
-    bl_parent_id = "DIMPLE_PT_body"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "physics"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Show on every object, as the panel it is in."""
-        return context.object is not None
-
-    def draw(self, context: bpy.types.Context) -> None:
-        """Draw the switches of contact."""
-        settings, layout = context.object.dimple, self.layout
-        layout.use_property_split = True
-        layout.enabled = context.object.type == "MESH"
-        layout.prop(settings, "collider")
-        row = layout.row()
-        row.active = settings.collider and not settings.enabled
-        row.prop(settings, "collider_friction", slider=True)
-        column = layout.column()
-        column.active = settings.collider and not settings.enabled
-        column.prop(settings, "is_prop")
-        row = column.row()
-        row.active = settings.is_prop
-        row.prop(settings, "prop_mass_kg")
-        row = layout.row()
-        row.active = settings.enabled
-        row.prop(settings, "self_contact")
 
 
 class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):

@@ -10,6 +10,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 
 from ..operators.calibration import further_constants
 from ..operators.names import MAPS, PLACES, TIPS
+from .contact import ContactSettings
 from .device import DevicePlace
 from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
 from .translations import CONTEXT
@@ -182,7 +183,7 @@ def _map(which: int) -> StringProperty:
     return StringProperty(name=label, description=f"Vertex group or float attribute that paints {meaning}", **FIXED)
 
 
-class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
+class DIMPLE_PG_object(ContactSettings, ReductionSettings, bpy.types.PropertyGroup):
     """The settings that make an object a soft body."""
 
     enabled: BoolProperty(name="Dimple", description="Make this mesh a soft body that can be pressed", **FIXED)
@@ -206,28 +207,6 @@ class DIMPLE_PG_object(ReductionSettings, bpy.types.PropertyGroup):
         name="Size (mm)", description="Largest dimension of the real object",
         default=165.0, min=0.001, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **FIXED,
     )  # fmt: skip
-
-    collider: BoolProperty(
-        name="Dimple Collider",
-        description="Running bodies meet this object, and each other; nothing passes through anything",
-        default=False, **FIXED,
-    )  # fmt: skip
-    collider_friction: FloatProperty(
-        name="Collider Friction",
-        description="Coefficient of friction of this object with bodies that touch it; 0 is frictionless",
-        default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
-    )  # fmt: skip
-    is_prop: BoolProperty(
-        name="Falls", description="The collider is a prop: it falls by its weight, rests in soft bodies and rolls off",
-        default=False, **FIXED,
-    )  # fmt: skip
-    prop_mass_kg: FloatProperty(
-        name="Prop Mass (kg)", description="Mass of what falls", default=1.0, min=0.0, soft_min=0.001, soft_max=100.0,
-        step=10, precision=3, **FIXED,
-    )  # fmt: skip
-    self_contact: BoolProperty(
-        name="Self Contact", description="The body does not pass through itself where it folds", default=False, **FIXED
-    )
 
     def to_params(self) -> dict[str, float | str | None]:
         """Return law_set, pinned, pin_group, the groups of the maps, and size: the largest [m], None as modelled."""

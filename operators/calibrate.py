@@ -57,7 +57,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     )
     filter_glob: StringProperty(
         name="Filter", description="Files that are shown", options={"HIDDEN"},
-        default=";".join(f"*{ending}" for ending in calibration.EXTENSIONS.split(";")),
+        default=calibration.FILTER,
     )  # fmt: skip
     directory: StringProperty(
         name="Folder", description="Of files that are dropped together", subtype="DIR_PATH", options=HIDDEN

@@ -37,7 +37,7 @@ class DIMPLE_OT_calibrate_together(bpy.types.Operator):
     files: CollectionProperty(name="Files", type=DIMPLE_PG_curve_file, options={"SKIP_SAVE"})
     filter_glob: StringProperty(
         name="Filter", description="Files that are shown", options={"HIDDEN"},
-        default=";".join(f"*{ending}" for ending in calibration.EXTENSIONS.split(";")),
+        default=calibration.FILTER,
     )  # fmt: skip
 
     @classmethod
@@ -81,7 +81,7 @@ class DIMPLE_OT_calibrate_together(bpy.types.Operator):
         context.scene.dimple.calibration = calibration.joint_text(alone[0], found)
         first, *rest = lines(found)
         self.report({"INFO"}, first)
-        self.report({"INFO" if found.told else "WARNING"}, rest[0])
+        self.report({"INFO" if found.determined else "WARNING"}, rest[0])
         return {"FINISHED"}
 
     def _alone(self, each: DIMPLE_PG_curve_file, length: float | None):

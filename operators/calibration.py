@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..core.mesh.surface import Mesh
 
 EXTENSIONS = ".csv;.txt;.tsv;.dat;.asc;.tra"
+FILTER = ";".join(f"*{ending}" for ending in EXTENSIONS.split(";"))  # of a file browser
 POINTS = 160  # of the measured curve that are kept, for the chart
 SIMULATED = 40  # and of the simulated one
 BEYOND = 1.5  # knees: how deep is pressed where the depth of the measurement is not known

@@ -17,7 +17,7 @@ FINE = 1.1  # fingertip radii: edges no longer than this show a dent that is the
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
 MOST_VERTICES = 40_000  # of a mesh that is subdivided
 ROUNDS = 7  # of halving edges
-TEXT_DEPTH = 0.15  # of the size of its letters: half of the depth that flat text gets
+TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
 
 
 class DIMPLE_OT_make_soft(bpy.types.Operator):
@@ -126,7 +126,7 @@ def convert(context: bpy.types.Context, obj: bpy.types.Object) -> str:
     from ..core.base import DimpleError
 
     given = ""
-    if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # flat letters are all rim
+    if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # flat characters are all rim
         obj.data.extrude, given = TEXT_DEPTH * obj.data.size, "given a depth and "
     shown = obj.evaluated_get(context.evaluated_depsgraph_get())
     faces = len(shown.to_mesh().polygons)

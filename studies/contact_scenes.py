@@ -152,7 +152,7 @@ def fast_fist(rng: np.random.Generator) -> Played:
 
 
 def collider_ends_inside(rng: np.random.Generator) -> Played:
-    """Lead a ball-shaped collider to the middle of a body that stands fast."""
+    """Lead a ball-shaped collider to the middle of a body that is pinned."""
     tip = _ball(2, 0.015)
     way = _along(tip[0] + (0.06, 0, 0), (-0.06, 0, 0), rest=0.6)
     ball = _moved(_ball(3, 0.04), rng)

@@ -21,7 +21,7 @@ STEPS, ENOUGH = 25, 1e-5  # of the fit at each spread, and the gain of the last 
 CONTACTS = 80  # radii of contact that a round tip's curve is drawn through
 SHIFT = 0.03  # of the depth: how far a touch that is an estimate may be off
 FEWEST = 6  # bins of a curve
-LEAST_KNEE, MOST_KNEE = 0.05, 0.95  # of the depth that the deepest curve reaches: where a knee can be told
+LEAST_KNEE, MOST_KNEE = 0.05, 0.95  # of the depth that the deepest curve reaches: where a knee can be found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -69,7 +69,7 @@ def joint_record(found: Together) -> dict[str, Any]:
         "K2_interval": _interval(found.K2, 1e3),
         "x0_interval": _interval(found.x0, 1e-3) if found.knee else None,
         "spread": found.spread.value * 1e3,
-        "spread_interval": [low * 1e3, high * 1e3 if found.told else None],
+        "spread_interval": [low * 1e3, high * 1e3 if found.determined else None],
         "tip": found.tip.shape,
         "tip_radius": found.tip.radius * 1e3,
         "curves": [

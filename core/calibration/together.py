@@ -81,7 +81,7 @@ class Together:
     curves: tuple[Fitted, ...]
 
     @property
-    def told(self) -> bool:
+    def determined(self) -> bool:
         """Tell whether the curves determine the spread."""
         return math.isfinite(self.interval[1])
 
@@ -129,7 +129,7 @@ def _result(means: Sequence[Means], fits: Sequence[Found], best: Found, knee: bo
     covariance = np.asarray(variance * np.linalg.pinv(slopes.T @ slopes), np.float64)
     ends = [at_spread(means, end, knee) if 0 < end < math.inf else best for end in interval]
     names = [_object_constants(each, means[0], knee) for each in (best, *ends)]
-    # the spread is told by the profile, the others by that and by what is left at the best spread
+    # the error of the spread is by the profile, of the others by that and by what is left at the best spread
     along = np.abs(np.array(names[2]) - names[1]) / (2 * t)
     errors = np.hypot(along, _object_errors(best, means[0], knee, covariance)).tolist()
     constants = [Constant(value=v, error=e, half_width=t * e) for v, e in zip(names[0], errors, strict=True)]
@@ -212,7 +212,7 @@ def lines(found: Together) -> list[str]:
         law += f", K2 = {found.K2.text(1e3)} N/mm, x0 = {found.x0.text(1e-3)} mm"
     low, high = (1e3 * end for end in found.interval)
     spread = f"spread = {1e3 * found.spread.value:.3g} mm, from {low:.3g} to {high:.3g} mm (95 %)"
-    if not found.told:
+    if not found.determined:
         spread = "The spread is not determined: measure with tips of different radius."
     return [
         f"{len(found.curves)} curves together, for a {_tip_text(found.tip)}: {law}", spread,

@@ -141,7 +141,7 @@ def _row(path: Path, number: int, cells: dict[str, str]) -> Row:
             force_max_n=float(cells["force_max_n"]), depth_max_mm=float(cells["depth_max_mm"]),
         )  # fmt: skip
     except (KeyError, TypeError, ValueError) as error:
-        raise DimpleError(f"Row {number} of {path} is damaged ({error}). Mend it or choose another file.") from None
+        raise DimpleError(f"Row {number} of {path} is damaged ({error}). Repair it or choose another file.") from None
     if row.trial != number:
         raise DimpleError(f"Row {number} of {path} is that of trial {row.trial}: rows are missing or there twice.")
     return row

@@ -105,9 +105,9 @@ def order(plan: Plan, participant: str) -> list[Slot]:
     """Return the trials of a participant: tasks in a seeded order, the trials of each shuffled."""
     dice = random.Random(f"{plan.seed} {participant}")
     names = sorted({task.object for task in plan.tasks})
-    letters = [chr(ord("A") + i) if i < 26 else f"A{i}" for i in range(len(names))]
-    dice.shuffle(letters)
-    label = dict(zip(names, letters, strict=True))
+    labels = [chr(ord("A") + i) if i < 26 else f"A{i}" for i in range(len(names))]
+    dice.shuffle(labels)
+    label = dict(zip(names, labels, strict=True))
     tasks = list(range(len(plan.tasks)))
     dice.shuffle(tasks)
     slots = []

@@ -1,6 +1,6 @@
 """Where the servo's process keeps the touched body: takes parcels, runs it beside the servo, posts frames.
 
-A body that blows up, is too heavy or cannot be read takes all force away, and Blender is told why.
+A body that blows up, is too heavy or cannot be read takes all force away, and its report says why.
 """
 
 from __future__ import annotations

@@ -195,7 +195,7 @@ class TwinScene:
         self._most_touching = max(self._most_touching, count)
 
     def _bound_bodies(self) -> None:
-        """Hold every vertex of the bodies to its bounds; what of momentum that takes is counted."""
+        """Keep every vertex of the bodies to its bounds; what of momentum that takes is counted."""
         x = self._positions()
         far = beyond(self._bounds, x)
         for index, (body, part) in enumerate(zip(self._bodies, self._part, strict=False)):

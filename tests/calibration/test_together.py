@@ -45,7 +45,8 @@ def measured(tips: Sequence[Indenter], spread: float, noise: float = 0.01, seed:
 def test_two_tips_of_different_radius_determine_the_spread(spread: float) -> None:
     found = fit_together(measured([sphere(5), punch(15)], spread))
     low, high = found.interval
-    assert found.told and found.spread.value == pytest.approx(spread, rel=0.08) and low < spread < high < 1.5 * low
+    assert found.determined and found.spread.value == pytest.approx(spread, rel=0.08)
+    assert low < spread < high < 1.5 * low
     assert all(curve.rms < 0.015 for curve in found.curves) and not found.knee
 
 
@@ -60,9 +61,9 @@ def test_the_interval_of_the_spread_holds_it_in_nineteen_of_twenty() -> None:
 
 def test_one_radius_alone_does_not_determine_the_spread() -> None:
     found = fit_together(measured([punch(10), punch(10)], 0.02))
-    assert not found.told and found.interval[1] == math.inf
+    assert not found.determined and found.interval[1] == math.inf
     area = bed_area(punch(10), 0.165, 0.02, 0.01)[0]
-    assert found.K1.value == pytest.approx(KAPPA * area, rel=0.02), "what they do tell is told"
+    assert found.K1.value == pytest.approx(KAPPA * area, rel=0.02), "what they do determine is right"
 
 
 def test_the_material_of_a_joint_fit_is_the_one_that_was_measured() -> None:
@@ -120,7 +121,7 @@ def solid(body: str, law: str) -> list[Curve]:
 def test_a_solid_under_several_tips_is_met_by_one_set_of_constants(body: str, law: str) -> None:
     """No membrane on springs is a solid: it is met within a twentieth of full scale."""
     found: Together = fit_together(solid(body, law))
-    assert found.told and 0.005 < found.spread.value < 0.02
+    assert found.determined and 0.005 < found.spread.value < 0.02
     assert len(found.curves) >= 2 and max(curve.rms for curve in found.curves) < 0.05
 
 

@@ -1,6 +1,6 @@
 """A device on a UDP socket, written from PROTOCOL.md alone: `network_device.py PORT GEOMETRY_CRC TRACE`.
 
-Standard library only, nothing of Dimple: it shows that somebody else's device can be one. Its fingertips stand still.
+Standard library only, nothing of Dimple: another maker's device can be one. Its fingertips stand still.
 It ends when its standard input closes, and writes a row a tick: time [s], mode, largest torque word.
 """
 
