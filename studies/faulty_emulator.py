@@ -198,7 +198,8 @@ class FaultyEmulator(Emulator):
         )
 
     def _tick(self, now: float) -> None:
-        self.unplugged |= any(fault.name == "unplug" and fault.acts(now) for fault in self.faults)
+        if any(fault.name == "unplug" and fault.acts(now) for fault in self.faults):
+            self.unplugged = True  # never set back here: a signal may have set it a moment ago
         super()._tick(now)
         self._mode = self.mode
 

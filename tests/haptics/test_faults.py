@@ -8,8 +8,10 @@ import pytest
 
 from core.errors import DimpleError
 from core.haptics import wire
+from core.haptics.spec import load_spec
 from studies.emulator import measured
 from studies.faults import FAULTS, FOREVER, InjectedFault, parse_fault
+from studies.faulty_emulator import FaultyEmulator
 from tests.haptics.bit_errors import lost_share
 from tests.haptics.host import Table
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS, sizes, up
@@ -140,6 +142,19 @@ def test_an_unplugged_device_sends_nothing_more() -> None:
     n = len(table.host.states)
     assert table.device.unplugged and n == pytest.approx(698, abs=3)
     assert len(table.run(0.1).host.states) == n
+
+
+def test_a_signal_amid_a_tick_still_ends_the_device() -> None:
+    """The handler sets `unplugged` between any two steps of the interpreter: here while a fault is asked for its time."""
+
+    class Signal(InjectedFault):
+        def acts(self, now: float) -> bool:
+            device.unplugged = True
+            return False
+
+    device = FaultyEmulator(load_spec(), faults=[Signal("unplug", 1.0)])
+    device.step(0.0, b"")
+    assert device.unplugged
 
 
 def test_a_device_that_stalls_lets_go() -> None:
