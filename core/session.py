@@ -106,13 +106,18 @@ class Session:
             raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
         self.tick = tick
         self.backend, self.backend_note = choose_backend(backend)
+        self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         moves = self._define(model, proxy)
         self.body = create(moves, surface=model, backend=self.backend)
         self.reset()
 
     def reset(self) -> None:
-        """Put the body back to rest and let go of it."""
-        self.body.set_state(self.body.model.matching.rest)
+        """Put the body back to rest, in the shape of its model, and let go of it."""
+        if self._bent is not None:  # made anew, so that the same motion gives the same bits again
+            self.body = create(self._moves, surface=self.model, backend=self.backend)
+        self._bent = None
+        self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
+        self.body.set_state(self._moves.matching.rest)
         self._time, self._ticks, self._cost, self._work = 0.0, 0, 0.0, 0.0
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._pushes = False  # a force pushes one of them
@@ -152,6 +157,24 @@ class Session:
         if not np.isfinite(positions[self._input_of][self._followed]).all():
             raise DimpleError("A held vertex has a position that is not a number.")
         self._pins_target = positions[self._input_of].T
+
+    def set_rest(self, positions: Floats) -> None:
+        """Say which shape at rest the input vertices (N, 3) [m] have at the end of the next step, as a rig bends it.
+
+        Where the model is rigged that is also where it is; else only the shape counts. What carries the skin of a proxy
+        knows one shape alone, so the mesh is simulated in full from then on.
+
+        Raises:
+            DimpleError: another number of vertices, or positions that are not numbers.
+        """
+        positions = np.asarray(positions, np.float64)
+        if positions.shape != (len(self.model.mesh.source), 3):
+            raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
+        if not np.isfinite(positions).all():
+            raise DimpleError("The shape at rest has a position that is not a number.")
+        if self.proxy is not None:
+            self.change(self.model)
+        self._bent_target = positions[self._input_of].T
 
     def step(self, dt: float, *, budget: float | None = None) -> Frame:
         """Advance by dt [s] in whole ticks; what is left over is carried to the next call.
@@ -204,6 +227,7 @@ class Session:
         if ticks > 1:
             first = self._share((self._ticks + 1) * self.tick)
         self._way.pins = self._pins(first, last)
+        self._bend(ticks)
         return Motion(ticks, substeps or self.substeps, self.tick, self._fingertips(first, last), self._way.pins)
 
     def take(self, result: motion.Frame) -> bool:
@@ -305,7 +329,7 @@ class Session:
             self.body.set_state(at.T, speed.T)
             for tip in filter(None, self._tips):
                 tip.scale(scale)
-            self._pins_target = None
+            self._pins_target = self._bent = self._bent_target = None
         self._define(model, proxy)
         self._pins_origin, self._shown = skin.T, None
 
@@ -313,7 +337,7 @@ class Session:
         """Set what follows from a model and its proxy; return the one that moves."""
         moves = proxy.model if proxy else model
         self.substeps = moves.substeps(self.tick)
-        self.model, self.proxy = model, proxy
+        self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
         self._input_of = input_vertices(model.mesh)
         # the vertices of the mesh whose places are prescribed
@@ -344,6 +368,18 @@ class Session:
 
     def _fingertips(self, first: float, last: float) -> tuple[FingertipMotion | None, ...]:
         return tuple([tip.motion(first, last) if tip else None for tip in self._tips])
+
+    def _bend(self, ticks: int) -> None:
+        """Let the shape at rest go on in the ticks that follow."""
+        if self._bent_target is None or not ticks:
+            return
+        before = self._moves.matching.rest if self._bent is None else self._bent
+        share, left = self._share((self._ticks + ticks) * self.tick), 1 - max(self._share(self._ticks * self.tick), 0.0)
+        done = 1.0 if share >= 1 else 1 - (1 - share) / left
+        self._bent = self._bent_target if done == 1 else before + done * (self._bent_target - before)
+        self.body.set_rest(self._bent, (self._bent - before) / (ticks * self.tick))
+        if done == 1:
+            self._bent_target = None
 
     def _pins(self, first: float, last: float) -> PinMotion | None:
         if self._pins_target is None:
@@ -377,7 +413,7 @@ class Session:
             tuple([self._material_of[touch.triangle] if touch else -1 for touch in touches]),
             self._last.pressure,
             self._last.volume * self._volume_scale,
-            self.model.mesh.volume,
+            self.body.rest_volume * self._volume_scale,
             self.substeps,
             steps,
             cost,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core.base import Floats
+from core.base import DimpleError, Floats
 from core.body.model import Model
 from core.haptics.mailbox import Mailbox
 from core.haptics.parcel import Change, frame_size, pack_changes, unpack_frame
@@ -79,6 +79,15 @@ class RemoteBody:
         self.model = model
         self.surface = surface or self.surface
         self._changes.append(("constants", model, self.surface))
+
+    def set_rest(self, rest: Floats, rate: Floats | None = None) -> None:
+        """Refuse: what goes to the other process knows no shape at rest that moves."""
+        raise DimpleError("A body in another process keeps its shape at rest.")
+
+    @property
+    def rest_volume(self) -> float:
+        """Return the volume at rest [m3]."""
+        return self.local.rest_volume
 
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s]."""

@@ -57,6 +57,7 @@ class Model:
     decay: bound on the highest damping rate [1/s].
     notes: sentences for the artist.
     maps: what is painted, None where nothing is known of it.
+    rigged: the shape at rest stays where it is laid, as a rig does, instead of following the body or its pins.
     """
 
     mesh: Mesh
@@ -75,11 +76,13 @@ class Model:
     decay: float
     notes: tuple[str, ...]
     maps: Maps | None = None
+    rigged: bool = False
 
     @property
     def free(self) -> bool:
         """Tell whether the shape at rest follows the body rather than the pins."""
-        return not spans_a_plane(self.mesh.rest_positions[self.held & ~self.mesh.loose], self.mesh.size)
+        pinned = self.mesh.rest_positions[self.held & ~self.mesh.loose]
+        return not self.rigged and not spans_a_plane(pinned, self.mesh.size)
 
     def substeps(self, tick: float) -> int:
         """Return how many steps of an explicit method a tick [s] needs.
@@ -144,6 +147,7 @@ def build_model(
     thickness: Floats | None = None,
     gravity: Sequence[float] = (0.0, 0.0, 0.0),
     ground: float | None = None,
+    rigged: bool = False,
 ) -> Model:
     """Give a mesh its materials.
 
@@ -154,6 +158,7 @@ def build_model(
         softness, knee, spread, thickness: what is painted on each input vertex (N,), 0.5 as measured; see `maps`.
         gravity: (3,) [m/s2].
         ground: height [m] of a plane that nothing sinks below.
+        rigged: something else places its shape at rest, see `Model`.
 
     Raises:
         DimpleError: no material, an unknown law set, or maps of the wrong length.
@@ -192,7 +197,7 @@ def build_model(
         knees=np.reshape([maps.deeper * _vertex_mean(mesh, c) for c in pieces[: len(more), 0]], (-1, n)),
         fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground, notes=sunk,
     )  # fmt: skip
-    return replace(model, maps=maps)
+    return replace(model, maps=maps, rigged=rigged)
 
 
 def assemble(

@@ -44,6 +44,7 @@ class ShapeMatching:
     pull: (3, n) sum_j t_ij (r_j - r_i) over the places at rest [N].
     more: (p, n) stiffness that further pieces add [N/m], beyond
     knees: (p, n) their knees [m].
+    rate: (3, n) how fast the places at rest move [m/s], None where they do not.
     """
 
     rest: Floats
@@ -57,6 +58,7 @@ class ShapeMatching:
     pull: Floats
     more: Floats
     knees: Floats
+    rate: Floats | None = None
 
 
 def build_shape_matching(
@@ -144,6 +146,8 @@ def force(
     f = tension_force(law.pairs, law.tension, u) - _secant(law, u) * u
     if v is not None:
         moving = shape_velocity(law, pose_rate) if pose is not None else rigid_velocity(law.mass, x, v)
+        if law.rate is not None:
+            moving = moving + rotation @ law.rate
         f -= law.damping * (v - moving)
     if pose is None:
         f -= law.mass * rigid_velocity(law.mass, x, f / law.mass)

@@ -29,13 +29,14 @@ from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 7
+ABI = 8
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
 _SIGNATURES: dict[str, tuple[Any, ...]] = {  # fmt: skip
     "dm_create": (POINTER(c_void_p), POINTER(BodyDef), c_int32, c_int32),
     "dm_set_constants": (c_void_p, POINTER(Constants)),
+    "dm_set_rest": (c_void_p, c_void_p, c_void_p),
     "dm_set_state": (c_void_p, c_void_p, c_void_p),
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
     "dm_step": (c_void_p, c_void_p, c_void_p),  # addresses: made once, and quicker to hand over
@@ -105,6 +106,7 @@ def load(path: Path) -> ctypes.CDLL:
     library.dm_message.restype = library.dm_instructions.restype = ctypes.c_char_p
     for name in ("dm_destroy", "dm_scene_destroy"):
         getattr(library, name).argtypes, getattr(library, name).restype = [c_void_p], None
+    library.dm_rest_volume.argtypes, library.dm_rest_volume.restype = [c_void_p], c_double
     library.dm_default_body_def.argtypes, library.dm_default_body_def.restype = [POINTER(BodyDef)], None
     for name, arguments in _SIGNATURES.items():
         getattr(library, name).argtypes = arguments

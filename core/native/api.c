@@ -29,6 +29,7 @@ struct dm_body {
     dm_state *state;
     const dm_methods *does;
     int64_t vertices, springs, materials; /* materials: that its surface asks for */
+    int64_t surface_vertices;
     double rest_volume;
 };
 
@@ -198,7 +199,8 @@ int32_t dm_create(dm_body **body, const dm_body_def *def, int32_t bits, int32_t 
     DM_CHECK(dm_check_constants(&def->constants, def->vertices, def->springs, materials, def->rest_volume));
     dm_body *made = malloc(sizeof *made);
     if (!made) return DM_MEMORY;
-    *made = (dm_body){NULL, does, def->vertices, def->springs, materials, def->rest_volume};
+    *made = (dm_body){NULL, does, def->vertices, def->springs, materials, def->surface_vertices,
+                        def->rest_volume};
     int32_t code = does->create(&made->state, def);
     if (code != DM_OK) return free(made), code;
     *body = made;
@@ -216,6 +218,17 @@ int32_t dm_set_constants(dm_body *body, const dm_constants *constants) {
     DM_CHECK(dm_check_constants(constants, body->vertices, body->springs, body->materials, body->rest_volume));
     return body->does->set_constants(body->state, constants);
 }
+
+int32_t dm_set_rest(dm_body *body, const double *rest, const double *rate) {
+    if (!body || !rest) return DM_SIZE;
+    if (body->surface_vertices != body->vertices) return DM_OPTION;
+    DM_CHECK(dm_check_numbers(3 * body->vertices, rest, 0));
+    if (rate) DM_CHECK(dm_check_numbers(3 * body->vertices, rate, 0));
+    body->does->set_rest(body->state, rest, rate);
+    return DM_OK;
+}
+
+double dm_rest_volume(const dm_body *body) { return body ? body->does->rest_volume(body->state) : 0; }
 
 int32_t dm_set_state(dm_body *body, const double *positions, const double *velocities) {
     if (!body || !positions) return DM_SIZE;

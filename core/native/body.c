@@ -4,7 +4,8 @@
 static void dm_state_destroy(dm_state *b) {
     void *const parts[] = {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next, b->pieces,
-        b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
+        b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness, b->tension, b->rest_rate,
+        b->pull_rate,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
         b->inverse_mass, b->friction, b->hits, b->before, b->still, b->pin_room, b->shares, b->moved,
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
@@ -27,6 +28,8 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->state = room(b->groups, sizeof(dm_group_state)));
     whole = whole && (b->matter = room(b->groups, sizeof(dm_group_matter)));
     whole = whole && (b->still = room(b->groups, sizeof(dm_vec3)));
+    whole = whole && (b->rest_rate = room(b->groups, sizeof(dm_vec3)));
+    whole = whole && (b->pull_rate = room(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->next = room(b->groups, sizeof(dm_group_next)));
     whole = whole && (b->inverse_mass = room(size, sizeof(dm_real))) && (b->friction = room(size, sizeof(dm_real)));
     whole = whole && (b->before = room(size, sizeof *b->before));
@@ -36,6 +39,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->ends = room(d->springs, sizeof *b->ends));
     whole = whole && (b->rest_length = room(d->springs, sizeof(double)));
     whole = whole && (b->stiffness = room(d->springs, sizeof(double)));
+    whole = whole && (b->tension = room(d->springs, sizeof(double)));
     whole = whole && (b->fans = room(d->fans, sizeof *b->fans)) && (b->caps = room(d->cap_edges, sizeof *b->caps));
     whole = whole && (b->cap_hole = room(d->cap_edges, sizeof(uint32_t)));
     whole = whole && (b->holes = room(d->cap_edges, sizeof *b->holes));
@@ -98,7 +102,7 @@ static void dm_lay_springs(dm_state *b, const dm_body_def *d) {
         int64_t e = d->irregular_spring[k];
         dm_irregular_spring s = {.i = b->ends[e][0], .j = b->ends[e][1], .spring = e,
                               .on_i = d->irregular_end[2 * k], .on_j = d->irregular_end[2 * k + 1]};
-        s.rest = d->rest_length[e], b->irregular[k] = s;
+        b->irregular[k] = s;
     }
     b->irregular_count = d->irregular, b->spring_count = d->springs;
 }
@@ -137,33 +141,61 @@ static double dm_weighted_mean(const dm_state *b, const double *a) {
     return sum / b->mass_total;
 }
 
+/* What depends on the lengths of the springs at rest. */
+static void dm_set_lengths(dm_state *b) {
+    int64_t slots = b->ring.start[b->groups];
+    for (int64_t k = 0; k < slots * DM_LANES; k++) {
+        int32_t e = b->ring_spring[k];
+        b->ring.slots[k / DM_LANES].pull[k % DM_LANES] = e < 0 ? 0 : (dm_real)(b->stiffness[e] * b->rest_length[e]);
+    }
+    for (dm_irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++)
+        s->rest = b->rest_length[s->spring];
+}
+
 static void dm_set_springs(dm_state *b, const dm_constants *c) {
     int64_t slots = b->ring.start[b->groups];
     memcpy(b->stiffness, c->stiffness, (size_t)b->spring_count * sizeof(double) * (b->spring_count > 0));
+    memcpy(b->tension, c->tension, (size_t)b->spring_count * sizeof(double) * (b->spring_count > 0));
     for (int64_t k = 0; k < slots * DM_LANES; k++) {
         int32_t e = b->ring_spring[k];
         dm_slot *s = b->ring.slots + k / DM_LANES;
         s->stiffness[k % DM_LANES] = e < 0 ? 0 : (dm_real)(c->stiffness[e] + c->tension[e]);
-        s->pull[k % DM_LANES] = e < 0 ? 0 : (dm_real)(c->stiffness[e] * b->rest_length[e]);
         s->damping[k % DM_LANES] = e < 0 ? 0 : (dm_real)c->damping[e];
     }
     for (dm_irregular_spring *s = b->irregular; s < b->irregular + b->irregular_count; s++)
         s->stiffness = c->stiffness[s->spring], s->damping = c->damping[s->spring], s->tension = c->tension[s->spring];
+    dm_set_lengths(b);
 }
 
-/* What the tension of shape matching does in the shape at rest. */
-static void dm_set_pull(dm_state *b, const dm_constants *c) {
-    double *pull = b->pin_room; /* free between ticks; by vertex in memory */
+/* Sum t (q_j - q_i) over the neighbours of each vertex into pull (n, 3), by vertex in memory; q of group g lies g strides
+ * behind the first. */
+static void dm_sum_tension(const dm_state *b, const dm_vec3 *first, size_t stride, double *pull) {
     memset(pull, 0, (size_t)(3 * b->n) * sizeof *pull);
     for (int64_t e = 0; e < b->spring_count; e++) {
         uint32_t i = b->ends[e][0], j = b->ends[e][1];
-        dm_quad q = dm_lane3(&b->matter[i / DM_LANES].rest, i), r = dm_lane3(&b->matter[j / DM_LANES].rest, j);
+        const char *from = (const char *)first;
+        dm_quad q = dm_lane3((const dm_vec3 *)(const void *)(from + i / DM_LANES * stride), i);
+        dm_quad r = dm_lane3((const dm_vec3 *)(const void *)(from + j / DM_LANES * stride), j);
         for (int d = 0; d < 3; d++) {
-            double f = c->tension[e] * ((double)r[d] - (double)q[d]);
+            double f = b->tension[e] * ((double)r[d] - (double)q[d]);
             pull[3 * i + (uint32_t)d] += f, pull[3 * j + (uint32_t)d] -= f;
         }
     }
+}
+
+/* What the tension of shape matching does in the shape at rest. */
+static void dm_set_pull(dm_state *b) {
+    double *pull = b->pin_room; /* free between ticks */
+    dm_sum_tension(b, &b->matter->rest, sizeof *b->matter, pull);
     for (uint32_t i = 0; i < b->n; i++) dm_set_lane3(&b->matter[i / DM_LANES].pull, i, dm_quad_of(pull + 3 * i));
+}
+
+static void dm_set_places(dm_state *b) {
+    for (int64_t k = 0; k < b->n; k++) {
+        double rest[3];
+        for (int d = 0; d < 3; d++) rest[d] = b->rest[d * b->n + k] - b->rest_centre[d];
+        dm_set_lane3(&b->matter[b->place[k] / DM_LANES].rest, b->place[k], dm_quad_of(rest));
+    }
 }
 
 static void dm_set_matter(dm_state *b, const dm_constants *c) {
@@ -187,7 +219,7 @@ static void dm_set_matter(dm_state *b, const dm_constants *c) {
         m->mass[l] = (dm_real)c->mass[k], m->inverse_mass[l] = b->inverse_mass[i] = (dm_real)c->inverse_mass[k];
         m->k1[l] = (dm_real)c->k1[k], m->k_more[l] = (dm_real)(c->k2[k] - c->k1[k]);
         m->d0[l] = (dm_real)c->d0[k], m->damping[l] = (dm_real)c->drag[k], b->friction[i] = (dm_real)c->friction[k];
-        double rest[3], first = c->d0[k];
+        double first = c->d0[k];
         for (int64_t p = 0; p < b->piece_count; p++) {
             dm_piece *piece = b->pieces + i / DM_LANES * b->piece_count + p;
             double knee = c->knees[p * b->n + k];
@@ -195,9 +227,8 @@ static void dm_set_matter(dm_state *b, const dm_constants *c) {
             first = knee < first ? knee : first;
         }
         m->first_knee[l] = (dm_real)first;
-        for (int d = 0; d < 3; d++) rest[d] = b->rest[d * b->n + k] - b->rest_centre[d];
-        dm_set_lane3(&m->rest, i, dm_quad_of(rest));
     }
+    dm_set_places(b);
 }
 
 /* The pose as the steps want it: about the centre of the shape at rest, from the origin. */
@@ -256,10 +287,11 @@ static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     dm_free(b->laws);
     dm_free(b->pieces);
     b->laws = laws, b->pieces = pieces, b->piece_count = c->pieces;
-    dm_set_springs(b, c), dm_set_matter(b, c), dm_set_pull(b, c);
+    dm_set_springs(b, c), dm_set_matter(b, c), dm_set_pull(b);
     dm_pin(b, c->inverse_mass);
     if (c->law_set != b->law_set || c->fill != b->fill) dm_forget_pressure(b);
     b->law_set = c->law_set, b->fill = c->fill, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
+    b->rigged = c->rigged != 0;
     memcpy(b->gravity, c->gravity, sizeof b->gravity);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
     dm_place_pose(b);
@@ -288,7 +320,7 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     for (int k = 0; k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;
     memcpy(b->turned, b->pose, sizeof b->turned);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
-    b->led = b->carried = 0;
+    b->led = b->carried = b->moving = 0;
     dm_wake(b);
     dm_forget_pressure(b);
     dm_place_pose(b);

@@ -91,6 +91,7 @@ typedef struct { /* what a fingertip may meet within a tick */
 
 typedef struct { /* a triangle of the surface at rest, below which fingertips are measured */
     double corner[3][3], normal[3];
+    uint32_t vertex[3]; /* of the surface, in the caller's order */
     int64_t index, material;
 } dm_facet;
 
@@ -116,7 +117,7 @@ struct dm_state {
     int64_t irregular_count, fan_count, cap_count, hole_count, triangle_count, spring_count;
     dm_irregular_spring *irregular;
     uint32_t (*ends)[2];
-    double *rest_length, *stiffness; /* (spring_count,) with the ends, in the caller's order */
+    double *rest_length, *stiffness, *tension; /* (spring_count,) with the ends, in the caller's order */
     uint32_t (*fans)[3], (*caps)[2], *cap_hole;
     double (*holes)[7]; /* centre, pull of the rim, number of edges: room for one step */
 
@@ -124,6 +125,9 @@ struct dm_state {
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure;
     int pins_met; /* something held a pin back */
     int free, led, carried; /* the shape at rest follows the body; pins were led; and carry the shape at rest */
+    int rigged, moving;     /* the shape at rest stays where it is laid; it changes in the next motion, */
+    dm_vec3 *rest_rate;     /* (groups,) so fast [m/s], */
+    dm_vec3 *pull_rate;     /* and the pull of its tension with it [N/s] */
     double *pin_room;       /* (9 n) for one tick */
     double pose[12], pose_rate[12]; /* of the shape at rest with its pins, and how fast it changes */
     double turning[12];  /* the rate about the centre of the shape at rest */

@@ -125,6 +125,25 @@ class Body:
             self._call("dm_set_constants", self._handle, byref(constants(model, surface, arrays)))
         self.model, self._surface = model, surface
 
+    def set_rest(self, rest: Floats, rate: Floats | None = None) -> None:
+        """Give the living body another shape at rest (3, n) [m], and with it lengths and volume.
+
+        Args:
+            rate: over the next motion it comes there at this rate (3, n) [m/s]; None: at once.
+
+        Raises:
+            NativeError: a number that is none, or a proxy, which has a surface of its own.
+        """
+        with Arrays() as arrays:
+            if np.shape(rest) != self._shape or (rate is not None and np.shape(rate) != self._shape):
+                raise NativeError(f"the shape at rest must have the shape {self._shape}")
+            self._call("dm_set_rest", self._handle, arrays.double(rest), arrays.double(rate))
+
+    @property
+    def rest_volume(self) -> float:
+        """Return the volume at rest [m3]."""
+        return float(self.library.dm_rest_volume(self._handle))
+
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
         with Arrays() as arrays:

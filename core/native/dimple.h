@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 7 /* changes with anything below */
+#define DM_ABI 8 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -68,7 +68,8 @@ typedef struct {
     double ground;     /* height of a plane [m], -INFINITY where there is none */
     int32_t law_set;
     int32_t fill;
-    int32_t free; /* the shape at rest follows the body; 0: it stays with the pins */
+    int32_t free;   /* the shape at rest follows the body; 0: it stays with the pins */
+    int32_t rigged; /* it stays where it is laid, wherever the pins are */
 } dm_constants;
 
 /* What a body is. Start from dm_default_body_def. */
@@ -156,6 +157,10 @@ DM_API void dm_destroy(dm_body *body); /* null is taken */
 
 /* Give a living body other numbers; where it is does not change. */
 DM_API int32_t dm_set_constants(dm_body *body, const dm_constants *constants);
+/* Give a living body another shape at rest (3, vertices) [m], and with it lengths and volume. Over the next motion it
+ * comes there at a rate (3, vertices) [m/s]; null: at once. Fingertips must be measured below the body's own surface. */
+DM_API int32_t dm_set_rest(dm_body *body, const double *rest, const double *rate);
+DM_API double dm_rest_volume(const dm_body *body); /* [m3] */
 /* positions, velocities: (3, vertices); null velocities are 0. */
 DM_API int32_t dm_set_state(dm_body *body, const double *positions, const double *velocities);
 /* Either may be null. Pinned vertices at rest get their very bits back. */

@@ -39,18 +39,24 @@ static double dm_add_fans(dm_state *b) {
     return volume;
 }
 
-static void dm_find_hole_centres(dm_state *b) {
+/* at: (n, 3) by vertex in memory; null: where the body is. */
+static void dm_place_at(const dm_state *b, const double *at, uint32_t i, double *x) {
+    if (at) memcpy(x, at + 3 * i, 3 * sizeof *x);
+    else dm_position(b, i, x);
+}
+
+static void dm_find_hole_centres(dm_state *b, const double *at) {
     for (int64_t h = 0; h < b->hole_count; h++) memset(b->holes[h], 0, 6 * sizeof(double));
     for (int64_t e = 0; e < b->cap_count; e++) {
         double *hole = b->holes[b->cap_hole[e]], x[3];
-        dm_position(b, b->caps[e][0], x);
+        dm_place_at(b, at, b->caps[e][0], x);
         for (int c = 0; c < 3; c++) hole[c] += x[c] / hole[6];
     }
 }
 
 static double dm_add_caps(dm_state *b) {
     double volume = 0, x[3], y[3], f[3];
-    dm_find_hole_centres(b);
+    dm_find_hole_centres(b, NULL);
     for (int64_t e = 0; e < b->cap_count; e++) {
         double *hole = b->holes[b->cap_hole[e]];
         dm_position(b, b->caps[e][0], x), dm_position(b, b->caps[e][1], y);
@@ -69,18 +75,18 @@ static double dm_add_caps(dm_state *b) {
     return volume;
 }
 
-/* The volume [m3] where the body is now, face by face: for laws that do not ask for it in each step. */
-static double dm_volume_of_faces(dm_state *b) {
+/* The volume [m3], face by face: for laws that do not ask for it in each step. */
+static double dm_volume_of_faces(dm_state *b, const double *at) {
     double volume = 0, x[3], y[3], z[3], f[3];
     for (int64_t t = 0; t < b->triangle_count; t++) {
         const uint32_t *corner = b->triangles[t];
-        dm_position(b, corner[0], x), dm_position(b, corner[1], y), dm_position(b, corner[2], z);
+        dm_place_at(b, at, corner[0], x), dm_place_at(b, at, corner[1], y), dm_place_at(b, at, corner[2], z);
         dm_cross3(y, z, f);
         volume += dm_inner3(x, f) / 6;
     }
-    dm_find_hole_centres(b);
+    dm_find_hole_centres(b, at);
     for (int64_t e = 0; e < b->cap_count; e++) {
-        dm_position(b, b->caps[e][0], x), dm_position(b, b->caps[e][1], y);
+        dm_place_at(b, at, b->caps[e][0], x), dm_place_at(b, at, b->caps[e][1], y);
         dm_cross3(y, b->holes[b->cap_hole[e]], f);
         volume += dm_inner3(x, f) / 6;
     }

@@ -12,6 +12,8 @@ typedef struct {
     int32_t (*create)(dm_state **state, const dm_body_def *def);
     void (*destroy)(dm_state *state);
     int32_t (*set_constants)(dm_state *state, const dm_constants *constants);
+    void (*set_rest)(dm_state *state, const double *rest, const double *rate);
+    double (*rest_volume)(const dm_state *state);
     void (*set_state)(dm_state *state, const double *positions, const double *velocities);
     void (*get_state)(const dm_state *state, double *positions, double *velocities);
     int64_t (*pinned)(const dm_state *state);

@@ -1,6 +1,12 @@
 /* The query: where everything is, who is near whom, and how far each may go until the next one. */
 #include "scene.h"
 
+static void dm_note_rest(dm_scene_state *s, const dm_surface *f) {
+    const dm_state *b = f->body;
+    for (int64_t k = 0; k < b->n; k++)
+        for (int c = 0; c < 3; c++) s->rest[f->first + b->place[k]][c] = b->rest[c * b->n + k];
+}
+
 /* Note where the vertices of a surface are. */
 static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
     for (int c = 0; c < 3; c++) f->low[c] = INFINITY, f->high[c] = -INFINITY;
@@ -14,6 +20,7 @@ static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
     }
     f->slack = f->stale = INFINITY;
     if (!f->body) return;
+    if (f->self && f->body->moving) dm_note_rest(s, f);
     memcpy(f->origin, f->body->origin, sizeof f->origin);
     for (int64_t g = 0; g < f->body->groups; g++) f->before[g] = f->body->state[g].x;
 }

@@ -30,13 +30,13 @@ static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
         }
     if (dm_is_woken(b, m)) return;
     dm_fit_whole(b, b->still_pose);
-    b->still_volume = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE ? b->volume : dm_volume_of_faces(b);
+    b->still_volume = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE ? b->volume : dm_volume_of_faces(b, NULL);
     b->asleep = 1;
 }
 
 /* After a tick: let a body sleep that has been slow for long and is where it was when that began. */
 static void dm_watch_rest(dm_state *b, const dm_motion *m) {
-    if (b->fastest > DM_REST_SPEED * b->size || m->pins_to) {
+    if (b->fastest > DM_REST_SPEED * b->size || m->pins_to || b->moving) {
         b->quiet = 0;
         return;
     }

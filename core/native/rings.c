@@ -69,6 +69,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
             dm_vec3 spin = dm_cross(angular, x);
             w = (dm_vec3){v.x - linear.x - spin.x, v.y - linear.y - spin.y, v.z - linear.z - spin.z};
         }
+        if (b->moving) w = dm_sub(w, dm_rotated(rows, b->rest_rate[g], none));
         const dm_piece *piece = b->pieces + g * b->piece_count;
         dm_vec3 force = dm_matching_force(m, piece, b->piece_count, dm_sub(x, dm_rotated(rows, m->rest, offset)), w);
         /* the tension between displacements is that of the arms, in the springs, less that of the shape at rest */

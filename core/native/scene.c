@@ -29,8 +29,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
 
 static int32_t dm_lay_body(dm_scene_state *s, dm_surface *f) {
     const dm_state *b = f->body;
-    for (int64_t k = 0; k < b->n; k++)
-        for (int c = 0; c < 3; c++) s->rest[f->first + b->place[k]][c] = b->rest[c * b->n + k];
+    dm_note_rest(s, f);
     for (int64_t k = 0; k < 3 * b->triangle_count; k++)
         s->corners[f->first_triangle + k / 3][k % 3] = f->first + b->triangles[k / 3][k % 3];
     f->before = room(b->groups, sizeof *f->before), f->bound = room(b->groups, sizeof *f->bound);

@@ -65,8 +65,8 @@ static void dm_drive_pins(dm_state *b, const dm_motion *m, double share) {
         for (int c = 0; c < 3; c++) way[c] /= m->tick;
         dm_set_vertex(b, i, b->records[i].x, dm_quad_of(way));
     }
-    b->carried = !b->free;
-    if (b->free) return;
+    b->carried = !b->free && !b->rigged;
+    if (!b->carried) return;
     double from[12], to[12], part = (1 - 1 / (double)m->substeps) / 2;
     dm_fit_points(used, rest, here, from), dm_fit_points(used, rest, there, to);
     for (int k = 0; k < 12; k++) {
@@ -107,7 +107,7 @@ static void dm_finish_pins(dm_state *b, const dm_motion *m) {
         if (there) dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
     }
     b->led = 1;
-    if (whole && !b->free) dm_fit_points(used, rest, here, b->pose), dm_place_pose(b);
+    if (whole && !b->free && !b->rigged) dm_fit_points(used, rest, here, b->pose), dm_place_pose(b);
 }
 
 /* Count positions from near the body, so that single precision does not depend on where it is. It follows in steps of
@@ -201,6 +201,7 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
     if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
     if (b->asleep) return;
     frame->moved = 1;
+    if (b->moving) dm_move_places(b, t ? 1 : (1 - 1 / (double)m->substeps) / 2 - (double)m->ticks, m->tick);
     if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
     DM_TIMED(DM_REACH, dm_find_near(b, m));
 }
@@ -219,11 +220,12 @@ static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *fr
 }
 
 static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
+    if (b->moving && m->ticks) dm_finish_places(b, m);
     if (m->pins_to && frame->moved) dm_finish_pins(b, m);
     frame->pressure = b->pressure;
     if (!frame->finite) return;
     int known = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE && frame->ticks;
-    frame->volume = b->asleep ? b->still_volume : known ? b->volume : dm_volume_of_faces(b);
+    frame->volume = b->asleep ? b->still_volume : known ? b->volume : dm_volume_of_faces(b, NULL);
     if (m->fingertips[0].down || m->fingertips[1].down || m->fingertips[2].down) {
         if (b->asleep) memcpy(frame->pose, b->still_pose, sizeof b->still_pose);
         else dm_fit_whole(b, frame->pose);

@@ -3,7 +3,29 @@
 
 enum { DM_FACET_BLOCK = 16 }; /* facets that share a bounding box */
 
-/* Lay the facets along a curve in space, and box them in runs. */
+/* Put the facets where their vertices are (3, n), and box them in runs. */
+static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
+    for (int64_t k = 0; k < b->facet_count; k++) {
+        dm_facet *f = b->facets + k;
+        for (int p = 0; p < 3; p++)
+            for (int c = 0; c < 3; c++) f->corner[p][c] = x[c * n + f->vertex[p]];
+        double along[3], across[3];
+        for (int c = 0; c < 3; c++)
+            along[c] = f->corner[1][c] - f->corner[0][c], across[c] = f->corner[2][c] - f->corner[0][c];
+        dm_cross3(along, across, f->normal);
+        double size = sqrt(dm_inner3(f->normal, f->normal));
+        for (int c = 0; c < 3; c++) f->normal[c] /= size > 1e-30 ? size : 1e-30;
+        double *box = b->facet_boxes[k / DM_FACET_BLOCK];
+        for (int p = 0; p < 3; p++)
+            for (int c = 0; c < 3; c++) {
+                double a = f->corner[p][c];
+                int first = k % DM_FACET_BLOCK == 0 && p == 0;
+                box[c] = first || a < box[c] ? a : box[c], box[3 + c] = first || a > box[3 + c] ? a : box[3 + c];
+            }
+    }
+}
+
+/* Lay the facets along a curve in space. */
 static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     int64_t t = d->surface_triangles, n = d->surface_vertices;
     double *middles = room(3 * t, sizeof(double));
@@ -22,26 +44,14 @@ static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     for (int64_t k = 0; whole && k < t; k++) {
         int64_t index = keys[k].vertex;
         dm_facet *f = b->facets + k;
-        for (int p = 0; p < 3; p++)
-            for (int c = 0; c < 3; c++) f->corner[p][c] = d->surface_rest[c * n + d->surface_corners[3 * index + p]];
-        double along[3], across[3];
-        for (int c = 0; c < 3; c++)
-            along[c] = f->corner[1][c] - f->corner[0][c], across[c] = f->corner[2][c] - f->corner[0][c];
-        dm_cross3(along, across, f->normal);
-        double size = sqrt(dm_inner3(f->normal, f->normal));
-        for (int c = 0; c < 3; c++) f->normal[c] /= size > 1e-30 ? size : 1e-30;
+        for (int p = 0; p < 3; p++) f->vertex[p] = (uint32_t)d->surface_corners[3 * index + p];
         f->index = index, f->material = d->surface_material[index];
-        double *box = b->facet_boxes[k / DM_FACET_BLOCK];
-        for (int p = 0; p < 3; p++)
-            for (int c = 0; c < 3; c++) {
-                double x = f->corner[p][c];
-                int first = k % DM_FACET_BLOCK == 0 && p == 0;
-                box[c] = first || x < box[c] ? x : box[c], box[3 + c] = first || x > box[3 + c] ? x : box[3 + c];
-            }
     }
     dm_free(middles), dm_free(keys);
+    if (!whole) return DM_MEMORY;
     b->facet_count = t;
-    return whole ? DM_OK : DM_MEMORY;
+    dm_shape_facets(b, d->surface_rest, n);
+    return DM_OK;
 }
 
 /* The offset of a point from the nearest one of a triangle. Source: Ericson, Real-Time Collision Detection, 5.1.5. */

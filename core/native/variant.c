@@ -12,6 +12,7 @@
 #include "reach.c"
 #include "surface.c"
 #include "body.c"
+#include "moved_rest.c"
 #include "rest.c"
 #include "step.c"
 #include "tree.c"
@@ -26,8 +27,8 @@
 
 extern const dm_methods DM_NAME(DM_SET, DM_BITS);
 const dm_methods DM_NAME(DM_SET, DM_BITS) = {
-    dm_state_create, dm_state_destroy, dm_state_set_constants, dm_state_place, dm_state_read, dm_state_pinned,
-    dm_state_step, dm_nearest_rotation,
+    dm_state_create, dm_state_destroy, dm_state_set_constants, dm_state_set_rest, dm_state_rest_volume,
+    dm_state_place, dm_state_read, dm_state_pinned, dm_state_step, dm_nearest_rotation,
     dm_scene_state_create, dm_scene_state_destroy, dm_scene_state_find, dm_scene_state_place, dm_scene_state_read,
     dm_scene_state_step,
 };

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Floats, Ints
 from ..body import pressure
 from ..body.model import Model, State, initial_state
+from ..body.moved_rest import on_its_way, with_rest
 from ..body.shape_matching import Pose, carried_pose, fit_pose
 from ..mesh.depth import RestSurface, Touching, rest_surface, touching
 from . import semi_implicit
@@ -49,6 +50,8 @@ class Twin:
         self.model, self._fine = model, surface or model
         self._surface: RestSurface = rest_surface(self._fine.mesh)
         self._sides: list[Floats | None] = [None] * 3
+        self._moved: Floats | None = None  # the shape at rest, where it is not the model's
+        self._rest_rate: Floats | None = None  # in the next motion
         self.set_state(model.matching.rest)
 
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
@@ -63,10 +66,33 @@ class Twin:
         self._rest_pins(model.held)
         self._fine = surface or (model if self._fine is old else self._fine)
         self.model, self._rest = model, Rest()
+        if self._moved is not None:
+            self.set_rest(self._moved)
+
+    def set_rest(self, rest: Floats, rate: Floats | None = None) -> None:
+        """Give the living body another shape at rest (3, n) [m]: at a rate (3, n) [m/s] in the next motion, or at once.
+
+        Raises:
+            ValueError: a proxy, which has a surface of its own.
+        """
+        if len(self._fine.mesh.rest_positions) != len(self.model.mesh.rest_positions):
+            raise ValueError("a proxy has a surface of its own")
+        self._moved, self._rest_rate, self._rest = np.array(rest), rate, Rest()
+        if rate is not None and self.model.free:  # only the shape counts
+            k1 = self.model.matching.k1
+            self._rest_rate = rate - (rate @ k1 / max(k1.sum(), 1e-300))[:, None]
+        self.model = self._fine = with_rest(self.model, self._moved)
+        self._surface = rest_surface(self._fine.mesh)
+
+    @property
+    def rest_volume(self) -> float:
+        """Return the volume at rest [m3]."""
+        return self.model.mesh.volume
 
     def set_state(self, positions: Floats, velocities: Floats | None = None) -> None:
         """Put the vertices at positions (3, n) [m] with velocities (3, n) [m/s], the shape at rest at rest."""
         state = self._state = initial_state(self.model)
+        self._rest_rate = None
         state.positions[:] = positions
         state.velocities[:] = 0.0 if velocities is None else velocities
         self._led, self._rest = False, Rest()
@@ -128,6 +154,9 @@ class Twin:
         if self._rest.asleep and self._is_woken(motion, path):
             self._rest = Rest()
         call.moved |= not self._rest.asleep
+        if self._rest_rate is not None:
+            left = motion.ticks - call.ticks - (1 - 1 / motion.substeps) / 2
+            self.model = on_its_way(self.model, self._rest_rate, left * motion.tick)
         if motion.pins and not self._rest.asleep:
             self._lead_pins(motion, motion.pins, share)
         call.path = path
@@ -142,13 +171,16 @@ class Twin:
         with np.errstate(all="ignore"):
             call.finite = self._is_finite(tick)
         if call.finite:
-            size, led = self.model.mesh.size, call.motion.pins is not None
+            size, led = self.model.mesh.size, call.motion.pins is not None or self._rest_rate is not None
             quiet = self._rest.watch(state.positions, state.velocities, size, tick, led=led)
             self._rest.asleep = quiet and not self._is_woken(call.motion, call.path)
 
     def end(self, call: Call) -> Frame:
         """End a motion and return what it came to."""
         motion, tips, down, state = call.motion, call.motion.fingertips, call.down, self._state
+        if self._rest_rate is not None and motion.ticks:
+            self.model, self._rest_rate = on_its_way(self.model, self._rest_rate, 0.0), None
+            self.model = self._fine = replace(self.model, matching=replace(self.model.matching, rate=None))
         if motion.pins and call.moved:
             self._arrive(motion.pins)
         found: list[Touch | None] = [None] * len(tips)
@@ -203,11 +235,11 @@ class Twin:
         at = pins.first + share * (pins.last - pins.first)
         way = pins.start + at * (pins.end - pins.start) - state.positions[:, held]
         state.velocities[:, held] = way / motion.tick
-        if state.pose is not None:
+        if state.pose is not None and not model.rigged:
             used = ~model.mesh.loose[held]
             here = state.positions[:, held][:, used]
             state.pose, state.pose_rate = carried_pose(
-                model.matching.rest[:, held][:, used], here, here + way[:, used],
+                model.mesh.rest_positions.T[:, held][:, used], here, here + way[:, used],
                 tick=motion.tick, substeps=motion.substeps,
             )  # fmt: skip
 
@@ -218,9 +250,9 @@ class Twin:
             return
         held = self.model.held
         self._state.positions[:, held] = pins.end
-        if self._state.pose is not None:
+        if self._state.pose is not None and not self.model.rigged:
             used: Ints = np.flatnonzero(~self.model.mesh.loose[held])
-            rest = self.model.matching.rest[:, held][:, used]
+            rest = self.model.mesh.rest_positions.T[:, held][:, used]
             self._state.pose = fit_pose(rest, pins.end[:, used], np.ones(len(used)))
 
     def _rest_pins(self, held: Floats | np.ndarray) -> None:

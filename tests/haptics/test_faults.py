@@ -145,7 +145,7 @@ def test_an_unplugged_device_sends_nothing_more() -> None:
 
 
 def test_a_signal_amid_a_tick_still_ends_the_device() -> None:
-    """The handler sets `unplugged` between any two steps of the interpreter: here while a fault is asked for its time."""
+    """The handler sets `unplugged` between any two steps of the interpreter: here while a fault is asked its time."""
 
     class Signal(InjectedFault):
         def acts(self, now: float) -> bool:

@@ -1,0 +1,99 @@
+"""A shape at rest that moves while the body lives: native as numpy."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core import native
+from core.base import Floats
+from core.body.model import Model, build_model
+from core.mesh.surface import base_vertices, mesh_from_triangles
+from core.native import NativeError
+from core.solver.backend import create
+from core.solver.motion import Motion, PinMotion
+from tests.bodies import ball, hemisphere, sheet
+from tests.parity.cases import SIZE, SOFT, TICK, Case, build
+
+AGREE = {"native64": 1e-12, "native": 2e-5}  # of the size
+
+
+def bent(rest: Floats, by: float = 0.3) -> Floats:
+    """Return a shape (3, n) [m] bent about the y axis, the more the higher."""
+    x, y, z = rest
+    turn = by * z / SIZE
+    return np.stack([x * np.cos(turn) + z * np.sin(turn), y, z * np.cos(turn) - x * np.sin(turn)])
+
+
+def models() -> dict[str, Model]:
+    made = {}
+    for name, shape in (("ball", lambda: ball(2)), ("a hole", hemisphere), ("a sheet", sheet)):
+        points, faces = shape()
+        mesh = mesh_from_triangles(points * SIZE / np.ptp(points, axis=0).max(), faces)
+        made[f"{name}, free"] = build_model(mesh, [SOFT])
+        made[f"{name}, pinned"] = build_model(mesh, [SOFT], held=base_vertices(mesh))
+        made[f"{name}, rigged"] = build_model(mesh, [SOFT], rigged=True)
+        made[f"{name}, rigged and pinned"] = build_model(mesh, [SOFT], held=base_vertices(mesh), rigged=True)
+    air = replace(SOFT, fill="air")
+    made["air, rigged"] = build_model(made["ball, free"].mesh, [air], rigged=True)
+    return made
+
+
+MODELS = models()
+
+
+def motion_of(model: Model, ticks: int) -> Motion:
+    tips = build(Case(shape=lambda: ball(2), ticks=ticks))[2].fingertips
+    return Motion(ticks=ticks, substeps=model.substeps(TICK), tick=TICK, fingertips=tips)
+
+
+@pytest.mark.parametrize("backend", AGREE)
+@pytest.mark.parametrize("name", MODELS)
+def test_a_body_whose_shape_at_rest_moves_goes_where_that_of_numpy_goes(name: str, backend: str) -> None:
+    model = MODELS[name]
+    rest = model.matching.rest
+    end = bent(rest)
+    found = []
+    for each in (backend, "numpy"):
+        body = create(model, backend=each)
+        motion = motion_of(model, 6)
+        if model.held.any():
+            motion = motion._replace(pins=PinMotion(rest[:, model.held], end[:, model.held], 1 / 6, 1.0))
+        body.set_rest(end, (end - rest) / (6 * TICK))
+        frames = [body.step(motion), body.step(motion._replace(pins=None, fingertips=()))]
+        body.set_rest(rest)
+        frames.append(body.step(motion._replace(pins=None)))
+        found.append((body.positions(), body.rest_volume, frames))
+    (x, volume, frames), (y, volume_of_twin, of_twin) = found
+    assert np.abs(x - y).max() < AGREE[backend] * model.mesh.size
+    assert volume == pytest.approx(volume_of_twin, rel=1e-9)
+    for frame, other in zip(frames, of_twin, strict=True):
+        assert frame.pressure == pytest.approx(other.pressure, rel=1e-2, abs=1 if backend == "native" else 1e-3)
+        for touch, same in zip(frame.touches, other.touches, strict=True):
+            assert touch and same and touch.depth == pytest.approx(same.depth, abs=10 * AGREE[backend] * SIZE)
+
+
+@pytest.mark.parametrize("backend", ["native", "numpy"])
+def test_a_body_bent_at_once_and_put_there_is_at_rest(backend: str) -> None:
+    model = MODELS["ball, rigged"]
+    end = bent(model.matching.rest)
+    body = create(model, backend=backend)
+    body.set_rest(end)
+    body.set_state(end)
+    frame = body.step(motion_of(model, 50)._replace(fingertips=()))
+    assert np.abs(body.positions() - end).max() < 1e-5 * SIZE
+    assert frame.volume == pytest.approx(body.rest_volume, rel=1e-4)
+
+
+def test_a_shape_at_rest_that_is_none_and_that_of_a_proxy_are_refused() -> None:
+    model = MODELS["ball, rigged"]
+    body = native.Body(model, native.library())
+    rest = model.matching.rest
+    for bad in (rest[:, 1:], np.where(rest > 0, np.nan, rest)):
+        with pytest.raises(NativeError):
+            body.set_rest(bad)
+    with pytest.raises(NativeError):
+        body.set_rest(rest, np.full_like(rest, np.inf))
+    proxy = native.Body(model, native.library(), surface=MODELS["a hole, free"])
+    with pytest.raises(NativeError):
+        proxy.set_rest(rest)
