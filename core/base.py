@@ -11,6 +11,7 @@ import numpy.typing as npt
 from .errors import DimpleError as DimpleError  # a module of its own, so that the servo process needs no numpy
 
 Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 

@@ -74,7 +74,7 @@ def pressure(session: Session) -> Floats:
     pressed = np.where(model.held, 0.0, np.maximum(outward, 0.0) / area)
     if session.proxy is None:
         return pressed
-    spread: Floats = np.einsum("kn,kn->n", session.proxy.weights, pressed[session.proxy.followed])
+    spread: Floats = session.proxy.binding.blend(pressed)
     return spread
 
 

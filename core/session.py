@@ -16,13 +16,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .base import TICK, DimpleError, Floats
+from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .fingertip import Finger as Finger
 from .fingertip import FingerOnItsWay, along, between, sent
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
-from .reduction.proxy import Proxy, carry
+from .reduction.binding import carry
+from .reduction.proxy import Proxy
 from .solver import motion
 from .solver.backend import choose_backend, create
 from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion
@@ -287,7 +288,8 @@ class Session:
     def positions(self) -> npt.NDArray[np.float32]:
         """Return where the input vertices (N, 3) [m] are now."""
         if self._shown is None:
-            self._shown = self.skin()[self.model.mesh.source].astype(np.float32)
+            surface = self._surface()
+            self._shown = np.array(surface if self._unwelded else surface[self.model.mesh.source], np.float32)
         return self._shown.copy()
 
     def touches(self) -> tuple[Touching | None, ...]:
@@ -339,10 +341,11 @@ class Session:
         self.substeps = moves.substeps(self.tick)
         self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
-        self._input_of = input_vertices(model.mesh)
+        self._input_of, source = input_vertices(model.mesh), model.mesh.source
+        self._unwelded = len(source) == len(model.mass) and bool((source[1:] > source[:-1]).all())
         # the vertices of the mesh whose places are prescribed
         self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
-        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, np.flatnonzero(proxy.still))
+        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, proxy.still)
         self._material_of = model.mesh.triangle_material.tolist()
         return moves
 
@@ -390,17 +393,20 @@ class Session:
 
     def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
+        return np.asarray(self._surface(), np.float64)
+
+    def _surface(self) -> Floats | Singles:
         x = self.body.positions()
         if self.proxy is None:
             return x.T
-        skin, still = carry(self.proxy, x), self.proxy.still
-        skin[still] = self._pins_origin.T[still]
-        return skin
+        surface, still = carry(self.proxy.binding, x), self.proxy.still
+        surface[still] = self._pins_origin.T[still]
+        return surface
 
     def _skin_velocities(self) -> Floats:
         """Return how fast the vertices (n, 3) [m/s] of the mesh move, about."""
         v = self.body.velocities().T
-        return v if self.proxy is None else np.einsum("kn,knc->nc", self.proxy.weights, v[self.proxy.followed])
+        return v if self.proxy is None else self.proxy.binding.blend(v)
 
     def _show(self, forces: Floats, steps: int, cost: float, note: str) -> Frame:
         self._cost += cost

@@ -22,8 +22,9 @@ from core.body.model import build_model as build
 from core.material import PRESETS
 from core.mesh.surface import Mesh, base_vertices
 from core.reduction.benchmark import dent_error
+from core.reduction.binding import carry
 from core.reduction.planner import BUDGET, FORCE_TOLERANCE, TOLERANCE, plan
-from core.reduction.proxy import Proxy, build_proxy, carry
+from core.reduction.proxy import Proxy, build_proxy
 from core.solver.backend import choose_backend
 from core.solver.path import FingerPath
 
@@ -124,7 +125,7 @@ def outcomes(cells: int, *, whole: bool, slow: bool) -> Iterator[Outcome]:
 
 
 def _proxy_pressed(proxy: Proxy, run: Run, substeps: int) -> Pressed:
-    return pressed(proxy.model, run, substeps, show=partial(carry, proxy))
+    return pressed(proxy.model, run, substeps, show=partial(carry, proxy.binding))
 
 
 def errors(

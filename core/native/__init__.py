@@ -25,11 +25,13 @@ from .body import BEST as BEST
 from .body import Body as Body
 from .body import NativeError as NativeError
 from .body import step_many as step_many
+from .carry import CBinding
+from .carry import carry as carry
 from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 8
+ABI = 9
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
@@ -42,8 +44,14 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {  # fmt: skip
     "dm_step": (c_void_p, c_void_p, c_void_p),  # addresses: made once, and quicker to hand over
     "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
     "dm_fit_rotation": (c_void_p, c_void_p),
+    "dm_carry": (POINTER(CBinding), c_void_p, c_void_p),
     "dm_scene_create": (
-        POINTER(c_void_p), c_int64, POINTER(c_void_p), POINTER(c_uint8), c_int64, POINTER(ColliderDef),
+        POINTER(c_void_p),
+        c_int64,
+        POINTER(c_void_p),
+        POINTER(c_uint8),
+        c_int64,
+        POINTER(ColliderDef),
     ),
     "dm_scene_find_crossings": (c_void_p, POINTER(CCrossings)),
     "dm_scene_set_collider": (c_void_p, c_int64, c_void_p),

@@ -128,6 +128,18 @@ int32_t dm_fit_rotation(const double *h, double *r) {
     return DM_OK;
 }
 
+int32_t dm_carry(const dm_binding *b, const float *motions, float *skin) {
+    if (!b || !motions || !skin || b->seeds < 1 || b->seeds > UINT16_MAX + 1 || b->each < 1 || b->each > UINT16_MAX)
+        return DM_SIZE;
+    DM_CHECK(DM_COUNT(b->vertices));
+    if (b->vertices && (!b->followed || !b->weights || !b->lever || !b->rest)) return DM_SIZE;
+    uint16_t most = 0;
+    for (int64_t k = 0; k < b->vertices * b->each; k++) most = b->followed[k] > most ? b->followed[k] : most;
+    if (most >= b->seeds) return DM_INDEX;
+    dm_choose(32, DM_SET_BEST)->carry(b, motions, skin);
+    return DM_OK;
+}
+
 void dm_default_body_def(dm_body_def *def) {
     if (!def) return;
     memset(def, 0, sizeof *def);

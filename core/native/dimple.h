@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 8 /* changes with anything below */
+#define DM_ABI 9 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -172,6 +172,20 @@ DM_API int32_t dm_step(dm_body *body, const dm_motion *motion, dm_frame *frame);
  * none is run. */
 DM_API int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *const *motions,
                             dm_frame *const *frames, int64_t workers);
+
+/* A fine surface that follows a proxy: each vertex some of its vertices, by weights. */
+typedef struct {
+    int64_t vertices;         /* of the surface */
+    int64_t seeds;            /* vertices of the proxy */
+    int64_t each;             /* how many of them a vertex follows */
+    const uint16_t *followed; /* (vertices, each) */
+    const float *weights;     /* (vertices, each) */
+    const float *lever;       /* (vertices, 3) [m] */
+    const float *rest;        /* (vertices, 3) [m] */
+} dm_binding;
+
+/* Set the skin (vertices, 3) [m] by the motions (seeds, 12) of what it follows: a shift [m] and a gradient by rows. */
+DM_API int32_t dm_carry(const dm_binding *binding, const float *motions, float *skin);
 
 /* A mesh that bodies meet and that goes where it is led. */
 typedef struct {

@@ -21,6 +21,7 @@
 #include "touching.c"
 #include "query.c"
 #include "scene.c"
+#include "carry.c"
 
 #define DM_GLUE(set, bits) dm_##set##_##bits
 #define DM_NAME(set, bits) DM_GLUE(set, bits)
@@ -28,7 +29,7 @@
 extern const dm_methods DM_NAME(DM_SET, DM_BITS);
 const dm_methods DM_NAME(DM_SET, DM_BITS) = {
     dm_state_create, dm_state_destroy, dm_state_set_constants, dm_state_set_rest, dm_state_rest_volume,
-    dm_state_place, dm_state_read, dm_state_pinned, dm_state_step, dm_nearest_rotation,
+    dm_state_place, dm_state_read, dm_state_pinned, dm_state_step, dm_nearest_rotation, dm_carry_surface,
     dm_scene_state_create, dm_scene_state_destroy, dm_scene_state_find, dm_scene_state_place, dm_scene_state_read,
     dm_scene_state_step,
 };

@@ -18,8 +18,9 @@ from ..body.model import Model
 from ..mesh.surface import Mesh
 from ..solver.backend import Body, create
 from ..solver.motion import FingertipMotion, Motion
+from .binding import carry
 from .cells import vertex_normals
-from .proxy import Proxy, build_proxy, carry
+from .proxy import Proxy, build_proxy
 
 DOWN, HOLD, MEAN = 0.15, 0.1, 0.05  # [s]; the force is the mean over the last part of the hold
 DEPTH = 0.5  # of the fingertip's radius
@@ -252,7 +253,7 @@ def outcome_of(
     """Compare the results of the presses with those of the full mesh."""
     mesh, squares = model.mesh, []
     for end, wanted in zip(ends, goal, strict=True):
-        x = carry(proxy, end.positions).T if proxy else end.positions
+        x = carry(proxy.binding, end.positions).T if proxy else end.positions
         squares.append(dent_error(mesh, x.T, wanted.positions.T) ** 2)
     forces, wanted_forces = (np.array([p.force for p in group]) for group in (ends, goal))
     error = math.sqrt(np.mean(squares))

@@ -22,8 +22,8 @@ from core.body.model import build_model
 from core.mesh.surface import base_vertices
 from core.native.body import step_many
 from core.reduction.benchmark import BenchmarkPress, dent_error, press_body
+from core.reduction.binding import carry
 from core.reduction.planner import plan
-from core.reduction.proxy import carry
 from core.session import Finger, Session
 from core.solver.backend import create
 from core.solver.motion import Motion
@@ -124,7 +124,7 @@ def million(*, full: bool) -> dict[str, Any]:
         moves = chosen.proxy.model
         *_, (_, ours) = press_body(create(moves), press, substeps=moves.substeps(TICK))
         *_, (_, wanted) = press_body(create(model), press, substeps=model.substeps(TICK))
-        error = dent_error(mesh, carry(chosen.proxy, ours.positions), wanted.positions.T)
+        error = dent_error(mesh, carry(chosen.proxy.binding, ours.positions), wanted.positions.T)
         found["force_error"] = round(abs(ours.force / wanted.force - 1), 4)
         found["surface_error"] = round(error / RADIUS, 4)
     return found

@@ -12,11 +12,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from core import native
 from core.native.body import CFrame, CMotion
+from core.native.carry import CBinding
 from core.native.definition import BodyDef, Constants
 
 CALLS = 4000
 BODIES = 12
-NAMES = ("create", "set_constants", "set_state", "get_state", "step")
+NAMES = ("create", "set_constants", "set_state", "get_state", "step", "carry")
 ROOM = 4096  # elements of every array
 WILD = np.array([0.0, -1.0, 1e-3, 1e30, -1e300, 1e-310, np.nan, np.inf, -np.inf])
 FAR = (-1, -(2**31), 2**31 - 1, 2**40, -(2**62), 2**62)
@@ -102,7 +103,7 @@ def main(seed: int) -> None:
     rng, bodies = fuzzer.rng, list[ctypes.c_void_p]()
     address = ctypes.byref
     for _ in range(CALLS):
-        name = str(rng.choice(NAMES, p=[0.3, 0.1, 0.1, 0.1, 0.4]))
+        name = str(rng.choice(NAMES, p=[0.3, 0.1, 0.1, 0.1, 0.3, 0.1]))
         body = bodies[rng.integers(len(bodies))] if bodies and rng.random() < 0.98 else None
         if name == "create":
             handle = ctypes.c_void_p()
@@ -116,6 +117,9 @@ def main(seed: int) -> None:
             fuzzer.fill(constants, 8)
             constants.materials = 20
             code = library.dm_set_constants(body, address(constants))
+        elif name == "carry":
+            motions, skin = (fuzzer.array(a, 8) for a in ("motions", "skin"))
+            code = library.dm_carry(address(fuzzer.fill(CBinding(), 8)), motions, skin)
         elif name == "step":
             code = library.dm_step(body, address(fuzzer.motion()), address(CFrame()))
         else:

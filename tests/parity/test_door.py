@@ -16,6 +16,7 @@ from core import base, native
 from core.body import contact
 from core.mesh import depth
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
+from core.native.carry import CBinding
 from core.native.definition import Arrays, BodyDef, Constants, define
 from core.session import Session
 from core.solver import motion
@@ -30,7 +31,7 @@ SIZE, INDEX, NUMBER, OPTION = 1, 2, 3, 5  # dimple.h
 HEADER = (SOURCES / "dimple.h").read_text()
 STRUCTURES = {
     "dm_constants": Constants, "dm_body_def": BodyDef, "dm_fingertip": Fingertip,
-    "dm_motion": CMotion, "dm_touch": CTouch, "dm_frame": CFrame,
+    "dm_motion": CMotion, "dm_touch": CTouch, "dm_frame": CFrame, "dm_binding": CBinding,
 }  # fmt: skip
 C_TYPES = {"double": "c_double", "int64_t": "c_int64", "int32_t": "c_int32"}
 
@@ -195,6 +196,18 @@ def test_a_null_body_is_refused_by_every_call() -> None:
     assert library.dm_get_state(None, x.ctypes.data, None) == SIZE
     assert library.dm_set_constants(None, ctypes.byref(Constants())) == SIZE
     library.dm_destroy(None)
+
+
+def test_a_binding_to_what_is_not_there_is_refused() -> None:
+    rest, weights, motions = np.zeros((3, 3), np.float32), np.ones((3, 2), np.float32), np.zeros((4, 12), np.float32)
+    followed = np.array([[0, 1], [2, 3], [3, 0]], np.uint16)
+    assert native.carry(native.library(), rest, followed, weights, rest, motions).shape == (3, 3)
+    with pytest.raises(native.NativeError, match="index"):
+        native.carry(native.library(), rest, followed, weights, rest, motions[:3])
+    with pytest.raises(native.NativeError, match="size"):
+        native.carry(native.library(), rest, followed[:, :0], weights, rest, motions)
+    assert native.library().dm_carry(ctypes.byref(CBinding()), motions.ctypes.data, rest.ctypes.data) == SIZE
+    assert native.library().dm_carry(None, motions.ctypes.data, rest.ctypes.data) == SIZE
 
 
 def test_a_body_is_freed_with_its_object(monkeypatch: pytest.MonkeyPatch) -> None:

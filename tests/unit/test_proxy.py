@@ -1,6 +1,5 @@
 """A proxy has the mass, the forces and the shape of its mesh, within what its spacing allows."""
 
-
 import numpy as np
 import pytest
 import trimesh
@@ -11,8 +10,9 @@ from core.body.shape_matching import fit_pose
 from core.material import PRESETS
 from core.mesh.cotangents import cotangent_weights
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
+from core.reduction.binding import carry, carry_numpy, motions_of
 from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
-from core.reduction.proxy import NORMAL_SHARE, Proxy, build_proxy, carry, mean_spacing
+from core.reduction.proxy import NORMAL_SHARE, Proxy, build_proxy, mean_spacing
 from core.session import Finger, Session
 from studies import bodies
 from studies.dents import jittered
@@ -79,8 +79,17 @@ def test_blunt_triangles_are_no_stiffer_than_their_area() -> None:
 def test_a_rigid_motion_of_the_proxy_is_one_of_the_surface(proxy: Proxy) -> None:
     turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
     turn *= np.sign(np.linalg.det(turn))
-    skin = carry(proxy, turn @ proxy.model.matching.rest + 0.3)
-    np.testing.assert_allclose(skin, proxy.rest @ turn.T + 0.3, atol=1e-6)  # motions are blended in single precision
+    skin = carry(proxy.binding, turn @ proxy.model.matching.rest + 0.3)
+    # motions are blended in single precision
+    np.testing.assert_allclose(skin, proxy.binding.rest @ turn.T + 0.3, atol=1e-6)
+
+
+def test_the_native_core_carries_a_surface_as_numpy_does(model: Model, proxy: Proxy) -> None:
+    rng = np.random.default_rng(2)
+    x = proxy.model.matching.rest + 0.01 * rng.normal(size=(3, len(proxy.seeds)))
+    skin, twin = carry(proxy.binding, x), carry_numpy(proxy.binding, motions_of(proxy.binding, x))
+    np.testing.assert_allclose(skin, twin, atol=4e-7 * model.mesh.size)
+    assert not np.array_equal(skin, proxy.binding.rest)
 
 
 def test_a_bent_proxy_bends_the_surface_without_facets(model: Model, proxy: Proxy) -> None:
@@ -90,7 +99,7 @@ def test_a_bent_proxy_bends_the_surface_without_facets(model: Model, proxy: Prox
     def bent(x: Floats) -> Floats:
         return np.stack([x[0], x[1], x[2] + curvature * x[0] ** 2 / 2])
 
-    off = carry(proxy, bent(proxy.model.matching.rest)) - bent(model.matching.rest).T
+    off = carry(proxy.binding, bent(proxy.model.matching.rest)) - bent(model.matching.rest).T
     facets = proxy.spacing**2 * curvature / 8
     assert np.sqrt((off**2).mean()) < 0.2 * facets
     assert np.abs(bent(model.matching.rest) - model.matching.rest).max() > 20 * facets, "the bend itself is large"
@@ -185,7 +194,7 @@ def test_separate_parts_and_open_meshes_have_proxies() -> None:
         model = build_model(mesh_from_triangles(points, faces), [VINYL])
         proxy = build_proxy(model, 300)
         assert not proxy.model.mesh.loose.any() and proxy.model.mesh.pressurable
-        assert np.array_equal(carry(proxy, proxy.model.matching.rest), model.mesh.rest_positions)
+        assert np.array_equal(carry(proxy.binding, proxy.model.matching.rest), proxy.binding.rest)
 
 
 @pytest.mark.parametrize("name", REAL)
@@ -199,7 +208,7 @@ def test_scans_have_a_proxy_or_a_reason(name: str) -> None:
         except DimpleError as error:
             assert str(error)
             continue
-        assert np.array_equal(carry(proxy, proxy.model.matching.rest), mesh.rest_positions)
+        assert np.array_equal(carry(proxy.binding, proxy.model.matching.rest), proxy.binding.rest)
         session = Session(model, proxy=proxy)
         assert session.step(0.02).finite
     if name == "bunny.ply":

@@ -1,0 +1,164 @@
+"""The binding of a fine surface to the coarse mesh of a proxy, whose motion carries it along."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import native
+from ..base import Floats, Ints, Singles, sums_at
+from ..mesh.surface import Mesh
+from .cells import vertex_normals
+
+NEIGHBOURS = 8  # seeds a fine vertex follows, the last one the distance at which a seed counts no more
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Binding:
+    """What carries a fine surface of n vertices along with a coarse mesh of m.
+
+    coarse: the mesh that is followed.
+    rest: (n, 3) rest positions of the fine surface [m].
+    followed: (n, k) the coarse vertices that each fine one follows.
+    weights: (n, k) the weights of their motions, sums 1.
+    lever: (n, 3) the vector that the blended gradient is applied to [m].
+    centre: (3,) from which shifts are measured [m].
+    arms: (e, 2) directed edges of the coarse mesh.
+    spread: (e, 3) the rows that turn the motion along an edge into a gradient [1/m].
+    upright: (m, 3) the rows that turn the change of a normal into a gradient.
+    normals: (m, 3) unit normals at rest.
+    """
+
+    coarse: Mesh
+    rest: Singles
+    followed: npt.NDArray[np.uint16]
+    weights: Singles
+    lever: Singles
+    centre: Floats
+    arms: Ints
+    spread: Floats
+    upright: Floats
+    normals: Floats
+
+    def blend(self, values: Floats) -> Floats:
+        """Return the weighted mean (n, ...) of values (m, ...) of the coarse vertices that each fine one follows."""
+        columns = zip(self.followed.T, self.weights.T, strict=True)
+        return np.asarray(sum((values[follow].T * weight).T for follow, weight in columns), np.float64)
+
+
+def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) -> Binding:
+    """Bind a fine surface to a coarse mesh.
+
+    Args:
+        rest: (n, 3) rest positions of the fine surface [m].
+        place: (n, c) where its vertices are in the space of the cells.
+        seeds: (m,) the fine vertex at which each coarse one lies.
+        cells: (n,) the coarse vertex whose cell each fine one is in.
+    """
+    followed, weights = _followed(coarse, place, seeds, cells)
+    centre, middle = rest.mean(axis=0), np.zeros_like(rest)
+    for follow, weight in zip(followed.T, weights.T, strict=True):
+        middle += weight[:, None] * coarse.rest_positions[follow]
+    arms, spread, upright = _gradient(coarse)
+    return Binding(
+        coarse=coarse, rest=rest.astype(np.float32), followed=followed, weights=weights,
+        lever=(2 * rest - centre - middle).astype(np.float32), centre=centre, arms=arms, spread=spread,
+        upright=upright, normals=vertex_normals(coarse.triangles, coarse.rest_positions),
+    )  # fmt: skip
+
+
+def carry(binding: Binding, positions: Floats) -> Singles:
+    """Return the fine positions (n, 3) [m] for coarse positions (3, m) [m]; at rest they are those at rest to the bit.
+
+    F_j is the gradient that fits the ring of seed j best and turns its normal along. Seen from j the surface is at
+    x_j + (F_j + F) (X - X_j) / 2, F the gradient at the place itself: exact for every rigid motion, and for a dent
+    that is a parabola. A vertex takes the weighted mean over its seeds, F too; the weights come and go smoothly, so
+    no facet shows.
+    """
+    motions = motions_of(binding, positions)
+    if native.why_not():
+        return carry_numpy(binding, motions)
+    return native.carry(
+        native.library(), binding.rest, binding.followed, binding.weights, binding.lever, motions
+    )  # fmt: skip
+
+
+def motions_of(binding: Binding, positions: Floats) -> Singles:
+    """Return the motion (m, 12) of each coarse vertex: half of its shift [m], and half of its gradient by rows."""
+    rest = binding.coarse.rest_positions
+    u = positions.T - rest
+    turned = vertex_normals(binding.coarse.triangles, positions.T) - binding.normals
+    i, j = binding.arms.T
+    stretched = (u[j] - u[i])[:, :, None] * binding.spread[:, None, :]
+    gradient = turned[:, :, None] * binding.upright[:, None, :]
+    for c in range(9):
+        gradient.reshape(-1, 9)[:, c] += sums_at(i, stretched.reshape(-1, 9)[:, c], len(rest))
+    shift = 2 * u - np.einsum("mcd,md->mc", gradient, rest - binding.centre)
+    return (np.concatenate([shift, gradient.reshape(-1, 9)], axis=1) / 2).astype(np.float32)
+
+
+def carry_numpy(binding: Binding, motions: Singles) -> Singles:
+    """Return the surface (n, 3) [m] that some motions (m, 12) make: what the native core does, to read."""
+    mixed = np.zeros((len(binding.rest), 12), np.float32)
+    for follow, weight in zip(binding.followed.T, binding.weights.T, strict=True):
+        mixed += motions[follow] * weight[:, None]
+    turned: Singles = np.einsum("ncd,nd->nc", mixed[:, 3:].reshape(-1, 3, 3), binding.lever)
+    return binding.rest + (mixed[:, :3] + turned)
+
+
+def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[npt.NDArray[np.uint16], Singles]:
+    """Return the seeds (n, k) each fine vertex follows and their weights (n, k), sums 1.
+
+    The nearest ones of two rings round its own, weighted by (1 - (d / D)^2)^2, D the distance of the first that
+    is left out: a seed's weight is 0, and so is its slope, where it comes and goes.
+    """
+    m = len(seeds)
+    itself = np.arange(m)[:, None].repeat(2, axis=1)
+    links = np.unique(np.concatenate([mesh.springs, mesh.springs[:, ::-1], itself]), axis=0)
+    first = np.split(links[:, 1], np.searchsorted(links[:, 0], np.arange(1, m)))
+    rings = [np.unique(np.concatenate([first[k] for k in ring])) for ring in first]
+    width = max(len(ring) for ring in rings)
+    around = np.full((m, width), -1)
+    for row, ring in zip(around, rings, strict=True):
+        row[: len(ring)] = ring
+    take = min(NEIGHBOURS + 1, width)
+    n = len(place)
+    followed, weights = np.empty((n, take - 1), np.uint16), np.empty((n, take - 1), np.float32)
+    for part in np.array_split(np.arange(n), n * width // 1_000_000 + 1):
+        ring = around[cells[part]]
+        distance = ((place[part, None] - place[seeds[ring]]) ** 2).sum(axis=2)
+        distance[ring < 0] = np.inf
+        near = np.argpartition(distance, take - 1, axis=1)[:, :take]
+        near = np.take_along_axis(near, np.take_along_axis(distance, near, axis=1).argsort(axis=1), axis=1)
+        away = np.take_along_axis(distance, near, axis=1)
+        bound = np.where(np.isfinite(away), away, -np.inf).max(axis=1, keepdims=True) * (1 + 1e-9)
+        weight = np.where(np.isfinite(away), np.maximum(1 - away / np.maximum(bound, 1e-30), 0) ** 2, 0.0)[:, :-1]
+        weight[:, 0] += 1e-30
+        followed[part] = np.maximum(np.take_along_axis(ring, near, axis=1)[:, :-1], 0)
+        weights[part] = weight / weight.sum(axis=1, keepdims=True)
+    return followed, weights
+
+
+def _gradient(mesh: Mesh) -> tuple[Ints, Floats, Floats]:
+    """Return directed edges (e, 2), and rows (e, 3) and (m, 3) so that F - 1 is
+
+        sum over edges of (u_j - u_i) row_ij^T + (change of the normal) row_i^T.
+
+    F minimises sum |F e - e'|^2 / |e|^2 + s |F n - n'|^2: rows are e / |e|^2 and s n times the inverse of
+    sum e e^T / |e|^2 + s n n^T. s is half the number of edges, as much as they say of each direction in the skin.
+    """
+    x, m = mesh.rest_positions, len(mesh.rest_positions)
+    arms = np.concatenate([mesh.springs, mesh.springs[:, ::-1]])
+    i, j = arms.T
+    edge = x[j] - x[i]
+    row = edge / (edge**2).sum(axis=1)[:, None]
+    normals = vertex_normals(mesh.triangles, x)
+    s = np.bincount(i, minlength=m) / 2
+    moment = s[:, None, None] * normals[:, :, None] * normals[:, None, :]
+    outer = (edge[:, :, None] * row[:, None, :]).reshape(-1, 9)
+    for c in range(9):
+        moment.reshape(-1, 9)[:, c] += sums_at(i, outer[:, c], m)
+    inverse = np.linalg.pinv(moment, rcond=1e-3, hermitian=True)
+    return arms, np.einsum("ec,ecd->ed", row, inverse[i]), s[:, None] * np.einsum("mc,mcd->md", normals, inverse)
