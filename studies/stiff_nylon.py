@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from core.base import TICK, Floats
+from core.base import TICK, Floats, Singles
 from core.body.model import Model, initial_state
 from core.body.model import build_model as build
 from core.material import PRESETS
@@ -148,7 +148,7 @@ def pressed(
     run: Run,
     substeps: int,
     *,
-    show: Callable[[Floats], Floats] = np.transpose,
+    show: Callable[[Floats], Floats | Singles] = np.transpose,
 ) -> Pressed:
     """Press a body and sample it SAMPLES times."""
     state = copy.deepcopy(initial_state(model))
@@ -161,7 +161,7 @@ def pressed(
         started = time.process_time()
         with np.errstate(all="ignore"):
             impulse = run(model, state, path, tick=TICK, substeps=substeps)
-            skins.append(np.array(show(state.positions)))
+            skins.append(np.array(show(state.positions), np.float64))
         cost += time.process_time() - started
         forces.append(float(impulse[0, 2]) / (piece * TICK))
     return skins, np.array(forces), cost, state.unsolved

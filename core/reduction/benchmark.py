@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..base import TICK, DimpleError, Floats, Ints
+from ..base import TICK, DimpleError, Floats, Ints, Singles
 from ..body.model import Model
 from ..mesh.surface import Mesh
 from ..solver.backend import Body, create
@@ -253,8 +253,8 @@ def outcome_of(
     """Compare the results of the presses with those of the full mesh."""
     mesh, squares = model.mesh, []
     for end, wanted in zip(ends, goal, strict=True):
-        x = carry(proxy.binding, end.positions).T if proxy else end.positions
-        squares.append(dent_error(mesh, x.T, wanted.positions.T) ** 2)
+        skin = carry(proxy.binding, end.positions) if proxy else end.positions.T
+        squares.append(dent_error(mesh, skin, wanted.positions.T) ** 2)
     forces, wanted_forces = (np.array([p.force for p in group]) for group in (ends, goal))
     error = math.sqrt(np.mean(squares))
     seconds = (DOWN + HOLD) * len(ends)
@@ -265,7 +265,7 @@ def outcome_of(
     return outcome if math.isfinite(error) else Outcome(asked=asked, steps=steps, note="the simulation became unstable")
 
 
-def dent_error(mesh: Mesh, skin: Floats, wanted: Floats) -> float:
+def dent_error(mesh: Mesh, skin: Floats | Singles, wanted: Floats) -> float:
     """Return the root-mean-square distance [m] between two surfaces (n, 3) [m], along the normal, over the dent.
 
     Sliding along the surface cannot be seen, so only the normal part counts. The dent is where vertices move by DENT
