@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import Floats, Ints, sums_at
+from ..base import Floats, sums_at
 from ..mesh.surface import Mesh
 from .pressure import Pressure, pressure_slope, volume_and_gradient
 
@@ -41,9 +41,9 @@ def of_edges(mesh: Mesh, constants: Floats, at_vertices: Floats, inverse_mass: F
     if not len(mesh.triangles):
         return float(own.max())
     n, corners = len(inverse_mass), mesh.triangles
-    edges = _edges_of(mesh)
+    edges = mesh.triangle_springs[:, [1, 2, 0]]  # opposite each corner
     shared = np.bincount(edges.ravel(), minlength=len(constants))
-    opposite = (constants / np.maximum(shared, 1))[edges]  # (t, 3) of the edge opposite each corner
+    opposite = (constants / np.maximum(shared, 1))[edges]
     total = opposite.sum(axis=1, keepdims=True)
     meets = total - opposite
     whole = sums_at(corners.ravel(), meets.ravel(), n)
@@ -82,10 +82,3 @@ def of_body(
     across = float(np.sqrt(((root * held - met * along) ** 2).sum()))
     whole = met + reserve * pressure_slope(fill, volume) * square
     return (whole + skin) / 2 + float(np.hypot((whole - skin) / 2, across))
-
-
-def _edges_of(mesh: Mesh) -> Ints:
-    """Return the edge (t, 3) opposite each corner of the triangles."""
-    n, order = len(mesh.rest_positions), mesh.springs[:, 0] * len(mesh.rest_positions) + mesh.springs[:, 1]
-    low, high = (f(mesh.triangles[:, [1, 2, 0]], mesh.triangles[:, [2, 0, 1]]) for f in (np.minimum, np.maximum))
-    return np.searchsorted(order, low * n + high)

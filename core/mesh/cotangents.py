@@ -20,13 +20,11 @@ def cotangent_weights(mesh: Mesh) -> Floats:
     """
     x, corners, n = mesh.rest_positions, mesh.triangles, len(mesh.rest_positions)
     total = np.zeros(len(mesh.springs))
-    order = mesh.springs[:, 0] * n + mesh.springs[:, 1]  # sorted, as springs are
     for c in range(3):
         at, low, high = corners[:, c], corners[:, c - 1], corners[:, c - 2]
         a, b = x[low] - x[at], x[high] - x[at]
         cotangent = (a * b).sum(axis=1) / np.maximum(2 * mesh.triangle_areas, 1e-12 * mesh.size**2)
-        edge = np.searchsorted(order, np.minimum(low, high) * n + np.maximum(low, high))
-        total += sums_at(edge, cotangent, len(total)) / 2
+        total += sums_at(mesh.triangle_springs[:, c - 2], cotangent, len(total)) / 2
     weights = np.clip(total, 0, LARGEST)
     ends, square = mesh.springs, mesh.rest_lengths**2
     wanted, kept = (sums_at(ends.ravel(), np.repeat(w * square, 2), n) for w in (total, weights))

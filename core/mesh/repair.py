@@ -13,6 +13,9 @@ import numpy as np
 import trimesh
 
 from ..base import Bools, Floats, Ints, sums_at
+from .edges import edges_of
+
+ROUNDING = 1e-9  # of the terms of a volume: a part with less is flat, and has neither an inside nor an outside
 
 
 def connected(pairs: Ints, n: int) -> Ints:
@@ -86,22 +89,6 @@ def consistent_winding(faces: Ints, adjacency: Ints) -> Ints:
     return turned
 
 
-def border_edges(triangles: Ints) -> Ints:
-    """Return the edges (c, 2) that caps must add so that every edge is walked as often one way as the other.
-
-    The border of any set of oriented faces is made of cycles, so a cone over each part closes even a
-    non-manifold mesh: the pressure on it exerts no net force, and a wall inside counts as skin only.
-    """
-    n = int(triangles.max()) + 1
-    walked = trimesh.geometry.faces_to_edges(triangles)
-    keys, counts = np.unique(walked[:, 0] * n + walked[:, 1], return_counts=True)
-    mirrored = keys % n * n + keys // n
-    at = np.minimum(np.searchsorted(keys, mirrored), len(keys) - 1)
-    back = np.where(keys[at] == mirrored, counts[at], 0)
-    missing = np.repeat(mirrored, np.maximum(counts - back, 0))
-    return np.stack([missing // n, missing % n], axis=1)
-
-
 def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools) -> Bools:
     """Return which faces (t,) belong to parts turned inside out; a part facing inward inside another is a cavity.
 
@@ -115,10 +102,12 @@ def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools
     names, label = np.unique(connected(adjacency, len(faces)), return_inverse=True)
     count, corners = np.bincount(label), positions[faces]
     mean = np.stack([sums_at(label, corners[:, :, c].mean(axis=1), len(names)) / count for c in range(3)], axis=1)
-    volume = sums_at(label, np.linalg.det(corners - mean[label][:, None]), len(names))
-    for part in np.flatnonzero(volume < 0):
+    a, b, c = (corners - mean[label][:, None]).transpose(1, 2, 0)
+    own = a * np.cross(b, c, axis=0)
+    volume, terms = (sums_at(label, each.sum(axis=0), len(names)) for each in (own, np.abs(own)))
+    for part in np.flatnonzero(volume < -ROUNDING * terms):
         mine = label == part
-        if flipped[mine].any() or not len(border_edges(faces[mine])):
+        if flipped[mine].any() or not edges_of(faces[mine]).excess.any():
             inward[mine] = not _inside(corners[~mine], corners[mine][0, 0])
     return inward
 

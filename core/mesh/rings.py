@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Bools, Ints
+from .edges import Edges
 
 MAX_RING = 12  # one wide fan must not widen every row
 
@@ -37,45 +38,40 @@ class Rings:
     irregular_ends: Bools
 
 
-def ordered_rings(triangles: Ints, springs: Ints, n: int) -> Rings:
+def ordered_rings(triangles: Ints, edges: Edges, n: int) -> Rings:
     """Order the neighbours of every vertex.
 
     Args:
         triangles: (t, 3) with consistent winding.
-        springs: (m, 2), sorted by (first, second), first < second.
+        edges: of those triangles.
         n: number of vertices.
     """
-    corners = np.concatenate([triangles, np.roll(triangles, -1, axis=1), np.roll(triangles, -2, axis=1)])
-    keys = corners[:, 0] * n + corners[:, 1]
-    order = np.argsort(keys, kind="stable")
-    keys, after = keys[order], corners[order, 2]
-    valence = np.bincount(corners[:, 0], minlength=n)
+    start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    half = np.arange(len(start)).reshape(-1, 3)
+    turn = edges.twin[np.roll(half, 1, axis=1).ravel()]  # the next half-edge round the vertex where one starts
+    valence = np.bincount(start, minlength=n)
     regular = (valence >= 3) & (valence <= MAX_RING)
-    regular[keys[1:][keys[1:] == keys[:-1]] // n] = False
+    regular[start[turn < 0]] = False
 
     width = int(valence[regular].max()) if regular.any() else 0
+    by_corner = half.T.ravel()
     first = np.zeros(n, np.int64)
-    first[corners[::-1, 0]] = corners[::-1, 1]
-    ring = np.empty((width, n), np.int64)
+    first[start[by_corner[::-1]]] = by_corner[::-1]
+    ring, springs = np.empty((width, n), np.int64), np.empty((width, n), np.int64)
     here = first.copy()
     for slot in range(width):
         # walk to the next neighbour; past the last stay at the first
-        ring[slot] = np.where(slot < valence, here, first)
-        wanted = np.arange(n) * n + here
-        at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        regular &= (keys[at] == wanted) | (slot >= valence)
-        here = np.where(slot < valence, after[at], here)
+        ring[slot], springs[slot] = end[here], edges.of_half[here]
+        springs[slot, slot >= valence] = -1
+        here = np.where(slot < valence - 1, turn[here], first)
         # back at the start too early: two fans meet in this vertex
-        regular &= ~((here == first) & (slot < valence - 1))
-    regular &= here == first
-    ring[:, ~regular] = np.flatnonzero(~regular)
+        regular &= (here != first) | (slot >= valence - 1)
+    ring[:, ~regular], springs[:, ~regular] = np.flatnonzero(~regular), -1
 
-    spring_keys = springs[:, 0] * n + springs[:, 1]
-    low, high = np.minimum(ring, np.arange(n)), np.maximum(ring, np.arange(n))
-    slots = np.searchsorted(spring_keys, low * n + high)
-    ring_springs = np.where((np.arange(width)[:, None] < valence) & regular, slots, -1)
-    ends = ~regular[springs]
+    odd = by_corner[~regular[start[by_corner]]]
+    apex = end[odd + np.where(odd % 3 == 2, -2, 1)]
+    ends = ~regular[edges.ends]
     return Rings(
-        neighbours=ring, springs=ring_springs, regular=regular, corners=corners[~regular[corners[:, 0]]],
+        neighbours=ring, springs=springs, regular=regular, corners=np.stack([start[odd], end[odd], apex], axis=1),
         irregular_springs=np.flatnonzero(ends.any(axis=1)), irregular_ends=ends[ends.any(axis=1)],
     )  # fmt: skip

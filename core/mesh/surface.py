@@ -13,7 +13,8 @@ import numpy as np
 import trimesh
 
 from ..base import FARTHEST, LEAST_VOLUME, LEAST_VOLUME_OPEN, WELD_SHARE, Bools, DimpleError, Floats, Ints, sums_at
-from .repair import border_edges, connected, consistent_winding, inward_parts, weld
+from .edges import Edges, edges_of
+from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
 
 
@@ -25,6 +26,7 @@ class Mesh:
     triangles: (t, 3), wound so that they face outward.
     triangle_material: (t,) material index.
     triangle_areas: (t,) [m2].
+    triangle_springs: (t, 3) the edge from each corner to the next.
     springs: (m, 2) vertices of every edge, sorted by (first, second), first < second.
     rest_lengths: (m,) [m].
     spring_areas: (m,) area of the triangles beside the edge [m2].
@@ -46,6 +48,7 @@ class Mesh:
     triangles: Ints
     triangle_material: Ints
     triangle_areas: Floats
+    triangle_springs: Ints
     springs: Ints
     rest_lengths: Floats
     spring_areas: Floats
@@ -94,29 +97,30 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         raise DimpleError(
             "Every face has shrunk to a line or a point. Dissolve the degenerate geometry or scale it up."
         )
-    surface = trimesh.Trimesh(positions, triangles, process=False)
-    areas = surface.area_faces
+    areas = trimesh.Trimesh(positions, triangles, process=False).area_faces
     if areas.sum() <= (1e-6 * size) ** 2:
         raise DimpleError("The faces have no area. Dissolve the degenerate geometry first.")
     flat = int((areas < 1e-10 * size * size).sum()) + int((~whole).sum())
     if flat:
         notes.append(f"{flat} faces have no area and add no stiffness.")
 
-    flipped = np.zeros(len(triangles), bool)
-    if not surface.is_winding_consistent:
-        consistent = consistent_winding(triangles, surface.face_adjacency)
+    flipped, edges = np.zeros(len(triangles), bool), edges_of(triangles)
+    if not edges.consistent:
+        consistent = consistent_winding(triangles, edges.adjacency)
         flipped = (consistent != triangles).any(axis=1)
         notes.append(f"{int(flipped.sum())} faces were flipped to match the normals of their neighbours.")
-        triangles = consistent
-    border, cap_loop, volume = _closed(positions, triangles)
+        triangles, edges = consistent, edges_of(consistent)
+    border, cap_loop, volume = _closed(positions, triangles, edges)
     least = (LEAST_VOLUME_OPEN if len(border) else LEAST_VOLUME) * size * float(areas.sum())
     if volume < -least:
         triangles, border, volume = triangles[:, ::-1].copy(), border[:, ::-1].copy(), -volume
+        edges = edges_of(triangles)
         notes.append("The normals pointed inward and were recalculated for the simulation.")
-    inward = inward_parts(positions, triangles, surface.face_adjacency, flipped)
+    inward = inward_parts(positions, triangles, edges.adjacency, flipped)
     if inward.any():
         triangles[inward] = triangles[inward][:, ::-1]
-        border, cap_loop, volume = _closed(positions, triangles)
+        edges = edges_of(triangles)
+        border, cap_loop, volume = _closed(positions, triangles, edges)
         notes.append(f"{int(inward.sum())} faces of separate parts pointed inward and were flipped for the simulation.")
     pressurable = volume > least
     if not pressurable:
@@ -124,9 +128,9 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     elif len(border):
         notes.append(f"{int(cap_loop.max()) + 1} holes are closed for the pressure only.")
 
-    springs, spring_triangles, spring_areas, faces_beside = _springs(surface, areas)
-    if (faces_beside > 2).any():
-        notes.append(f"{int((faces_beside > 2).sum())} edges are non-manifold: they join three or more faces.")
+    springs, beside = edges.ends, edges.count > 2
+    if beside.any():
+        notes.append(f"{int(beside.sum())} edges are non-manifold: they join three or more faces.")
     loose = np.ones(len(positions), bool)
     loose[triangles] = False
     if loose.any():
@@ -135,8 +139,9 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     vertex_areas = sums_at(triangles.ravel(), np.repeat(areas / 3, 3), len(positions))
     return Mesh(
         rest_positions=positions, triangles=triangles, triangle_material=material, triangle_areas=areas,
-        springs=springs, rest_lengths=lengths, spring_areas=spring_areas, spring_triangles=spring_triangles,
-        vertex_areas=vertex_areas, rings=ordered_rings(triangles, springs, len(positions)),
+        triangle_springs=edges.of_half.reshape(-1, 3), springs=springs, rest_lengths=lengths,
+        spring_areas=sums_at(edges.of_half, np.repeat(areas, 3), len(springs)), spring_triangles=edges.faces,
+        vertex_areas=vertex_areas, rings=ordered_rings(triangles, edges, len(positions)),
         cap_edges=border, cap_loop=cap_loop, volume=volume, size=size, closed=not len(border), pressurable=pressurable,
         loose=loose, source=source, notes=tuple(notes),
     )  # fmt: skip
@@ -195,9 +200,9 @@ def cap_centres(positions: Floats, cap_edges: Ints, cap_loop: Ints) -> tuple[Flo
     return centre / count[:, None], count
 
 
-def _closed(positions: Floats, triangles: Ints) -> tuple[Ints, Ints, float]:
+def _closed(positions: Floats, triangles: Ints, edges: Edges) -> tuple[Ints, Ints, float]:
     """Return the cap edges (c, 2), the hole each closes (c,) and the volume inside [m3]."""
-    border = border_edges(triangles)
+    border = edges.border
     cap_loop = _loops(border, len(positions))
     x = positions - positions[triangles].mean(axis=(0, 1))
     total = float(np.linalg.det(x[triangles]).sum())
@@ -205,20 +210,3 @@ def _closed(positions: Floats, triangles: Ints) -> tuple[Ints, Ints, float]:
         centre, _ = cap_centres(x, border, cap_loop)
         total += float(np.linalg.det(np.stack([x[border[:, 0]], x[border[:, 1]], centre[cap_loop]], axis=1)).sum())
     return border, cap_loop, total / 6
-
-
-def _springs(surface: trimesh.Trimesh, areas: Floats) -> tuple[Ints, Ints, Floats, Ints]:
-    """Return every edge once (m, 2), two faces beside it (m, 2), their area (m,) [m2] and how many they are (m,).
-
-    trimesh's own `edges_unique` promises no order; `ordered_rings` searches in these.
-    """
-    n = len(surface.vertices)
-    low, high = surface.edges_sorted.T
-    unique, first, inverse, count = np.unique(
-        low * n + high, return_index=True, return_inverse=True, return_counts=True
-    )
-    last = np.zeros(len(unique), np.int64)
-    last[inverse] = np.arange(len(inverse))
-    beside = surface.edges_face[np.stack([first, last], axis=1)]
-    areas_beside = sums_at(inverse, np.repeat(areas, 3), len(unique))
-    return np.stack([unique // n, unique % n], axis=1), beside, areas_beside, count

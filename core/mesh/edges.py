@@ -1,0 +1,79 @@
+"""The edges of a surface, all from one sort: what lies beside each, and the way from face to face round a vertex.
+
+Half-edge 3 f + c goes from corner c of face f to the next corner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import Ints
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edges:
+    """The edges of t triangles.
+
+    ends: (m, 2) vertices of every edge, sorted by (first, second), first < second.
+    count: (m,) faces beside it.
+    faces: (m, 2) the first and the last of them.
+    excess: (m,) how many more of them walk it from its first end to its second than back.
+    of_half: (3 t,) the edge of each half-edge.
+    twin: (3 t,) the half-edge back, where two faces share the edge and are wound alike; else -1.
+    """
+
+    ends: Ints
+    count: Ints
+    faces: Ints
+    excess: Ints
+    of_half: Ints
+    twin: Ints
+
+    @property
+    def consistent(self) -> bool:
+        """Tell whether all faces are wound as their neighbours are."""
+        return not self.excess[self.count == 2].any()
+
+    @property
+    def adjacency(self) -> Ints:
+        """Return the pairs of faces (a, 2) that share an edge with no third."""
+        return self.faces[self.count == 2]
+
+    @property
+    def border(self) -> Ints:
+        """Return the edges (c, 2) that caps must add so that every edge is walked as often one way as the other.
+
+        The border of any set of oriented faces is made of cycles, so a cone over each part closes even a
+        non-manifold mesh: the pressure on it exerts no net force, and a wall inside counts as skin only.
+        """
+        open_ones = np.flatnonzero(self.excess)
+        walked, excess = self.ends[open_ones], self.excess[open_ones]
+        walked[excess < 0] = walked[excess < 0][:, ::-1]
+        order = np.lexsort((walked[:, 1], walked[:, 0]))
+        return np.repeat(walked[order][:, ::-1], np.abs(excess[order]), axis=0)
+
+
+def edges_of(triangles: Ints) -> Edges:
+    """Find the edges of triangles (t, 3) with three different corners each."""
+    start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    n = int(triangles.max()) + 1 if len(triangles) else 1
+    keys = np.minimum(start, end) * n + np.maximum(start, end)
+    order = np.argsort(keys, kind="stable")
+    keys = keys[order]
+    first = np.flatnonzero(np.diff(keys, prepend=-1))
+    count = np.diff(first, append=len(keys))
+    of_half = np.empty(len(keys), np.int64)
+    of_half[order] = np.repeat(np.arange(len(first)), count)
+    ways = np.where(start < end, 1, -1)[order]
+    excess = np.add.reduceat(ways, first) if len(first) else first
+    pairs = first[(count == 2) & (excess == 0)]
+    one, other = order[pairs], order[pairs + 1]
+    twin = np.full(len(keys), -1)
+    twin[one], twin[other] = other, one
+    return Edges(
+        ends=np.stack([keys[first] // n, keys[first] % n], axis=1), count=count,
+        faces=np.stack([order[first], order[first + count - 1]], axis=1) // 3, excess=excess, of_half=of_half,
+        twin=twin,
+    )  # fmt: skip
