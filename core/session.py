@@ -286,11 +286,13 @@ class Session:
         return tuple([tip.target if tip else None for tip in self._tips])
 
     def positions(self) -> npt.NDArray[np.float32]:
-        """Return where the input vertices (N, 3) [m] are now."""
+        """Return where the input vertices (N, 3) [m] are now, to be read."""
         if self._shown is None:
             surface = self._surface()
-            self._shown = np.array(surface if self._unwelded else surface[self.model.mesh.source], np.float32)
-        return self._shown.copy()
+            shown = surface if self._unwelded else surface[self.model.mesh.source]
+            self._shown = shown.astype(np.float32, copy=False)
+            self._shown.setflags(write=False)
+        return self._shown
 
     def touches(self) -> tuple[Touching | None, ...]:
         """Return how each fingertip meets the surface at rest, which a device renders."""

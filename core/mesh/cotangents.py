@@ -18,14 +18,13 @@ def cotangent_weights(mesh: Mesh) -> Floats:
     negative it is 0, so that no energy is; the weights round such an edge are less by as much, or a surface of blunt
     triangles would be stiffer than its area.
     """
-    x, corners, n = mesh.rest_positions, mesh.triangles, len(mesh.rest_positions)
-    total = np.zeros(len(mesh.springs))
-    for c in range(3):
-        at, low, high = corners[:, c], corners[:, c - 1], corners[:, c - 2]
-        a, b = x[low] - x[at], x[high] - x[at]
-        cotangent = (a * b).sum(axis=1) / np.maximum(2 * mesh.triangle_areas, 1e-12 * mesh.size**2)
-        total += sums_at(mesh.triangle_springs[:, c - 2], cotangent, len(total)) / 2
+    n, ends, square = len(mesh.rest_positions), mesh.springs, mesh.rest_lengths**2
+    sides = square[mesh.triangle_springs]
+    # the law of cosines: 4 A cot = b^2 + c^2 - a^2
+    cotangents = (sides.sum(axis=1, keepdims=True) / 2 - sides) / np.maximum(
+        2 * mesh.triangle_areas, 1e-12 * mesh.size**2
+    )[:, None]
+    total = sums_at(mesh.triangle_springs.ravel(), cotangents.ravel(), len(ends)) / 2
     weights = np.clip(total, 0, LARGEST)
-    ends, square = mesh.springs, mesh.rest_lengths**2
     wanted, kept = (sums_at(ends.ravel(), np.repeat(w * square, 2), n) for w in (total, weights))
     return weights * np.clip(wanted / np.maximum(kept, 1e-30), LEAST, 1.0)[ends].mean(axis=1)

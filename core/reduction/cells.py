@@ -99,10 +99,13 @@ def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
 def _join_islands(i: Ints, j: Ints, place: Floats, seeds: Ints, cells: Ints) -> None:
     """Give what another cell cut off from its seed to the nearest cell beside it, in place; i, j: directed edges."""
     joined = np.zeros(len(place), bool)
-    more = seeds
-    while len(more):
-        joined[more] = True
-        more = np.unique(j[joined[i] & ~joined[j] & (cells[i] == cells[j])])
+    joined[seeds], same = True, cells[i] == cells[j]
+    source, end, more = i[same], j[same], len(seeds)
+    while more:
+        reached = end[joined[source]]
+        left, more = ~joined[end], int((~joined[reached]).sum())
+        source, end = source[left], end[left]
+        joined[reached] = True
     while len(beside := np.flatnonzero(joined[i] & ~joined[j])):
         end, offered = j[beside], cells[i[beside]]
         distance = ((place[end] - place[seeds[offered]]) ** 2).sum(axis=1)
