@@ -102,6 +102,8 @@ def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple
         force = sum(c * c for c in tip.force) ** 0.5
         full = f" ({iface_('full')})" if tip.full or force > FULL * report.peak else ""
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N{full}"))
+    model = iface_("Model, {:.0f} % of Its Time").format(100 * report.load)
+    lines.append((iface_("Rendered"), model if report.body.name == "RUNS" else iface_("Local Wall of the Law")))
     lines.append((iface_("Renders up to"), f"{report.cap / 1e3:.2f} N/mm, {report.peak:.0f} N"))
     for name in ("K1", "K2") if material else ():
         measured = getattr(material, name)
@@ -129,6 +131,8 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     if report.arming.name == "WAITING":
         sentences.append(iface_("The force comes on once Shift is held and the fingertips touch nothing."))
     connection = haptic.get()
+    if connection and connection.beside.reason and haptic.sessions.sessions:
+        sentences.append(iface_(connection.beside.reason))
     if connection and connection.slow:
         sentences.append(
             iface_("Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.")

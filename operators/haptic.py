@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from . import sessions
+from .beside import Beside
 
 if TYPE_CHECKING:
     from ..core.haptics.contact_model import Contact
@@ -41,7 +42,8 @@ class Connection:
     workspaces: of the device in each body's space, for each of its fingertips, and the fingertip's radius [mm].
     note: a sentence for the artist that was not shown yet.
     read_at: when it was read last [s].
-    slow: Blender drew too slowly for the dead-man key, and that was said.
+    slow: Blender draws too slowly for the dead-man key.
+    beside: what runs beside the device.
     """
 
     device: Device
@@ -52,6 +54,7 @@ class Connection:
     note: str = ""
     read_at: float = 0.0
     slow: bool = False
+    beside: Beside = field(default_factory=Beside)
 
 
 connections: list[Connection] = []  # the device, where one is connected
@@ -98,9 +101,16 @@ def connect(scene: bpy.types.Scene) -> Connection:
 def disconnect() -> None:
     """Disconnect the device; without one nothing happens."""
     while connections:
+        take_back()
         connections.pop().device.close()
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
+
+
+def take_back() -> None:
+    """Let Blender step all bodies, also the one that runs beside the device."""
+    if connection := get():
+        connection.beside.take_back()
 
 
 def hold(seconds: float) -> None:
@@ -158,8 +168,8 @@ def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
     return fingers(connection.report, workspace(scene, body.link.scale), scene.dimple.finger_radius_mm / 1e3)
 
 
-def write(scene: bpy.types.Scene) -> None:
-    """Render on each fingertip the contact with the body that it is deepest in, or nearest to.
+def write(scene: bpy.types.Scene, *, beside: bool = False) -> None:
+    """Let the body nearest to a fingertip run beside the device; else render the nearest contact of each fingertip.
 
     A body that is suddenly under a fingertip, by a new session, another place of the device, another radius or the end
     of a poke, must not push, as when the device is armed: else it is disarmed.
@@ -169,9 +179,19 @@ def write(scene: bpy.types.Scene) -> None:
     from ..core.haptics.servo_messages import LinkState
 
     connection = get()
-    if connection is None or connection.report.link is not LinkState.READY:
+    if connection is None:
         return
-    radius = scene.dimple.finger_radius_mm
+    if connection.report.link is not LinkState.READY:
+        take_back()
+        return
+    radius, other = scene.dimple.finger_radius_mm, connection.beside
+    other.choose(list(sessions.sessions.values()) if beside else [], connection.report, radius / 1e3)
+    where = workspace(scene, other.body.link.scale) if other.body else None
+    parcel = other.parcel(connection.report, where, radius / 1e3)
+    if other.runs:
+        connection.renderings, connection.workspaces = {}, {}
+        connection.device.write([], parcel)
+        return
     now, chosen, workspaces, kicks = time.perf_counter(), [], {}, False
     for body in sessions.sessions.values():
         rendering, where = connection.renderings.setdefault(body, ContactRendering()), workspace(scene, body.link.scale)
@@ -186,7 +206,7 @@ def write(scene: bpy.types.Scene) -> None:
     running = list(sessions.sessions.values())
     connection.renderings = {body: each for body, each in connection.renderings.items() if body in running}
     connection.workspaces = workspaces
-    connection.device.write(chosen)
+    connection.device.write(chosen, parcel)
 
 
 def nearer(some: Sequence[Contact | None], others: Sequence[Contact | None]) -> list[Contact | None]:
@@ -230,7 +250,7 @@ def _look() -> float | None:
             connection.note = " ".join(notes)  # for when it goes on
             connection.device.renew()
         else:
-            connection.device.write([])
+            write(bpy.context.scene)
     sessions.redraw()
     return LOOK_S
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, contact, haptic, props, sessions, showing, tuning, twins
+from . import bridge, contact, haptic, props, sessions, showing, timeline, tuning, twins
 from .messages import Note
 from .sessions import LiveBody, ModalRun
 
@@ -83,6 +83,9 @@ def advance(
     """
     messages = [*haptic.read(), *showing.end_changed(context.view_layer)]
     pressed = twins.shared(pressed or {}, context.scene)
+    beside = _may_run_beside(context, pressed)
+    if not beside:
+        haptic.take_back()
     share = budget / len(sessions.sessions) if budget and sessions.sessions else budget
     for uid, body in list(sessions.sessions.items()):
         messages += _trying(uid, prepare, context, body, pressed.get(uid, ()))
@@ -99,8 +102,18 @@ def advance(
     slowest = min((body.lead for body in sessions.sessions.values()), default=0.0)
     for body in sessions.sessions.values():
         body.done, body.lead = body.lead, body.lead - slowest  # the others wait for it: all have one clock
-    haptic.write(context.scene)
+    haptic.write(context.scene, beside=beside)
     return messages
+
+
+def _may_run_beside(context: bpy.types.Context, pressed: Mapping[int, Sequence[Finger | None]]) -> bool:
+    """Tell whether a body may run beside the haptic device, on the device's clock: what plays has none of its own.
+
+    Bodies that meet are stepped together, and what the mouse presses is stepped where the mouse is.
+    """
+    mouse, timed = any(any(fingers) for fingers in pressed.values()), timeline.is_playing(context)
+    plays = any(not run.paused for run in sessions.runs)
+    return plays and not (mouse or timed or contact.is_on(context.scene))
 
 
 def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str]:
@@ -116,6 +129,7 @@ def _meet(context: bpy.types.Context) -> list[str]:
     if not contact.is_on(context.scene):
         sessions.worlds.clear()
         return []
+    haptic.take_back()
     bodies = {
         uid: (obj, body.session, body.link.scale)
         for uid, body in sessions.sessions.items()

@@ -22,6 +22,7 @@ from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
 from core.haptics.contact_rendering import ContactRendering, Workspace, fingers
 from core.haptics.emulated_hand import Keyframe
+from core.haptics.remote_body import Parcels, RemoteBody
 from core.haptics.safety import Arming
 from core.haptics.servo_messages import BodyState, LinkState, ServoReport
 from core.haptics.wire import RAMP
@@ -30,7 +31,6 @@ from core.mesh.surface import base_vertices
 from core.session import Finger, Session
 
 from .processes import InstrumentedDevice
-from .remote_body import RemoteBody
 from .scenes import cube
 
 PRESET = PRESETS[1]  # vinyl and air: K1 = 610 N/m
@@ -263,9 +263,9 @@ def _drive(
     *, in_servo: bool,
 ) -> ServoReport:  # fmt: skip
     """Step session and device together, as Blender does: 60 times a second."""
-    rendering, armed, remote = ContactRendering(), 0.0, None
+    rendering, armed, remote, parcels = ContactRendering(), 0.0, None, Parcels()
     if in_servo:
-        session.body = remote = RemoteBody(session.body, session.model)
+        remote = RemoteBody(session.body, session.model, parcels)
         remote.set_place(WORKSPACE, RADIUS)
     begun = last = stalled = time.perf_counter()
     while not armed or time.perf_counter() - armed < seconds:
@@ -274,10 +274,13 @@ def _drive(
             raise DimpleError(report.note or "The emulated device did not arm.")
         now = time.perf_counter()
         if report.link is LinkState.READY:
+            if remote and session.body is not remote and report.body is BodyState.BUILT:
+                remote.begin(session.model)
+                session.body = remote
             session.set_fingers(fingers(report, WORKSPACE, RADIUS))
             session.step(min(now - last, 2 * FRAME))
             contacts = () if remote else rendering.contacts(session, WORKSPACE, report.cap, time.perf_counter())
-            device.write(contacts, remote.parcel(report) if remote else None)
+            device.write(contacts, parcels.take(report))
             if report.body is BodyState.REFUSED:
                 raise DimpleError(report.note)
             ready = not remote or report.body is BodyState.RUNS

@@ -63,6 +63,18 @@ WORDS = {
     "K1 is not renderable: so stiff a wall shakes the device. It is rendered softer.": (
         "K1 は表現できません。この硬さではデバイスが振動するため、柔らかく提示されます。"
     ),
+    "Rendered": "提示",
+    "Model, {:.0f} % of Its Time": "モデル（時間の {:.0f} %）",
+    "Local Wall of the Law": "法則による局所的な壁",
+    "So fine a body cannot keep up with the device, so a local wall is rendered. Simulate a proxy to feel it.": (
+        "この細かさの物体はデバイスの速さに追いつけないため、局所的な壁を提示します。モデルに触れるにはプロキシを使ってください。"
+    ),
+    "So coarse a body chatters under a fingertip, so a local wall is rendered. Let Dimple choose what is simulated.": (
+        "粗すぎる物体は指先の下で振動するため、局所的な壁を提示します。シミュレーション対象を自動にしてください。"
+    ),
+    "There is no native core for this machine, so a local wall of the measured law is rendered.": (
+        "このコンピューター用のネイティブコアがないため、測定した法則の局所的な壁を提示します。"
+    ),
     "Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.": (
         "Blender の描画が遅すぎます。デッドマンキーが切れて力が出ません。プロキシを使ってください。"
     ),

@@ -1,27 +1,29 @@
 """Where the servo's process keeps the touched body: takes parcels, runs it beside the servo, posts frames.
 
-A body that blows up, is too heavy or cannot be read takes all force away, and its report says why.
+Nothing here stalls the servo: modules are loaded before the device is greeted, parcels are read and bodies built in a
+thread. A body that blows up, is too heavy or cannot be read takes all force away, and its report says why.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from ..errors import DimpleError
 from .mailbox import Mailbox
-from .parcel import frame_size, pack_frame, parcel_path, unpack_changes
-from .safety import LEASE, QUIET_FORCE
+from .parcel import Change, frame_size, pack_frame, parcel_path, unpack_changes
+from .safety import LEASE
 from .servo import Servo
 from .servo_messages import BodyState, Order, ServoReport
-from .vectors import ZERO, Vector, along, length, scaled
+from .vectors import ZERO, Vector, along, scaled
 from .wire import FINGERS
 
 if TYPE_CHECKING:
     from .touched_body import TouchedBody
 
-WATCH: Final = 20  # ticks after a change in which a force means that a fingertip came down inside the body
 FRAME_EVERY: Final = 0.015  # [s] between two frames: a little faster than Blender draws
 BLEW_UP: Final = "The simulation blew up and was put back to rest: soften the material, then arm the device again."
 FAILED: Final = "The body cannot run beside the device ({error}), so a local wall is rendered."
@@ -34,6 +36,7 @@ class BodyHost:
 
     Args:
         mailbox: path of the mailbox: parcels lie beside it.
+        submit: what runs a function elsewhere, a thread of its own if left out.
 
     Attributes:
         state: what became of the body.
@@ -42,19 +45,21 @@ class BodyHost:
         touched: the body, None where there is none.
     """
 
-    def __init__(self, mailbox: Path) -> None:
+    def __init__(self, mailbox: Path, submit: Callable[..., Future[list[Change]]] | None = None) -> None:
         self.state, self.note, self.taken = BodyState.NONE, "", 0
         self.touched: TouchedBody | None = None
-        self._mailbox, self._watch = mailbox, 0
-        _load()
+        self._mailbox, self._submit = mailbox, submit or ThreadPoolExecutor(1).submit
+        self._reading: tuple[int, Future[list[Change]]] | None = None  # a parcel, and what is in it
         self._frames: Mailbox | None = None
-        self._posted, self._ticks, self._since, self._answered = 0.0, 0, 0, 0
+        self._changed = False  # another state, place or body: whatever is inside it now has not pressed it
+        self._posted, self._since, self._answered = 0.0, 0, 0
         self._total: list[Vector] = [ZERO] * FINGERS
 
     def order(self, order: Order, servo: Servo, now: float) -> Order:
-        """Return an order of Blender's with the contacts of the body, where there is one; take a new parcel."""
-        if order.parcel != self.taken:
-            self._take(order.parcel, servo)
+        """Return an order of Blender's with the contacts of the body, where one runs; begin to read a new parcel."""
+        if order.parcel != self.taken and self._reading is None:
+            path = parcel_path(self._mailbox, order.parcel)
+            self._reading = order.parcel, self._submit(read_parcel, path, servo.spec.tick)
         if self.state is not BodyState.RUNS:
             return order
         shown = now - order.written <= LEASE
@@ -66,21 +71,19 @@ class BodyHost:
         load = self.touched.load if self.touched else 0.0
         return replace(report, note=note, body=self.state, parcel=self.taken, load=load)
 
-    def _take(self, number: int, servo: Servo) -> None:
-        self.taken, path = number, parcel_path(self._mailbox, number)
+    def _take(self, servo: Servo, number: int, changes: Future[list[Change]]) -> None:
+        self.taken, self._reading = number, None
         try:
-            parcel = path.read_bytes()
-            path.unlink(missing_ok=True)
-            for name, *arguments in unpack_changes(parcel):
+            for name, *arguments in changes.result():
                 getattr(self, f"change_{name}")(servo, *arguments)
-        except FileNotFoundError:
-            return  # a newer one took its place
         except (OSError, DimpleError, AttributeError, TypeError, ValueError, RuntimeError) as error:
             self._give_up(servo, FAILED.format(error=error))
 
     def advance(self, servo: Servo, now: float) -> None:
         """Run one tick if the servo has answered a STATE, and give it the contacts for the next."""
-        if self.touched is None or servo.answered == self._answered:
+        if self._reading and self._reading[1].done():
+            self._take(servo, *self._reading)
+        if self.touched is None or self.state is not BodyState.RUNS or servo.answered == self._answered:
             return
         self._answered, touched = servo.answered, self.touched
         try:
@@ -98,13 +101,10 @@ class BodyHost:
         elif touched.is_too_heavy:
             self._give_up(servo, TOO_HEAVY)
             contacts = ()
-        if self._watch:
-            self._watch -= 1
-            if any(contact and length(contact.force) >= QUIET_FORCE for contact in contacts) or touched.is_inside:
-                servo.end(CHANGED)
-                self._watch = 0
+        if self._changed and touched.is_inside:
+            servo.end(CHANGED)
+        self._changed = False
         servo.order = replace(servo.order, contacts=contacts)
-        self._ticks += 1
         self._since += 1
         self._total = [along(total, force, 1.0) for total, force in zip(self._total, touched.forces, strict=True)]
         if self.touched and now - self._posted > FRAME_EVERY:
@@ -118,16 +118,12 @@ class BodyHost:
 
     # the changes: what a parcel may ask for
 
-    def change_body(self, servo: Servo, model: Any, surface: Any, positions: Any, velocities: Any, frames: str) -> None:
-        """Begin with a body as it is, and post its frames to a file; what is under a fingertip changes: no force."""
-        from .touched_body import TouchedBody
-
+    def change_body(self, _servo: Servo, touched: TouchedBody, frames: str) -> None:
+        """Take a body that is built; its frames go to a file. It runs once it has a state."""
         self.close()
-        self._watch = WATCH
-        self._frames = Mailbox(Path(frames), size=frame_size(len(model.mass)), slots=1)
-        self.touched = TouchedBody(model, surface, servo.spec.tick)
-        self.touched.body.set_state(positions, velocities)
-        self.state, self._ticks, self._since, self._total = BodyState.RUNS, 0, 0, [ZERO] * FINGERS
+        self._frames = Mailbox(Path(frames), size=frame_size(len(touched.body.model.mass)), slots=1)
+        self.touched, self.state = touched, BodyState.BUILT
+        self._since, self._total = 0, [ZERO] * FINGERS
 
     def change_constants(self, _servo: Servo, model: Any, surface: Any) -> None:
         """Go on with the numbers of other models of the same meshes."""
@@ -137,9 +133,10 @@ class BodyHost:
             self.touched.set_constants(replace(model, mesh=mine.mesh), replace(surface, mesh=below.mesh))
 
     def change_state(self, _servo: Servo, positions: Any, velocities: Any) -> None:
-        """Put the vertices elsewhere; no force remains."""
+        """Put the vertices somewhere, and run from there; no force remains."""
         if self.touched:
             self.touched.body.set_state(positions, velocities)
+            self.state = BodyState.RUNS
             self._lift()
 
     def change_place(self, _servo: Servo, origin: Vector, scale: float, turn: Any, radius: float) -> None:
@@ -147,12 +144,6 @@ class BodyHost:
         if self.touched:
             self.touched.where = origin, scale, turn, radius
             self._lift()
-
-    def change_pressed(self, _servo: Servo, pressed: Any) -> None:
-        """Press with fingertips of a poke, in place of the device's: place and radius [m]."""
-        if self.touched:
-            self.touched.pressed = pressed
-            self._watch = WATCH
 
     def change_pins(self, _servo: Servo, pins: Any) -> None:
         """Lead pinned vertices (3, pinned) [m] where Blender has them now."""
@@ -168,7 +159,7 @@ class BodyHost:
         """Take the fingertips off; where one comes down inside the body it must not push."""
         assert self.touched
         self.touched.lift()
-        self._watch = WATCH
+        self._changed = True
 
     def _give_up(self, servo: Servo, why: str) -> None:
         servo.end(why)
@@ -183,15 +174,40 @@ class BodyHost:
             return
         means = [scaled(total, 1 / max(self._since, 1)) for total in self._total]
         positions = touched.body.positions().astype("f4").tobytes()
-        self._frames.post(0, pack_frame(touched.frame, means, self._ticks, positions))
+        self._frames.post(0, pack_frame(touched.frame, means, self.taken, positions))
         self._posted, self._since, self._total = now, 0, [ZERO] * FINGERS
 
 
-def _load() -> None:
-    """Load and test the native core now: between two answers there is no time for it."""
+def load() -> None:
+    """Load what runs a body, which takes longer than a device waits; Blender has tested the native core."""
     try:
-        from ..native import why_not
+        from .. import native
         from . import touched_body  # noqa: F401
-    except ImportError:  # no numpy: a body is refused when it comes
+
+        native.take_tested()
+    except (ImportError, OSError, RuntimeError):  # a body is refused when it comes
         return
-    why_not()
+
+
+def read_parcel(path: Path, tick: float) -> list[Change]:
+    """Return the changes in a parcel, its body built for a device's tick [s]; none where a newer parcel came.
+
+    Raises:
+        DimpleError: it cannot be read, or its body cannot be built.
+    """
+    try:
+        parcel = path.read_bytes()
+    except FileNotFoundError:
+        return []
+    path.unlink(missing_ok=True)
+    return [_built(tick, *change) for change in unpack_changes(parcel)]
+
+
+def _built(tick: float, name: str, *arguments: Any) -> Change:
+    """Return a change that has a body in place of its models."""
+    if name != "body":
+        return name, *arguments
+    from .touched_body import TouchedBody
+
+    model, surface, frames = arguments
+    return name, TouchedBody(model, surface, tick), frames

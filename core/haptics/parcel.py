@@ -23,7 +23,7 @@ SERVED: Final = ("base", "body", "material", "mesh", "reduction", "solver")  # r
 NUMPY: Final = {"_reconstruct", "_frombuffer", "ndarray", "dtype", "scalar"}
 FINGERS: Final = 3
 _TOUCH: Final = struct.Struct("<B11dq")  # down, force, place, depth, outward, force of the law; triangle
-_HEAD: Final = struct.Struct("<12d2dqB")  # pose, volume, pressure, ticks since the start, finite
+_HEAD: Final = struct.Struct("<12d2dqB")  # pose, volume, pressure, parcel, finite
 HEAD_SIZE: Final = FINGERS * _TOUCH.size + _HEAD.size
 
 
@@ -67,13 +67,13 @@ def frame_size(vertices: int) -> int:
     return HEAD_SIZE + 12 * vertices
 
 
-def pack_frame(frame: Frame, forces: Sequence[Sequence[float]], ticks: int, positions: bytes) -> bytes:
+def pack_frame(frame: Frame, forces: Sequence[Sequence[float]], parcel: int, positions: bytes) -> bytes:
     """Return a frame as bytes.
 
     Args:
         frame: of a tick.
         forces: on the fingertips, means since the frame before [N].
-        ticks: since the body began.
+        parcel: number of the last that was taken.
         positions: (3, n) of the vertices in single precision [m].
     """
     parts = []
@@ -85,12 +85,12 @@ def pack_frame(frame: Frame, forces: Sequence[Sequence[float]], ticks: int, posi
         parts.append(
             _TOUCH.pack(True, *forces[i], *touch.centre, touch.depth, *touch.outward, touch.law_force, touch.triangle)
         )
-    parts.append(_HEAD.pack(*frame.pose, frame.volume, frame.pressure, ticks, frame.finite))
+    parts.append(_HEAD.pack(*frame.pose, frame.volume, frame.pressure, parcel, frame.finite))
     return b"".join([*parts, positions])
 
 
 def unpack_frame(message: bytes) -> tuple[Frame, int, bytes]:
-    """Return the frame in a message, the ticks since the body began, and the positions.
+    """Return the frame in a message, the number of the last parcel before it, and the positions.
 
     The impulses of its touches are mean forces [N].
     """
@@ -102,5 +102,5 @@ def unpack_frame(message: bytes) -> tuple[Frame, int, bytes]:
         touches.append(
             Touch((v[0], v[1], v[2]), (v[3], v[4], v[5]), v[6], (v[7], v[8], v[9]), v[10], triangle) if down else None
         )
-    *pose, volume, pressure, ticks, finite = _HEAD.unpack_from(message, FINGERS * _TOUCH.size)
-    return Frame(tuple(touches), tuple(pose), volume, pressure, 1, bool(finite)), ticks, message[HEAD_SIZE:]
+    *pose, volume, pressure, parcel, finite = _HEAD.unpack_from(message, FINGERS * _TOUCH.size)
+    return Frame(tuple(touches), tuple(pose), volume, pressure, 1, bool(finite)), parcel, message[HEAD_SIZE:]

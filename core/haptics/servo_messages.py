@@ -34,8 +34,9 @@ class BodyState(Enum):
     """What became of the body that Blender gave to the servo's process."""
 
     NONE = 0
-    RUNS = 1
-    REFUSED = 2  # too heavy, or it cannot run there: the local wall is rendered
+    BUILT = 1  # it waits to be put somewhere; contacts of Blender are rendered
+    RUNS = 2
+    REFUSED = 3  # too heavy, or it cannot run there: contacts of Blender are rendered
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -45,7 +45,6 @@ class TouchedBody:
         load: its cost over a tick, mean of PATIENCE ticks.
         forces: on the fingertips by the model [N].
         places: where the spheres are [m].
-        pressed: fingertips of a poke, in place of the device's.
 
     Raises:
         DimpleError: no native core runs here, or the body cannot be simulated at this tick.
@@ -58,7 +57,6 @@ class TouchedBody:
         self.frame: Frame | None = None
         self.load, self._ticks = 0.0, 0
         self.where: Where = (ZERO, 1.0, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), 0.0)
-        self.pressed: tuple[tuple[Vector, float] | None, ...] = ()
         self._pins: tuple[Floats, Floats, int] | None = None  # from, to, ticks gone
         self.tick = tick
         self.forces: list[Vector] = [ZERO] * FINGERS
@@ -126,8 +124,8 @@ class TouchedBody:
     @property
     def is_inside(self) -> bool:
         """Tell whether a fingertip of the device is so deep that it would push as soon as it met the skin."""
-        touches = enumerate(self.frame.touches if self.frame else ())
-        return any(touch and not self._is_poked(i) and touch.law_force >= QUIET_FORCE for i, touch in touches)
+        touches = self.frame.touches if self.frame else ()
+        return any(touch and touch.law_force >= QUIET_FORCE for touch in touches)
 
     @property
     def is_finite(self) -> bool:
@@ -139,26 +137,16 @@ class TouchedBody:
         """Tell whether the body leaves the device no time."""
         return self._ticks >= PATIENCE and self.load > HEAVIEST
 
-    def _is_poked(self, i: int) -> bool:
-        return i < len(self.pressed) and self.pressed[i] is not None
-
     def _tip(self, i: int, place: Vector | None, stored: float, cap: float) -> FingertipMotion | None:
         """Return the way of a sphere in this tick, None where there is none."""
         from ..solver.motion import FingertipMotion
 
         before, radius, coupling = self.places[i], self.where[3], self._couplings[i]
-        if self._is_poked(i):
-            poked = self.pressed[i]
-            assert poked
-            at, radius = poked
-            self._couplings[i] = Coupling()
-        elif place is None or radius <= 0:
+        if place is None or radius <= 0:
             self.places[i], self._couplings[i] = None, Coupling()
             return None
-        else:
-            coupling.follow(self._to_session(place), self.tick)
-            at = coupling.place(self._slopes_at(i), cap, stored)
-        self.places[i] = at
+        coupling.follow(self._to_session(place), self.tick)
+        self.places[i] = at = coupling.place(self._slopes_at(i), cap, stored)
         return FingertipMotion(before or at, at, at, radius, before is None)
 
     def _slopes_at(self, i: int) -> Slopes:
@@ -171,7 +159,7 @@ class TouchedBody:
             self.forces[i] = ZERO
             return None
         self.forces[i] = scaled(touch.impulse, 1 / self.tick)
-        if self._is_poked(i) or touch.triangle < 0:
+        if touch.triangle < 0:
             return None
         coupling, slopes = self._couplings[i], self._slopes_at(i)
         assert coupling.near

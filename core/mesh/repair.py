@@ -1,7 +1,8 @@
 """The repair of a surface: near vertices are welded, winding is made consistent, closed parts face outward.
 
 trimesh does what it can with numpy alone. What joins pieces (`connected`, `consistent_winding`, parts) is ours: there
-trimesh needs scipy or networkx, and Blender has neither.
+trimesh needs scipy or networkx, and Blender has neither. It is imported where it is used: the servo's process is given
+meshes that are made, and starts without.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ from collections import deque
 from itertools import product
 
 import numpy as np
-import trimesh
 
 from ..base import Bools, Floats, Ints, sums_at
 from .edges import edges_of
@@ -45,10 +45,12 @@ def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
     Returns:
         one vertex of each merged group (n,), and the group of every vertex (N,).
     """
+    from trimesh.grouping import unique_rows
+
     pairs = []
     # near points may lie on two sides of a grid line, but not of both of two grids half a cell apart
     for shift in product((0.0, 0.5), repeat=3):
-        first, place = trimesh.grouping.unique_rows(np.floor(positions / cell + shift).astype(np.int64))
+        first, place = unique_rows(np.floor(positions / cell + shift).astype(np.int64))
         mate = first[place]
         moved = np.flatnonzero(mate != np.arange(len(mate)))
         pairs.append(np.stack([mate[moved], moved], axis=1))

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import trimesh
 
 from ..base import FARTHEST, LEAST_VOLUME, LEAST_VOLUME_OPEN, WELD_SHARE, Bools, DimpleError, Floats, Ints, sums_at
 from .edges import Edges, edges_of
@@ -97,7 +96,9 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         raise DimpleError(
             "Every face has shrunk to a line or a point. Dissolve the degenerate geometry or scale it up."
         )
-    areas = trimesh.Trimesh(positions, triangles, process=False).area_faces
+    from trimesh.triangles import area  # here: the servo's process is given meshes that are made, and starts without
+
+    areas = area(positions[triangles])
     if areas.sum() <= (1e-6 * size) ** 2:
         raise DimpleError("The faces have no area. Dissolve the degenerate geometry first.")
     flat = int((areas < 1e-10 * size * size).sum()) + int((~whole).sum())
