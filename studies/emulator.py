@@ -1,4 +1,4 @@
-"""`dev.py core emulator`: an emulated haptic device behind a pseudo-terminal, with faults on demand and a trace.
+"""`dev.py core emulator`: an emulated haptic device behind a pseudo-terminal or on UDP, with faults and a trace.
 
 Standard library only: start.py runs it without site-packages, as Blender runs the emulated device to try.
 """
@@ -10,6 +10,7 @@ import csv
 import json
 import math
 import signal
+import socket
 import sys
 from pathlib import Path
 
@@ -17,11 +18,13 @@ from core.errors import DimpleError
 from core.haptics import pseudo_terminal, wire
 from core.haptics.emulated_hand import load_hand
 from core.haptics.spec import load_spec
+from core.haptics.udp_line import UdpLine
 from core.haptics.watch import percentiles
 
 from .faults import FAULTS, InjectedFault, parse_fault
 from .faulty_emulator import FaultyEmulator, SessionWatch, TraceRow
 
+FIRST_HOST = 30.0  # [s] to wait for it
 MODES = ("idle", "arming", "ramp", "armed", "brake", "fault")
 COLUMNS = (
     "t_s",
@@ -38,7 +41,9 @@ def add_emulator(command: argparse.ArgumentParser) -> None:
     command.epilog = "faults, as NAME[-in|-out][=VALUE][@START[+LENGTH]], seconds:\n" + "\n".join(
         f"  {name:<11} {text} ({value:g})" for name, (value, text) in FAULTS.items()
     )
-    command.add_argument("--pty", type=Path, metavar="PATH", required=True, help="where the port is to be")
+    port = command.add_mutually_exclusive_group(required=True)
+    port.add_argument("--pty", type=Path, metavar="PATH", help="where the port is to be")
+    port.add_argument("--udp", type=int, metavar="PORT", help="serve the first host on this computer that asks")
     command.add_argument("--device", type=Path, metavar="TOML", help="device file, if not the Haptic Master's")
     command.add_argument("--hand", type=Path, metavar="JSON", help="what holds the device, if not a hand at rest")
     command.add_argument(
@@ -68,7 +73,13 @@ def run_emulator(options: argparse.Namespace) -> int:
     )
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: setattr(emulator, "unplugged", True))
-    served = pseudo_terminal.serve(emulator, options.pty, lifeline=sys.stdin.fileno() if options.lifeline else None)
+    lifeline = sys.stdin.fileno() if options.lifeline else None
+    if options.pty:
+        served = pseudo_terminal.serve(emulator, options.pty, lifeline=lifeline)
+    else:
+        line = UdpLine(_socket(options.udp), "host")
+        served = pseudo_terminal.run(emulator, line.fileno(), lifeline, line.read, line.write)
+        line.close()
     record = {
         **measured(emulator),
         "real_time": float(served.real_time),
@@ -86,6 +97,19 @@ def run_emulator(options: argparse.Namespace) -> int:
     except OSError as error:
         raise DimpleError(f"{error.filename} cannot be written: {error.strerror}.") from None
     return 0
+
+
+def _socket(number: int) -> socket.socket:
+    """Return a socket to the first host that sends to this port of this computer."""
+    port = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    port.bind(("127.0.0.1", number))
+    port.settimeout(FIRST_HOST)
+    try:
+        port.connect(port.recvfrom(1, socket.MSG_PEEK)[1])
+    except TimeoutError:
+        raise DimpleError("No host asked for the device.") from None
+    port.setblocking(False)
+    return port
 
 
 def measured(emulator: FaultyEmulator) -> dict[str, float | str]:

@@ -13,7 +13,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,7 @@ class PressRecord:
     log: of the servo: time [us], then position [m] and force [N] of each tip.
     frames: of the session: time [s], stiffness cap then [N/m].
     model: what was pressed.
+    load: the largest share of a tick that the model took in the servo's process.
     in_servo: the model ran in the servo's process.
     """
 
@@ -70,6 +72,7 @@ class PressRecord:
     log: Floats
     frames: Floats
     model: Model
+    load: float
     in_servo: bool
 
 
@@ -82,10 +85,12 @@ def add_haptics(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--model", action="store_true", help="the model in the servo's process, not a local wall")
     command.add_argument("--cells", type=int, default=8, metavar="N", help="along an edge: 6 N^2 + 2 vertices")
+    command.add_argument("--stiffness", type=float, metavar="K", help="of the cube [N/m], with no knee")
     command.add_argument("--loads", type=int, default=0, metavar="N", help="processes that keep processors busy")
     command.add_argument("--busy", action="store_true", help="stall the main thread for 200 ms each second")
     command.add_argument("--fault", action="append", default=[], metavar="FAULT", help="see `emulator --help`")
     command.add_argument("--baud", type=int, metavar="B", help="bits a second, 0: bytes take no time")
+    command.add_argument("--udp", action="store_true", help="by UDP in place of a pseudo-terminal")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the figures")
 
 
@@ -95,7 +100,7 @@ def run_haptics(options: argparse.Namespace) -> int:
     words += [] if options.baud is None else ["--baud", str(options.baud)]
     record = press(
         options.seconds, busy=options.busy, words=words, cells=options.cells, in_servo=options.model,
-        loads=options.loads,
+        loads=options.loads, udp=options.udp, stiffness=options.stiffness,
     )  # fmt: skip
     figures = judge(record)
     if record.report.arming is not Arming.ON:
@@ -113,7 +118,7 @@ def run_haptics(options: argparse.Namespace) -> int:
 
 def press(
     seconds: float, *, busy: bool = False, words: list[str] | None = None, cells: int = 8, in_servo: bool = False,
-    loads: int = 0,
+    loads: int = 0, udp: bool = False, stiffness: float | None = None,
 ) -> PressRecord:  # fmt: skip
     """Press a cube with three fingers for some seconds [s].
 
@@ -123,6 +128,8 @@ def press(
         cells: of the cube along an edge.
         in_servo: the model runs in the servo's process; else a local wall is rendered.
         loads: other processes that only compute.
+        udp: the device is on the network of this computer.
+        stiffness: of the cube [N/m], with no knee; else the preset's.
 
     Raises:
         DimpleError: the device does not connect or does not arm, or the time is too short for one press.
@@ -135,12 +142,15 @@ def press(
         device = InstrumentedDevice(
             hand=json.dumps({"tips": [_way(i, cycles) for i in range(3)]}),
             held_until=math.inf,
+            udp=udp,
             emulator_words=["--trace", str(trace), "--json", str(measured), *(words or [])],
             servo_words=["--log", str(log)],
         )
-        frames: list[tuple[float, float]] = []
-        mesh = cube(cells, PRESET.size)
-        session = Session(build_model(mesh, [PRESET.material], held=base_vertices(mesh)))
+        frames: list[tuple[float, float, float]] = []
+        mesh, material = cube(cells, PRESET.size), PRESET.material
+        if stiffness:
+            material = replace(material, K1=stiffness, K2=stiffness)
+        session = Session(build_model(mesh, [material], held=base_vertices(mesh)))
         others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(loads)]
         try:
             device.open()
@@ -154,8 +164,9 @@ def press(
         rows = np.loadtxt(trace, delimiter=",", skiprows=1, ndmin=2)
         answers = np.loadtxt(log, delimiter=",", ndmin=2)
         return PressRecord(
-            cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames), session.model, in_servo
-        )
+            cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames)[:, :2], session.model,
+            max(load for _, _, load in frames), in_servo,
+        )  # fmt: skip
 
 
 def judge(record: PressRecord) -> dict[str, float]:
@@ -163,14 +174,15 @@ def judge(record: PressRecord) -> dict[str, float]:
     device, report = record.device, record.report
     time, places, forces = record.trace[:, 0], _tips(record.trace, 2), _tips(record.trace, 11)
     begin = time[np.flatnonzero(record.trace[:, 1] == RAMP)[0]]
-    holds = [_holding(record.cycles, time - begin, places[:, i], forces[:, i]) for i in range(3)]
+    law = record.model.materials[0].law
+    holds = [_holding(record.cycles, time - begin, places[:, i], forces[:, i], law) for i in range(3)]
     slopes = np.array([slope for slope, _ in holds])
     errors = np.concatenate([error for _, error in holds])
     measured = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
     row = np.searchsorted(time, record.log[:, 0] * 1e-6 - 1e-6)
     off = np.linalg.norm(measured - places[np.minimum(row, len(time) - 1)], axis=2)
     given = -np.cumsum((forces[:-1] * np.diff(places, axis=0)).sum(axis=2), axis=0)
-    K1 = PRESET.material.K1
+    K1 = record.model.materials[0].K1
     static = static_errors(record, time - begin, begin, forces) if record.in_servo else np.zeros(1)
     return {
         "real_time": device["real_time"],
@@ -187,7 +199,8 @@ def judge(record: PressRecord) -> dict[str, float]:
         "force_largest_n": float(np.abs(forces).max()),
         "static_error": float(np.abs(static).max()),
         "static_rms_error": float(np.sqrt((static**2).mean())),
-        "model_load": report.load,
+        "shake_mm": 1e3 * shake(record.cycles, time - begin, places),
+        "model_load": record.load,
         "stiffness_error": float(np.abs(slopes / K1 - 1).max()),
         "stiffness_rendered_n_m": float(slopes.mean()),
         "stiffness_cap_n_m": float(np.median(record.frames[:, 1])),
@@ -202,9 +215,10 @@ def _tips(rows: Floats, first: int) -> Floats:
     return rows[:, first : first + 9].reshape(-1, 3, 3)
 
 
-def _holding(cycles: int, time: Floats, places: Floats, forces: Floats) -> tuple[float, Floats]:
-    """Return the stiffness [N/m] from hold to hold, and the errors of the force while holding [N]."""
-    law = PRESET.material.law
+def _holding(
+    cycles: int, time: Floats, places: Floats, forces: Floats, law: Callable[[float], float]
+) -> tuple[float, Floats]:
+    """Return the stiffness [N/m] from hold to hold, and the errors of the force against the law while holding [N]."""
     depths, pushes, errors = [], [], []
     for begin in _holds(cycles):
         during = (time > begin + SETTLE) & (time < begin + HOLD)
@@ -212,6 +226,15 @@ def _holding(cycles: int, time: Floats, places: Floats, forces: Floats) -> tuple
         pushes.append(np.median(forces[during, 2]))
         errors.append(forces[during, 2] - np.array([law(-z) for z in places[during, 2]]))
     return float(np.polyfit(depths, pushes, 1)[0]), np.concatenate(errors)
+
+
+def shake(cycles: int, time: Floats, places: Floats) -> float:
+    """Return the farthest that a fingertip moves to and fro [m] in the later half of a hold, where it has settled."""
+    spans = []
+    for begin in _holds(cycles):
+        during = (time > begin + HOLD / 2) & (time < begin + HOLD)
+        spans.append(np.ptp(places[during], axis=0).max())
+    return float(max(spans))
 
 
 def static_errors(record: PressRecord, time: Floats, offset: float, forces: Floats) -> Floats:
@@ -259,7 +282,7 @@ def _way(finger: int, cycles: int) -> list[Keyframe]:
 
 
 def _drive(
-    device: InstrumentedDevice, session: Session, seconds: float, busy: bool, frames: list[tuple[float, float]],
+    device: InstrumentedDevice, session: Session, seconds: float, busy: bool, frames: list[tuple[float, float, float]],
     *, in_servo: bool,
 ) -> ServoReport:  # fmt: skip
     """Step session and device together, as Blender does: 60 times a second."""
@@ -287,7 +310,7 @@ def _drive(
             if report.arming is Arming.OFF and not armed and ready:
                 device.arm()
             armed = armed or (now if report.arming in (Arming.RAMP, Arming.ON) else 0.0)
-            frames.append((now, report.cap))
+            frames.append((now, report.cap, report.load))
         last = now
         if busy and now - stalled > STALL_EVERY:
             stalled = now

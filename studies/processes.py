@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import socket
 import subprocess
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Final
 
 from core.haptics.command import run
-from core.haptics.device import Emulated
+from core.haptics.device import Emulated, HapticMaster
 from core.haptics.process import start
 
 from .emulator import add_emulator
@@ -32,11 +34,27 @@ def start_emulator(words: Sequence[str], errors: IO[bytes] | None = None) -> sub
 class InstrumentedDevice(Emulated):
     """An emulated device whose emulator and servo are those of this file.
 
+    udp: on the network of this computer: the system hands on what a pseudo-terminal is sent only when it has time.
     emulator_words, servo_words: more options of theirs.
     """
 
+    udp: bool = False
     emulator_words: list[str] = field(default_factory=list)
     servo_words: list[str] = field(default_factory=list)
+
+    def _open(self) -> None:
+        if not self.udp:
+            Emulated._open(self)
+            return
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+            free.bind(("127.0.0.1", 0))
+            number = free.getsockname()[1]
+        self._folder = Path(tempfile.mkdtemp(prefix="dimple-"))
+        (self._folder / "hand.json").write_text(self.hand, encoding="utf-8")
+        words = ["--udp", str(number), "--hand", str(self._folder / "hand.json"), *self.emulator_words]
+        self.emulator = start_emulator(words)
+        self.port = f"udp:127.0.0.1:{number}"
+        HapticMaster._open(self)
 
     def _start(self, words: list[str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
         if words[0] == "emulator":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,13 +51,16 @@ def serve(emulator: Emulator, path: Path, *, lifeline: int | None = None) -> Ser
     """
     with _terminal(path) as master:
         print(f"{emulator.spec.name} (emulated) at {path}", flush=True)  # from now on it can be opened
-        return _run(emulator, master, lifeline)
+        return run(emulator, master, lifeline, lambda: take(master), lambda data: _write(master, data))
 
 
-def _run(emulator: Emulator, master: int, lifeline: int | None) -> ServeRecord:
+def run(
+    emulator: Emulator, port: int, lifeline: int | None, read: Callable[[], bytes], write: Callable[[bytes], bool]
+) -> ServeRecord:
+    """Run a device on a descriptor: read returns all bytes there are, write tells whether they left; else `serve`."""
     # the emulator stands for hardware, which no other process delays
     record = ServeRecord(real_time=scheduling.request_priority() == "real time")
-    poller = Poller(master, *([] if lifeline is None else [lifeline]))
+    poller = Poller(port, *([] if lifeline is None else [lifeline]))
     gc.disable()  # nothing here makes cycles, and a collection would be late for a tick
     while not emulator.unplugged:
         now = time.monotonic() - record.slipped
@@ -69,13 +72,13 @@ def _run(emulator: Emulator, master: int, lifeline: int | None) -> ServeRecord:
         if lifeline in ready and not os.read(lifeline, MAX_BYTES):
             break
         if ready:
-            outgoing = emulator.step(now, take(master))
+            outgoing = emulator.step(now, read())
         else:
             outgoing = emulator.step(max(now, due), b"")
             while outgoing and time.monotonic() - record.slipped < due:
                 pass
         if outgoing:
-            record.overflows += not _write(master, outgoing)
+            record.overflows += not write(outgoing)
     return record
 
 

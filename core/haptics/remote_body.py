@@ -138,8 +138,8 @@ class RemoteBody:
             self._lead(motion.pins)
         self._look()
         if self._newest is None:
-            touches = (None,) * len(motion.fingertips)
-            return Frame(touches, _UNMOVED, self.model.mesh.volume, 0.0, motion.ticks, True)
+            nothing = (None,) * len(motion.fingertips)
+            return Frame(nothing, _UNMOVED, self.model.mesh.volume, 0.0, motion.ticks, True)
         frame, _ = self._newest
         seconds = motion.ticks * motion.tick
         touches = tuple(
