@@ -23,6 +23,7 @@ TOO_HEAVY = "So fine a body cannot keep up with the device, so a local wall is r
 TOO_COARSE = (
     "So coarse a body chatters under a fingertip, so a local wall is rendered. Let Dimple choose what is simulated."
 )
+RIGGED = "A rig moves this body, so a local wall of the measured law is rendered."
 NO_CORE = "There is no native core for this machine, so a local wall of the measured law is rendered."
 
 
@@ -110,6 +111,8 @@ class Beside:
             self._looked, self.reason = (model, radius), ""
             if body.session.backend != "native":
                 self.reason = NO_CORE
+            elif model.rigged:
+                self.reason = RIGGED
             elif cost_of(model) > HEAVIEST:
                 self.reason = TOO_HEAVY
             elif is_coarse(model.mesh.rest_positions, model.mesh.triangles, radius):

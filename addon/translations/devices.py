@@ -72,6 +72,9 @@ WORDS = {
     "So coarse a body chatters under a fingertip, so a local wall is rendered. Let Dimple choose what is simulated.": (
         "粗すぎる物体は指先の下で振動するため、局所的な壁を提示します。シミュレーション対象を自動にしてください。"
     ),
+    "A rig moves this body, so a local wall of the measured law is rendered.": (
+        "この物体はリグで動くため、測定した法則の局所的な壁を提示します。"
+    ),
     "There is no native core for this machine, so a local wall of the measured law is rendered.": (
         "このコンピューター用のネイティブコアがないため、測定した法則の局所的な壁を提示します。"
     ),

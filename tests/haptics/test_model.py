@@ -2,6 +2,9 @@
 
 import math
 import pickle
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,15 +12,19 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.haptics.body_host import BLEW_UP, TOO_HEAVY
-from core.haptics.parcel import pack_changes, unpack_changes
-from core.haptics.servo_messages import BodyState
+from core.haptics.body_host import BLEW_UP, TOO_HEAVY, BodyHost
+from core.haptics.parcel import pack_changes, parcel_path, unpack_changes
+from core.haptics.remote_body import Parcels, RemoteBody
+from core.haptics.servo import Servo
+from core.haptics.servo_messages import BodyState, Order, ServoReport
+from core.haptics.spec import load_spec
 from core.material import PRESETS, Material
 from core.session import Finger, Session
 from core.solver.motion import Frame, Motion
 from tests.haptics.model_rig import RADIUS, WORKSPACE, ModelRig, holding, pressing, soft_cube
 
 SLOW = pytest.mark.slow
+PATIENCE = 30.0  # [s] on a busy machine
 POKES = (0.005, 0.010, -0.010, 0.012, -0.010)  # [m] below the top, one after the other
 
 
@@ -136,6 +143,44 @@ def test_what_is_under_a_fingertip_never_changes_while_there_is_force() -> None:
     rig.send(("state", rig.model.matching.rest, None))
     rig.run(0.003)
     assert strongest(rig) == 0.0 and rig.servo.report().arming.name == "OFF"
+
+
+def test_a_body_is_built_while_the_servo_answers_and_runs_once_it_has_a_state(tmp_path: Path) -> None:
+    """Reading a parcel of megabytes and building its body would take many ticks; its notes stay with Blender."""
+
+    class Note(str):
+        __slots__ = ()
+
+    model, parcels = soft_cube(material(400), cells=20), Parcels()
+    session = Session(replace(model, notes=(Note("of Blender's side"),)))
+    remote = RemoteBody(session.body, session.model, parcels)
+    servo, order = Servo(load_spec()), Order(parcel=1)
+    host = BodyHost(tmp_path / "box")
+    parcel_path(tmp_path / "box", 1).write_bytes(parcels.take(ServoReport()) or b"")
+    began = time.perf_counter()
+    host.order(order, servo, 0.0)
+    assert host.state is BodyState.NONE, "it is read elsewhere"
+    while host.state is BodyState.NONE and time.perf_counter() - began < PATIENCE:
+        host.advance(servo, 0.0)
+        time.sleep(1e-3)
+    assert host.state is BodyState.BUILT and host.touched and host.touched.frame is None, host.note
+    remote.begin(session.model)
+    parcel_path(tmp_path / "box", 2).write_bytes(parcels.take(ServoReport(parcel=1)) or b"")
+    host.order(replace(order, parcel=2), servo, 0.0)
+    while host.state is BodyState.BUILT and time.perf_counter() - began < PATIENCE:
+        host.advance(servo, 0.0)
+    assert host.state is BodyState.RUNS
+    host.close()
+    remote.end()
+
+
+def test_what_runs_a_body_is_loaded_without_what_makes_one() -> None:
+    """trimesh and what it brings along take seconds, in which a device would wait in vain."""
+    words = "from core.haptics import body_host, servo_process; body_host.load(); import sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert {"numpy", "core.haptics.touched_body", "core.native"} <= loaded
+    assert not {"trimesh", "scipy", "networkx"} & loaded
 
 
 def test_a_parcel_has_arrays_and_bodies_alone() -> None:
