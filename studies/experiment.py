@@ -30,7 +30,7 @@ from core.experiment.run import Experiment, Trial
 LEVELS = [0.55, 0.65, 0.75, 0.85, 0.95, 1.05, 1.15, 1.25, 1.35, 1.45]
 OBJECTS = ("Object 1", "Object 2", "Object 3")
 PEOPLE = 8  # as many as the paper asked
-REFEREED = 25  # observers that psignifit fits too: it takes seconds for each
+REFEREED = 50  # observers that psignifit fits too: it takes seconds for each
 KILLS = 10
 PLAN = {
     "name": "simulated", "seed": 5,
@@ -125,7 +125,7 @@ def simulate(count: int, *, seed: int = 1, referee: int = 0) -> tuple[dict[str, 
     """Return the figures of so many observers, and the comparisons of the last."""
     plan, dice = make_plan(PLAN), random.Random(seed)
     inside: dict[str, list[bool]] = {f"{m}_{w}": [] for m in ("constant", "staircase") for w in ("pse", "jnd")}
-    errors: dict[str, list[float]] = {"pse": [], "jnd": [], "pse_own_lapse": [], "jnd_own_lapse": []}
+    errors: dict[str, list[float]] = {"pse": [], "jnd": [], "pse_as_it_comes": [], "jnd_as_it_comes": []}
     comparisons: list[Comparison] = []
     with tempfile.TemporaryDirectory(prefix="dimple-") as folder:
         for i in range(count):
@@ -138,11 +138,11 @@ def simulate(count: int, *, seed: int = 1, referee: int = 0) -> tuple[dict[str, 
                 for what, true in (("pse", who.pse), ("jnd", who.jnd)):
                     low, high = getattr(fitted, f"{what}_95") if fitted else (math.nan, math.nan)
                     inside[f"{method}_{what}"].append(low <= true <= high)
-            if i < referee and comparisons[0].fitted:
-                for tail, lapse in (("", comparisons[0].fitted.lapse), ("_own_lapse", None)):
-                    if judged := by_psignifit(comparisons[0], lapse):
-                        for what in ("pse", "jnd"):
-                            errors[what + tail].append(abs(getattr(comparisons[0].fitted, what) / judged[what] - 1))
+            for each in comparisons if i < referee else ():
+                for tail in ("", "_as_it_comes"):
+                    judged = by_psignifit(each, as_it_comes=bool(tail))
+                    for what in ("pse", "jnd") if judged and each.fitted else ():
+                        errors[what + tail].append(abs(getattr(each.fitted, what) / judged[what] - 1))
     figures = {"observers": float(count), "coverage": float(np.mean(inside["constant_pse"] + inside["constant_jnd"]))}
     figures |= {f"coverage_{name}": float(np.mean(each)) for name, each in inside.items()}
     for what, found in errors.items():
@@ -150,27 +150,30 @@ def simulate(count: int, *, seed: int = 1, referee: int = 0) -> tuple[dict[str, 
             name, _, tail = what.partition("_")
             name += "_error" + (f"_{tail}" if tail else "")
             figures |= {name: max(found), f"{name}_median": float(np.median(found))}
+            figures["refereed"] = float(len(found))
     return figures, comparisons
 
 
-def by_psignifit(each: Comparison, lapse: float | None) -> dict[str, float] | None:
-    """Return PSE and JND by psignifit, None where it is not installed.
+def by_psignifit(each: Comparison, *, as_it_comes: bool = False) -> dict[str, float]:
+    """Return PSE and JND by psignifit, nothing where it is not installed.
+
+    Both take the maximum of the posterior, and the lapses of both sides for one number with a prior of Beta(1, 10) for
+    each side.
 
     Args:
-        lapse: given, so that both fit the same two numbers; None lets psignifit estimate it by its own priors. Some
-            hundred answers hardly determine it, and the slope goes with it.
+        as_it_comes: with psignifit's other priors too, which keep the width within the levels, and answers that
+            scatter more than a binomial's; else, as ours, without.
     """
     if util.find_spec("psignifit") is None:
-        return None
+        return {}
     import psignifit
 
     data = np.array([each.levels, each.stiffer, each.trials]).T
-    kind, fixed, priors = "equal asymptote", {"eta": 1e-9}, None
-    if lapse is not None:  # likelihood alone, as ours
-        kind, fixed = "yes/no", {"eta": 1e-9, "lambda": max(lapse, 1e-9), "gamma": max(lapse, 1e-9)}
-        priors = dict.fromkeys(("threshold", "width", "lambda", "gamma", "eta"), np.ones_like)
+    ours = {} if as_it_comes else {
+        "fixed_parameters": {"eta": 1e-9}, "priors": {"threshold": np.ones_like, "width": np.ones_like},
+    }  # fmt: skip
     result = psignifit.psignifit(
-        data, experiment_type=kind, sigmoid="norm", fixed_parameters=fixed, priors=priors, verbose=False
+        data, experiment_type="equal asymptote", sigmoid="norm", estimate_type="MAP", verbose=False, **ours
     )
     found = result.parameter_estimate
     ninety = 2 * 1.6448536269514722  # standard deviations from 5 to 95 %

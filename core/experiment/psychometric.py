@@ -3,10 +3,12 @@
     psi(x) = lapse + (1 - 2 lapse) Phi((x - m) / s)
 
 m is the point of equality (PSE), and the just-noticeable difference (JND) is from there to where Phi is three quarters.
-The lapses, answers at random, are as many on either side and at most MOST_LAPSES. An interval holds each value whose
-likelihood, the others fitted anew, is within that of chi squared with one degree of freedom.
+The lapses, answers at random, are as many on either side and at most MOST_LAPSES; a weak prior says that they are
+rare, so the estimate is the maximum of the posterior. An interval holds each value whose posterior, the others fitted
+anew, is within that of chi squared with one degree of freedom.
 
-Source: Wichmann and Hill 2001, The psychometric function I; Venzon and Moolgavkar 1988 for the intervals.
+Source: Wichmann and Hill 2001, The psychometric function I; Schuett et al. 2016 for the prior; Venzon and Moolgavkar
+1988 for the intervals.
 """
 
 from __future__ import annotations
@@ -23,11 +25,12 @@ from ..errors import DimpleError
 
 QUARTER: Final = 0.674489750196082  # standard deviations from the middle to three quarters
 DROP: Final = 1.920729410347062  # half of the 95 % quantile of chi squared
-MOST_LAPSES: Final = 0.08
-LAPSES: Final = np.linspace(0.0, MOST_LAPSES, 9)
-FEW_LAPSES: Final = 9.0 * np.log1p(-LAPSES)  # a weak belief that they are rare; Source: Schuett et al. 2016
+MOST_LAPSES: Final = 0.12
+LAPSES: Final = np.linspace(0.0, MOST_LAPSES, 13)
+RARE: Final = 18.0  # the prior is (1 - lapse)^RARE: Beta(1, 10) for the lapses on each side
 POINTS: Final = 33  # of a grid on each axis
 ROUNDS: Final = 3  # of finer grids
+HALVINGS: Final = 12  # of the steps of the last grid: the estimate is a 4,000th of one
 FEWEST: Final = 20  # trials
 
 
@@ -81,31 +84,51 @@ def fit(levels: Sequence[float], stiffer: Sequence[int], trials: Sequence[int]) 
     span = float(np.ptp(x))
     m_grid, s_grid = np.linspace(x.min() - span, x.max() + span, POINTS), np.geomspace(span / 200, 4 * span, POINTS)
     for number in range(ROUNDS):
-        like = _likelihood(x, n, k, m_grid, s_grid)
-        best = np.unravel_index(int(like.argmax()), like.shape)
-        lapse = float(LAPSES[best[2]])
+        like = _posterior(x, n, k, m_grid, s_grid, LAPSES)
         if number == ROUNDS - 1:
             break
         m_grid = _finer(m_grid, like.max(axis=(1, 2)))
         s_grid = np.exp(_finer(np.log(s_grid), like.max(axis=(0, 2))))
-    top = float(like.max())
-    m, m_95 = _profile(m_grid, like.max(axis=(1, 2)), top)
-    log_s, log_95 = _profile(np.log(s_grid), like.max(axis=(0, 2)), top)
+    best = np.unravel_index(int(like.argmax()), like.shape)
+    start = np.array([m_grid[best[0]], math.log(s_grid[best[1]]), LAPSES[best[2]]])
+    steps = np.array([m_grid[1] - m_grid[0], math.log(s_grid[1] / s_grid[0]), LAPSES[1]])
+    (m, log_s, lapse), top = _climb(x, n, k, start, steps)
+    m_95 = _interval(m_grid, like.max(axis=(1, 2)), top)
+    log_95 = _interval(np.log(s_grid), like.max(axis=(0, 2)), top)
     saturated = _binomial(k, n, k / n).sum()
+    below = _binomial(k, n, shares(x, m, math.exp(log_s), lapse)).sum()
     return Psychometric(
-        pse=m, jnd=QUARTER * math.exp(log_s), pse_95=m_95,
+        pse=float(m), jnd=QUARTER * math.exp(log_s), pse_95=m_95,
         jnd_95=(QUARTER * math.exp(log_95[0]), QUARTER * math.exp(log_95[1])),
-        lapse=lapse, deviance=float(2 * (saturated - top)), trials=int(n.sum()),
+        lapse=float(lapse), deviance=float(2 * (saturated - below)), trials=int(n.sum()),
     )  # fmt: skip
 
 
-def _likelihood(x: Floats, n: Floats, k: Floats, m: Floats, s: Floats) -> Floats:
-    """Return the log likelihoods over places, spreads and lapses."""
-    total = np.zeros((len(m), len(s), len(LAPSES))) + FEW_LAPSES
+def _posterior(x: Floats, n: Floats, k: Floats, m: Floats, s: Floats, lapses: Floats) -> Floats:
+    """Return the log of the posterior over places, spreads and lapses."""
+    total = np.zeros((len(m), len(s), len(lapses))) + RARE * np.log1p(-lapses)
     for level, trials, count in zip(x, n, k, strict=True):
         below = shares(np.array(level), m[:, None], s[None, :], 0.0)[:, :, None]
-        total += _binomial(count, trials, LAPSES + (1 - 2 * LAPSES) * below)
+        total += _binomial(count, trials, lapses + (1 - 2 * lapses) * below)
     return total
+
+
+def _climb(x: Floats, n: Floats, k: Floats, at: Floats, steps: Floats) -> tuple[Floats, float]:
+    """Return the place, log spread and lapse where the posterior is highest near a start, and how high.
+
+    It goes to the best of the neighbours, all three at once for they trade for each other; steps are halved at a top.
+    """
+    high, halvings = -math.inf, 0
+    while halvings < HALVINGS:
+        m, log_s, lapses = (np.array([-1.0, 0.0, 1.0]) * step + c for c, step in zip(at, steps, strict=True))
+        lapses = np.clip(lapses, 0.0, MOST_LAPSES)
+        near = _posterior(x, n, k, m, np.exp(log_s), lapses)
+        best = np.unravel_index(int(near.argmax()), near.shape)
+        if near[best] > high:
+            at, high = np.array([m[best[0]], log_s[best[1]], lapses[best[2]]]), float(near[best])
+        else:
+            steps, halvings = steps / 2, halvings + 1
+    return at, high
 
 
 def _binomial(k: Floats | float, n: Floats | float, p: Floats) -> Floats:
@@ -120,14 +143,9 @@ def _finer(grid: Floats, profile: Floats) -> Floats:
     return np.linspace(grid[first], grid[last], len(grid))
 
 
-def _profile(grid: Floats, profile: Floats, top: float) -> tuple[float, tuple[float, float]]:
-    """Return where a profile is highest, by the parabola through three points, and where it crosses top - DROP."""
+def _interval(grid: Floats, profile: Floats, top: float) -> tuple[float, float]:
+    """Return where a profile crosses top - DROP on either side of where it is highest."""
     i = int(profile.argmax())
-    at = float(grid[i])
-    if 0 < i < len(grid) - 1:
-        a, b, c = profile[i - 1 : i + 2]
-        if a - 2 * b + c < 0:
-            at += float(0.5 * (a - c) / (a - 2 * b + c) * (grid[1] - grid[0]))
     inside = profile > top - DROP
     low, high = -math.inf, math.inf
     below, above = np.flatnonzero(~inside[:i]), np.flatnonzero(~inside[i:])
@@ -135,7 +153,7 @@ def _profile(grid: Floats, profile: Floats, top: float) -> tuple[float, tuple[fl
         low = _crossing(grid, profile, int(below[-1]), top - DROP)
     if len(above):
         high = _crossing(grid, profile, i + int(above[0]) - 1, top - DROP)
-    return at, (low, high)
+    return low, high
 
 
 def _crossing(grid: Floats, profile: Floats, j: int, level: float) -> float:

@@ -145,6 +145,15 @@ def test_what_is_under_a_fingertip_never_changes_while_there_is_force() -> None:
     assert strongest(rig) == 0.0 and rig.servo.report().arming.name == "OFF"
 
 
+def test_a_constant_that_is_changed_is_rendered_at_once() -> None:
+    rig = ModelRig(soft_cube(material(400)), pressing(0.010, hold=3.0, stiffness=None))
+    before = strongest(pressed(rig))
+    softer = soft_cube(material(200))
+    rig.send(("constants", softer, softer))
+    rig.run(0.2)
+    assert strongest(rig) == pytest.approx(before / 2, rel=0.1) and rig.servo.report().arming.name == "ON"
+
+
 def test_a_body_is_built_while_the_servo_answers_and_runs_once_it_has_a_state(tmp_path: Path) -> None:
     """Reading a parcel of megabytes and building its body would take many ticks; its notes stay with Blender."""
 
