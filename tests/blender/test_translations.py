@@ -94,7 +94,6 @@ def measured(bpy: ModuleType) -> Iterator[str]:
     from bl_ext.user_default.dimple.core.everyday import EVERYDAY
     from bl_ext.user_default.dimple.core.experiment.plan import CONSENT, STEPS
     from bl_ext.user_default.dimple.core.material import PRESETS
-
     from bl_ext.user_default.dimple.operators import beside
 
     yield from (CONSENT, *STEPS)
