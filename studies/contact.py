@@ -18,6 +18,7 @@ import numpy as np
 from core.base import Floats, Ints
 from core.session import Session
 
+from .contact_cost import measure_cost
 from .contact_scenes import SCENES, Played
 
 STARTS, QUICK_STARTS, QUICK_SHARE = 10, 1, 1.0
@@ -148,8 +149,13 @@ def main(words: list[str]) -> int:
             f" {row['held_back_mm']:14.2f}",
             flush=True,
         )
+    found: dict[str, Any] = {"scenes": rows}
+    if not options.scenes:
+        found["cost"] = measure_cost()
+        for case, cost in found["cost"].items():
+            print(f"{case:21}", ", ".join(f"{name} {value}" for name, value in cost.items()))
     if options.json:
-        options.json.write_text(json.dumps({"scenes": rows}, indent=1) + "\n")
+        options.json.write_text(json.dumps(found, indent=1) + "\n")
     return 0 if all(not row["intersections"] and not row["swallowed"] and row["finite"] for row in rows) else 1
 
 

@@ -9,6 +9,7 @@ so that what slides along or goes away is not stopped.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -199,12 +200,28 @@ def touching_distance(s: Surfaces, pairs: Pairs, offsets: Floats) -> Floats:
     return touch
 
 
-def _with_planes(
-    s: Surfaces, x: Floats, v: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float
-) -> Pairs:
+class Planes(NamedTuple):
+    """Planes between the nearest points of pairs: what `Pairs` says of them; and those points, (m, 3) [m]."""
+
+    normal: Floats
+    level: Floats
+    keep: Floats
+    way: Floats
+    gap: Floats
+    weights: Floats
+    first: Floats
+    second: Floats
+
+
+def planes_between(x: Floats, v: Floats, at: Ints, ones: Ints, closest: Floats) -> Planes:
+    """Return the planes between pairs at (m, 4): the faster a side comes towards the other, the larger its part.
+
+    Args:
+        x, v: (n, 3) positions [m] and velocities [m/s].
+        ones: (m,) how many of the vertices lie on the side of the normal.
+        closest: (m,) nearer than this [m], nothing goes nearer still.
+    """
     w, between, gap = measure(x[at], ones)
-    near = gap < reach
-    at, ones, part, w, between, gap = at[near], ones[near], part[near], w[near], between[near], gap[near]
     normal = between / np.maximum(gap, 1e-300)[:, None]
     side = np.arange(4) < ones[:, None]
     point = np.einsum("mk,mkc->mc", np.where(side, w, 0), x[at])
@@ -213,19 +230,29 @@ def _with_planes(
     u, back = (np.maximum((along * here).sum(axis=1), 0) + SLOW for here in (side, ~side))
     one = np.where(gap > closest, np.clip(u / (u + back), LEAST_SHARE, 1 - LEAST_SHARE), 0.5)
     whole = np.stack([one, 1 - one], axis=1) * gap[:, None]
-    least = np.minimum(whole, closest) / 2
+    least = np.minimum(whole, closest[:, None]) / 2
     keep = np.where((gap > closest)[:, None], least + (1 - BOUND) * (whole - least), whole * (1 - 1e-6))
+    level = _dot(normal, other + (1 - one)[:, None] * between)
+    return Planes(normal, level, keep, whole - keep, gap, w, point, other)
+
+
+def _with_planes(
+    s: Surfaces, x: Floats, v: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float
+) -> Pairs:
+    near = measure(x[at], ones)[2] < reach
+    at, ones, part = at[near], ones[near], part[near]
+    planes = planes_between(x, v, at, ones, np.full(len(at), closest))
     weight = np.ones(len(at))
     edge = np.flatnonzero(ones == 2)
-    inside = (np.abs(w[edge]) > 0).all(axis=1)
+    inside = (np.abs(planes.weights[edge]) > 0).all(axis=1)
     weight[edge] = (
         inside
-        * _sharpness(s, x, part[edge, 0], point[edge], -normal[edge])
-        * _sharpness(s, x, part[edge, 1], other[edge], normal[edge])
+        * _sharpness(s, x, part[edge, 0], planes.first[edge], -planes.normal[edge])
+        * _sharpness(s, x, part[edge, 1], planes.second[edge], planes.normal[edge])
     )
     return Pairs(
-        at=at, ones=ones, part=part, normal=normal, level=_dot(normal, other + (1 - one)[:, None] * between), keep=keep,
-        way=whole - keep, gap=gap, weight=weight,
+        at=at, ones=ones, part=part, normal=planes.normal, level=planes.level, keep=planes.keep, way=planes.way,
+        gap=planes.gap, weight=weight,
     )  # fmt: skip
 
 

@@ -1,87 +1,139 @@
-"""What touches pushes back: a stiff penalty with Coulomb friction in each substep.
+"""What touches: in each substep, impulses that let nothing go nearer than the distance at which it touches, with
+Coulomb friction; and what is nearer all the same is brought apart, without a speed.
 
-For a pair at distance d < r, with relative speed u along its normal, and an impulse j whose effect is within the
-substep h already: d' = d + h j g, u' = u + j g, where g is what the pair gives, 1/mass. From
+For a pair at distance d (r: where it touches), with relative speed u along its normal, and g = 1 / mass of the two:
 
-    j = h (k (r - d') - c u'),   k = K / (h^2 g) r / d,   c = C / (h g)
+    j = max(0, (w - u) / g)   with   w = -(d - r) / h where d > r, and 0 where it is nearer
 
-follows j = (K r/d (r - d) / h - C u) / ((1 + K r/d + C) g): stable for any K, and the harder the nearer. It leaves the
-pair no faster apart than r/d (r - d) in 5 ms: so what starts too near is not flung off. A vertex in
-several pairs is shared between them, each taking an equal part of its mass, so pairs are independent.
+so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
+kept until what is near has moved by a part of r. The pairs are taken one after the other, ordered by their vertices.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from ..base import Bools, Floats, Ints, sums_at
-from .contact import WEIGHT_FLOOR
+from ..base import Floats, Ints
 from .proximity import Pairs, Surfaces, measure
 
-STIFFNESS = 1.0  # of the mass over the substep squared, at the surface; grows as 1 / distance
-DAMPING = 0.5  # of the mass over the substep
-PART_TIME = 5e-3  # [s] in which what is too near parts at the soonest
-LEAST_GAP = 0.02  # of the touching distance: the stiffness grows no further
+SWEEPS = 2  # over what touches, for its velocities
+PART = 0.6  # of what is too near, is brought apart in a substep
+LOOK = 0.5  # of the touching distance: when anything near has moved so far, normals are set anew
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Meetings:
+    """Pairs that may touch, as they were at the last look.
+
+    at: (m, 4) their vertices.
+    weights: (m, 4) signed, of their nearest points.
+    normal: (m, 3) unit, towards the first.
+    point: (m, 3) where they meet [m].
+    gap: (m,) their distance [m].
+    touch: (m,) at which they touch [m].
+    friction: (m,) coefficient.
+    give: (m,) 1 / mass [1/kg].
+    share: (m,) of what they do: fades where edges are flat.
+    """
+
+    at: Ints
+    weights: Floats
+    normal: Floats
+    point: Floats
+    gap: Floats
+    touch: Floats
+    friction: Floats
+    give: Floats
+    share: Floats
+
+
+def order_of(pairs: Pairs, s: Surfaces) -> Ints:
+    """Return the order (m,) in which pairs are taken: by their vertices, each side from the lowest."""
+    face = pairs.ones == 1
+    keys = np.where(
+        face[:, None], np.column_stack([pairs.at[:, 0], np.sort(pairs.at[:, 1:], axis=1)]),
+        np.column_stack([np.sort(pairs.at[:, :2], axis=1), np.sort(pairs.at[:, 2:], axis=1)]),
+    )  # fmt: skip
+    swap = ~face & (s.of_vertex[pairs.at[:, 0]] == s.of_vertex[pairs.at[:, 3]]) & (keys[:, 2] < keys[:, 0])
+    keys[swap] = keys[swap][:, [2, 3, 0, 1]]
+    order: Ints = np.lexsort((keys[:, 3], keys[:, 2], keys[:, 1], pairs.ones, keys[:, 0]))
+    return order
+
+
+def look(
+    s: Surfaces, pairs: Pairs, touch: Floats, friction: Floats, x: Floats, inverse_mass: Floats, approach: float
+) -> Meetings:
+    """Return what may touch before the next look.
+
+    Args:
+        pairs: that may, in their order.
+        touch: (m,) the distance at which they do [m].
+        friction: (n,) coefficient of each vertex.
+        x: (n, 3) positions [m].
+        inverse_mass: (n,) [1/kg], 0 where something is led.
+        approach: how much farther than they touch they are looked at [m].
+    """
+    w, between, gap = measure(x[pairs.at], pairs.ones)
+    give = (w * w * inverse_mass[pairs.at]).sum(axis=1)
+    may = (gap < touch + approach) & (gap > 0) & (give > 0)
+    may &= np.where(pairs.ones == 1, True, (np.abs(w) > 0).all(axis=1))
+    for row in np.flatnonzero(may & (pairs.ones == 1) & (w == 0).any(axis=1)):
+        may[row] = _is_nearest(s, x, int(pairs.part[row, 0]), w[row], x[pairs.at[row, 0]], between[row])
+    at, w, gap = pairs.at[may], w[may], gap[may]
+    side = np.arange(4) < pairs.ones[may][:, None]
+    mu = np.abs(w) * friction[at]
+    return Meetings(
+        at=at, weights=w, normal=between[may] / gap[:, None], point=np.einsum("mk,mkc->mc", w * side, x[at]), gap=gap,
+        touch=touch[may], friction=np.sqrt((mu * side).sum(axis=1) * (mu * ~side).sum(axis=1)), give=give[may],
+        share=pairs.weight[may],
+    )  # fmt: skip
 
 
 def resolve(
-    s: Surfaces, pairs: Pairs, touch: Floats, friction: Floats, x: Floats, v: Floats, inverse_mass: Floats, dt: float
-) -> tuple[Floats, Floats, int]:
-    """Return by how much what touches changes velocities, (n, 3) [m/s].
+    m: Meetings, way: Floats, v: Floats, inverse_mass: Floats, dt: float
+) -> tuple[Floats, Floats, Floats, Ints]:
+    """Return what comes of a substep in which pairs touch.
 
     Args:
-        pairs: that may touch.
-        touch: (m,) the distance at which they do [m].
-        friction: (n,) coefficient of each vertex.
-        x, v: (n, 3) positions [m] and velocities [m/s].
-        inverse_mass: (n,) [1/kg], 0 where something is led.
+        way: (n, 3) of the vertices since the look, as the substep began [m].
+        v: (n, 3) velocities [m/s] of the substep.
+        inverse_mass: (n,) [1/kg].
         dt: the substep [s].
 
     Returns:
-        them, the impulses (k, 3) [N s] that each surface got and (k, 3) [N m s] their moments about the origin, side by
-        side, and how many pairs touch.
+        velocities (n, 3) [m/s], by how much vertices are brought apart (n, 3) [m], the impulse that each meeting gave
+        its first side (m, 3) [N s], and which vertices may have changed.
     """
-    w, between, gap = measure(x[pairs.at], pairs.ones)
-    meets = (gap < touch) & (gap > 0)
-    meets &= np.where(pairs.ones == 1, True, (np.abs(w) > 0).all(axis=1))
-    for row in np.flatnonzero(meets & (pairs.ones == 1) & (w == 0).any(axis=1)):
-        meets[row] = _is_nearest(s, x, int(pairs.part[row, 0]), w[row], x[pairs.at[row, 0]], between[row])
-    at, w, gap, touch = pairs.at[meets], w[meets], gap[meets], touch[meets]
-    normal, weight = between[meets] / gap[:, None], pairs.weight[meets]
-    used = (np.abs(w) > WEIGHT_FLOOR).astype(np.float64)
-    shares = sums_at(at.ravel(), used.ravel(), len(x))
-    give = (w * w * inverse_mass[at] * shares[at]).sum(axis=1)
-    moves = give > 0
-    give = np.where(moves, give, 1.0)
-    u = np.einsum("mk,mkc->mc", w, v[at])
-    along = np.einsum("mc,mc->m", u, normal)
-    hard = STIFFNESS * touch / np.maximum(gap, LEAST_GAP * touch)
-    apart = hard / STIFFNESS * (touch - gap) / PART_TIME
-    push = (hard * (touch - gap) / dt - DAMPING * along) / ((1 + hard + DAMPING) * give)
-    push = np.clip(push, 0, np.maximum((apart - along) / give, 0)) * weight * moves
-    u = u - along[:, None] * normal
-    slide = np.sqrt(np.einsum("mc,mc->m", u, u))
-    drag = np.minimum(_friction(pairs, at, w, friction, meets) * push, weight * moves * slide / give)
-    impulse = push[:, None] * normal - (drag / np.maximum(slide, 1e-300))[:, None] * u
-    parts = w[:, :, None] * impulse[:, None]
-    change = np.stack([sums_at(at.ravel(), parts[..., c].ravel(), len(x)) for c in range(3)], axis=1)
-    change *= inverse_mass[:, None]
-    count = int(s.of_vertex[-1]) + 1
-    side = np.arange(4) < pairs.ones[meets][:, None]
-    point = np.einsum("mk,mkc->mc", w * side, x[at])
-    given = np.concatenate([impulse, np.cross(point, impulse)], axis=1)
-    got = np.zeros((count, 6))
-    np.add.at(got, s.of_vertex[at[:, 0]], given)
-    np.subtract.at(got, s.of_vertex[at[:, 3]], given)
-    return change, got, int(meets.sum())
+    v, out, passed = v.copy(), np.zeros_like(v), np.zeros((len(m.gap), 3))
+    active: dict[int, tuple[float, float]] = {}  # the distance as the substep began, and the least speed apart
+    for k in range(len(m.gap)):
+        begin = float(m.gap[k] + m.normal[k] @ (m.weights[k] @ way[m.at[k]]))
+        if begin + dt * float(m.normal[k] @ (m.weights[k] @ v[m.at[k]])) < m.touch[k]:
+            active[k] = begin, min(0.0, (float(m.touch[k]) - begin) / dt)
+            _push(m, k, active[k][1], passed, v, inverse_mass)
+    for _ in range(1, SWEEPS):
+        for k, (_, least) in active.items():
+            _push(m, k, least, passed, v, inverse_mass)
+    for k, (begin, _) in active.items():
+        gap = begin + float(m.normal[k] @ (m.weights[k] @ (dt * v[m.at[k]] + out[m.at[k]])))
+        by = float(m.share[k]) * PART * max(float(m.touch[k]) - gap, 0.0) / float(m.give[k])
+        out[m.at[k]] += (by * m.weights[k] * inverse_mass[m.at[k]])[:, None] * m.normal[k]
+    return v, out, passed, np.unique(m.at[list(active)])
 
 
-def _friction(pairs: Pairs, at: Ints, w: Floats, friction: Floats, meets: Bools) -> Floats:
-    """Return the geometric mean of the coefficients of both sides, (m,)."""
-    side = np.arange(4) < pairs.ones[meets][:, None]
-    mu = np.abs(w) * friction[at]
-    mean: Floats = np.sqrt((mu * side).sum(axis=1) * (mu * ~side).sum(axis=1))
-    return mean
+def _push(m: Meetings, k: int, least: float, passed: Floats, v: Floats, inverse_mass: Floats) -> None:
+    """Add to the impulse of a meeting so much that it goes no nearer than it may, and slides as friction lets it."""
+    at, w, normal = m.at[k], m.weights[k], m.normal[k]
+    u, by = w @ v[at], float(m.share[k] / m.give[k])
+    along, before = float(u @ normal), float(passed[k] @ normal)
+    push = max(before + by * (least - along), 0.0)
+    drag = passed[k] - before * normal - by * (u - along * normal)
+    size, most = float(np.linalg.norm(drag)), float(m.friction[k]) * push
+    impulse = push * normal + (drag * (most / size) if size > most else drag)
+    v[at] += (w * inverse_mass[at])[:, None] * (impulse - passed[k])
+    passed[k] = impulse
 
 
 def _is_nearest(s: Surfaces, x: Floats, triangle: int, w: Floats, vertex: Floats, between: Floats) -> bool:

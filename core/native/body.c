@@ -271,6 +271,9 @@ static void dm_pin(dm_state *b, const double *inverse_mass) {
 /* Let a body be stepped again; where it is and how fast do not change. */
 static void dm_wake(dm_state *b) { b->asleep = 0, b->quiet = 0; }
 
+/* The same where a caller has changed it. */
+static void dm_change(dm_state *b) { dm_wake(b), b->changes++; }
+
 /* Start without a pressure, and without the contact that Eq. (2) takes from the step before. */
 static void dm_forget_pressure(dm_state *b) {
     b->pressure = 0;
@@ -278,7 +281,7 @@ static void dm_forget_pressure(dm_state *b) {
 }
 
 static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
-    dm_wake(b);
+    dm_change(b);
     double (*laws)[3] = room(c->materials, sizeof *laws);
     dm_piece *pieces = room(b->groups * c->pieces, sizeof *pieces);
     if (!laws || !pieces) return dm_free(laws), dm_free(pieces), DM_MEMORY;
@@ -321,7 +324,7 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     memcpy(b->turned, b->pose, sizeof b->turned);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
     b->led = b->carried = b->moving = 0;
-    dm_wake(b);
+    dm_change(b);
     dm_forget_pressure(b);
     dm_place_pose(b);
 }

@@ -149,6 +149,7 @@ struct dm_state {
     uint8_t *is_moved, *touching;
     double inner_force;
 
+    uint64_t changes;      /* counts what was done to it but by a scene */
     int asleep;            /* at rest, and not stepped until something wakes it */
     double fastest, quiet; /* [m/s] of the last tick; [s] how long nothing has moved */
     dm_vec3 *still;        /* (groups,) where it was when that began */

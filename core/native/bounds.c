@@ -5,9 +5,9 @@
 /* List the pairs of each vertex that is near, and note how far it may go before they are looked at. */
 static void dm_link_pairs(dm_scene_state *s) {
     if (s->pairs_of_room < 4 * s->pair_count) {
-        free(s->pairs_of);
+        dm_free(s->pairs_of);
         s->pairs_of_room = 8 * s->pair_count;
-        s->pairs_of = malloc(s->pairs_of_room * sizeof *s->pairs_of);
+        s->pairs_of = room(s->pairs_of_room, sizeof *s->pairs_of);
         if (!s->pairs_of) s->pairs_of_room = 0, s->code = DM_MEMORY;
     }
     if (!dm_has_room(s)) return;
@@ -55,6 +55,11 @@ static void dm_shorten(const double *from, double *x, double most) {
     for (int c = 0; c < 3; c++) x[c] = from[c] + way[c] * (most / length);
 }
 
+/* Where a near vertex was before this substep; a collider has not moved yet when it is asked. */
+DM_INLINE void dm_last_of(const dm_scene_state *s, const dm_surface *f, const dm_neighbour *n, double *x) {
+    for (int c = 0; c < 3; c++) x[c] = f->body ? f->body->origin[c] + (double)n->last[c] : s->here[n->vertex][c];
+}
+
 /* Bring a vertex to where it may be: onto its planes where it is beyond them, so that it still slides along; where that
  * is not enough, so far back on its way as it must. */
 static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
@@ -63,7 +68,8 @@ static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t 
     dm_shorten(begin, x, most);
     if (s->place[vertex] == DM_NO_VERTEX) return;
     const dm_neighbour *n = s->near + s->place[vertex];
-    const double *from = n->last;
+    double from[3];
+    dm_last_of(s, f, n, from);
     const uint32_t *mine = s->pairs_of + n->first_pair;
     for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
         int moved = 0;
@@ -168,7 +174,7 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     dm_quad rounded = dm_quad_of(local);
     for (int c = 0; c < 3; c++) at[c] = b->origin[c] + (double)rounded[c];
     if (!dm_is_allowed(s, f, vertex, at)) {
-        if (s->place[vertex] != DM_NO_VERTEX) memcpy(at, s->near[s->place[vertex]].last, sizeof at);
+        if (s->place[vertex] != DM_NO_VERTEX) dm_last_of(s, f, s->near + s->place[vertex], at);
         else memcpy(at, s->before[vertex], sizeof at);
         dm_minus(at, b->origin, local), rounded = dm_quad_of(local);
     }
@@ -212,7 +218,7 @@ static void dm_move_collider(dm_scene_state *s, dm_surface *f, double share) {
         if (!dm_is_allowed(s, f, i, x)) {
             dm_hold_back(s, f, i, x);
             if (!dm_is_allowed(s, f, i, x)) memcpy(x, s->here[i], sizeof x);
-            dm_note_held(s, i);
+            if (s->place[i] != DM_NO_VERTEX) dm_note_held(s, i);
         }
         dm_minus(way, x, way);
         double late = sqrt(dm_inner3(way, way)), gone = 0;

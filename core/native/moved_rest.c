@@ -58,7 +58,7 @@ static void dm_state_set_rest(dm_state *b, const double *rest, const double *rat
             dm_set_lane3(&b->pull_rate[i / DM_LANES], i, dm_quad_of(b->pin_room + 3 * i));
     }
     b->moving = rate != NULL;
-    dm_wake(b);
+    dm_change(b);
     dm_place_pose(b);
 }
 

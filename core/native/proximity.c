@@ -79,11 +79,13 @@ static double dm_sharpness(const dm_scene_state *s, uint32_t edge, const double 
     return least;
 }
 
-/* The friction of one side of a pair, at its vertices `at` with their weights. */
-static double dm_friction_of(const dm_surface *f, const uint32_t *at, const double *w, uint32_t count) {
+/* The friction of the vertices `from` up to `to` of a pair, with their weights. */
+static double dm_friction_of(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w) {
+    const dm_surface *f = s->surfaces + p->surface[from > 0];
     if (!f->body) return f->friction;
     double mu = 0;
-    for (uint32_t k = 0; k < count; k++) mu += fabs(w[k]) * (double)f->body->friction[at[k] - f->first];
+    for (uint32_t k = from; k < to; k++)
+        mu += fabs(w[k]) * (double)f->body->friction[s->near[p->at[k]].vertex - f->first];
     return mu;
 }
 
@@ -150,7 +152,6 @@ static void dm_note_pair(dm_scene_state *s, const dm_surface *f, const dm_surfac
         }
         p.weight = inside ? dm_sharpness(s, parts[0], point, back) * dm_sharpness(s, parts[1], other, p.normal) : 0;
     }
-    p.friction = sqrt(dm_friction_of(f, at, w, ones) * dm_friction_of(g, at + ones, w + ones, 4 - ones));
     s->pairs[s->pair_count++] = p;
 }
 

@@ -21,17 +21,16 @@ static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
     f->slack = f->stale = INFINITY;
     if (!f->body) return;
     if (f->self && f->body->moving) dm_note_rest(s, f);
+    f->changes = f->body->changes;
     memcpy(f->origin, f->body->origin, sizeof f->origin);
     for (int64_t g = 0; g < f->body->groups; g++) f->before[g] = f->body->state[g].x;
 }
 
-/* How far a query looks: so far that it lasts some ticks at the speeds there are. */
-static double dm_reach_of(const dm_scene_state *s) {
+/* The greatest speed of anything as a tick begins. */
+static double dm_fastest_of(const dm_scene_state *s) {
     double speed = 0;
-    for (int64_t k = 0; k < s->surface_count; k++) {
-        const dm_surface *f = s->surfaces + k;
-        double fastest = 0;
-        if (f->body) fastest = (double)dm_greatest_speed(f->body);
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        double fastest = f->body ? (double)dm_greatest_speed(f->body) : 0;
         for (uint32_t i = f->first; !f->body && f->moving && i < f->first + f->count; i++) {
             double way[3];
             dm_minus(s->aim[i], s->here[i], way);
@@ -40,10 +39,23 @@ static double dm_reach_of(const dm_scene_state *s) {
         }
         speed = fastest > speed ? fastest : speed;
     }
+    return speed;
+}
+
+/* How far a query looks: so far that it lasts some ticks at the speeds there are. */
+static double dm_reach_of(const dm_scene_state *s) {
     double least = DM_LEAST_REACH * s->touch, most = DM_REACH_EDGE * s->edge;
-    double wanted = s->touch + 2 * DM_REACH_TIME * speed * s->tick;
+    double wanted = s->touch + 2 * DM_REACH_TIME * s->fastest * s->tick;
     most = most > least ? most : least;
     return wanted < least ? least : wanted < most ? wanted : most;
+}
+
+/* As a tick begins: how much farther than they touch things are looked at, for they come nearer before the next look. */
+static void dm_set_approach(dm_scene_state *s) {
+    s->fastest = dm_fastest_of(s);
+    double least = s->touch + 3 * s->fastest * s->dt;
+    if (least <= s->approach && s->approach <= 4 * least) return;
+    s->approach = s->touch + 6 * s->fastest * s->dt, s->looks = 1;
 }
 
 static void dm_bring_near(dm_surface *f, double slack, double stale) {
@@ -67,6 +79,60 @@ static void dm_query_pair(dm_scene_state *s, dm_surface *f, dm_surface *g, uint8
     dm_visit_pairs(s, f, g, s->reach, dm_note_triangles);
 }
 
+/* The vertices of a pair in the order of the caller, each side from the lowest. */
+static void dm_number_pair(const dm_scene_state *s, const dm_pair *p, uint32_t *number) {
+    for (int k = 0; k < 4; k++) number[k] = s->number[s->near[p->at[k]].vertex];
+    uint32_t start = p->ones == 1 ? 1 : 0, end = p->ones == 1 ? 4 : 2;
+    for (; start < 4; start = end, end = 4)
+        for (uint32_t i = start; i < end; i++)
+            for (uint32_t j = i; j > start && number[j] < number[j - 1]; j--) {
+                uint32_t other = number[j];
+                number[j] = number[j - 1], number[j - 1] = other;
+            }
+    if (p->ones == 2 && p->surface[0] == p->surface[1] && number[2] < number[0]) {
+        uint32_t edge[2] = {number[0], number[1]};
+        memcpy(number, number + 2, sizeof edge), memcpy(number + 2, edge, sizeof edge);
+    }
+}
+
+static int dm_comes_before(const dm_scene_state *s, uint32_t a, uint32_t b) {
+    const dm_pair *p = s->pairs + a, *q = s->pairs + b;
+    uint32_t one[4], other[4];
+    dm_number_pair(s, p, one), dm_number_pair(s, q, other);
+    if (one[0] != other[0]) return one[0] < other[0];
+    if (p->ones != q->ones) return p->ones < q->ones;
+    for (int k = 1; k < 4; k++)
+        if (one[k] != other[k]) return one[k] < other[k];
+    return 0;
+}
+
+/* Put the candidates into an order that does not depend on where anything lies in memory: by their first vertex, and
+ * the few of one vertex by the others. */
+static void dm_order_candidates(dm_scene_state *s) {
+    uint32_t count = s->candidate_count, number[4];
+    memset(s->bins, 0, (size_t)(s->vertex_count + 1) * sizeof *s->bins);
+    if (s->sorted_room < count) {
+        dm_free(s->sorted);
+        s->sorted = room(2 * count, sizeof *s->sorted), s->sorted_room = s->sorted ? 2 * count : 0;
+        if (!s->sorted) s->code = DM_MEMORY;
+    }
+    if (!dm_has_room(s)) return;
+    for (uint32_t k = 0; k < count; k++)
+        dm_number_pair(s, s->pairs + s->candidates[k], number), s->bins[number[0] + 1]++;
+    for (int64_t k = 0; k < s->vertex_count; k++) s->bins[k + 1] += s->bins[k];
+    for (uint32_t k = 0; k < count; k++) {
+        dm_number_pair(s, s->pairs + s->candidates[k], number);
+        s->sorted[s->bins[number[0]]++] = s->candidates[k];
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t own = s->sorted[i], j = i;
+        for (; j > 0 && dm_comes_before(s, own, s->sorted[j - 1]); j--) s->sorted[j] = s->sorted[j - 1];
+        s->sorted[j] = own;
+    }
+    memcpy(s->candidates, s->sorted, count * sizeof *s->sorted);
+}
+
+/* List the pairs that may touch before the next query. */
 static void dm_list_candidates(dm_scene_state *s) {
     s->candidate_count = 0;
     for (uint32_t k = 0; k < s->pair_count; k++) {
@@ -76,6 +142,8 @@ static void dm_list_candidates(dm_scene_state *s) {
         if (!dm_has_room(s)) return;
         s->candidates[s->candidate_count++] = k;
     }
+    dm_order_candidates(s);
+    s->looks = 1;
 }
 
 static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
@@ -87,6 +155,7 @@ static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
 }
 
 static void dm_query(dm_scene_state *s) {
+    dm_sum_meetings(s), s->meeting_count = 0;
     for (const dm_neighbour *n = s->near; n < s->near + s->near_count; n++) s->place[n->vertex] = DM_NO_VERTEX;
     s->near_count = s->pair_count = s->candidate_count = s->held_count = 0, s->due = 0, s->gap = INFINITY;
     s->reach = dm_reach_of(s);

@@ -6,9 +6,10 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
         dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->fitted,
-                           s->balls};
+                           s->balls, s->number, s->bins};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
-    free(s->near), free(s->pairs), free(s->pairs_of), free(s->meetings), free(s->candidates), free(s->held);
+    void *const lists[] = {s->near, s->pairs, s->pairs_of, s->meetings, s->active, s->candidates, s->sorted, s->held};
+    for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);
 }
 
@@ -23,6 +24,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->nodes = room(2 * t + s->surface_count, sizeof *s->nodes));
     whole = whole && (s->balls = room(t, sizeof *s->balls));
     whole = whole && (s->fitted = room(s->surface_count, 1));
+    whole = whole && (s->number = room(n, sizeof(uint32_t))) && (s->bins = room(n + 1, sizeof(uint32_t)));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
     return whole ? DM_OK : DM_MEMORY;
 }
@@ -30,6 +32,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
 static int32_t dm_lay_body(dm_scene_state *s, dm_surface *f) {
     const dm_state *b = f->body;
     dm_note_rest(s, f);
+    for (uint32_t k = 0; k < b->n; k++) s->number[f->first + b->place[k]] = f->first + k;
     for (int64_t k = 0; k < 3 * b->triangle_count; k++)
         s->corners[f->first_triangle + k / 3][k % 3] = f->first + b->triangles[k / 3][k % 3];
     f->before = room(b->groups, sizeof *f->before), f->bound = room(b->groups, sizeof *f->bound);
@@ -51,6 +54,7 @@ static void dm_lay_collider(dm_scene_state *s, dm_surface *f, const dm_collider_
     memcpy(s->rest[f->first], s->here[f->first], f->count * sizeof *s->rest);
     for (int64_t k = 0; k < 3 * d->triangles; k++)
         s->corners[f->first_triangle + k / 3][k % 3] = f->first + (uint32_t)d->corners[k];
+    for (uint32_t k = f->first; k < f->first + f->count; k++) s->number[k] = k;
     f->friction = d->friction;
 }
 
@@ -102,6 +106,7 @@ static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_s
         f->first_triangle = (uint32_t)s->triangle_count, f->triangle_count = (uint32_t)triangles;
         s->vertex_count += count, s->triangle_count += triangles;
     }
+    s->due = 1;
     int32_t code = dm_allocate_scene(s);
     if (code == DM_OK) code = dm_lay_surfaces(s, bodies, collider);
     if (code != DM_OK) dm_scene_state_destroy(s), *made = NULL;
@@ -139,16 +144,17 @@ static void dm_aim_colliders(dm_scene_state *s, const dm_collider_motion *to, do
     }
 }
 
-static int dm_origin_moved(const dm_scene_state *s) {
+/* Is a body counted from elsewhere than at the last query, or was it changed? */
+static int dm_is_changed(const dm_scene_state *s) {
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
-        if (f->body && memcmp(f->origin, f->body->origin, sizeof f->origin)) return 1;
+        if (f->body && (f->changes != f->body->changes || memcmp(f->origin, f->body->origin, sizeof f->origin)))
+            return 1;
     return 0;
 }
 
 static void dm_run_scene_substep(dm_scene_state *s, dm_frame *frames, double share) {
     if (s->due) dm_query(s);
-    for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++)
-        dm_world_of(s, s->surfaces + n->surface, n->vertex, n->last);
+    dm_begin_contact(s);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         if (f->body) dm_run_substep(f->body, frames + (f - s->surfaces));
         else if (f->moving) dm_move_collider(s, f, share);
@@ -164,7 +170,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     int64_t bodies = 0, substeps = motions->substeps, ticks = motions->ticks;
     memset(out, 0, sizeof *out);
     out->gap = INFINITY;
-    s->out = out, s->code = DM_OK, s->due = 1, s->tick = motions->tick, s->dt = s->tick / (double)substeps;
+    s->out = out, s->code = DM_OK, s->tick = motions->tick, s->dt = s->tick / (double)substeps;
     for (; bodies < s->surface_count && s->surfaces[bodies].body; bodies++)
         dm_begin_motion(s->surfaces[bodies].body, motions + bodies, frames + bodies);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment);
@@ -177,7 +183,8 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
             dm_begin_tick(s->surfaces[k].body, motions + k, t, frames + k);
         }
         dm_aim_colliders(s, colliders, share);
-        if (dm_origin_moved(s)) s->due = 1;
+        dm_set_approach(s);
+        if (dm_is_changed(s)) s->due = 1;
         for (int64_t i = 0; i < substeps && s->code == DM_OK; i++)
             dm_run_scene_substep(s, frames, 1 / (double)(substeps - i));
         for (int64_t k = 0; k < bodies; k++) {
@@ -186,6 +193,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
         }
         out->ticks = t + 1;
     }
+    dm_sum_meetings(s);
     for (int64_t k = 0; k < bodies; k++) dm_end_motion(s->surfaces[k].body, motions + k, frames + k);
     for (int64_t k = 0; k < s->surface_count && k < DM_SCENE_IMPULSES; k++)
         memcpy(out->impulse[k], s->surfaces[k].impulse, sizeof out->impulse[k]),

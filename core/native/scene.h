@@ -14,7 +14,7 @@
 #define DM_LEAF 4             /* triangles in a leaf of a tree */
 #define DM_DEEPEST 128        /* pairs of nodes that wait: twice the depth of two trees */
 #define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/body/proximity.py */
-#define DM_REACH_EDGE 0.6     /* of the mean edge: the farthest a query looks */
+#define DM_REACH_EDGE 0.3     /* of the mean edge: the farthest a query looks */
 #define DM_LEAST_REACH 2.0    /* of the distance at which surfaces touch */
 #define DM_REACH_TIME 1.5     /* ticks that a query is to last */
 #define DM_BOUND 0.9          /* of half the distance: what two primitives may go towards each other */
@@ -25,10 +25,9 @@
 #define DM_SLOW 1e-3          /* [m/s] below this, both sides count as equally fast */
 #define DM_ALERT 0.5          /* of the way it may go, after which a vertex gets new planes */
 #define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
-#define DM_CONTACT_STIFFNESS 1.0 /* of the mass over the substep squared, at the surface; grows as 1 / distance */
-#define DM_CONTACT_DAMPING 0.5   /* of the mass over the substep */
-#define DM_PART_TIME 5e-3        /* [s] in which what is too near parts at the soonest */
-#define DM_LEAST_GAP 0.02     /* of the touching distance: the stiffness grows no further */
+#define DM_CONTACT_SWEEPS 2   /* over what touches, for its velocities */
+#define DM_PART 0.6           /* of what is too near, is brought apart in a substep */
+#define DM_LOOK 0.5           /* of the touching distance: when anything near has moved so far, normals are set anew */
 #define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
 #define DM_SHARP 0.05          /* and above which it is one */
 #define DM_SELF_SHARE 0.5     /* of the distance at rest: nearer, a body touches itself */
@@ -44,6 +43,7 @@ typedef struct { /* the surface of a body, or a collider */
     double moment[3];       /* of that about the origin [N m s] */
     dm_vec3 *before;        /* (groups,) of the body's vertices at the last query */
     dm_lanes *bound;        /* (groups,) square of how far each may go before its planes are looked at */
+    uint64_t changes;       /* of the body, at the last query */
     uint8_t self, moving;
 } dm_surface;
 
@@ -60,17 +60,23 @@ typedef struct { /* a vertex and a face, or two edges; a plane between them */
     double way[2];                 /* [m] that each side may go towards the other */
     double gap, touch;             /* their distance at the query, and at which they touch [m] */
     double weight;                 /* of what they do: fades where edges are flat */
-    double friction;
 } dm_pair;
 
-typedef struct { /* two that touch in this substep */
-    const dm_pair *pair;
-    double weight[4], normal[3], gap;
+typedef struct { /* two that may touch: their nearest points at the last look, and what passes between them */
+    uint32_t at[4];
+    dm_real weight[4];
+    dm_quad normal, drag, sum; /* sum: of the impulses since the last look [N s] */
+    dm_real gap, begin, touch; /* distances: at the look, as the substep began, and at which they touch [m] */
+    dm_real least, push, give, friction, share; /* least: speed apart [m/s]; give: 1 / mass */
+    double point[3];           /* where they met [m] */
+    uint32_t surface[2];
 } dm_meeting;
 
 typedef struct { /* a vertex that is near something */
-    uint32_t vertex, surface, shares, first_pair, pair_count, renewed;
-    double x[3], v[3], last[3], push[3], inverse_mass; /* last: where it was before this substep */ /* push: by which contact changes v */
+    dm_quad from, last; /* where it is at the last look and before this substep, from the origin of its body */
+    dm_quad way, v, out; /* from the one to the other; its velocity, and 1 / mass; by which it is brought apart */
+    uint32_t vertex, surface, first_pair, pair_count, renewed, met;
+    double there[3]; /* where it was at the last look */
 } dm_neighbour;
 
 typedef struct dm_scene_state {
@@ -87,12 +93,15 @@ typedef struct dm_scene_state {
     dm_neighbour *near;
     uint32_t near_count, near_room, pair_count, pair_room, meeting_count, meeting_room, *pairs_of, pairs_of_room;
     uint32_t candidate_count, candidate_room, *candidates; /* pairs that may touch before the next query */
+    uint32_t sorted_room, *sorted, *bins; /* room to put them in order */
+    uint32_t active_count, active_room, *active; /* meetings of this substep */
     uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
-    double travel; /* [m] that what is near has gone since the query */
+    uint32_t *number;                    /* of vertices, in the order of the caller */
+    int looks;                           /* normals are to be set anew */
     int due;       /* a query is */
     dm_pair *pairs;
     dm_meeting *meetings;
-    double touch, edge, tick, dt, reach, gap;
+    double touch, edge, tick, dt, reach, gap, approach, fastest;
     int32_t code;
     uint8_t *fitted; /* surfaces whose boxes fit */
     dm_scene_frame *out;
@@ -103,10 +112,11 @@ typedef struct dm_scene_state {
 static void *dm_grown(dm_scene_state *s, void *array, uint32_t count, uint32_t *size, size_t each) {
     if (count < *size) return array;
     uint32_t wanted = *size ? 2 * *size : 256;
-    void *made = realloc(array, wanted * each);
-    if (made) *size = wanted;
-    else s->code = DM_MEMORY;
-    return made ? made : array;
+    void *made = room(wanted, each);
+    if (!made) return s->code = DM_MEMORY, array;
+    if (array) memcpy(made, array, count * each);
+    dm_free(array), *size = wanted;
+    return made;
 }
 
 DM_INLINE int dm_has_room(const dm_scene_state *s) { return s->code == DM_OK; }

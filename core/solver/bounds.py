@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..base import Bools, Floats, Ints
-from ..body.proximity import Pairs
+from ..body.proximity import Pairs, planes_between
 
 ALERT = 0.5  # of the way it may go, after which a vertex gets new planes
 SWEEPS = 4  # projections on the planes of a vertex before its way is cut short
@@ -17,7 +17,8 @@ SWEEPS = 4  # projections on the planes of a vertex before its way is cut short
 class Bounds:
     """What holds vertices back until the next query.
 
-    before: (n, 3) where they were at the query [m].
+    before: (n, 3) where they were at the query [m], and
+    since: (n, 3) when their planes were set last [m].
     slack: (n,) how far each may go [m], and
     roam: (n,) how far before its planes are looked at [m].
     pairs: what is near each other.
@@ -26,6 +27,7 @@ class Bounds:
     """
 
     before: Floats
+    since: Floats
     slack: Floats
     roam: Floats
     pairs: Pairs
@@ -42,15 +44,42 @@ def bounds_of(before: Floats, slack: Floats, pairs: Pairs) -> Bounds:
     side = (np.arange(4) >= pairs.ones[:, None]).astype(np.int64)
     np.minimum.at(roam, flat, np.take_along_axis(pairs.way, side, axis=1).ravel())
     return Bounds(
-        before=before, slack=slack, roam=roam, pairs=pairs, rows=order // 4, corners=order % 4,
+        before=before, since=before.copy(), slack=slack, roam=roam, pairs=pairs, rows=order // 4, corners=order % 4,
         start=np.searchsorted(flat[order], np.arange(len(slack) + 1)),
     )  # fmt: skip
 
 
+def is_near(b: Bounds, vertex: int) -> bool:
+    """Tell whether a vertex is near something."""
+    return bool(b.start[vertex] < b.start[vertex + 1])
+
+
+def renewed(b: Bounds, vertices: list[int], x: Floats, v: Floats, closest: Floats) -> Bounds:
+    """Return the bounds with new planes for some vertices, where things are now.
+
+    Args:
+        vertices: that have used their way.
+        x, v: (n, 3) positions [m] and velocities [m/s].
+        closest: (n,) nearer than this [m], nothing goes nearer still.
+    """
+    rows = np.unique(np.concatenate([_planes(b, vertex) for vertex in vertices]))
+    some = planes_between(x, v, b.pairs.at[rows], b.pairs.ones[rows], closest[b.pairs.at[rows]].max(axis=1))
+    changed = {}
+    for name in ("normal", "level", "keep"):
+        changed[name] = getattr(b.pairs, name).copy()
+        changed[name][rows] = getattr(some, name)
+    b = replace(b, pairs=replace(b.pairs, **changed), since=b.since.copy(), roam=b.roam.copy())
+    for vertex in np.unique(b.pairs.at[rows]).tolist():
+        left = (_sides(b, vertex, x[vertex]) - _kept(b, vertex)).min()
+        gone = float(np.linalg.norm(x[vertex] - b.before[vertex]))
+        b.since[vertex], b.roam[vertex] = x[vertex], min(b.slack[vertex] - gone, left)
+    return b
+
+
 def beyond(b: Bounds, x: Floats) -> Bools:
     """Return which vertices at x (n, 3) have gone so far that their planes must be looked at, and set anew, (n,)."""
-    way = x - b.before
-    far: Bools = np.einsum("nc,nc->n", way, way) > (b.roam * ALERT) ** 2
+    way = x - b.since
+    far: Bools = np.einsum("nc,nc->n", way, way) > np.where(b.roam > 0, (b.roam * ALERT) ** 2, -1.0)
     return far
 
 
@@ -61,8 +90,8 @@ def is_allowed(b: Bounds, vertex: int, x: Floats) -> bool:
     return bool((_sides(b, vertex, x) >= _kept(b, vertex)).all())
 
 
-def hold_back(b: Bounds, vertex: int, x: Floats) -> Floats:
-    """Return where a vertex bound for x (3,) may be: on its planes, else so far back on its way as it must."""
+def hold_back(b: Bounds, vertex: int, x: Floats, last: Floats) -> Floats:
+    """Return where a vertex that goes from last to x, both (3,), may be: on its planes, else so far back on its way."""
     most, before = b.slack[vertex] * (1 - 1e-6), b.before[vertex]
     x = _shortened(before, x, most)
     planes, pairs = _planes(b, vertex), b.pairs
@@ -76,12 +105,12 @@ def hold_back(b: Bounds, vertex: int, x: Floats) -> Floats:
         if not moved:
             return x
         x = _shortened(before, x, most)
-    there, here, keep = _sides(b, vertex, x), _sides(b, vertex, before), _kept(b, vertex)
+    there, here, keep = _sides(b, vertex, x), _sides(b, vertex, last), _kept(b, vertex)
     late = (there < keep) & (here > there)
     part = (here[late] - keep[late]) / (here[late] - there[late]) * (1 - 1e-6)
     share = min(1.0, max(float(part.min(initial=1.0)), 0.0))
-    x = before + share * (x - before)
-    return x if is_allowed(b, vertex, x) else before.copy()
+    x = last + share * (x - last)
+    return x if is_allowed(b, vertex, x) else last.copy()
 
 
 def _planes(b: Bounds, vertex: int) -> Ints:

@@ -11,14 +11,14 @@ from ..body import touching
 from ..body.contact import Step, Touch
 from ..body.proximity import CLOSEST, OFFSET, Pairs, find_pairs, join_surfaces, touching_distance
 from . import semi_implicit
-from .bounds import Bounds, beyond, bounds_of, hold_back, is_allowed
+from .bounds import Bounds, beyond, bounds_of, hold_back, is_allowed, is_near, renewed
 from .crossing import find_crossings
 from .motion import Motion
 from .scene import Collider, ColliderMotion, Crossings, SceneFrame
 from .ticks import each_tick, meet, slow_down
 from .twin import Call, Twin
 
-REACH_EDGE = 0.6  # of the mean edge: the farthest a query looks
+REACH_EDGE = 0.3  # of the mean edge: the farthest a query looks
 LEAST_REACH = 2.0  # of the distance at which surfaces touch
 REACH_TIME = 1.5  # ticks that a query is to last
 ROAM = 0.99  # of half the reach: what is near nothing may go
@@ -43,10 +43,13 @@ class TwinScene:
         self._touch = max(2 * float(self._offsets[: len(bodies)].max()), float(largest[:2].sum()))
         self._rates = [np.zeros_like(x) for x in self._here]
         self._sizes = np.array([CLOSEST * body.model.mesh.size for body in bodies] + [0.0] * len(colliders))
-        self._due = True
+        self._due, self._approach = True, 0.0
+        self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
+        self._known = [(body.model, body.positions()) for body in bodies]
 
     def crossings(self) -> Crossings:
         """Return what passes through each other now."""
+        self._due = True
         return find_crossings(self._surfaces, self._positions(), len(self._bodies), self._itself)
 
     def set_collider(self, index: int, positions: Floats) -> None:
@@ -62,7 +65,9 @@ class TwinScene:
         self, motions: Sequence[Motion], ways: Sequence[ColliderMotion | None], first: float, last: float
     ) -> SceneFrame:
         """Run the ticks of motions, one for each body."""
-        self._due, self._tick, self._dt = True, motions[0].tick, motions[0].tick / motions[0].substeps
+        self._tick, self._dt = motions[0].tick, motions[0].tick / motions[0].substeps
+        for body, (model, x) in zip(self._bodies, self._known, strict=True):
+            self._due |= body.model is not model or not np.array_equal(body.state.positions, x)
         self._queries = self._most_pairs = self._most_touching = self._truncated = 0
         self._taken = self._held_back = 0.0
         self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
@@ -72,6 +77,7 @@ class TwinScene:
             share = first + (done / (count - 1) * (last - first) if count > 1 else 0.0)
             self._run_tick(calls, ways, share)
             done += 1
+        self._known = [(body.model, body.positions()) for body in self._bodies]
         frames = tuple(body.end(call) for body, call in zip(self._bodies, calls, strict=True))
         return SceneFrame(
             frames, done, self._queries, self._most_pairs, self._most_touching, self._truncated, self._taken,
@@ -88,9 +94,11 @@ class TwinScene:
         for i, aim in enumerate(self._aims):
             if aim is None:
                 self._rates[i][:] = 0
+        self._set_approach()
         for step in range(substeps):
             if self._due:
                 self._query()
+            self._begin_contact()
             with np.errstate(all="ignore"):  # the frame says when it has blown up
                 for body, call, near in zip(self._bodies, calls, touches, strict=True):
                     self._step_body(body, call, near)
@@ -123,14 +131,21 @@ class TwinScene:
         parts = [body.state.velocities.T for body in self._bodies] + [rate.T for rate in self._rates]
         return np.concatenate(parts)
 
-    def _reach(self) -> float:
-        """Return how far a query looks [m]: so far that it lasts some ticks at the speeds there are."""
+    def _set_approach(self) -> None:
+        """Set how much farther than they touch things are looked at [m]: they come nearer before the next look."""
         fastest = [float(np.sqrt((body.state.velocities**2).sum(axis=0).max())) for body in self._bodies]
         for here, aim in zip(self._here, self._aims, strict=True):
             if aim is not None:
                 fastest.append(float(np.sqrt(((aim - here) ** 2).sum(axis=0).max())) / self._tick)
+        self._fastest = max(fastest)
+        least = self._touch + 3 * self._fastest * self._dt
+        if not least <= self._approach <= 4 * least:
+            self._approach, self._looks = self._touch + 6 * self._fastest * self._dt, True
+
+    def _reach(self) -> float:
+        """Return how far a query looks [m]: so far that it lasts some ticks at the speeds there are."""
         least = LEAST_REACH * self._touch
-        wanted = self._touch + 2 * REACH_TIME * max(fastest) * self._tick
+        wanted = self._touch + 2 * REACH_TIME * self._fastest * self._tick
         return float(min(max(wanted, least), max(REACH_EDGE * self._edge, least)))
 
     def _query(self) -> None:
@@ -155,7 +170,10 @@ class TwinScene:
         self._stale = stale
         self._touches = touching_distance(s, pairs, self._offsets)
         may = (pairs.weight > 0) & (pairs.gap <= self._touches + STALE * (reach - self._touch) * 1.5)
-        self._candidates, self._touches = _picked(pairs, may), self._touches[may]
+        order = touching.order_of(pairs, s)
+        order = order[may[order]]
+        self._candidates, self._touches = _picked(pairs, order), self._touches[order]
+        self._near, self._looks = np.unique(pairs.at), True
         self._due, self._queries = False, self._queries + 1
         self._most_pairs = max(self._most_pairs, len(pairs.gap))
         self._gap = min(self._gap, float(pairs.gap.min(initial=np.inf)))
@@ -168,45 +186,69 @@ class TwinScene:
             part, here = self._part[len(self._bodies) + i], self._here[i]
             x = (here + share * (aim - here)).T
             wanted = x.copy()
-            whole = self._bounds.before.copy()
-            whole[part] = x
-            for vertex in np.flatnonzero(beyond(self._bounds, whole)):
-                if not is_allowed(self._bounds, vertex, whole[vertex]):
-                    x[vertex - part.start] = hold_back(self._bounds, vertex, whole[vertex])
-                    self._due = True
+            for own, vertex in enumerate(range(part.start, part.stop)):
+                if not is_allowed(self._bounds, vertex, x[own]):
+                    x[own] = hold_back(self._bounds, vertex, x[own], here[:, own])
+                    self._held += [vertex] if is_near(self._bounds, vertex) else []
             self._held_back = max(self._held_back, float(np.linalg.norm(wanted - x, axis=1).max()))
             self._rates[i], self._here[i] = (x.T - here) / self._dt, np.ascontiguousarray(x.T)
             self._note_way(len(self._bodies) + i, x)
 
-    def _resolve(self) -> None:
-        if not len(self._candidates.gap):
+    def _begin_contact(self) -> None:
+        """Before a substep: note where everything is, and look again where that has moved."""
+        self._last = self._positions()
+        self._held: list[int] = []
+        self._looks = self._looks or bool(
+            ((self._last[self._near] - self._looked[self._near]) ** 2).sum(axis=1).max(initial=0)
+            > (touching.LOOK * self._touch) ** 2
+        )
+        if not self._looks:
             return
         bodies, led = self._bodies, [np.zeros(x.shape[1]) for x in self._here]
         friction = np.concatenate([body.model.friction for body in bodies] + self._frictions)
-        inverse_mass = np.concatenate([body.model.inverse_mass for body in bodies] + led)
-        x, v = self._positions(), self._velocities()
-        change, got, count = touching.resolve(
-            self._surfaces, self._candidates, self._touches, friction, x, v, inverse_mass, self._dt
+        self._inverse_mass = np.concatenate([body.model.inverse_mass for body in bodies] + led)
+        self._looked, self._looks = self._last, False
+        self._meetings = touching.look(
+            self._surfaces, self._candidates, self._touches, friction, self._last, self._inverse_mass, self._approach
         )
-        for body, part in zip(bodies, self._part, strict=False):
-            body.state.velocities += change[part].T
-            body.state.positions += self._dt * change[part].T
-        self._impulses += got
-        self._most_touching = max(self._most_touching, count)
+
+    def _resolve(self) -> None:
+        meetings = self._meetings
+        if not len(meetings.gap):
+            return
+        v, out, passed, changed = touching.resolve(
+            meetings, self._last - self._looked, self._velocities(), self._inverse_mass, self._dt
+        )
+        for body, part in zip(self._bodies, self._part, strict=False):
+            own = changed[(changed >= part.start) & (changed < part.stop)]
+            own = own[self._inverse_mass[own] > 0]
+            state, rows = body.state, own - part.start
+            state.positions[:, rows] += self._dt * (v[own].T - state.velocities[:, rows]) + out[own].T
+            state.velocities[:, rows] = v[own].T
+        given, owner = np.concatenate([passed, np.cross(meetings.point, passed)], axis=1), self._surfaces.of_vertex
+        np.add.at(self._impulses, owner[meetings.at[:, 0]], given)
+        np.subtract.at(self._impulses, owner[meetings.at[:, 3]], given)
+        self._most_touching = max(self._most_touching, int((passed != 0).any(axis=1).sum()))
 
     def _bound_bodies(self) -> None:
         """Keep every vertex of the bodies to its bounds; what of momentum that takes is counted."""
         x = self._positions()
         far = beyond(self._bounds, x)
         for index, (body, part) in enumerate(zip(self._bodies, self._part, strict=False)):
-            for vertex in part.start + np.flatnonzero(far[part]):
-                self._due = True
+            for vertex in (part.start + np.flatnonzero(far[part])).tolist():
+                if is_near(self._bounds, vertex):
+                    self._held.append(vertex)
+                else:
+                    self._due = True  # it wants to go farther than anybody has looked
                 if not is_allowed(self._bounds, vertex, x[vertex]):
-                    self._bound(body, int(vertex), int(vertex) - part.start, x[vertex])
+                    self._bound(body, vertex, vertex - part.start, x[vertex])
             self._note_way(index, body.state.positions.T)
+        if self._held and not self._due:
+            closest = self._sizes[self._surfaces.of_vertex]
+            self._bounds = renewed(self._bounds, self._held, self._positions(), self._velocities(), closest)
 
     def _bound(self, body: Twin, vertex: int, own: int, x: Floats) -> None:
-        at = hold_back(self._bounds, vertex, x)
+        at = hold_back(self._bounds, vertex, x, self._last[vertex])
         back = at - x
         back = back / max(float(np.linalg.norm(back)), 1e-300)
         velocity = body.state.velocities[:, own]

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from core.base import DimpleError
 from core.body.model import build_model
+from core.body.proximity import OFFSET, find_pairs, join_surfaces
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
@@ -64,16 +65,15 @@ def test_a_dropped_ball_comes_to_rest_on_a_table_whatever_the_frame_rate() -> No
 
 
 @pytest.mark.parametrize("speed", [0.5, 5.0])
-def test_a_collider_led_through_a_body_passes_neither_the_body_nor_the_table(speed: float) -> None:
+def test_a_plate_that_would_press_a_body_to_nothing_waits_and_passes_neither_body_nor_table(speed: float) -> None:
     body = session((0.001, 0.002, RADIUS + 1e-3))
-    points, faces = ball(1, 0.02)
-    start = points + (0, 0, 0.11)
-    world = World([body], [table(), Collider(start.T.copy(), faces)])
-    for tick in range(1, 101):
-        world.set_colliders([None, start - (0, 0, min(speed * tick * 1e-3, 0.11))])
-        world.step(1e-3)
+    start = sheet(2, 0.5)[0] + (0, 0, 2 * RADIUS + 2e-3)
+    world, most = World([body], [table(), Collider(start.T.copy(), sheet(2, 0.5)[1])]), 0.0
+    for tick in range(1, 201):
+        world.set_colliders([None, start - (0, 0, min(speed * tick * 1e-3, 2 * RADIUS + 1.8e-3))])
+        most = max(most, world.step(1e-3).held_back)
         world.check()
-    assert body.frame.finite and world.meeting.held_back > 0
+    assert body.frame.finite and most > 0
     assert body.positions()[:, 2].min() > 0 and world.collider(1)[:, 2].min() > 0
 
 
@@ -111,3 +111,30 @@ def test_a_body_that_is_far_from_everything_moves_as_if_alone() -> None:
         alone.step(1e-3)
         world.step(1e-3)
     assert np.array_equal(alone.body.positions(), met.body.positions())
+
+
+def test_bodies_pressed_together_keep_the_distance_at_which_they_touch_and_are_still() -> None:
+    sessions = []
+    for side in (-1, 1):
+        points, faces = ball(3, RADIUS)
+        placed = points @ Rotation.from_euler("xyz", (0.3, 0.5 * side, 0.2)).as_matrix().T
+        held = placed[:, 2] * side > 0.5 * RADIUS
+        mesh = mesh_from_triangles(placed + (0, 0, side * (RADIUS + 5e-4)), faces)
+        sessions.append(Session(build_model(mesh, [SOFT], held=held)))
+    rests, world = [body.model.mesh.rest_positions for body in sessions], World(sessions)
+    x = np.zeros((0, 3))
+    for tick in range(300):
+        for body, rest, side in zip(sessions, rests, (-1, 1), strict=True):
+            body.set_held(rest - (0, 0, side * min(tick / 150, 1.0) * 0.012))
+        world.step(1e-3)
+        if tick == 250:
+            x = np.concatenate([body.positions() for body in sessions])
+    surfaces = join_surfaces(rests, [body.model.mesh.triangles for body in sessions])
+    before, x = x, np.concatenate([body.positions() for body in sessions]).astype(np.float64)
+    touch = OFFSET * float(surfaces.edge.sum())
+    pairs = find_pairs(surfaces, x, np.zeros_like(x), 0, 1, reach=2 * touch, closest=0.0)
+    faces_of = pairs.ones == 1
+    assert np.count_nonzero(pairs.gap[faces_of] < 1.1 * touch) > 50
+    assert pairs.gap[faces_of].min() > 0.9 * touch
+    assert np.abs(x - before).max() < 5e-5
+    assert world.meeting.truncated == 0 and world.meeting.queries == 0
