@@ -256,6 +256,21 @@ def assemble(
     )  # fmt: skip
 
 
+def with_bed(model: Model, k1: Floats, knees: Floats, more: Floats) -> Model:
+    """Return a model whose shape matching has another law in the displacement, with steps that are short enough for it.
+
+    Args:
+        k1: (n,) stiffness to begin with [N/m].
+        knees, more: (p, n) of its further pieces [m], [N/m].
+    """
+    law = replace(model.matching, k1=k1, k2=k1, knees=knees, more=more)
+    along, inside = model.springs.stiffness + law.tension, model.pressure
+    omega_squared = bound.of_body(
+        model.mesh, along, shape_matching.stiffest(law), model.inverse_mass, inside, STIFFENS[inside.fill]
+    )
+    return replace(model, matching=law, omega_squared=omega_squared)
+
+
 def initial_state(model: Model) -> State:
     """Return the state at rest."""
     x = np.array(model.mesh.rest_positions.T, order="C")  # a copy, whatever the order of the mesh's

@@ -20,14 +20,15 @@ from ..body.model import Model, State, build_model, forces, initial_state
 from ..material import Indenter, Material
 from ..mesh.ray import ray_hit
 from ..mesh.surface import Mesh, base_vertices
-from ..session import Finger, Session
+from ..session import Finger, Frame, Session
 
 ROWS = 60  # of a virtual press
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
 MOVING, SETTLING = 0.006, 0.01  # [s] between two depths, and of rest there
-LISTENING = 0.005  # [s] of taking the mean of a reaction
-ROUND = 2  # times as slow goes a sphere: what it touches changes, and friction holds on
+LISTENING = 0.004  # [s] of taking the mean of a reaction
+STEADY = 2e-3  # of the force: two means no farther apart are of a body at rest under a sphere, or it is the
+LOOKS = 6  # th; what a sphere touches changes, so some depths take longer than others
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,15 +143,26 @@ def set_up(mesh: Mesh, material: Material, indenter: Indenter, site: Site) -> Se
         held=(site.held | under)[mesh.source],
     )
     session = Session(model)
-    if not under.any():
-        session.set_fingers([_finger(site, 0.0, indenter.radius)])
+    put_back(session, indenter, site)
     return session
 
 
-def go_down(session: Session, indenter: Indenter, site: Site, before: float, depth: float) -> Station:
-    """Bring a tip from one depth [m] to another, or to the same to wait for rest once more."""
+def put_back(session: Session, indenter: Indenter, site: Site) -> None:
+    """Put a body back to rest, under a tip that just touches it."""
+    session.reset()
+    if not _gripped(indenter, site).any():
+        session.set_fingers([_finger(site, 0.0, indenter.radius)])
+
+
+def go_down(
+    session: Session, indenter: Indenter, site: Site, before: float, depth: float, *, looks: int = LOOKS
+) -> Station:
+    """Bring a tip from one depth [m] to another, or to the same to wait for rest once more.
+
+    Args:
+        looks: how often the force on a sphere is looked at, at most, until it no longer changes.
+    """
     model, under = session.model, _gripped(indenter, site)
-    slow = 1 if under.any() else ROUND
     if depth != before:
         if under.any():
             places = model.mesh.rest_positions + depth * np.outer(under, site.inward)
@@ -158,19 +170,30 @@ def go_down(session: Session, indenter: Indenter, site: Site, before: float, dep
         else:
             session.set_fingers([_finger(site, depth, indenter.radius)])
         ticks = abs(depth - before) / (FINGER_TRAVEL * indenter.radius)
-        session.step(max(slow * MOVING, 2 * ticks * session.tick))
-    session.step(slow * SETTLING)
-    frame = session.step(LISTENING)
-    x = session.body.positions()
+        session.step(max(MOVING, 2 * ticks * session.tick))
     if under.any():
+        frame = session.step(SETTLING + LISTENING)
+        x = session.body.positions()
         force = -float(site.inward @ forces(model, _at(model, x))[:, under].sum(axis=1))
     else:
-        force = -float(frame.finger_forces[0] @ site.inward) if len(frame.finger_forces) else math.nan
-    volume = pressure.volume(model.pressure, x) if model.mesh.pressurable else 0.0
+        force, frame = _reaction(session, site.inward, looks)
+        x = session.body.positions()
+    volume = pressure.volume(model.pressure, x) if model.pressure.fill == "none" else frame.volume
     return Station(
         depth=depth, force=force, volume_change=volume / model.mesh.volume - 1 if model.mesh.pressurable else 0.0,
         positions=x, found=frame.finite and math.isfinite(force),
     )  # fmt: skip
+
+
+def _reaction(session: Session, inward: Floats, looks: int) -> tuple[float, Frame]:
+    """Wait until the force on a sphere [N] no longer changes; return it and the last frame."""
+    force = math.inf
+    for _ in range(looks):
+        before, frame = force, session.step(LISTENING)
+        force = -float(frame.finger_forces[0] @ inward) if frame.finite and len(frame.finger_forces) else math.nan
+        if not abs(force - before) > STEADY * abs(force):  # or it is no number
+            break
+    return force, frame
 
 
 def press_rows(

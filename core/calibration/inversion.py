@@ -19,13 +19,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import Floats, sums_at
-from ..body.model import Model
+from ..body.model import Model, with_bed
 from ..material import Material, ModelConstants
 from ..mesh.surface import Mesh
-from .indent import Site, Station, go_down, set_up
+from ..session import Session
+from .indent import LOOKS, Site, Station, go_down, put_back, set_up
 
 DEPTHS = 24  # of a press
-SWEEPS = 5  # presses
+SWEEPS = 4  # presses at most,
+ROUGH = 2  # of them that wait for rest no longer than it mostly takes
+NEAR = 5e-3  # RMS of what is missed over what weighs as much: near enough
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
 # shares of the knee where pieces end, dense where the law must jump, and of what is left beyond it; all of them shares
 # of the deepest where no knee is reached
@@ -35,8 +38,10 @@ BEYOND = (0.06, 0.14, 0.25, 0.4, 0.6, 0.8, 1.0)
 # times the closed form's slope, whichever is more
 STEEPEST, STEEPEST_COARSE = 3.0, 2.5
 LEAST = 0.2  # of the closed form, the first slope: the body must not become too light to be pressed
-DAMPED, MORE, LESS = 0.01, 4.0, 0.5  # share of a slope that counts as much as one of full scale; times it after a press
-ROUNDS = 300  # of the bounded least squares
+DAMPED, MORE, LESS = 0.03, 4.0, 0.5  # share of a slope that counts as much as one of full scale; times it after a press
+TINY = 1e-6  # of the closed form, any other slope: the pieces of a law are stiff enough to be told apart
+UNMOVED = 1e-3  # of the deepest: a vertex that moved less stores nothing
+ROUNDS, SETTLED = 10, 1e-9  # of the bounded least squares: steps a slope at most, and a pull that is none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,14 +52,12 @@ class _Sweep:
     stations: where it rests.
     off: (n,) force missed at each depth over what weighs as much there, 1 or more where there is no rest.
     gains: (k, m) change of the force with each slope [m3/N], over the same, at the k stations.
-    steepest: slope [N/m3] that the mesh allows.
     """
 
     slopes: Floats
     stations: list[Station]
     off: Floats
     gains: Floats
-    steepest: float
 
 
 def inverted(
@@ -75,25 +78,30 @@ def inverted(
     Returns:
         the constants, and the press with them, which ends early where no rest was found.
     """
-    best, damped = None, DAMPED
-    slopes = np.maximum(slopes, np.where(ends == ends[0], LEAST * first.kappa1, 0.0))
+    best, damped, least = None, DAMPED, np.where(ends == ends[0], LEAST, TINY) * first.kappa1
+    session = set_up(mesh, replace(material, constants=replace(first, pieces=())), material.indenter, site)
+    area = session.model.matching.k1 / first.kappa1
+    steepest = max(STEEPEST * _pulled(session.model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
     for sweep in range(SWEEPS):
         share = begun + (1 - begun) * sweep / SWEEPS, (1 - begun) / (DEPTHS * SWEEPS + 1)
-        found = yield from _swept(mesh, material, first, site, ends, slopes, share)
+        looks = 1 if sweep < ROUGH else LOOKS
+        found = yield from _swept(session, area, material, site, ends, np.maximum(slopes, least), looks, share)
+        if sweep == ROUGH:
+            best = None  # what is not at rest is no measure
         if best is None or found.off @ found.off < best.off @ best.off:
             best, damped = found, damped * (1.0 if best is None else LESS)
         else:
             damped *= MORE
-        if not len(best.stations):
+        if not best.stations or (sweep >= ROUGH and np.sqrt((best.off**2).mean()) < NEAR):
             break
-        slopes = _improved(best, first.kappa1, damped)
+        slopes = _improved(best, first.kappa1, least, steepest, damped)
     assert best
     return bed_in_pieces(first, ends, best.slopes), best.stations
 
 
 def bed_in_pieces(first: ModelConstants, ends: Floats, slopes: Floats) -> ModelConstants:
     """Return the constants of a bed's law whose pieces end at displacements (m,) [m]; 0 to begin with is just above."""
-    slopes = np.maximum(slopes, 1e-6 * first.kappa1)
+    slopes = np.maximum(slopes, TINY * first.kappa1)
     pieces = tuple(zip(ends[: len(slopes) - 1].tolist(), np.diff(slopes).tolist(), strict=True))
     return replace(first, kappa1=float(slopes[0]), kappa2=float(slopes[0]), pieces=pieces)
 
@@ -106,43 +114,48 @@ def piece_ends(x0: float, deepest: float) -> Floats:
 
 
 def _swept(
-    mesh: Mesh,
+    session: Session,
+    area: Floats,
     material: Material,
-    first: ModelConstants,
     site: Site,
     ends: Floats,
     slopes: Floats,
+    looks: int,
     share: tuple[float, float],
 ) -> Generator[float, None, _Sweep]:
-    """Press with a law of slopes (m,) on pieces that end at (m,); share: of the whole, before and by each depth."""
-    session = set_up(mesh, replace(material, constants=bed_in_pieces(first, ends, slopes)), material.indenter, site)
-    model = session.model
-    area = model.matching.k1 / max(slopes[0], 1e-6 * first.kappa1)
+    """Press with a law of slopes (m,) on pieces that end at (m,).
+
+    Args:
+        looks: how often the force is looked at, at most, until it no longer changes.
+        share: of the whole, before and by each depth.
+    """
+    put_back(session, material.indenter, site)
+    knees, more = np.repeat(ends[:-1, None], len(area), axis=1), np.diff(slopes)[:, None] * area
+    session.change(with_bed(session.model, slopes[0] * area, knees, more))
     depths = ends[-1] * np.arange(1, DEPTHS + 1) / DEPTHS
     wanted = np.array([material.law(depth) for depth in depths.tolist()])
     weighs = np.sqrt(wanted.max() * (LIGHT * wanted.max() + wanted))
     off, stored, stations, before = wanted / weighs, [np.zeros(len(slopes))], [], 0.0
     for k, depth in enumerate(depths.tolist()):
-        station = go_down(session, material.indenter, site, before, depth)
+        station = go_down(session, material.indenter, site, before, depth, looks=looks)
         yield share[0] + (k + 1) * share[1]
         if not station.found:
             break
         off[k], before = (station.force - wanted[k]) / weighs[k], depth
         stations.append(station)
-        stored.append(_stored(model, area, ends, station))
+        stored.append(_stored(session.model, area, ends, station))
     at = np.append(0.0, depths[: len(stations)])
     gains = np.gradient(np.array(stored), at, axis=0)[1:] if stations else np.zeros((0, len(slopes)))
-    steepest = max(STEEPEST * _pulled(model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
-    gains = gains / weighs[: len(stations), None]
-    return _Sweep(slopes=slopes, stations=stations, off=off, gains=gains, steepest=steepest)
+    return _Sweep(slopes=slopes, stations=stations, off=off, gains=gains / weighs[: len(stations), None])
 
 
 def _stored(model: Model, area: Floats, ends: Floats, station: Station) -> Floats:
     """Return the energy (m,) that a body at rest stores per slope of each piece [m5]."""
-    d = np.sqrt(((station.positions - model.matching.rest) ** 2).sum(axis=0))[:, None]
-    width = np.diff(ends, prepend=0.0)
+    d = np.sqrt(((station.positions - model.matching.rest) ** 2).sum(axis=0))
+    dent = d > UNMOVED * ends[-1]
+    d, width = d[dent, None], np.diff(ends, prepend=0.0)
     within = np.clip(d - (ends - width), 0, width)
-    return np.asarray(area @ (within**2 / 2 + width * np.maximum(d - ends, 0)))
+    return np.asarray(area[dent] @ (within**2 / 2 + width * np.maximum(d - ends, 0)))
 
 
 def _pulled(model: Model, area: Floats) -> float:
@@ -152,21 +165,33 @@ def _pulled(model: Model, area: Floats) -> float:
     return float(np.median(stiffness[area > 0] / area[area > 0]))
 
 
-def _improved(sweep: _Sweep, kappa1: float, damped: float) -> Floats:
-    """Return the slopes (m,) that would make up for what a press is off, as far as they may change."""
+def _improved(sweep: _Sweep, kappa1: float, least: Floats, steepest: float, damped: float) -> Floats:
+    """Return the slopes (m,) from the least to the steepest that would make up for what a press is off."""
     scale = kappa1 + sweep.slopes
-    low, high = np.zeros_like(scale), np.maximum(np.full_like(scale, sweep.steepest), kappa1)
-    low[0] = LEAST * kappa1
     missed = -sweep.off[: len(sweep.stations)]
-    low, high = (low - sweep.slopes) / scale, (high - sweep.slopes) / scale
+    low, high = (least - sweep.slopes) / scale, (max(steepest, kappa1) - sweep.slopes) / scale
     return sweep.slopes + scale * bounded(sweep.gains * scale, missed, low, high, damped)
 
 
 def bounded(matrix: Floats, wanted: Floats, low: Floats, high: Floats, damped: float) -> Floats:
-    """Return y (m,) from low to high with the least |matrix y - wanted|^2 + |damped y|^2, by coordinate descent."""
+    """Return y (m,) from low to high with the least |matrix y - wanted|^2 + |damped y|^2, by an active set."""
     normal, right = matrix.T @ matrix + damped**2 * np.eye(len(low)), matrix.T @ wanted
     y = np.clip(np.zeros_like(low), low, high)
-    for _ in range(ROUNDS):
-        for m in range(len(y)):
-            y[m] = min(max(y[m] + (right[m] - normal[m] @ y) / normal[m, m], low[m]), high[m])
+    free = (low < y) & (y < high)
+    for _ in range(ROUNDS * len(y)):
+        whole = y.copy()
+        whole[free] = np.linalg.solve(normal[np.ix_(free, free)], right[free] - normal[np.ix_(free, ~free)] @ y[~free])
+        beyond = np.where(whole < low, low, np.where(whole > high, high, whole)) != whole
+        if beyond.any():  # as far as the first bound
+            way = whole - y
+            room = np.where(beyond, (np.where(way < 0, low, high) - y) / np.where(beyond, way, 1.0), 1.0)
+            first = int(room.argmin())
+            y = np.clip(y + max(room[first], 0.0) * way, low, high)
+            free[first] = False
+            continue
+        y, pull = whole, right - normal @ whole
+        gain = np.where(free, 0.0, np.where(y <= low, pull, -pull)) * (low < high)
+        if gain.max() <= SETTLED * np.abs(right).max():
+            break
+        free[gain.argmax()] = True
     return y
