@@ -104,9 +104,11 @@ def wheels(options: argparse.Namespace) -> int:
 
 
 def bench(options: argparse.Namespace) -> int:
-    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --scale, --enabling, --exports"""
+    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --scale, --exports, --identify"""
     if "--exports" in options.rest:
         return in_blender("tests/bench/exports.py", options.blender, BUILD / "exports")
+    if "--identify" in options.rest:
+        return in_blender("tests/bench/identified.py", options.blender, BUILD / "identified")
     python = environment(options.blender)
     native_core.provide_library(python)
     variables = {"OPENBLAS_NUM_THREADS": "1"}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,18 +19,19 @@ import bpy
 from ..core.base import DimpleError
 from ..core.calibration import cache
 from ..core.calibration.identify import Identification, identification
-from ..core.calibration.indent import Site, find_site
 from ..core.calibration.place import typical_site
 
 if TYPE_CHECKING:
     from ..core.base import Bools
+    from ..core.body.model import Model
     from ..core.material import Material, ModelConstants
     from ..core.mesh.surface import Mesh
+    from ..core.reduction.proxy import Proxy
 
-HEAVY = 8000  # vertices: a larger mesh is identified on a proxy
+HEAVY = 8000  # vertices: where a larger mesh moves itself it is identified on a proxy
 PROXY = 2500  # vertices of that
 HOPELESS = 0.24  # of the force, at half of the depths: then the closed form is no worse
-SLICE_S, PAUSE_S = 0.015, 0.005  # of work between two events of Blender, and of leaving it alone
+SLICE_S, PAUSE_S = 0.012, 0.005  # of work between two events of Blender, and of leaving it alone
 
 
 @dataclass(slots=True, kw_only=True)
@@ -51,8 +52,9 @@ class Job:
 
 _PACKAGE = __package__.rpartition(".")[0]
 
+choosing: list[Callable[[int, Model], Proxy | None]] = []  # what chooses the proxy of an object: `planning` adds itself
 revision = 0  # changes with every result of the background
-_known: dict[str, Identification | None] = {}
+_known: dict[str, Identification | str] = {}  # or how the sentence goes on that says why there is none
 _jobs: dict[str, Job] = {}  # under way, by name
 
 
@@ -67,21 +69,18 @@ def model_constants(
         held: (N,) pinned input vertices; None where the base is.
         wait: find them now, however long it takes.
     """
-    try:
-        site = typical_site(mesh, material.indenter, held=held)
-    except DimpleError as error:
-        return None, f"The force is an estimate in closed form. {error}"
-    name = cache.key(mesh, material, material.indenter, site, deepest)
+    name = cache.key(mesh, material, material.indenter, deepest, *(() if held is None else (held,)))
     if name not in _known and (kept := cache.recall(own_folder("identified"), name)) is not None:
         _known[name] = kept
     if name not in _known:
+        job = Job(name=name, owners={owner}, steps=_steps(owner[0], mesh, material, held, deepest))
         if not wait:
-            _start(Job(name=name, owners={owner}, steps=_steps(mesh, material, site, deepest)))
+            _start(job)
             return None, ""
-        _work(Job(name=name, owners={owner}, steps=_steps(mesh, material, site, deepest)), float("inf"))
+        _work(job, float("inf"))
     found = _known[name]
-    if found is None:
-        return None, "The force is an estimate in closed form: no constants of the model follow the measured law."
+    if isinstance(found, str):
+        return None, f"The force is an estimate in closed form{found}"
     return found.material.constants, ""
 
 
@@ -97,19 +96,31 @@ def stop() -> None:
         bpy.app.timers.unregister(_go_on)
 
 
-def _steps(mesh: Mesh, material: Material, site: Site, deepest: float) -> Generator[float, None, Identification]:
-    """Identify on the mesh, or on a proxy of a heavy one."""
-    if len(mesh.rest_positions) > HEAVY:
-        from ..core.body.model import build_model
-        from ..core.reduction.proxy import build_proxy
-
-        materials = [material] * (int(mesh.triangle_material.max()) + 1)
-        try:
-            mesh = build_proxy(build_model(mesh, materials), PROXY).model.mesh
-            site = find_site(mesh, material.indenter, above=site.point.tolist(), inward=site.inward.tolist())
-        except DimpleError:  # no proxy of it can be made: so it takes longer
-            pass
+def _steps(
+    uid: int, mesh: Mesh, material: Material, held: Bools | None, deepest: float
+) -> Generator[float, None, Identification]:
+    """Identify on what moves: the mesh, or its proxy."""
+    proxy = _proxy_of(uid, mesh, material, held)
+    yield 0.0
+    if proxy:
+        mesh, held = proxy.model.mesh, proxy.model.held
+    site = typical_site(mesh, material.indenter, held=held)
+    yield 0.0
     return (yield from identification(mesh, material, material.indenter, site, deepest))
+
+
+def _proxy_of(uid: int, mesh: Mesh, material: Material, held: Bools | None) -> Proxy | None:
+    """Return the proxy that moves in place of the mesh of an object, None where it moves itself."""
+    from ..core.body.model import build_model
+    from ..core.mesh.surface import base_vertices
+    from ..core.reduction.proxy import build_proxy
+
+    materials = [material] * (int(mesh.triangle_material.max()) + 1)
+    model = build_model(mesh, materials, held=base_vertices(mesh) if held is None else held)
+    with contextlib.suppress(DimpleError):  # no proxy of it can be made: so it takes longer
+        proxy = next((choose(uid, model) for choose in choosing), None)
+        return build_proxy(model, PROXY) if proxy is None and len(mesh.rest_positions) > HEAVY else proxy
+    return None
 
 
 def _start(job: Job) -> None:
@@ -144,19 +155,18 @@ def _work(job: Job, budget: float) -> bool:
     except StopIteration as end:
         _keep(job.name, end.value)
         return True
-    except DimpleError:
-        _keep(job.name, None)
+    except DimpleError as error:
+        _known[job.name] = f". {error}"
         return True
     return False
 
 
-def _keep(name: str, found: Identification | None) -> None:
+def _keep(name: str, found: Identification) -> None:
     import numpy as np
 
-    if found is not None and np.median(found.off) > HOPELESS:
-        found = None
-    _known[name] = found
-    if found is not None:
+    hopeless = np.median(found.off) > HOPELESS
+    _known[name] = ": no constants of the model follow the measured law." if hopeless else found
+    if not hopeless:
         with contextlib.suppress(DimpleError):  # it is found again another time
             cache.remember(own_folder("identified"), name, found)
 

@@ -51,11 +51,12 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         from ..core.calibration.identify import identification
         from .identified import own_folder
 
-        given = bench.mesh, bench.material, bench.indenter, bench.site, bench.deepest
-        folder, name = own_folder("identified"), cache.key(*given)
+        site, given = bench.site, (bench.mesh, bench.material, bench.indenter)
+        where = site.point, site.inward, site.under, site.held
+        folder, name = own_folder("identified"), cache.key(*given, bench.deepest, *where)
         self._found, self._anew = cache.recall(folder, name), None
         if self._found is None:
-            self._found = yield from identification(*given)
+            self._found = yield from identification(*given, site, bench.deepest)
             self._anew = folder, name
 
     def _finished(self, context: bpy.types.Context) -> set[str]:

@@ -15,10 +15,11 @@ from ..core.base import DimpleError
 from ..core.reduction.planner import Plan, plan, plan_full_mesh, plan_proxy
 from ..core.reduction.proxy import build_proxy, with_constants
 from ..core.session import MAX_FINGERS
-from . import contact
+from . import bridge, contact, identified
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
+    from ..core.mesh.surface import Mesh
     from ..core.reduction.proxy import Proxy
 
 KEPT = 4  # choices: bodies that are alike are planned once
@@ -33,6 +34,7 @@ class Choice(NamedTuple):
 
 
 _choices: dict[str, Choice] = {}
+_moving: list[tuple[Mesh, Proxy | None]] = []  # what was chosen for the last meshes, whatever their materials are
 
 
 def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tuple[Proxy | None, str]:
@@ -61,10 +63,23 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
             raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
         made = Choice(chosen.proxy, chosen.asked, chosen.reason)
     _choices[now] = made
+    _moving[:] = [(model.mesh, made.proxy), *_moving[: KEPT - 1]]
     while len(_choices) > KEPT:
         del _choices[next(iter(_choices))]
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
     return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
+
+
+def _to_identify(uid: int, model: Model) -> Proxy | None:
+    """Return the proxy on which the materials of an object are identified: the one that moves already."""
+    for mesh, proxy in _moving:
+        if mesh is model.mesh:
+            return proxy
+    obj = bridge.find(uid)
+    return None if obj is None or contact.is_on(bpy.context.scene) else choose(bpy.context.scene, obj, model).proxy
+
+
+identified.choosing.append(_to_identify)
 
 
 def choose(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Plan:

@@ -13,21 +13,24 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import DimpleError
+from ..base import Bools, DimpleError, Floats
 from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
 from .identify import Identification
-from .indent import Site
 
-VERSION = 4  # of the method: another one identifies anew
+VERSION = 5  # of the method: another one identifies anew
 
 
-def key(mesh: Mesh, material: Material, indenter: Indenter, site: Site, deepest: float) -> str:
-    """Return a name for what is identified."""
+def key(mesh: Mesh, material: Material, indenter: Indenter, deepest: float, *where: Floats | Bools) -> str:
+    """Return a name for what is identified.
+
+    Args:
+        where: what the tip is put at a place by, or finds its own by.
+    """
     at_rest = asdict(replace(material, constants=None, mass=1.0, density=None, damping_ratio=1.0))
     numbers = at_rest | asdict(indenter) | {"deepest": deepest, "version": VERSION}
     digest = hashlib.sha256(json.dumps(numbers, sort_keys=True).encode())
-    for array in (mesh.rest_positions, mesh.triangles, site.point, site.inward, site.under, site.held):
+    for array in (mesh.rest_positions, mesh.triangles, *where):
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()[:32]
 

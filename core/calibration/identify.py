@@ -19,13 +19,15 @@ from ..body.model import Model
 from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
 from ..session import Session
-from .indent import CLEAR, Site, Station, go_down, press, set_up
+from ..steps import as_share
+from .indent import CLEAR, Site, Station, going_down, press, set_up
 from .inversion import DEPTHS, SWEEPS, bed_in_pieces, inverted, piece_ends
 
 AT = 0.6  # of the knee: where the closed form is scaled to the measured force; a round tip makes it start too softly
 FARTHEST = 10.0  # times the closed form: the most it is scaled
 KNOTS = (0.15, 0.3, 0.5, 0.75, 1.0)  # of the knee of the measured law: where pieces end,
 BEYOND = 6  # and how many there are beyond it
+SCALED, SCALED_ROUND = 0.05, 0.015  # of the work is to scale the closed form, by a flat tip and by a round one
 TRIALS = 4  # slopes that are tried for a piece
 USUAL, USUAL_ROUND = 1.7, 2.5  # of them are needed, by a flat tip and by a round one: so much of the work is ahead
 CLOSE = 2e-3  # of the force: near enough
@@ -93,11 +95,10 @@ def identification(
     """
     measured = replace(material, constants=None, indenter=indenter)
     deep, stopped = _deepest(deepest, site)
-    first = _scaled(mesh, measured, site, AT * min(material.x0, deep))
-    if indenter.shape == "sphere":
-        constants, stations = yield from _all_at_once(mesh, measured, first, site, deep)
-    else:
-        constants, stations = yield from _piece_by_piece(mesh, measured, first, site, deep)
+    done = SCALED_ROUND if indenter.shape == "sphere" else SCALED
+    first = yield from as_share(_scaled(mesh, measured, site, AT * min(material.x0, deep)), 0.0, done)
+    find = _all_at_once if indenter.shape == "sphere" else _piece_by_piece
+    constants, stations = yield from as_share(find(mesh, measured, first, site, deep), done, 1 - done)
     if len(stations) < DEPTHS:
         depth = stations[-1].depth if stations else 0.0
         stopped = f"Deeper than {1e3 * depth:.3g} mm the simulated body finds no rest."
@@ -115,7 +116,7 @@ def _all_at_once(
     ends, begun = piece_ends(material.x0, deepest), 0.0
     slopes = np.where(ends <= material.x0, first.kappa1, max(first.kappa1, first.kappa2))
     if np.median(mesh.rest_lengths) > material.indenter.radius:
-        begun = USUAL_ROUND * len(ends) / (USUAL_ROUND * len(ends) + SWEEPS * DEPTHS)
+        begun = USUAL_ROUND * len(ends) / (USUAL_ROUND * len(ends) + SWEEPS[0] * DEPTHS)
         found, _ = yield from _found_slopes(mesh, material, first, site, ends, STEEPEST, (0.0, begun))
         slopes = np.append(found, np.full(len(ends) - len(found), found[-1]))
     return (yield from inverted(mesh, material, first, site, ends, slopes, begun))
@@ -127,11 +128,11 @@ def _piece_by_piece(
     """Find the bed's law under a flat tip, and press with it; yield the share that is done."""
     knots = _knots(material.x0, deepest)
     found: list[tuple[Floats, float]] = []  # slopes, and the force at the deepest over the measured one
-    done = 1 / (1 + USUAL * len(knots) + DEPTHS)
-    yield done
+    done = 0.0
     steepest: float | None = STEEPEST
     while steepest is not None:
-        ahead = USUAL * len(knots) / (USUAL * len(knots) + DEPTHS)  # of what is left, if nothing has to be tried again
+        tried = 2 * USUAL * len(knots)  # steps
+        ahead = tried / (tried + DEPTHS)  # of what is left, if nothing has to be tried again
         before, done = done, done + (1 - done) * ahead
         found.append((yield from _found_slopes(mesh, material, first, site, knots, steepest, (before, done))))
         again = len(found) == 1 and deepest > material.x0 and found[0][1] < 1 - NEAR
@@ -147,12 +148,14 @@ def _piece_by_piece(
     return constants, stations
 
 
-def _scaled(mesh: Mesh, material: Material, site: Site, depth: float) -> ModelConstants:
+def _scaled(mesh: Mesh, material: Material, site: Site, depth: float) -> Generator[float, None, ModelConstants]:
     """Return the closed form, scaled so that a press to a depth [m] answers the measured force on this mesh."""
     first = estimate(material, mesh.size)
     first = replace(first, tension=first.kappa1 * material.spread**2)
     session = set_up(mesh, replace(material, constants=first), material.indenter, site)
-    station = go_down(session, material.indenter, site, 0.0, depth)
+    yield 0.2
+    station = yield from as_share(going_down(session, material.indenter, site, 0.0, depth), 0.2, 0.7)
+    yield 0.9
     if not (station.found and station.force > 0):
         return first
     scale = min(max(material.law(depth) / station.force, 1 / FARTHEST), FARTHEST)
@@ -191,8 +194,11 @@ def _found_slopes(
         tried: list[tuple[float, float]] = []
         for trial in range(TRIALS):
             _set_slopes(session, model, area, slopes)
-            station = go_down(session, material.indenter, site, before, knot)
-            yield share[0] + (share[1] - share[0]) * (m + 1 - 0.5 ** (trial + 1)) / len(knots)
+            so_far, part = m + 1 - 0.5**trial, 0.5 ** (trial + 1)
+            each = (share[1] - share[0]) / len(knots)
+            steps = going_down(session, material.indenter, site, before, knot)
+            station = yield from as_share(steps, share[0] + each * so_far, each * part)
+            yield share[0] + each * (so_far + part)
             before = knot
             if not station.found:
                 return slopes[: max(m, 1)], 0.0

@@ -8,7 +8,7 @@ that it comes to rest within a few ticks at each depth.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,15 +20,15 @@ from ..body.model import Model, State, build_model, forces, initial_state
 from ..material import Indenter, Material
 from ..mesh.ray import ray_hit
 from ..mesh.surface import Mesh, base_vertices
-from ..session import Finger, Frame, Session
+from ..session import Finger, Session
+from ..steps import result_of
 
 ROWS = 60  # of a virtual press
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
-MOVING, SETTLING = 0.006, 0.01  # [s] between two depths, and of rest there
-LISTENING = 0.004  # [s] of taking the mean of a reaction
-STEADY = 2e-3  # of the force: two means no farther apart are of a body at rest under a sphere, or it is the
-LOOKS = 6  # th; what a sphere touches changes, so some depths take longer than others
+MOVING, SETTLING = 0.006, 0.014  # [s] between two depths, and of rest there under a flat tip
+LISTENING = 0.004  # [s] of taking the mean of the force on a sphere: what it touches changes, so depths differ
+STEADY, LOOKS = 2e-3, 6  # there is rest where two means are no farther apart, as a share, or after so many of them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,13 +154,24 @@ def put_back(session: Session, indenter: Indenter, site: Site) -> None:
         session.set_fingers([_finger(site, 0.0, indenter.radius)])
 
 
-def go_down(
+def go_down(session: Session, indenter: Indenter, site: Site, before: float, depth: float) -> Station:
+    """Bring a tip from one depth [m] to another, or to the same to wait for rest once more."""
+    return result_of(going_down(session, indenter, site, before, depth))
+
+
+def going_down(
     session: Session, indenter: Indenter, site: Site, before: float, depth: float, *, looks: int = LOOKS
-) -> Station:
-    """Bring a tip from one depth [m] to another, or to the same to wait for rest once more.
+) -> Generator[float, None, Station]:
+    """Go down in steps of some milliseconds each.
 
     Args:
         looks: how often the force on a sphere is looked at, at most, until it no longer changes.
+
+    Yields:
+        the share that is done, at the least.
+
+    Returns:
+        where the body rests.
     """
     model, under = session.model, _gripped(indenter, site)
     if depth != before:
@@ -171,29 +182,25 @@ def go_down(
             session.set_fingers([_finger(site, depth, indenter.radius)])
         ticks = abs(depth - before) / (FINGER_TRAVEL * indenter.radius)
         session.step(max(MOVING, 2 * ticks * session.tick))
-    if under.any():
-        frame = session.step(SETTLING + LISTENING)
-        x = session.body.positions()
-        force = -float(site.inward @ forces(model, _at(model, x))[:, under].sum(axis=1))
-    else:
-        force, frame = _reaction(session, site.inward, looks)
-        x = session.body.positions()
+        yield 1 / (1 + looks)
+    force = math.inf
+    for look in range(1, 1 + looks):
+        last, frame = force, session.step(SETTLING if under.any() else LISTENING)
+        if under.any():
+            x = session.body.positions()
+            force = -float(site.inward @ forces(model, _at(model, x))[:, under].sum(axis=1))
+            break
+        force = -float(frame.finger_forces[0] @ site.inward) if frame.finite and len(frame.finger_forces) else math.nan
+        if not abs(force - last) > STEADY * abs(force):  # or it is no number
+            break
+        if look < looks:
+            yield (1 + look) / (1 + looks)
+    x = session.body.positions()
     volume = pressure.volume(model.pressure, x) if model.pressure.fill == "none" else frame.volume
     return Station(
         depth=depth, force=force, volume_change=volume / model.mesh.volume - 1 if model.mesh.pressurable else 0.0,
         positions=x, found=frame.finite and math.isfinite(force),
     )  # fmt: skip
-
-
-def _reaction(session: Session, inward: Floats, looks: int) -> tuple[float, Frame]:
-    """Wait until the force on a sphere [N] no longer changes; return it and the last frame."""
-    force = math.inf
-    for _ in range(looks):
-        before, frame = force, session.step(LISTENING)
-        force = -float(frame.finger_forces[0] @ inward) if frame.finite and len(frame.finger_forces) else math.nan
-        if not abs(force - before) > STEADY * abs(force):  # or it is no number
-            break
-    return force, frame
 
 
 def press_rows(

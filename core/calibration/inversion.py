@@ -23,12 +23,14 @@ from ..body.model import Model, with_bed
 from ..material import Material, ModelConstants
 from ..mesh.surface import Mesh
 from ..session import Session
-from .indent import LOOKS, Site, Station, go_down, put_back, set_up
+from ..steps import as_share
+from .indent import LOOKS, Site, Station, going_down, put_back, set_up
 
 DEPTHS = 24  # of a press
-SWEEPS = 4  # presses at most,
-ROUGH = 2  # of them that wait for rest no longer than it mostly takes
-NEAR = 5e-3  # RMS of what is missed over what weighs as much: near enough
+SWEEPS, WORK = (4, 9), 5e7  # presses, from and to, and steps of vertices after which there are no more
+GOOD, GOOD_WORST = 0.01, 0.05  # RMS and largest error over full scale that need no better law
+ROUGH = 2  # presses that wait for rest no longer than it mostly takes
+USUAL_TICKS = 17  # of a depth
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
 # shares of the knee where pieces end, dense where the law must jump, and of what is left beyond it; all of them shares
 # of the deepest where no knee is reached
@@ -38,7 +40,7 @@ BEYOND = (0.06, 0.14, 0.25, 0.4, 0.6, 0.8, 1.0)
 # times the closed form's slope, whichever is more
 STEEPEST, STEEPEST_COARSE = 3.0, 2.5
 LEAST = 0.2  # of the closed form, the first slope: the body must not become too light to be pressed
-DAMPED, MORE, LESS = 0.03, 4.0, 0.5  # share of a slope that counts as much as one of full scale; times it after a press
+DAMPED, MORE, LESS = 0.03, 10.0, 0.5  # share of a slope that counts as much as one of full scale; times it next
 TINY = 1e-6  # of the closed form, any other slope: the pieces of a law are stiff enough to be told apart
 UNMOVED = 1e-3  # of the deepest: a vertex that moved less stores nothing
 ROUNDS, SETTLED = 10, 1e-9  # of the bounded least squares: steps a slope at most, and a pull that is none
@@ -82,8 +84,10 @@ def inverted(
     session = set_up(mesh, replace(material, constants=replace(first, pieces=())), material.indenter, site)
     area = session.model.matching.k1 / first.kappa1
     steepest = max(STEEPEST * _pulled(session.model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
-    for sweep in range(SWEEPS):
-        share = begun + (1 - begun) * sweep / SWEEPS, (1 - begun) / (DEPTHS * SWEEPS + 1)
+    each = len(area) * session.substeps * DEPTHS * USUAL_TICKS
+    sweeps = min(max(round(WORK / each), SWEEPS[0]), SWEEPS[1])
+    for sweep in range(sweeps):
+        share = begun + (1 - begun) * sweep / sweeps, (1 - begun) / (DEPTHS * sweeps + 1)
         looks = 1 if sweep < ROUGH else LOOKS
         found = yield from _swept(session, area, material, site, ends, np.maximum(slopes, least), looks, share)
         if sweep == ROUGH:
@@ -92,7 +96,7 @@ def inverted(
             best, damped = found, damped * (1.0 if best is None else LESS)
         else:
             damped *= MORE
-        if not best.stations or (sweep >= ROUGH and np.sqrt((best.off**2).mean()) < NEAR):
+        if not best.stations or (sweep >= ROUGH and _is_good(best, material)):
             break
         slopes = _improved(best, first.kappa1, least, steepest, damped)
     assert best
@@ -137,7 +141,8 @@ def _swept(
     weighs = np.sqrt(wanted.max() * (LIGHT * wanted.max() + wanted))
     off, stored, stations, before = wanted / weighs, [np.zeros(len(slopes))], [], 0.0
     for k, depth in enumerate(depths.tolist()):
-        station = go_down(session, material.indenter, site, before, depth, looks=looks)
+        steps = going_down(session, material.indenter, site, before, depth, looks=looks)
+        station = yield from as_share(steps, share[0] + k * share[1], share[1])
         yield share[0] + (k + 1) * share[1]
         if not station.found:
             break
@@ -147,6 +152,15 @@ def _swept(
     at = np.append(0.0, depths[: len(stations)])
     gains = np.gradient(np.array(stored), at, axis=0)[1:] if stations else np.zeros((0, len(slopes)))
     return _Sweep(slopes=slopes, stations=stations, off=off, gains=gains / weighs[: len(stations), None])
+
+
+def _is_good(sweep: _Sweep, material: Material) -> bool:
+    """Tell whether a press follows the measured law as well as is asked for."""
+    if len(sweep.stations) < DEPTHS:
+        return False
+    off = np.array([station.force - material.law(station.depth) for station in sweep.stations])
+    off /= material.law(sweep.stations[-1].depth)
+    return bool(np.sqrt((off**2).mean()) < GOOD and np.abs(off).max() < GOOD_WORST)
 
 
 def _stored(model: Model, area: Floats, ends: Floats, station: Station) -> Floats:

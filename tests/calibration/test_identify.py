@@ -102,7 +102,7 @@ def test_a_round_fingertip_rounds_the_knee_and_ends_at_the_measured_force(preset
     assert found.stopped == "" and found.depths[-1] == pytest.approx(DEEPEST[preset.name])
     assert found.simulated[-1] == pytest.approx(found.wanted[-1], rel=0.08)
     assert 0.002 < found.rms <= 0.025 and off(found).max() <= 0.08
-    assert "round tip" in found.notes[-1]
+    assert found.worst <= 1 or "round tip" in found.notes[-1]
 
 
 @pytest.mark.parametrize("tip", [FINGERTIP, WIDE], ids=["10 mm", "25 mm"])
@@ -258,18 +258,19 @@ def test_a_round_tip_is_off_by_more_than_the_just_noticeable_difference_and_it_i
     ids=["a cube", "a ball", "a fingertip", "before the knee"],
 )
 def test_the_share_that_is_done_foretells_how_much_is_left(words, tip, deepest):
-    """Each step is one rest, so the time that is left follows, within a half more or less."""
+    """Steps are about as long, so the time that is left follows, within a half; a round tip ends where it is met."""
     shares = np.array(identified(OBJECT_3, words, tip, deepest)[1])
-    assert 0 < shares[0] < 0.1 and (np.diff(shares) > 0).all() and 0.95 < shares[-1] < 1
-    foretold = np.arange(1, len(shares) + 1) / shares
+    assert 0 < shares[0] < 0.1 and (np.diff(shares) > 0).all() and 0.5 < shares[-1] < 1
+    foretold = shares[-1] * (np.arange(1, len(shares) + 1) / shares)[shares > 0.1]
     assert (foretold < 1.5 * len(shares)).all() and (foretold > len(shares) / 1.5).all()
+    assert shares[-1] > 0.95 or tip == FINGERTIP
 
 
 def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
     mesh, held = body(OBJECT_3, "cube 10")
-    material, site = OBJECT_3.material, find_site(mesh, PUNCH, held=held)
+    material, at = OBJECT_3.material, find_site(mesh, PUNCH, held=held).point
     found = found_on(OBJECT_3, "cube 10", PUNCH)
-    name = cache.key(mesh, material, PUNCH, site, 0.012)
+    name = cache.key(mesh, material, PUNCH, 0.012, at)
     assert cache.recall(tmp_path, name) is None
     cache.remember(tmp_path, name, found)
     again = cache.recall(tmp_path, name)
@@ -278,14 +279,14 @@ def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
     for array in ("depths", "wanted", "simulated"):
         assert np.array_equal(getattr(again, array), getattr(found, array))
     assert (again.rms, again.worst, again.stopped, again.notes) == (found.rms, found.worst, found.stopped, found.notes)
-    assert name == cache.key(mesh, replace(material, constants=found.material.constants), PUNCH, site, 0.012)
+    assert name == cache.key(mesh, replace(material, constants=found.material.constants), PUNCH, 0.012, at)
     moving = {"mass": None, "density": 300.0, "damping_ratio": 1.5}
     again = found_on(OBJECT_3, "cube 10", PUNCH, **moving)
     assert again.material.constants == found.material.constants
-    assert name == cache.key(mesh, replace(material, **moving), PUNCH, site, 0.012), "it is found at rest"
-    assert name != cache.key(mesh, replace(material, K1=1.0), PUNCH, site, 0.012)
-    assert name != cache.key(mesh, material, Indenter(shape="sphere"), site, 0.012)
-    assert name != cache.key(mesh, material, PUNCH, site, 0.013)
+    assert name == cache.key(mesh, replace(material, **moving), PUNCH, 0.012, at), "it is found at rest"
+    assert name != cache.key(mesh, replace(material, K1=1.0), PUNCH, 0.012, at)
+    assert name != cache.key(mesh, material, Indenter(shape="sphere"), 0.012, at)
+    assert name != cache.key(mesh, material, PUNCH, 0.013, at)
     (tmp_path / f"{name}.json").write_text('{"material": 3')
     assert cache.recall(tmp_path, name) is None
 

@@ -32,6 +32,7 @@ FLOORS = {
     "core.mesh": 1,
     "core.base": 0,
     "core.errors": 0,
+    "core.steps": 0,
     "core.material": 0,
     "core.everyday": 1,
 }

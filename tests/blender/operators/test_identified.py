@@ -255,7 +255,9 @@ def test_a_slider_that_is_dragged_drops_what_the_same_body_asked_for_before(
     read(bpy, bodies[0])
     jobs = list(endless._jobs.values())
     assert len(jobs) == 2 and jobs[0] is other and jobs[1] is not first
-    assert endless._go_on() is not None and (other.share, jobs[1].share, first.share) == (0.25, 0, 0)
+    for _ in range(3):  # the place to be pressed is found first
+        assert endless._go_on() is not None
+    assert (other.share, jobs[1].share, first.share) == (0.25, 0, 0)
 
 
 def test_what_two_bodies_ask_for_goes_on_for_the_one_that_still_does(
