@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 HEAVY = 8000  # vertices: where a larger mesh moves itself it is identified on a proxy
 PROXY = 2500  # vertices of that
+BEGUN = 1e-3  # share that is done when it is known where to press
 HOPELESS = 0.24  # of the force, at half of the depths: then the closed form is no worse
 SLICE_S, PAUSE_S = 0.012, 0.005  # of work between two events of Blender, and of leaving it alone
 
@@ -52,7 +53,8 @@ class Job:
 
 _PACKAGE = __package__.rpartition(".")[0]
 
-choosing: list[Callable[[int, Model], Proxy | None]] = []  # what chooses the proxy of an object: `planning` adds itself
+# what chooses the proxy of an object on a mesh, given how its model is built: `planning` adds itself
+choosing: list[Callable[[int, Mesh, Callable[[], Model]], Proxy | None]] = []
 revision = 0  # changes with every result of the background
 _known: dict[str, Identification | str] = {}  # or how the sentence goes on that says why there is none
 _jobs: dict[str, Job] = {}  # under way, by name
@@ -101,11 +103,11 @@ def _steps(
 ) -> Generator[float, None, Identification]:
     """Identify on what moves: the mesh, or its proxy."""
     proxy = _proxy_of(uid, mesh, material, held)
-    yield 0.0
+    yield BEGUN
     if proxy:
         mesh, held = proxy.model.mesh, proxy.model.held
     site = typical_site(mesh, material.indenter, held=held)
-    yield 0.0
+    yield BEGUN
     return (yield from identification(mesh, material, material.indenter, site, deepest))
 
 
@@ -115,11 +117,13 @@ def _proxy_of(uid: int, mesh: Mesh, material: Material, held: Bools | None) -> P
     from ..core.mesh.surface import base_vertices
     from ..core.reduction.proxy import build_proxy
 
-    materials = [material] * (int(mesh.triangle_material.max()) + 1)
-    model = build_model(mesh, materials, held=base_vertices(mesh) if held is None else held)
+    def model() -> Model:
+        materials = [material] * (int(mesh.triangle_material.max()) + 1)
+        return build_model(mesh, materials, held=base_vertices(mesh) if held is None else held)
+
     with contextlib.suppress(DimpleError):  # no proxy of it can be made: so it takes longer
-        proxy = next((choose(uid, model) for choose in choosing), None)
-        return build_proxy(model, PROXY) if proxy is None and len(mesh.rest_positions) > HEAVY else proxy
+        proxy = next((choose(uid, mesh, model) for choose in choosing), None)
+        return build_proxy(model(), PROXY) if proxy is None and len(mesh.rest_positions) > HEAVY else proxy
     return None
 
 

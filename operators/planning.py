@@ -18,6 +18,8 @@ from ..core.session import MAX_FINGERS
 from . import bridge, contact, identified
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ..core.body.model import Model
     from ..core.mesh.surface import Mesh
     from ..core.reduction.proxy import Proxy
@@ -70,13 +72,13 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
 
 
-def _to_identify(uid: int, model: Model) -> Proxy | None:
-    """Return the proxy on which the materials of an object are identified: the one that moves already."""
-    for mesh, proxy in _moving:
-        if mesh is model.mesh:
+def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Proxy | None:
+    """Return the proxy on which the materials of an object are identified: the one that moves already, if any does."""
+    for known, proxy in _moving:
+        if known is mesh:
             return proxy
     obj = bridge.find(uid)
-    return None if obj is None or contact.is_on(bpy.context.scene) else choose(bpy.context.scene, obj, model).proxy
+    return None if obj is None or contact.is_on(bpy.context.scene) else choose(bpy.context.scene, obj, model()).proxy
 
 
 identified.choosing.append(_to_identify)

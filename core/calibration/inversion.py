@@ -29,7 +29,7 @@ from .indent import LOOKS, Site, Station, going_down, put_back, set_up
 DEPTHS = 24  # of a press
 SWEEPS, WORK = (4, 9), 5e7  # presses, from and to, and steps of vertices after which there are no more
 GOOD, GOOD_WORST = 0.01, 0.05  # RMS and largest error over full scale that need no better law
-ROUGH = 2  # presses that wait for rest no longer than it mostly takes
+ROUGH, ROUGH_PART = 2, 0.5  # presses that wait for rest no longer than it mostly takes; times as long as the others
 USUAL_TICKS = 17  # of a depth
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
 # shares of the knee where pieces end, dense where the law must jump, and of what is left beyond it; all of them shares
@@ -86,10 +86,12 @@ def inverted(
     steepest = max(STEEPEST * _pulled(session.model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
     each = len(area) * session.substeps * DEPTHS * USUAL_TICKS
     sweeps = min(max(round(WORK / each), SWEEPS[0]), SWEEPS[1])
+    done = begun
     for sweep in range(sweeps):
-        share = begun + (1 - begun) * sweep / sweeps, (1 - begun) / (DEPTHS * sweeps + 1)
+        part = (1 - begun) * (ROUGH_PART if sweep < ROUGH else 1.0) / (sweeps - ROUGH * (1 - ROUGH_PART))
         looks = 1 if sweep < ROUGH else LOOKS
-        found = yield from _swept(session, area, material, site, ends, np.maximum(slopes, least), looks, share)
+        found = yield from _swept(session, area, material, site, ends, np.maximum(slopes, least), looks, (done, part))
+        done += part
         if sweep == ROUGH:
             best = None  # what is not at rest is no measure
         if best is None or found.off @ found.off < best.off @ best.off:
@@ -131,7 +133,7 @@ def _swept(
 
     Args:
         looks: how often the force is looked at, at most, until it no longer changes.
-        share: of the whole, before and by each depth.
+        share: of the whole, before and by this press.
     """
     put_back(session, material.indenter, site)
     knees, more = np.repeat(ends[:-1, None], len(area), axis=1), np.diff(slopes)[:, None] * area
@@ -140,10 +142,11 @@ def _swept(
     wanted = np.array([material.law(depth) for depth in depths.tolist()])
     weighs = np.sqrt(wanted.max() * (LIGHT * wanted.max() + wanted))
     off, stored, stations, before = wanted / weighs, [np.zeros(len(slopes))], [], 0.0
+    each = share[1] / (DEPTHS + 1)
     for k, depth in enumerate(depths.tolist()):
         steps = going_down(session, material.indenter, site, before, depth, looks=looks)
-        station = yield from as_share(steps, share[0] + k * share[1], share[1])
-        yield share[0] + (k + 1) * share[1]
+        station = yield from as_share(steps, share[0] + k * each, each)
+        yield share[0] + (k + 1) * each
         if not station.found:
             break
         off[k], before = (station.force - wanted[k]) / weighs[k], depth
