@@ -116,7 +116,7 @@ def _all_at_once(
     ends, begun = piece_ends(material.x0, deepest), 0.0
     slopes = np.where(ends <= material.x0, first.kappa1, max(first.kappa1, first.kappa2))
     if np.median(mesh.rest_lengths) > material.indenter.radius:
-        begun = USUAL_ROUND * len(ends) / (USUAL_ROUND * len(ends) + SWEEPS[0] * DEPTHS)
+        begun = USUAL_ROUND * len(ends) / (USUAL_ROUND * len(ends) + SWEEPS[1] * DEPTHS)
         found, _ = yield from _found_slopes(mesh, material, first, site, ends, STEEPEST, (0.0, begun))
         slopes = np.append(found, np.full(len(ends) - len(found), found[-1]))
     return (yield from inverted(mesh, material, first, site, ends, slopes, begun))

@@ -29,7 +29,7 @@ from .indent import LOOKS, Site, Station, going_down, put_back, set_up
 DEPTHS = 24  # of a press
 SWEEPS, WORK = (4, 9), 5e7  # presses, from and to, and steps of vertices after which there are no more
 GOOD, GOOD_WORST = 0.01, 0.05  # RMS and largest error over full scale that need no better law
-ROUGH, ROUGH_PART = 2, 0.5  # presses that wait for rest no longer than it mostly takes; times as long as the others
+ROUGH, ROUGH_PART = 2, 0.6  # presses that wait for rest no longer than it mostly takes; times as long as the others
 USUAL_TICKS = 17  # of a depth
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
 # shares of the knee where pieces end, dense where the law must jump, and of what is left beyond it; all of them shares
