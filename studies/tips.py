@@ -10,17 +10,21 @@ import json
 import statistics
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from core.base import DimpleError
+from core.body.estimate import bed_area, estimate
+from core.body.model import build_model
 from core.calibration.identify import Identification
 from core.calibration.indent import find_site
+from core.calibration.inversion import STEEPEST, STEEPEST_COARSE, pulled
 from core.material import POINT, PRESETS, Indenter, Preset
 from core.mesh.surface import Mesh
 
+from .flat_bed import least_missed
 from .reconstruct import DEEPEST
 from .scenes import ball, cube
 from .virtual_press import identify
@@ -30,6 +34,7 @@ TIPS = (
     *(Indenter(shape="sphere", radius=radius) for radius in (0.005, 0.010, 0.025)),
 )  # fmt: skip
 CUBES, BALLS = (10, 20, 41), (3, 4, 5)  # cells along an edge, subdivisions: 600, 2,400 and 10,000 vertices
+FREE = 1e9  # times the first slope: no limit
 RMS, WORST, WORST_FORCE = 0.01, 0.05, 0.15  # what a row should keep: shares of full scale, and [N]
 
 
@@ -45,6 +50,7 @@ class Row:
     end: the force at the deepest over the measured one.
     deepest: [mm].
     note: why it ends before the depth asked for.
+    why: "" or why it is not kept, in numbers.
     """
 
     body: str
@@ -57,6 +63,7 @@ class Row:
     end: float
     deepest: float
     note: str
+    why: str = ""
 
     @property
     def kept(self) -> bool:
@@ -84,7 +91,27 @@ def _row(preset: Preset, shape: str, mesh: Mesh, tip: Indenter) -> Row:
             body=f"{label} {shape}", tip=words, vertices=len(mesh.rest_positions), seconds=0.0, rms=nothing,
             worst=nothing, worst_force=nothing, end=nothing, deepest=0.0, note=str(error),
         )  # fmt: skip
-    return _of(found, f"{label} {shape}", words, mesh, time.process_time() - started)
+    row = _of(found, f"{label} {shape}", words, mesh, time.process_time() - started)
+    return row if row.kept or tip.shape != "sphere" else replace(row, why=_why(preset, mesh, tip, row.deepest / 1e3))
+
+
+def _why(preset: Preset, mesh: Mesh, tip: Indenter, deepest: float) -> str:
+    """Return why a round tip is not met: what freedom the bed's law wants, and how few vertices carry the force."""
+    material = replace(preset.material, indenter=tip, constants=None)
+    model, first = build_model(mesh, [material]), estimate(material, mesh.size)
+    steepest = max(
+        STEEPEST * pulled(model, model.matching.k1 / first.kappa1) / first.kappa1,
+        STEEPEST_COARSE * max(first.kappa2 / first.kappa1, 1.0),
+    )
+    free, limited = (100 * least_missed(material, tip, mesh.size, deepest, most) for most in (FREE, steepest))
+    _, contact = bed_area(tip, mesh.size, material.spread, min(material.x0, deepest))
+    touched = np.pi * contact**2 / float(mesh.vertex_areas.mean())
+    return (
+        f"on a flat bed without a mesh the best law misses {free:.2f} % RMS, and {limited:.2f} % with slopes up to "
+        f"{steepest:.0f} times the first, which the step allows; at the knee {touched:.1f} vertices touch the tip "
+        f"({1e3 * contact:.1f} mm of contact, {1e3 * float(np.median(mesh.rest_lengths)):.1f} mm apart), "
+        "and with each that joins the force turns"
+    )
 
 
 def _of(found: Identification, body: str, tip: str, mesh: Mesh, seconds: float) -> Row:
@@ -114,6 +141,8 @@ def run(options: argparse.Namespace) -> int:
             f"{'' if row.kept else '  *'}",
             flush=True,
         )
+        if row.why:
+            print(f"    {row.why}", flush=True)
     for size in sorted({len(str(row.vertices)) for row in found}):
         times = [row.seconds for row in found if len(str(row.vertices)) == size]
         print(f"vertices of {size} digits: median {statistics.median(times):.2f} s of processor time")

@@ -83,7 +83,7 @@ def inverted(
     best, damped, least = None, DAMPED, np.where(ends == ends[0], LEAST, TINY) * first.kappa1
     session = set_up(mesh, replace(material, constants=replace(first, pieces=())), material.indenter, site)
     area = session.model.matching.k1 / first.kappa1
-    steepest = max(STEEPEST * _pulled(session.model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
+    steepest = max(STEEPEST * pulled(session.model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
     each = len(area) * session.substeps * DEPTHS * USUAL_TICKS
     sweeps = min(max(round(WORK / each), SWEEPS[0]), SWEEPS[1])
     done = begun
@@ -175,7 +175,7 @@ def _stored(model: Model, area: Floats, ends: Floats, station: Station) -> Float
     return np.asarray(area[dent] @ (within**2 / 2 + width * np.maximum(d - ends, 0)))
 
 
-def _pulled(model: Model, area: Floats) -> float:
+def pulled(model: Model, area: Floats) -> float:
     """Return how stiff the tension makes a vertex, over its area: the median [N/m3]."""
     ends = model.matching.pairs
     stiffness = 2 * sums_at(ends.ravel(), np.repeat(model.matching.tension, 2), len(area))
