@@ -14,10 +14,14 @@ from core import native
 from core.native.body import CFrame, CMotion
 from core.native.carry import CBinding
 from core.native.definition import BodyDef, Constants
+from core.native.scene import CColliderMotion, CCrossings, ColliderDef, CSceneFrame
 
 CALLS = 4000
 BODIES = 12
-NAMES = ("create", "set_constants", "set_state", "get_state", "step", "carry")
+NAMES = ("create", "set_constants", "set_state", "get_state", "step", "carry", "scene", "scene_step", "scene_find",
+         "scene_set", "scene_get")  # fmt: skip
+SHARES = (0.25, 0.08, 0.08, 0.05, 0.2, 0.06, 0.1, 0.12, 0.02, 0.02, 0.02)
+SCENES = 6
 ROOM = 4096  # elements of every array
 WILD = np.array([0.0, -1.0, 1e-3, 1e30, -1e300, 1e-310, np.nan, np.inf, -np.inf])
 FAR = (-1, -(2**31), 2**31 - 1, 2**40, -(2**62), 2**62)
@@ -94,17 +98,84 @@ class Fuzzer:
             motion.pins_from = motion.pins_to = None
         return motion
 
+    def collider(self) -> ColliderDef:
+        """Return a random mesh that bodies meet, mostly one that is taken."""
+        made, n = ColliderDef(), int(self.rng.integers(1, 12))
+        self.fill(made, n)
+        if self.rng.random() < 0.95:
+            made.vertices, made.triangles = n, self.rng.integers(0, 12)
+        return made
+
+
+class Scenes:
+    """Scenes of living bodies: each of its bodies lives until it is freed, and is in no other one."""
+
+    def __init__(self, fuzzer: Fuzzer) -> None:
+        self.fuzzer, self.rng = fuzzer, fuzzer.rng
+        self.alive: list[tuple[ctypes.c_void_p, list[ctypes.c_void_p], int]] = []
+
+    def create(self, bodies: list[ctypes.c_void_p]) -> int:
+        """Make a scene of some bodies, which then belong to it."""
+        rng, handle = self.rng, ctypes.c_void_p()
+        some = [bodies.pop(int(rng.integers(len(bodies)))) for _ in range(min(len(bodies), int(rng.integers(1, 4))))]
+        handles = (ctypes.c_void_p * 4)(*(body.value for body in some))
+        count = int(rng.integers(0, 3)) if rng.random() < 0.98 else int(rng.choice(FAR))
+        colliders = (ColliderDef * 3)(*(self.fuzzer.collider() for _ in range(3)))
+        flags = (ctypes.c_uint8 * 4)(*rng.integers(0, 2, 4).tolist())
+        code = int(
+            native.library().dm_scene_create(ctypes.byref(handle), len(some), handles, flags, count, colliders)
+        )
+        if code:
+            bodies += some
+        else:
+            self.alive.append((handle, some, count))
+            while len(self.alive) > SCENES:
+                self.free()
+        return code
+
+    def free(self) -> None:
+        """Free the oldest scene, and then its bodies."""
+        handle, bodies, _ = self.alive.pop(0)
+        native.library().dm_scene_destroy(handle)
+        for body in bodies:
+            native.library().dm_destroy(body)
+
+    def call(self, name: str) -> int:
+        """Step a random scene, look for crossings in it, or lead a collider."""
+        rng, library, address = self.rng, native.library(), ctypes.byref
+        none = (None, [None], 1)
+        handle, bodies, count = self.alive[rng.integers(len(self.alive))] if self.alive else none
+        handle = handle if rng.random() < 0.98 else None
+        which = int(rng.integers(-1, 4))
+        if name == "scene_find":
+            return int(library.dm_scene_find_crossings(handle, address(CCrossings())))
+        if name == "scene_set":
+            return int(library.dm_scene_set_collider(handle, which, self.fuzzer.array("positions", 8)))
+        if name == "scene_get":
+            room = np.empty(ROOM)
+            return int(library.dm_scene_get_collider(handle, which, room.ctypes.data))
+        motions = (CMotion * len(bodies))(*(self.fuzzer.motion() for _ in bodies))
+        for motion in motions if rng.random() < 0.95 else ():
+            motion.ticks, motion.substeps, motion.tick = motions[0].ticks, motions[0].substeps, motions[0].tick
+        ways = (CColliderMotion * max(count, 1))()
+        for way in ways:
+            if rng.random() < 0.5:
+                way.from_, way.to = self.fuzzer.array("positions", 8), self.fuzzer.array("positions", 8)
+        frames, first, last = (CFrame * len(bodies))(), *rng.uniform(0, 1, 2).tolist()
+        return int(library.dm_scene_step(handle, motions, ways, first, last, frames, address(CSceneFrame())))
+
 
 def main(seed: int) -> None:
     named = os.environ.get("DIMPLE_LIBRARY")
     if named:
         native.use(native.load(Path(named)))
     fuzzer, library, codes = Fuzzer(seed), native.library(), dict[str, dict[int, int]]()
-    rng, bodies = fuzzer.rng, list[ctypes.c_void_p]()
+    rng, bodies, scenes = fuzzer.rng, list[ctypes.c_void_p](), Scenes(fuzzer)
     address = ctypes.byref
     for _ in range(CALLS):
-        name = str(rng.choice(NAMES, p=[0.3, 0.1, 0.1, 0.1, 0.3, 0.1]))
-        body = bodies[rng.integers(len(bodies))] if bodies and rng.random() < 0.98 else None
+        name = str(rng.choice(NAMES, p=SHARES))
+        living = bodies + [body for _, own, _ in scenes.alive for body in own]
+        body = living[rng.integers(len(living))] if living and rng.random() < 0.98 else None
         if name == "create":
             handle = ctypes.c_void_p()
             bits = int(rng.choice([32, 64, 16], p=[0.49, 0.49, 0.02]))
@@ -112,6 +183,10 @@ def main(seed: int) -> None:
             bodies += [handle] if code == 0 else []
             while len(bodies) > BODIES:
                 library.dm_destroy(bodies.pop(0))
+        elif name == "scene":
+            code = scenes.create(bodies)
+        elif name.startswith("scene_"):
+            code = scenes.call(name)
         elif name == "set_constants":
             constants = Constants()
             fuzzer.fill(constants, 8)
