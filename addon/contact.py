@@ -30,6 +30,12 @@ class ContactSettings:
     self_contact: BoolProperty(
         name="Self Contact", description="The body does not pass through itself where it folds", default=False, **FIXED
     )
+    move_apart: BoolProperty(
+        name="Move Apart",
+        description="Where the body intersects something at the start, it is moved out as a whole by the shortest way; "
+        "otherwise, and where it is pinned, that is refused",
+        default=False, **FIXED,
+    )  # fmt: skip
 
 
 class DIMPLE_PT_contact(bpy.types.Panel):
@@ -64,3 +70,6 @@ class DIMPLE_PT_contact(bpy.types.Panel):
         row = layout.row()
         row.active = settings.enabled
         row.prop(settings, "self_contact")
+        row = layout.row()
+        row.active = settings.enabled and settings.pinned == "NONE"
+        row.prop(settings, "move_apart")

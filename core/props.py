@@ -29,7 +29,7 @@ class PropWorld(World):
     """Step sessions with colliders some of which fall.
 
     Args:
-        sessions, colliders, itself, names: as for a World.
+        sessions, colliders, itself, apart, names: as for a World.
         masses: of the colliders [kg], None for one that is led.
         gravity: (3,) [m/s2].
 
@@ -47,9 +47,10 @@ class PropWorld(World):
         masses: Sequence[float | None],
         gravity: Sequence[float] = (0.0, 0.0, -9.81),
         itself: Sequence[bool] | None = None,
+        apart: Sequence[bool] | None = None,
         names: Sequence[str] = (),
     ) -> None:
-        super().__init__(sessions, colliders, itself=itself, names=names)
+        super().__init__(sessions, colliders, itself=itself, apart=apart, names=names)
         self.gravity = np.array(gravity, np.float64)
         self.props = [i for i, mass in enumerate(masses) if mass is not None]
         self.masses = {i: float(masses[i] or 0.0) for i in self.props}

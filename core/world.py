@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .apart import way_out
 from .base import DimpleError, Floats
 from .session import TICKS_AT_ONCE, Session
 from .solver.backend import create_scene
@@ -49,6 +50,7 @@ class World:
         sessions: of one tick and one backend.
         colliders: where they are now.
         itself: whether each body meets itself too.
+        apart: whether each body that nothing pins is moved out of what it intersects at the start.
         names: of the bodies, then of the colliders, for messages.
 
     Raises:
@@ -63,10 +65,12 @@ class World:
         colliders: Sequence[Collider] = (),
         *,
         itself: Sequence[bool] | None = None,
+        apart: Sequence[bool] | None = None,
         names: Sequence[str] = (),
     ) -> None:
         self.sessions, self.colliders = list(sessions), list(colliders)
         self._itself = list(itself) if itself is not None else [False] * len(self.sessions)
+        self._apart = list(apart) if apart is not None else [False] * len(self.sessions)
         self._names = [*names, *(f"{i + 1}" for i in range(len(names), len(self.sessions) + len(self.colliders)))]
         if len({(session.tick, session.backend) for session in self.sessions}) > 1:
             raise DimpleError("Bodies that meet must be stepped by the same backend, with the same tick.")
@@ -74,6 +78,7 @@ class World:
         self._ends: list[Floats | None] = [None] * len(self.colliders)
         self.meeting = Meeting()
         self._make()
+        self._move_apart()
         self.check()
 
     def check(self) -> None:
@@ -147,6 +152,30 @@ class World:
         self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
         self._ends, self.meeting = [None] * len(self.colliders), Meeting()
         self._place()
+        self._move_apart()
+
+    def _move_apart(self) -> None:
+        """Move bodies out of what they intersect, each as a whole by the shortest way, where that is wanted."""
+        for _ in range(4 * len(self.sessions) + 4):
+            found = self._scene.crossings()
+            pair = [i for i in found.surfaces if i < len(self.sessions)]
+            may = [i for i in pair if self._apart[i] and self.sessions[i].model.free]
+            ways = [(self._way_out(i, [other for other in pair if other != i]), i) for i in may if found.pairs]
+            lengths = [np.inf if way is None else float(np.linalg.norm(way)) for way, _ in ways]
+            if found.surfaces[0] == found.surfaces[1] or min(lengths, default=np.inf) == np.inf:
+                return
+            way, i = ways[int(np.argmin(lengths))]
+            body = self._bodies[i]
+            assert way is not None
+            body.set_state(body.positions() + way[:, None], body.velocities())
+
+    def _way_out(self, index: int, others: Sequence[int]) -> Floats | None:
+        """Return the shortest way (3,) [m] of a body out of some other bodies and all colliders, None without one."""
+        body, bodies = self._bodies[index], [self._bodies[i] for i in others]
+        at = [Collider(other.positions(), other.model.mesh.triangles) for other in bodies]
+        at += [c._replace(positions=x) for c, x in zip(self.colliders, self._at, strict=True)]
+        triangles = body.model.mesh.triangles
+        return way_out(body, body.positions().T, triangles, at, backend=self.sessions[0].backend)
 
     def _make(self) -> None:
         """Make what steps, of the bodies that the sessions have now."""

@@ -67,11 +67,13 @@ def worlds_of(
     found = []
     for scale, uids in _groups(bodies).items():
         itself = [bool(bodies[uid][0].dimple.self_contact) for uid in uids]
+        apart = [bool(bodies[uid][0].dimple.move_apart) for uid in uids]
         if not colliders and not any(itself) and len(uids) < 2:
             continue
-        key = (scale, tuple(uids), tuple(itself), tuple(frictions), tuple(id(bodies[uid][1]) for uid in uids))
+        sessions = tuple(id(bodies[uid][1]) for uid in uids)
+        key = (scale, tuple(uids), tuple(itself), tuple(apart), tuple(frictions), sessions)
         same = next((world for world in before if world.key == key), None)
-        found.append(same or _make(context, key, scale, [bodies[uid] for uid in uids], colliders, itself))
+        found.append(same or _make(context, key, scale, [bodies[uid] for uid in uids], colliders, itself, apart))
     return found
 
 
@@ -126,6 +128,7 @@ def _make(
     bodies: Sequence[tuple[bpy.types.Object, Session, float]],
     colliders: Sequence[bpy.types.Object],
     itself: Sequence[bool],
+    apart: Sequence[bool],
 ) -> LiveWorld:
     from ..core.props import PropWorld
     from ..core.world import Collider, World
@@ -146,10 +149,10 @@ def _make(
     if falling:
         world: World = PropWorld(
             running, made, masses=[_mass_of(obj) for obj in colliders], gravity=bridge.gravity(context.scene),
-            itself=itself, names=names,
+            itself=itself, apart=apart, names=names,
         )  # fmt: skip
     else:
-        world = World(running, made, itself=itself, names=names)
+        world = World(running, made, itself=itself, apart=apart, names=names)
     uids = tuple(obj.session_uid for obj, _, _ in bodies)
     names = [obj.name for obj in colliders]
     return LiveWorld(key=key, uids=uids, scale=scale, colliders=tuple(names), props=falling, world=world)

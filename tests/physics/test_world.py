@@ -138,3 +138,35 @@ def test_bodies_pressed_together_keep_the_distance_at_which_they_touch_and_are_s
     assert pairs.gap[faces_of].min() > 0.9 * touch
     assert np.abs(x - before).max() < 5e-5
     assert world.meeting.truncated == 0 and world.meeting.queries == 0
+
+
+@pytest.mark.parametrize("backend", ["native", "numpy"])
+def test_a_body_that_is_to_be_moved_apart_starts_just_clear_and_has_no_speed_from_it(backend: str) -> None:
+    bodies = [session((0, 0, 0.03), level=1, backend=backend), session((0.03, 0, 0.1), level=1, backend=backend)]
+    world = World(bodies, [table()], apart=[True, True])
+    world.check()
+    shifts = [body.body.positions() - body.model.mesh.rest_positions.T for body in bodies]
+    assert all(np.ptp(shift, axis=1).max() < 1e-6 for shift in shifts), "as a whole"
+    lowest = bodies[0].body.positions()[2].min()
+    assert 0 < lowest < 0.006
+    assert all(np.linalg.norm(shift.mean(axis=1)) < 0.6 * RADIUS for shift in shifts)
+    assert all(not body.body.velocities().any() for body in bodies)
+    world.step(1e-3)
+    assert world.meeting.truncated == 0
+    world.reset()
+    world.check()
+
+
+def test_what_is_pinned_or_passes_through_itself_is_refused_though_it_is_to_be_moved_apart() -> None:
+    points, faces = ball(2, RADIUS)
+    mesh = mesh_from_triangles(points + (0, 0, 0.03), faces)
+    pinned = Session(build_model(mesh, [SOFT], held=points[:, 2] > 0.02))
+    with pytest.raises(DimpleError, match="intersect"):
+        World([pinned], [table()], apart=[True])
+
+
+def test_a_body_inside_a_closed_collider_is_moved_out_of_it() -> None:
+    points, faces = ball(2, 3 * RADIUS)
+    body = session((0, 0, 2.2 * RADIUS))
+    World([body], [Collider(points.T.copy(), faces)], apart=[True])
+    assert np.linalg.norm(body.body.positions(), axis=0).min() > 2.9 * RADIUS

@@ -83,6 +83,21 @@ def test_what_intersects_at_the_start_is_refused_and_nothing_is_changed(
     assert coordinates(obj) == before
 
 
+def test_a_body_that_is_to_be_moved_apart_plays_where_it_would_be_refused(
+    bpy: ModuleType, scene: Any, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes]
+) -> None:
+    obj, cube = pushed()
+    cube.animation_data_clear()
+    cube.location = (0, 0, 1.9)
+    obj.dimple.pinned, obj.dimple.move_apart = "NONE", True
+    before = coordinates(obj)
+    assert bpy.ops.dimple.play(seconds=0.1) == {"FINISHED"}
+    shown = np.frombuffer(coordinates(obj), np.float32).reshape(-1, 3)
+    assert shown[:, 2].max() < 0.91
+    bpy.ops.dimple.reset()
+    assert coordinates(obj) == before
+
+
 def test_two_bodies_press_each_other_flat_where_they_meet(
     bpy: ModuleType, scene: Any, ball: Add, add: Add, coordinates: Callable[[Any], bytes]
 ) -> None:
