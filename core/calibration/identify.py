@@ -20,7 +20,7 @@ from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
 from ..session import Session
 from ..steps import as_share
-from .indent import CLEAR, Site, Station, going_down, press, set_up
+from .indent import CLEAR, Site, Station, going_down, set_up
 from .inversion import DEPTHS, SWEEPS, bed_in_pieces, inverted, piece_ends
 
 AT = 0.6  # of the knee: where the closed form is scaled to the measured force; a round tip makes it start too softly
@@ -131,7 +131,7 @@ def _piece_by_piece(
     done = 0.0
     steepest: float | None = STEEPEST
     while steepest is not None:
-        tried = 2 * USUAL * len(knots)  # steps
+        tried = USUAL * len(knots)
         ahead = tried / (tried + DEPTHS)  # of what is left, if nothing has to be tried again
         before, done = done, done + (1 - done) * ahead
         found.append((yield from _found_slopes(mesh, material, first, site, knots, steepest, (before, done))))
@@ -139,12 +139,16 @@ def _piece_by_piece(
         steepest = STEEPER if again else None
     constants = bed_in_pieces(first, knots, min(found, key=lambda each: abs(each[1] - 1))[0])
     stations: list[Station] = []
-    depths = deepest * np.arange(1, DEPTHS + 1) / DEPTHS
-    for station in press(mesh, replace(material, constants=constants), material.indenter, site, depths.tolist()):
+    session, before = set_up(mesh, replace(material, constants=constants), material.indenter, site), 0.0
+    each = (1 - done) / (DEPTHS + 1)
+    for k, depth in enumerate((deepest * np.arange(1, DEPTHS + 1) / DEPTHS).tolist()):
+        yield done + k * each
+        steps = going_down(session, material.indenter, site, before, depth)
+        station = yield from as_share(steps, done + k * each, each)
         if not station.found:
             break
         stations.append(station)
-        yield done + (1 - done) * len(stations) / (DEPTHS + 1)
+        before = depth
     return constants, stations
 
 

@@ -263,7 +263,7 @@ def test_the_share_that_is_done_foretells_how_much_is_left(words, tip, deepest):
     assert 0 < shares[0] < 0.1 and (np.diff(shares) > 0).all() and 0.3 < shares[-1] < 1
     foretold = shares[-1] * (np.arange(1, len(shares) + 1) / shares)[shares > 0.1]
     assert (foretold < 1.5 * len(shares)).all() and (foretold > len(shares) / 1.5).all()
-    assert shares[-1] > 0.95 or tip == FINGERTIP
+    assert shares[-1] > 0.9 or tip == FINGERTIP
 
 
 def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
