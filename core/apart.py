@@ -43,23 +43,23 @@ def way_out(body: Body, x: Floats, triangles: Ints, others: Sequence[Collider], 
     margin = MARGIN * float(np.linalg.norm(x[triangles[:, 0]] - x[triangles[:, 1]], axis=1).mean())
     best, least = None, FARTHEST * size
     for direction in directions:
-        length = _length(lambda t, d=direction: is_clear(t * d), size / STEPS, least)
+        length = _length(is_clear, direction, size / STEPS, least)
         if length is not None and length < least:
             least = length
             best = (length + margin if is_clear((length + margin) * direction) else length) * direction
     return best
 
 
-def _length(is_clear: Callable[[float], bool], first: float, most: float) -> float | None:
-    """Return how far it is to where it is clear, None where that is farther than `most`."""
+def _length(is_clear: Callable[[Floats], bool], direction: Floats, first: float, most: float) -> float | None:
+    """Return how far it is in a direction to where it is clear, None where that is farther than `most`."""
     low, high = 0.0, first
-    while not is_clear(high):
+    while not is_clear(high * direction):
         if high >= most:
             return None
         low, high = high, min(2 * high, most)
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        low, high = (low, middle) if is_clear(middle) else (middle, high)
+        low, high = (low, middle) if is_clear(middle * direction) else (middle, high)
     return high
 
 

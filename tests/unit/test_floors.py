@@ -18,6 +18,7 @@ FLOORS = {
     "core.haptics": 4,
     "core.session": 3,
     "core.world": 3,
+    "core.apart": 3,
     "core.poke": 3,
     "core.fingertip": 3,
     "core.fields": 4,
