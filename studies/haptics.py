@@ -222,19 +222,23 @@ def _holding(
     depths, pushes, errors = [], [], []
     for begin in _holds(cycles):
         during = (time > begin + SETTLE) & (time < begin + HOLD)
+        if not during.any():
+            break  # the device was lost
         depths.append(-np.median(places[during, 2]))
         pushes.append(np.median(forces[during, 2]))
         errors.append(forces[during, 2] - np.array([law(-z) for z in places[during, 2]]))
+    if len(depths) < 2:
+        raise DimpleError("The device was lost before it had pressed: this computer is too busy.")
     return float(np.polyfit(depths, pushes, 1)[0]), np.concatenate(errors)
 
 
 def shake(cycles: int, time: Floats, places: Floats) -> float:
     """Return the farthest that a fingertip moves to and fro [m] in the later half of a hold, where it has settled."""
-    spans = []
+    spans = [0.0]
     for begin in _holds(cycles):
         during = (time > begin + HOLD / 2) & (time < begin + HOLD)
-        spans.append(np.ptp(places[during], axis=0).max())
-    return float(max(spans))
+        spans.append(float(np.ptp(places[during], axis=0).max()) if during.any() else 0.0)
+    return max(spans)
 
 
 def static_errors(record: PressRecord, time: Floats, offset: float, forces: Floats) -> Floats:

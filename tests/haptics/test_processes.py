@@ -24,7 +24,7 @@ from core.haptics.servo_messages import LinkState, ServoReport
 from core.haptics.vectors import length
 from studies import haptics
 from tests.haptics.machine import NEEDS_PTY, unable
-from tests.haptics.pressing import Rig, drive, gone, press, pressed, ready, rig
+from tests.haptics.pressing import Rig, WithModel, drive, gone, press, pressed, ready, rig
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS
 from tools.environment import ROOT
 
@@ -59,10 +59,14 @@ def needs_a_new_arm(port: str) -> bool:
         device.close()
 
 
-def test_blender_is_killed(emulator: Rig) -> None:
+WHAT = {"wall": HapticMaster, "model": WithModel}
+
+
+@pytest.mark.parametrize("what", WHAT)
+def test_blender_is_killed(emulator: Rig, what: str) -> None:
     """Its pipe closes: the servo tells the device to let go, and ends."""
     blender = subprocess.Popen(
-        [sys.executable, "-m", "tests.haptics.pressing", emulator.port],
+        [sys.executable, "-m", "tests.haptics.pressing", emulator.port, what],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT,
     )  # fmt: skip
     assert blender.stdout and blender.stderr
@@ -78,9 +82,10 @@ def test_blender_is_killed(emulator: Rig) -> None:
     assert emulator.force_left() == 0.0
 
 
-def test_the_servo_is_killed(emulator: Rig) -> None:
+@pytest.mark.parametrize("what", WHAT)
+def test_the_servo_is_killed(emulator: Rig, what: str) -> None:
     """The device lets go by itself and latches the fault; Blender reads on and reports it."""
-    device = HapticMaster(emulator.port)
+    device = WHAT[what](emulator.port)
     press(device)
     assert device.process
     device.process.send_signal(signal.SIGKILL)
@@ -93,9 +98,10 @@ def test_the_servo_is_killed(emulator: Rig) -> None:
     assert emulator.force_left() < NOISE
 
 
-def test_the_servo_hangs(emulator: Rig) -> None:
+@pytest.mark.parametrize("what", WHAT)
+def test_the_servo_hangs(emulator: Rig, what: str) -> None:
     """The device lets go by itself; Blender reports it, and ends the servo."""
-    device = HapticMaster(emulator.port)
+    device = WHAT[what](emulator.port)
     press(device)
     assert device.process
     pid = device.process.pid
@@ -119,11 +125,12 @@ def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
     device.close()
 
 
+@pytest.mark.parametrize("what", WHAT)
 @pytest.mark.parametrize("how", ["killed", "unplugged"])
-def test_the_device_goes_away(tmp_path: Path, how: str) -> None:
+def test_the_device_goes_away(tmp_path: Path, how: str, what: str) -> None:
     """The servo reports the loss and ends; another device is started at the same path and found, unarmed."""
     made = rig(tmp_path)
-    device = HapticMaster(made.port)
+    device = WHAT[what](made.port)
     press(device)
     assert device.process
     pid = device.process.pid

@@ -12,12 +12,12 @@ PRESSED = 0.3  # [N]
 TAB = "Device"
 
 
-def open_panel() -> type:
-    """Draw the device's panel once more, open, in a tab of its own; who was drawn closed stays so."""
-    panel = bpy.types.DIMPLE_PT_device
+def open_panel(name: str = "DIMPLE_PT_device", tab: str = TAB) -> type:
+    """Draw a panel once more, open, in a tab of its own; who was drawn closed stays so."""
+    panel = getattr(bpy.types, name)
     place = {name: getattr(panel, name) for name in ("bl_space_type", "bl_region_type")}
-    shown = {"bl_label": f"{panel.bl_label} (open)", "bl_category": TAB, "draw": panel.draw}
-    made = type("DIMPLE_PT_device_open", (bpy.types.Panel,), {**place, **shown})
+    shown = {"bl_label": f"{panel.bl_label} (open)", "bl_category": tab, "draw": panel.draw}
+    made = type(f"{name}_open", (bpy.types.Panel,), {**place, **shown})
     bpy.utils.register_class(made)
     return made
 

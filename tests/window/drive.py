@@ -18,6 +18,7 @@ import calibrating
 import comparing
 import device
 import exporting
+import judging
 import robot
 import tuning
 
@@ -169,6 +170,7 @@ def play() -> robot.Waits:
     yield from comparing.compare_proxies(at, BODY, OUT, check)
     yield from calibrating.calibrate(at, BODY, OUT, check)
     yield from device.feel(BODY, (0.0, 0.0, 1.2), OUT, check)
+    yield from judging.judge(BODY, OUT, check)
     yield from exporting.export(at, BODY, OUT, check)
     yield from show_panels()
     yield from in_japanese()
