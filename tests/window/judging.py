@@ -16,7 +16,10 @@ FILE = Path("/tmp/window-experiment.json")
 PLAN = {
     "name": "window", "seed": 1,
     "tasks": [
-        {"kind": "comparison", "condition": "seen", "object": "Object 2", "levels": [1.5], "repeats": 1},
+        {
+            "kind": "comparison", "condition": "seen", "object": "Object 2", "repeats": 1,
+            "method": "staircase", "start": 1.5,
+        },
         {"kind": "rating", "condition": "felt", "object": "Object 2", "repeats": 1},
     ],
 }  # fmt: skip
