@@ -17,10 +17,10 @@ PLAN = {
     "name": "window", "seed": 1,
     "tasks": [
         {
-            "kind": "comparison", "condition": "seen", "object": "Object 2", "repeats": 1,
+            "kind": "comparison", "condition": "seen", "object": "object_2_vinyl_air", "repeats": 1,
             "method": "staircase", "start": 1.5,
         },
-        {"kind": "rating", "condition": "felt", "object": "Object 2", "repeats": 1},
+        {"kind": "rating", "condition": "felt", "object": "object_2_vinyl_air", "repeats": 1},
     ],
 }  # fmt: skip
 
@@ -47,7 +47,7 @@ def judge(body: str, out: Path, check: Callable[..., None]) -> robot.Waits:
         yield from press("bpy.ops.dimple.answer_trial(choice=2)")
         yield from robot.until(lambda before=trial: experiment.trial() != before, "the answer is taken", 30)
     yield from device.photograph(out / "19-answered.png")
-    rows = [line for path in FILE.parent.glob(f"{FILE.stem}*P1.csv") for line in path.read_text().splitlines()]
+    rows = FILE.with_name(f"{FILE.stem}_P1_answers.csv").read_text().splitlines()
     check("both answers are in the file", len(rows) == 1 + len(PLAN["tasks"]), "; ".join(rows[1:]))
     yield from press("bpy.ops.dimple.stop_experiment()")
     mine = bpy.data.objects[body].active_material
@@ -60,7 +60,7 @@ def judge(body: str, out: Path, check: Callable[..., None]) -> robot.Waits:
 def see(body: str, rest: np.ndarray, out: Path, check: Callable[..., None]) -> robot.Waits:
     """Present both intervals: each is pressed and let go by itself."""
     for interval in (1, 2):
-        yield from press("bpy.ops.dimple.show_trial()" if interval == 1 else "bpy.ops.dimple.show_trial(interval=2)")
+        yield from press(f"bpy.ops.dimple.show_trial(interval={interval})")
         dented = 0.0
 
         def moved() -> float:
@@ -77,7 +77,7 @@ def see(body: str, rest: np.ndarray, out: Path, check: Callable[..., None]) -> r
 
 def feel(body: str, out: Path, check: Callable[..., None]) -> robot.Waits:
     """Present an object to be felt: it waits for the device, until Esc."""
-    yield from press("bpy.ops.dimple.show_trial()")
+    yield from press("bpy.ops.dimple.show_trial(interval=1)")
     running = "DIMPLE_OT_show_trial" in robot.modal_operators()
     yield from device.photograph(out / "18-felt.png")
     yield from robot.key("ESC", *robot.on_screen((0.0, 0.0, 0.0)))

@@ -27,8 +27,9 @@ def soft(bpy: ModuleType, add: Callable[..., Any]) -> Any:
     return body
 
 
-def pressed(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> tuple[Any, Any]:
-    """Return a body that runs beside the device, and its session; its fingertips press."""
+def pressed(bpy: ModuleType, port: Any, add: Callable[..., Any], radius_mm: float = 15.0) -> tuple[Any, Any]:
+    """Return a body that runs beside the device, and its session; its fingertips press: wide ones, for few vertices."""
+    bpy.context.scene.dimple.finger_radius_mm = radius_mm
     body = soft(bpy, add)
     connect(bpy, port.path)
     entry = run(bpy, body, plays=True)
@@ -41,7 +42,7 @@ def test_the_hand_gets_the_force_of_the_body_that_blender_shows(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
     """All three rest, so near each other that they share a dent: each gets less than its law of 200 N/m alone."""
-    body, entry = pressed(bpy, port, add)
+    _, entry = pressed(bpy, port, add, radius_mm=10.0)
 
     def rests(report: Any) -> bool:
         forces, depths = entry.frame.finger_forces, entry.frame.depths
