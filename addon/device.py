@@ -7,6 +7,7 @@ from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
 
 from ..operators import haptic
 from ..operators.names import Op
+from ..operators.under_way import is_blind
 from .drawing import SidebarPanel, draw_notes, draw_rows
 from .readout import iface_
 from .translations import CONTEXT
@@ -72,8 +73,8 @@ class DIMPLE_PT_device(SidebarPanel, bpy.types.Panel):
         if connection is None:
             return
         body = context.object
-        material = body.active_material.dimple if body and body.active_material else None
-        draw_rows(layout, rows(connection.report, material))
+        material = body.active_material.dimple if body and body.active_material and not is_blind() else None
+        draw_rows(layout, rows(connection.report, material)[: 1 if is_blind() else None])
         draw_notes(context, layout, notes(connection.report, material))
         if connection.report.note:
             draw_notes(context, layout, [connection.report.note], "ERROR")

@@ -12,6 +12,7 @@ import bpy
 from ..operators import calibration
 from ..operators.messages import wrapped
 from ..operators.sessions import sessions
+from ..operators.under_way import is_blind
 from . import dent, readout, room, shapes
 from .readout import iface_
 from .room import Room
@@ -93,6 +94,8 @@ def draw_bodies() -> None:
 def draw_numbers() -> None:
     """Draw the read-out and the chart of each session on top of the picture (POST_PIXEL)."""
     context = bpy.context
+    if is_blind():
+        return
     shown = shown_bodies(context)
     calibrated = None if shown else calibrated_curves(context)
     if calibrated and not overlays_shown(context):
@@ -126,11 +129,12 @@ def fits(free: Room, scale: float, lines: int) -> bool:
 
 
 def draw_fingers(entry: Any, screen: Screen) -> None:
-    """Draw each fingertip that is down, and the force on it."""
+    """Draw each fingertip that is down, and the force on it where that may be known."""
     for finger, force in _fingers(entry):
         centre, radius = _in_scene(entry, finger)
         draw_lines(shapes.sphere(centre, radius), FINGERTIP, screen)
-        draw_lines(shapes.arrow(centre, force, radius), FORCE, screen)
+        if not is_blind():
+            draw_lines(shapes.arrow(centre, force, radius), FORCE, screen)
 
 
 def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, numbers: bool = True) -> float:

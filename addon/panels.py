@@ -8,6 +8,7 @@ import bpy
 from ..operators import twins
 from ..operators.names import MAPS, Op
 from ..operators.sessions import identifying, sessions
+from ..operators.under_way import is_blind
 from . import calibration, device, experiment, readout
 from .contact import DIMPLE_PT_contact
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
@@ -145,6 +146,11 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
 
     bl_label = "Measured"
     bl_parent_id = "DIMPLE_PT_session"
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Leave a participant's own judgement alone."""
+        return not is_blind()
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the numbers with units, then the notes."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
 
+from ..operators.under_way import is_blind
 from . import colour_map, overlay, profile_chart, shapes
 from .overlay import BACK, LINE_HEIGHT, MARGIN, TEXT, Screen
 from .readout import iface_
@@ -43,6 +44,8 @@ _handlers: list[object] = []
 
 def draw_surfaces() -> None:
     """Draw colours and shapes at rest in the scene (POST_VIEW)."""
+    if is_blind():
+        return
     context = bpy.context
     settings, shown = context.scene.dimple, overlay.shown_bodies(context)
     if not shown:
@@ -60,6 +63,8 @@ def draw_surfaces() -> None:
 
 def draw_scales() -> None:
     """Draw the scale of the colours and the profile of a dent on top of the picture (POST_PIXEL)."""
+    if is_blind():
+        return
     context = bpy.context
     settings, shown = context.scene.dimple, overlay.shown_bodies(context)
     if not shown or (settings.show_field == "NONE" and not settings.show_profile):

@@ -48,6 +48,11 @@ def get() -> UnderWay | None:
     return experiments[0] if experiments else None
 
 
+def is_blind() -> bool:
+    """Tell whether a participant judges: no number and no chart may show how stiff the object is."""
+    return bool(experiments) and experiments[0].agreed
+
+
 def trial() -> Trial | None:
     """Return the trial that is next."""
     return experiments[0].experiment.next() if experiments else None

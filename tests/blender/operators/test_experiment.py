@@ -84,3 +84,25 @@ def test_a_file_that_is_no_experiment_is_refused_in_words(bpy: ModuleType, plan:
     plan.write_text(text)
     with pytest.raises(RuntimeError, match="experiment|Task 1|preset"):
         bpy.ops.dimple.open_experiment(filepath=str(plan))
+
+
+def test_a_participant_sees_no_number_and_no_chart(
+    bpy: ModuleType, plan: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Force against depth is drawn over what plays, and would tell which is the stiffer."""
+    from bl_ext.user_default.dimple.addon import overlay
+    from bl_ext.user_default.dimple.operators import under_way
+
+    ops, looked = bpy.ops.dimple, []
+    monkeypatch.setattr(overlay, "shown_bodies", lambda context: looked.append(context) or [])
+    monkeypatch.setattr(overlay, "calibrated_curves", lambda _: None)
+    assert ops.open_experiment(filepath=str(plan), participant="8") == {"FINISHED"}
+    overlay.draw_numbers()
+    assert looked and bpy.types.DIMPLE_PT_readout.poll(bpy.context), "the experimenter may look"
+    looked.clear()
+    assert ops.agree_experiment() == {"FINISHED"} and under_way.is_blind()
+    overlay.draw_numbers()
+    assert not looked and not bpy.types.DIMPLE_PT_readout.poll(bpy.context)
+    assert ops.stop_experiment() == {"FINISHED"}
+    overlay.draw_numbers()
+    assert looked and bpy.types.DIMPLE_PT_readout.poll(bpy.context)
