@@ -110,7 +110,7 @@ def _why(preset: Preset, mesh: Mesh, tip: Indenter, deepest: float) -> str:
         f"on a flat bed without a mesh the best law misses {free:.2f} % RMS, and {limited:.2f} % with slopes up to "
         f"{steepest:.0f} times the first, which the step allows; at the knee {touched:.1f} vertices touch the tip "
         f"({1e3 * contact:.1f} mm of contact, {1e3 * float(np.median(mesh.rest_lengths)):.1f} mm apart), "
-        "and with each that joins the force turns"
+        f"and with each that joins the force turns; pressed to {100 * deepest / mesh.size:.0f} % of the size"
     )
 
 

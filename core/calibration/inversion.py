@@ -27,7 +27,7 @@ from ..steps import as_share
 from .indent import LOOKS, Site, Station, going_down, put_back, set_up
 
 DEPTHS = 24  # of a press
-SWEEPS, WORK = (4, 9), 5e7  # presses, from and to, and steps of vertices after which there are no more
+SWEEPS, WORK = (5, 9), 6e7  # presses, from and to, and steps of vertices after which there are no more
 GOOD, GOOD_WORST = 0.01, 0.05  # RMS and largest error over full scale that need no better law
 ROUGH, ROUGH_PART = 2, 0.6  # presses that wait for rest no longer than it mostly takes; times as long as the others
 USUAL_TICKS = 17  # of a depth
