@@ -12,10 +12,10 @@ fingertip: where its corners lie on the sphere, its middle would lie deeper by t
     s = (|e_12|^2 + |e_23|^2 + |e_31|^2) / 18 R
 
 with edges e. So one that is small beside the fingertip (s < R / 8) is kept out by its corners alone: to push at its
-middle too would be to ask for twice what there is to move, and the surplus shows as side force and creep. A larger one
-meets a sphere smaller by R / 4 - s, and a vertex the whole sphere. (One sphere for all of a facet, or a contact that slides on it would gain energy.)
-Where several faces share a vertex, each moves its
-share of the vertex's mass (Tonge's mass splitting), so that the result does not depend on an order.
+middle too would be to ask for twice what there is to move, and the surplus shows as side force and creep. A larger
+one meets a sphere smaller by R / 4 - s, and a vertex the whole sphere. (One sphere for all of a facet, or a contact
+that slides on it would gain energy.) Where several faces share a vertex, each moves its share of the vertex's mass
+(Tonge's mass splitting), so that the result does not depend on an order.
 """
 
 from __future__ import annotations
