@@ -12,7 +12,7 @@ from .session import Session
 
 def energies(session: Session) -> tuple[float, float]:
     """Return the energy [J] of a body's shape (springs, fill, shape matching) and that of its motion."""
-    model, x, v = session.body.model, session.body.positions(), session.body.velocities()
+    model, x, v = session.bent_model(), session.body.positions(), session.body.velocities()
     return stored(model, x, None if model.free else pose_now(model, x)), float((v * v).sum(axis=0) @ model.mass) / 2
 
 

@@ -27,7 +27,7 @@ def field(session: Session, name: str) -> Floats:
     if name == "depth":
         return depth(session) * 1e3
     if name == "stretch":
-        return 100 * stretch(session.model.mesh, session.skin())
+        return 100 * stretch((session.model if session.proxy else session.bent_model()).mesh, session.skin())
     of_material = [material.K1 if name == "slope" else material.x0 for material in session.model.materials]
     mean, maps = _mean_of_materials(session.model.mesh, np.array(of_material)), session.model.maps
     if name == "slope":
@@ -37,8 +37,9 @@ def field(session: Session, name: str) -> Floats:
 
 def at_rest(session: Session) -> Floats:
     """Return the shape at rest (n, 3) [m] where it is now: it follows the pins, or a body that is free."""
-    rotation, translation = pose_now(session.body.model, session.body.positions())
-    rest: Floats = session.model.mesh.rest_positions @ rotation.T + translation
+    moves = session.bent_model()
+    rotation, translation = pose_now(moves, session.body.positions())
+    rest: Floats = (session.model if session.proxy else moves).mesh.rest_positions @ rotation.T + translation
     return rest
 
 
@@ -111,6 +112,8 @@ def pose_now(model: Model, x: Floats) -> Pose:
     """Return where the shape at rest is for positions (3, n) [m] of a model."""
     if model.free:
         return pose_of(model.matching, x, None)
+    if model.rigged:
+        return np.eye(3), np.zeros(3)
     held = np.flatnonzero(model.held & ~model.mesh.loose)
     return fit_pose(model.matching.rest[:, held], x[:, held], np.ones(len(held)))
 

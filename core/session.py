@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
+from .body.moved_rest import with_rest
 from .fingertip import Finger as Finger
 from .fingertip import FingerOnItsWay, along, between, sent
 from .mesh.depth import Touching
@@ -269,6 +270,10 @@ class Session:
         cost = time.perf_counter() - way.started
         self.frame = self._show(forces if not way.note else forces[:0], way.done, cost, way.note)
         return self.frame
+
+    def bent_model(self) -> Model:
+        """Return the model that moves, with the shape at rest that a rig has given it."""
+        return self._moves if self._bent is None else with_rest(self._moves, self._bent)
 
     @property
     def moved(self) -> bool:

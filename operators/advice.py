@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from . import stack
 from .messages import Note
 
 if TYPE_CHECKING:
@@ -22,9 +23,12 @@ def on_body(
 ) -> tuple[str, ...]:
     """Return sentences of advice on a body: modifiers, its size, and the edges of its mesh."""
     notes, size = [], mesh.size
-    moving = [modifier.name for modifier in body.modifiers if modifier.type in _MOVING and modifier.show_viewport]
+    after = body.modifiers[stack.place_in_stack(body) :]
+    moving = [modifier.name for modifier in after if modifier.type in _MOVING and modifier.show_viewport]
     if moving:
         notes.append(f'The modifier "{moving[0]}" moves the surface after the press: aim at the mesh before it.')
+    if stack.is_carried(body):
+        notes.append(Note("A rig holds it: its shape at rest goes where that goes."))
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
     if refined:
         notes.append(Note(

@@ -23,11 +23,14 @@ from . import (
     bridge_write,
     contact,
     live,
+    offset,
     output,
     planning,
     props,
     recorder,
+    rest_shape,
     shape_keys,
+    stack,
     timeline,
     tuning,
     work_folder,
@@ -46,18 +49,19 @@ class Baked:
     link: the object at rest.
     session: what moves it.
     settings: what it has of the panels, which may be keyframed.
-    matrix: (4, 4) of the object when it was last stepped.
+    matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
     path: where the PC2 file goes.
     part: where it is until it is whole.
     cache: the PC2 file under way, None for shape keys.
     table: the table of forces under way.
-    shapes: frame and coordinates (N, 3) of each shape key.
+    shapes: frame and offsets (N, 3) of each shape key from the shape at rest of that frame.
     """
 
     link: ObjectLink
     session: Session
     settings: Settings
     matrix: np.ndarray
+    rest: Singles
     path: Path
     part: Path
     cache: PointCache | None
@@ -150,7 +154,23 @@ def _check(plan: BakePlan) -> None:
         if obj.library:
             raise DimpleError(f'"{obj.name}" is linked from another file. Make it local first: Object > Relations.')
         if plan.target == "SHAPE_KEYS":
-            bridge.check_writable(obj)
+            _check_keys(obj)
+
+
+def _check_keys(obj: bpy.types.Object) -> None:
+    """Raise a DimpleError when an object cannot have the shape keys of a bake."""
+    keys = obj.data.shape_keys
+    if obj.data.library:
+        raise DimpleError(f'"{obj.name}" has a mesh of another file. Make it local first: Object > Relations.')
+    if keys and not keys.use_relative:
+        raise DimpleError(f'"{obj.name}" has absolute shape keys. Switch its shape keys to Relative first.')
+    if keys and obj.show_only_shape_key:
+        raise DimpleError(f'"{obj.name}" shows one shape key only. Switch Solo Active Shape Key off first.')
+    if shaping := stack.shaping(obj):
+        raise DimpleError(
+            f'"{obj.name}": the modifier "{shaping[0].name}" comes after shape keys and would move them once more. '
+            "Bake to a Mesh Cache, which goes after it."
+        )
 
 
 def _open(
@@ -158,16 +178,15 @@ def _open(
 ) -> Baked:
     """Return an object ready to be baked; its files are closed, and deleted where they are, with `files`."""
     link, model = bridge.read_body(context, obj, baked=False, identify=plan.identify)
+    if link.shaped:
+        files.enter_context(rest_shape.unbaked(obj))
+        files.enter_context(offset.attached(obj))
     proxy, reason = planning.proxy_for(context.scene, obj, model)
     session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
         messages.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')
-    if shape_keys.animated(obj):
-        messages.append(f'"{obj.name}" has animated shape keys: it is baked in the shape of frame {plan.first}.')
-        if plan.target == "SHAPE_KEYS":
-            messages.append("Their animation adds to the bake: mute those keys, or bake to a Mesh Cache.")
     path, cache = output.bake_path(context, obj, plan.folder), None
     part = (plan.folder or files.enter_context(work_folder.opened(path.parent))) / path.name
     if plan.target != "SHAPE_KEYS":
@@ -178,8 +197,8 @@ def _open(
     session.set_fingers(live.fingertips(context.scene, link.scale))
     session.step(0.0)  # the first frame shows what touches already
     return Baked(
-        link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, path=path,
-        part=part, cache=cache, table=table,
+        link=link, session=session, settings=settings_of(context.scene, obj), matrix=link.matrix, rest=link.rest,
+        path=path, part=part, cache=cache, table=table,
     )  # fmt: skip
 
 
@@ -190,12 +209,12 @@ def _step(
     scene = context.scene
     for look_s in timeline.looks(scene, frame):
         for body in bodies:
-            obj, matrix = _object(body), _matrix(body)
+            obj = _object(body)
             body.settings = tuning.follow_keyframes(scene, obj, body.session, body.link, body.settings)
             body.session.set_fingers(live.fingertips(scene, body.link.scale))
-            if not np.array_equal(matrix, body.matrix):
-                body.matrix = matrix
-                body.session.set_held(bridge.places(body.link, matrix))
+            body.matrix, body.rest = rest_shape.lead(
+                context, obj, body.link, body.session, body.matrix, body.rest
+            )
         for world in worlds:
             contact.lead_colliders(context, world)
             world.world.step(look_s)
@@ -221,20 +240,13 @@ def _object(body: Baked) -> bpy.types.Object:
     return obj
 
 
-def _matrix(body: Baked) -> np.ndarray:
-    obj = _object(body)
-    matrix = np.array(obj.matrix_world)
-    bridge.check_matrix(obj.name, matrix)
-    return matrix
-
-
 def _write(plan: BakePlan, bodies: Sequence[Baked], frame: int) -> None:
     for body in bodies:
-        local = bridge.to_local(body.link, _matrix(body), body.session.positions())
+        local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
         if body.cache:
             body.cache.append(local)
         elif (frame - plan.first) % plan.step == 0 or frame == plan.last:
-            body.shapes.append((frame, local))
+            body.shapes.append((frame, local - body.rest))
         body.table.append(frame, body.session.frame.time, body.session)
 
 
@@ -261,5 +273,5 @@ def _play(plan: BakePlan, body: Baked) -> None:
         output.attach_cache(obj, str(body.path), plan.first)
     elif plan.target == "SHAPE_KEYS":
         output.detach_cache(obj)
-        shape_keys.add(obj, body.link, body.shapes)
+        shape_keys.add(obj, body.shapes)
         output.add_curves(obj, body.path)

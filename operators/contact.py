@@ -15,7 +15,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.base import DimpleError
-from . import bridge
+from . import bridge, bridge_model
 
 if TYPE_CHECKING:
     from ..core.base import Floats, Ints
@@ -148,7 +148,7 @@ def _make(
     running = [session for _, session, _ in bodies]
     if falling:
         world: World = PropWorld(
-            running, made, masses=[_mass_of(obj) for obj in colliders], gravity=bridge.gravity(context.scene),
+            running, made, masses=[_mass_of(obj) for obj in colliders], gravity=bridge_model.gravity(context.scene),
             itself=itself, apart=apart, names=names,
         )  # fmt: skip
     else:

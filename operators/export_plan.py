@@ -13,7 +13,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.recording import open_point_cache
-from . import bridge, bridge_write, exporters, output
+from . import bridge, exporters, output, stack
 from .formats import FORMATS, Size
 from .messages import megabytes
 
@@ -81,7 +81,7 @@ def estimate(context: bpy.types.Context, plan: ExportPlan) -> float:
 def played(obj: bpy.types.Object) -> Source | None:
     """Return the bake or recording that an object plays, None where it plays none."""
     for modifier in obj.modifiers:
-        if bridge_write.is_cache(modifier) and modifier.show_viewport and modifier.cache_format == "PC2":
+        if stack.is_cache(modifier) and modifier.show_viewport and modifier.cache_format == "PC2":
             path = Path(bpy.path.abspath(modifier.filepath))
             try:
                 start, points = open_point_cache(path)

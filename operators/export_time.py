@@ -18,7 +18,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.recording import PointCache
-from . import baking, bridge
+from . import baking, rest_shape
 from .clip import Clip
 from .export_plan import ExportPlan, check_choice, unplayed
 from .formats import FORMATS
@@ -109,7 +109,7 @@ def _simulated(context: bpy.types.Context, obj: bpy.types.Object, first: int, fo
 
 
 def _written(context: bpy.types.Context, obj: bpy.types.Object, each: str, normals: bool, folder: Path) -> Cost:
-    rest = bridge.rest_coordinates(obj, baked=False)
+    rest = rest_shape.read(context, obj, baked=False).points
     # the first time, Blender loads what it needs
     once = min(_timed(context, obj, rest, 1, each, normals, folder / name) for name in ("loading", "one"))
     for frames in (FEW, MANY):

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.recording import open_point_cache
-from . import baking, bridge_write, export_time, output, sidecar, work_folder
+from . import baking, export_time, output, sidecar, stack, work_folder
 from .clip import Clip
 from .export_plan import ExportPlan, Source, check, check_space, played, size_of, unplayed
 from .formats import FORMATS
@@ -146,7 +146,8 @@ def _copy_table(table: Path, path: Path, plan: ExportPlan) -> None:
 
 
 def _warn(obj: bpy.types.Object, plan: ExportPlan, messages: list[str]) -> None:
-    others = [modifier.name for modifier in obj.modifiers if not bridge_write.is_cache(modifier)]
+    pressed = stack.shaping(obj)
+    others = [each.name for each in obj.modifiers if not stack.is_cache(each) and each not in pressed]
     labels = [FORMATS[each].label for each in plan.formats if not FORMATS[each].modified]
     if others and labels:
         messages.append(

@@ -1,5 +1,5 @@
-"""What Blender reports: files are loaded and saved, steps are undone. No session outlives its file, and no file or
-undo step is left with a pressed mesh.
+"""What Blender reports: files are loaded and saved, steps are undone. No session outlives its file, and no file shows a
+press.
 """
 
 import sys
@@ -7,18 +7,15 @@ import sys
 import bpy
 
 from . import sessions, showing
-from .names import LIVE_KEY, REST
+from .names import PRESS
 
 
 def _rescue() -> None:
-    """Put meshes right that were caught pressed; look first, so that nothing heavy is loaded for nothing."""
-    for mesh in bpy.data.meshes:
-        keys = mesh.shape_keys
-        if REST in mesh.attributes or (keys and LIVE_KEY in keys.key_blocks):
-            from . import bridge_write
+    """Put objects right that were caught pressed; look first, so that nothing heavy is loaded for nothing."""
+    if any(group.name.startswith(PRESS) for group in bpy.data.node_groups):
+        from . import bridge_write
 
-            bridge_write.rescue(sessions.sessions)
-            return
+        bridge_write.rescue(sessions.sessions)
 
 
 @bpy.app.handlers.persistent
@@ -33,7 +30,8 @@ def _on_load_post(*_: object) -> None:
 
 @bpy.app.handlers.persistent
 def _on_save_pre(*_: object) -> None:
-    showing.rest_all(for_file=True)
+    if sessions.sessions:
+        showing.rest_all()
 
 
 @bpy.app.handlers.persistent
@@ -41,27 +39,27 @@ def _on_save_post(*_: object) -> None:
     showing.show_all()
 
 
-def _goes_on(obj: bpy.types.Object, body: sessions.LiveBody) -> bool:
-    """Tell whether an undo has left a session the mesh and the rest shape that it was started with."""
-    from . import bridge, bridge_write
-
-    if not bridge_write.is_showable(obj, body.link, body.borrowed):
-        return False
-    return bool(obj.data.shape_keys) or bool((bridge.rest_coordinates(obj) == body.link.rest).all())
+@bpy.app.handlers.persistent
+def _on_undo_pre(*_: object) -> None:
+    """Take away what shows the sessions: no undo step knows of it, and it would leave objects with a modifier's data
+    that is gone, which ends Blender.
+    """
+    if sessions.sessions:
+        showing.rest_all()
 
 
 @bpy.app.handlers.persistent
 def _on_undo(*_: object) -> None:
-    """Go on where the object is still there; an undo may bring back meshes that it caught pressed."""
+    """Go on where the object is still there; an undo may bring back objects that it caught pressed."""
     sessions.disarm()  # it may put anything under a fingertip of the haptic device at once
     for run in sessions.runs:
         run.shown = ("", "")  # an undo takes the text of the status bar away
     if sessions.sessions:
-        from . import bridge
+        from . import bridge, bridge_write
 
         for uid, body in list(sessions.sessions.items()):
             obj = bridge.find(uid, body.name)
-            if obj is None or not _goes_on(obj, body):
+            if obj is None or not bridge_write.is_intact(obj, body.link):
                 sessions.stop(uid, undoing=True)
         showing.show_all()
     _rescue()
@@ -73,7 +71,9 @@ _HANDLERS = {
     "save_pre": _on_save_pre,
     "save_post": _on_save_post,
     "save_post_fail": _on_save_post,
+    "undo_pre": _on_undo_pre,
     "undo_post": _on_undo,
+    "redo_pre": _on_undo_pre,
     "redo_post": _on_undo,
 }
 

@@ -12,7 +12,7 @@ from ..core.base import DimpleError
 from ..core.calibration.indent import Site, find_site
 from ..core.calibration.place import typical_site
 from ..core.material import Indenter
-from . import bridge, calibration
+from . import bridge, bridge_model, calibration
 from .names import MAPS
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def set_up(
         elsewhere = " Press At: 3D Cursor puts the tip elsewhere." if place == "TOP" else ""
         raise DimpleError(f'"{body.name}": {error}{elsewhere}') from error
     slot = link.slots.index(body.active_material_index) if body.active_material_index in link.slots else None
-    constants = bridge.constants_on(mesh, material) if slot is None else model.materials[slot]
+    constants = bridge_model.constants_on(mesh, material) if slot is None else model.materials[slot]
     return Bench(
         link=link,
         mesh=mesh,

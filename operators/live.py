@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
-from . import bridge, contact, haptic, props, sessions, showing, timeline, tuning, twins
+from . import bridge, contact, haptic, props, rest_shape, sessions, showing, timeline, tuning, twins
 from .messages import Note
 from .sessions import LiveBody, ModalRun
 
@@ -180,7 +180,7 @@ def prepare(context: bpy.types.Context, body: LiveBody, pressed: Sequence[Finger
     if body.link is not link:
         pressed = ()  # those were in metres of another size
         sessions.disarm()  # which may put it under a fingertip of the haptic device at once
-    follow(obj, body)
+    follow(context, obj, body)
     others = haptic.fingertips(context.scene, body) or pressing(context.scene, body)
     fingers = merged(others, pressed)
     before, body.poked = body.poked, frozenset(i for i, finger in enumerate(pressed) if finger)
@@ -208,13 +208,9 @@ def finish(body: LiveBody) -> list[str]:
     return messages
 
 
-def follow(obj: bpy.types.Object, body: LiveBody) -> None:
-    """Let what is held of a body go where its object has gone."""
-    matrix = np.array(obj.matrix_world)
-    if not np.array_equal(matrix, body.matrix):
-        bridge.check_matrix(obj.name, matrix)
-        body.session.set_held(bridge.places(body.link, matrix))
-        body.matrix = matrix
+def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> None:
+    """Let what is held of a body go where its object has gone, and its shape at rest be what its rig makes of it."""
+    body.matrix, body.rest = rest_shape.lead(context, obj, body.link, body.session, body.matrix, body.rest)
 
 
 def pressing(scene: bpy.types.Scene, body: LiveBody) -> Sequence[Finger | None]:

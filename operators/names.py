@@ -2,9 +2,9 @@
 
 from enum import StrEnum
 
-REST = ".dimple_rest"  # attribute with the rest shape; Blender hides names with a leading dot
-LIVE_KEY = "Dimple"  # the shape key that shows a running session
-KEPT_KEY = "Pressed"  # the name of that key once its shape is kept
+PRESS = ".Dimple Press"  # begins the names of what shows a running session; Blender hides those with a leading dot
+REST = ".dimple_rest"  # attribute of what is evaluated: the shape at rest of this frame
+KEPT = "Pressed"  # of the shape key or the modifier that keeps a press
 BAKED_KEY = "Dimple Frame "  # begins the names of a bake's shape keys, before the number of the frame
 CACHE = "Dimple"  # name of the modifier that plays a bake
 CACHES_OFF = "dimple_caches_off"  # custom property of an object: its bakes that are switched off while it is live

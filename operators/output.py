@@ -14,8 +14,8 @@ import bpy
 
 from ..core.base import DimpleError
 from . import curves
-from .bridge_write import is_cache
 from .names import CACHE
+from .stack import is_cache, place_in_stack
 
 LONGEST_NAME = 91  # bytes; a name has two, a number and endings, and a disk takes 255
 _PACKAGE = (__package__ or "").rpartition(".")[0]
@@ -122,7 +122,7 @@ def plain_os_errors(doing: str, folder: str = "cache folder") -> Iterator[None]:
 
 
 def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.types.Modifier:
-    """Let an object play a PC2 file, first of its modifiers; an earlier bake makes room.
+    """Let an object play a PC2 file, after the modifiers that shape what was pressed; an earlier bake makes room.
 
     Where the scene asks for curves it has those of the table beside the file too.
     """
@@ -132,7 +132,7 @@ def attach_cache(obj: bpy.types.Object, path: str, start_frame: int) -> bpy.type
     modifier.cache_format = "PC2"
     modifier.filepath = _stored(path)
     modifier.frame_start = start_frame
-    obj.modifiers.move(len(obj.modifiers) - 1, 0)
+    obj.modifiers.move(len(obj.modifiers) - 1, place_in_stack(obj))
     return modifier
 
 

@@ -45,7 +45,7 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     Raises:
         DimpleError: the proxy that was asked for cannot be made.
     """
-    if contact.is_on(scene):
+    if contact.is_on(scene) or model.rigged:  # what carries the skin of a proxy knows one shape at rest
         return None, ""
     settings, now = obj.dimple, key(scene, obj, model)
     known, old = settings.plan_key == now, _choices.get(now)

@@ -130,7 +130,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             body.session.reset()
             sessions.worlds.clear()
             props.put_back()
-            body.matrix = body.link.matrix
+            body.matrix, body.rest = body.link.matrix, body.link.rest
         return live.advance(context, 0.0)
 
     def _report(self, started: tuple[list, list[str], list[str]]) -> None:

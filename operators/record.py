@@ -24,7 +24,7 @@ def begin(context: bpy.types.Context) -> None:
             if obj is None or body.recorder:
                 continue
             path = output.take_path(context, obj)
-            local = bridge.to_local(body.link, body.matrix, body.session.positions())
+            local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
             with output.plain_os_errors("Recording"):
                 fps = render.fps / render.fps_base
                 each = recorder.Recorder(path, context.scene.frame_current, fps, body.frame.time, local, body.session)

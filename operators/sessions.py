@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from ..core.session import Finger, Frame, Session
     from .bridge import ObjectLink, Singles
-    from .bridge_write import Borrowed
     from .contact import LiveWorld
     from .recorder import Recorder
     from .settings import Settings
@@ -43,8 +42,7 @@ class LiveBody:
     seen: the settings it had when they were looked at last; the session may have refused them.
     refused: "" or why.
     changed_at: when they were changed last, None where they were planned for [s].
-    borrowed: what of the object was changed.
-    matrix: (4, 4) of the object when it was last stepped.
+    matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
     triangles: (t, 3) of the object's own vertices, outward.
     painted_at: when weights that are painted were read last [s].
     fingers: the fingertips to be drawn, in the session's space.
@@ -54,16 +52,15 @@ class LiveBody:
     trail: depth [m] and force [N] of the deepest fingertip.
     recorder: of the recording under way.
     take: path and first frame of the last recording.
-    shown: (N, 3) what was written to the mesh last.
-    meshes: how many there were in the file when duplicates were looked for last.
+    objects: how many there were in the file when duplicates were looked for last.
     """
 
     link: ObjectLink
     session: Session
     settings: Settings
     seen: Settings
-    borrowed: Borrowed
     matrix: np.ndarray
+    rest: Singles
     triangles: np.ndarray
     refused: str = ""
     changed_at: float | None = None
@@ -75,8 +72,7 @@ class LiveBody:
     trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None
-    shown: Singles | None = None
-    meshes: int = 0
+    objects: int = 0
 
     @property
     def name(self) -> str:
@@ -174,7 +170,7 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
 
     bridge.check(obj)
     bridge.check_writable(obj)
-    bridge_write.rescue(sessions)  # a duplicate of a body that is live is pressed from its rest shape
+    bridge_write.rescue(sessions)  # a duplicate of a body that is live shows its press
     size = sizing.settle_size(context.scene, obj)
     try:
         link, model = bridge.read_body(context, obj)
@@ -186,16 +182,13 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
             obj.dimple.property_unset("size_mode")
         raise
     messages = [*filter(None, [size, reason]), *(type(note)(f'"{obj.name}": {note}') for note in model.notes)]
-    if bridge_write.is_shared(obj.data):
-        messages.append(f'"{obj.name}" shares its mesh with other objects: it is pressed on a copy of its own.')
     first = input_vertices(model.mesh)
-    others = {body.borrowed.shared for body in sessions.values() if body.borrowed.shared is not None}
     settings = settings_of(context.scene, obj)
     body = sessions[link.uid] = LiveBody(
         link=link, session=session, settings=settings, seen=settings,
-        matrix=link.matrix, triangles=first[model.mesh.triangles],
-        borrowed=bridge_write.borrow(obj, link, others=others),
+        matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles],
     )  # fmt: skip
+    bridge_write.borrow(obj)
     obj.dimple.enabled = True
     return body, messages
 
@@ -204,7 +197,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     """End a session; put the rest shape back, or keep the shape that shows.
 
     Args:
-        undoing: Blender undoes: a shared mesh is not given back, and what differs is no edit.
+        undoing: Blender undoes: no undo step is pushed.
 
     Returns:
         Sentences for the artist: what went wrong with a recording.
@@ -220,10 +213,11 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     elif not sessions:
         props.fallen.clear()
     obj = bridge.find(uid, body.name)
-    if obj and restore:
-        bridge_write.give_back(obj, body.link, body.borrowed, body.shown, undoing=undoing)
-    elif obj:
-        bridge_write.keep(obj)
+    if obj and not restore and bridge_write.is_intact(obj, body.link):
+        local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
+        bridge_write.keep(obj, local, body.rest)
+    if obj:
+        bridge_write.give_back(obj)
     bridge_write.rescue(sessions)
     messages = end_recording(body)  # after the mesh: whatever the disk does, that is safe
     if obj and body.take:

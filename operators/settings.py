@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import bpy
 
 from ..core.base import DimpleError
-from . import bridge
+from . import bridge_model
 
 
 class Settings(NamedTuple):
@@ -37,7 +37,10 @@ def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:
     return Settings(
         tuple(obj.dimple.to_params().items()),
         tuple(_material(slot.material) for slot in obj.material_slots),
-        (bool(around.use_gravity), bridge.gravity(scene), bool(around.use_ground), scene.unit_settings.scale_length),
+        (
+            bool(around.use_gravity), bridge_model.gravity(scene), bool(around.use_ground),
+            scene.unit_settings.scale_length,
+        ),
         tuple(obj.dimple.to_plan().items()),
         identified_revision(),
     )

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 import bpy
 
 from . import bridge_write
-from .bridge import ObjectLink, Singles
+from .bridge import Singles
 from .names import BAKED_KEY
 
 MADE_BASIS = "dimple_made_basis"  # custom property of keys that came with the bake and go with it
 
 
-def add(obj: bpy.types.Object, link: ObjectLink, shapes: Sequence[tuple[int, Singles]]) -> None:
-    """Give an object a key for each (frame, coordinates), and keyframe them.
+def add(obj: bpy.types.Object, shapes: Sequence[tuple[int, Singles]]) -> None:
+    """Give an object a key for each frame and its offsets (N, 3) from the shape at rest, and keyframe them.
 
     Between two keys the values add up to 1, and a straight line leads from one shape to the next.
     """
@@ -23,8 +23,8 @@ def add(obj: bpy.types.Object, link: ObjectLink, shapes: Sequence[tuple[int, Sin
         obj.data = obj.data.copy()
     made_basis = obj.data.shape_keys is None
     frames = [frame for frame, _ in shapes]
-    for at, (frame, local) in enumerate(shapes):
-        key = bridge_write.add_key(obj, f"{BAKED_KEY}{frame:04d}", link, local)
+    for at, (frame, offsets) in enumerate(shapes):
+        key = bridge_write.add_key(obj, f"{BAKED_KEY}{frame:04d}", offsets)
         for other in frames[max(at - 1, 0) : at + 2]:
             key.value = float(other == frame)
             key.keyframe_insert("value", frame=other)
@@ -61,16 +61,6 @@ def remove(obj: bpy.types.Object) -> int:
     if obj.data.shape_keys:
         obj.active_shape_key_index = min(active, len(obj.data.shape_keys.key_blocks) - 1)
     return len(baked)
-
-
-def animated(obj: bpy.types.Object) -> bool:
-    """Tell whether something else than a bake moves the shape keys of an object."""
-    keys = obj.data.shape_keys
-    animation = keys.animation_data if keys else None
-    if animation is None:
-        return False
-    curves = [curve for bag in _bags(keys) for curve in bag.fcurves]
-    return bool(animation.drivers or animation.nla_tracks or len(curves) > len(list(_curves(keys))))
 
 
 def _bags(keys: bpy.types.Key) -> Iterator[bpy.types.ActionChannelbag]:

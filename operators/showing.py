@@ -1,9 +1,7 @@
-"""Show the running sessions on their objects, put those at rest for a moment, and end the ones that were edited."""
+"""Show the running sessions on their objects, take that away for a moment, and end the ones that were edited."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import bpy
@@ -32,7 +30,7 @@ def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
         obj = bridge.find(uid, body.name)
         if obj is None or (view_layer and obj.name not in view_layer.objects):
             messages += [f'"{body.name}" is gone, so its session has ended.', *sessions.stop(uid)]
-        elif not bridge_write.is_intact(obj, body.link, body.borrowed, body.shown):
+        elif not bridge_write.is_intact(obj, body.link):
             words = f'"{obj.name}" was edited while it was pressed, so its session has ended. The edit is kept.'
             messages += [words, *sessions.stop(uid)]
     _rest_duplicates()
@@ -40,58 +38,42 @@ def end_changed(view_layer: bpy.types.ViewLayer | None = None) -> list[str]:
 
 
 def _rest_duplicates() -> None:
-    """Put duplicates of live bodies at rest; look only when there are other meshes than before."""
-    count = len(bpy.data.meshes)
-    if any(body.meshes != count for body in sessions.sessions.values()):
+    """Put duplicates of live bodies at rest; look only when there are other objects than before."""
+    count = len(bpy.data.objects)
+    if any(body.objects != count for body in sessions.sessions.values()):
         from . import bridge_write
 
         bridge_write.rescue(sessions.sessions)
         for body in sessions.sessions.values():
-            body.meshes = count
+            body.objects = count
 
 
 def show(obj: bpy.types.Object, body: sessions.LiveBody) -> Singles:
     """Show a session on its object; return the coordinates (N, 3)."""
-    from . import bridge, bridge_write
+    from . import bridge, offset
 
-    local = bridge.to_local(body.link, body.matrix, body.session.positions())
-    body.shown = bridge_write.show(obj, body.link, local)
+    local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
+    offset.show(obj, local - body.rest)
     return local
 
 
-def rest_all(*, for_file: bool = False) -> None:
-    """Put every object back as it was; the sessions go on, but for those whose object was edited."""
-    from . import bridge, bridge_write, props
+def rest_all() -> None:
+    """Take away what shows the sessions, before Blender saves or undoes; they go on."""
+    from . import bridge_write, props
 
     end_changed()
     props.put_back(forget=False)
-    bridge_write.rescue(sessions.sessions)
-    for uid, body in sessions.sessions.items():
-        if obj := bridge.find(uid, body.name):
-            bridge_write.pause(obj, body.link, body.borrowed, for_file=for_file)
+    bridge_write.rescue(())
 
 
 def show_all() -> None:
-    """Show every session again, after its mesh was put at rest."""
+    """Show every session again."""
     from . import bridge, bridge_write, props
 
     for world in sessions.worlds:
         props.show(world)
     for uid, body in sessions.sessions.items():
-        if obj := bridge.find(uid, body.name):
-            bridge_write.resume(obj, body.borrowed)
-            if bridge_write.is_showable(obj, body.link, body.borrowed):
-                show(obj, body)
-
-
-@contextmanager
-def at_rest() -> Iterator[None]:
-    """Put every mesh at rest for a moment: what Blender saves or remembers for undo is never a pressed shape."""
-    if not sessions.sessions:
-        yield
-        return
-    rest_all()
-    try:
-        yield
-    finally:
-        show_all()
+        obj = bridge.find(uid, body.name)
+        if obj and bridge_write.is_intact(obj, body.link):
+            bridge_write.borrow(obj)
+            show(obj, body)

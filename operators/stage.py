@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from . import bridge_write
+from . import stack
 from .clip import KeyedShape
 
 Singles = npt.NDArray[np.float32]
@@ -65,14 +65,14 @@ def selected(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None
 
 @contextlib.contextmanager
 def playing(context: bpy.types.Context, obj: bpy.types.Object, cache: Path, first: int) -> Iterator[None]:
-    """Let an object play a PC2 file, before its modifiers and in place of what bake it plays."""
-    ours = [modifier for modifier in obj.modifiers if bridge_write.is_cache(modifier)]
+    """Let an object play a PC2 file, after the modifiers that shape what is pressed and in place of its own bake."""
+    ours = [modifier for modifier in obj.modifiers if stack.is_cache(modifier)]
     shown = [(modifier.show_viewport, modifier.show_render) for modifier in ours]
     for modifier in ours:
         modifier.show_viewport = modifier.show_render = False
     modifier = obj.modifiers.new(_NAME, "MESH_CACHE")
     modifier.cache_format, modifier.filepath, modifier.frame_start = "PC2", str(cache), first
-    obj.modifiers.move(len(obj.modifiers) - 1, 0)
+    obj.modifiers.move(len(obj.modifiers) - 1, stack.place_in_stack(obj))
     try:
         with selected(context, obj):
             yield
@@ -94,12 +94,15 @@ def keyed(
     mesh = obj.data
     copy, name = mesh.copy(), mesh.name
     before = obj.active_shape_key_index, obj.show_only_shape_key
+    shaping = [(each, each.show_viewport, each.show_render) for each in stack.shaping(obj)]
     if not mesh.library:  # its name goes into the file
         mesh.name = f"{name[:50]}.dimple"
     copy.name = name
     obj.data = copy
     obj.show_only_shape_key = False
     action = bpy.data.actions.new("Dimple")
+    for modifier, *_ in shaping:  # what they do is in the keys
+        modifier.show_viewport = modifier.show_render = False
     try:
         _add_keys(obj, rest, keys, action)
         with selected(context, obj):
@@ -108,6 +111,8 @@ def keyed(
         obj.data = mesh
         bpy.data.meshes.remove(copy)
         bpy.data.actions.remove(action)
+        for modifier, viewport, render in shaping:
+            modifier.show_viewport, modifier.show_render = viewport, render
         if not mesh.library:
             mesh.name = name
         obj.active_shape_key_index, obj.show_only_shape_key = before

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..core.base import DimpleError
-from . import bridge, planning
+from . import bridge, bridge_model, planning
 from .names import PAINTING
 from .settings import settings_of
 
@@ -63,7 +63,7 @@ def follow_keyframes(
 
     now = settings_of(scene, obj)
     if now != before:
-        model = bridge.read_model(scene, obj, session.model.mesh, link)
+        model = bridge_model.read_model(scene, obj, session.model.mesh, link)
         proxy = session.proxy and with_constants(session.proxy, model)
         session.change(model, proxy=proxy)
     return now
@@ -75,7 +75,7 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
     scale = bridge.scale_of(context.scene, obj, body.link)
     slots, slots_before = (max(len(each.materials), 1) for each in (now, before))
     if scale == body.link.scale and slots == slots_before:
-        model = bridge.read_model(context.scene, obj, session.model.mesh, body.link)
+        model = bridge_model.read_model(context.scene, obj, session.model.mesh, body.link)
         proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)
         session.change(model, proxy=proxy)
         return messages
@@ -90,7 +90,7 @@ def _define(body: LiveBody, link: bridge.ObjectLink, model: Model) -> None:
     """Let a body have another definition than it was started with."""
     from ..core.mesh.surface import input_vertices
 
-    body.link, body.matrix = link, link.matrix
+    body.link, body.matrix, body.rest = link, link.matrix, link.rest
     body.triangles = input_vertices(model.mesh)[model.mesh.triangles]
 
 

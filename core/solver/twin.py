@@ -63,6 +63,8 @@ class Twin:
             self._state.pose = self._pose()
         elif model.free:
             self._state.pose = None
+        if model.rigged and not old.rigged:
+            self._state.pose = np.eye(3), np.zeros(3)
         self._rest_pins(model.held)
         self._fine = surface or (model if self._fine is old else self._fine)
         self.model, self._rest = model, Rest()

@@ -131,6 +131,19 @@ def shown(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
 
 
 @pytest.fixture
+def simulated(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
+    """Return a function that reads the coordinates (n, 3) that a session has come to, bit for bit."""
+
+    def read(obj: Any) -> np.ndarray:
+        from bl_ext.user_default.dimple.operators import bridge, sessions
+
+        body = sessions.get(obj)
+        return bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
+
+    return read
+
+
+@pytest.fixture
 def sessions(bpy: ModuleType) -> Any:
     """The running sessions; after the test nothing may be left of them."""
     from bl_ext.user_default.dimple.operators import sessions

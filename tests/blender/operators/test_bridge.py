@@ -26,7 +26,7 @@ def test_a_body_without_a_material_has_the_constants_of_one_that_nobody_has_touc
 
 
 def test_weights_are_those_of_the_group_and_0_outside_it(bpy: ModuleType, ball: Add) -> None:
-    from bl_ext.user_default.dimple.operators import bridge
+    from bl_ext.user_default.dimple.operators import bridge_model
 
     obj, wanted = ball(), np.zeros(42)
     groups = [obj.vertex_groups.new(name=name) for name in ("Other", "Soft", "Empty")]
@@ -34,11 +34,11 @@ def test_weights_are_those_of_the_group_and_0_outside_it(bpy: ModuleType, ball: 
     for i in range(0, 42, 3):
         wanted[i] = i / 64
         groups[1].add([i], i / 64, "ADD")
-    assert (bridge._weights(obj, "Soft", "softness") == wanted).all()
-    assert not bridge._weights(obj, "Empty", "softness").any()
+    assert (bridge_model._weights(obj, "Soft", "softness") == wanted).all()
+    assert not bridge_model._weights(obj, "Empty", "softness").any()
     bare = ball("Bare")
     bare.vertex_groups.new(name="Soft")
-    assert not bridge._weights(bare, "Soft", "softness").any()
+    assert not bridge_model._weights(bare, "Soft", "softness").any()
 
 
 def two_fills(bpy: ModuleType, obj: Any, share: int) -> Any:

@@ -41,7 +41,7 @@ def top(points: np.ndarray) -> float:
 
 
 def test_a_keyframed_cube_pushes_a_soft_ball_and_a_bake_equals_play(
-    bpy: ModuleType, scene: Any, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes]
+    bpy: ModuleType, scene: Any, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes], shown: Any
 ) -> None:
     from bl_ext.user_default.dimple.core.recording import read_point_cache
 
@@ -55,20 +55,19 @@ def test_a_keyframed_cube_pushes_a_soft_ball_and_a_bake_equals_play(
     bpy.ops.dimple.unbake()
     scene.frame_set(1)
     assert bpy.ops.dimple.play(frames=7) == {"FINISHED"}
-    shown = np.frombuffer(coordinates(obj), np.float32).reshape(-1, 3)
-    assert np.abs(shown - baked[-1]).max() < 1e-5
+    assert np.abs(shown(obj) - baked[-1]).max() < 1e-5
     bpy.ops.dimple.reset()
     assert coordinates(obj) == before
 
 
 def test_without_the_tick_the_cube_goes_through(
-    bpy: ModuleType, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes]
+    bpy: ModuleType, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes], shown: Any
 ) -> None:
     obj, cube = pushed()
     cube.dimple.collider = False
     before = coordinates(obj)
     assert bpy.ops.dimple.play(frames=7) == {"FINISHED"}
-    assert coordinates(obj) == before
+    assert shown(obj).tobytes() == before
 
 
 def test_what_intersects_at_the_start_is_refused_and_nothing_is_changed(
@@ -84,7 +83,7 @@ def test_what_intersects_at_the_start_is_refused_and_nothing_is_changed(
 
 
 def test_a_body_that_is_to_be_moved_apart_plays_where_it_would_be_refused(
-    bpy: ModuleType, scene: Any, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes]
+    bpy: ModuleType, scene: Any, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes], shown: Shown
 ) -> None:
     obj, cube = pushed()
     cube.animation_data_clear()
@@ -92,14 +91,13 @@ def test_a_body_that_is_to_be_moved_apart_plays_where_it_would_be_refused(
     obj.dimple.pinned, obj.dimple.move_apart = "NONE", True
     before = coordinates(obj)
     assert bpy.ops.dimple.play(seconds=0.1) == {"FINISHED"}
-    shown = np.frombuffer(coordinates(obj), np.float32).reshape(-1, 3)
-    assert shown[:, 2].max() < 0.91
+    assert shown(obj)[:, 2].max() < 0.91
     bpy.ops.dimple.reset()
     assert coordinates(obj) == before
 
 
 def test_two_bodies_press_each_other_flat_where_they_meet(
-    bpy: ModuleType, scene: Any, ball: Add, add: Add, coordinates: Callable[[Any], bytes]
+    bpy: ModuleType, scene: Any, ball: Add, add: Add, coordinates: Callable[[Any], bytes], shown: Any
 ) -> None:
     lower, upper = ball("Lower"), ball("Upper")
     upper.location = (0.02, 0, 2.05)
@@ -111,8 +109,87 @@ def test_two_bodies_press_each_other_flat_where_they_meet(
         obj.select_set(True)
     scene.dimple.use_gravity, scene.dimple.use_ground = True, False
     assert bpy.ops.dimple.play(seconds=0.3) == {"FINISHED"}
-    low, high = (np.frombuffer(coordinates(obj), np.float32).reshape(-1, 3) for obj in (lower, upper))
+    low, high = shown(lower), shown(upper)
     assert -1.05 < low[:, 2].min() < -0.99
     middle = np.hypot(low[:, 0], low[:, 1]) < 0.3
     assert 0 < (high[:, 2] + 2.05).min() - low[middle][:, 2].max() < 0.1
     bpy.ops.dimple.reset()
+
+
+@pytest.fixture
+def hand_and_ball(bpy: ModuleType, scene: Any, ball: Add, add: Add) -> tuple[Any, Any]:
+    """A soft ball between two fingers of one mesh, whose bones close on it from frame 1 to 7."""
+    obj = ball()
+    obj.dimple.pinned = "NONE"
+    scene.dimple.use_gravity = scene.dimple.use_ground = False
+    box = [(x, y, z) for x in (-0.1, 0.1) for y in (-0.6, 0.6) for z in (-0.6, 0.6)]
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    points = [(x + side * 1.2, y, z) for side in (-1, 1) for x, y, z in box]
+    fingers = add(points, [*faces, *[tuple(i + 8 for i in face) for face in faces]], "Hand")
+    fingers.dimple.collider = True
+    data = bpy.data.armatures.new("Bones")
+    rig = bpy.data.objects.new("Bones", data)
+    bpy.context.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name, side in (("Left", -1), ("Right", 1)):
+        bone = data.edit_bones.new(name)
+        bone.head, bone.tail = (side * 1.2, 0, -0.6), (side * 1.2, 0, 0.6)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for name, side in (("Left", 0), ("Right", 8)):
+        fingers.vertex_groups.new(name=name).add(range(side, side + 8), 1.0, "REPLACE")
+        bone = rig.pose.bones[name]
+        bone.keyframe_insert("location", frame=1)
+        bone.location.x = 0.45 if name == "Left" else -0.45  # along the bone's own axes
+        bone.keyframe_insert("location", frame=7)
+    fingers.modifiers.new("Armature", "ARMATURE").object = rig
+    for other in (rig, fingers):
+        other.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    scene.frame_set(1)
+    return obj, fingers
+
+
+def test_a_hand_that_its_bones_close_squeezes_a_ball(
+    bpy: ModuleType, sessions: Any, hand_and_ball: tuple[Any, Any], shown: Shown, simulated: Any, scene: Any
+) -> None:
+    obj, fingers = hand_and_ball
+    before = np.ptp(shown(obj), axis=0)
+    assert bpy.ops.dimple.play(frames=7) == {"FINISHED"}
+    squeezed, jaws = np.ptp(shown(obj), axis=0), shown(fingers)[:, 0]
+    gap = jaws[8:].min() - jaws[:8].max()
+    assert gap < 0.75 * before[0], "the bones have closed the hand"
+    assert 0.9 * gap < squeezed[0] < gap, "and the ball is as wide as its grip, but for the distance of contact"
+    assert squeezed[2] > before[2], "it gives way to the sides"
+    live = simulated(obj)
+    bpy.ops.dimple.reset()
+    scene.frame_set(1)
+    bpy.ops.dimple.bake(frame_start=1, frame_end=8)
+    from bl_ext.user_default.dimple.core.recording import read_point_cache
+
+    (path,) = Path(scene.dimple.cache_dir).glob("*.pc2")
+    assert np.array_equal(read_point_cache(path)[2][-1], live), "the bake equals the live play"
+
+
+def test_undo_amid_contact_goes_on_and_resets_to_the_last_bit(
+    bpy: ModuleType, sessions: Any, scene: Any, hand_and_ball: tuple[Any, Any], shown: Shown,
+    coordinates: Callable[[Any], bytes],
+) -> None:  # fmt: skip
+    before = coordinates(hand_and_ball[0])
+    bpy.ops.ed.undo_push(message="Before")
+    bpy.data.objects.new("Lamp", None)
+    bpy.ops.ed.undo_push(message="A lamp")
+    bpy.ops.dimple.play(frames=4)
+    bpy.ops.ed.undo_push(message="Amid the squeeze")
+    bpy.ops.ed.undo()
+    bpy.ops.ed.undo()
+    assert len(sessions.sessions) == 1
+    obj = bpy.data.objects["Ball"]
+    assert sessions.get(obj).frame.finite and shown(obj).tobytes() != before == coordinates(obj)
+    bpy.ops.dimple.play(seconds=0.05)
+    bpy.ops.ed.redo()
+    bpy.ops.dimple.play(seconds=0.05)
+    bpy.ops.dimple.reset()
+    obj = bpy.data.objects["Ball"]
+    assert coordinates(obj) == before == shown(obj).tobytes() and not obj.modifiers and not bpy.data.node_groups

@@ -32,7 +32,7 @@ def asked(bpy: ModuleType, forgetful: Any, monkeypatch: pytest.MonkeyPatch) -> l
 @pytest.fixture
 def window(bpy: ModuleType, asked: list[Any], monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     """The identifications of a Blender that has a window: they are made in its background."""
-    from bl_ext.user_default.dimple.operators import bridge, identified
+    from bl_ext.user_default.dimple.operators import bridge_model, identified
 
     class App:
         background = False
@@ -43,7 +43,7 @@ def window(bpy: ModuleType, asked: list[Any], monkeypatch: pytest.MonkeyPatch) -
         def __getattr__(self, name: str) -> Any:
             return getattr(bpy, name)
 
-    monkeypatch.setattr(bridge, "bpy", Window())
+    monkeypatch.setattr(bridge_model, "bpy", Window())
     yield identified
     identified.stop()
     assert not bpy.app.timers.is_registered(identified._go_on) and identified.progress() is None
@@ -183,7 +183,7 @@ def test_a_keyframed_material_is_followed_by_the_closed_form(
 
 
 def test_in_a_window_a_running_body_takes_over_what_the_background_has_found(
-    bpy: ModuleType, vinyl: Any, cube: Any, window: Any, asked: list[Any], sessions: Any
+    bpy: ModuleType, vinyl: Any, cube: Any, window: Any, asked: list[Any], sessions: Any, shown: Any
 ) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
     from bl_ext.user_default.dimple.operators import live
@@ -204,9 +204,9 @@ def test_in_a_window_a_running_body_takes_over_what_the_background_has_found(
         assert window._go_on() is None or window.progress() > 0
         idle(window)
         assert window.revision == revision + 1 and window.progress() is None
-        shown = np.array([vertex.co for vertex in cube.data.vertices])
+        before = shown(cube)
         assert step(0.0) == []
-        np.testing.assert_allclose([vertex.co for vertex in cube.data.vertices], shown, atol=1e-6, err_msg="it jumped")
+        np.testing.assert_allclose(shown(cube), before, atol=1e-6, err_msg="it jumped")
         found = read(bpy, cube)[0]
         assert found is not None and constants() == found
         step(0.2)

@@ -102,8 +102,11 @@ def test_every_setting_of_a_body_acts_within_a_frame_and_comes_back_by_undo(
 
 
 def seen(obj: Any) -> np.ndarray:
-    numbers = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.vertices.foreach_get("co", numbers)
+    import bpy
+
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    numbers = np.empty(3 * len(evaluated.vertices), np.float32)
+    evaluated.vertices.foreach_get("co", numbers)
     return numbers.reshape(-1, 3)
 
 

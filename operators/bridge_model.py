@@ -1,0 +1,131 @@
+"""Materials, pins and maps of an object, read into a model. Part of the bridge."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ..core.base import DimpleError
+from . import advice, calibration
+from .names import MAPS
+
+if TYPE_CHECKING:
+    from ..core.body.model import Model
+    from ..core.material import Material
+    from ..core.mesh.surface import Mesh
+    from .object_link import Floats, ObjectLink
+
+
+def read_model(
+    scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink, *, identify: str = "BACKGROUND"
+) -> Model:
+    """Read the materials and settings of an object into a model on the mesh that it was linked with.
+
+    Args:
+        identify: as for `read_body`.
+
+    Raises:
+        DimpleError: it cannot be pressed with them, with the reason and what to do.
+    """
+    from ..core.body.model import build_model
+    from ..core.mesh.surface import base_vertices
+
+    params, surroundings = body.dimple.to_params(), scene.dimple
+    rigged = link.carried or (link.shaped and link.follows and params["pinned"] != "none")
+    try:
+        held = base_vertices(mesh) if params["pinned"] == "base" else None
+        if params["pinned"] == "group":
+            held = _pins(body, params["pin_group"])
+            held = link.refined.least_at_vertices(held) if link.refined else held
+        if params["law_set"] == "paper":  # its equations have no model constants
+            identify = "NO"
+        found = [_material(body, slot, mesh, held, identify) for slot in link.slots]
+        materials, messages = zip(*found, strict=True)
+        groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
+        maps = {name: _weights(body, group, name) for name, group in groups.items() if group}
+        if link.refined:
+            maps = {name: link.refined.at_vertices(weights) for name, weights in maps.items()}
+        model = build_model(
+            mesh, materials, law_set=params["law_set"], held=held, **maps,
+            gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
+            ground=0.0 if surroundings.use_ground else None, rigged=rigged,
+        )  # fmt: skip
+    except DimpleError as error:
+        raise DimpleError(f'"{body.name}": {error}') from error
+    notes = (*filter(None, messages), *advice.on_body(body, mesh, scene, link.refined), *advice.on_fill(model))
+    return replace(model, notes=(*model.notes, *notes))
+
+
+def gravity(scene: bpy.types.Scene) -> tuple[float, ...]:
+    """Return the gravity of a scene (3,) [m/s2]; none when the scene has it switched off."""
+    return tuple(scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
+
+
+def _material(
+    body: bpy.types.Object, slot: int, mesh: Mesh, held: Floats | None, identify: str
+) -> tuple[Material, str]:
+    """Return the constants of a body's material with those of its model, where they are known, and a note."""
+    from ..core.material import DEFAULT_MATERIAL
+
+    material = body.material_slots[slot].material if body.material_slots else None
+    constants = DEFAULT_MATERIAL if material is None else constants_on(mesh, material)
+    if constants.constants is not None or identify == "NO" or calibration.animated(material):
+        return constants, ""
+    from . import identified
+
+    deepest = calibration.deepest(material and material.dimple, constants.x0)
+    wait = identify == "WAIT" or bpy.app.background
+    pins = None if held is None else np.asarray(held) >= 0.5
+    found, note = identified.model_constants(
+        (body.session_uid, slot), mesh, constants, deepest, held=pins, wait=wait
+    )
+    return replace(constants, constants=found), note
+
+
+def constants_on(mesh: Mesh, material: bpy.types.Material) -> Material:
+    """Return the constants of a material on a mesh; without its model constants where they do not hold there.
+
+    Raises:
+        DimpleError: a constant is out of its range.
+    """
+    from ..core.material import Material
+
+    try:
+        constants = Material(**material.dimple.to_params())
+    except DimpleError as error:
+        raise DimpleError(f'material "{material.name}": {error}') from error
+    if constants.constants is not None and calibration.changed(material.dimple, mesh):
+        return replace(constants, constants=None)
+    return constants
+
+
+def _pins(body: bpy.types.Object, group: str) -> Floats:
+    if not group:
+        raise DimpleError("it is held by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
+    weights = _weights(body, group, "pin")
+    if not (weights >= 0.5).any():
+        raise DimpleError(f'no vertex of the pin group "{group}" has a weight of 0.5 or more. Paint some.')
+    return weights
+
+
+def _weights(body: bpy.types.Object, group: str, role: str) -> Floats:
+    """Return the weight (N,) of every vertex in a vertex group, 0 outside it; or a float attribute of that name."""
+    found, attribute = body.vertex_groups.get(group), body.data.attributes.get(group)
+    if found is None and attribute and attribute.domain == "POINT" and attribute.data_type == "FLOAT":
+        values = np.empty(len(body.data.vertices), np.float32)
+        attribute.data.foreach_get("value", values)
+        return values.astype(np.float64)
+    if found is None:
+        raise DimpleError(f'there is no vertex group "{group}" ({role}). Choose another in Physics > Dimple.')
+    import bmesh
+
+    read = bmesh.new()  # half the time of vertex.groups: a dictionary a vertex
+    try:
+        read.from_mesh(body.data, face_normals=False, vertex_normals=False)
+        layer, index = read.verts.layers.deform.active, found.index
+        return np.array([vertex[layer].get(index, 0.0) if layer else 0.0 for vertex in read.verts])
+    finally:
+        read.free()
