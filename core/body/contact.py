@@ -7,14 +7,15 @@ Positions second: what is inside is moved out without adding speed, and friction
 point whose velocity alone is stopped would still creep by dt^2 a in each step, and friction would be viscous.
 
 Faces keep a fingertip smaller than an edge from slipping through. A facet stands for a surface that bends round the
-fingertip: where its corners lie on the sphere, its middle would lie deeper by the sagitta, and keeping that out as well
-would push the corners too far. So a facet with edges e meets a sphere smaller by
+fingertip: where its corners lie on the sphere, its middle would lie deeper by the sagitta,
 
     s = (|e_12|^2 + |e_23|^2 + |e_31|^2) / 18 R
 
-and a vertex the whole sphere. (One sphere for all of a facet, or a contact that slides on it would gain energy.)
-Where several faces share a vertex, each moves its
-share of the vertex's mass (Tonge's mass splitting), so that the result does not depend on an order.
+with edges e. So one that is small beside the fingertip (s < R / 8) is kept out by its corners alone: to push at its
+middle too would be to ask for twice what there is to move, and the surplus shows as side force and creep. A larger
+one meets a sphere smaller by R / 4 - s, and a vertex the whole sphere. (One sphere for all of a facet, or a contact
+that slides on it would gain energy.) Where several faces share a vertex, each moves its share of the vertex's mass
+(Tonge's mass splitting), so that the result does not depend on an order.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ LEAST_SWEEPS = 2  # where faces are touched: the second stops what slides on aft
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
-MOST_SAGITTA = 0.125  # of the radius: a facet with more bends less round the fingertip, one with twice that not at all
+MOST_SAGITTA = 0.125  # of the radius: a facet with less is kept out by its corners, one with twice that is stiff
+NEAR = 0.0625  # of the radius: farther from a fingertip than that, what is at rest stays clear of it for a tick
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
 
@@ -66,15 +68,23 @@ class Step:
         return np.minimum(self.dt, self.travel / np.maximum(speed, _TINY))
 
 
-def candidates(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, reach: float) -> tuple[Ints, Ints]:
-    """Return the free vertices within reach of a centre and the triangles (t, 3) whose bounding sphere is."""
+def candidates(
+    x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, radius: float, margin: float
+) -> tuple[Ints, Ints]:
+    """Find what a fingertip of a radius [m] may meet that is no farther from it than a margin [m].
+
+    Returns:
+        the free vertices, and the triangles (t, 3) too large to bend round it whose bounding sphere is within reach.
+    """
+    reach = radius + margin
     near = ((x - centre[:, None]) ** 2).sum(axis=0) < reach**2
     corners = x[:, triangles.T]
     middle = corners.sum(axis=1) / 3
     extent = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=0).max(axis=0))
-    hit = np.flatnonzero(((middle - centre[:, None]) ** 2).sum(axis=0) < (reach + extent) ** 2)
-    movable = (inverse_mass[triangles[hit]] > 0).any(axis=1)
-    return np.flatnonzero(near & (inverse_mass > 0)), triangles[hit[movable]]
+    hit = ((middle - centre[:, None]) ** 2).sum(axis=0) < (reach + extent) ** 2
+    hit &= _bulge(corners.transpose(0, 2, 1), radius) >= MOST_SAGITTA * radius
+    hit &= (inverse_mass[triangles] > 0).any(axis=1)
+    return np.flatnonzero(near & (inverse_mass > 0)), triangles[hit]
 
 
 def resolve(
@@ -177,12 +187,17 @@ def _push(
 
 def sagitta(corners: Floats, radius: float) -> Floats:
     """Return how much smaller (c,) [m] a sphere meets facets (3, c, 3) than vertices (3, c, 1), which meet it whole."""
-    total = np.zeros(corners.shape[1])
-    if corners.shape[2] == 3:
-        edges = corners - np.roll(corners, 1, axis=2)
-        total = (edges * edges).sum(axis=(0, 2))
-    total /= 18 * radius
-    return np.minimum(total, np.maximum(2 * MOST_SAGITTA * radius - total, 0.0))
+    if corners.shape[2] == 1:
+        return np.zeros(corners.shape[1])
+    whole = _bulge(corners, radius)
+    return np.minimum(whole, np.maximum(2 * MOST_SAGITTA * radius - whole, 0.0))
+
+
+def _bulge(corners: Floats, radius: float) -> Floats:
+    """Return how far (c,) [m] a sphere bulges beyond the middle of facets (3, c, 3) whose corners lie on it."""
+    edges = corners - np.roll(corners, 1, axis=2)
+    bulge: Floats = (edges * edges).sum(axis=(0, 2)) / (18 * radius)
+    return bulge
 
 
 def _inward(corners: Floats) -> Floats:

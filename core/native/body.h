@@ -16,6 +16,7 @@
 #define DM_TOO_NEAR 1e-5
 #define DM_WEIGHT_FLOOR 1e-6
 #define DM_MOST_SAGITTA 0.125
+#define DM_NEAR 0.0625
 #define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the four below */
 #define DM_FINGER_TRAVEL 0.25
 #define DM_LARGEST_GROWTH 100.0

@@ -92,13 +92,17 @@ DM_INLINE dm_quad dm_inward_normal(const dm_state *b, const uint32_t *corner) {
     return normal / (size > DM_TINY ? size : DM_TINY);
 }
 
-/* How far the fingertip bulges beyond the middle of a facet whose corners lie on it: sum of |e|^2 / 18 R; it fades
- * for one too large to bend round it. */
-DM_INLINE dm_lanes dm_sagitta(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_real radius) {
+/* How far the fingertip bulges beyond the middle of a facet whose corners lie on it: sum of |e|^2 / 18 R. */
+DM_INLINE dm_lanes dm_bulge(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_real radius) {
     dm_vec3 a = dm_sub(p, q), b = dm_sub(q, r), c = dm_sub(r, p);
-    dm_lanes sum = (dm_dot(a, a) + dm_dot(b, b) + dm_dot(c, c)) * dm_splat(1 / (18 * radius));
-    dm_lanes left = dm_vmax(dm_splat(2 * (dm_real)DM_MOST_SAGITTA * radius) - sum, dm_splat(0));
-    return dm_blend((dm_mask)(sum < left), sum, left);
+    return (dm_dot(a, a) + dm_dot(b, b) + dm_dot(c, c)) * dm_splat(1 / (18 * radius));
+}
+
+/* The same of what is too large to bend round it: it fades. */
+DM_INLINE dm_lanes dm_sagitta(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_real radius) {
+    dm_lanes whole = dm_bulge(p, q, r, radius);
+    dm_lanes left = dm_vmax(dm_splat(2 * (dm_real)DM_MOST_SAGITTA * radius) - whole, dm_splat(0));
+    return dm_blend((dm_mask)(whole < left), whole, left);
 }
 
 /* List the faces inside a sphere with their nearest points, and count the contacts at each corner. */

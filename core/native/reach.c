@@ -35,7 +35,8 @@ static void dm_find_near_vertices(const dm_state *b, dm_near *t, dm_real reach) 
     }
 }
 
-/* A triangle is within reach when the sphere round its middle that holds its corners is. */
+/* A triangle is within reach when the sphere round its middle that holds its corners is. One that bends round the
+ * fingertip meets it with its corners alone. */
 static void dm_find_near_faces(const dm_state *b, dm_near *t, dm_real reach) {
     dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
     dm_lanes third = dm_splat((dm_real)1 / 3);
@@ -60,6 +61,7 @@ static void dm_find_near_faces(const dm_state *b, dm_near *t, dm_real reach) {
             dm_lanes most = dm_vmax(dm_vmax(dm_dot(x, x), dm_dot(y, y)), dm_dot(z, z));
             dm_lanes limit = dm_splat(reach) + dm_vsqrt(most);
             dm_mask near = (dm_mask)(dm_dot(middle, middle) < limit * limit);
+            near &= (dm_mask)(dm_bulge(x, y, z, t->radius) >= dm_splat((dm_real)DM_MOST_SAGITTA * t->radius));
             for (int64_t l = 0; dm_any_of(near) && l < DM_LANES && i + l < end; l++) {
                 const uint32_t *at = face[l];
                 if (near[l] && (b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0))
@@ -112,7 +114,7 @@ static void dm_find_near(dm_state *b, const dm_motion *m) {
     double speed = (double)dm_greatest_speed(b);
     dm_bound_boxes(b);
     for (dm_near *to = b->touches; to < b->touches + b->finger_count; to++) {
-        dm_real reach = (dm_real)(to->reach + 2 * speed * m->tick);
+        dm_real reach = (dm_real)(to->reach + 2 * speed * m->tick) + (dm_real)DM_NEAR * to->radius;
         dm_find_near_vertices(b, to, reach);
         dm_find_near_faces(b, to, reach);
         dm_list_noted(b, to);

@@ -71,9 +71,10 @@ def acceleration_of(model: Model, state: State) -> Floats:
 
 def reach(model: Model, state: State, start: Floats, end: Floats, radius: float, speed: float, tick: float) -> Touch:
     """Find what a fingertip going from start to end (3,) may touch in a tick [s], vertices moving at speed [m/s]."""
-    margin = 2 * float(np.linalg.norm(end - start)) + 2 * speed * tick
+    # what a body at rest touches is near too, though nothing moves
+    margin = 2 * float(np.linalg.norm(end - start)) + 2 * speed * tick + contact.NEAR * radius
     vertices, triangles = contact.candidates(
-        state.positions, model.mesh.triangles, model.inverse_mass, end, radius + margin
+        state.positions, model.mesh.triangles, model.inverse_mass, end, radius, margin
     )
     return Touch(centre=end, velocity=(end - start) / tick, radius=radius, vertices=vertices, triangles=triangles)
 

@@ -47,7 +47,7 @@ def test_the_impulse_on_the_fingertip_is_minus_that_on_the_skin(seed: int, radiu
     a, b, c = x[:, mesh.triangles[rng.integers(80)]].T
     outward = np.cross(b - a, c - a)
     centre = (a + b + c) / 3 + 0.8 * radius * outward / np.linalg.norm(outward)
-    vertices, faces = candidates(x, mesh.triangles, 1 / mass, centre, radius + 0.5)
+    vertices, faces = candidates(x, mesh.triangles, 1 / mass, centre, radius, 0.5)
     towards = rng.normal(size=3) - 3 * outward / np.linalg.norm(outward)
     touch = Touch(centre=centre, velocity=towards, radius=radius, vertices=vertices, triangles=faces)
     before = v.copy()
@@ -68,7 +68,7 @@ def test_a_fingertip_with_its_centre_on_the_skin_pushes_it_inward_as_one_just_ou
     for away in (0.0, 1e-9, 1e-3):
         x, v = mesh.rest_positions.T.copy(), np.zeros((3, 42))
         centre = weights @ corners + 0.1 * away * outward
-        vertices, faces = candidates(x, mesh.triangles, np.ones(42), centre, 0.5)
+        vertices, faces = candidates(x, mesh.triangles, np.ones(42), centre, 0.1, 0.4)
         touch = Touch(centre=centre, velocity=-outward, radius=0.1, vertices=vertices, triangles=faces)
         pushed.append((resolve(x, v, touch, np.ones(42), np.zeros(42), Step(1e-4)), x - mesh.rest_positions.T))
     for impulse, moved in pushed[:2]:

@@ -83,7 +83,8 @@ def test_what_intersects_at_the_start_is_refused_and_nothing_is_changed(
 
 
 def test_a_body_that_is_to_be_moved_apart_plays_where_it_would_be_refused(
-    bpy: ModuleType, scene: Any, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes], shown: Shown
+    bpy: ModuleType, scene: Any, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes],
+    shown: Shown,
 ) -> None:
     obj, cube = pushed()
     cube.animation_data_clear()
