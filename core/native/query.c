@@ -116,7 +116,7 @@ static void dm_order_candidates(dm_scene_state *s) {
         s->sorted = room(2 * count, sizeof *s->sorted), s->sorted_room = s->sorted ? 2 * count : 0;
         if (!s->sorted) s->code = DM_MEMORY;
     }
-    if (!dm_has_room(s)) return;
+    if (!count || !dm_has_room(s)) return;
     for (uint32_t k = 0; k < count; k++)
         dm_number_pair(s, s->pairs + s->candidates[k], number), s->bins[number[0] + 1]++;
     for (int64_t k = 0; k < s->vertex_count; k++) s->bins[k + 1] += s->bins[k];
