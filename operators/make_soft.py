@@ -1,5 +1,6 @@
 """Make Soft: everything that a bare mesh needs to be pressed, in one click; what changes the mesh itself is asked."""
 
+import math
 from typing import TYPE_CHECKING
 
 import bpy
@@ -13,10 +14,12 @@ from .sizing import scale_of, settle_size
 if TYPE_CHECKING:
     import numpy as np
 
-FINE = 1.1  # fingertip radii: edges no longer than this show a dent that is the fingertip's own
+# edges [fingertip radii]: up to the first a dent is the fingertip's own; up to the second a press by force is as deep
+# on a vertex as beside it, within 5 %, so it is cut that fine where so many vertices do
+SHOWN, PRESSED, LIVE = 1.1, 0.6, 8_000
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
 MOST_VERTICES = 40_000  # of a mesh that is subdivided
-ROUNDS = 7  # of halving edges
+ROUNDS = 7  # of cutting edges
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
 
 
@@ -110,7 +113,8 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
             raise DimpleError(
                 f'"{obj.name}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.'
             )
-        refine(obj, FINE * context.scene.dimple.finger_radius_mm / 1e3 / scale_of(context.scene, obj))
+        radius = context.scene.dimple.finger_radius_mm / 1e3 / scale_of(context.scene, obj)
+        refine(obj, radius)
     _, model = bridge.read_body(context, obj)
     planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
     size = f"{1e3 * model.mesh.size:.3g} mm"
@@ -159,18 +163,21 @@ def edge_lengths(mesh: bpy.types.Mesh) -> "np.ndarray":
     return np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=1)
 
 
-def refine(obj: bpy.types.Object, longest: float) -> None:
-    """Halve the edges of a mesh until none is longer than this [units of the mesh]; its shape stays."""
+def refine(obj: bpy.types.Object, radius: float) -> None:
+    """Cut the edges of a mesh in even parts until none is too long for a fingertip of a radius [units of the mesh]."""
     import bmesh
 
     made = bmesh.new()
     try:
         made.from_mesh(obj.data)
+        area = sum(face.calc_area() for face in made.faces)
+        longest = max(PRESSED * radius, min(SHOWN * radius, (area / LIVE) ** 0.5), (area / MOST_VERTICES) ** 0.5)
         for _ in range(ROUNDS):
             long = [edge for edge in made.edges if edge.calc_length() > longest]
-            if not long or len(made.verts) + len(long) > MOST_VERTICES:
+            cuts = math.ceil(min((edge.calc_length() for edge in long), default=0.0) / longest) - 1
+            if not long or len(made.verts) + cuts * len(long) > MOST_VERTICES:
                 break
-            bmesh.ops.subdivide_edges(made, edges=long, cuts=1, use_grid_fill=True)
+            bmesh.ops.subdivide_edges(made, edges=long, cuts=cuts, use_grid_fill=True)
         made.to_mesh(obj.data)
     finally:
         made.free()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 Bits = Callable[[Any], bytes]
+TIP, FORCE = 0.01, 15.0  # [m], [N]
 PRESS: dict[str, Any] = {"force_n": 4.0, "press_s": 0.1, "hold_s": 0.2, "release_s": 0.0, "keep": True}
 
 
@@ -23,11 +24,33 @@ def test_a_bare_cube_is_ready_for_its_first_press(bpy: ModuleType, bare: Any) ->
     settings = bare.active_material.dimple
     assert settings.K1 == pytest.approx(0.61) and "Hosei" in settings.provenance
     assert bare.dimple.enabled and bare.dimple.size_mode == "CUSTOM" and bare.dimple.size_mm == 165
-    assert 500 < len(bare.data.vertices) < 5000 and bare.dimple.plan_key, "it is planned already"
+    assert 500 < len(bare.data.vertices) < 8000 and bare.dimple.plan_key, "it is planned already"
     top = max(vertex.co.z for vertex in bare.data.vertices)
     bpy.ops.dimple.poke(**PRESS)
     heights = np.array([vertex.co.z for vertex in bare.data.vertices])
     assert heights[np.hypot(*np.array([v.co.xy for v in bare.data.vertices]).T) < 0.1].min() < top - 0.02
+
+
+@pytest.mark.parametrize("K1", [0.3, 3.0])
+def test_a_press_by_force_is_as_deep_as_the_law_says_on_a_vertex_and_beside_it(
+    bpy: ModuleType, bare: Any, sessions: Any, K1: float
+) -> None:
+    from bl_ext.user_default.dimple.core.session import Finger
+    from bl_ext.user_default.dimple.operators import live
+
+    bpy.ops.dimple.make_soft(subdivide=True)
+    body, _ = sessions.start(bare, bpy.context)
+    bare.active_material.dimple.K1 = K1
+    live.advance(bpy.context, 1e-3)
+    law, mesh = body.session.model.materials[0].law, body.session.model.mesh
+    edge = float(np.median(mesh.rest_lengths))
+    for aside in ((0.0, 0.0), (0.5, 0.0), (0.5, 0.5)):  # of an edge: on a vertex, an edge and a face
+        at = (edge * aside[0], edge * aside[1], mesh.size / 2 + TIP)
+        for force in (0.0, FORCE):
+            body.session.set_fingers([Finger(at, TIP, force)])
+            body.session.step(1.0)
+        assert law(0.95 * body.frame.depths[0]) < FORCE < law(1.05 * body.frame.depths[0]), (aside, body.frame)
+    sessions.stop_all()
 
 
 def test_the_mesh_is_cut_only_when_asked_and_keeps_its_shape(
