@@ -129,7 +129,7 @@ static void dm_order_candidates(dm_scene_state *s) {
         for (; j > 0 && dm_comes_before(s, own, s->sorted[j - 1]); j--) s->sorted[j] = s->sorted[j - 1];
         s->sorted[j] = own;
     }
-    memcpy(s->candidates, s->sorted, count * sizeof *s->sorted);
+    if (count) memcpy(s->candidates, s->sorted, count * sizeof *s->sorted);
 }
 
 /* List the pairs that may touch before the next query. */
