@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from math import isfinite
+from typing import NamedTuple
 
 from .body.model import Model
 from .solver.motion import FingertipMotion, Touch, Vector
@@ -12,8 +14,7 @@ from .solver.pushed import Pushed, advance
 NOWHERE = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Finger:
+class Finger(NamedTuple):
     """A fingertip: a sphere that goes to a given place, or is pushed by a force.
 
     position: of its centre (3,) [m]; of one that is pushed, where it touches before it goes in.
@@ -36,6 +37,8 @@ class FingerOnItsWay:
     origin: where it was at the begin [m]; of one that is pushed, where it would be without the force.
     here: where it is [m].
     fresh: no tick has moved it since it was put down.
+    impulse: that the body has given it in the step under way [N s].
+    touch: how it met the body at the end of the last ticks, None where there were none.
     pushed: how far the force has pushed it, None where its place is prescribed.
     """
 
@@ -43,6 +46,8 @@ class FingerOnItsWay:
     origin: Vector
     here: Vector
     fresh: bool = True
+    impulse: Vector = NOWHERE
+    touch: Touch | None = None
     pushed: Pushed | None = None
 
     def motion(self, first: float, last: float) -> FingertipMotion:
@@ -51,16 +56,25 @@ class FingerOnItsWay:
         late = soon if last == first else self._at(last)
         return FingertipMotion(self.here, soon, late, self.target.radius, self.fresh)
 
-    def push(self, model: Model, touch: Touch | None, seconds: float, tick: float) -> None:
-        """Move one that a force pushes by a tick [s]; touch: of the last ticks, which took so many seconds."""
+    def take(self, touch: Touch, seconds: float) -> float:
+        """Go where it is after some ticks; return what work it did on the body in those seconds [J]."""
+        # force and way of straight, even motion: the work is exact
+        work = -along(touch.centre, self.here, touch.impulse) / seconds
+        self.here, self.fresh, self.touch = touch.centre, False, touch
+        (a, b, c), (x, y, z) = self.impulse, touch.impulse
+        self.impulse = a + x, b + y, c + z
+        return work
+
+    def push(self, model: Model, seconds: float, tick: float) -> None:
+        """Move one that a force pushes by a tick [s]; the last ticks took so many seconds."""
         if self.pushed and self.target.force is not None:
-            reaction = along(touch.impulse, NOWHERE, self.target.inward) / seconds if touch else 0.0
+            reaction = along(self.touch.impulse, NOWHERE, self.target.inward) / seconds if self.touch else 0.0
             radius = self.target.radius
             self.pushed = advance(self.pushed, self.target.force, reaction, model=model, radius=radius, tick=tick)
 
     def finger(self) -> Finger:
         """Return where it is to be; one that is pushed, where it has been pushed."""
-        return replace(self.target, position=self.here) if self.pushed else self.target
+        return self.target._replace(position=self.here) if self.pushed else self.target
 
     def scale(self, scale: float) -> None:
         """Multiply all lengths, as if it had just been put down."""
@@ -73,6 +87,12 @@ class FingerOnItsWay:
             return at
         way, (x, y, z) = self.pushed.way, self.target.inward
         return at[0] + way * x, at[1] + way * y, at[2] + way * z
+
+
+def is_possible(finger: Finger) -> bool:
+    """Tell whether a fingertip has a place and a force that are numbers, and a size."""
+    position, radius, force, inward = finger
+    return len(position) == 3 and radius > 0 and isfinite(sum(position) + sum(inward) + radius + (force or 0.0))
 
 
 def sent(tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | None:

@@ -9,9 +9,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import zip_longest
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,77 +16,19 @@ import numpy.typing as npt
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
+from .fingertip import NOWHERE, FingerOnItsWay, between, is_possible, sent
 from .fingertip import Finger as Finger
-from .fingertip import FingerOnItsWay, along, between, sent
+from .frame import Frame as Frame
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
 from .reduction.binding import carry
 from .reduction.proxy import Proxy
 from .solver import motion
 from .solver.backend import choose_backend, create
-from .solver.motion import MAX_STEPS, FingertipMotion, Motion, PinMotion
+from .solver.motion import MAX_STEPS, Motion, PinMotion
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
-
-
-class Frame(NamedTuple):
-    """What a session shows after a step.
-
-    time: [s].
-    finger_forces: (k, 3) on the fingertips, mean over the step [N].
-    law_forces: (k,) K(x) of Eq. (1) [N].
-    depths: (k,) the x of Eq. (1) [m].
-    materials: (k,) which of the model's each is nearest to, -1 where none is down.
-    pressure: [Pa].
-    volume: [m3].
-    rest_volume: [m3].
-    substeps: in a tick.
-    steps: ticks done.
-    cost: wall time [s].
-    total_steps: substeps since the start.
-    total_cost: wall time since the start [s].
-    work: of the fingertips on the body since the start [J].
-    finite: False where the body has blown up.
-    note: "" or a sentence.
-    """
-
-    time: float
-    finger_forces: Floats
-    law_forces: Floats
-    depths: Floats
-    materials: tuple[int, ...]
-    pressure: float
-    volume: float
-    rest_volume: float
-    substeps: int
-    steps: int
-    cost: float
-    total_steps: int
-    total_cost: float
-    work: float
-    finite: bool
-    note: str
-
-
-@dataclass(slots=True, kw_only=True)
-class _Step:
-    """A step under way.
-
-    started: on the clock [s].
-    due: the tick that ends it.
-    impulses: on the fingertips so far [N s].
-    done: ticks.
-    note: "" or why it ended.
-    pins: where they are led in the motion under way.
-    """
-
-    started: float
-    due: int
-    impulses: list[motion.Vector]
-    done: int = 0
-    note: str = ""
-    pins: PinMotion | None = None
 
 
 class Session:
@@ -101,6 +40,7 @@ class Session:
     backend: "native" (single precision), "native64" or "numpy".
     backend_note: "" or why it is numpy, for the artist.
     frame: what the last step showed.
+    most: ticks in a motion of the step under way.
     """
 
     def __init__(self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None) -> None:
@@ -122,13 +62,14 @@ class Session:
         self.body.set_state(self._moves.matching.rest)
         self._time, self._ticks, self._cost, self._work = 0.0, 0, 0.0, 0.0
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
-        self._pushes = False  # a force pushes one of them
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
         self._pins_target: Floats | None = None
+        self._pins: PinMotion | None = None  # of the motion under way
         self._shown: npt.NDArray[np.float32] | None = None  # what `positions` returned, until something moves
         self._last = motion.Frame((), (0.0,) * 12, self.body.model.mesh.volume, 0.0, 0, True)
-        self.frame = self._show(np.zeros((0, 3)), 0, 0.0, "")
+        self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
+        self.frame = self._show((), self.tick)
 
     def set_fingers(self, fingers: Sequence[Finger | None]) -> None:
         """Say where up to three fingertips are at the end of the next step; None lifts one off.
@@ -139,13 +80,9 @@ class Session:
         if len(fingers) > MAX_FINGERS:
             raise DimpleError(f"There are at most {MAX_FINGERS} fingertips.")
         for finger in fingers:
-            if finger and not (finger.radius > 0 and len(finger.position) == 3 and math.isfinite(
-                sum(finger.position) + sum(finger.inward) + finger.radius + (finger.force or 0.0)
-            )):  # fmt: skip
+            if finger and not is_possible(finger):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
-        before = [*self._tips, *[None] * len(fingers)]
-        self._tips = [sent(tip, finger) for tip, finger in zip(before, fingers, strict=False)]
-        self._pushes = any(tip is not None and tip.pushed is not None for tip in self._tips)
+        self._tips = list(map(sent, [*self._tips, None, None, None], fingers))
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -188,9 +125,9 @@ class Session:
             DimpleError: dt is negative or not a number.
         """
         self.begin(dt)
-        started, most = time.perf_counter(), MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
-        while self.due and self.take(self.body.step(self.next_motion(min(self.due, self.most, most)))):
-            if budget is not None and time.perf_counter() - started > budget and self.due:
+        most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
+        while (due := self.due) and self.take(self.body.step(self.next_motion(min(due, self.most, most)))):
+            if budget is not None and time.perf_counter() - self._started > budget and self.due:
                 return self.finish(early=True)
         return self.finish()
 
@@ -202,73 +139,69 @@ class Session:
         """
         if not 0 <= dt < math.inf:
             raise DimpleError(f"A step of time must be 0 s or longer (it is {dt}).")
-        self._begin, self._end = self._time, self._time + dt
-        self._way = _Step(
-            started=time.perf_counter(), due=math.floor(self._end / self.tick + 1e-6),
-            impulses=[(0.0, 0.0, 0.0)] * len(self._tips),
-        )  # fmt: skip
+        self._begin, self._end, self._started = self._time, self._time + dt, time.perf_counter()
+        self._last_tick = math.floor(self._end / self.tick + 1e-6)
+        self._done, self._note, self.most = 0, "", MAX_STEPS
+        for tip in self._tips:
+            if tip:
+                tip.impulse = NOWHERE
+                if tip.pushed:
+                    self.most = 1  # each tick moves it
 
     @property
     def due(self) -> int:
         """Return how many ticks of the step under way are left."""
-        return 0 if self._way.note else max(self._way.due - self._ticks, 0)
+        return 0 if self._note else max(self._last_tick - self._ticks, 0)
 
-    @property
-    def most(self) -> int:
-        """Return how many ticks a motion may have."""
-        return 1 if self._pushes else MAX_STEPS  # each tick moves what is pushed
+    def next_motion(self, ticks: int, *, substeps: int = 0) -> Motion:
+        """Return what happens in some ticks of the step under way.
 
-    def next_motion(self, ticks: int, *, substeps: int | None = None) -> Motion:
-        """Return what happens in some ticks of the step under way."""
-        if self._pushes:
-            seconds = max(self._last.ticks, 1) * self.tick
-            for tip, touch in zip_longest(self._tips, self._last.touches if self._last.ticks else ()):
-                if tip:
-                    tip.push(self.body.model, touch, seconds, self.tick)
+        Args:
+            substeps: in each of them, if not as many as the model needs.
+        """
+        for tip in self._tips if self.most == 1 else ():
+            if tip and tip.pushed:
+                tip.push(self.body.model, max(self._last.ticks, 1) * self.tick, self.tick)
         first = last = self._share((self._ticks + ticks) * self.tick)
         if ticks > 1:
             first = self._share((self._ticks + 1) * self.tick)
-        self._way.pins = self._pins(first, last)
+        self._pins = None if self._pins_target is None else self._led(self._pins_target, first, last)
         self._bend(ticks)
-        return Motion(ticks, substeps or self.substeps, self.tick, self._fingertips(first, last), self._way.pins)
+        tips = tuple([tip.motion(first, last) if tip else None for tip in self._tips])
+        return Motion(ticks, substeps or self.substeps, self.tick, tips, self._pins)
 
     def take(self, result: motion.Frame) -> bool:
         """Take what a motion came to; tell whether the step goes on."""
-        self._last, way = result, self._way
+        self._last = result
         self._ticks += result.ticks
+        self._done += result.ticks
         if result.moved:
             self._shown = None
-        if way.pins and way.pins.last >= 1 and self._pins_target is not None:  # they have arrived
+        if self._pins and self._pins.last >= 1 and self._pins_target is not None:  # they have arrived
             self._pins_origin, self._pins_target = self._pins_target, None
-        for i, (tip, touch) in enumerate(zip(self._tips, result.touches, strict=True)):
+        for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
-                # force and way of straight, even motion: the work is exact
-                self._work -= along(touch.centre, tip.here, touch.impulse) / (result.ticks * self.tick)
-                tip.here, tip.fresh = touch.centre, False
-                (a, b, c), (x, y, z) = way.impulses[i], touch.impulse
-                way.impulses[i] = a + x, b + y, c + z
-        way.done += result.ticks
+                self._work += tip.take(touch, result.ticks * self.tick)
         if not result.finite:
-            at = self._ticks * self.tick
+            at, done = self._ticks * self.tick, self._done
             self.reset()
-            way.note = f"The simulation blew up after {at:.3f} s and was put back to rest: soften the material."
+            note = f"The simulation blew up after {at:.3f} s and was put back to rest: soften the material."
+            self._done, self._note = done, note
         return result.finite
 
     def finish(self, *, early: bool = False) -> Frame:
         """End the step under way, or what has been done of it, and return what it shows."""
-        way = self._way
-        end = self._ticks * self.tick if early else self._end
-        if not way.note:
-            if not way.done:
+        if not self._note:
+            if not self._done:
                 self._last = self._measured()
+            end = self._ticks * self.tick if early else self._end
             self._move_origins(self._share(end))
             self._time = end
-        forces, impulses = self.frame.finger_forces, way.impulses  # as before where no tick was due
-        if way.done or len(forces) != len(impulses):
-            forces = np.array(impulses) if impulses else np.zeros((0, 3))
-            forces /= max(way.done, 1) * self.tick
-        cost = time.perf_counter() - way.started
-        self.frame = self._show(forces if not way.note else forces[:0], way.done, cost, way.note)
+        impulses, seconds = self.frame.impulses, self.frame.seconds  # as before where no tick was due
+        if self._done or len(impulses) != len(self._tips):
+            impulses = tuple([tip.impulse if tip else NOWHERE for tip in self._tips])
+            seconds = max(self._done, 1) * self.tick
+        self.frame = self._show(impulses, seconds)
         return self.frame
 
     def bent_model(self) -> Model:
@@ -353,7 +286,6 @@ class Session:
         # the vertices of the mesh whose places are prescribed
         self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
         self._followed = self._pinned if proxy is None else np.union1d(self._pinned, proxy.still)
-        self._material_of = model.mesh.triangle_material.tolist()
         return moves
 
     def _share(self, time: float) -> float:
@@ -371,13 +303,11 @@ class Session:
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
-        result = self.body.step(Motion(0, self.substeps, self.tick, self._fingertips(0.0, 0.0)))
+        tips = tuple([tip.motion(0.0, 0.0) if tip else None for tip in self._tips])
+        result = self.body.step(Motion(0, self.substeps, self.tick, tips))
         for tip in filter(None, self._tips):
-            tip.fresh = False
+            tip.fresh, tip.touch = False, None
         return result
-
-    def _fingertips(self, first: float, last: float) -> tuple[FingertipMotion | None, ...]:
-        return tuple([tip.motion(first, last) if tip else None for tip in self._tips])
 
     def _bend(self, ticks: int) -> None:
         """Let the shape at rest go on in the ticks that follow."""
@@ -391,12 +321,10 @@ class Session:
         if done == 1:
             self._bent_target = None
 
-    def _pins(self, first: float, last: float) -> PinMotion | None:
-        if self._pins_target is None:
-            return None
-        if self._pins_origin is self._pins_target:  # the step before ended between two ticks
+    def _led(self, target: Floats, first: float, last: float) -> PinMotion:
+        if self._pins_origin is target:  # the step before ended between two ticks
             first = last = 1.0
-        return PinMotion(self._pins_origin[:, self._pinned], self._pins_target[:, self._pinned], first, last)
+        return PinMotion(self._pins_origin[:, self._pinned], target[:, self._pinned], first, last)
 
     def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
@@ -415,24 +343,11 @@ class Session:
         v = self.body.velocities().T
         return v if self.proxy is None else self.proxy.binding.blend(v)
 
-    def _show(self, forces: Floats, steps: int, cost: float, note: str) -> Frame:
+    def _show(self, impulses: tuple[motion.Vector, ...], seconds: float) -> Frame:
+        cost, last = time.perf_counter() - self._started, self._last
         self._cost += cost
-        touches = self._last.touches
         return Frame(
-            self._time,
-            forces,
-            np.array([touch.law_force if touch else 0.0 for touch in touches]),
-            np.array([max(touch.depth, 0.0) if touch else 0.0 for touch in touches]),
-            tuple([self._material_of[touch.triangle] if touch else -1 for touch in touches]),
-            self._last.pressure,
-            self._last.volume * self._volume_scale,
-            self.body.rest_volume * self._volume_scale,
-            self.substeps,
-            steps,
-            cost,
-            self._ticks * self.substeps,
-            self._cost,
-            self._work,
-            not note,
-            note,
-        )
+            self._time, impulses, seconds, last.touches, self.model.mesh, last.pressure,
+            last.volume * self._volume_scale, self.body.rest_volume * self._volume_scale, self.substeps, self._done,
+            cost, self._ticks * self.substeps, self._cost, self._work, self._note,
+        )  # fmt: skip

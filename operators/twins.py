@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import bpy
@@ -60,7 +59,7 @@ def moved(fingers: Fingers, here: LiveBody, there: LiveBody) -> list[Finger | No
     def placed(finger: Finger) -> Finger:
         at = there.link.scale * (way @ (Vector(finger.position) / here.link.scale))
         inward = (way.to_3x3() @ Vector(finger.inward)).normalized()
-        return replace(finger, position=tuple(at), inward=tuple(inward))
+        return finger._replace(position=tuple(at), inward=tuple(inward))
 
     return [finger and placed(finger) for finger in fingers]
 

@@ -66,8 +66,17 @@ def _letters(kind: Any) -> str:
     return _letters(kind._type_) * kind._length_ if issubclass(kind, ctypes.Array) else kind._type_
 
 
+def _packed(kind: Any, each: Any) -> list[struct.Struct]:
+    """Return a structure as flat numbers, of its three fingertips or touches none, the first, ...; the rest are 0."""
+    numbers, size = _letters(each), ctypes.sizeof(each)
+    return [
+        struct.Struct(_letters(kind).replace(3 * numbers, f"{count * numbers}{(3 - count) * size}x"))
+        for count in range(4)
+    ]
+
+
 # whole structures, written and read as flat numbers: far faster than field by field
-_PACKED_MOTION, _PACKED_FRAME = struct.Struct(_letters(CMotion)), struct.Struct(_letters(CFrame))
+_PACKED_MOTION, _PACKED_FRAME = _packed(CMotion, Fingertip), _packed(CFrame, CTouch)
 _LIFTED = (*[0.0] * 10, 0, 0)
 _NO_PINS = 0, 0, 0.0, 0.0
 _TOUCH_NUMBERS = len(_letters(CTouch))
@@ -107,7 +116,7 @@ class Body:
         weakref.finalize(self, self.library.dm_destroy, self._handle.value)
         # what every step hands over: made once
         self._step = self.library.dm_step
-        self._step_arguments = self._handle.value, addressof(self._motion), addressof(self._frame)
+        self._step_arguments = self._handle, byref(self._motion), byref(self._frame)
 
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
         """Give the living body the numbers of other models of the same meshes.
@@ -186,29 +195,36 @@ class Body:
 
     def pack(self, motion: Motion, to: CMotion) -> list[Floats]:
         """Write a motion as the library reads it; return the arrays it points to."""
-        numbers: list[Any] = [motion.ticks, motion.substeps, motion.tick]
-        for tip in motion.fingertips:
-            numbers += _LIFTED if tip is None else (
-                *tip.start, *tip.first, *tip.last, tip.radius, True, tip.fresh,
-            )  # fmt: skip
-        numbers += _LIFTED * (3 - len(motion.fingertips))
-        pins: list[Floats] = []
-        if motion.pins is None:
+        ticks, substeps, tick, tips, pins = motion
+        numbers: list[Any] = [ticks, substeps, tick]
+        for tip in tips:
+            if tip is None:
+                numbers += _LIFTED
+            else:
+                start, first, last, radius, fresh = tip
+                numbers += (*start, *first, *last, radius, True, fresh)
+        arrays: list[Floats] = []
+        if pins is None:
             numbers += _NO_PINS
         else:
-            pins = self._places(motion.pins)
-            numbers += (*(a.ctypes.data for a in pins), motion.pins.first, motion.pins.last)
-        _PACKED_MOTION.pack_into(to, 0, *numbers)
-        return pins
+            arrays = self._places(pins)
+            numbers += (*(a.ctypes.data for a in arrays), pins.first, pins.last)
+        _PACKED_MOTION[len(tips)].pack_into(to, 0, *numbers)
+        return arrays
 
     def unpack(self, motion: Motion, frame: CFrame) -> Frame:
         """Return what a motion that has been run came to."""
-        found = _PACKED_FRAME.unpack_from(frame)
-        touches = tuple([_touch(found, i * _TOUCH_NUMBERS) if tip else None for i, tip in enumerate(motion.fingertips)])
-        volume, pressure, ticks, finite, moved = found[-5:]
+        tips = motion.fingertips
+        a = _PACKED_FRAME[len(tips)].unpack_from(frame)
+        touches: list[Touch | None] = []
+        for tip in tips:
+            i = len(touches) * _TOUCH_NUMBERS
+            touch = Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11])
+            touches.append(touch if tip else None)
+        volume, pressure, ticks, finite, moved = a[-5:]
         if moved:
             self._placed = None
-        return Frame(touches, found[-17:-5], volume, pressure, ticks, bool(finite), bool(moved))
+        return Frame(tuple(touches), a[-17:-5], volume, pressure, ticks, finite != 0, moved != 0)
 
     def _places(self, pins: PinMotion) -> list[Floats]:
         """Return where pins start and end, as the library reads it."""
@@ -224,11 +240,6 @@ class Body:
             raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
 
 
-def _touch(a: tuple[Any, ...], i: int) -> Touch:
-    """Return the touch whose numbers begin at i."""
-    return Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11])
-
-
 def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int) -> list[Frame]:
     """Run a motion of each of several bodies of one library, on so many threads; the bits are those of `Body.step`.
 
@@ -239,8 +250,9 @@ def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int
         return []
     library, count = bodies[0].library, len(bodies)
     kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]
-    columns = zip(*(body._step_arguments for body in bodies), strict=True)
-    code = library.dm_step_many(count, *((c_void_p * count)(*column) for column in columns), workers)
+    places = [(body._handle.value, addressof(body._motion), addressof(body._frame)) for body in bodies]
+    columns = [(c_void_p * count)(*column) for column in zip(*places, strict=True)]
+    code = library.dm_step_many(count, *columns, workers)
     del kept
     if code:
         raise NativeError(f"dm_step_many: {library.dm_message(code).decode()}", code)

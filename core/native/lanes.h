@@ -72,6 +72,10 @@ DM_INLINE dm_lanes dm_dot(dm_vec3 a, dm_vec3 b) { return a.x * b.x + a.y * b.y +
 
 DM_INLINE dm_vec3 dm_sub(dm_vec3 a, dm_vec3 b) { return (dm_vec3){a.x - b.x, a.y - b.y, a.z - b.z}; }
 
+DM_INLINE dm_vec3 dm_rotated(const dm_vec3 *rows, dm_vec3 q, dm_vec3 offset) {
+    return (dm_vec3){dm_dot(rows[0], q) + offset.x, dm_dot(rows[1], q) + offset.y, dm_dot(rows[2], q) + offset.z};
+}
+
 DM_INLINE dm_vec3 dm_cross(dm_vec3 a, dm_vec3 b) {
     return (dm_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }

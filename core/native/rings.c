@@ -1,26 +1,23 @@
 /* The one pass over ordered one-rings: springs, dashpots, shape matching, normals and volume from a single gather. */
 #include "body.h"
 
-/* the vectors to the neighbours in a slot, and how fast they grow */
-DM_INLINE void dm_gather_slot(const dm_state *b, const dm_slot *s, dm_vec3 x, dm_vec3 v, dm_vec3 *arm,
-                              dm_vec3 *growth) {
-    dm_gather8(b->records, s->at, arm, growth);
-    *arm = dm_sub(*arm, x), *growth = dm_sub(*growth, v);
-}
-
-/* of an arm d that grows by w: |d|, 1 / d^2 and d.w */
+/* of an arm d that grows by w: d^2 and d.w */
 typedef struct {
-    dm_lanes root, inverse, closing;
+    dm_lanes square, closing;
 } dm_strain;
 
-DM_INLINE dm_strain dm_strain_of(dm_vec3 d, dm_vec3 w) {
-    dm_lanes square = dm_vmax(dm_dot(d, d), dm_splat(DM_TINY));
-    return (dm_strain){dm_vsqrt(square), dm_splat(1) / square, dm_dot(d, w)};
+/* Gather the vectors to the neighbours in a slot. */
+DM_INLINE dm_strain dm_gather_slot(const dm_state *b, const dm_slot *s, dm_vec3 x, dm_vec3 v, dm_vec3 *arm) {
+    dm_vec3 at, speed;
+    dm_gather8(b->records, s->at, &at, &speed);
+    *arm = dm_sub(at, x);
+    return (dm_strain){dm_vmax(dm_dot(*arm, *arm), dm_splat(DM_TINY)), dm_dot(*arm, dm_sub(speed, v))};
 }
 
 /* f = (k (1 - l0 / |d|) + t + c d.w / d^2) d, with one division: 1 / |d| = |d| / d^2 */
 DM_INLINE void dm_add_spring_force(const dm_slot *s, dm_vec3 d, dm_strain e, dm_vec3 *force) {
-    dm_lanes tension = s->stiffness + (s->damping * e.closing - s->pull * e.root) * e.inverse;
+    dm_lanes root = dm_vsqrt(e.square), inverse = dm_splat(1) / e.square;
+    dm_lanes tension = s->stiffness + (s->damping * e.closing - s->pull * root) * inverse;
     force->x += tension * d.x, force->y += tension * d.y, force->z += tension * d.z;
 }
 
@@ -30,10 +27,6 @@ DM_INLINE void dm_add_fan_normal(const dm_vec3 *arm, dm_vec3 *normal) {
     normal->x = normal->x + m.y * b.z - m.z * b.y; /* in this order each is two fused operations */
     normal->y = normal->y + m.z * b.x - m.x * b.z;
     normal->z = normal->z + m.x * b.y - m.y * b.x;
-}
-
-DM_INLINE dm_vec3 dm_rotated(const dm_vec3 *rows, dm_vec3 q, dm_vec3 offset) {
-    return (dm_vec3){dm_dot(rows[0], q) + offset.x, dm_dot(rows[1], q) + offset.y, dm_dot(rows[2], q) + offset.z};
 }
 
 /* -(k1 + (k2 - k1) max(1 - d0 / |u|, 0) + ...) u - c w: a spring of two slopes or more to the place at rest */
@@ -48,6 +41,23 @@ DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, const dm_piece *pi
     return (dm_vec3){-(k * u.x + m->damping * w.x), -(k * u.y + m->damping * w.y), -(k * u.z + m->damping * w.z)};
 }
 
+/* Add the forces of the springs of a ring, and six times the normal of its fan. */
+DM_INLINE void dm_add_ring(const dm_state *b, const dm_slot *s, int64_t count, dm_vec3 x, dm_vec3 v, dm_vec3 *force,
+                           dm_vec3 *normal) {
+    dm_vec3 arm[DM_MAX_NEIGHBOURS + 2], none = {dm_splat(0), dm_splat(0), dm_splat(0)};
+    /* each force a slot late: its root and division take as long as the next one's gather */
+    dm_strain strain = dm_gather_slot(b, s, x, v, arm);
+    for (int64_t k = 1; k < count; k++) {
+        dm_strain next = dm_gather_slot(b, s + k, x, v, arm + k);
+        dm_add_spring_force(s + k - 1, arm[k - 1], strain, force);
+        strain = next;
+    }
+    dm_add_spring_force(s + count - 1, arm[count - 1], strain, force);
+    /* the fan closes; where its triangles are odd in number, the last is turned alone */
+    arm[count] = arm[0], arm[count + 1] = none;
+    for (int64_t k = 0; k < count; k += 2) dm_add_fan_normal(arm + k, normal);
+}
+
 /* Set what comes next of every group but for the pressure, and the volume as far as rings span it; where the shape at
  * rest follows the body, `drift` becomes the rigid acceleration that shape matching must not leave. */
 DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
@@ -55,8 +65,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
     dm_lanes part[6] = {{0}}, dt = dm_splat((dm_real)b->dt), sixth = dm_splat((dm_real)1 / 6);
     dm_vec3 offset = dm_splat3(b->translation), none = {dm_splat(0), dm_splat(0), dm_splat(0)};
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
-    dm_vec3 gravity = dm_splat3(b->gravity), arm[DM_MAX_NEIGHBOURS + 2];
-    dm_strain strains[DM_MAX_NEIGHBOURS];
+    dm_vec3 gravity = dm_splat3(b->gravity);
     dm_vec3 rows[3] = {dm_splat3(b->rotation), dm_splat3(b->rotation + 3), dm_splat3(b->rotation + 6)};
     dm_vec3 turning[3] = {dm_splat3(b->turning), dm_splat3(b->turning + 3), dm_splat3(b->turning + 6)};
     dm_vec3 shifting = dm_splat3(b->turning + 9);
@@ -82,18 +91,8 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
         }
         const dm_slot *s = b->ring.slots + b->ring.start[g];
         int64_t count = b->ring.start[g + 1] - b->ring.start[g];
-        if (count) {
-            /* two loops, for a spring's root and division take as long as the next one's gather */
-            for (int64_t k = 0; k < count; k++) {
-                dm_gather_slot(b, s + k, x, v, arm + k, &w);
-                strains[k] = dm_strain_of(arm[k], w);
-            }
-            for (int64_t k = 0; k < count; k++) dm_add_spring_force(s + k, arm[k], strains[k], &force);
-            /* the fan closes; where its triangles are odd in number, the last is turned alone */
-            arm[count] = arm[0], arm[count + 1] = none;
-            for (int64_t k = 0; k < count; k += 2) dm_add_fan_normal(arm + k, &normal);
-            volume += dm_widen(dm_dot(x, normal));
-        }
+        if (count) dm_add_ring(b, s, count, x, v, &force, &normal);
+        if (count) volume += dm_widen(dm_dot(x, normal));
         /* held vertices have no inverse mass: they keep the velocity they were given */
         dm_lanes by = dt * m->inverse_mass, fall = dm_blend((dm_mask)(by > dm_splat(0)), dt, dm_splat(0));
         b->next[g].v = (dm_vec3){

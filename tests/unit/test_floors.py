@@ -21,6 +21,7 @@ FLOORS = {
     "core.apart": 3,
     "core.poke": 3,
     "core.fingertip": 3,
+    "core.frame": 3,
     "core.fields": 4,
     "core.energy": 4,
     "core.props": 5,

@@ -1,0 +1,73 @@
+"""What a session shows after a step."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .base import Floats
+from .mesh.surface import Mesh
+from .solver.motion import Touch, Vector
+
+
+class Frame(NamedTuple):
+    """What a session shows after a step; its arrays are made when somebody looks.
+
+    time: [s].
+    impulses: on the fingertips [N s], and
+    seconds: the time they took, of the last step that had a tick [s].
+    touches: one for each fingertip, None where it is lifted.
+    mesh: that is shown.
+    pressure: [Pa].
+    volume: [m3].
+    rest_volume: [m3].
+    substeps: in a tick.
+    steps: ticks done.
+    cost: wall time [s].
+    total_steps: substeps since the start.
+    total_cost: wall time since the start [s].
+    work: of the fingertips on the body since the start [J].
+    note: "" or a sentence.
+    """
+
+    time: float
+    impulses: tuple[Vector, ...]
+    seconds: float
+    touches: tuple[Touch | None, ...]
+    mesh: Mesh
+    pressure: float
+    volume: float
+    rest_volume: float
+    substeps: int
+    steps: int
+    cost: float
+    total_steps: int
+    total_cost: float
+    work: float
+    note: str
+
+    @property
+    def finger_forces(self) -> Floats:
+        """Return the mean forces (k, 3) on the fingertips [N]."""
+        return np.reshape(self.impulses, (-1, 3)) / self.seconds
+
+    @property
+    def law_forces(self) -> Floats:
+        """Return K(x) of Eq. (1) of each fingertip (k,) [N]."""
+        return np.array([touch.law_force if touch else 0.0 for touch in self.touches])
+
+    @property
+    def depths(self) -> Floats:
+        """Return the x of Eq. (1) of each fingertip (k,) [m]."""
+        return np.array([max(touch.depth, 0.0) if touch else 0.0 for touch in self.touches])
+
+    @property
+    def materials(self) -> tuple[int, ...]:
+        """Return which of the model's materials each fingertip (k,) is nearest to, -1 where none is down."""
+        return tuple([int(self.mesh.triangle_material[touch.triangle]) if touch else -1 for touch in self.touches])
+
+    @property
+    def finite(self) -> bool:
+        """Tell whether the body is whole: it has not blown up."""
+        return not self.note
