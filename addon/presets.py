@@ -30,9 +30,9 @@ class DIMPLE_PT_material_presets(PresetPanel, bpy.types.Panel):
         column.label(text="Measured Objects")
         draw_presets(column, PRESETS)
         column.label(text="From Rules and Data Sheets")
-        draw_presets(column, [preset for preset in EVERYDAY if preset.provenance != MADE_UP])
+        draw_presets(column, [preset for preset in EVERYDAY if not preset.provenance.startswith(MADE_UP)])
         column.label(text="Made Up")
-        draw_presets(column, [preset for preset in EVERYDAY if preset.provenance == MADE_UP])
+        draw_presets(column, [preset for preset in EVERYDAY if preset.provenance.startswith(MADE_UP)])
         self.layout.label(text="My Materials")
         own = DIMPLE_PT_material_presets
         if bpy.utils.preset_paths(own.preset_subdir):

@@ -31,11 +31,11 @@ def _ball(name: str, label: str, rule: str, radius: float, pressure: tuple[float
     return Preset(name=name, label=label, material=material, size=2 * radius, provenance=source)
 
 
-def _rubber(name: str, label: str, psi: float) -> Preset:
-    """Return a block of silicone of 50 mm whose stress at 100 % is given in psi."""
+def _rubber(name: str, label: str, psi: float, density: float) -> Preset:
+    """Return a block of silicone of 50 mm whose stress at 100 % is given in psi, and its density [kg/m3]."""
     stiffness = 2 * _PUNCH * psi * _PSI / 0.75
     material = Material(
-        K1=stiffness, K2=stiffness, x0=0.01, k=2_000, spread=0.005, density=1070, fill="none", damping_ratio=0.3,
+        K1=stiffness, K2=stiffness, x0=0.01, k=2_000, spread=0.005, density=density, fill="none", damping_ratio=0.3,
         indenter=Indenter(shape="punch", radius=_PUNCH),
     )  # fmt: skip
     source = (
@@ -82,7 +82,7 @@ EVERYDAY = (
             indenter=Indenter(shape="punch", radius=0.0126),
         ),
         size=0.04,
-        provenance="World Squash Federation, specification of the ball: 2.8 to 3.6 N/mm at 23 degrees C; 23 to 25 g",
+        provenance=f"{MADE_UP}; but the rules say 39.5 to 40.5 mm across and 23 to 25 g",
     ),
     _ball(
         "volleyball", "Volleyball", "FIVB rule 3: 65 to 67 cm round, 0.30 to 0.325 kgf/cm2, 260 to 280 g",
@@ -96,11 +96,13 @@ EVERYDAY = (
         "football", "Football", "Laws of the Game, law 2: 68 to 70 cm round, 0.6 to 1.1 atmospheres, 410 to 450 g",
         0.11, (0.6 * 101_325, 1.1 * 101_325), 0.43,
     ),
-    _rubber("ecoflex_00_10", "Silicone Ecoflex 00-10, 50 mm", 8),
-    _rubber("ecoflex_00_30", "Silicone Ecoflex 00-30, 50 mm", 10),
-    _rubber("dragon_skin_10", "Silicone Dragon Skin 10, 50 mm", 22),
+    _rubber("ecoflex_00_10", "Silicone Ecoflex 00-10, 50 mm", 8, 1040),
+    _rubber("ecoflex_00_30", "Silicone Ecoflex 00-30, 50 mm", 10, 1070),
+    _rubber("dragon_skin_10", "Silicone Dragon Skin 10, 50 mm", 22, 1070),
     _foam("sofa_foam", "Sofa foam, 380 mm", (25, 30), "sofa seats"),
-    _foam("chair_foam", "Office chair foam, 380 mm", (40, 45), "seats of office chairs"),
+    _foam(
+        "chair_foam", "Office chair foam, 380 mm", (35, 45), "medium firm to very firm foam, which we take a chair to have"
+    ),
     _made_up(
         "party_balloon", "Party balloon",
         Material(K1=300, K2=900, x0=0.06, k=500, spread=0.05, mass=0.003, indenter=FINGERTIP, damping_ratio=0.4), 0.28,

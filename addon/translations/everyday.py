@@ -32,8 +32,9 @@ WORDS = {
         "ITF テニス規則 付則 I、タイプ 2：板の間で 80.07 N のとき 5.6〜7.4 mm、つまり 10.8〜14.3 N/mm。56.0〜59.4 g"
     ),
     "Squash ball, double yellow dot": "スカッシュボール、ダブルイエロー",
-    "World Squash Federation, specification of the ball: 2.8 to 3.6 N/mm at 23 degrees C; 23 to 25 g": (
-        "世界スカッシュ連盟のボール規格：23 ℃ で 2.8〜3.6 N/mm。23〜25 g"
+    "Made up: no measurement stands behind it, only the feel of such an object in the hand; but the rules say 39.5 to "
+    "40.5 mm across and 23 to 25 g": (
+        "仮の値：測定はなく、手に持った感触だけによります。ただし規則では直径 39.5〜40.5 mm、23〜25 g"
     ),
     "Volleyball": "バレーボール",
     "FIVB rule 3: 65 to 67 cm round, 0.30 to 0.325 kgf/cm2, 260 to 280 g; K = 2 pi R p, from 19.4 to 21 N/mm, pressed "
@@ -57,9 +58,9 @@ WORDS = {
         _FOAM_JA.format(kind="ソファー座面", pounds="25〜30", range="4.45〜5.34")
     ),
     "Office chair foam, 380 mm": "事務椅子のフォーム、380 mm",
-    _FOAM.format(kind="seats of office chairs", pounds="40 to 45", range="7.12 to 8.01"): (
-        _FOAM_JA.format(kind="事務椅子座面", pounds="40〜45", range="7.12〜8.01")
-    ),
+    _FOAM.format(
+        kind="medium firm to very firm foam, which we take a chair to have", pounds="35 to 45", range="6.23 to 8.01"
+    ): _FOAM_JA.format(kind="やや硬め〜非常に硬いフォーム（椅子用とみなす）", pounds="35〜45", range="6.23〜8.01"),
     "Party balloon": "風船",
     "Kitchen sponge": "台所用スポンジ",
     "Pillow": "枕",
