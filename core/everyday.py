@@ -101,7 +101,7 @@ EVERYDAY = (
     _rubber("dragon_skin_10", "Silicone Dragon Skin 10, 50 mm", 22, 1070),
     _foam("sofa_foam", "Sofa foam, 380 mm", (25, 30), "sofa seats"),
     _foam(
-        "chair_foam", "Office chair foam, 380 mm", (35, 45), "medium firm to very firm foam, which we take a chair to have"
+        "chair_foam", "Office chair foam, 380 mm", (35, 45), "medium firm to very firm foam, as we take chairs to have"
     ),
     _made_up(
         "party_balloon", "Party balloon",

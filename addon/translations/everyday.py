@@ -59,7 +59,7 @@ WORDS = {
     ),
     "Office chair foam, 380 mm": "事務椅子のフォーム、380 mm",
     _FOAM.format(
-        kind="medium firm to very firm foam, which we take a chair to have", pounds="35 to 45", range="6.23 to 8.01"
+        kind="medium firm to very firm foam, as we take chairs to have", pounds="35 to 45", range="6.23 to 8.01"
     ): _FOAM_JA.format(kind="やや硬め〜非常に硬いフォーム（椅子用とみなす）", pounds="35〜45", range="6.23〜8.01"),
     "Party balloon": "風船",
     "Kitchen sponge": "台所用スポンジ",
