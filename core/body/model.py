@@ -26,7 +26,7 @@ from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, spans_a_plane
 from . import bound, paper, pressure, shape_matching, springs
 from .estimate import estimate
-from .maps import Maps, painted
+from .maps import Maps, painted, stiffness_at_knees
 from .pressure import Pressure
 from .shape_matching import Pose, ShapeMatching
 from .springs import Springs
@@ -36,7 +36,6 @@ _ALL_HELD = "Every vertex is pinned, so nothing can move. Set Pinned to None, pi
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
 STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0}  # times as stiff as at rest a fill becomes in a body pressed flat
-PAINTED = (0.05, 0.1, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.25, 1.5, 2.0)  # of x0: where the closed form is asked
 AT_KNEE = 0.97  # of x0: pieces of the bed's law that begin deeper belong to K2
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
@@ -180,10 +179,9 @@ def build_model(
     rows = np.array([_row(m, mesh.size) for m in materials])  # one line a material
     kappa1, kappa2, d0, tension, k_scaled, damping, friction, k = rows[which].T
     pieces = _pieces(materials, mesh)[:, :, which]  # knee and stiffness of the further pieces of each material
-    first, beyond = _by_knee(materials, mesh, maps.deeper).T
+    first, beyond = stiffness_at_knees(materials, mesh.size, which, maps.deeper[mesh.triangles].mean(axis=1))
     kappa2, kappa1, tension = first * kappa1 + beyond * (kappa2 - kappa1), first * kappa1, first * tension
-    knees = np.array([m.x0 for m in materials])[which]
-    pieces[:, 1] *= np.where(pieces[:, 0] < AT_KNEE * knees, first, beyond)
+    pieces[:, 1] *= np.where(pieces[:, 0] < AT_KNEE * np.array([m.x0 for m in materials])[which], first, beyond)
     damping_at, friction_at, d0_at = (_vertex_mean(mesh, c) for c in (damping, friction, d0))
     beds = (_vertex_sum(mesh, c * mesh.triangle_areas / 3) for c in (kappa1, kappa2, *pieces[:, 1]))
     k1, k2, *more = (maps.stiffer * bed for bed in beds)
@@ -325,24 +323,6 @@ def _row(material: Material, size: float) -> tuple[float, ...]:
         constants.membrane_scale * material.k,
         material.damping_ratio, material.friction, material.k,
     )  # fmt: skip
-
-
-def _by_knee(materials: Sequence[Material], mesh: Mesh, deeper: Floats) -> Floats:
-    """Return by what the stiffness up to the knee and what is more beyond it change where a knee is painted, (t, 2).
-
-    A round tip touches less at a shallower knee; so much more stiffness the closed form gives. Args: deeper: (n,) of x0.
-    """
-    found, of_triangle = np.ones((len(mesh.triangles), 2)), deeper[mesh.triangles].mean(axis=1)
-    if (of_triangle == 1).all():
-        return found
-    for m, material in enumerate(materials):
-        rows = [_row(replace(material, constants=None, x0=f * material.x0), mesh.size)[:2] for f in (1.0, *PAINTED)]
-        first, second = np.array(rows).T
-        here = mesh.triangle_material == m
-        for column, law in enumerate((first, second - first)):
-            shares = law[1:] / law[0] if law[0] > 0 else np.ones(len(PAINTED))
-            found[here, column] = np.interp(of_triangle[here], PAINTED, shares)
-    return found
 
 
 def _pieces(materials: Sequence[Material], mesh: Mesh) -> Floats:

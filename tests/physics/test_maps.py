@@ -1,5 +1,7 @@
 """What is painted on a body multiplies the constants of its material there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,11 +60,23 @@ def test_each_map_multiplies_its_own_constants_and_half_changes_nothing() -> Non
             "k": twice.springs.stiffness / plain.springs.stiffness, "mass": twice.mass.sum() / plain.mass.sum(),
         }  # fmt: skip
         wanted = {
-            "softness": {"k1": 0.25, "tension": 0.25, "k": 0.25}, "knee": {"d0": 2.0}, "spread": {"tension": 4.0},
+            "softness": {"k1": 0.25, "tension": 0.25, "k": 0.25}, "spread": {"tension": 4.0},
+            "knee": {"d0": 2.0, "k1": factors["k1"], "tension": factors["tension"]},  # those of the next test
             "thickness": {"k": 2.0, "mass": 2.0},
         }[name]  # fmt: skip
         for constant, factor in factors.items():
             np.testing.assert_allclose(factor, wanted.get(constant, 1.0), rtol=1e-9, err_msg=f"{name}: {constant}")
+
+
+@pytest.mark.parametrize("share", [0.5, 2.0])
+def test_a_body_whose_knee_is_painted_all_over_is_of_the_material_with_that_knee(share: float) -> None:
+    material = replace(VINYL, indenter=FINGERTIP)
+    mesh = mesh_from_triangles(*small_ball(2, RADIUS))
+    painted = build_model(mesh, [material], knee=np.full(len(mesh.source), share / 2)).matching
+    deeper = build_model(mesh, [replace(material, x0=share * material.x0)]).matching
+    np.testing.assert_allclose(painted.d0, deeper.d0, rtol=0.02)
+    for constants in ("k1", "k2", "tension"):
+        np.testing.assert_allclose(getattr(painted, constants), getattr(deeper, constants), rtol=0.02, atol=1e-9)
 
 
 def test_a_place_painted_0_keeps_a_little_of_its_constants_and_runs() -> None:
