@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +30,9 @@ from .solver.motion import MAX_STEPS, Motion, PinMotion
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
+# [s] for which nothing sticks to a fingertip that a force pushes, after constants were changed: friction would keep
+# the dent of those before
+SLIPS = 0.2
 
 
 class Session:
@@ -49,6 +53,7 @@ class Session:
         self.tick = tick
         self.backend, self.backend_note = choose_backend(backend)
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
+        self._sticks_at: float | None = None  # when friction acts again [s]
         moves = self._define(model, proxy)
         self.body = create(moves, surface=model, backend=self.backend)
         self.reset()
@@ -61,6 +66,7 @@ class Session:
         self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
         self.body.set_state(self._moves.matching.rest)
         self._time, self._ticks, self._cost, self._work = 0.0, 0, 0.0, 0.0
+        self._sticks_at = None if self._sticks_at is None else 0.0
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
@@ -142,6 +148,9 @@ class Session:
         self._begin, self._end, self._started = self._time, self._time + dt, time.perf_counter()
         self._last_tick = math.floor(self._end / self.tick + 1e-6)
         self._done, self._note, self.most = 0, "", MAX_STEPS
+        if self._sticks_at is not None and self._time >= self._sticks_at:
+            self.body.set_constants(self._moves, surface=self.model)
+            self._sticks_at = None
         for tip in self._tips:
             if tip:
                 tip.impulse = NOWHERE
@@ -273,7 +282,10 @@ class Session:
                 tip.scale(scale)
             self._pins_target = self._bent = self._bent_target = None
         self._define(model, proxy)
-        self._pins_origin, self._shown = skin.T, None
+        self._pins_origin, self._shown, self._sticks_at = skin.T, None, None
+        if any(tip.pushed for tip in self._tips if tip):
+            self.body.set_constants(replace(moves, friction=0 * moves.friction), surface=model)
+            self._sticks_at = self._time + SLIPS
 
     def _define(self, model: Model, proxy: Proxy | None) -> Model:
         """Set what follows from a model and its proxy; return the one that moves."""

@@ -79,6 +79,25 @@ def test_a_constant_that_is_changed_back_gives_the_force_back() -> None:
     assert force(session) == pytest.approx(first, rel=0.01)
 
 
+def test_a_body_that_hardens_under_a_force_is_pressed_as_deep_as_one_that_was_hard_before() -> None:
+    """Friction would hold the wider dent of the softer material open: a tenth of the depth and more."""
+    mesh = mesh_from_triangles(*ball(4, RADIUS))
+    tip = Finger((0.0, 0.0, 1.2 * RADIUS), 0.2 * RADIUS, 3.0)
+    depths = []
+    for materials in ([SOFT, STIFF], [STIFF]):
+        session = Session(on_its_base(mesh, materials[0]))
+        session.set_fingers([tip])
+        session.step(1.0)
+        for material in materials[1:]:
+            session.change(on_its_base(mesh, material))
+            assert not session.body.model.friction.any()
+        for _ in range(10):
+            session.step(0.1)
+        assert session.body.model.friction.all()
+        depths.append(float(session.frame.depths[0]))
+    assert depths[0] == pytest.approx(depths[1], rel=0.03)
+
+
 def test_a_proxy_takes_other_constants_too() -> None:
     mesh = mesh_from_triangles(*ball(3, RADIUS))
     model = on_its_base(mesh)

@@ -174,8 +174,8 @@ def on_screen(point: tuple[float, float, float]) -> tuple[int, int]:
 
 
 def positions(name: str) -> np.ndarray:
-    """Read the vertex positions (n, 3) of an object by name: undo replaces the data itself."""
-    mesh = bpy.data.objects[name].data
+    """Read the vertex positions (n, 3) of an object as it is seen, by name: undo replaces the data itself."""
+    mesh = bpy.data.objects[name].evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     flat = np.empty(len(mesh.vertices) * 3, np.float32)
     mesh.attributes["position"].data.foreach_get("vector", flat)
     return flat.reshape(-1, 3)

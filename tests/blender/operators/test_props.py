@@ -34,12 +34,14 @@ def test_it_falls_dents_the_body_and_is_put_back_bit_for_bit(
 ) -> None:
     from bl_ext.user_default.dimple.operators import live
 
-    before = np.array(weight.matrix_basis)
+    before, lows = np.array(weight.matrix_basis), []
     live.start_all(bpy.context)
-    advance(bpy, 0.6)
+    advance(bpy, 1.5)
     (body,) = sessions.sessions.values()
-    low = weight.matrix_world.translation.z - 0.1
-    assert low < 1.0 - 0.004, "it has sunk in"
+    for _ in range(30):  # it still rocks a little
+        advance(bpy, 1 / 30)
+        lows.append(weight.matrix_world.translation.z - 0.1)
+    assert np.mean(lows) < 1.0 - 0.004, "it has sunk in"
     middle = np.linalg.norm(body.session.skin()[:, :2], axis=1).argmin()
     assert body.session.skin()[middle, 2] < 0.0825 - 5e-4
     sessions.stop_all()
