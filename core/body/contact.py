@@ -76,15 +76,19 @@ def candidates(
     Returns:
         the free vertices, and the triangles (t, 3) too large to bend round it whose bounding sphere is within reach.
     """
-    reach = radius + margin
-    near = ((x - centre[:, None]) ** 2).sum(axis=0) < reach**2
+    near = ((x - centre[:, None]) ** 2).sum(axis=0) < (radius + margin) ** 2
+    met = triangles_near(x, triangles, inverse_mass, centre, radius + margin)
+    large = _bulge(x[:, met], radius) >= MOST_SAGITTA * radius
+    return np.flatnonzero(near & (inverse_mass > 0)), met[large]
+
+
+def triangles_near(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, reach: float) -> Ints:
+    """Return the triangles (t, 3) that can move and whose bounding sphere is within reach [m] of a place (3,)."""
     corners = x[:, triangles.T]
     middle = corners.sum(axis=1) / 3
     extent = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=0).max(axis=0))
     hit = ((middle - centre[:, None]) ** 2).sum(axis=0) < (reach + extent) ** 2
-    hit &= _bulge(corners.transpose(0, 2, 1), radius) >= MOST_SAGITTA * radius
-    hit &= (inverse_mass[triangles] > 0).any(axis=1)
-    return np.flatnonzero(near & (inverse_mass > 0)), triangles[hit]
+    return triangles[hit & (inverse_mass[triangles] > 0).any(axis=1)]
 
 
 def resolve(

