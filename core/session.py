@@ -358,8 +358,10 @@ class Session:
     def _show(self, impulses: tuple[motion.Vector, ...], seconds: float) -> Frame:
         cost, last = time.perf_counter() - self._started, self._last
         self._cost += cost
+        bent = self._bent is not None  # asking the body costs a call
         return Frame(
             self._time, impulses, seconds, last.touches, self.model.mesh, last.pressure,
-            last.volume * self._volume_scale, self.body.rest_volume * self._volume_scale, self.substeps, self._done,
+            last.volume * self._volume_scale,
+            self.body.rest_volume * self._volume_scale if bent else self.model.mesh.volume, self.substeps, self._done,
             cost, self._ticks * self.substeps, self._cost, self._work, self._note,
         )  # fmt: skip
