@@ -12,7 +12,7 @@ from .solver.motion import Touch, Vector
 
 
 class Frame(NamedTuple):
-    """What a session shows after a step; its arrays are made when somebody looks.
+    """What a session shows after a step; its arrays are made when they are read.
 
     time: [s].
     impulses: on the fingertips [N s], and

@@ -17,9 +17,10 @@ import numpy as np
 
 from core.base import TICK, DimpleError
 from core.body.model import Model
-from core.reduction.benchmark import Outcome, choose_presses, outcome_of, press_variant, result_of
+from core.reduction.benchmark import Outcome, choose_presses, outcome_of, press_variant
 from core.reduction.planner import Plan, plan
 from core.reduction.proxy import mean_spacing, most_of
+from core.steps import result_of
 
 from .bodies import BodyCase
 

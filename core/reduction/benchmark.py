@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -217,21 +217,6 @@ def press_variant(
         for part, ends[k] in press_body(body, press, substeps=steps):
             yield (k + part) / len(presses)
     return proxy, steps, ends
-
-
-def unwatched() -> None:
-    """Do nothing while work goes on."""
-
-
-def result_of(steps: Generator[float, None, _Result], watch: Callable[[], None] = unwatched) -> _Result:
-    """Run a generator to its end and return its result; call `watch` at each of its steps."""
-    while True:
-        try:
-            next(steps)
-            watch()
-        except StopIteration as end:
-            found: _Result = end.value
-            return found
 
 
 def _as_share(

@@ -184,7 +184,7 @@ def test_a_body_is_built_while_the_servo_answers_and_runs_once_it_has_a_state(tm
 
 
 def test_what_runs_a_body_is_loaded_without_what_makes_one() -> None:
-    """trimesh and what it brings along take seconds, in which a device would wait in vain."""
+    """trimesh and what it brings along take seconds, longer than a device waits."""
     words = "from core.haptics import body_host, servo_process; body_host.load(); import sys; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
