@@ -3,6 +3,9 @@
 A prop is a collider that goes where it falls. Each tick it is led on by its own velocity, and then given its weight and
 what the bodies answered: the reaction of one tick acts in the next. That is stable while a prop is heavier than the
 skin that moves with it, so a lighter one moves as if it were that heavy, though it presses with its own weight.
+
+Surfaces that touch keep a distance, so what touches of a prop is its surface moved inwards by that: then the prop as it
+is seen stands on the skin.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from .base import Floats
+from .body.proximity import OFFSET
 from .session import Session
 from .solver import rigid
 from .solver.rigid import RigidShape
@@ -21,7 +25,9 @@ from .solver.scene import Collider, SceneFrame
 from .world import World
 
 LEAST_SHARE = 0.1  # of the lightest body's mass: what a prop has at least when it moves
-SETTLING = 0.05  # of its critical damping against the softest body that it presses: it comes to rest
+SETTLING = 0.05  # of the critical damping is the least that a prop has, so that it comes to rest
+THIN = 0.5  # of volume by area: the farthest that faces are moved inwards
+FLAT = 0.02  # below this share of the greatest, nothing is known of where the faces of a vertex look
 HELD = 1e-9  # [m] a prop that is farther behind its way than this was held back
 
 
@@ -50,16 +56,18 @@ class PropWorld(World):
         apart: Sequence[bool] | None = None,
         names: Sequence[str] = (),
     ) -> None:
-        super().__init__(sessions, colliders, itself=itself, apart=apart, names=names)
+        gap = min(map(touching_gap, sessions))
+        touching = [c if mass is None else shrunk(c, gap) for c, mass in zip(colliders, masses, strict=True)]
+        super().__init__(sessions, touching, itself=itself, apart=apart, names=names)
         self.gravity = np.array(gravity, np.float64)
         self.props = [i for i, mass in enumerate(masses) if mass is not None]
         self.masses = {i: float(masses[i] or 0.0) for i in self.props}
-        self.shapes = {i: _heavier(_shape(colliders[i], self.masses[i]), sessions) for i in self.props}
+        self.shapes = {i: _heavier(_shape(colliders[i], touching[i], self.masses[i]), sessions) for i in self.props}
         self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
         self._damping = {i: _damping(shape.mass, sessions) for i, shape in self.shapes.items()}
 
     def positions(self, index: int) -> Floats:
-        """Return where the vertices of a prop (m, 3) [m] are."""
+        """Return where the vertices (m, 3) [m] are of what touches of a prop."""
         return rigid.positions(self.shapes[index], self.states[index])
 
     def pose(self, index: int) -> Floats:
@@ -107,8 +115,34 @@ class PropWorld(World):
             state.centre, state.velocity = state.centre + way, state.velocity + way / tick
 
 
-def _shape(collider: Collider, mass: float) -> RigidShape:
-    return rigid.rigid_shape(collider.positions.T, collider.triangles, mass)
+def touching_gap(session: Session) -> float:
+    """Return the distance that a body keeps from a collider that it touches [m]."""
+    return 2 * OFFSET * float(session.model.mesh.rest_lengths.mean())
+
+
+def shrunk(collider: Collider, by: float) -> Collider:
+    """Return a closed collider with its faces moved inwards by a distance [m], or by less where it is thin."""
+    x, triangles = collider.positions.T, collider.triangles
+    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    if not {(a, b) for a, b in sides.tolist()} == {(b, a) for a, b in sides.tolist()}:
+        return collider  # it has no inside
+    corners = (x - x.mean(axis=0))[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas, volume = np.linalg.norm(normals, axis=1), float(np.linalg.det(corners).sum()) / 6
+    normals /= np.copysign(np.maximum(areas, 1e-30), volume)[:, None]
+    by = min(by, THIN * abs(volume) / max(float(areas.sum()) / 2, 1e-30))
+    # of each vertex the way d that is the best for its faces: normal . d = -by
+    squares, sums = np.zeros((len(x), 3, 3)), np.zeros((len(x), 3))
+    for k in range(3):
+        np.add.at(squares, triangles[:, k], areas[:, None, None] * normals[:, :, None] * normals[:, None, :])
+        np.add.at(sums, triangles[:, k], areas[:, None] * normals)
+    way = -by * np.einsum("mij,mj->mi", np.linalg.pinv(squares, rcond=FLAT, hermitian=True), sums)
+    return collider._replace(positions=np.ascontiguousarray((x + way).T))
+
+
+def _shape(seen: Collider, touching: Collider, mass: float) -> RigidShape:
+    shape = rigid.rigid_shape(seen.positions.T, seen.triangles, mass)
+    return replace(shape, arms=touching.positions.T - shape.centre)
 
 
 def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
@@ -120,5 +154,6 @@ def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
 
 
 def _damping(mass: float, sessions: Sequence[Session]) -> float:
-    softest = min(min(m.K1, m.K2) for session in sessions for m in session.model.materials)
-    return SETTLING * 2 * math.sqrt(softest * mass)
+    """Return the damping [N s/m] of a prop: as that of the bodies is, a share of the critical one."""
+    materials = [material for session in sessions for material in session.model.materials]
+    return min(max(m.damping_ratio, SETTLING) * 2 * math.sqrt(min(m.K1, m.K2) * mass) for m in materials)

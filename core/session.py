@@ -26,13 +26,11 @@ from .reduction.binding import carry
 from .reduction.proxy import Proxy
 from .solver import motion
 from .solver.backend import choose_backend, create
+from .solver.glide import Glide, may_glide
 from .solver.motion import MAX_STEPS, Motion, PinMotion
 
 MAX_FINGERS = 3
 TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
-# [s] for which nothing sticks to a fingertip that a force pushes, after constants were changed: friction would keep
-# the dent of those before
-SLIPS = 0.2
 
 
 class Session:
@@ -53,7 +51,7 @@ class Session:
         self.tick = tick
         self.backend, self.backend_note = choose_backend(backend)
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
-        self._sticks_at: float | None = None  # when friction acts again [s]
+        self._glide: Glide | None = None  # of constants that were changed
         moves = self._define(model, proxy)
         self.body = create(moves, surface=model, backend=self.backend)
         self.reset()
@@ -65,8 +63,8 @@ class Session:
         self._bent = None
         self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
         self.body.set_state(self._moves.matching.rest)
+        self._end_glide()
         self._time, self._ticks, self._cost, self._work = 0.0, 0, 0.0, 0.0
-        self._sticks_at = None if self._sticks_at is None else 0.0
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
@@ -89,6 +87,8 @@ class Session:
             if finger and not is_possible(finger):
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         self._tips = list(map(sent, [*self._tips, None, None, None], fingers))
+        if not any(self._tips):
+            self.substeps = self._moves.substeps(self.tick)
 
     def set_held(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -147,15 +147,15 @@ class Session:
             raise DimpleError(f"A step of time must be 0 s or longer (it is {dt}).")
         self._begin, self._end, self._started = self._time, self._time + dt, time.perf_counter()
         self._last_tick = math.floor(self._end / self.tick + 1e-6)
-        self._done, self._note, self.most = 0, "", MAX_STEPS
-        if self._sticks_at is not None and self._time >= self._sticks_at:
-            self.body.set_constants(self._moves, surface=self.model)
-            self._sticks_at = None
+        self._done, self._note, self.most = 0, "", TICKS_AT_ONCE if self._glide else MAX_STEPS
         for tip in self._tips:
             if tip:
                 tip.impulse = NOWHERE
                 if tip.pushed:
                     self.most = 1  # each tick moves it
+        if self._glide and self._glide.hardens and self.most == 1:
+            moves = replace(self._moves, friction=self._glide.friction * self._moves.friction)
+            self.body.set_constants(moves, surface=self.model)
 
     @property
     def due(self) -> int:
@@ -168,9 +168,11 @@ class Session:
         Args:
             substeps: in each of them, if not as many as the model needs.
         """
+        push = self._glide.push if self._glide else 1.0
         for tip in self._tips if self.most == 1 else ():
             if tip and tip.pushed:
-                tip.push(self.body.model, max(self._last.ticks, 1) * self.tick, self.tick)
+                tip.push(self.body.model, max(self._last.ticks, 1) * self.tick, self.tick, push)
+        self._go_on_gliding()
         first = last = self._share((self._ticks + ticks) * self.tick)
         if ticks > 1:
             first = self._share((self._ticks + 1) * self.tick)
@@ -253,7 +255,7 @@ class Session:
             for touch in self._last.touches
         )  # fmt: skip
 
-    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
+    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0, glide: bool = False) -> None:
         """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
 
         A vertex that is pinned by it stays where it is then, until pins are led elsewhere.
@@ -261,6 +263,7 @@ class Session:
         Args:
             proxy: what moves in place of the new model, None where it moves itself.
             scale: by which all lengths of the new model are larger.
+            glide: other constants of the same mesh come in within some tenths of a second.
 
         Raises:
             DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
@@ -271,8 +274,9 @@ class Session:
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
         skin = scale * self.skin()
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
-            self.body.set_constants(moves, surface=model)
+            self._change_constants(model, moves, glide)
         else:
+            self._glide = None
             at, speed = skin, scale * self._skin_velocities()
             if proxy:
                 at, speed = at[proxy.seeds], speed[proxy.seeds]
@@ -281,11 +285,36 @@ class Session:
             for tip in filter(None, self._tips):
                 tip.scale(scale)
             self._pins_target = self._bent = self._bent_target = None
+        substeps = self.substeps * math.sqrt(before.mass.sum() / moves.mass.sum())
         self._define(model, proxy)
-        self._pins_origin, self._shown, self._sticks_at = skin.T, None, None
-        if any(tip.pushed for tip in self._tips if tip):
-            self.body.set_constants(replace(moves, friction=0 * moves.friction), surface=model)
-            self._sticks_at = self._time + SLIPS
+        if self._glide and any(self._tips):  # in steps that are longer for it what friction holds would slip
+            self.substeps = max(self.substeps, math.ceil(substeps))
+        self._pins_origin, self._shown = skin.T, None
+
+    def _change_constants(self, model: Model, moves: Model, glide: bool) -> None:
+        """Give the body other constants: at once, or so that it glides to its new rest."""
+        before, after = self.bent_model(), moves if self._bent is None else with_rest(moves, self._bent)
+        if not (glide and may_glide(before, after)):
+            self._end_glide()
+            self.body.set_constants(moves, surface=model)
+            return
+        self._glide, self._faded = self._glide or Glide(len(moves.mass)), self._ticks
+        self._glide.add(before, after, self.body.positions())
+        self.body.set_constants(moves, surface=model)
+
+    def _go_on_gliding(self) -> None:
+        if self._glide and (self._glide.seconds == 0 or self._ticks >= self._faded + TICKS_AT_ONCE):
+            load = self._glide.fade((self._ticks - self._faded) * self.tick)
+            self.body.set_load(load)
+            self._faded = self._ticks
+            if load is None:
+                self._end_glide()
+
+    def _end_glide(self) -> None:
+        if self._glide:
+            self.body.set_load(None)
+            self.body.set_constants(self._moves, surface=self.model)
+        self._glide = None
 
     def _define(self, model: Model, proxy: Proxy | None) -> Model:
         """Set what follows from a model and its proxy; return the one that moves."""

@@ -1,4 +1,4 @@
-"""Settings that are changed while a body runs: they act on it at its next step, and nothing jumps.
+"""Settings that are changed while a body runs: they act on it at its next step, and it glides to its new rest.
 
 Weights of vertex groups are read again with any other change, and all the time while they are painted.
 """
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..core.base import DimpleError
-from . import bridge, bridge_model, planning
+from . import bridge, bridge_model, planning, timeline
 from .names import PAINTING
 from .settings import settings_of
 
@@ -77,7 +77,7 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
     if scale == body.link.scale and slots == slots_before:
         model = bridge_model.read_model(context.scene, obj, session.model.mesh, body.link)
         proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)
-        session.change(model, proxy=proxy)
+        session.change(model, proxy=proxy, glide=not timeline.is_playing(context))  # keyframes act as in a bake
         return messages
     link, model = bridge.read_body(context, obj, refined=body.link.refined)
     proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)

@@ -123,6 +123,7 @@ class State:
     volume: [m3] at the last evaluation of the forces.
     pressure: [Pa] at the last evaluation.
     unsolved: implicit steps so far that found no solution.
+    load: (3, n) what else pushes each vertex [N], None where nothing does.
     """
 
     positions: Floats
@@ -134,6 +135,7 @@ class State:
     volume: float = 0.0
     pressure: float = 0.0
     unsolved: int = 0
+    load: Floats | None = None
 
 
 def build_model(
@@ -300,6 +302,8 @@ def forces(model: Model, state: State) -> Floats:
             state.pressure = pressure.pressure_at(model.pressure, volume)
             f += state.pressure * gradient
         f += shape_matching.force(model.matching, x, v, state.pose, state.pose_rate)
+        if state.load is not None:
+            f += state.load
     return f + model.mass * model.gravity[:, None]
 
 

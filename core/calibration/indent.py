@@ -24,6 +24,7 @@ from ..session import Finger, Session
 from ..steps import result_of
 
 ROWS = 60  # of a virtual press
+RIM = 1 / 3  # of an edge: the rim of a punch holds the edges that cross it as if it were so much wider
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
 MOVING, SETTLING = 0.006, 0.014  # [s] between two depths, and of rest there under a flat tip
@@ -100,7 +101,8 @@ def find_site(
         stay[mesh.source] = held
     if np.linalg.matrix_rank(x[stay] - x[stay].mean(axis=0) if stay.any() else np.zeros((1, 3)), 1e-3 * mesh.size) < 2:
         stay[mesh.source] = base_vertices(mesh, up=tuple(-way))
-    under = _under(mesh, point, way, reach(indenter, mesh.size))
+    rim = RIM * float(mesh.rest_lengths.mean()) if indenter.shape == "punch" else 0.0
+    under = _under(mesh, point, way, reach(indenter, mesh.size) + rim)
     if (under & stay).any():
         raise DimpleError("The tip stands on vertices that are pinned. Press elsewhere, or pin fewer.")
     return Site(

@@ -110,6 +110,9 @@ class RemoteBody:
         """Refuse: what goes to the other process knows no shape at rest that moves."""
         raise DimpleError("A body beside the device keeps its shape at rest.")
 
+    def set_load(self, load: Floats | None) -> None:
+        """Do without: beside the device other constants act at once."""
+
     @property
     def rest_volume(self) -> float:
         """Return the volume at rest [m3]."""

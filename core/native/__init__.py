@@ -31,7 +31,7 @@ from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 9
+ABI = 10
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
@@ -39,6 +39,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_create": (POINTER(c_void_p), POINTER(BodyDef), c_int32, c_int32),
     "dm_set_constants": (c_void_p, POINTER(Constants)),
     "dm_set_rest": (c_void_p, c_void_p, c_void_p),
+    "dm_set_load": (c_void_p, c_void_p),
     "dm_set_state": (c_void_p, c_void_p, c_void_p),
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
     "dm_step": None,  # its arguments are made once, and quicker to hand over unchecked

@@ -240,6 +240,13 @@ int32_t dm_set_rest(dm_body *body, const double *rest, const double *rate) {
     return DM_OK;
 }
 
+int32_t dm_set_load(dm_body *body, const double *load) {
+    if (!body) return DM_SIZE;
+    if (load) DM_CHECK(dm_check_numbers(3 * body->vertices, load, 0));
+    body->does->set_load(body->state, load);
+    return DM_OK;
+}
+
 double dm_rest_volume(const dm_body *body) { return body ? body->does->rest_volume(body->state) : 0; }
 
 int32_t dm_set_state(dm_body *body, const double *positions, const double *velocities) {

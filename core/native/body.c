@@ -5,7 +5,7 @@ static void dm_state_destroy(dm_state *b) {
     void *const parts[] = {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next, b->pieces,
         b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness, b->tension, b->rest_rate,
-        b->pull_rate,
+        b->pull_rate, b->load,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
         b->inverse_mass, b->friction, b->hits, b->before, b->still, b->pin_room, b->shares, b->moved,
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
@@ -30,6 +30,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->still = room(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->rest_rate = room(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->pull_rate = room(b->groups, sizeof(dm_vec3)));
+    whole = whole && (b->load = room(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->next = room(b->groups, sizeof(dm_group_next)));
     whole = whole && (b->inverse_mass = room(size, sizeof(dm_real))) && (b->friction = room(size, sizeof(dm_real)));
     whole = whole && (b->before = room(size, sizeof *b->before));
@@ -274,6 +275,15 @@ static void dm_wake(dm_state *b) { b->asleep = 0, b->quiet = 0; }
 /* The same where a caller has changed it. */
 static void dm_change(dm_state *b) { dm_wake(b), b->changes++; }
 
+static void dm_state_set_load(dm_state *b, const double *load) {
+    b->loaded = load != NULL;
+    for (int64_t k = 0; load && k < b->n; k++) {
+        double force[3] = {load[k], load[b->n + k], load[2 * b->n + k]};
+        dm_set_lane3(&b->load[b->place[k] / DM_LANES], b->place[k], dm_quad_of(force));
+    }
+    dm_change(b);
+}
+
 /* Start without a pressure, and without the contact that Eq. (2) takes from the step before. */
 static void dm_forget_pressure(dm_state *b) {
     b->pressure = 0;
@@ -325,7 +335,7 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     for (int k = 0; k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;
     memcpy(b->turned, b->pose, sizeof b->turned);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
-    b->led = b->carried = b->moving = 0;
+    b->led = b->carried = b->moving = b->loaded = 0;
     dm_change(b);
     dm_forget_pressure(b);
     dm_place_pose(b);

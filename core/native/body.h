@@ -129,6 +129,8 @@ struct dm_state {
     int rigged, moving;     /* the shape at rest stays where it is laid; it changes in the next motion, */
     dm_vec3 *rest_rate;     /* (groups,) so fast [m/s], */
     dm_vec3 *pull_rate;     /* and the pull of its tension with it [N/s] */
+    dm_vec3 *load;          /* (groups,) what else pushes each vertex [N], */
+    int loaded;             /* if anything does */
     double *pin_room;       /* (9 n) for one tick */
     double pose[12], pose_rate[12]; /* of the shape at rest with its pins, and how fast it changes */
     double turning[12];  /* the rate about the centre of the shape at rest */

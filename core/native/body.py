@@ -148,6 +148,18 @@ class Body:
                 raise NativeError(f"the shape at rest must have the shape {self._shape}")
             self._call("dm_set_rest", self._handle, arrays.double(rest), arrays.double(rate))
 
+    def set_load(self, load: Floats | None) -> None:
+        """Push each vertex by a force (3, n) [N] from now on, None by none; the paper's laws take none,
+        and `set_state` ends it.
+
+        Raises:
+            NativeError: a force that is no number.
+        """
+        with Arrays() as arrays:
+            if load is not None and np.shape(load) != self._shape:
+                raise NativeError(f"the load must have the shape {self._shape}")
+            self._call("dm_set_load", self._handle, arrays.double(load))
+
     @property
     def rest_volume(self) -> float:
         """Return the volume at rest [m3]."""

@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 9 /* changes with anything below */
+#define DM_ABI 10 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -160,6 +160,8 @@ DM_API int32_t dm_set_constants(dm_body *body, const dm_constants *constants);
 /* Give a living body another shape at rest (3, vertices) [m], and with it lengths and volume. Over the next motion it
  * comes there at a rate (3, vertices) [m/s]; null: at once. Fingertips must be measured below the body's own surface. */
 DM_API int32_t dm_set_rest(dm_body *body, const double *rest, const double *rate);
+/* Push each vertex by a force (3, vertices) [N] from now on; null: by none. */
+DM_API int32_t dm_set_load(dm_body *body, const double *load);
 DM_API double dm_rest_volume(const dm_body *body); /* [m3] */
 /* positions, velocities: (3, vertices); null velocities are 0. */
 DM_API int32_t dm_set_state(dm_body *body, const double *positions, const double *velocities);

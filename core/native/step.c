@@ -26,6 +26,15 @@ static void dm_apply_fill(dm_state *b) {
     b->pressure = dm_pressure_at(b);
 }
 
+static void dm_apply_load(dm_state *b) {
+    dm_lanes dt = dm_splat((dm_real)b->dt);
+    for (int64_t g = 0; b->loaded && g < b->groups; g++) {
+        dm_lanes by = dt * b->matter[g].inverse_mass;
+        dm_vec3 *v = &b->next[g].v, f = b->load[g];
+        v->x += by * f.x, v->y += by * f.y, v->z += by * f.z;
+    }
+}
+
 static void dm_substep(dm_state *b) {
     if (b->law_set == DM_LAWS_PAPER) {
         b->pressure = dm_paper_pressure(b);
@@ -38,6 +47,7 @@ static void dm_substep(dm_state *b) {
     if (b->free) DM_TIMED(DM_FITS, dm_fit_body(b));
     DM_TIMED(DM_RINGS, (b->free ? dm_ring_pass_free : dm_ring_pass_pinned)(b));
     DM_TIMED(DM_IRREGULAR_AND_FILL, dm_apply_fill(b));
+    dm_apply_load(b);
     DM_TIMED(DM_ADVANCE, (b->free ? dm_advance_free : dm_advance_pinned)(b, b->fill != DM_FILL_NONE ? b->pressure : 0));
 }
 

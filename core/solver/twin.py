@@ -86,6 +86,10 @@ class Twin:
         self.model = self._fine = with_rest(self.model, self._moved)
         self._surface = rest_surface(self._fine.mesh)
 
+    def set_load(self, load: Floats | None) -> None:
+        """Push each vertex by a force (3, n) [N] from now on, None by none; the paper's laws take none."""
+        self._state.load, self._rest = load, Rest()
+
     @property
     def rest_volume(self) -> float:
         """Return the volume at rest [m3]."""

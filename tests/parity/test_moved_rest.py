@@ -73,6 +73,26 @@ def test_a_body_whose_shape_at_rest_moves_goes_where_that_of_numpy_goes(name: st
             assert touch and same and touch.depth == pytest.approx(same.depth, abs=10 * AGREE[backend] * SIZE)
 
 
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("backend", ["native", "native64"])
+def test_a_load_pushes_the_same_in_both_and_ends(backend: str, name: str) -> None:
+    model = MODELS[name]
+    load = 0.1 * np.random.default_rng(5).normal(size=model.matching.rest.shape)
+    found = []
+    for each in (backend, "numpy"):
+        body, motion = create(model, backend=each), motion_of(model, 6)._replace(fingertips=())
+        seen = []
+        for pushed in (load, None):
+            body.set_load(pushed)
+            body.step(motion)
+            seen.append(body.positions())
+        found.append(seen)
+    assert np.abs(found[0][0] - model.matching.rest).max() > 1e-5 * SIZE
+    assert np.abs(np.subtract(*found)).max() < AGREE[backend] * model.mesh.size
+    with pytest.raises(NativeError):
+        native.Body(model, native.library()).set_load(np.full_like(load, np.nan))
+
+
 @pytest.mark.parametrize("backend", ["native", "numpy"])
 def test_a_body_bent_at_once_and_put_there_is_at_rest(backend: str) -> None:
     model = MODELS["ball, rigged"]

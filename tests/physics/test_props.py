@@ -10,12 +10,15 @@ from core import fields
 from core.base import DimpleError, Floats, Ints
 from core.body import pressure, shape_matching, springs
 from core.body.model import Model, build_model
-from core.material import PRESETS
+from core.calibration.identify import identification
+from core.calibration.place import typical_site
+from core.material import PRESETS, Indenter
 from core.mesh.surface import base_vertices
-from core.props import PropWorld
+from core.props import PropWorld, shrunk, touching_gap
 from core.session import Session
 from core.solver import rigid
 from core.solver.scene import Collider
+from core.steps import result_of
 from core.world import World
 from studies.scenes import cube
 from tests.bodies import backends
@@ -53,7 +56,8 @@ def falling(session: Session, start: Floats, faces: Ints, mass: float) -> PropWo
 def led(model: Model, depth: float) -> float:
     """Return the force [N] with which a body answers the disc that is led to a depth [m]."""
     (start, faces), session = disc(), Session(model)
-    world = World([session], [Collider(np.ascontiguousarray(start.T), faces)])
+    collider = shrunk(Collider(np.ascontiguousarray(start.T), faces), touching_gap(session))
+    world, start = World([session], [collider]), collider.positions.T.copy()
     for share in np.linspace(0, 1, 21)[1:]:
         world.set_colliders([start - [0, 0, share * (ABOVE + depth)]])
         world.step(0.03)
@@ -74,8 +78,38 @@ def test_it_rests_at_the_depth_at_which_the_body_answers_its_weight(mass: float)
     assert np.mean(carried) == pytest.approx(mass * G, rel=0.01), "the body carries its weight"
     depth = SIDE / 2 - float(world.states[0].centre[2] - THICK / 2)
     assert led(model, depth) == pytest.approx(mass * G, rel=0.05), "as much as if it were held there"
-    assert 0 < fields.depth(session).max() - depth < 0.0025, "but for the distance at which surfaces touch"
+    assert fields.depth(session).max() == pytest.approx(depth, abs=5e-4), "it stands on the skin"
     assert np.linalg.norm(world.states[0].velocity) < 0.01
+
+
+@pytest.mark.parametrize("mass", [0.5, 1.0, 2.0])
+def test_a_flat_weight_rests_as_deep_as_the_law_says_that_was_measured_with_a_punch_like_it(mass: float) -> None:
+    """Object 2, whose constants are identified with a punch of the weight's radius."""
+    mesh, tip = cube(24, SIDE), Indenter(shape="punch", radius=DISC)
+    material = replace(PRESETS[1].material, indenter=tip)
+    steps = identification(mesh, material, tip, typical_site(mesh, tip), 1.3 * material.x0)
+    session = Session(build_model(mesh, [result_of(steps).material], held=base_vertices(mesh)))
+    start, faces = disc()
+    world = falling(session, start, faces, mass)
+    world.step(4.0)
+    depth = SIDE / 2 - float(world.states[0].centre[2] - THICK / 2)
+    ways = np.linspace(0, 2 * material.x0, 10_000)
+    wanted = float(np.interp(mass * G, [material.law(way) for way in ways], ways))
+    print(f"{mass} kg: {1e3 * depth:.2f} mm for {1e3 * wanted:.2f} mm by the law, {depth / wanted - 1:+.1%}")
+    assert depth == pytest.approx(wanted, rel=0.05)
+    assert np.linalg.norm(world.states[0].velocity) < 0.01
+
+
+@pytest.mark.parametrize("size", [(0.1, 0.06, 0.02), (0.1, 0.1, 0.1)])
+def test_what_touches_of_a_prop_lies_inside_it_by_a_gap(size: tuple[float, float, float]) -> None:
+    points, faces = block(size)
+    for turned in (faces, faces[:, ::-1]):
+        inner = shrunk(Collider(np.ascontiguousarray(points.T), turned), 0.002).positions.T
+        np.testing.assert_allclose(np.ptp(inner, axis=0), np.array(size) - 0.004, atol=1e-9)
+    sheet = Collider(np.ascontiguousarray(points.T), faces[:-1])
+    assert shrunk(sheet, 0.002) is sheet, "what is open has no inside"
+    thin = Collider(np.ascontiguousarray((points * [1, 1, 0.01]).T), faces)
+    assert np.ptp(shrunk(thin, 0.002).positions[2]) > 0.4 * 0.01 * size[2], "and what is thin keeps a thickness"
 
 
 def test_what_falls_free_falls_as_newton_says_and_keeps_its_spin() -> None:

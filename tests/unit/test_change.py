@@ -1,16 +1,22 @@
 """A session goes on as another model from where it is: constants are tuned while a fingertip rests in the body."""
 
 from dataclasses import replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import pytest
 
 from core.base import DimpleError
 from core.body.model import Model, build_model
-from core.material import Material
+from core.calibration.identify import identification
+from core.calibration.place import typical_site
+from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.proxy import build_proxy, with_constants
 from core.session import Finger, Session
+from core.steps import result_of
+from studies.scenes import cube
 from tests.bodies import backends, ball
 
 SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.5, damping_ratio=0.5, fill="none")
@@ -55,6 +61,53 @@ def test_a_changed_constant_acts_at_once_and_nothing_jumps(material: Material) -
     assert session.frame.law_forces[0] == pytest.approx(material.law(0.01), rel=1e-3)
 
 
+FRAME_S, FRAMES = 1 / 60, 30
+COARSE, FINE = 20, 41  # cells along an edge: 2,402 and 10,088 vertices
+TUNED: dict[str, dict[str, Any]] = {
+    "K1": {"K1": 1220}, "spread": {"spread": 0.03}, "fill": {"fill": "none"}, "mass": {"mass": 0.4},
+}  # fmt: skip
+
+
+@lru_cache
+def vinyl_on(cells: int) -> tuple[Mesh, Material]:
+    """Return the vinyl cube, and its material with the model constants of the coarser one."""
+    mesh, material = cube(cells, 0.165), PRESETS[1].material
+    coarse = cube(COARSE, 0.165)
+    site, deepest = typical_site(coarse, material.indenter), 1.5 * material.x0
+    return mesh, result_of(identification(coarse, material, material.indenter, site, deepest)).material
+
+
+@pytest.mark.parametrize("newtons", [None, 8.0], ids=["by depth", "by force"])
+@pytest.mark.parametrize("name", TUNED)
+@pytest.mark.parametrize("cells", [COARSE, pytest.param(FINE, marks=pytest.mark.slow)])
+def test_a_resting_pressed_body_glides_to_its_new_rest(cells: int, name: str, newtons: float | None) -> None:
+    """It moves in the first frame after the change, by less than 1 % of the depth, and ends as one pressed anew."""
+    mesh, material = vinyl_on(cells)
+    tuned = replace(material, **TUNED[name], constants=material.constants if name == "mass" else None)
+    held, top = base_vertices(mesh), 0.165 / 2 + 0.01
+    models = [build_model(mesh, [each], held=held) for each in (material, tuned)]
+    session, anew = map(Session, models)
+    for each in (session, anew):
+        for depth in (0.0, 0.0 if newtons else 0.01):
+            each.set_fingers([Finger((0.0, 0.0, top - depth), 0.01, newtons)])
+            each.step(0.5)
+    deep = float(session.frame.depths[0])
+    session.change(models[1], glide=True)
+    seen = [session.positions()]
+    for _ in range(FRAMES):
+        session.step(FRAME_S)
+        seen.append(session.positions())
+    moved = np.linalg.norm(np.diff(seen, axis=0), axis=2).max(axis=1) / deep
+    print(f"{len(mesh.rest_positions)} {name}: {moved[0]:.4f} of the depth in the first frame, up to {moved.max():.4f}")
+    assert 0 < moved[0] < 0.01
+    session.step(0.5)
+    if newtons:
+        assert session.frame.depths[0] == pytest.approx(float(anew.frame.depths[0]), rel=0.05)
+    else:
+        anew.step(0.5)
+        assert force(session) == pytest.approx(force(anew), rel=0.05)
+
+
 @pytest.mark.parametrize("backend", backends("native", "numpy"))
 def test_a_body_that_is_filled_while_it_is_pressed_takes_its_volume_back(backend: str) -> None:
     mesh = mesh_from_triangles(*ball(1, RADIUS))
@@ -89,11 +142,13 @@ def test_a_body_that_hardens_under_a_force_is_pressed_as_deep_as_one_that_was_ha
         session.set_fingers([tip])
         session.step(1.0)
         for material in materials[1:]:
-            session.change(on_its_base(mesh, material))
-            assert not session.body.model.friction.any()
+            session.change(on_its_base(mesh, material), glide=True)
+            for _ in range(18):
+                session.step(FRAME_S)
+            assert session.body.model.friction.max() < 0.1 * material.friction
         for _ in range(10):
             session.step(0.1)
-        assert session.body.model.friction.all()
+        assert (session.body.model.friction == STIFF.friction).all()
         depths.append(float(session.frame.depths[0]))
     assert depths[0] == pytest.approx(depths[1], rel=0.03)
 

@@ -42,7 +42,7 @@ def test_it_falls_dents_the_body_and_is_put_back_bit_for_bit(
     middle = np.linalg.norm(mesh.rest_positions - (0.0, 0.0, 0.0825), axis=1).argmin()  # of the top
     assert skin[middle, 2] < 0.0825 - 5e-4, "it has dented the body"
     gap = 0.0825 * (weight.matrix_world.translation.z - 0.1) - skin[middle, 2]
-    assert 0 < gap < 0.12 * mesh.rest_lengths.mean(), "and stands on it, a twentieth of an edge off for each of the two"
+    assert abs(gap) < 0.06 * mesh.rest_lengths.mean(), "and stands on it, thin as it is for so coarse a mesh"
     sessions.stop_all()
     np.testing.assert_array_equal(np.array(weight.matrix_basis), before)
 
