@@ -69,8 +69,8 @@ class FingerOnItsWay:
         """Move one that a share of its force pushes by a tick [s]; the last ticks took so many seconds."""
         if self.pushed and self.target.force is not None:
             reaction = along(self.touch.impulse, NOWHERE, self.target.inward) / seconds if self.touch else 0.0
-            radius = self.target.radius
-            self.pushed = advance(self.pushed, share * self.target.force, reaction, model=model, radius=radius, tick=tick)
+            force, radius = share * self.target.force, self.target.radius
+            self.pushed = advance(self.pushed, force, reaction, model=model, radius=radius, tick=tick)
 
     def finger(self) -> Finger:
         """Return where it is to be; one that is pushed, where it has been pushed."""

@@ -52,6 +52,7 @@ class Session:
         self.backend, self.backend_note = choose_backend(backend)
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         self._glide: Glide | None = None  # of constants that were changed
+        self.substeps: int  # in a tick
         moves = self._define(model, proxy)
         self.body = create(moves, surface=model, backend=self.backend)
         self.reset()
