@@ -86,6 +86,8 @@ class BodyHost:
         if self.touched is None or self.state is not BodyState.RUNS or servo.answered == self._answered:
             return
         self._answered, touched = servo.answered, self.touched
+        if servo.let_go:
+            touched.soften()
         try:
             contacts = touched.advance(servo.places, servo.stored, servo.cap, now)
         except (RuntimeError, ValueError, ArithmeticError) as error:  # the native core refuses what is no number

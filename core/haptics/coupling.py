@@ -29,6 +29,7 @@ STIFFER: Final = 1.1  # times the slope of its law a body may be under a round t
 VISCOUS: Final = 6.0  # [N s/m] of a touch: what the lags of q and F give back otherwise
 TOO_MUCH: Final = 0.5e-3  # [J] given back by the device: from here on the coupling softens by SOFTEN of the cap a tick
 SOFTEN, SOFTEST = 0.1, 10.0
+LIFTED: Final = 1e-4  # [m] a sphere that touches nothing this near its fingertip: the touch is over
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +56,7 @@ class Coupling:
     lag: u [m].
     force: of the model, smoothed [N].
     softer: compliance [m/N] that was added because energy was given back; it ends with the touch.
+    sunk: the device let go of a pressed fingertip, which is to sink softly and not to be pushed out.
     """
 
     near: Vector | None = None
@@ -64,6 +66,7 @@ class Coupling:
     lag: Vector = ZERO
     force: Vector = ZERO
     softer: float = 0.0
+    sunk: bool = False
 
     def follow(self, x: Vector, tick: float) -> None:
         """Take where the fingertip is [m] after a tick [s]; implicit, so stable at any rate."""
@@ -85,9 +88,9 @@ class Coupling:
         """
         assert self.near
         push = length(self.force)
-        if push == 0:
-            self.softer = 0.0
-        elif stored < -TOO_MUCH:
+        if push == 0 and length(self.lag) < LIFTED:
+            self.softer, self.sunk = 0.0, False
+        elif self.sunk or stored < -TOO_MUCH:
             self.softer = min(self.softer + SOFTEN / cap, SOFTEST / cap)
         wanted = scaled(self.force, self._lag_of(push, slopes, cap) / push) if push else ZERO
         share = LAG / max(slopes.at(push) / cap, 1.0)

@@ -146,6 +146,11 @@ class Motion:
         self.at, self.speed = None, ZERO
 
 
+def _is_far(x: Vector, before: Vector) -> bool:
+    way = along(x, before, -1.0)
+    return dot(way, way) > GRAIN**2
+
+
 @dataclass(slots=True)
 class Passivity:
     """The energy that a fingertip's force took from the hand; damps where it gave back more than it took.
@@ -156,6 +161,7 @@ class Passivity:
     stored: energy taken less energy given, of this touch [J].
     least: the lowest it ever was [J].
     idle_since: since when no force acts [s].
+    at: the last position [m].
     begin: where the piece under way began [m].
     total: the sum of the forces along it [N].
     count: their number.
@@ -166,18 +172,18 @@ class Passivity:
     stored: float = 0.0
     least: float = 0.0
     idle_since: float | None = None
+    at: Vector | None = None
     begin: Vector | None = None
     total: Vector = ZERO
     count: int = 0
 
     def observe(self, force: Vector, x: Vector, now: float) -> None:
         """Take the force [N] that acted until the fingertip came to x [m]."""
-        self.total, self.count = along(self.total, force, 1.0), self.count + 1
-        way = along(x, self.begin or x, -1.0)
-        if self.begin is None or dot(way, way) > GRAIN**2:
-            self.stored -= dot(self.total, way) / self.count
-            self.least = min(self.least, self.stored)
-            self.begin, self.total, self.count = x, ZERO, 0
+        if self.at and self.count and _is_far(x, self.at):  # a long step is a piece of its own, with its own force
+            self._count(self.at)
+        self.total, self.count, self.at = along(self.total, force, 1.0), self.count + 1, x
+        if self.begin is None or _is_far(x, self.begin):
+            self._count(x)
         if force != ZERO:
             self.idle_since = None
         elif self.idle_since is None:
@@ -185,9 +191,15 @@ class Passivity:
         elif now - self.idle_since > STORE_TIME:
             self.stored = min(self.stored, 0.0)  # what was dissipated pays for nothing later
 
+    def _count(self, x: Vector) -> None:
+        """Count the piece under way, which ends at x [m]."""
+        self.stored -= dot(self.total, along(x, self.begin or x, -1.0)) / self.count
+        self.least = min(self.least, self.stored)
+        self.begin, self.total, self.count = x, ZERO, 0
+
     def skip(self) -> None:
         """Drop the piece under way: a sensor failed."""
-        self.begin, self.total, self.count = None, ZERO, 0
+        self.at, self.begin, self.total, self.count = None, None, ZERO, 0
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         """Return the force [N], damped so that what was given too much is taken back."""
@@ -216,11 +228,22 @@ class Guard:
     square: float = 0.0
     full: bool = False
 
-    def move(self, x: Vector, now: float, acted: Vector | None = None) -> None:
-        """Take the fingertip's position [m], and the force that acted on the way to it, None for the one sent [N]."""
+    def move(self, x: Vector, now: float, acted: Vector | None = None, left: float = 1.0) -> None:
+        """Take the fingertip's position [m], and the force that acted on the way to it.
+
+        Args:
+            x: position [m].
+            now: [s].
+            acted: the force [N], None for the one sent.
+            left: share of it at the end of the way, where the device lets go of an old command; what the hand gave is
+                counted with that share, what it got with the whole.
+        """
         dt = now - self.motion.since if self.motion.at else 0.0
+        acted = self.sent if acted is None else acted
+        if left < 1 and self.motion.at and dot(acted, along(x, self.motion.at, -1.0)) < 0:
+            acted = scaled(acted, left)
         self.motion.move(x, now)
-        self.passivity.observe(self.sent if acted is None else acted, x, now)
+        self.passivity.observe(acted, x, now)
         self.square += (dot(self.sent, self.sent) - self.square) * min(max(dt, 0.0) / RMS_TIME, 1.0)
 
     def skip(self) -> None:

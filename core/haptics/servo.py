@@ -10,18 +10,14 @@ import math
 
 from ..errors import DimpleError
 from . import kinematics, wire
+from .acting import ActingForces
 from .contact_model import FADE_BEGINS, Contact, is_sane, stiffness_cap
 from .losses import LOSS_DISARMS, LOSS_WARNS, Losses
 from .safety import LEASE, STATE_GAP, STATE_LOST, Arming, BadNumbers, Guard, Limits, Switch
 from .sensors import FAILED_TICKS
 from .servo_finger import ServoFinger
 from .servo_messages import LinkState, Order, ServoReport, TipState
-from .servo_notes import BAD_FORCE, LOSSY, NO_STATES, TOO_FAST
-from .servo_notes import FAULTS as FAULTS
-from .servo_notes import NO_ANSWER as NO_ANSWER
-from .servo_notes import SILENT as SILENT
-from .servo_notes import STOOD_STILL as STOOD_STILL
-from .servo_notes import WAS_SILENT as WAS_SILENT
+from .servo_notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT
 from .spec import Spec, check_info
 from .vectors import ZERO, Vector, is_finite, length
 
@@ -29,8 +25,6 @@ HELLO_EVERY, HELLO_WAIT = 0.1, 1.0  # [s] between two HELLOs; without an answer 
 PING_EVERY = 0.25  # [s]
 FIRST_DELAY = 2e-3  # [s] the delay assumed until it is measured: two ticks
 MOST_DT = 0.005  # [s] the longest time step for slew and damping, however long the silence was
-REMEMBERED = 256  # commands: more than a device can acknowledge late
-NO_FORCE = (ZERO,) * wire.FINGERS
 UNCONNECTED = (LinkState.OPENING, LinkState.LOST)
 
 
@@ -43,6 +37,7 @@ class Servo:
     cap: largest stiffness to render [N/m]; it falls as soon as the delay grows, and rises only while nothing is
         touched: a wall that stiffens under a finger pushes it out.
     unsent: answers that the line did not take.
+    let_go: the device had no commands for so long that it took the force away, perhaps of a pressed fingertip.
     """
 
     def __init__(self, spec: Spec, *, nonce: int = 1) -> None:
@@ -59,9 +54,9 @@ class Servo:
         self._state: wire.DeviceState | None = None
         self._heard = self._device_time = 0.0  # when the last STATE came, on our clock and on the device's [s]
         self._measured: wire.LinkReport | None = None
-        self._sent: dict[int, tuple[Vector, ...]] = {}  # seq: the forces of the last commands [N]
+        self._acting = ActingForces()
         self._ended = ""  # why the force must end at the next answer
-        self.unsent = 0
+        self.unsent, self.let_go = 0, False
         self.cap = stiffness_cap(spec.viscous, spec.tick, FIRST_DELAY)
 
     @property
@@ -198,11 +193,11 @@ class Servo:
         dt = ((state.t_us - before.t_us) & 0xFFFFFFFF) * 1e-6 if before else self.spec.tick
         steady = 0 < dt <= STATE_LOST and (silent <= STATE_LOST or before is None)
         self._device_time += dt
-        # what drove the motors from the last STATE on is the command that it acknowledged, however late ours came
-        acted = self._sent.get(before.ack, NO_FORCE) if before else NO_FORCE
+        acted, left = self._acting.between(self.spec, before, state, self._device_time)
         for i, finger in enumerate(self._fingers):
             words = state.adc[3 * i], state.adc[3 * i + 1], state.adc[3 * i + 2]
-            finger.sense(self.spec, words, bool(state.status & wire.MASKED << i), ticks, self._device_time, acted[i])
+            masked = bool(state.status & wire.MASKED << i)
+            finger.sense(self.spec, words, masked, ticks, self._device_time, acted[i], left)
         self._take_contacts(now)
         # a frozen simulation counts as a released key; the quiet is judged by contacts that have not begun to fade
         oldest = FADE_BEGINS if self._switch.arming is Arming.WAITING else LEASE
@@ -213,8 +208,7 @@ class Servo:
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
         if self._old_fault and self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
             flags = wire.CLEAR
-        self._sent.pop(self._seq + 1 - REMEMBERED & 0xFFFF, None)
-        self._sent[self._seq + 1 & 0xFFFF] = tuple([finger.guard.sent for finger in self._fingers])
+        self._acting.send(self._seq + 1 & 0xFFFF, tuple([finger.guard.sent for finger in self._fingers]))
         return out + self._command((*a, *b, *c), flags)
 
     def _take_contacts(self, now: float) -> None:
@@ -241,6 +235,7 @@ class Servo:
                 self._bad.count(now)
         asked = self._switch.arming is Arming.ASKED
         device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
+        self.let_go = not device_on and self._switch.arming in (Arming.RAMP, Arming.ON)
         gain = self._switch.gain(max(map(length, wanted)), now, held=held, device_on=device_on)
         for finger, force in zip(self._fingers, wanted, strict=True):
             if finger.bad:

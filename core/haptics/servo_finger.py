@@ -35,7 +35,9 @@ class ServoFinger:
     at: Vector = ZERO
     bad: int = 0
 
-    def sense(self, spec: Spec, words: Three, masked: bool, ticks: int, time: float, acted: Vector) -> None:
+    def sense(
+        self, spec: Spec, words: Three, masked: bool, ticks: int, time: float, acted: Vector, left: float
+    ) -> None:
         """Take a reading.
 
         Args:
@@ -45,6 +47,7 @@ class ServoFinger:
             ticks: since the last reading.
             time: of the device [s].
             acted: the force of the motors since the last reading [N].
+            left: share of it that is left by now.
         """
         angles = kinematics.adc_angles(spec, words)
         if (
@@ -56,7 +59,7 @@ class ServoFinger:
             self.guard.skip()
             return
         self.at, self.angles, self.bad = kinematics.forward(self.block, angles), angles, 0
-        self.guard.move(self.at, time, acted)
+        self.guard.move(self.at, time, acted, left)
 
     def _jumps(self, angles: Angles, dt: float) -> bool:
         if self.angles is None:

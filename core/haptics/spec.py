@@ -81,6 +81,10 @@ class Spec:
                 "most. Raise the baud rate, on the device too, or use a device that is made for a lower rate (tick_hz)."
             )
 
+    def left(self, age: float) -> float:
+        """Return the share of a force that still acts when its command is so old [s]."""
+        return min(max((self.zero - age) / (self.zero - self.hold), 0.0), 1.0)
+
     @property
     def tick(self) -> float:
         """Return the period of the device [s]."""

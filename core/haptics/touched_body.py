@@ -76,6 +76,11 @@ class TouchedBody:
         ]
         self._material_of = surface.mesh.triangle_material.tolist()
 
+    def soften(self) -> None:
+        """Soften what is touched until it is left: a fingertip has sunk in without force and must not be pushed out."""
+        for coupling in self._couplings:
+            coupling.sunk = True
+
     def lift(self) -> None:
         """Take all fingertips off."""
         self.places = [None] * FINGERS

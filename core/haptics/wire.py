@@ -13,6 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+from .cobs import stuff, unstuff
+
 PROTOCOL: Final = (1, 0)  # major: a difference is refused; minor: more frame types, skipped where they are unknown
 MOST_PAYLOAD: Final = 33  # bytes
 FINGERS: Final = 3
@@ -206,7 +208,6 @@ _MAKERS: Final = {
     number: (layout.size + 4, layout.unpack_from, _maker(kind, _NESTED.get(kind)))
     for kind, (number, layout) in _TYPES.items()
 }
-_CODES: Final = [bytes((n,)) for n in range(256)]
 _CRC: Final = struct.Struct("<I")
 _LONGEST: Final = MOST_PAYLOAD + 4 + 1  # bytes between two 0x00
 
@@ -231,27 +232,6 @@ def encode(frame: Frame) -> bytes:
 def size(kind: type) -> int:
     """Return the bytes of a frame type on the line."""
     return _TYPES[kind][1].size + 4 + 2
-
-
-def stuff(block: bytes) -> bytes:
-    """Return the COBS code of at most 253 bytes, with the closing 0x00.
-
-    Each run up to a 0x00 is preceded by one more than its length, which takes the place of the 0x00.
-    Source: Cheshire and Baker, Consistent Overhead Byte Stuffing.
-    """
-    return b"".join([_CODES[len(run) + 1] + run for run in block.split(b"\0")]) + b"\0"
-
-
-def unstuff(code: bytes) -> bytes | None:
-    """Return the bytes of a COBS code without its closing 0x00, None where it is none."""
-    runs, at, end = [], 0, len(code)
-    while at < end:
-        if not code[at]:
-            return None
-        after = at + code[at]
-        runs.append(code[at + 1 : after])
-        at = after
-    return b"\0".join(runs) if at == end else None
 
 
 @dataclass(slots=True)

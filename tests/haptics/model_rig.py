@@ -14,7 +14,6 @@ from core.body.model import Model, build_model
 from core.haptics.body_host import BodyHost
 from core.haptics.contact_rendering import Workspace
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
-from core.haptics.emulator import Emulator
 from core.haptics.parcel import Change, frame_size, pack_changes, parcel_path
 from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
@@ -23,6 +22,7 @@ from core.haptics.spec import Spec, load_spec
 from core.haptics.wire import RAMP
 from core.material import PRESETS, Material
 from core.mesh.surface import base_vertices
+from studies.faulty_emulator import FaultyEmulator, TraceRow
 from studies.scenes import cube
 
 STEP = 2e-4  # [s] of the clock
@@ -77,7 +77,8 @@ class ModelRig:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        self.emulator, self.servo = Emulator(self.spec, hand=self.hand), Servo(self.spec)
+        self.ticks: list[TraceRow] = []
+        self.emulator, self.servo = FaultyEmulator(self.spec, hand=self.hand, trace=self.ticks), Servo(self.spec)
         self._folder = tempfile.TemporaryDirectory(prefix="dimple-")
         self._box = Path(self._folder.name) / "box"
         self.host = BodyHost(self._box, at_once)
@@ -144,8 +145,9 @@ class ModelRig:
         return np.array([row[4] for row in self.rows])
 
     def energy(self) -> float:
-        """Return the lowest energy [J] that a hand had given a motor."""
-        _, x, force, _ = self.trace()
+        """Return the lowest energy [J] that a hand had given a motor, by each tick of the device."""
+        rows = np.array(self.ticks)
+        x, force = rows[:, 2:11].reshape(-1, 3, 3), rows[:, 11:].reshape(-1, 3, 3)
         return float(-np.cumsum((force[:-1] * np.diff(x, axis=0)).sum(axis=2), axis=0).max())
 
     def observed(self) -> float:

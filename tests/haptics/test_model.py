@@ -13,6 +13,7 @@ import pytest
 
 from core.base import DimpleError
 from core.haptics.body_host import BLEW_UP, TOO_HEAVY, BodyHost
+from core.haptics.coupling import Coupling, Slopes
 from core.haptics.parcel import pack_changes, parcel_path, unpack_changes
 from core.haptics.remote_body import Parcels, RemoteBody
 from core.haptics.servo import Servo
@@ -21,6 +22,7 @@ from core.haptics.spec import load_spec
 from core.material import PRESETS, Material
 from core.session import Finger, Session
 from core.solver.motion import Frame, Motion
+from studies.scripted_press import swing
 from tests.haptics.model_rig import RADIUS, WORKSPACE, ModelRig, holding, pressing, soft_cube
 
 SLOW = pytest.mark.slow
@@ -78,6 +80,48 @@ def test_no_body_shakes_the_device_however_stiff(k1: float, k2: float, x0: float
     (x1, f1), _, (x3, f3) = slopes
     assert (f3 - f1) / (x3 - x1) < 1.25 * rig.servo.cap
     assert rig.energy() > -2e-3
+
+
+@pytest.mark.parametrize(("k", "cells", "hand"), [(1000, 20, (400.0, 4.0)), (1060, 8, (200.0, 2.0))])
+def test_a_wall_up_to_the_cap_has_no_limit_cycle(k: float, cells: int, hand: tuple[float, float]) -> None:
+    """A fingertip may creep sideways, freed from dry friction by the noise of its converters; it never swings."""
+    stiffness, damping = hand
+    rig = ModelRig(soft_cube(material(k), cells), pressing(0.005, 0.012, stiffness=stiffness, damping=damping))
+    rig.run(2.5)
+    time, tips, forces, _ = rig.trace()
+    assert rig.servo.cap == pytest.approx(1067, rel=1e-3) and strongest(rig) > 1.0
+    for number in range(2):
+        assert swing(tips[holding(time, number)]) < 1e-4
+    assert rig.energy() > -1e-3
+
+
+@pytest.mark.parametrize("k", [610, 4000])
+def test_a_device_that_let_go_of_a_pressed_fingertip_gets_no_energy_when_its_force_comes_back(k: float) -> None:
+    """The servo does not run for 27 ms: the force is gone, the fingertips fall, the ramp begins anew on a soft body."""
+    rig = ModelRig(soft_cube(material(k)), pressing(0.005, 0.010, 0.015))
+    rig.run(3.0)
+    assert strongest(rig) > 2.0
+    rig._sleeps = rig.now + 0.027
+    rig.run(0.03)
+    assert strongest(rig) < 1.0 and rig.servo.report().arming.name == "RAMP"
+    rig.run(0.6)
+    assert rig.servo.report().arming.name == "ON"
+    assert rig.energy() > -1e-3 and rig.observed() < rig.energy() + 1e-4
+
+
+def test_a_touch_that_was_softened_stays_soft_until_the_fingertip_has_left_the_body() -> None:
+    """The model's sphere hovers at the skin and touches now and then nothing: no reason to push with all its force."""
+    stiff, coupling = Slopes(k1=1e3, k2=1e3, knee=10.0), Coupling()
+    coupling.follow((0.0, 0.0, -0.01), 1e-3)
+    coupling.take((0.0, 0.0, 5.0), stiff, 1e3)
+    for _ in range(100):
+        coupling.place(stiff, 1e3, -1e-3)
+    coupling.take((0.0, 0.0, 0.0), stiff, 1e3)
+    coupling.place(stiff, 1e3, -1e-3)
+    assert coupling.softer > 0
+    for _ in range(100):
+        coupling.place(stiff, 1e3, 0.0)
+    assert coupling.softer == 0 and coupling.lag == pytest.approx((0.0, 0.0, 0.0), abs=1e-4)
 
 
 def test_a_busy_computer_gives_no_energy_and_the_observer_sees_what_there_is() -> None:

@@ -19,8 +19,8 @@ from core.base import DimpleError
 from core.haptics import wire
 from core.haptics.device import HapticMaster
 from core.haptics.safety import Arming
-from core.haptics.servo import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
 from core.haptics.servo_messages import LinkState, ServoReport
+from core.haptics.servo_notes import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
 from core.haptics.vectors import length
 from studies import haptics
 from tests.haptics.machine import NEEDS_PTY, unable

@@ -158,6 +158,17 @@ def test_the_passivity_controller_takes_back_what_an_active_wall_gives() -> None
     assert press_and_leave(500.0, 560.0, control=True) > -0.0015
 
 
+def test_what_happens_in_a_long_step_is_counted_with_the_force_of_that_step() -> None:
+    """Pressed with 4 N, a fingertip sinks 4 mm while the device lets go: the hand gives less than 16 mJ."""
+    guard = Guard(LIMITS)
+    for i in range(20):
+        guard.move((0.0, 0.0, 0.0), i * MS, (0.0, 0.0, 4.0))
+    guard.move((0.0, 0.0, -0.004), 0.050, (0.0, 0.0, 4.0), left=0.0)
+    assert guard.passivity.stored == pytest.approx(0.0, abs=1e-9)
+    guard.move((0.0, 0.0, 0.0), 0.060, (0.0, 0.0, 4.0), left=0.0)
+    assert guard.passivity.stored == pytest.approx(-0.016), "what it gets is counted whole"
+
+
 def test_the_passivity_controller_takes_back_what_a_sampled_wall_leaks() -> None:
     """Each tick holds the force of the one before: K T v x = 0.3 mJ for 600 N/m, 1 ms, 0.05 m/s, 10 mm."""
     assert press_and_leave(600.0, 600.0, control=False) == pytest.approx(-0.0003, rel=0.1)

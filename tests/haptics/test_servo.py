@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from core.haptics import wire
-from core.haptics.servo import FAULTS
+from core.haptics.servo_notes import FAULTS
 from core.haptics.spec import load_spec
 from tests.haptics.bench_device import SESSION, BenchDevice, disarmed, note, wall
 
