@@ -273,7 +273,7 @@ static void dm_pin(dm_state *b, const double *inverse_mass) {
 static void dm_wake(dm_state *b) { b->asleep = 0, b->quiet = 0; }
 
 /* The same where a caller has changed it. */
-static void dm_change(dm_state *b) { dm_wake(b), b->changes++; }
+static void dm_change(dm_state *b) { dm_wake(b), b->changes++, memset(b->resisted, 0, sizeof b->resisted); }
 
 static void dm_state_set_load(dm_state *b, const double *load) {
     b->loaded = load != NULL;

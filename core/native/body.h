@@ -51,8 +51,8 @@ typedef struct { /* v = linear + angular x position */
     double linear[3], angular[3];
 } dm_rigid;
 
-typedef struct { /* of the mass: its centre, and the inverse of its moments about it */
-    double centre[3], inverse[9];
+typedef struct { /* of the mass: its centre, its moments about it and their inverse; and how fast it turns [1/s] */
+    double centre[3], tensor[9], inverse[9], spin[3];
 } dm_inertia;
 
 /* the springs to one neighbour of each vertex of a group: with k of the spring and t of shape matching's tension,
@@ -138,6 +138,7 @@ struct dm_state {
     double turned[9]; /* of the last fit */
     dm_rigid drift;      /* rigid part of the velocities, or the acceleration to take out */
     dm_inertia moments;
+    double resisted[3]; /* moment that what it touches takes out in the next substep [N m] */
     double dt, skin_travel; /* [m] the farthest a vertex may go in a step, 0 where nothing is near */
 
     uint32_t (*triangles)[3], *box_start, *box_vertex;

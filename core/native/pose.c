@@ -135,8 +135,10 @@ static void dm_fit_motion(dm_state *b, const double *sums) {
     double x2 = xx[0] - o[0] * s[0], y2 = xx[1] - o[1] * s[1], z2 = xx[2] - o[2] * s[2];
     double xy = xx[3] - o[0] * s[1], yz = xx[4] - o[1] * s[2], zx = xx[5] - o[2] * s[0];
     double tensor[9] = {y2 + z2, -xy, -zx, -xy, x2 + z2, -yz, -zx, -yz, x2 + y2};
+    memcpy(b->moments.tensor, tensor, sizeof tensor);
     dm_invert3x3(tensor, b->moments.inverse);
     b->drift = dm_rigid_part(b, &b->moments, sums + DM_M_V, sums + DM_M_XV);
+    memcpy(b->moments.spin, b->drift.angular, sizeof b->moments.spin);
 }
 
 /* Fit points at rest (count, 3) to points (count, 3), all of one weight: pose is rotation by rows, then translation. */

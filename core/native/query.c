@@ -21,6 +21,7 @@ static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
     f->slack = f->stale = INFINITY;
     if (!f->body) return;
     if (f->self && f->body->moving) dm_note_rest(s, f);
+    if (f->changes != f->body->changes) memset(f->resisting, 0, sizeof f->resisting);
     f->changes = f->body->changes;
     memcpy(f->origin, f->body->origin, sizeof f->origin);
     for (int64_t g = 0; g < f->body->groups; g++) f->before[g] = f->body->state[g].x;

@@ -160,6 +160,7 @@ static void dm_run_scene_substep(dm_scene_state *s, dm_frame *frames, double sha
         else if (f->moving) dm_move_collider(s, f, share);
     }
     dm_resolve_touching(s);
+    dm_resist_rolling(s);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         if (f->body) dm_bound_body(s, f);
     dm_renew_planes(s);

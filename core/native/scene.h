@@ -30,6 +30,9 @@
 #define DM_LOOK 0.5           /* of the touching distance: when anything near has moved so far, normals are set anew */
 #define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
 #define DM_SHARP 0.05          /* and above which it is one */
+#define DM_ROLL_ARM 0.005     /* of its size: arm of rolling resistance, as in core/solver/rolling.py with the two below */
+#define DM_ROLL_PART 0.1
+#define DM_ROLL_KEPT 0.0025
 #define DM_SELF_SHARE 0.5     /* of the distance at rest: nearer, a body touches itself */
 
 typedef struct { /* the surface of a body, or a collider */
@@ -41,6 +44,8 @@ typedef struct { /* the surface of a body, or a collider */
     double origin[3];       /* of the body at the last query */
     double impulse[3];      /* that others gave it in a call [N s] */
     double moment[3];       /* of that about the origin [N m s] */
+    double load, spin_beside[3];        /* of a substep: what presses it [N s]; sum of that by how fast it turns */
+    double resisting[3], moment_of[3];  /* that resist its rolling: kept from substep to substep, and in the next [N m] */
     dm_vec3 *before;        /* (groups,) of the body's vertices at the last query */
     dm_lanes *bound;        /* (groups,) square of how far each may go before its planes are looked at */
     uint64_t changes;       /* of the body, at the last query */

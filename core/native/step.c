@@ -35,6 +35,16 @@ static void dm_apply_load(dm_state *b) {
     }
 }
 
+/* Take out the moment with which what it touches resists its turning: with the drift, as it is no motion. */
+static void dm_take_moment(dm_state *b) {
+    const double *m = b->resisted, *row = b->moments.inverse, *o = b->moments.centre;
+    double a[3];
+    for (int c = 0; c < 3; c++, row += 3) a[c] = row[0] * m[0] + row[1] * m[1] + row[2] * m[2], b->drift.angular[c] += a[c];
+    b->drift.linear[0] -= a[1] * o[2] - a[2] * o[1];
+    b->drift.linear[1] -= a[2] * o[0] - a[0] * o[2];
+    b->drift.linear[2] -= a[0] * o[1] - a[1] * o[0];
+}
+
 static void dm_substep(dm_state *b) {
     if (b->law_set == DM_LAWS_PAPER) {
         b->pressure = dm_paper_pressure(b);
@@ -46,6 +56,7 @@ static void dm_substep(dm_state *b) {
     }
     if (b->free) DM_TIMED(DM_FITS, dm_fit_body(b));
     DM_TIMED(DM_RINGS, (b->free ? dm_ring_pass_free : dm_ring_pass_pinned)(b));
+    if (b->free) dm_take_moment(b);
     DM_TIMED(DM_IRREGULAR_AND_FILL, dm_apply_fill(b));
     dm_apply_load(b);
     DM_TIMED(DM_ADVANCE, (b->free ? dm_advance_free : dm_advance_pinned)(b, b->fill != DM_FILL_NONE ? b->pressure : 0));
@@ -245,7 +256,7 @@ static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
 
 static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
     dm_begin_motion(b, m, frame);
-    b->changes++;
+    memset(b->resisted, 0, sizeof b->resisted), b->changes++;
     for (int64_t t = 0; t < m->ticks && frame->finite; t++) {
         dm_begin_tick(b, m, t, frame);
         for (int64_t s = 0; s < m->substeps && !b->asleep; s++) dm_run_substep(b, frame);

@@ -183,6 +183,7 @@ static void dm_part_meeting(dm_scene_state *s, dm_meeting *m) {
 
 /* After bodies and colliders have moved: resolve what touches. */
 static void dm_resolve_touching(dm_scene_state *s) {
+    s->active_count = 0;
     if (!s->meeting_count) return;
     for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++) {
         const dm_surface *f = s->surfaces + n->surface;
@@ -191,7 +192,6 @@ static void dm_resolve_touching(dm_scene_state *s) {
         n->v[3] = inverse_mass;
         n->out = (dm_quad){0, 0, 0, 0}, n->met = 0;
     }
-    s->active_count = 0;
     for (uint32_t k = 0; k < s->meeting_count; k++) dm_begin_meeting(s, k);
     for (int sweep = 1; sweep < DM_CONTACT_SWEEPS; sweep++)
         for (uint32_t k = 0; k < s->active_count; k++) {

@@ -19,6 +19,7 @@
 #include "proximity.c"
 #include "bounds.c"
 #include "touching.c"
+#include "rolling.c"
 #include "query.c"
 #include "scene.c"
 #include "carry.c"

@@ -14,6 +14,7 @@ from . import semi_implicit
 from .bounds import Bounds, beyond, bounds_of, hold_back, is_allowed, is_near, renewed
 from .crossing import find_crossings
 from .motion import Motion
+from .rolling import Turning, resist
 from .scene import Collider, ColliderMotion, Crossings, SceneFrame
 from .ticks import each_tick, meet, slow_down
 from .twin import Call, Twin
@@ -43,6 +44,8 @@ class TwinScene:
         self._touch = max(2 * float(self._offsets[: len(bodies)].max()), float(largest[:2].sum()))
         self._rates = [np.zeros_like(x) for x in self._here]
         self._sizes = np.array([CLOSEST * body.model.mesh.size for body in bodies] + [0.0] * len(colliders))
+        self._turning: list[Turning | None] = [Turning(body.model.mesh.size) if body.model.free else None for body in bodies]
+        self._turning += [None] * len(colliders)
         self._due, self._approach = True, 0.0
         self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
         self._known = [(body.model, body.positions()) for body in bodies]
@@ -66,8 +69,11 @@ class TwinScene:
     ) -> SceneFrame:
         """Run the ticks of motions, one for each body."""
         self._tick, self._dt = motions[0].tick, motions[0].tick / motions[0].substeps
-        for body, (model, x) in zip(self._bodies, self._known, strict=True):
-            self._due |= body.model is not model or not np.array_equal(body.state.positions, x)
+        for body, (model, x), turning in zip(self._bodies, self._known, self._turning, strict=False):
+            changed = body.model is not model or not np.array_equal(body.state.positions, x)
+            self._due |= changed
+            if changed and turning:
+                turning.kept, turning.moment = np.zeros(3), np.zeros(3)
         self._queries = self._most_pairs = self._most_touching = self._truncated = 0
         self._taken = self._held_back = 0.0
         self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
@@ -100,22 +106,28 @@ class TwinScene:
                 self._query()
             self._begin_contact()
             with np.errstate(all="ignore"):  # the frame says when it has blown up
-                for body, call, near in zip(self._bodies, calls, touches, strict=True):
-                    self._step_body(body, call, near)
+                for body, call, near, turning in zip(self._bodies, calls, touches, self._turning, strict=False):
+                    self._step_body(body, call, near, turning)
                 self._move_colliders(1 / (substeps - step))
                 self._resolve()
                 self._bound_bodies()
         for body, call in zip(self._bodies, calls, strict=True):
             body.end_tick(call)
 
-    def _step_body(self, body: Twin, call: Call, touches: Sequence[Touch]) -> None:
+    def _step_body(self, body: Twin, call: Call, touches: Sequence[Touch], turning: Turning | None) -> None:
         """Advance a body by a substep, fingertips included."""
         model, state = body.model, body.state
         near = [h for h in touches if len(h.vertices) or len(h.triangles)]
         limit = min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
         before = state.positions.copy()
         try:
+            if turning:
+                turning.measure(model.mass, before, state.velocities)
             semi_implicit.advance(model, state, self._dt)
+            if turning:
+                by = self._dt * turning.acceleration(before)
+                state.velocities -= by
+                state.positions -= self._dt * by
         except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
             state.positions[:] = np.nan
             return
@@ -214,7 +226,10 @@ class TwinScene:
 
     def _resolve(self) -> None:
         meetings = self._meetings
+        owner = self._surfaces.of_vertex
+        sides = owner[meetings.at[:, [0, 3]]]
         if not len(meetings.gap):
+            resist(self._turning, sides, meetings.gap, self._dt)
             return
         v, out, passed, changed = touching.resolve(
             meetings, self._last - self._looked, self._velocities(), self._inverse_mass, self._dt
@@ -225,9 +240,10 @@ class TwinScene:
             state, rows = body.state, own - part.start
             state.positions[:, rows] += self._dt * (v[own].T - state.velocities[:, rows]) + out[own].T
             state.velocities[:, rows] = v[own].T
-        given, owner = np.concatenate([passed, np.cross(meetings.point, passed)], axis=1), self._surfaces.of_vertex
-        np.add.at(self._impulses, owner[meetings.at[:, 0]], given)
-        np.subtract.at(self._impulses, owner[meetings.at[:, 3]], given)
+        resist(self._turning, sides, np.einsum("mc,mc->m", passed, meetings.normal), self._dt)
+        given = np.concatenate([passed, np.cross(meetings.point, passed)], axis=1)
+        np.add.at(self._impulses, sides[:, 0], given)
+        np.subtract.at(self._impulses, sides[:, 1], given)
         self._most_touching = max(self._most_touching, int((passed != 0).any(axis=1).sum()))
 
     def _bound_bodies(self) -> None:

@@ -1,0 +1,57 @@
+/* Rolling resistance: what lies on something turns against it only by a moment above a small arm times its load, so a ball
+ * comes to rest. Source: core/solver/rolling.py. */
+#include "scene.h"
+
+static void dm_limit3(double *a, double most) {
+    double size = sqrt(dm_inner3(a, a));
+    for (int c = 0; c < 3 && size > most; c++) a[c] *= most / size;
+}
+
+DM_INLINE int dm_rolls(const dm_surface *f) { return f->body && f->body->free && !f->body->asleep; }
+
+/* Find the moment that resists a body, from what presses on it. */
+static void dm_resist_body(const dm_scene_state *s, dm_surface *f) {
+    if (f->load == 0) {
+        memset(f->resisting, 0, sizeof f->resisting);
+        return;
+    }
+    const double *row = f->body->moments.tensor, *spin = f->body->moments.spin;
+    double way[3], most = DM_ROLL_ARM * f->body->size * f->load / s->dt;
+    for (int c = 0; c < 3; c++) way[c] = spin[c] - f->spin_beside[c] / f->load;
+    for (int c = 0; c < 3; c++, row += 3) {
+        double stop = dm_inner3(row, way) / s->dt;
+        f->moment_of[c] = f->resisting[c] + DM_ROLL_PART * stop, f->resisting[c] += DM_ROLL_KEPT * stop;
+    }
+    dm_limit3(f->moment_of, most), dm_limit3(f->resisting, most);
+    for (int c = 0; c < 3; c++) f->body->resisted[c] += f->moment_of[c];
+}
+
+/* After a substep: find the moments that act in the next one, on bodies and back on those that they press. */
+static void dm_resist_rolling(dm_scene_state *s) {
+    int rolling = 0;
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        if (!dm_rolls(f)) continue;
+        memset(f->body->resisted, 0, sizeof f->body->resisted), memset(f->spin_beside, 0, sizeof f->spin_beside);
+        f->load = 0, rolling++;
+    }
+    for (uint32_t k = 0; rolling && k < s->active_count; k++) {
+        const dm_meeting *m = s->meetings + s->active[k];
+        for (int j = 0; j < 2 && m->surface[0] != m->surface[1]; j++) {
+            dm_surface *f = s->surfaces + m->surface[j];
+            const dm_surface *g = s->surfaces + m->surface[1 - j];
+            f->load += (double)m->push;
+            for (int c = 0; c < 3 && dm_rolls(g); c++) f->spin_beside[c] += (double)m->push * g->body->moments.spin[c];
+        }
+    }
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
+        if (dm_rolls(f)) dm_resist_body(s, f);
+    for (uint32_t k = 0; rolling > 1 && k < s->active_count; k++) {
+        const dm_meeting *m = s->meetings + s->active[k];
+        for (int j = 0; j < 2 && m->surface[0] != m->surface[1]; j++) {
+            const dm_surface *f = s->surfaces + m->surface[j];
+            dm_surface *g = s->surfaces + m->surface[1 - j];
+            if (!dm_rolls(f) || !dm_rolls(g) || f->load == 0) continue;
+            for (int c = 0; c < 3; c++) g->body->resisted[c] -= (double)m->push / f->load * f->moment_of[c];
+        }
+    }
+}
