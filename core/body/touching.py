@@ -7,6 +7,7 @@ For a pair at distance d (r: where it touches), with relative speed u along its 
 
 so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
 kept until what is near has moved by a part of r. The pairs are taken one after the other, ordered by their vertices.
+What sticks goes back to where it stuck first, so that it does not creep: an anchor, which follows where it slides.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from ..base import Floats, Ints
 from .proximity import Pairs, Surfaces, measure
 
 SWEEPS = 2  # over what touches, for its velocities
+BACK = 0.2  # of what it has slipped, what sticks goes back in a substep
 PART = 0.6  # of what is too near, is brought apart in a substep
+ROUNDING = 1e-6  # of friction's most: what is so near it slides
 LOOK = 0.5  # of the touching distance: when anything near has moved so far, normals are set anew
 
 
@@ -36,6 +39,7 @@ class Meetings:
     friction: (m,) coefficient.
     give: (m,) 1 / mass [1/kg].
     share: (m,) of what they do: fades where edges are flat.
+    anchor: (m, 3) where on its way since the look it stuck last [m]; `resolve` moves it.
     """
 
     at: Ints
@@ -47,6 +51,7 @@ class Meetings:
     friction: Floats
     give: Floats
     share: Floats
+    anchor: Floats
 
 
 def order_of(pairs: Pairs, s: Surfaces) -> Ints:
@@ -87,7 +92,7 @@ def look(
     return Meetings(
         at=at, weights=w, normal=between[may] / gap[:, None], point=np.einsum("mk,mkc->mc", w * side, x[at]), gap=gap,
         touch=touch[may], friction=np.sqrt((mu * side).sum(axis=1) * (mu * ~side).sum(axis=1)), give=give[may],
-        share=pairs.weight[may],
+        share=pairs.weight[may], anchor=np.zeros_like(at, np.float64)[:, :3],
     )  # fmt: skip
 
 
@@ -107,29 +112,36 @@ def resolve(
         its first side (m, 3) [N s], and which vertices may have changed.
     """
     v, out, passed = v.copy(), np.zeros_like(v), np.zeros((len(m.gap), 3))
-    active: dict[int, tuple[float, float]] = {}  # the distance as the substep began, and the least speed apart
+    # the distance as the substep began, the least speed apart, and how fast it is to go back to where it stuck
+    active: dict[int, tuple[float, float, Floats]] = {}
     for k in range(len(m.gap)):
-        begin = float(m.gap[k] + m.normal[k] @ (m.weights[k] @ way[m.at[k]]))
+        along = m.weights[k] @ way[m.at[k]]
+        begin, along = float(m.gap[k] + m.normal[k] @ along), along - (m.normal[k] @ along) * m.normal[k]
         if begin + dt * float(m.normal[k] @ (m.weights[k] @ v[m.at[k]])) < m.touch[k]:
-            active[k] = begin, min(0.0, (float(m.touch[k]) - begin) / dt)
-            _push(m, k, active[k][1], passed, v, inverse_mass)
+            active[k] = begin, min(0.0, (float(m.touch[k]) - begin) / dt), BACK / dt * (along - m.anchor[k])
+            _push(m, k, *active[k][1:], passed, v, inverse_mass)
+        else:
+            m.anchor[k] = along
     for _ in range(1, SWEEPS):
-        for k, (_, least) in active.items():
-            _push(m, k, least, passed, v, inverse_mass)
-    for k, (begin, _) in active.items():
+        for k, (_, least, back) in active.items():
+            _push(m, k, least, back, passed, v, inverse_mass)
+    for k, (begin, _, back) in active.items():
         gap = begin + float(m.normal[k] @ (m.weights[k] @ (dt * v[m.at[k]] + out[m.at[k]])))
         by = float(m.share[k]) * PART * max(float(m.touch[k]) - gap, 0.0) / float(m.give[k])
         out[m.at[k]] += (by * m.weights[k] * inverse_mass[m.at[k]])[:, None] * m.normal[k]
+        push = float(passed[k] @ m.normal[k])
+        if np.linalg.norm(passed[k] - push * m.normal[k]) >= float(m.friction[k]) * push * (1 - ROUNDING):
+            m.anchor[k] += dt / BACK * back
     return v, out, passed, np.unique(m.at[list(active)])
 
 
-def _push(m: Meetings, k: int, least: float, passed: Floats, v: Floats, inverse_mass: Floats) -> None:
+def _push(m: Meetings, k: int, least: float, back: Floats, passed: Floats, v: Floats, inverse_mass: Floats) -> None:
     """Add to the impulse of a meeting so much that it goes no nearer than it may, and slides as friction lets it."""
     at, w, normal = m.at[k], m.weights[k], m.normal[k]
     u, by = w @ v[at], float(m.share[k] / m.give[k])
     along, before = float(u @ normal), float(passed[k] @ normal)
     push = max(before + by * (least - along), 0.0)
-    drag = passed[k] - before * normal - by * (u - along * normal)
+    drag = passed[k] - before * normal - by * (u - along * normal + back)
     size, most = float(np.linalg.norm(drag)), float(m.friction[k]) * push
     impulse = push * normal + (drag * (most / size) if size > most else drag)
     v[at] += (w * inverse_mass[at])[:, None] * (impulse - passed[k])

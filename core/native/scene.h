@@ -26,6 +26,7 @@
 #define DM_ALERT 0.5          /* of the way it may go, after which a vertex gets new planes */
 #define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
 #define DM_CONTACT_SWEEPS 2   /* over what touches, for its velocities */
+#define DM_BACK 0.2           /* of what it has slipped, what sticks goes back in a substep */
 #define DM_PART 0.6           /* of what is too near, is brought apart in a substep */
 #define DM_LOOK 0.5           /* of the touching distance: when anything near has moved so far, normals are set anew */
 #define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
@@ -71,6 +72,7 @@ typedef struct { /* two that may touch: their nearest points at the last look, a
     uint32_t at[4];
     dm_real weight[4];
     dm_quad normal, drag, sum; /* sum: of the impulses since the last look [N s] */
+    dm_quad anchor, back;      /* where on its way it stuck last [m]; how fast it is to go back there [m/s] */
     dm_real gap, begin, touch; /* distances: at the look, as the substep began, and at which they touch [m] */
     dm_real least, push, give, friction, share; /* least: speed apart [m/s]; give: 1 / mass */
     double point[3];           /* where they met [m] */

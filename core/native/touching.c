@@ -5,7 +5,8 @@
  *     j = max(0, (w - u) / g)   with   w = -(d - r) / h where d > r, and 0 where it is nearer
  * so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
  * kept until what is near has moved by a part of r. The pairs are taken one after the other, in an order that does not
- * depend on where they lie in memory.
+ * depend on where they lie in memory. What sticks goes back to where it stuck first, so that it does not creep: an
+ * anchor, which follows where it slides.
  */
 #include "scene.h"
 
@@ -139,7 +140,7 @@ DM_INLINE void dm_resolve_meeting(dm_scene_state *s, dm_meeting *m, dm_quad u) {
     dm_real along = dm_dot3(u, m->normal), by = m->share / m->give;
     dm_real push = m->push + by * (m->least - along);
     push = push > 0 ? push : 0;
-    dm_quad drag = m->drag - by * (u - along * m->normal);
+    dm_quad drag = m->drag - by * (u - along * m->normal + m->back);
     dm_real square = dm_dot3(drag, drag), most = m->friction * push;
     if (square > most * most) drag *= most / DM_SQRT(square);
     dm_quad more = (push - m->push) * m->normal + drag - m->drag;
@@ -157,8 +158,13 @@ static void dm_begin_meeting(dm_scene_state *s, uint32_t k) {
     dm_quad u = dm_speed_of(s, m), way = {0, 0, 0, 0};
     for (int j = 0; j < 4; j++) way += m->weight[j] * s->near[m->at[j]].way;
     dm_real h = (dm_real)s->dt;
-    m->begin = m->gap + dm_dot3(way, m->normal);
-    if (!(m->begin + h * dm_dot3(u, m->normal) < m->touch)) return;
+    dm_real towards = dm_dot3(way, m->normal);
+    way -= towards * m->normal, m->begin = m->gap + towards;
+    if (!(m->begin + h * dm_dot3(u, m->normal) < m->touch)) {
+        m->anchor = way;
+        return;
+    }
+    m->back = (dm_real)DM_BACK / h * (way - m->anchor);
     m->least = m->begin > m->touch ? (m->touch - m->begin) / h : 0;
     m->push = 0, m->drag = (dm_quad){0, 0, 0, 0};
     for (int j = 0; j < 4; j++) s->near[m->at[j]].met = 1;
@@ -179,6 +185,8 @@ static void dm_part_meeting(dm_scene_state *s, dm_meeting *m) {
         }
     }
     m->sum += m->push * m->normal + m->drag;
+    dm_real most = m->friction * m->push * (dm_real)(1 - DM_ROUNDING);
+    if (dm_dot3(m->drag, m->drag) >= most * most) m->anchor += (dm_real)s->dt / (dm_real)DM_BACK * m->back;
 }
 
 /* After bodies and colliders have moved: resolve what touches. */
