@@ -32,10 +32,10 @@ DM_INLINE double dm_side(const dm_pair *p, uint32_t corner, const double *x) {
 
 DM_INLINE double dm_kept(const dm_pair *p, uint32_t corner) { return p->keep[corner >= p->ones]; }
 
-static int dm_is_allowed(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, const double *x) {
+static int dm_is_allowed(const dm_scene_state *s, uint32_t vertex, const double *x) {
     double way[3];
     dm_minus(x, s->before[vertex], way);
-    if (!(dm_inner3(way, way) <= f->slack * f->slack)) return 0;
+    if (!(dm_inner3(way, way) <= s->slack[vertex] * s->slack[vertex])) return 0;
     if (s->place[vertex] == DM_NO_VERTEX) return 1;
     const dm_neighbour *n = s->near + s->place[vertex];
     for (uint32_t k = 0; k < n->pair_count; k++) {
@@ -64,7 +64,7 @@ DM_INLINE void dm_last_of(const dm_scene_state *s, const dm_surface *f, const dm
  * is not enough, so far back on its way as it must. */
 static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
     const double *begin = s->before[vertex];
-    double most = f->slack * (1 - 1e-6), share = 1;
+    double most = s->slack[vertex] * (1 - 1e-6), share = 1;
     dm_shorten(begin, x, most);
     if (s->place[vertex] == DM_NO_VERTEX) return;
     const dm_neighbour *n = s->near + s->place[vertex];
@@ -127,7 +127,7 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
     n->renewed = s->renewal;
     dm_world_of(s, f, n->vertex, x);
     dm_minus(x, s->before[n->vertex], way);
-    double gone = sqrt(dm_inner3(way, way)), most = f->slack - gone;
+    double gone = sqrt(dm_inner3(way, way)), most = s->slack[n->vertex] - gone;
     for (uint32_t k = 0; k < n->pair_count; k++) {
         uint32_t which = s->pairs_of[n->first_pair + k];
         double left = dm_side(s->pairs + which / 4, which % 4, x) - dm_kept(s->pairs + which / 4, which % 4);
@@ -137,7 +137,7 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
     dm_set_lane3(&f->before[i / DM_LANES], i, f->body->records[i].x);
     most *= DM_ALERT;
     f->bound[i / DM_LANES][i % DM_LANES] = (dm_real)(most > 0 ? most * most : -1);
-    if (gone > f->stale) s->due = 1;
+    if (gone > s->stale[n->vertex]) s->due = 1;
 }
 
 /* Set the planes anew of what has used its way, where things are now: it may go on from there in the next substep. */
@@ -162,7 +162,7 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     uint32_t vertex = f->first + i;
     double x[3], at[3], back[3];
     dm_world_of(s, f, vertex, x);
-    if (dm_is_allowed(s, f, vertex, x)) {
+    if (dm_is_allowed(s, vertex, x)) {
         dm_note_held(s, vertex);
         return;
     }
@@ -173,7 +173,7 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     dm_minus(at, b->origin, local);
     dm_quad rounded = dm_quad_of(local);
     for (int c = 0; c < 3; c++) at[c] = b->origin[c] + (double)rounded[c];
-    if (!dm_is_allowed(s, f, vertex, at)) {
+    if (!dm_is_allowed(s, vertex, at)) {
         if (s->place[vertex] != DM_NO_VERTEX) dm_last_of(s, f, s->near + s->place[vertex], at);
         else memcpy(at, s->before[vertex], sizeof at);
         dm_minus(at, b->origin, local), rounded = dm_quad_of(local);
@@ -194,7 +194,6 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
 /* Hold every vertex of a body to its bounds. */
 static void dm_bound_body(dm_scene_state *s, const dm_surface *f) {
     const dm_state *b = f->body;
-    dm_lanes most = dm_splat(0);
     for (int64_t g = 0; g < b->groups; g++) {
         dm_vec3 way = dm_sub(b->state[g].x, f->before[g]);
         dm_lanes square = dm_dot(way, way);
@@ -202,22 +201,19 @@ static void dm_bound_body(dm_scene_state *s, const dm_surface *f) {
         if (dm_any_of(far))
             for (uint32_t l = 0; l < DM_LANES; l++)
                 if (far[l] && g * DM_LANES + l < b->n) dm_bound_vertex(s, f, (uint32_t)g * DM_LANES + l);
-        most = dm_vmax(square, most);
+        if (dm_any_of((dm_mask)(square > f->due[g]))) s->due = 1;
     }
-    for (int l = 0; l < DM_LANES; l++)
-        if ((double)most[l] > f->stale * f->stale) s->due = 1;
 }
 
 /* Move a collider on its way; where something that it presses cannot get away, it waits. */
 static void dm_move_collider(dm_scene_state *s, dm_surface *f, double share) {
-    double far = 0;
     for (uint32_t i = f->first; i < f->first + f->count && f->moving; i++) {
         double x[3], way[3];
         for (int c = 0; c < 3; c++) x[c] = s->here[i][c] + share * (s->aim[i][c] - s->here[i][c]);
         memcpy(way, x, sizeof x);
-        if (!dm_is_allowed(s, f, i, x)) {
+        if (!dm_is_allowed(s, i, x)) {
             dm_hold_back(s, f, i, x);
-            if (!dm_is_allowed(s, f, i, x)) memcpy(x, s->here[i], sizeof x);
+            if (!dm_is_allowed(s, i, x)) memcpy(x, s->here[i], sizeof x);
             if (s->place[i] != DM_NO_VERTEX) dm_note_held(s, i);
         }
         dm_minus(way, x, way);
@@ -227,7 +223,6 @@ static void dm_move_collider(dm_scene_state *s, dm_surface *f, double share) {
             s->rate[i][c] = (x[c] - s->here[i][c]) / s->dt, s->here[i][c] = x[c];
             gone += (x[c] - s->before[i][c]) * (x[c] - s->before[i][c]);
         }
-        far = gone > far ? gone : far;
+        if (gone > s->stale[i] * s->stale[i]) s->due = 1;
     }
-    if (far > f->stale * f->stale) s->due = 1;
 }

@@ -63,6 +63,40 @@ static void dm_bring_near(dm_surface *f, double slack, double stale) {
     f->slack = slack < f->slack ? slack : f->slack, f->stale = stale < f->stale ? stale : f->stale;
 }
 
+/* Between two surfaces stands a slab, square to the mean normal of their pairs: what is farther than the reach from the
+ * other's side of it, and its neighbours with it, may go farther. Where one is all round the other there is none.
+ * pair: the first of theirs. */
+static void dm_free_behind(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t pair) {
+    const dm_surface *both[2] = {f, g};
+    double normal[3] = {0}, edge[2] = {INFINITY, -INFINITY};
+    for (const dm_pair *p = s->pairs + pair; p < s->pairs + s->pair_count && f != g; p++)
+        for (int c = 0; c < 3; c++) normal[c] += s->surfaces + p->surface[0] == f ? p->normal[c] : -p->normal[c];
+    double size = sqrt(dm_inner3(normal, normal));
+    for (int c = 0; c < 3 && size > 0; c++) normal[c] /= size;
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = both[k]->first; i < both[k]->first + both[k]->count; i++) {
+            if (both[k]->body && i - both[k]->first >= both[k]->body->n) continue; /* an empty lane */
+            double along = dm_inner3(normal, s->before[i]);
+            edge[k] = (k ? along > edge[k] : along < edge[k]) ? along : edge[k];
+        }
+    double *away = s->roam; /* set later */
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = both[k]->first; i < both[k]->first + both[k]->count; i++) {
+            double along = dm_inner3(normal, s->before[i]);
+            away[i] = k ? edge[0] - along : along - edge[1];
+        }
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = both[k]->first; i < both[k]->first + both[k]->count; i++) {
+            double free_way = away[i];
+            for (uint32_t j = s->ring_start[i]; j < s->ring_start[i + 1]; j++)
+                free_way = away[s->ring[j]] < free_way ? away[s->ring[j]] : free_way;
+            free_way = free_way > s->reach ? free_way : s->reach;
+            double slack = DM_ROAM * free_way / 2, stale = DM_STALE * (free_way - s->touch) / 2;
+            s->slack[i] = slack < s->slack[i] ? slack : s->slack[i];
+            s->stale[i] = stale < s->stale[i] ? stale : s->stale[i];
+        }
+}
+
 /* Find which of two surfaces are near each other, or how far they are apart. */
 static void dm_query_pair(dm_scene_state *s, dm_surface *f, dm_surface *g, uint8_t *fitted) {
     if (f == g ? !f->self : !f->body && !g->body) return;
@@ -73,17 +107,20 @@ static void dm_query_pair(dm_scene_state *s, dm_surface *f, dm_surface *g, uint8
         return;
     }
     dm_surface *both[2] = {f, g};
+    uint32_t pair = s->pair_count;
     for (int k = 0; k < 2; k++) {
-        dm_bring_near(both[k], DM_ROAM * s->reach / 2, DM_STALE * (s->reach - s->touch) / 2);
         if (!fitted[both[k] - s->surfaces]) dm_fit_boxes(s, both[k]), fitted[both[k] - s->surfaces] = 1;
     }
     dm_visit_pairs(s, f, g, s->reach, dm_note_triangles);
+    if (dm_has_room(s)) dm_free_behind(s, f, g, pair);
 }
 
-/* The vertices of a pair in the order of the caller, each side from the lowest. */
-static void dm_number_pair(const dm_scene_state *s, const dm_pair *p, uint32_t *number) {
+/* A pair as a candidate: its vertices in the order of the caller, each side from the lowest. */
+static dm_candidate dm_candidate_of(const dm_scene_state *s, uint32_t pair) {
+    const dm_pair *p = s->pairs + pair;
+    dm_candidate made = {.ones = p->ones, .pair = pair};
+    uint32_t *number = made.number, start = p->ones == 1 ? 1 : 0, end = p->ones == 1 ? 4 : 2;
     for (int k = 0; k < 4; k++) number[k] = s->number[s->near[p->at[k]].vertex];
-    uint32_t start = p->ones == 1 ? 1 : 0, end = p->ones == 1 ? 4 : 2;
     for (; start < 4; start = end, end = 4)
         for (uint32_t i = start; i < end; i++)
             for (uint32_t j = i; j > start && number[j] < number[j - 1]; j--) {
@@ -94,43 +131,40 @@ static void dm_number_pair(const dm_scene_state *s, const dm_pair *p, uint32_t *
         uint32_t edge[2] = {number[0], number[1]};
         memcpy(number, number + 2, sizeof edge), memcpy(number + 2, edge, sizeof edge);
     }
+    return made;
 }
 
-static int dm_comes_before(const dm_scene_state *s, uint32_t a, uint32_t b) {
-    const dm_pair *p = s->pairs + a, *q = s->pairs + b;
-    uint32_t one[4], other[4];
-    dm_number_pair(s, p, one), dm_number_pair(s, q, other);
-    if (one[0] != other[0]) return one[0] < other[0];
-    if (p->ones != q->ones) return p->ones < q->ones;
+static int dm_comes_before(const dm_candidate *a, const dm_candidate *b) {
+    if (a->ones != b->ones) return a->ones < b->ones;
     for (int k = 1; k < 4; k++)
-        if (one[k] != other[k]) return one[k] < other[k];
+        if (a->number[k] != b->number[k]) return a->number[k] < b->number[k];
     return 0;
 }
 
 /* Put the candidates into an order that does not depend on where anything lies in memory: by their first vertex, and
  * the few of one vertex by the others. */
 static void dm_order_candidates(dm_scene_state *s) {
-    uint32_t count = s->candidate_count, number[4];
-    memset(s->bins, 0, (size_t)(s->vertex_count + 1) * sizeof *s->bins);
-    if (s->sorted_room < count) {
+    uint32_t count = s->candidate_count, *bins = s->bins;
+    memset(bins, 0, (size_t)(s->vertex_count + 1) * sizeof *bins);
+    if (s->sorted_room < 2 * count) {
         dm_free(s->sorted);
-        s->sorted = room(2 * count, sizeof *s->sorted), s->sorted_room = s->sorted ? 2 * count : 0;
+        s->sorted = room(4 * count, sizeof *s->sorted), s->sorted_room = s->sorted ? 4 * count : 0;
         if (!s->sorted) s->code = DM_MEMORY;
     }
     if (!count || !dm_has_room(s)) return;
+    dm_candidate *sorted = s->sorted, *plain = sorted + count;
     for (uint32_t k = 0; k < count; k++)
-        dm_number_pair(s, s->pairs + s->candidates[k], number), s->bins[number[0] + 1]++;
-    for (int64_t k = 0; k < s->vertex_count; k++) s->bins[k + 1] += s->bins[k];
-    for (uint32_t k = 0; k < count; k++) {
-        dm_number_pair(s, s->pairs + s->candidates[k], number);
-        s->sorted[s->bins[number[0]]++] = s->candidates[k];
-    }
+        plain[k] = dm_candidate_of(s, s->candidates[k]), bins[plain[k].number[0] + 1]++;
+    for (int64_t k = 0; k < s->vertex_count; k++) bins[k + 1] += bins[k];
+    for (uint32_t k = 0; k < count; k++) sorted[bins[plain[k].number[0]]++] = plain[k];
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t own = s->sorted[i], j = i;
-        for (; j > 0 && dm_comes_before(s, own, s->sorted[j - 1]); j--) s->sorted[j] = s->sorted[j - 1];
-        s->sorted[j] = own;
+        dm_candidate own = sorted[i];
+        uint32_t j = i;
+        for (; j > 0 && sorted[j - 1].number[0] == own.number[0] && dm_comes_before(&own, sorted + j - 1); j--)
+            sorted[j] = sorted[j - 1];
+        sorted[j] = own;
     }
-    if (count) memcpy(s->candidates, s->sorted, count * sizeof *s->sorted);
+    for (uint32_t k = 0; k < count; k++) s->candidates[k] = sorted[k].pair;
 }
 
 /* List the pairs that may touch before the next query. */
@@ -150,8 +184,10 @@ static void dm_list_candidates(dm_scene_state *s) {
 static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
     for (int64_t g = 0; f->body && g < f->body->groups; g++)
         for (int l = 0; l < DM_LANES; l++) {
-            double way = s->roam[f->first + (uint32_t)(g * DM_LANES + l)] * DM_ALERT;
+            uint32_t i = f->first + (uint32_t)(g * DM_LANES + l);
+            double way = s->roam[i] * DM_ALERT, due = s->stale[i];
             f->bound[g][l] = (dm_real)(way < 1e18 ? way * way : 1e36);
+            f->due[g][l] = (dm_real)(due < 1e18 ? due * due : 1e36);
         }
 }
 
@@ -163,10 +199,14 @@ static void dm_query(dm_scene_state *s) {
     uint8_t *fitted = s->fitted;
     memset(fitted, 0, (size_t)s->surface_count);
     for (int64_t k = 0; k < s->surface_count; k++) dm_note_surface(s, s->surfaces + k);
+    for (int64_t i = 0; i < s->vertex_count; i++) s->slack[i] = s->stale[i] = INFINITY;
     for (int64_t i = 0; i < s->surface_count; i++)
         for (int64_t j = i; j < s->surface_count; j++) dm_query_pair(s, s->surfaces + i, s->surfaces + j, fitted);
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
-        for (uint32_t i = f->first; i < f->first + f->count; i++) s->roam[i] = f->slack;
+        for (uint32_t i = f->first; i < f->first + f->count; i++) {
+            s->slack[i] = f->slack < s->slack[i] ? f->slack : s->slack[i];
+            s->stale[i] = f->stale < s->stale[i] ? f->stale : s->stale[i], s->roam[i] = s->slack[i];
+        }
     if (dm_has_room(s)) dm_link_pairs(s);
     if (dm_has_room(s)) dm_list_candidates(s);
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_set_bounds(s, f);

@@ -3,10 +3,10 @@
 
 static void dm_scene_state_destroy(dm_scene_state *s) {
     for (int64_t k = 0; s->surfaces && k < s->surface_count; k++)
-        dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound);
+        dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound), dm_free(s->surfaces[k].due);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->fitted,
-                           s->balls, s->number, s->bins};
+                           s->balls, s->number, s->bins, s->slack, s->stale};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->meetings, s->active, s->candidates, s->sorted, s->held};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
@@ -22,6 +22,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->edges = room(3 * t, sizeof *s->edges)) && (s->across = room(3 * t, sizeof *s->across));
     whole = whole && (s->owns = room(t, 1)) && (s->place = room(n, sizeof(uint32_t)));
     whole = whole && (s->nodes = room(2 * t + s->surface_count, sizeof *s->nodes));
+    whole = whole && (s->slack = room(n, sizeof(double))) && (s->stale = room(n, sizeof(double)));
     whole = whole && (s->balls = room(t, sizeof *s->balls));
     whole = whole && (s->fitted = room(s->surface_count, 1));
     whole = whole && (s->number = room(n, sizeof(uint32_t))) && (s->bins = room(n + 1, sizeof(uint32_t)));
@@ -36,8 +37,8 @@ static int32_t dm_lay_body(dm_scene_state *s, dm_surface *f) {
     for (int64_t k = 0; k < 3 * b->triangle_count; k++)
         s->corners[f->first_triangle + k / 3][k % 3] = f->first + b->triangles[k / 3][k % 3];
     f->before = room(b->groups, sizeof *f->before), f->bound = room(b->groups, sizeof *f->bound);
-    f->closest = DM_CLOSEST * b->size;
-    return f->before && f->bound ? DM_OK : DM_MEMORY;
+    f->due = room(b->groups, sizeof *f->due), f->closest = DM_CLOSEST * b->size;
+    return f->before && f->bound && f->due ? DM_OK : DM_MEMORY;
 }
 
 static void dm_place_collider(dm_scene_state *s, int64_t which, const double *positions) {

@@ -41,14 +41,15 @@ typedef struct { /* the surface of a body, or a collider */
     uint32_t first, count, first_triangle, triangle_count, first_edge, edge_count, first_node, node_count;
     double offset, edge, closest, friction;
     double low[3], high[3]; /* where it was at the last query */
-    double slack, stale;    /* [m] how far any vertex may go; after what way a query is due */
+    double slack, stale;    /* [m] how far any vertex may go for surfaces that are far; after what way a query is due */
     double origin[3];       /* of the body at the last query */
     double impulse[3];      /* that others gave it in a call [N s] */
     double moment[3];       /* of that about the origin [N m s] */
     double load, spin_beside[3];        /* of a substep: what presses it [N s]; sum of that by how fast it turns */
     double resisting[3], moment_of[3];  /* that resist its rolling: kept from substep to substep, and in the next [N m] */
     dm_vec3 *before;        /* (groups,) of the body's vertices at the last query */
-    dm_lanes *bound;        /* (groups,) square of how far each may go before its planes are looked at */
+    dm_lanes *bound;        /* (groups,) square of how far each may go before its planes are looked at, */
+    dm_lanes *due;          /* and of that after which a query is due */
     uint64_t changes;       /* of the body, at the last query */
     uint8_t self, moving;
 } dm_surface;
@@ -67,6 +68,10 @@ typedef struct { /* a vertex and a face, or two edges; a plane between them */
     double gap, touch;             /* their distance at the query, and at which they touch [m] */
     double weight;                 /* of what they do: fades where edges are flat */
 } dm_pair;
+
+typedef struct { /* a pair that may touch, and its vertices in the order of the caller, each side from the lowest */
+    uint32_t number[4], ones, pair;
+} dm_candidate;
 
 typedef struct { /* two that may touch: their nearest points at the last look, and what passes between them */
     uint32_t at[4];
@@ -91,7 +96,8 @@ typedef struct dm_scene_state {
     int64_t surface_count, vertex_count, triangle_count, edge_count;
     double (*before)[3], (*rest)[3];         /* where vertices were at the last query; at rest */
     double (*here)[3], (*aim)[3], (*rate)[3]; /* of colliders: where they are, are to be, and how fast */
-    double *roam;                            /* how far each vertex may go before its planes are looked at */
+    double *slack, *stale;                   /* how far each vertex may go; after what way a query is due */
+    double *roam;                            /* how far it may go before its planes are looked at */
     uint32_t (*corners)[3], (*edges_of)[3], (*edges)[2], (*across)[2]; /* across: of the faces beside an edge */
     uint8_t *owns; /* bits: a triangle stands for these of its corners, and of its edges */
     uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; where it is in the list of what is near */
@@ -100,7 +106,8 @@ typedef struct dm_scene_state {
     dm_neighbour *near;
     uint32_t near_count, near_room, pair_count, pair_room, meeting_count, meeting_room, *pairs_of, pairs_of_room;
     uint32_t candidate_count, candidate_room, *candidates; /* pairs that may touch before the next query */
-    uint32_t sorted_room, *sorted, *bins; /* room to put them in order */
+    uint32_t sorted_room, *bins; /* room to put them in order */
+    dm_candidate *sorted;
     uint32_t active_count, active_room, *active; /* meetings of this substep */
     uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
     uint32_t *number;                    /* of vertices, in the order of the caller */

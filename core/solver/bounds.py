@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import Bools, Floats, Ints
-from ..body.proximity import Pairs, planes_between
+from ..body.proximity import Pairs, Surfaces, planes_between
 
 ALERT = 0.5  # of the way it may go, after which a vertex gets new planes
 SWEEPS = 4  # projections on the planes of a vertex before its way is cut short
@@ -47,6 +47,31 @@ def bounds_of(before: Floats, slack: Floats, pairs: Pairs) -> Bounds:
         before=before, since=before.copy(), slack=slack, roam=roam, pairs=pairs, rows=order // 4, corners=order % 4,
         start=np.searchsorted(flat[order], np.arange(len(slack) + 1)),
     )  # fmt: skip
+
+
+def free_behind(s: Surfaces, x: Floats, i: int, j: int, pairs: Pairs, reach: float) -> Floats:
+    """Return how far the vertices (n,) of two surfaces i and j are from the other one at least [m], inf elsewhere.
+
+    Between the two stands a slab, square to the mean normal of their pairs: what is farther than the reach from the
+    other's side of it, and its neighbours with it, may go farther. Where one is all round the other there is none.
+
+    Args:
+        x: (n, 3) all vertices [m].
+        pairs: of the two.
+        reach: [m] that all are apart at least, but for the pairs.
+    """
+    one, other = s.of_vertex == i, s.of_vertex == j
+    away = np.where(one | other, reach, np.inf)
+    if i == j or not len(pairs.gap):
+        return away
+    ours = s.of_vertex[pairs.at[:, 0]] == i
+    normal = np.where(ours[:, None], pairs.normal, -pairs.normal).sum(axis=0)
+    along = x @ (normal / max(float(np.linalg.norm(normal)), 1e-300))
+    away[one], away[other] = along[one] - along[other].max(), along[one].min() - along[other]
+    least = away.copy()
+    np.minimum.at(least, s.edges[:, 0], away[s.edges[:, 1]])
+    np.minimum.at(least, s.edges[:, 1], away[s.edges[:, 0]])
+    return np.maximum(least, reach)
 
 
 def is_near(b: Bounds, vertex: int) -> bool:

@@ -11,7 +11,7 @@ from ..body import touching
 from ..body.contact import Step, Touch
 from ..body.proximity import CLOSEST, OFFSET, Pairs, find_pairs, join_surfaces, touching_distance
 from . import semi_implicit
-from .bounds import Bounds, beyond, bounds_of, hold_back, is_allowed, is_near, renewed
+from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
 from .crossing import find_crossings
 from .motion import Motion
 from .rolling import Turning, resist
@@ -164,21 +164,22 @@ class TwinScene:
         s, x, count = self._surfaces, self._positions(), len(self._part)
         reach, bodies = self._reach(), len(self._bodies)
         lows, highs = (np.array([pick(x[part], axis=0) for part in self._part]) for pick in (np.min, np.max))
-        slack, stale, found = np.full(count, np.inf), np.full(count, np.inf), []
+        slack, stale, found = np.full(len(x), np.inf), np.full(len(x), np.inf), []
         for i in range(count):
             for j in range(i, count):
                 if not (self._itself[i] if i == j and i < bodies else i < bodies and i != j):
                     continue
                 apart = -1.0 if i == j else float(np.maximum(lows[j] - highs[i], lows[i] - highs[j]).max())
-                far = apart > reach
-                most, due = (apart / 2, apart / 4) if far else (reach / 2, STALE * (reach - self._touch) / 2)
-                for k in (i, j):
-                    slack[k], stale[k] = min(slack[k], ROAM * most), min(stale[k], due)
-                if not far:
+                if apart > reach:
+                    for part in (self._part[i], self._part[j]):
+                        slack[part], stale[part] = np.minimum(slack[part], ROAM * apart / 2), np.minimum(stale[part], apart / 4)
+                else:
                     closest = float(max(self._sizes[i], self._sizes[j]))
                     found.append(find_pairs(s, x, self._velocities(), i, j, reach=reach, closest=closest))
+                    way = free_behind(s, x, i, j, found[-1], reach)
+                    slack, stale = np.minimum(slack, ROAM * way / 2), np.minimum(stale, STALE * (way - self._touch) / 2)
         pairs = _joined(found)
-        self._bounds: Bounds = bounds_of(x, slack[s.of_vertex], pairs)
+        self._bounds: Bounds = bounds_of(x, slack, pairs)
         self._stale = stale
         self._touches = touching_distance(s, pairs, self._offsets)
         may = (pairs.weight > 0) & (pairs.gap <= self._touches + STALE * (reach - self._touch) * 1.5)
@@ -277,8 +278,9 @@ class TwinScene:
         self._truncated += 1
 
     def _note_way(self, index: int, x: Floats) -> None:
-        way = x - self._bounds.before[self._part[index]]
-        if np.einsum("nc,nc->n", way, way).max() > self._stale[index] ** 2:
+        part = self._part[index]
+        way = x - self._bounds.before[part]
+        if (np.einsum("nc,nc->n", way, way) > self._stale[part] ** 2).any():
             self._due = True
 
 
