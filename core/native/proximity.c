@@ -125,12 +125,16 @@ static void dm_set_plane(const dm_scene_state *s, dm_pair *p, const double *cons
     }
 }
 
-/* Note a pair that is near, with the plane between its two. parts: the triangle of the face, or both edges. */
-static void dm_note_pair(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const uint32_t *at, uint32_t ones,
-                         const uint32_t *parts) {
+/* Note a pair, where it is near, with the plane between its two. */
+static void dm_note_pair(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_close *close) {
+    const uint32_t *at = close->at, *parts = close->parts, ones = close->ones;
     const double *x[4] = {s->before[at[0]], s->before[at[1]], s->before[at[2]], s->before[at[3]]};
     double w[4], between[3], gap = dm_measure_pair(x, ones, w, between);
     if (!(gap < s->reach)) return;
+    if (close->swapped) {
+        const dm_surface *other = f;
+        f = g, g = other;
+    }
     s->gap = gap < s->gap ? gap : s->gap;
     s->pairs = dm_grown(s, s->pairs, s->pair_count, &s->pair_room, sizeof *s->pairs);
     dm_pair p = {.ones = ones, .gap = gap, .touch = f->offset + g->offset, .weight = 1, .triangle = parts[0]};
@@ -162,49 +166,50 @@ DM_INLINE int dm_share_a_vertex(const uint32_t *a, int m, const uint32_t *b, int
     return 0;
 }
 
-/* Is a point, or the ball round an edge, farther than the reach from the ball round a triangle or another edge? */
+/* Keep a vertex and a face, or two edges, that are close. */
+static void dm_keep_close(dm_scene_state *s, dm_close close) {
+    const uint32_t *at = close.at;
+    const double *x[4] = {s->before[at[0]], s->before[at[1]], s->before[at[2]], s->before[at[3]]};
+    double w[4], between[3];
+    if (!(dm_measure_pair(x, close.ones, w, between) < s->wide)) return;
+    s->close = dm_grown(s, s->close, s->close_count, &s->close_room, sizeof *s->close);
+    if (dm_has_room(s)) s->close[s->close_count++] = close;
+}
+
+/* Is a point, or the ball round an edge, farther than a search looks from the ball round a triangle or another edge? */
 DM_INLINE int dm_balls_apart(const dm_scene_state *s, const double *a, double r, const double *b, double q) {
-    double way[3], most = s->reach + r + q;
+    double way[3], most = s->wide + r + q;
     dm_minus(a, b, way);
     return dm_inner3(way, way) >= most * most;
 }
 
-DM_INLINE double dm_ball_round_edge(const dm_scene_state *s, const uint32_t *edge, double *middle) {
-    const double *a = s->before[edge[0]], *b = s->before[edge[1]];
-    double square = 0;
-    for (int c = 0; c < 3; c++) middle[c] = (a[c] + b[c]) / 2, square += (a[c] - b[c]) * (a[c] - b[c]);
-    return sqrt(square) / 2;
-}
-
-static void dm_note_edges(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+static void dm_keep_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
     for (int k = 0; k < 3; k++) {
         uint32_t pair[2] = {s->edges_of[i][k]};
         const uint32_t *e = s->edges[pair[0]];
-        double middle[3], other[3];
+        const double *ball = s->edge_balls[pair[0]];
         if (!(s->owns[i] >> (3 + k) & 1)) continue;
-        double radius = dm_ball_round_edge(s, e, middle);
-        if (dm_balls_apart(s, middle, radius, s->balls[j], s->balls[j][3])) continue;
+        if (dm_balls_apart(s, ball, ball[3], s->balls[j], s->balls[j][3])) continue;
         for (int l = 0; l < 3; l++) {
             if (!(s->owns[j] >> (3 + l) & 1)) continue;
             const uint32_t *h = s->edges[pair[1] = s->edges_of[j][l]];
-            if (dm_share_a_vertex(e, 2, h, 2)) continue;
-            double size = dm_ball_round_edge(s, h, other);
-            if (!dm_balls_apart(s, middle, radius, other, size))
-                dm_note_pair(s, f, g, (uint32_t[4]){e[0], e[1], h[0], h[1]}, 2, pair);
+            const double *other = s->edge_balls[pair[1]];
+            if (!dm_balls_apart(s, ball, ball[3], other, other[3]) && !dm_share_a_vertex(e, 2, h, 2))
+                dm_keep_close(s, (dm_close){{e[0], e[1], h[0], h[1]}, 2, {pair[0], pair[1]}, 0});
         }
     }
 }
 
-/* Note what of triangle i, and of what it stands for, is near triangle j. */
-static void dm_note_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+/* Keep what of triangle i, and of what it stands for, is close to triangle j. */
+static void dm_keep_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
     const uint32_t *a = s->corners[i], *b = s->corners[j];
     const double *p = s->balls[i], *q = s->balls[j];
     if (dm_balls_apart(s, p, p[3], q, q[3])) return;
     for (int k = 0; k < 3; k++) {
         if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_balls_apart(s, s->before[a[k]], 0, q, q[3]))
-            dm_note_pair(s, f, g, (uint32_t[4]){a[k], b[0], b[1], b[2]}, 1, &j);
+            dm_keep_close(s, (dm_close){{a[k], b[0], b[1], b[2]}, 1, {j, 0}, 0});
         if (s->owns[j] >> k & 1 && !dm_share_a_vertex(b + k, 1, a, 3) && !dm_balls_apart(s, s->before[b[k]], 0, p, p[3]))
-            dm_note_pair(s, g, f, (uint32_t[4]){b[k], a[0], a[1], a[2]}, 1, &i);
+            dm_keep_close(s, (dm_close){{b[k], a[0], a[1], a[2]}, 1, {i, 0}, f != g});
     }
-    dm_note_edges(s, f, g, i, j);
+    dm_keep_edges(s, i, j);
 }

@@ -97,21 +97,50 @@ static void dm_free_behind(dm_scene_state *s, const dm_surface *f, const dm_surf
         }
 }
 
-/* Find which of two surfaces are near each other, or how far they are apart. */
-static void dm_query_pair(dm_scene_state *s, dm_surface *f, dm_surface *g, uint8_t *fitted) {
-    if (f == g ? !f->self : !f->body && !g->body) return;
+DM_INLINE int dm_may_touch(const dm_surface *f, const dm_surface *g) { return f == g ? f->self : f->body || g->body; }
+
+/* Find all that is close, so widely that some queries can live of it. */
+static void dm_search(dm_scene_state *s) {
+    s->wide = DM_WIDE * s->reach, s->close_count = s->run_count = 0;
+    memcpy(s->searched, s->before, (size_t)s->vertex_count * sizeof *s->searched);
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_fit_boxes(s, f);
+    for (uint32_t i = 0; i < s->surface_count; i++)
+        for (uint32_t j = i; j < s->surface_count && dm_has_room(s); j++) {
+            const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
+            if (!dm_may_touch(f, g) || (f != g && dm_boxes_apart(f->low, f->high, g->low, g->high) > s->wide)) continue;
+            dm_visit_pairs(s, f, g, s->wide, dm_keep_triangles);
+            s->runs = dm_grown(s, s->runs, s->run_count, &s->run_room, sizeof *s->runs);
+            if (dm_has_room(s)) s->runs[s->run_count++] = (dm_run){i, j, s->close_count};
+        }
+}
+
+/* Has anything gone so far since the search that what is near now may not have been close then? */
+static int dm_is_outdated(const dm_scene_state *s) {
+    double left = (s->wide - s->reach) / 2;
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count && left > 0; f++)
+        for (uint32_t i = f->first; i < f->first + f->count; i++) {
+            double way[3];
+            dm_minus(s->before[i], s->searched[i], way);
+            if (!(dm_inner3(way, way) < left * left)) return 1;
+        }
+    return !(left > 0);
+}
+
+/* Note which of two surfaces are near each other, or how far they are apart. run: where theirs may be. */
+static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j, uint32_t *run) {
+    dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
+    if (!dm_may_touch(f, g)) return;
+    const dm_run *r = s->runs + *run;
+    int close = *run < s->run_count && r->first == i && r->second == j;
+    uint32_t from = close && *run ? r[-1].end : 0, pair = s->pair_count;
+    *run += (uint32_t)close;
     double apart = f == g ? -1 : dm_boxes_apart(f->low, f->high, g->low, g->high);
     if (apart > s->reach) {
         double way = apart / 2;
         dm_bring_near(f, DM_ROAM * way, way / 2), dm_bring_near(g, DM_ROAM * way, way / 2);
         return;
     }
-    dm_surface *both[2] = {f, g};
-    uint32_t pair = s->pair_count;
-    for (int k = 0; k < 2; k++) {
-        if (!fitted[both[k] - s->surfaces]) dm_fit_boxes(s, both[k]), fitted[both[k] - s->surfaces] = 1;
-    }
-    dm_visit_pairs(s, f, g, s->reach, dm_note_triangles);
+    for (uint32_t k = from; close && k < r->end && dm_has_room(s); k++) dm_note_pair(s, f, g, s->close + k);
     if (dm_has_room(s)) dm_free_behind(s, f, g, pair);
 }
 
@@ -196,12 +225,11 @@ static void dm_query(dm_scene_state *s) {
     for (const dm_neighbour *n = s->near; n < s->near + s->near_count; n++) s->place[n->vertex] = DM_NO_VERTEX;
     s->near_count = s->pair_count = s->candidate_count = s->held_count = 0, s->due = 0, s->gap = INFINITY;
     s->reach = dm_reach_of(s);
-    uint8_t *fitted = s->fitted;
-    memset(fitted, 0, (size_t)s->surface_count);
     for (int64_t k = 0; k < s->surface_count; k++) dm_note_surface(s, s->surfaces + k);
     for (int64_t i = 0; i < s->vertex_count; i++) s->slack[i] = s->stale[i] = INFINITY;
-    for (int64_t i = 0; i < s->surface_count; i++)
-        for (int64_t j = i; j < s->surface_count; j++) dm_query_pair(s, s->surfaces + i, s->surfaces + j, fitted);
+    if (dm_is_outdated(s)) dm_search(s);
+    for (uint32_t i = 0, run = 0; i < s->surface_count; i++)
+        for (uint32_t j = i; j < s->surface_count; j++) dm_query_pair(s, i, j, &run);
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         for (uint32_t i = f->first; i < f->first + f->count; i++) {
             s->slack[i] = f->slack < s->slack[i] ? f->slack : s->slack[i];
@@ -258,7 +286,7 @@ static void dm_scene_state_find(dm_scene_state *s, dm_crossings *found) {
     for (int64_t i = 0; i < s->surface_count; i++)
         for (int64_t j = i; j < s->surface_count; j++) {
             const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
-            if (f == g ? f->self : f->body || g->body) dm_visit_pairs(s, f, g, 0, dm_note_crossing);
+            if (dm_may_touch(f, g)) dm_visit_pairs(s, f, g, 0, dm_note_crossing);
         }
     s->due = 1;
 }

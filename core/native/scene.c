@@ -5,10 +5,11 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
     for (int64_t k = 0; s->surfaces && k < s->surface_count; k++)
         dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound), dm_free(s->surfaces[k].due);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
-                           s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->fitted,
-                           s->balls, s->number, s->bins, s->slack, s->stale};
+                           s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->searched,
+                           s->balls, s->edge_balls, s->number, s->bins, s->slack, s->stale};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
-    void *const lists[] = {s->near, s->pairs, s->pairs_of, s->meetings, s->active, s->candidates, s->sorted, s->held};
+    void *const lists[] = {s->near, s->pairs, s->pairs_of, s->meetings, s->active, s->candidates, s->sorted, s->held,
+                           s->close, s->runs};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);
 }
@@ -23,8 +24,8 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->owns = room(t, 1)) && (s->place = room(n, sizeof(uint32_t)));
     whole = whole && (s->nodes = room(2 * t + s->surface_count, sizeof *s->nodes));
     whole = whole && (s->slack = room(n, sizeof(double))) && (s->stale = room(n, sizeof(double)));
-    whole = whole && (s->balls = room(t, sizeof *s->balls));
-    whole = whole && (s->fitted = room(s->surface_count, 1));
+    whole = whole && (s->searched = room(n, sizeof *s->searched));
+    whole = whole && (s->balls = room(t, sizeof *s->balls)) && (s->edge_balls = room(3 * t, sizeof *s->edge_balls));
     whole = whole && (s->number = room(n, sizeof(uint32_t))) && (s->bins = room(n + 1, sizeof(uint32_t)));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
     return whole ? DM_OK : DM_MEMORY;

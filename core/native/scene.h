@@ -16,6 +16,7 @@
 #define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/body/proximity.py */
 #define DM_REACH_EDGE 0.3     /* of the mean edge: the farthest a query looks */
 #define DM_LEAST_REACH 2.0    /* of the distance at which surfaces touch */
+#define DM_WIDE 2.0           /* of the reach: how far a search looks, of which several queries live */
 #define DM_REACH_TIME 1.5     /* ticks that a query is to last */
 #define DM_BOUND 0.9          /* of half the distance: what two primitives may go towards each other */
 #define DM_ROAM 0.99          /* of half the reach: what is near nothing may go */
@@ -59,6 +60,14 @@ typedef struct { /* a box with the triangles in it; its first child follows it, 
     uint32_t start, end, next;
 } dm_node;
 
+typedef struct { /* a vertex and a face, or two edges, that were nearer than `wide` at the last search */
+    uint32_t at[4], ones, parts[2], swapped; /* parts: the triangle, or both edges; swapped: the first is of the other */
+} dm_close;
+
+typedef struct { /* those of two surfaces: up to `end` */
+    uint32_t first, second, end;
+} dm_run;
+
 typedef struct { /* a vertex and a face, or two edges; a plane between them */
     uint32_t at[4]; /* in the list of what is near: vertex and corners, or ends of both edges */
     uint32_t ones;  /* how many of them lie on the side of the normal: 1 or 2 */
@@ -94,7 +103,8 @@ typedef struct { /* a vertex that is near something */
 typedef struct dm_scene_state {
     dm_surface *surfaces;
     int64_t surface_count, vertex_count, triangle_count, edge_count;
-    double (*before)[3], (*rest)[3];         /* where vertices were at the last query; at rest */
+    double (*before)[3], (*rest)[3];         /* where vertices were at the last query; at rest; */
+    double (*searched)[3];                   /* and at the last search */
     double (*here)[3], (*aim)[3], (*rate)[3]; /* of colliders: where they are, are to be, and how fast */
     double *slack, *stale;                   /* how far each vertex may go; after what way a query is due */
     double *roam;                            /* how far it may go before its planes are looked at */
@@ -102,7 +112,7 @@ typedef struct dm_scene_state {
     uint8_t *owns; /* bits: a triangle stands for these of its corners, and of its edges */
     uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; where it is in the list of what is near */
     dm_node *nodes;
-    double (*balls)[4]; /* middle and radius of each triangle at the last query */
+    double (*balls)[4], (*edge_balls)[4]; /* middle and radius of each triangle and edge at the last search */
     dm_neighbour *near;
     uint32_t near_count, near_room, pair_count, pair_room, meeting_count, meeting_room, *pairs_of, pairs_of_room;
     uint32_t candidate_count, candidate_room, *candidates; /* pairs that may touch before the next query */
@@ -113,11 +123,13 @@ typedef struct dm_scene_state {
     uint32_t *number;                    /* of vertices, in the order of the caller */
     int looks;                           /* normals are to be set anew */
     int due;       /* a query is */
+    dm_close *close;
+    uint32_t close_count, close_room, run_count, run_room;
+    dm_run *runs;
     dm_pair *pairs;
     dm_meeting *meetings;
-    double touch, edge, tick, dt, reach, gap, approach, fastest;
+    double touch, edge, tick, dt, reach, wide, gap, approach, fastest; /* wide: 0 where nobody has searched */
     int32_t code;
-    uint8_t *fitted; /* surfaces whose boxes fit */
     dm_scene_frame *out;
     dm_crossings *found;
 } dm_scene_state;
