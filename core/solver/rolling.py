@@ -47,7 +47,7 @@ class Turning:
     def acceleration(self, x: Floats) -> Floats:
         """Return what the moment takes out of vertices (3, n) [m/s2]."""
         turn = np.linalg.pinv(self.inertia, hermitian=True) @ self.moment
-        return np.cross(turn[:, None], x - self.centre[:, None], axis=0)
+        return np.asarray(np.cross(turn[:, None], x - self.centre[:, None], axis=0), np.float64)
 
 
 def resist(bodies: Sequence[Turning | None], surfaces: Ints, pushes: Floats, dt: float) -> None:

@@ -44,7 +44,7 @@ class TwinScene:
         self._touch = max(2 * float(self._offsets[: len(bodies)].max()), float(largest[:2].sum()))
         self._rates = [np.zeros_like(x) for x in self._here]
         self._sizes = np.array([CLOSEST * body.model.mesh.size for body in bodies] + [0.0] * len(colliders))
-        self._turning: list[Turning | None] = [Turning(body.model.mesh.size) if body.model.free else None for body in bodies]
+        self._turning: list[Turning | None] = [Turning(b.model.mesh.size) if b.model.free else None for b in bodies]
         self._turning += [None] * len(colliders)
         self._due, self._approach = True, 0.0
         self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
@@ -172,7 +172,8 @@ class TwinScene:
                 apart = -1.0 if i == j else float(np.maximum(lows[j] - highs[i], lows[i] - highs[j]).max())
                 if apart > reach:
                     for part in (self._part[i], self._part[j]):
-                        slack[part], stale[part] = np.minimum(slack[part], ROAM * apart / 2), np.minimum(stale[part], apart / 4)
+                        slack[part] = np.minimum(slack[part], ROAM * apart / 2)
+                        stale[part] = np.minimum(stale[part], apart / 4)
                 else:
                     closest = float(max(self._sizes[i], self._sizes[j]))
                     found.append(find_pairs(s, x, self._velocities(), i, j, reach=reach, closest=closest))

@@ -1,0 +1,63 @@
+"""What is put down comes to rest and stays there: a ball on a table, a ball on another ball."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from core.body.model import build_model
+from core.material import Material
+from core.mesh.surface import mesh_from_triangles
+from core.session import Session
+from core.world import Collider, World
+from tests.bodies import ball, sheet
+
+SOFT = Material(K1=600, K2=4000, x0=0.02, k=400, mass=0.15, friction=0.4)
+RADIUS = 0.04
+SETTLED, WATCHED = 5, 10  # [s]
+
+
+def turned_ball(level: int, turn: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
+    points, faces = ball(level, RADIUS)
+    return Rotation.from_euler("xyz", turn).apply(points), faces
+
+
+def session(points: np.ndarray, faces: np.ndarray, *, held: np.ndarray | None = None) -> Session:
+    return Session(build_model(mesh_from_triangles(points, faces), [SOFT], gravity=(0, 0, -9.81), held=held))
+
+
+def drift(world: World, body: Session) -> float:
+    """Return how far any vertex goes in ten seconds [m], after the body has come to rest."""
+    world.step(SETTLED)
+    before, most = body.body.positions(), 0.0
+    for _ in range(WATCHED):
+        world.step(1.0)
+        most = max(most, float(np.abs(body.body.positions() - before).max()))
+    return most
+
+
+@pytest.mark.parametrize("turn", [(0.3, 0.5, 0.2), (1.0, 0.1, 0.7)])
+def test_a_ball_on_a_table_stops_rocking_and_stays(turn: tuple[float, float, float]) -> None:
+    points, faces = turned_ball(2, turn)
+    body = session(points + (0.001, 0.002, RADIUS + 0.003), faces)
+    flat, squares = sheet(2, 1.0)
+    assert drift(World([body], [Collider(flat.T.copy(), squares, 0.4)]), body) < 1e-5
+
+
+@pytest.mark.parametrize("off", [0.0, 0.0002])
+def test_a_ball_at_rest_on_another_drifts_less_than_a_tenth_of_a_millimetre_in_ten_seconds(off: float) -> None:
+    low, faces = turned_ball(3, (0.3, 0.5, 0.2))
+    high, _ = turned_ball(3, (0.1, 0.2, 0.9))
+    held = session(low, faces, held=low[:, 2] < -0.5 * RADIUS)
+    body = session(high + (off, 0, low[:, 2].max() - high[:, 2].min() + 1e-3), faces)
+    moved = drift(World([held, body]), body)
+    assert moved < 1e-4
+    assert body.body.positions()[2].mean() > 1.8 * RADIUS, "it has not rolled off"
+
+
+def test_a_ball_beside_the_top_of_another_rolls_off() -> None:
+    low, faces = turned_ball(3, (0.3, 0.5, 0.2))
+    held = session(low, faces, held=low[:, 2] < -0.5 * RADIUS)
+    body = session(low + (0.008, 0, 2 * RADIUS), faces)
+    world = World([held, body])
+    world.step(2.0)
+    assert body.body.positions()[2].mean() < 0
