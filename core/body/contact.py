@@ -7,15 +7,16 @@ Positions second: what is inside is moved out without adding speed, and friction
 point whose velocity alone is stopped would still creep by dt^2 a in each step, and friction would be viscous.
 
 Faces keep a fingertip smaller than an edge from slipping through. A facet stands for a surface that bends round the
-fingertip: where its corners lie on the sphere, its middle would lie deeper by the sagitta,
+fingertip: where its corners lie on the sphere, its middle would lie deeper by the bulge
 
     s = (|e_12|^2 + |e_23|^2 + |e_31|^2) / 18 R
 
-with edges e. So one that is small beside the fingertip (s < R / 8) is kept out by its corners alone: to push at its
-middle too would be to ask for twice what there is to move, and the surplus shows as side force and creep. A larger
-one meets a sphere smaller by R / 4 - s, and a vertex the whole sphere. (One sphere for all of a facet, or a contact
-that slides on it would gain energy.) Where several faces share a vertex, each moves its share of the vertex's mass
-(Tonge's mass splitting), so that the result does not depend on an order.
+with edges e at rest. So a facet meets a sphere smaller by 3 s: as long as it is not stretched its corners alone keep
+it out, for to push at its middle too would be to ask for twice what there is to move, and the surplus would show as
+side force and creep. But where the corners part under the fingertip, the stretched facet holds it. A facet too large
+to bend (s > R / 16) meets a sphere smaller by R / 4 - s, and a vertex the whole sphere. (One sphere for all of a facet,
+or a contact that slides on it would gain energy.) Where several faces share a vertex, each moves its share of the
+vertex's mass (Tonge's mass splitting), so that the result does not depend on an order.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ LEAST_SWEEPS = 2  # where faces are touched: the second stops what slides on aft
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
-MOST_SAGITTA = 0.125  # of the radius: a facet with less is kept out by its corners, one with twice that is stiff
+MOST_SAGITTA = 0.125  # of the radius: a facet that bulges twice as much is stiff
+BENDS = 3.0  # times the bulge at rest: how far a fingertip may sink into a facet before it is met
 NEAR = 0.0625  # of the radius: farther from a fingertip than that, what is at rest stays clear of it for a tick
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
@@ -47,6 +49,7 @@ class Touch:
     radius: [m].
     vertices: (c,) near it.
     triangles: (t, 3) near it.
+    radii: (t,) of the spheres that they meet [m].
     """
 
     centre: Floats
@@ -54,6 +57,7 @@ class Touch:
     radius: float
     vertices: Ints
     triangles: Ints
+    radii: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,17 +73,19 @@ class Step:
 
 
 def candidates(
-    x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, radius: float, margin: float
-) -> tuple[Ints, Ints]:
+    x: Floats, rest: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, radius: float, margin: float
+) -> tuple[Ints, Ints, Floats]:
     """Find what a fingertip of a radius [m] may meet that is no farther from it than a margin [m].
 
     Returns:
-        the free vertices, and the triangles (t, 3) too large to bend round it whose bounding sphere is within reach.
+        the free vertices, the triangles (t, 3), and the radii (t,) [m] of the spheres that these meet.
     """
     near = ((x - centre[:, None]) ** 2).sum(axis=0) < (radius + margin) ** 2
-    met = triangles_near(x, triangles, inverse_mass, centre, radius + margin)
-    large = _bulge(x[:, met], radius) >= MOST_SAGITTA * radius
-    return np.flatnonzero(near & (inverse_mass > 0)), met[large]
+    within = triangles_near(x, triangles, inverse_mass, centre, radius + margin)
+    radii, corners = radius - sagitta(bulge(rest[:, within], radius), radius), x[:, within]
+    offset = (corners * nearest_on_triangles(corners, centre)).sum(axis=2) - centre[:, None]
+    met = np.sqrt((offset**2).sum(axis=0)) < radii + margin
+    return np.flatnonzero(near & (inverse_mass > 0)), within[met], radii[met]
 
 
 def triangles_near(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, reach: float) -> Ints:
@@ -106,11 +112,12 @@ def resolve(
         the impulse (3,) [N s] on the fingertip.
     """
     at, before = touch.vertices, x - v * step.slip(np.sqrt((v**2).sum(axis=0)))
-    impulse, _ = _push(x, v, before, touch, at[:, None], np.ones((len(at), 1)), inverse_mass, friction, step)
+    whole = np.full(len(at), touch.radius)
+    impulse, _ = _push(x, v, before, touch, whole, at[:, None], np.ones((len(at), 1)), inverse_mass, friction, step)
     sweeps = FACE_SWEEPS if faces and len(touch.triangles) else 0
     for sweep in range(1, sweeps + 1):
         weights = nearest_on_triangles(x[:, touch.triangles], touch.centre)
-        more, deepest = _push(x, v, before, touch, touch.triangles, weights, inverse_mass, friction, step)
+        more, deepest = _push(x, v, before, touch, touch.radii, touch.triangles, weights, inverse_mass, friction, step)
         impulse = impulse + more
         if deepest <= 0 or (sweep >= LEAST_SWEEPS and deepest < FACE_SLACK * touch.radius):
             break
@@ -135,6 +142,7 @@ def _push(
     v: Floats,
     before: Floats,
     touch: Touch,
+    radius: Floats,
     members: Ints,
     weights: Floats,
     inverse_mass: Floats,
@@ -146,12 +154,13 @@ def _push(
     Args:
         before: (3, n) positions at the begin of the step. What friction takes back is the way since then: a sweep
             before may have changed velocities that moved nothing.
+        radius: (c,) of the sphere that each meets [m].
 
     Returns:
         the impulse (3,) [N s] on the fingertip and how deep [m] the deepest point was.
     """
     offset = (x[:, members] * weights).sum(axis=2) - touch.centre[:, None]
-    distance, radius = np.sqrt((offset**2).sum(axis=0)), touch.radius - sagitta(x[:, members], touch.radius)
+    distance = np.sqrt((offset**2).sum(axis=0))
     hit = distance < radius * (1 - ROUNDING)
     if not hit.any():
         return np.zeros(3), 0.0
@@ -189,19 +198,15 @@ def _push(
     return -impulse.sum(axis=1), float(depth.max())
 
 
-def sagitta(corners: Floats, radius: float) -> Floats:
-    """Return how much smaller (c,) [m] a sphere meets facets (3, c, 3) than vertices (3, c, 1), which meet it whole."""
-    if corners.shape[2] == 1:
-        return np.zeros(corners.shape[1])
-    whole = _bulge(corners, radius)
-    return np.minimum(whole, np.maximum(2 * MOST_SAGITTA * radius - whole, 0.0))
+def sagitta(bulge: Floats, radius: float, bends: float = BENDS) -> Floats:
+    """Return how much smaller (c,) [m] a sphere meets facets of a bulge at rest (c,) [m] than vertices."""
+    return np.minimum(bends * bulge, np.maximum(2 * MOST_SAGITTA * radius - bulge, 0.0))
 
 
-def _bulge(corners: Floats, radius: float) -> Floats:
+def bulge(corners: Floats, radius: float) -> Floats:
     """Return how far (c,) [m] a sphere bulges beyond the middle of facets (3, c, 3) whose corners lie on it."""
     edges = corners - np.roll(corners, 1, axis=2)
-    bulge: Floats = (edges * edges).sum(axis=(0, 2)) / (18 * radius)
-    return bulge
+    return np.asarray((edges * edges).sum(axis=(0, 2)) / (18 * radius))
 
 
 def _inward(corners: Floats) -> Floats:

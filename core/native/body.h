@@ -16,6 +16,7 @@
 #define DM_TOO_NEAR 1e-5
 #define DM_WEIGHT_FLOOR 1e-6
 #define DM_MOST_SAGITTA 0.125
+#define DM_BENDS 3.0
 #define DM_NEAR 0.0625
 #define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the four below */
 #define DM_FINGER_TRAVEL 0.25
@@ -87,6 +88,7 @@ typedef struct { /* what a fingertip may meet within a tick */
     double reach; /* [m] from the centre: what a body that does not move may be touched by in the tick */
     int64_t vertex_count, face_count, noted_count;
     uint32_t *vertices, (*faces)[3]; /* by their corners, the last one repeated to fill eight lanes */
+    dm_real *radii;                  /* of the spheres that the faces meet [m] */
     uint32_t *noted;                 /* each of those vertices and corners once */
 } dm_near;
 

@@ -92,17 +92,25 @@ DM_INLINE dm_quad dm_inward_normal(const dm_state *b, const uint32_t *corner) {
     return normal / (size > DM_TINY ? size : DM_TINY);
 }
 
-/* How far the fingertip bulges beyond the middle of a facet whose corners lie on it: sum of |e|^2 / 18 R. */
-DM_INLINE dm_lanes dm_bulge(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_real radius) {
-    dm_vec3 a = dm_sub(p, q), b = dm_sub(q, r), c = dm_sub(r, p);
-    return (dm_dot(a, a) + dm_dot(b, b) + dm_dot(c, c)) * dm_splat(1 / (18 * radius));
+/* Return the points of eight triangles nearest to the origin, and their weights. */
+DM_INLINE dm_vec3 dm_nearest_points(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_vec3 *weight) {
+    dm_vec3 w = *weight = dm_nearest_weights(p, q, r);
+    return (dm_vec3){
+        w.x * p.x + w.y * q.x + w.z * r.x, w.x * p.y + w.y * q.y + w.z * r.y, w.x * p.z + w.y * q.z + w.z * r.z,
+    };
 }
 
-/* The same of what is too large to bend round it: it fades. */
-DM_INLINE dm_lanes dm_sagitta(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_real radius) {
-    dm_lanes whole = dm_bulge(p, q, r, radius);
-    dm_lanes left = dm_vmax(dm_splat(2 * (dm_real)DM_MOST_SAGITTA * radius) - whole, dm_splat(0));
-    return dm_blend((dm_mask)(whole < left), whole, left);
+/* Return the radius of the sphere that a facet meets: smaller by what the facet bends, unless it is too large for that. */
+static dm_real dm_met_radius(const dm_state *b, const uint32_t *at, dm_real radius) {
+    dm_real bulge = 0;
+    for (int j = 0; j < 3; j++) {
+        const dm_vec3 *p = &b->matter[at[j] / DM_LANES].rest, *q = &b->matter[at[(j + 1) % 3] / DM_LANES].rest;
+        uint32_t k = at[j] % DM_LANES, m = at[(j + 1) % 3] % DM_LANES;
+        dm_real x = p->x[k] - q->x[m], y = p->y[k] - q->y[m], z = p->z[k] - q->z[m];
+        bulge += (x * x + y * y + z * z) / (18 * radius);
+    }
+    dm_real left = 2 * (dm_real)DM_MOST_SAGITTA * radius - bulge, bent = (dm_real)DM_BENDS * bulge;
+    return radius - (bent < left ? bent : left > 0 ? left : 0);
 }
 
 /* List the faces inside a sphere with their nearest points, and count the contacts at each corner. */
@@ -112,14 +120,9 @@ static int64_t dm_find_contacts(dm_state *b, const dm_near *t) {
     for (int64_t k = 0; k < t->face_count; k += DM_LANES) {
         const uint32_t (*face)[3] = (const uint32_t (*)[3])t->faces + k;
         dm_vec3 p = dm_corners_at(b, face, 0, centre), q = dm_corners_at(b, face, 1, centre);
-        dm_vec3 r = dm_corners_at(b, face, 2, centre), weight = dm_nearest_weights(p, q, r);
-        dm_vec3 at = {
-            weight.x * p.x + weight.y * q.x + weight.z * r.x,
-            weight.x * p.y + weight.y * q.y + weight.z * r.y,
-            weight.x * p.z + weight.y * q.z + weight.z * r.z,
-        };
-        dm_lanes distance = dm_vsqrt(dm_dot(at, at));
-        dm_lanes radius = dm_splat(t->radius) - dm_sagitta(p, q, r, t->radius);
+        dm_vec3 r = dm_corners_at(b, face, 2, centre), weight, at = dm_nearest_points(p, q, r, &weight);
+        dm_lanes distance = dm_vsqrt(dm_dot(at, at)), radius;
+        memcpy(&radius, t->radii + k, sizeof radius);
         dm_mask inside = (dm_mask)(distance < radius * dm_splat((dm_real)(1 - DM_ROUNDING)));
         if (!dm_any_of(inside)) continue;
         for (int l = 0; l < DM_LANES && k + l < t->face_count; l++) {

@@ -35,8 +35,7 @@ static void dm_find_near_vertices(const dm_state *b, dm_near *t, dm_real reach) 
     }
 }
 
-/* A triangle is within reach when the sphere round its middle that holds its corners is. One that bends round the
- * fingertip meets it with its corners alone. */
+/* A triangle may be within reach when the sphere round its middle that holds its corners is; it meets a smaller one. */
 static void dm_find_near_faces(const dm_state *b, dm_near *t, dm_real reach) {
     dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
     dm_lanes third = dm_splat((dm_real)1 / 3);
@@ -57,19 +56,28 @@ static void dm_find_near_faces(const dm_state *b, dm_near *t, dm_real reach) {
             dm_vec3 x = dm_corners_at(b, face, 0, centre), y = dm_corners_at(b, face, 1, centre);
             dm_vec3 z = dm_corners_at(b, face, 2, centre);
             dm_vec3 middle = {(x.x + y.x + z.x) * third, (x.y + y.y + z.y) * third, (x.z + y.z + z.z) * third};
-            x = dm_sub(x, middle), y = dm_sub(y, middle), z = dm_sub(z, middle);
-            dm_lanes most = dm_vmax(dm_vmax(dm_dot(x, x), dm_dot(y, y)), dm_dot(z, z));
+            dm_vec3 to_x = dm_sub(x, middle), to_y = dm_sub(y, middle), to_z = dm_sub(z, middle), weight;
+            dm_lanes most = dm_vmax(dm_vmax(dm_dot(to_x, to_x), dm_dot(to_y, to_y)), dm_dot(to_z, to_z));
             dm_lanes limit = dm_splat(reach) + dm_vsqrt(most);
             dm_mask near = (dm_mask)(dm_dot(middle, middle) < limit * limit);
-            near &= (dm_mask)(dm_bulge(x, y, z, t->radius) >= dm_splat((dm_real)DM_MOST_SAGITTA * t->radius));
-            for (int64_t l = 0; dm_any_of(near) && l < DM_LANES && i + l < end; l++) {
+            if (!dm_any_of(near)) continue;
+            dm_vec3 point = dm_nearest_points(x, y, z, &weight);
+            dm_lanes distance = dm_vsqrt(dm_dot(point, point));
+            for (int64_t l = 0; l < DM_LANES && i + l < end; l++) {
                 const uint32_t *at = face[l];
-                if (near[l] && (b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0))
-                    memcpy(t->faces[t->face_count++], at, sizeof *t->faces);
+                if (!near[l]) continue;
+                if (!(b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0)) continue;
+                dm_real radius = dm_met_radius(b, at, t->radius);
+                if (distance[l] - radius > reach - t->radius) continue;
+                t->radii[t->face_count] = radius;
+                memcpy(t->faces[t->face_count++], at, sizeof *t->faces);
             }
         }
     }
-    for (int64_t k = t->face_count; k % DM_LANES; k++) memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);
+    for (int64_t k = t->face_count; k % DM_LANES; k++) {
+        memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);
+        t->radii[k] = t->radii[k - 1];
+    }
 }
 
 /* List the vertices and the corners of the faces within reach, each once. */

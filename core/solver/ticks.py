@@ -73,10 +73,12 @@ def reach(model: Model, state: State, start: Floats, end: Floats, radius: float,
     """Find what a fingertip going from start to end (3,) may touch in a tick [s], vertices moving at speed [m/s]."""
     # what a body at rest touches is near too, though nothing moves
     margin = 2 * float(np.linalg.norm(end - start)) + 2 * speed * tick + contact.NEAR * radius
-    vertices, triangles = contact.candidates(
-        state.positions, model.mesh.triangles, model.inverse_mass, end, radius, margin
+    vertices, triangles, radii = contact.candidates(
+        state.positions, model.matching.rest, model.mesh.triangles, model.inverse_mass, end, radius, margin
     )
-    return Touch(centre=end, velocity=(end - start) / tick, radius=radius, vertices=vertices, triangles=triangles)
+    return Touch(
+        centre=end, velocity=(end - start) / tick, radius=radius, vertices=vertices, triangles=triangles, radii=radii
+    )  # fmt: skip
 
 
 def meet(model: Model, state: State, touches: Sequence[Touch], step: Step) -> Floats:

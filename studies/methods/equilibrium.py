@@ -45,7 +45,10 @@ def spheres(model: Model, centres: Floats, radii: Floats) -> list[Touch]:
     movable = model.mesh.triangles[(model.inverse_mass[model.mesh.triangles] > 0).any(axis=1)]
     nobody = np.zeros(0, np.int64)
     return [
-        Touch(centre=c, velocity=np.zeros(3), radius=float(r), vertices=nobody, triangles=movable)
+        Touch(
+            centre=c, velocity=np.zeros(3), radius=float(r), vertices=nobody, triangles=movable,
+            radii=np.full(len(movable), float(r)),
+        )  # fmt: skip
         for c, r in zip(np.reshape(centres, (-1, 3)), radii, strict=True)
     ]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import Floats, Ints, sums_at
-from core.body.contact import Touch, nearest_on_triangles, sagitta
+from core.body.contact import Touch, bulge, nearest_on_triangles, sagitta
 
 _TINY = 1e-30
 
@@ -47,7 +47,7 @@ def meeting(x: Floats, touch: Touch, stiffness: Floats, rest: Floats) -> Meeting
     weights = nearest_on_triangles(corners, touch.centre)
     offset = (corners * weights).sum(axis=2) - touch.centre[:, None]
     distance = np.sqrt((offset**2).sum(axis=0))
-    radius = touch.radius - sagitta(rest[:, touch.triangles], touch.radius)
+    radius = touch.radius - sagitta(bulge(rest[:, touch.triangles], touch.radius), touch.radius, bends=1.0)
     hit = distance < radius
     members = touch.triangles[hit]
     return Meeting(

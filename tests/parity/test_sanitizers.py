@@ -13,7 +13,7 @@ from tools.native import DOUBLE, SOURCES, VARIANTS
 STRICT = ("-Wall", "-Wextra", "-Werror")  # in gcc too nothing is warned of
 SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
 EXACT = ("-fno-math-errno", "-ffp-contract=off")
-FLAGS = ("-std=c11", "-O1", "-g", "-fPIC", "-fvisibility=hidden", DOUBLE, *EXACT, *STRICT)
+FLAGS = ("-std=c11", "-O0", "-g", "-fPIC", "-fvisibility=hidden", DOUBLE, *EXACT, *STRICT)
 
 
 def compiled(folder: Path) -> Path:

@@ -82,7 +82,10 @@ def fingertip(mesh: Mesh, rng: np.random.Generator) -> Law:
             far = x[:, np.linalg.norm(x - x.mean(axis=1, keepdims=True), axis=0).argmax()]
             outward = (far - x.mean(axis=1)) / np.linalg.norm(far - x.mean(axis=1))
             centre.append(far + 0.8 * radius * outward)
-        touch = Touch(centre=centre[0], velocity=still, radius=radius, vertices=nobody, triangles=mesh.triangles)
+        touch = Touch(
+            centre=centre[0], velocity=still, radius=radius, vertices=nobody, triangles=mesh.triangles,
+            radii=np.full(len(mesh.triangles), radius),
+        )  # fmt: skip
         return penalty.meeting(x, touch, stiffness, mesh.rest_positions.T)
 
     return Law(lambda x: penalty.energy(met(x)), lambda x: penalty.force(met(x), n))

@@ -91,8 +91,9 @@ def fingertip(model: Model, x: Floats, depth: float) -> contact.Touch:
     tip, radius = x[:, x[2].argmax()], 0.02
     centre, nobody = tip + [0.0, 0.0, radius - depth], np.zeros(0, np.int64)
     return contact.Touch(
-        centre=centre, velocity=np.zeros(3), radius=radius, vertices=nobody, triangles=model.mesh.triangles
-    )
+        centre=centre, velocity=np.zeros(3), radius=radius, vertices=nobody, triangles=model.mesh.triangles,
+        radii=np.full(len(model.mesh.triangles), radius),
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("held", [False, True], ids=["loose", "held"])
