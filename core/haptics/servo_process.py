@@ -29,7 +29,6 @@ from .udp_line import PREFIX, UdpLine, open_udp
 
 POLL_TIME: Final = 0.001  # [s] at most between two looks at line and lifeline: something comes each tick anyway
 REPORT_EVERY: Final = 0.002  # [s] the most that a report adds to the age of the positions a session is given
-SWITCH_TIME: Final = 2e-4  # [s] for which the thread that builds a body may keep the servo from running
 FLUSH_TIME: Final = 0.010  # [s] for the bytes of the last command to leave
 BLENDER_GONE: Final = 10.0  # [s] without an order, where a pipe cannot be watched (Windows)
 
@@ -56,7 +55,6 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     scheduling.request_priority()
     gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
-    sys.setswitchinterval(SWITCH_TIME)
     load()  # before the device is greeted: it counts a second from then
     box, servo = Mailbox(mailbox), None
     try:

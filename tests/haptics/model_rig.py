@@ -3,13 +3,11 @@
 import math
 import tempfile
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from core.base import DimpleError
 from core.body.model import Model, build_model
 from core.haptics.body_host import BodyHost
 from core.haptics.contact_rendering import Workspace
@@ -31,16 +29,6 @@ SIZE = PRESETS[1].size
 WORKSPACE = Workspace(origin=(0.0, 0.0, SIZE / 2 + RADIUS))
 BEGIN = 1.2  # [s] after the device's ramp
 SIDES = ((-0.04, 0.0), (0.02, 0.035), (0.02, -0.035))  # [m] of the fingertips on the top
-
-
-def at_once(read: Callable[..., list[Change]], *arguments: object) -> Future[list[Change]]:
-    """Do in no time what a thread does."""
-    done: Future[list[Change]] = Future()
-    try:
-        done.set_result(read(*arguments))
-    except (DimpleError, RuntimeError, ValueError) as error:
-        done.set_exception(error)
-    return done
 
 
 def soft_cube(material: Material | None = None, cells: int = 8) -> Model:
@@ -81,7 +69,7 @@ class ModelRig:
         self.emulator, self.servo = FaultyEmulator(self.spec, hand=self.hand, trace=self.ticks), Servo(self.spec)
         self._folder = tempfile.TemporaryDirectory(prefix="dimple-")
         self._box = Path(self._folder.name) / "box"
-        self.host = BodyHost(self._box, at_once)
+        self.host = BodyHost(self._box)
         self.now, self._data, self._sleeps = 0.0, b"", 0.0
         self._dice = np.random.default_rng(self.seed)
         self.order, self.rows, self.begun = Order(), [], math.inf
