@@ -28,6 +28,7 @@ SMOOTH: Final = 0.3  # of the way to the newest force of the model, which touche
 STIFFER: Final = 1.1  # times the slope of its law a body may be under a round tip, at an edge or between two fingers
 VISCOUS: Final = 6.0  # [N s/m] of a touch: what the lags of q and F give back otherwise
 TOO_MUCH: Final = 0.5e-3  # [J] given back by the device: from here on the coupling softens by SOFTEN of the cap a tick
+SPARE: Final = 2e-3  # [J] from here on after the device let go: a piece of 0.4 mm is seen late, and at 5 N it is this much
 SOFTEN, SOFTEST = 0.1, 10.0
 LIFTED: Final = 1e-4  # [m] a sphere that touches nothing this near its fingertip: the touch is over
 
@@ -56,7 +57,7 @@ class Coupling:
     lag: u [m].
     force: of the model, smoothed [N].
     softer: compliance [m/N] that was added because energy was given back; it ends with the touch.
-    sunk: the device let go of a pressed fingertip, which is to sink softly and not to be pushed out.
+    sunk: the device let go of a pressed fingertip, which may have sunk in and must not be pushed out for nothing.
     """
 
     near: Vector | None = None
@@ -90,7 +91,7 @@ class Coupling:
         push = length(self.force)
         if push == 0 and length(self.lag) < LIFTED:
             self.softer, self.sunk = 0.0, False
-        elif self.sunk or stored < -TOO_MUCH:
+        elif stored < (SPARE if self.sunk else -TOO_MUCH):
             self.softer = min(self.softer + SOFTEN / cap, SOFTEST / cap)
         wanted = scaled(self.force, self._lag_of(push, slopes, cap) / push) if push else ZERO
         share = LAG / max(slopes.at(push) / cap, 1.0)

@@ -76,8 +76,8 @@ class TouchedBody:
         ]
         self._material_of = surface.mesh.triangle_material.tolist()
 
-    def soften(self) -> None:
-        """Soften what is touched until it is left: a fingertip has sunk in without force and must not be pushed out."""
+    def sink(self) -> None:
+        """Note that the device let go: a fingertip that sank in is pushed out only with what the hand gave before."""
         for coupling in self._couplings:
             coupling.sunk = True
 

@@ -33,7 +33,14 @@ from tests.haptics.machine import UNABLE, unable
 from tests.haptics.model_rig import RADIUS, SIDES, WORKSPACE, soft_cube
 
 BEGIN = 1.2  # [s] after the device's ramp begins, when the servo's is over too
-WAY = [[0.0, 0.0, 0.0, 0.01], [BEGIN, 0.0, 0.0, 0.01], [BEGIN + 0.15, 0.0, 0.0, -0.01]]
+# the hand lifts now and then: a fingertip that sank in while the device had no commands meets a soft body until then
+LIFTS = [(at + 0.35, at + 2.85, at + 3.0) for at in (BEGIN + 3.2 * i for i in range(10))]
+WAY = [[0.0, 0.0, 0.0, 0.01], [BEGIN + 0.2, 0.0, 0.0, 0.01]]
+WAY += [
+    [t, 0.0, 0.0, z]
+    for down, still, up in LIFTS
+    for t, z in ((down, -0.01), (still, -0.01), (up, 0.01), (up + 0.2, 0.01))
+]
 PATIENCE = 30.0  # [s] on a busy machine
 AGAIN = 0.5  # [s] between two requests to arm
 LASTING = 0.7  # [s] the device's ramp takes 0.5 s

@@ -95,7 +95,7 @@ def test_a_wall_up_to_the_cap_has_no_limit_cycle(k: float, cells: int, hand: tup
 
 @pytest.mark.parametrize("k", [610, 4000])
 def test_a_device_that_let_go_of_a_pressed_fingertip_gets_no_energy_when_its_force_comes_back(k: float) -> None:
-    """The servo does not run for 27 ms: the force is gone, the fingertips fall, the ramp begins anew on a soft body."""
+    """The servo does not run for 27 ms: the force is gone, the fingertips fall, the ramp begins anew."""
     rig = ModelRig(soft_cube(material(k)), pressing(0.005, 0.010, 0.015))
     rig.run(3.0)
     assert strongest(rig) > 2.0
