@@ -25,10 +25,12 @@ from . import (
     poke,
     record,
     softness,
+    start,
 )
 
 PARTS = (
     make_soft,
+    start,
     poke,
     play,
     record,

@@ -5,7 +5,9 @@ With `object_link`, `bridge_model`, `bridge_write`, `rest_shape` and `offset` th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -13,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..core.base import FARTHEST, DimpleError
+from ..core.steps import Parts, at_once
 from . import bridge_model, rest_shape, stack
 from .object_link import Floats as Floats
 from .object_link import ObjectLink as ObjectLink
@@ -26,6 +29,7 @@ from .object_link import to_physical as to_physical
 if TYPE_CHECKING:
     from ..core.body.model import Model
     from ..core.mesh.refine import Refinement
+    from ..core.mesh.surface import Mesh
 
 LEVEL = 1e-4  # of its size: points of an object as high as its highest one
 _CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}  # Blender turns them into meshes that have faces
@@ -49,6 +53,18 @@ def read_body(
     Raises:
         DimpleError: this object cannot be pressed, with the reason and what to do.
     """
+    found: tuple[ObjectLink, Model] = at_once(reading_body(context, body, baked, identify, refined))
+    return found
+
+
+def reading_body(
+    context: bpy.types.Context,
+    body: bpy.types.Object,
+    baked: bool = True,
+    identify: str = "BACKGROUND",
+    refined: Refinement | None = None,
+) -> Parts:
+    """Read a mesh object in parts; see `read_body`."""
     from ..core.mesh.surface import mesh_from_triangles
 
     check(body)
@@ -62,12 +78,13 @@ def read_body(
     used, triangle_material = np.unique(np.clip(slots, 0, max(len(body.material_slots) - 1, 0)), return_inverse=True)
     points = to_physical(scale, matrix, rest)
     if refined is None or refined.before != len(rest):
-        refined = _refined(context.scene, body, points, triangles, triangle_material)
+        refined = yield 0.0, _refining(context.scene, body, points, triangles, triangle_material)
     if refined:
         points, triangles = refined.at_vertices(points), refined.triangles
         triangle_material = triangle_material[refined.origin]
     try:
-        mesh = mesh_from_triangles(points, triangles, triangle_material=triangle_material)
+        make = partial(mesh_from_triangles, points, triangles, triangle_material=triangle_material)
+        mesh: Mesh = yield 0.1, make
     except DimpleError as error:
         raise DimpleError(f'"{body.name}": {error}') from error
     resting = mesh.rest_positions[mesh.source][: len(rest)].astype(np.float32)
@@ -160,17 +177,22 @@ def _scale(scene: bpy.types.Scene, name: str, rest: Singles, matrix: Floats, siz
     return float(scene.unit_settings.scale_length) if size is None else size / largest
 
 
-def _refined(
+def _refining(
     scene: bpy.types.Scene, body: bpy.types.Object, points: Floats, triangles: npt.NDArray[Any], kinds: npt.NDArray[Any]
-) -> Refinement | None:
-    """Return how a surface (N, 3) [m] is cut finer, None where it is fine enough or simulated as it is."""
+) -> Callable[[], Refinement | None]:
+    """Return what cuts a surface (N, 3) [m] finer; it returns None where that is fine enough or simulated as it is."""
     from ..core.mesh.refine import is_coarse, refine
 
     radius = scene.dimple.finger_radius_mm / 1e3
-    if body.dimple.simulated != "AUTO" or body.dimple.to_params()["law_set"] == "paper":
-        return None
-    found = refine(points, triangles, kinds, radius) if is_coarse(points, triangles, radius) else None
-    return found if found and found.rounds else None
+    as_it_is = body.dimple.simulated != "AUTO" or body.dimple.to_params()["law_set"] == "paper"
+
+    def refined() -> Refinement | None:
+        if as_it_is or not is_coarse(points, triangles, radius):
+            return None
+        found = refine(points, triangles, kinds, radius)
+        return found if found.rounds else None
+
+    return refined
 
 
 def _triangles(mesh: bpy.types.Mesh) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.session import MAX_FINGERS, Finger
+from ..core.steps import Parts, at_once
 from . import bridge, contact, haptic, props, rest_shape, sessions, showing, timeline, tuning, twins
 from .messages import Note
 from .sessions import LiveBody, ModalRun
@@ -48,10 +49,16 @@ def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], li
     Raises:
         DimpleError: none of them can be pressed.
     """
+    found: tuple[list[LiveBody], list[str], list[str]] = at_once(starting_all(context))
+    return found
+
+
+def starting_all(context: bpy.types.Context) -> Parts:
+    """Start a session on every candidate, in parts; see `start_all`."""
     bodies, messages, wrong = [], [], []
     for obj in twins.joined(candidates(context), context.scene):
         try:
-            body, notes = sessions.start(obj, context)
+            body, notes = yield from sessions.starting(obj, context)
         except DimpleError as error:
             wrong.append(str(error))
         else:

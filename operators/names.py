@@ -51,6 +51,7 @@ class Op(StrEnum):
     """Every `bpy.ops` name of the extension that acts on a body."""
 
     MAKE_SOFT = "dimple.make_soft"
+    START = "dimple.start"
     POKE = "dimple.poke"
     PLAY = "dimple.play"
     RESET = "dimple.reset"

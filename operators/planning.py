@@ -7,6 +7,7 @@ it. Another version of numpy may round differently and plan again.
 from __future__ import annotations
 
 import zlib
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
@@ -15,6 +16,7 @@ from ..core.base import DimpleError
 from ..core.reduction.planner import Plan, plan, plan_full_mesh, plan_proxy
 from ..core.reduction.proxy import build_proxy, with_constants
 from ..core.session import MAX_FINGERS
+from ..core.steps import Parts, at_once
 from . import bridge, contact, identified
 
 if TYPE_CHECKING:
@@ -45,6 +47,12 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
     Raises:
         DimpleError: the proxy that was asked for cannot be made.
     """
+    found: tuple[Proxy | None, str] = at_once(planning_for(scene, obj, model))
+    return found
+
+
+def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Parts:
+    """Plan an object in parts; see `proxy_for`."""
     if contact.is_on(scene) or model.rigged:  # what carries the skin of a proxy knows one shape at rest
         return None, ""
     settings, now = obj.dimple, key(scene, obj, model)
@@ -54,10 +62,11 @@ def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tu
         made = old._replace(proxy=proxy)
     elif known:
         vertices = settings.plan_vertices
-        made = Choice(build_proxy(model, vertices) if vertices else None, vertices, settings.plan_reason)
+        proxy = (yield 0.6, partial(build_proxy, model, vertices)) if vertices else None
+        made = Choice(proxy, vertices, settings.plan_reason)
     else:
         try:
-            chosen = choose(scene, obj, model)
+            chosen = yield 0.6, choosing(scene, obj, model)
         except DimpleError as error:
             way_out = ""
             if settings.simulated == "PROXY":
@@ -86,14 +95,20 @@ identified.choosing.append(_to_identify)
 
 def choose(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Plan:
     """Plan how an object is simulated, by its settings."""
+    return choosing(scene, obj, model)()
+
+
+def choosing(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Callable[[], Plan]:
+    """Return what plans how an object is simulated, by the settings that it has now."""
     wanted, radius, budget = obj.dimple.to_plan(), scene.dimple.finger_radius_mm / 1e3, budget_of(scene, obj)
     if wanted["simulated"] == "mesh":
-        return plan_full_mesh(model, budget=budget)
+        return partial(plan_full_mesh, model, budget=budget)
     if wanted["simulated"] == "proxy":
-        return plan_proxy(model, wanted["vertices"], radius=radius, budget=budget)
-    return plan(
-        model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius, budget=budget
-    )
+        return partial(plan_proxy, model, wanted["vertices"], radius=radius, budget=budget)
+    return partial(
+        plan, model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius,
+        budget=budget,
+    )  # fmt: skip
 
 
 def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:

@@ -59,13 +59,15 @@ class DIMPLE_OT_play(bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Start, pause or go on."""
         from ..core.base import DimpleError
-        from . import live
+        from . import live, start
 
         if sessions.runs:
             run = sessions.runs[0]
             sessions.pause(context, run, not run.paused)
             return {"FINISHED"}
         try:
+            if start.takes_long(context):
+                return bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
             self._report(live.start_all(context))
         except DimpleError as error:
             self.report({"ERROR"}, str(error))

@@ -66,9 +66,11 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         """Start to press live."""
         from ..core.base import DimpleError
         from ..core.poke import PokeState
-        from . import fingertip, live, pointer
+        from . import fingertip, live, pointer, start
 
         try:
+            if start.takes_long(context):
+                return bpy.ops.dimple.start("INVOKE_DEFAULT", then="poke")
             self._tool = fingertip.settings_of(context.scene)
             self._state = PokeState(**self._tool)
             _, messages, wrong = live.start_all(context)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..core.session import Finger, Frame, Session
+    from ..core.steps import Parts
     from .bridge import ObjectLink, Singles
     from .contact import LiveWorld
     from .recorder import Recorder
@@ -104,7 +105,7 @@ class LiveBody:
 class ModalRun:
     """A modal operator that drives the sessions.
 
-    kind: "poke", "play", "bake", "compare", "identify" or "measure".
+    kind: "start", "poke", "play", "bake", "compare", "identify" or "measure".
     timer: what wakes it.
     state: what it does, for the panel.
     status: for the status bar.
@@ -161,6 +162,14 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
     Raises:
         DimpleError: it cannot be pressed, with the reason and what to do; nothing was changed.
     """
+    from ..core.steps import at_once
+
+    found: tuple[LiveBody, list[str]] = at_once(starting(obj, context))
+    return found
+
+
+def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
+    """Start the session of an object in parts; see `start`. Closed, nothing was changed."""
     if body := get(obj):
         return body, []
     from ..core.mesh.surface import input_vertices
@@ -173,8 +182,8 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
     bridge_write.rescue(sessions)  # a duplicate of a body that is live shows its press
     size = sizing.settle_size(context.scene, obj)
     try:
-        link, model = bridge.read_body(context, obj)
-        proxy, reason = planning.proxy_for(context.scene, obj, model)
+        link, model = yield from bridge.reading_body(context, obj)
+        proxy, reason = yield from planning.planning_for(context.scene, obj, model)
         # may refuse too, so before the mesh is touched
         session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
     except BaseException:

@@ -2,6 +2,7 @@
 
 # the label of an operator and of its button is looked up in a context of its own
 OPERATORS = {
+    "Get Ready": "準備",
     "Poke": "押す",
     "Play": "再生",
     "Pause": "一時停止",
@@ -188,6 +189,12 @@ PANELS = {
 }
 
 VERBS = {
+    "Get the selected meshes ready to be pressed, then poke or play": (
+        "選択したメッシュを押せるように準備し、続けて押すか再生します"
+    ),
+    "Getting ready: Esc cancels": "準備中: Esc で中止",
+    "Then": "続き",
+    "The operator that follows": "続けて実行するオペレーター",
     "Press the selected meshes with a fingertip: live with the mouse, or from a script at a given place": (
         "選択したメッシュを指先で押します。マウスでその場で、またはスクリプトから指定の場所を押せます"
     ),

@@ -277,6 +277,7 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
         pointer,
         poke,
         sessions,
+        start,
     )
 
     hands: list[Hand] = []
@@ -300,7 +301,7 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
         operators = {
             "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake.DIMPLE_OT_bake,
             "identify": identify.DIMPLE_OT_identify, "measure": measure.DIMPLE_OT_measure,
-            "compare_proxies": compare_proxies.DIMPLE_OT_compare_proxies,
+            "compare_proxies": compare_proxies.DIMPLE_OT_compare_proxies, "start": start.DIMPLE_OT_start,
         }  # fmt: skip
         hands.append(Hand(name, operators[name], Context(bpy)))
         return hands[-1]

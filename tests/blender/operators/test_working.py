@@ -60,3 +60,30 @@ def test_a_bake_that_fails_on_its_way_leaves_nothing(
     assert run.ticks(2) == {"CANCELLED"}
     assert any("scale of 0" in text for _, text in run.reports)
     assert not list(tmp_path.iterdir()) and not body.modifiers
+
+
+def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_nothing(
+    bpy: ModuleType, hand: Any, ball: Callable[..., Any], coordinates: Bits
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions, start
+
+    large = ball("Large", subdivisions=7)
+    assert len(large.data.vertices) > start.LARGE
+    before = coordinates(large)
+    run = hand("start")
+    run.operator.then = "play"
+    assert start.takes_long(run.context)
+    for ticks in (1, 3):
+        assert run.invoke() == {"RUNNING_MODAL"}
+        assert run.ticks(ticks) == {"RUNNING_MODAL"} and "Getting ready" in run.context.said
+        assert run.send("G") == {"RUNNING_MODAL"}, "nothing changes the scene meanwhile"
+        assert run.send("ESC") == {"CANCELLED"}
+        assert not sessions.sessions and not sessions.runs and not large.modifiers and coordinates(large) == before
+    run.operator._finished = lambda context: {"FINISHED"}
+    run.invoke()
+    slices = 0
+    while run.ticks(1) == {"RUNNING_MODAL"}:
+        slices += 1
+    assert sessions.get(large) and slices > 5
+    assert not start.takes_long(run.context), "what runs already is ready"
+    sessions.stop_all()
