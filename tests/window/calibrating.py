@@ -65,7 +65,7 @@ def identify(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.W
     """Stop an identification by ESC; let another one end, on a coarse ball of the same material."""
     start("identify")
     check("the identification runs", "DIMPLE_OT_identify" in robot.modal_operators())
-    yield 0.5
+    yield from robot.looks(10)
     yield from robot.key("ESC", *at)
     yield from robot.until(lambda: not robot.modal_operators(), "ESC stops the identification", 30)
     settings = bpy.data.objects[body].active_material.dimple

@@ -277,7 +277,7 @@ def show_panels() -> robot.Waits:
     for tab in ("MATERIAL", "PHYSICS"):
         place.type = "PROPERTIES"
         place.spaces.active.context = tab
-        yield 2.0
+        yield from robot.looks(40)
         robot.screenshot(OUT / f"10-{tab.lower()}.png")
     place.type = "VIEW_3D"
     yield from robot.redrawn()

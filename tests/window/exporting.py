@@ -42,13 +42,13 @@ def _in_dialog(at: tuple[int, int], folder: Path, out: Path, check: Check) -> ro
     check("the export dialog says frames, size and time", before.startswith(f"{FRAMES} frames, ") and "comp" in before)
     yield from robot.click(*GLTF)
     yield from robot.until(lambda: _dialog().formats == {"GLB"}, "a click chooses a format", 60)
-    yield 2.0
+    yield from robot.looks(40)
     robot.screenshot(out / "11-export-2.png")
     after = _dialog()._estimate(bpy.context)[0]
     measured = {key[2] for key in robot.extension("operators.export_time")._known}
     check("a click on a format measures it, and its time is said", "GLB" in measured and "comp" in after, after)
     _browser().spaces.active.params.directory = str(folder).encode()
-    yield 1.0
+    yield from robot.looks(20)
     yield from robot.key("RET", 640, 400)
     yield from robot.until(lambda: "DIMPLE_OT_export_animation" in robot.modal_operators(), "the export begins", 60)
     yield from robot.until(lambda: list(folder.glob(".dimple-*/simulated/*.pc2")), "it simulates", 60)
@@ -63,7 +63,7 @@ def _open(ask: Callable[[], object]) -> robot.Waits:
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         ask()
     yield from robot.until(lambda: _browser() is not None, "the file browser opens", 60)
-    yield 1.0
+    yield from robot.looks(20)
 
 
 def _browser() -> bpy.types.Area | None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import importlib
 import struct
 import subprocess
-import time
 import traceback
 import zlib
 from collections.abc import Callable, Generator
@@ -81,13 +80,23 @@ def region(kind: str = "WINDOW") -> bpy.types.Region:
 def until(happened: Callable[[], bool], what: str, limit_s: float = 60.0) -> Waits:
     """Wait for a condition.
 
+    Args:
+        limit_s: at full speed; on a slow machine, where Blender comes round less often, as many looks.
+
     Raises:
         NotReached: not within the limit.
     """
-    end = time.monotonic() + limit_s
-    while not happened():
-        if time.monotonic() > end:
-            raise NotReached(f"waited {limit_s:.0f} s in vain: {what}")
+    for _ in range(round(limit_s / TICK_S)):
+        if happened():
+            return
+        yield TICK_S
+    if not happened():
+        raise NotReached(f"looked {limit_s / TICK_S:.0f} times, and it did not happen: {what}")
+
+
+def looks(count: int) -> Waits:
+    """Let Blender come round so many times."""
+    for _ in range(count):
         yield TICK_S
 
 

@@ -90,7 +90,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
         for share in range(16):
             yield from robot.move(at[0] + 60 - 8 * share, at[1] + 12 * (share % 3 - 1))
         yield from robot.button(at[0] - 60, at[1], "RELEASE")
-    yield 1.0
+    yield from robot.looks(20)
     yield from robot.until(tuning.settled, "it rests again", 400)
     material = cube.active_material.dimple
     x0 = 2 * PAINTED * material.x0
@@ -115,8 +115,7 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
         bpy.ops.dimple.compare_materials()
     twin = bpy.data.objects["Cube B"]
     twin.active_material.dimple.K1, twin.active_material.dimple.x0 = 1.83, 5.0
-    before = view.view_distance, view.view_location.copy(), view.view_rotation.copy(), settings.finger_radius_mm
-    settings.finger_radius_mm = 15.0
+    before = view.view_distance, view.view_location.copy(), view.view_rotation.copy()
     view.view_distance, view.view_location = 7.0, 0.5 * twin.matrix_world.translation
     across = np.arctan2(*reversed(twin.matrix_world.translation.xy))
     view.view_rotation = Euler((0.7, 0.0, float(across))).to_quaternion()  # side by side, seen from above
@@ -134,7 +133,7 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from leave(here)
     yield from loop(here, out)
     settings.show_field, settings.press_force_n = "NONE", FORCE_N
-    view.view_distance, view.view_location, view.view_rotation, settings.finger_radius_mm = before
+    view.view_distance, view.view_location, view.view_rotation = before
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.dimple.use_material()
     check("the one that is used stays alone", "Cube B" not in bpy.data.objects)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import bpy
+import large
 import robot
 import seeing
 
@@ -34,6 +36,7 @@ def tune(out: Path, check: Check) -> robot.Waits:
     yield from paint(at, out, check)
     yield from seeing.see(at, out, check)
     yield from looks(at, out, check)
+    yield from large.press_large(at, out, check)
     settings.press_by, settings.finger_radius_mm, settings.active_finger = "DEPTH", 10.0, 1
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.wm.tool_set_by_id(name="builtin.select_box")
@@ -104,7 +107,7 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     soft = float(body().frame.depths[0])
     yield from robot.redrawn()
     robot.screenshot(out / "0-force-soft.png")
-    session, seen = body().session, []
+    session, seen, drawn, began = body().session, [], robot.drawn(), time.monotonic()
     step = session.step
 
     def noted(*given: object, **named: object) -> object:
@@ -119,8 +122,9 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     check("K1 acts within two frames", abs(seen[1] - soft) > 1e-6, f"{1e3 * (seen[1] - soft):+.4f} mm")
     yield from robot.until(lambda: len(seen) > 30 and settled(), "the fingertip rests again", 400)
     del session.step
-    hard = float(body().frame.depths[0])
+    hard, rate = float(body().frame.depths[0]), (robot.drawn() - drawn) / (time.monotonic() - began)
     check("a harder material is pressed less deep", hard < 0.7 * soft, f"{1e3 * soft:.2f} and {1e3 * hard:.2f} mm")
+    check("and that is seen, however slow the machine is", rate > 0, f"{rate:.1f} frames a second")
     check("by the same force", resting(), f"{push():.3f} N")
     for slope, depth in ((SOFT, soft), (HARD, hard)):
         wanted = depth_of(FORCE_N, slope)
@@ -143,7 +147,7 @@ def take_it_back(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from robot.until(lambda: k1() == SOFT, "Ctrl-Z takes K1 back", 30)
     yield from robot.until(lambda: body().session.model.materials[0].K1 == 1e3 * SOFT, "and the body follows", 30)
     yield from robot.key("Z", *at, ctrl=True)
-    yield 0.5
+    yield from robot.looks(10)
     check("Ctrl-Z takes back what was tuned, and only that", k1() == SOFT and body() is not None)
     yield from robot.redrawn()
     robot.screenshot(out / "0-undone.png")
@@ -160,7 +164,7 @@ def search(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
         yield robot.TICK_S
         robot.window().event_simulate(type=letter.upper(), value="RELEASE", x=at[0], y=at[1])
         yield robot.TICK_S
-    yield 1.0
+    yield from robot.looks(20)
     robot.screenshot(out / "0-search.png")
     yield from robot.key("RET", *at)
     yield from robot.until(lambda: "DIMPLE_OT_poke" in robot.modal_operators(), "F3 poke starts the poke", 30)
@@ -177,7 +181,7 @@ def leave_resting(at: tuple[int, int]) -> robot.Waits:
     yield from robot.until(lambda: body() is not None and resting(), "it rests", 120)
     yield from robot.key("TWO", *at)
     yield from robot.button(*at, "RELEASE")
-    yield 0.5
+    yield from robot.looks(10)
 
 
 def paint(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -231,7 +235,7 @@ def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
         bpy.ops.screen.region_quadview()
     view.ui_scale = 2.0
     yield from robot.redrawn()
-    yield 1.0
+    yield from robot.looks(20)
     robot.screenshot(out / "0-scale.png")
     view.ui_scale = 1.0
     with bpy.context.temp_override(window=robot.window()):

@@ -1,0 +1,63 @@
+"""A large mesh in the window test: it gets ready while Blender goes on, Esc stops that, and then it is pressed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import robot
+
+Check = Callable[..., None]
+SUBDIVISIONS = 8  # 163,842 vertices
+
+
+def press_large(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Poke a large ball: stopped by Esc, then ready and pressed; the scene is put back."""
+    others = [obj for obj in bpy.context.selected_objects]
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.object.select_all(action="DESELECT")
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=SUBDIVISIONS, radius=1.0, location=(0.0, 0.0, 0.0))
+    large = bpy.context.object
+    large.dimple.size_mode = "CUSTOM"
+    for other in others:
+        other.hide_set(True)
+    yield from robot.redrawn()
+    running = robot.extension("operators.sessions")
+    _poke()
+    yield from robot.looks(8)
+    check("a large mesh gets ready while Blender goes on", [run.kind for run in running.runs] == ["start"])
+    robot.screenshot(out / "0-getting-ready.png")
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: not running.runs, "Esc stops it", 60)
+    check("Esc stops it and nothing is left", not running.sessions and not large.modifiers)
+    _poke()
+    longest, looks, before, drawn = 0.0, 0, time.monotonic(), robot.drawn()
+    while not any(run.kind == "poke" for run in running.runs):
+        yield robot.TICK_S
+        robot.area().tag_redraw()
+        now = time.monotonic()
+        longest, before, looks = max(longest, now - before), now, looks + 1
+    words = f"{len(large.data.vertices):,} vertices, {robot.drawn() - drawn} draws meanwhile, {longest:.1f} s at most"
+    check("the viewport is drawn meanwhile", robot.drawn() - drawn > 5, words)
+    yield from robot.move(*at)
+    yield from robot.button(*at, "PRESS")
+    body = running.get(large)
+    yield from robot.until(lambda: body.frame.depths.any(), "it is pressed", 120)
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-large.png")
+    yield from robot.button(*at, "RELEASE")
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: not running.sessions, "ESC ends the poke", 60)
+    bpy.data.meshes.remove(large.data)
+    for other in others:
+        other.hide_set(False)
+        other.select_set(True)
+        bpy.context.view_layer.objects.active = other
+    yield from robot.redrawn()
+
+
+def _poke() -> None:
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.poke("INVOKE_DEFAULT")
