@@ -20,7 +20,7 @@ from ..body.shape_matching import fit_pose, pose_of
 
 LAG = 0.04  # [s] so that after a sixtieth of a second a hundredth has faded
 OVER = 12  # lags after which nothing is left
-GIVES_WAY = 0.3  # of its force: what a fingertip gives way by
+GIVES_WAY = 0.4  # of its force: what a fingertip gives way by
 
 
 class Glide:

@@ -15,7 +15,7 @@ SUBDIVISIONS = 8  # 163,842 vertices
 
 def press_large(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Poke a large ball: stopped by Esc, then ready and pressed; the scene is put back."""
-    others = [obj for obj in bpy.context.selected_objects]
+    others = list(bpy.context.selected_objects)
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.object.select_all(action="DESELECT")
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=SUBDIVISIONS, radius=1.0, location=(0.0, 0.0, 0.0))
