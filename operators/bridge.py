@@ -94,7 +94,7 @@ def reading_body(
         refined=refined, shaped=shape.shaped, follows=shape.follows,
         carried=shape.follows and stack.is_carried(body),
     )  # fmt: skip
-    model = bridge_model.read_model(context.scene, body, mesh, link, identify=identify)
+    model = yield from bridge_model.reading_model(context.scene, body, mesh, link, identify)
     return link, replace(model, notes=(*model.notes, shape.note)) if shape.note else model
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.steps import Parts, at_once
 from . import advice, calibration
 from .names import MAPS
 
@@ -30,6 +32,14 @@ def read_model(
     Raises:
         DimpleError: it cannot be pressed with them, with the reason and what to do.
     """
+    found: Model = at_once(reading_model(scene, body, mesh, link, identify))
+    return found
+
+
+def reading_model(
+    scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink, identify: str = "BACKGROUND"
+) -> Parts:
+    """Read a model in parts; see `read_model`."""
     from ..core.body.model import build_model
     from ..core.mesh.surface import base_vertices
 
@@ -48,11 +58,12 @@ def read_model(
         maps = {name: _weights(body, group, name) for name, group in groups.items() if group}
         if link.refined:
             maps = {name: link.refined.at_vertices(weights) for name, weights in maps.items()}
-        model = build_model(
-            mesh, materials, law_set=params["law_set"], held=held, **maps,
+        make = partial(
+            build_model, mesh, materials, law_set=params["law_set"], held=held, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
             ground=0.0 if surroundings.use_ground else None, rigged=rigged,
         )  # fmt: skip
+        model: Model = yield 0.4, make
     except DimpleError as error:
         raise DimpleError(f'"{body.name}": {error}') from error
     notes = (*filter(None, messages), *advice.on_body(body, mesh, scene, link.refined), *advice.on_fill(model))

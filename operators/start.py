@@ -36,6 +36,11 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
                 sessions.stop(uid)
             raise
 
+    def _show(self, context: bpy.types.Context, share: float) -> None:
+        """Show how far it is; how long the parts take is not known."""
+        context.window_manager.progress_update(share)
+        context.workspace.status_text_set(f"{self.verb} {share:.0%} | Esc: cancel")
+
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         _, messages, wrong = self._came
         report(self, [*wrong, *messages])
