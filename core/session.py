@@ -17,6 +17,7 @@ import numpy.typing as npt
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
+from .crowd import TICKS_AT_ONCE, step_all
 from .fingertip import NOWHERE, FingerOnItsWay, between, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
@@ -30,7 +31,6 @@ from .solver.glide import Glide, may_glide
 from .solver.motion import MAX_STEPS, Motion, PinMotion
 
 MAX_FINGERS = 3
-TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
 
 
 class Session:
@@ -131,15 +131,10 @@ class Session:
         Raises:
             DimpleError: dt is negative or not a number.
         """
-        self.begin(dt)
-        most = MAX_STEPS // self.substeps - 1 if budget is None else TICKS_AT_ONCE
-        while (due := self.due) and self.take(self.body.step(self.next_motion(min(due, self.most, most)))):
-            if budget is not None and time.perf_counter() - self._started > budget and self.due:
-                return self.finish(early=True)
-        return self.finish()
+        return step_all([self], [dt], budget=budget)[0]
 
     def begin(self, dt: float) -> None:
-        """Begin a step of dt [s]; its ticks follow in motions, and `finish` ends it. A world steps so.
+        """Begin a step of dt [s]; its ticks follow in motions, and `finish` ends it.
 
         Raises:
             DimpleError: dt is negative or not a number.
@@ -148,7 +143,8 @@ class Session:
             raise DimpleError(f"A step of time must be 0 s or longer (it is {dt}).")
         self._begin, self._end, self._started = self._time, self._time + dt, time.perf_counter()
         self._last_tick = math.floor(self._end / self.tick + 1e-6)
-        self._done, self._note, self.most = 0, "", TICKS_AT_ONCE if self._glide else MAX_STEPS
+        self._done, self._note = 0, ""
+        self.most = TICKS_AT_ONCE if self._glide else MAX_STEPS // self.substeps - 1
         for tip in self._tips:
             if tip:
                 tip.impulse = NOWHERE

@@ -13,7 +13,8 @@ import numpy as np
 
 from .apart import way_out
 from .base import DimpleError, Floats
-from .session import TICKS_AT_ONCE, Session
+from .crowd import TICKS_AT_ONCE
+from .session import Session
 from .solver.backend import create_scene
 from .solver.motion import MAX_STEPS
 from .solver.scene import Collider as Collider

@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.crowd import step_all
 from ..core.recording import PointCache
 from ..core.session import Session
 from . import (
@@ -219,9 +220,9 @@ def _step(
             contact.lead_colliders(context, world)
             world.world.step(look_s)
         met = {uid for world in worlds for uid in world.uids}
+        alone = [body.session for body in bodies if body.link.uid not in met]
+        step_all(alone, [look_s] * len(alone))
         for body in bodies:
-            if body.link.uid not in met:
-                body.session.step(look_s)
             if body.session.frame.note:
                 raise DimpleError(f'"{body.link.name}", frame {frame}: {body.session.frame.note}')
 

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.crowd import step_all
 from ..core.session import MAX_FINGERS, Finger
 from ..core.steps import Parts, at_once
 from . import bridge, contact, haptic, props, rest_shape, sessions, showing, timeline, tuning, twins
@@ -93,7 +94,7 @@ def advance(
     beside = _may_run_beside(context, pressed)
     if not beside:
         haptic.take_back()
-    share = budget / len(sessions.sessions) if budget and sessions.sessions else budget
+    share = budget / len(sessions.sessions) if budget and sessions.sessions else budget  # of a body
     for uid, body in list(sessions.sessions.items()):
         messages += _trying(uid, prepare, context, body, pressed.get(uid, ()))
     messages += _meet(context)
@@ -152,21 +153,22 @@ def _meet(context: bpy.types.Context) -> list[str]:
 
 
 def _groups() -> list[tuple[list[LiveBody], World | None]]:
-    """Return the running bodies in groups that are stepped together, each with its world, None where one is alone."""
+    """Return the running bodies in groups that are stepped together, each with its world, None where they do not meet.
+    """
     together = [([sessions.sessions[uid] for uid in each.uids], each.world) for each in sessions.worlds]
     met = {uid for each in sessions.worlds for uid in each.uids}
-    return [*together, *(([body], None) for uid, body in sessions.sessions.items() if uid not in met)]
+    return [*together, ([body for uid, body in sessions.sessions.items() if uid not in met], None)]
 
 
 def _run(group: tuple[list[LiveBody], World | None], dt: float, budget: float | None) -> list[str]:
     """Step a group of bodies."""
     bodies, world = group
-    left = max(dt - max(body.lead for body in bodies), 0.0)
+    left = [max(dt - body.lead, 0.0) for body in bodies]
     try:
         if world:
-            world.step(left, budget=budget)
+            world.step(min(left), budget=budget)
         else:
-            bodies[0].session.step(left, budget=budget)
+            step_all([body.session for body in bodies], left, budget=budget)
     except DimpleError as error:
         return [str(error), *(each for body in bodies for each in sessions.stop(body.link.uid))]
     for body in bodies:
@@ -205,10 +207,10 @@ def finish(body: LiveBody) -> list[str]:
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
         body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
-    local = showing.show(_object(body), body)
+    showing.show(_object(body), body)
     if body.recorder:
         try:
-            body.recorder.append(frame.time, local, body.session)
+            body.recorder.append(frame.time, showing.local_of(body), body.session)
         except OSError as error:
             ended = body.recorder.cut_short(body.name, error)
             messages += [ended, *(each for each in sessions.end_recording(body) if not isinstance(each, Note))]

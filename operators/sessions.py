@@ -53,6 +53,7 @@ class LiveBody:
     trail: depth [m] and force [N] of the deepest fingertip.
     recorder: of the recording under way.
     take: path and first frame of the last recording.
+    shown: what its object shows: link, matrix, shape at rest and positions; None where that is not known.
     objects: how many there were in the file when duplicates were looked for last.
     """
 
@@ -73,6 +74,7 @@ class LiveBody:
     trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None
+    shown: tuple[object, ...] | None = None
     objects: int = 0
 
     @property

@@ -48,13 +48,21 @@ def _rest_duplicates() -> None:
             body.objects = count
 
 
-def show(obj: bpy.types.Object, body: sessions.LiveBody) -> Singles:
-    """Show a session on its object; return the coordinates (N, 3)."""
-    from . import bridge, offset
+def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
+    """Show a session on its object, unless it shows there as it is: Blender has no work with what sleeps."""
+    from . import offset
 
-    local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
-    offset.show(obj, local - body.rest)
-    return local
+    now = body.link, body.matrix, body.rest, body.session.positions()  # each is another object where it changes
+    if body.shown is None or any(a is not b for a, b in zip(now, body.shown, strict=True)):
+        offset.show(obj, local_of(body) - body.rest)
+        body.shown = now
+
+
+def local_of(body: sessions.LiveBody) -> Singles:
+    """Return the coordinates (N, 3) of a session in the space of its object."""
+    from . import bridge
+
+    return bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
 
 
 def rest_all() -> None:
@@ -76,4 +84,5 @@ def show_all() -> None:
         obj = bridge.find(uid, body.name)
         if obj and bridge_write.is_intact(obj, body.link):
             bridge_write.borrow(obj)
+            body.shown = None
             show(obj, body)

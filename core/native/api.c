@@ -282,6 +282,8 @@ int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
     return DM_OK;
 }
 
+int dm_is_asleep(const dm_body *body) { return body->does->asleep(body->state); }
+
 void dm_run_checked(dm_body *body, const dm_motion *m, dm_frame *frame) {
     uint64_t before = dm_flush_denormals();
     body->does->step(body->state, m, frame);

@@ -357,3 +357,5 @@ static void dm_state_read(const dm_state *b, double *positions, double *velociti
 }
 
 static int64_t dm_state_pinned(const dm_state *b) { return b->pinned_count; }
+
+static int dm_state_asleep(const dm_state *b) { return b->asleep; }

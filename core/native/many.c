@@ -54,7 +54,9 @@ int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *con
     }
     dm_batch batch = {count, bodies, motions, frames, 0};
     dm_thread threads[DM_MAX_WORKERS];
-    int64_t started = 0, most = workers < count ? workers : count;
+    int64_t started = 0, awake = 0; /* one that wakes in this call may wait for a thread */
+    for (int64_t k = 0; k < count; k++) awake += !dm_is_asleep(bodies[k]);
+    int64_t most = workers < awake ? workers : awake;
     while (started < most - 1 && dm_start(threads + started, &batch)) started++; /* the caller is one of them */
     dm_take_bodies(&batch);
     for (int64_t k = 0; k < started; k++) dm_join(threads[k]);

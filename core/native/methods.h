@@ -18,6 +18,7 @@ typedef struct {
     void (*set_state)(dm_state *state, const double *positions, const double *velocities);
     void (*get_state)(const dm_state *state, double *positions, double *velocities);
     int64_t (*pinned)(const dm_state *state);
+    int (*asleep)(const dm_state *state);
     void (*step)(dm_state *state, const dm_motion *motion, dm_frame *frame);
     void (*fit_rotation)(const double *h, double *r);
     void (*carry)(const dm_binding *binding, const float *motions, float *skin);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from typing import Protocol, cast
 
@@ -12,6 +13,8 @@ from .motion import Frame, Motion
 from .scene import Collider, Scene
 from .twin import Twin
 from .twin_scene import TwinScene
+
+WORKERS = min(os.cpu_count() or 1, 64)  # the library takes no more
 
 
 class Body(Protocol):
@@ -61,6 +64,13 @@ def create(model: Model, *, surface: Model | None = None, backend: str = "auto")
     if name == "numpy":
         return Twin(model, surface=surface)
     return native.Body(model, native.library(), surface=surface, bits=64 if name == "native64" else 32)
+
+
+def step_bodies(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[Frame]:
+    """Run a motion of each of several bodies that do not meet: in one call, on all cores, where they are native."""
+    if len(bodies) > 1 and all(isinstance(body, native.Body) for body in bodies):
+        return native.step_many(cast(Sequence[native.Body], bodies), motions, workers=WORKERS)
+    return [body.step(motion) for body, motion in zip(bodies, motions, strict=True)]
 
 
 def create_scene(

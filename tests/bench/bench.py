@@ -26,9 +26,10 @@ import numpy as np
 from core import native
 from core.base import Floats
 from core.body.model import Model, build_model
+from core.crowd import TICKS_AT_ONCE
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
-from core.session import TICKS_AT_ONCE, Finger, Session
+from core.session import Finger, Session
 from core.solver.backend import Body
 from core.solver.motion import FingertipMotion, Motion
 from core.solver.twin import Twin

@@ -9,7 +9,7 @@ import time
 import numpy as np
 
 from core import native
-from core.session import TICKS_AT_ONCE
+from core.crowd import TICKS_AT_ONCE
 from core.solver.motion import Motion
 from tests.bench import bench
 from tools.native import compile_library, this_platform

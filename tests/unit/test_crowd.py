@@ -1,0 +1,41 @@
+"""Several sessions in one call: the bits of each alone, however many workers there are."""
+
+import numpy as np
+import pytest
+
+from core.crowd import step_all
+from core.session import Finger, Session
+from core.solver import backend
+from studies import scenes
+
+TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
+SECONDS = [0.05, 0.02, 0.0, 0.0335]
+
+
+def pressed(kind: str = "auto") -> list[Session]:
+    """Return balls: one pressed, one pushed by a force, one left alone, and a larger one."""
+    found = [Session(scenes.poke_ball(2).model, backend=kind) for _ in SECONDS[:-1]]
+    found.append(Session(scenes.poke_ball(3).model, backend=kind))
+    for session, force in zip(found, (None, 1.0, None, None), strict=True):
+        session.set_fingers([Finger((0.0, 0.0, TOP), scenes.FINGERTIP)])
+        session.step(0.0)
+        session.set_fingers([Finger((0.0, 0.0, TOP - 2e-3), scenes.FINGERTIP, force)])
+    return found
+
+
+@pytest.mark.parametrize(("kind", "workers"), [("auto", 1), ("auto", 2), ("auto", 7), ("numpy", 1)])
+def test_bodies_stepped_together_move_to_the_bits_of_each_alone(
+    kind: str, workers: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(backend, "WORKERS", workers)
+    alone, together = pressed(kind), pressed(kind)
+    expected = [session.step(dt) for session, dt in zip(alone, SECONDS, strict=True)]
+    for frame, wanted, a, b in zip(step_all(together, SECONDS), expected, together, alone, strict=True):
+        assert (frame.time, frame.impulses, frame.touches) == (wanted.time, wanted.impulses, wanted.touches)
+        assert np.array_equal(a.positions(), b.positions())
+
+
+def test_a_budget_is_that_of_all_and_none_runs_far_ahead() -> None:
+    frames = step_all(pressed(), [1.0, 0.0, 1.0, 1.0], budget=0.0)
+    assert [frame.steps for frame in frames] == [8, 0, 8, 8]
+    assert step_all([], []) == []
