@@ -85,20 +85,57 @@ def test_a_poke_takes_over_from_play(bpy: ModuleType, hand: Any, body: Any) -> N
     poke.send("ESC")
 
 
-def test_the_time_there_is_is_shared_by_the_bodies(bpy: ModuleType, ball: Callable[..., Any], body: Any) -> None:
+def test_bodies_that_do_not_meet_are_stepped_together_in_the_time_there_is(
+    bpy: ModuleType, ball: Callable[..., Any], body: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from bl_ext.user_default.dimple.operators import live, sessions
 
     for obj in (body, ball("Other")):
         sessions.start(obj, bpy.context)
-    given = []
-    for entry in sessions.sessions.values():
-        step = entry.session.step
-        entry.session.step = lambda dt, *, budget, step=step: given.append(budget) or step(dt)
+    given, step_all = [], live.step_all
+
+    def watched(bodies: Any, seconds: Any, *, budget: float) -> Any:
+        given.append((len(bodies), budget))
+        return step_all(bodies, seconds)
+
+    monkeypatch.setattr(live, "step_all", watched)
     try:
         live.advance(bpy.context, 0.002, budget=0.5)
     finally:
         sessions.stop_all()
-    assert given == [0.25, 0.25]
+    assert given == [(2, 0.5)]
+
+
+def test_a_body_that_sleeps_is_not_shown_anew(
+    bpy: ModuleType, ball: Callable[..., Any], body: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.core.session import Finger
+    from bl_ext.user_default.dimple.operators import live, offset, sessions
+
+    shown, show = [], offset.show
+    monkeypatch.setattr(offset, "show", lambda obj, offsets: shown.append(obj.name) or show(obj, offsets))
+    other = ball("Other")
+    for obj in (body, other):
+        sessions.start(obj, bpy.context)
+    try:
+        for _ in range(50):
+            live.advance(bpy.context, 0.02)
+        shown.clear()
+        live.advance(bpy.context, 0.02)
+        assert shown == []
+        entry = sessions.get(other)
+        top = float(entry.session.positions()[:, 2].max())
+        pressed = {entry.link.uid: [Finger((0.0, 0.0, top), 0.01)]}
+        for _ in range(2):
+            live.advance(bpy.context, 0.02, pressed=pressed)
+        assert shown == [other.name, other.name]
+        shown.clear()
+        body.location.x += 1
+        bpy.context.view_layer.update()
+        live.advance(bpy.context, 0.02, pressed=pressed)
+        assert shown == [body.name, other.name]
+    finally:
+        sessions.stop_all()
 
 
 def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(

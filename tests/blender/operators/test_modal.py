@@ -256,7 +256,7 @@ def test_something_unforeseen_ends_the_poke_and_is_raised(
     def broken(*_: Any, **__: Any) -> None:
         raise ZeroDivisionError("unforeseen")
 
-    monkeypatch.setattr(sessions.get(ball_of(bpy)).session, "step", broken)
+    monkeypatch.setattr(sessions.get(ball_of(bpy)).session, "begin", broken)
     with pytest.raises(ZeroDivisionError):
         poke.ticks(1)
     assert coordinates(ball_of(bpy)) == rest and not sessions.runs

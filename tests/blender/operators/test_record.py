@@ -121,8 +121,8 @@ def test_bodies_that_play_together_have_one_clock(
     for name in ("Slow", "Fast"):
         sessions.start(ball(name), bpy.context)
     slow, fast = sessions.sessions.values()
-    step = slow.session.step
-    monkeypatch.setattr(slow.session, "step", lambda dt, *, budget=None: step(min(dt, 0.003)))
+    begin = slow.session.begin
+    monkeypatch.setattr(slow.session, "begin", lambda dt: begin(min(dt, 0.003)))
     bpy.ops.dimple.record()
     for _ in range(60):
         live.advance(bpy.context, 1 / 60)

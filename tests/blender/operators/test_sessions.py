@@ -181,7 +181,7 @@ def test_something_unforeseen_ends_everything_and_is_not_swallowed(
     def broken(*_: Any, **__: Any) -> None:
         raise ZeroDivisionError("unforeseen")
 
-    monkeypatch.setattr(next(iter(sessions.sessions.values())).session, "step", broken)
+    monkeypatch.setattr(next(iter(sessions.sessions.values())).session, "begin", broken)
     with pytest.raises(RuntimeError, match="unforeseen"):
         bpy.ops.dimple.play(seconds=0.02)
     assert coordinates(obj) == rest and is_clean(obj)
