@@ -11,7 +11,6 @@ import numpy as np
 from ..base import (
     LONGEST_CONTACT,
     LONGEST_STEP,
-    MASS_FLOOR,
     MAX_SUBSTEPS,
     STEP_SAFETY,
     STIFFEST,
@@ -22,11 +21,10 @@ from ..base import (
     sums_at,
 )
 from ..material import Material
-from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, spans_a_plane
 from . import bound, paper, pressure, shape_matching, springs
-from .estimate import estimate
-from .maps import Maps, painted, stiffness_at_knees
+from .maps import Maps, painted
+from .on_mesh import constants_on, mass_on, paper_constants
 from .pressure import Pressure
 from .shape_matching import Pose, ShapeMatching
 from .springs import Springs
@@ -36,7 +34,6 @@ _ALL_HELD = "Every vertex is pinned, so nothing can move. Set Pinned to None, pi
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
 STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0}  # times as stiff as at rest a fill becomes in a body pressed flat
-AT_KNEE = 0.97  # of x0: pieces of the bed's law that begin deeper belong to K2
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
@@ -172,36 +169,16 @@ def build_model(
         raise DimpleError("Gravity must be three numbers and the ground's height one.")
     if not materials or mesh.triangle_material.max() >= len(materials) or mesh.triangle_material.min() < 0:
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
-    n, which = len(mesh.rest_positions), mesh.triangle_material
     held_here = mesh.loose | (_on_vertices(mesh, held, "pins", 0.0) >= 0.5)
     named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
     maps = painted(*(_on_vertices(mesh, values, f"{name} map", 0.5) for name, values in named))
 
-    mass = _mass(mesh, materials) * maps.thicker
-    rows = np.array([_row(m, mesh.size) for m in materials])  # one line a material
-    kappa1, kappa2, d0, tension, k_scaled, damping, friction, k = rows[which].T
-    pieces = _pieces(materials, mesh)[:, :, which]  # knee and stiffness of the further pieces of each material
-    first, beyond = stiffness_at_knees(materials, mesh.size, which, maps.deeper[mesh.triangles].mean(axis=1))
-    kappa2, kappa1, tension = first * kappa1 + beyond * (kappa2 - kappa1), first * kappa1, first * tension
-    pieces[:, 1] *= np.where(pieces[:, 0] < AT_KNEE * np.array([m.x0 for m in materials])[which], first, beyond)
-    damping_at, friction_at, d0_at = (_vertex_mean(mesh, c) for c in (damping, friction, d0))
-    beds = (_vertex_sum(mesh, c * mesh.triangle_areas / 3) for c in (kappa1, kappa2, *pieces[:, 1]))
-    k1, k2, *more = (maps.stiffer * bed for bed in beds)
-    if law_set == "paper":
-        k1, k2, more = np.zeros(n), np.zeros(n), []
-        stiffness, along, ratio = _spring_mean(mesh, k), np.zeros(len(mesh.springs)), 0.0
-    else:
-        stiffer, wider, thicker = (f[mesh.springs].mean(axis=1) for f in (maps.stiffer, maps.wider, maps.thicker))
-        stiffness = springs.membrane_stiffness(mesh, _spring_mean(mesh, k_scaled)) * stiffer * thicker
-        along = cotangent_weights(mesh) * _spring_mean(mesh, tension) * stiffer * wider**2
-        ratio = 1.0
+    mass = mass_on(mesh, materials) * maps.thicker
     ground, sunk = _ground(mesh, held_here, ground)
     model = assemble(
-        mesh, materials, law_set=law_set, mass=mass, held=held_here, friction=friction_at, damping=ratio * damping_at,
-        stiffness=stiffness, k1=k1, k2=k2, d0=d0_at * maps.deeper, tension=along,
-        more=np.reshape(more, (-1, n)),
-        knees=np.reshape([maps.deeper * _vertex_mean(mesh, c) for c in pieces[: len(more), 0]], (-1, n)),
-        fill=_fill(mesh, materials, law_set), gravity=gravity, ground=ground, notes=sunk,
+        mesh, materials, law_set=law_set, mass=mass, held=held_here, fill=_fill(mesh, materials, law_set),
+        gravity=gravity, ground=ground, notes=sunk,
+        **(paper_constants(mesh, materials) if law_set == "paper" else constants_on(mesh, materials, maps)),
     )  # fmt: skip
     return replace(model, maps=maps, rigged=rigged)
 
@@ -319,36 +296,6 @@ def _ground(mesh: Mesh, held: Bools, ground: float | None) -> tuple[float | None
     )
 
 
-def _row(material: Material, size: float) -> tuple[float, ...]:
-    constants = estimate(material, size)
-    tension = constants.kappa1 * material.spread**2 if constants.tension is None else constants.tension
-    return (
-        constants.kappa1, constants.kappa2, constants.d0, tension,
-        constants.membrane_scale * material.k,
-        material.damping_ratio, material.friction, material.k,
-    )  # fmt: skip
-
-
-def _pieces(materials: Sequence[Material], mesh: Mesh) -> Floats:
-    """Return the knee [m] and the stiffness [N/m3] of the further pieces (p, 2, m) of each material."""
-    found = [estimate(material, mesh.size).pieces for material in materials]
-    table = np.zeros((max(map(len, found)), 2, len(found)))
-    for column, pieces in enumerate(found):
-        table[: len(pieces), :, column] = np.reshape(pieces, (-1, 2))
-    return table
-
-
-def _mass(mesh: Mesh, materials: Sequence[Material]) -> Floats:
-    """Share the mass out by area: each material weighs as if the whole body were of it, times its part."""
-    total_area = float(mesh.triangle_areas.sum())
-    # a sheet has no volume: take it as thick as a twentieth of its size
-    bulk = mesh.volume if mesh.pressurable else total_area * mesh.size / 20
-    whole = np.array([m.mass if m.mass is not None else (m.density or 0.0) * bulk for m in materials])
-    mass = _vertex_sum(mesh, whole[mesh.triangle_material] * mesh.triangle_areas / total_area / 3)
-    used = ~mesh.loose
-    return np.maximum(mass, MASS_FLOOR * mass[used].mean())
-
-
 def _even_out(mass: Floats, stiffness: Floats, used: Bools) -> Floats:
     """Move mass to the vertices that are stiff beside it, the whole kept: slivers then do not set the time step.
 
@@ -376,16 +323,3 @@ def _on_vertices(mesh: Mesh, values: Bools | Floats | None, name: str, default: 
         raise DimpleError(f"Some values of the {name} are not numbers.")
     total = sums_at(mesh.source, values, len(mesh.rest_positions))
     return total / np.bincount(mesh.source, minlength=len(mesh.rest_positions))
-
-
-def _vertex_sum(mesh: Mesh, per_triangle: Floats) -> Floats:
-    return sums_at(mesh.triangles.ravel(), np.repeat(per_triangle, 3), len(mesh.rest_positions))
-
-
-def _vertex_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
-    total = _vertex_sum(mesh, per_triangle)
-    return total / np.maximum(_vertex_sum(mesh, np.ones(len(per_triangle))), 1)
-
-
-def _spring_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
-    return per_triangle[mesh.spring_triangles].mean(axis=1)

@@ -8,6 +8,7 @@ and a dashpot c along the edge, as a ratio of the critical damping of the two ve
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from ..mesh.surface import Mesh
 _TINY = 1e-30
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Springs:
     """The springs of a mesh.
 
@@ -27,7 +28,6 @@ class Springs:
     stiffness: (m,) [N/m].
     damping: (m,) of the dashpots beside them [N s/m].
     rings: the mesh's one-rings.
-    ring_rest, ring_stiffness, ring_damping: the same slot by slot (w, n), 0 in padded slots.
     """
 
     pairs: Ints
@@ -35,22 +35,22 @@ class Springs:
     stiffness: Floats
     damping: Floats
     rings: Rings
-    ring_rest: Floats
-    ring_stiffness: Floats
-    ring_damping: Floats
+
+    @cached_property
+    def in_slots(self) -> tuple[Floats, Floats, Floats]:
+        """Return lengths at rest, stiffness and damping slot by slot (w, n), 0 in padded slots: for numpy alone."""
+        at = self.rings.springs
+        rest, stiffness, damping = (
+            np.where(at >= 0, each[at], 0.0) for each in (self.rest_lengths, self.stiffness, self.damping)
+        )
+        return rest, stiffness, damping
 
 
 def build_springs(mesh: Mesh, stiffness: Floats, damping: Floats) -> Springs:
-    """Lay the constants (m,) of a mesh's springs out along its one-rings."""
-    used = mesh.rings.springs >= 0
-
-    def in_slots(values: Floats) -> Floats:
-        return np.where(used, values[mesh.rings.springs], 0.0)
-
+    """Return the springs of a mesh with constants (m,)."""
     return Springs(
-        pairs=mesh.springs, rest_lengths=mesh.rest_lengths, stiffness=stiffness, damping=damping, rings=mesh.rings,
-        ring_rest=in_slots(mesh.rest_lengths), ring_stiffness=in_slots(stiffness), ring_damping=in_slots(damping),
-    )  # fmt: skip
+        pairs=mesh.springs, rest_lengths=mesh.rest_lengths, stiffness=stiffness, damping=damping, rings=mesh.rings
+    )
 
 
 def membrane_stiffness(mesh: Mesh, k: Floats) -> Floats:
@@ -87,12 +87,13 @@ def force(law: Springs, x: Floats, v: Floats | None = None, arms: Floats | None 
     d = around(law.rings, x) if arms is None else arms
     square = np.maximum(np.einsum("csn,csn->sn", d, d), _TINY)
     tension = np.sqrt(square)
-    np.divide(law.ring_rest, tension, out=tension)
+    rest, stiffness, damping = law.in_slots
+    np.divide(rest, tension, out=tension)
     np.subtract(1, tension, out=tension)
-    tension *= law.ring_stiffness
+    tension *= stiffness
     if v is not None:
         growth = np.einsum("csn,csn->sn", d, around(law.rings, v))
-        growth *= law.ring_damping
+        growth *= damping
         growth /= square
         tension += growth
     f = np.einsum("sn,csn->cn", tension, d)

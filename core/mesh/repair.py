@@ -91,7 +91,7 @@ def consistent_winding(faces: Ints, adjacency: Ints) -> Ints:
     return turned
 
 
-def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools) -> Bools:
+def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools, volume: float) -> Bools:
     """Return which faces (t,) belong to parts turned inside out; a part facing inward inside another is a cavity.
 
     Args:
@@ -99,15 +99,18 @@ def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools
         faces: (t, 3) of consistent winding.
         adjacency: (a, 2) faces that share an edge.
         flipped: (t,) was turned over by `consistent_winding`; an open part without such a face is left as it is.
+        volume: inside all of it, holes closed [m3].
     """
     inward = np.zeros(len(faces), bool)
     names, label = np.unique(connected(adjacency, len(faces)), return_inverse=True)
+    if len(names) == 1 and volume >= 0:
+        return inward
     count, corners = np.bincount(label), positions[faces]
     mean = np.stack([sums_at(label, corners[:, :, c].mean(axis=1), len(names)) / count for c in range(3)], axis=1)
     a, b, c = (corners - mean[label][:, None]).transpose(1, 2, 0)
     own = a * np.cross(b, c, axis=0)
-    volume, terms = (sums_at(label, each.sum(axis=0), len(names)) for each in (own, np.abs(own)))
-    for part in np.flatnonzero(volume < -ROUNDING * terms):
+    volumes, terms = (sums_at(label, each.sum(axis=0), len(names)) for each in (own, np.abs(own)))
+    for part in np.flatnonzero(volumes < -ROUNDING * terms):
         mine = label == part
         if flipped[mine].any() or not edges_of(faces[mine]).excess.any():
             inward[mine] = not _inside(corners[~mine], corners[mine][0, 0])

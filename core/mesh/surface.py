@@ -117,7 +117,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         triangles, border, volume = triangles[:, ::-1].copy(), border[:, ::-1].copy(), -volume
         edges = edges_of(triangles)
         notes.append("The normals pointed inward and were recalculated for the simulation.")
-    inward = inward_parts(positions, triangles, edges.adjacency, flipped)
+    inward = inward_parts(positions, triangles, edges.adjacency, flipped, volume)
     if inward.any():
         triangles[inward] = triangles[inward][:, ::-1]
         edges = edges_of(triangles)

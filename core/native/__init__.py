@@ -27,6 +27,9 @@ from .body import NativeError as NativeError
 from .body import step_many as step_many
 from .carry import CBinding
 from .carry import carry as carry
+from .cells import CCells
+from .cells import follow_cells as follow_cells
+from .cells import grow_cells as grow_cells
 from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
@@ -46,6 +49,8 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
     "dm_fit_rotation": (c_void_p, c_void_p),
     "dm_carry": (POINTER(CBinding), c_void_p, c_void_p),
+    "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),
+    "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_int64, c_void_p, c_void_p),
     "dm_scene_create": (
         POINTER(c_void_p),
         c_int64,

@@ -189,6 +189,24 @@ typedef struct {
 /* Set the skin (vertices, 3) [m] by the motions (seeds, 12) of what it follows: a shift [m] and a gradient by rows. */
 DM_API int32_t dm_carry(const dm_binding *binding, const float *motions, float *skin);
 
+/* Seeds on a fine surface, whose vertices have places in the space of position and normal. */
+typedef struct {
+    int64_t vertices;
+    const double *place; /* (vertices, 6) [m] */
+    int64_t edges;
+    const int64_t *ends; /* (edges, 2) */
+    int64_t seeds;
+    const int64_t *seed; /* (seeds,) vertices */
+} dm_cells;
+
+/* Set the seed (vertices,) that each vertex belongs to, the nearest of those that its neighbours belong to, -1 where
+ * none spreads to; and whether its cell joins it to that seed (vertices,). */
+DM_API int32_t dm_grow_cells(const dm_cells *surface, int64_t *cells, uint8_t *joined);
+/* Set which seeds (vertices, each) each vertex follows, with which weights (vertices, each): the nearest of those
+ * round its cell, around (seeds, width), the rest of a row -1. */
+DM_API int32_t dm_follow_cells(const dm_cells *surface, const int64_t *cells, int64_t width, const int64_t *around,
+                               int64_t each, uint16_t *followed, float *weights);
+
 /* A mesh that bodies meet and that goes where it is led. */
 typedef struct {
     int64_t vertices;

@@ -123,21 +123,34 @@ def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[npt.
     around = np.full((m, width), -1)
     for row, ring in zip(around, rings, strict=True):
         row[: len(ring)] = ring
-    take = min(NEIGHBOURS + 1, width)
-    n = len(place)
-    followed, weights = np.empty((n, take - 1), np.uint16), np.empty((n, take - 1), np.float32)
+    each = min(NEIGHBOURS, width - 1)
+    if native.why_not():
+        return nearest_seeds(place, seeds, cells, around, each)
+    return native.follow_cells(native.library(), place, seeds, cells, around, each)
+
+
+def nearest_seeds(
+    place: Floats, seeds: Ints, cells: Ints, around: Ints, each: int
+) -> tuple[npt.NDArray[np.uint16], Singles]:
+    """Return the nearest of the seeds round the cell of each vertex, and their weights: what the native core does.
+
+    Args:
+        around: (m, w) seeds round each cell, the rest of a row -1.
+        each: how many to return.
+    """
+    n, width = len(place), around.shape[1]
+    followed, weights = np.empty((n, each), np.uint16), np.empty((n, each), np.float32)
     for part in np.array_split(np.arange(n), n * width // 1_000_000 + 1):
         ring = around[cells[part]]
         distance = ((place[part, None] - place[seeds[ring]]) ** 2).sum(axis=2)
         distance[ring < 0] = np.inf
-        near = np.argpartition(distance, take - 1, axis=1)[:, :take]
-        near = np.take_along_axis(near, np.take_along_axis(distance, near, axis=1).argsort(axis=1), axis=1)
+        near = distance.argsort(axis=1, kind="stable")[:, : each + 1]
         away = np.take_along_axis(distance, near, axis=1)
         bound = np.where(np.isfinite(away), away, -np.inf).max(axis=1, keepdims=True) * (1 + 1e-9)
         weight = np.where(np.isfinite(away), np.maximum(1 - away / np.maximum(bound, 1e-30), 0) ** 2, 0.0)[:, :-1]
         weight[:, 0] += 1e-30
         followed[part] = np.maximum(np.take_along_axis(ring, near, axis=1)[:, :-1], 0)
-        weights[part] = weight / weight.sum(axis=1, keepdims=True)
+        weights[part] = weight / sum(weight.T)[:, None]
     return followed, weights
 
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import Floats, Ints, sums_at
+from .. import native
+from ..base import Bools, Floats, Ints, sums_at
 from ..mesh.surface import Mesh
 
 CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the proxy must have too
@@ -66,46 +67,56 @@ def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
 
     A cell is in one piece: islands that another cell cut off go to what is round them.
     """
-    i, j = np.concatenate([mesh.springs, mesh.springs[:, ::-1]]).T
-    order = np.argsort(j, kind="stable")
-    i, j = i[order], j[order]
-    cells = np.full(len(place), -1)
-    cells[seeds] = np.arange(len(seeds))
-    away = np.full(len(place), np.inf)
-    away[seeds] = 0.0
-    changed = cells >= 0
-    while changed.any():
-        new = changed[i]
-        source, end = i[new], j[new]
-        offered = cells[source]
-        distance = ((place[end] - place[seeds[offered]]) ** 2).sum(axis=1)
-        starts = np.flatnonzero(np.diff(end, prepend=-1))
-        nearest = np.minimum.reduceat(distance, starts)
-        better = nearest < away[end[starts]]
-        sizes = np.diff(starts, append=len(end))
-        taken = np.repeat(better, sizes) & (distance == np.repeat(nearest, sizes))
-        changed = np.zeros(len(place), bool)
-        changed[end[taken]] = True
-        cells[end[taken]] = offered[taken]
-        away[end[starts]] = np.minimum(nearest, away[end[starts]])
-    _join_islands(i, j, place, seeds, cells)
+    if native.why_not():
+        cells, joined = spread_cells(mesh.springs, place, seeds)
+    else:
+        cells, joined = native.grow_cells(native.library(), mesh.springs, place, seeds)
     lost = np.flatnonzero(cells < 0)  # parts without a seed, and loose vertices
+    if len(lost) + joined.sum() < len(cells):
+        _join_islands(mesh.springs, place, seeds, cells, joined)
     for part in np.array_split(lost, len(lost) * len(seeds) // 2_000_000 + 1):
         distance = ((place[part, None, :3] - place[None, seeds, :3]) ** 2).sum(axis=2)
         cells[part] = distance.argmin(axis=1)
     return cells
 
 
-def _join_islands(i: Ints, j: Ints, place: Floats, seeds: Ints, cells: Ints) -> None:
-    """Give what another cell cut off from its seed to the nearest cell beside it, in place; i, j: directed edges."""
-    joined = np.zeros(len(place), bool)
-    joined[seeds], same = True, cells[i] == cells[j]
-    source, end, more = i[same], j[same], len(seeds)
-    while more:
-        reached = end[joined[source]]
-        left, more = ~joined[end], int((~joined[reached]).sum())
-        source, end = source[left], end[left]
-        joined[reached] = True
+def spread_cells(ends: Ints, place: Floats, seeds: Ints) -> tuple[Ints, Bools]:
+    """Return the seed (n,) each vertex belongs to by now, -1 where none spreads to: what the native core does, to read.
+
+    In rounds: what changed in the last one offers its cell to its neighbours, and each takes the nearest seed if that
+    is nearer than its own; of two as near, the first.
+
+    Args:
+        ends: (m, 2) edges.
+
+    Returns:
+        The cells, and whether (n,) its cell joins each vertex to its seed.
+    """
+    i, j = np.concatenate([ends, ends[:, ::-1]]).T
+    cells, away = np.full(len(place), -1), np.full(len(place), np.inf)
+    cells[seeds], away[seeds] = np.arange(len(seeds)), 0.0
+    changed = cells >= 0
+    while changed.any():
+        new = changed[i] & (cells[i] != cells[j])
+        end, offered = j[new], cells[i[new]]
+        distance = ((place[end] - place[seeds[offered]]) ** 2).sum(axis=1)
+        order = np.lexsort((offered, distance, end))
+        end, first = np.unique(end[order], return_index=True)
+        nearest, offered = distance[order][first], offered[order][first]
+        better = nearest < away[end]
+        cells[end[better]], away[end[better]] = offered[better], nearest[better]
+        changed = np.zeros(len(place), bool)
+        changed[end[better]] = True
+    joined, same = np.zeros(len(place), bool), cells[i] == cells[j]
+    joined[seeds], i, j = True, i[same], j[same]
+    while (reached := joined[i] & ~joined[j]).any():
+        joined[j[reached]] = True
+    return cells, joined
+
+
+def _join_islands(ends: Ints, place: Floats, seeds: Ints, cells: Ints, joined: Bools) -> None:
+    """Give what another cell cut off from its seed to the nearest cell beside it, in place."""
+    i, j = np.concatenate([ends, ends[:, ::-1]]).T
     while len(beside := np.flatnonzero(joined[i] & ~joined[j])):
         end, offered = j[beside], cells[i[beside]]
         distance = ((place[end] - place[seeds[offered]]) ** 2).sum(axis=1)

@@ -34,10 +34,8 @@ def body(shape: str, law: str = "all", *, held: bool = False, uneven: bool = Fal
     model = build_model(mesh, [replace(SOFT, fill=fill)], held=pins, softness=softness)
     if law not in ("springs", "no fill", "all"):
         springs = model.springs
-        model = replace(model, springs=replace(
-            springs, stiffness=0 * springs.stiffness, damping=0 * springs.damping,
-            ring_stiffness=0 * springs.ring_stiffness, ring_damping=0 * springs.ring_damping,
-        ))  # fmt: skip
+        none = replace(springs, stiffness=0 * springs.stiffness, damping=0 * springs.damping)
+        model = replace(model, springs=none)
     if law not in ("matching", "no fill", "all"):
         shape_law, trace = model.matching, 1e-15 * model.matching.k1  # a pose is fitted with k1 as the weight
         model = replace(model, matching=replace(

@@ -1,0 +1,100 @@
+"""What materials come to on a mesh: the constants of every vertex and edge, as the laws take them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..base import MASS_FLOOR, Floats, sums_at
+from ..material import Material
+from ..mesh.cotangents import cotangent_weights
+from ..mesh.surface import Mesh
+from .estimate import estimate
+from .maps import Maps, stiffness_at_knees
+from .springs import membrane_stiffness
+
+AT_KNEE = 0.97  # of x0: pieces of the bed's law that begin deeper belong to K2
+
+
+def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[str, Floats]:
+    """Return the constants of the consistent laws, as `model.assemble` takes them.
+
+    Args:
+        materials: one for each index in mesh.triangle_material.
+    """
+    which = mesh.triangle_material
+    # one line a material
+    kappa1, kappa2, d0, tension, k_scaled, damping, friction, _ = np.array([_row(m, mesh.size) for m in materials]).T
+    further = _pieces(materials, mesh)
+    first, beyond = stiffness_at_knees(materials, mesh.size, which, maps.deeper[mesh.triangles].mean(axis=1))
+    stiffnesses = [first * kappa1[which], first * kappa1[which] + beyond * (kappa2 - kappa1)[which]]
+    knees = further[:, 0][:, which]
+    early = knees < AT_KNEE * np.array([m.x0 for m in materials])[which]
+    stiffnesses += list(further[:, 1][:, which] * np.where(early, first, beyond))
+    tension = first * tension[which]
+    k1, k2, *more = (maps.stiffer * _vertex_sum(mesh, c * mesh.triangle_areas / 3) for c in stiffnesses)
+    stiffer, wider, thicker = (f[mesh.springs].mean(axis=1) for f in (maps.stiffer, maps.wider, maps.thicker))
+    return {
+        "friction": _vertex_mean(mesh, friction[which]), "damping": _vertex_mean(mesh, damping[which]),
+        "stiffness": membrane_stiffness(mesh, _spring_mean(mesh, k_scaled[which])) * stiffer * thicker,
+        "k1": k1, "k2": k2, "d0": _vertex_mean(mesh, d0[which]) * maps.deeper,
+        "tension": cotangent_weights(mesh) * _spring_mean(mesh, tension) * stiffer * wider**2,
+        "more": np.reshape(more, (-1, len(k1))),
+        "knees": np.reshape([maps.deeper * _vertex_mean(mesh, c) for c in knees], (-1, len(k1))),
+    }  # fmt: skip
+
+
+def paper_constants(mesh: Mesh, materials: Sequence[Material]) -> dict[str, Floats]:
+    """Return the constants of the paper's equations, as `model.assemble` takes them."""
+    table = np.array([_row(m, mesh.size) for m in materials]).T
+    d0, friction, k = (table[row][mesh.triangle_material] for row in (2, 6, 7))
+    none, n = np.zeros(len(mesh.rest_positions)), len(mesh.rest_positions)
+    return {
+        "friction": _vertex_mean(mesh, friction), "damping": none, "stiffness": _spring_mean(mesh, k), "k1": none,
+        "k2": none, "d0": _vertex_mean(mesh, d0), "tension": np.zeros(len(mesh.springs)),
+        "more": np.zeros((0, n)), "knees": np.zeros((0, n)),
+    }  # fmt: skip
+
+
+def mass_on(mesh: Mesh, materials: Sequence[Material]) -> Floats:
+    """Share the mass out by area: each material weighs as if the whole body were of it, times its part."""
+    total_area = float(mesh.triangle_areas.sum())
+    # a sheet has no volume: take it as thick as a twentieth of its size
+    bulk = mesh.volume if mesh.pressurable else total_area * mesh.size / 20
+    whole = np.array([m.mass if m.mass is not None else (m.density or 0.0) * bulk for m in materials])
+    mass = _vertex_sum(mesh, whole[mesh.triangle_material] * mesh.triangle_areas / total_area / 3)
+    used = ~mesh.loose
+    return np.maximum(mass, MASS_FLOOR * mass[used].mean())
+
+
+def _row(material: Material, size: float) -> tuple[float, ...]:
+    constants = estimate(material, size)
+    tension = constants.kappa1 * material.spread**2 if constants.tension is None else constants.tension
+    return (
+        constants.kappa1, constants.kappa2, constants.d0, tension,
+        constants.membrane_scale * material.k,
+        material.damping_ratio, material.friction, material.k,
+    )  # fmt: skip
+
+
+def _pieces(materials: Sequence[Material], mesh: Mesh) -> Floats:
+    """Return the knee [m] and the stiffness [N/m3] of the further pieces (p, 2, m) of each material."""
+    found = [estimate(material, mesh.size).pieces for material in materials]
+    table = np.zeros((max(map(len, found)), 2, len(found)))
+    for column, pieces in enumerate(found):
+        table[: len(pieces), :, column] = np.reshape(pieces, (-1, 2))
+    return table
+
+
+def _vertex_sum(mesh: Mesh, per_triangle: Floats) -> Floats:
+    return sums_at(mesh.triangles.ravel(), np.repeat(per_triangle, 3), len(mesh.rest_positions))
+
+
+def _vertex_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
+    count = np.bincount(mesh.triangles.ravel(), minlength=len(mesh.rest_positions))
+    return _vertex_sum(mesh, per_triangle) / np.maximum(count, 1)
+
+
+def _spring_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
+    return per_triangle[mesh.spring_triangles].mean(axis=1)

@@ -1,0 +1,139 @@
+/* Cells on a fine surface, and what each of its vertices follows. Source: core/reduction/cells.py and binding.py. */
+#include "dimple.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { DM_MOST_FOLLOWED = 32 };
+
+static double dm_apart(const double *a, const double *b) {
+    double sum = 0;
+    for (int c = 0; c < 6; c++) sum += (a[c] - b[c]) * (a[c] - b[c]);
+    return sum;
+}
+
+static int32_t dm_check_cells(const dm_cells *s) {
+    if (!s || s->vertices < 1 || s->vertices > DM_MAX_VERTICES || s->seeds < 1 || s->seeds > UINT16_MAX + 1)
+        return DM_SIZE;
+    if (s->edges < 0 || s->edges > 8 * (int64_t)DM_MAX_VERTICES || (s->edges && !s->ends) || !s->place || !s->seed)
+        return DM_SIZE;
+    for (int64_t k = 0; k < s->seeds; k++)
+        if (s->seed[k] < 0 || s->seed[k] >= s->vertices) return DM_INDEX;
+    for (int64_t k = 0; k < 2 * s->edges; k++)
+        if (s->ends[k] < 0 || s->ends[k] >= s->vertices) return DM_INDEX;
+    return DM_OK;
+}
+
+/* What the growth of cells works with. */
+typedef struct {
+    int64_t *first, *beside; /* (vertices + 1,), (2 edges,) neighbours of each vertex, one after the other */
+    int64_t *offered;        /* (vertices,) the best seed offered in this round, -1 for none */
+    int64_t *front, *next;   /* (vertices,) what changed in the last round, and in this one */
+    double *away;            /* (vertices,) square of the distance from the seed [m2] */
+} dm_growth;
+
+static void dm_free_growth(dm_growth *g) {
+    free(g->first), free(g->beside), free(g->offered), free(g->front), free(g->next), free(g->away);
+}
+
+static int32_t dm_start_growth(dm_growth *g, const dm_cells *s) {
+    size_t n = (size_t)s->vertices;
+    g->first = calloc(n + 2, sizeof *g->first), g->beside = malloc(((size_t)s->edges * 2 + 1) * sizeof *g->beside);
+    g->offered = malloc(n * sizeof *g->offered), g->away = malloc(n * sizeof *g->away);
+    g->front = malloc(n * sizeof *g->front), g->next = malloc(n * sizeof *g->next);
+    if (!g->first || !g->beside || !g->offered || !g->away || !g->front || !g->next) return DM_MEMORY;
+    /* counts go two places on, so that first[i] is where those of i start once all are in */
+    for (int64_t k = 0; k < 2 * s->edges; k++) g->first[s->ends[k] + 2]++;
+    for (size_t i = 2; i < n + 2; i++) g->first[i] += g->first[i - 1];
+    for (int64_t k = 0; k < 2 * s->edges; k++) g->beside[g->first[s->ends[k] + 1]++] = s->ends[k ^ 1];
+    return DM_OK;
+}
+
+/* Offer the cells of the vertices that changed to their neighbours; return how many take one. */
+static int64_t dm_offer_cells(const dm_growth *g, const dm_cells *s, const int64_t *cells, int64_t waiting) {
+    int64_t found = 0;
+    for (int64_t at = 0; at < waiting; at++) {
+        int64_t i = g->front[at], cell = cells[i];
+        for (int64_t k = g->first[i]; k < g->first[i + 1]; k++) {
+            int64_t end = g->beside[k];
+            if (cells[end] == cell || g->offered[end] == cell) continue;
+            double d = dm_apart(s->place + 6 * end, s->place + 6 * s->seed[cell]);
+            if (!(d < g->away[end] || (d == g->away[end] && g->offered[end] > cell))) continue;
+            if (g->offered[end] < 0) g->next[found++] = end;
+            g->offered[end] = cell, g->away[end] = d;
+        }
+    }
+    return found;
+}
+
+/* Flood each cell from its seed. */
+static void dm_join_cells(const dm_growth *g, const dm_cells *s, const int64_t *cells, uint8_t *joined) {
+    int64_t count = 0;
+    memset(joined, 0, (size_t)s->vertices);
+    for (int64_t k = 0; k < s->seeds; k++) {
+        if (!joined[s->seed[k]]) g->front[count++] = s->seed[k];
+        joined[s->seed[k]] = 1;
+    }
+    for (int64_t at = 0; at < count; at++)
+        for (int64_t k = g->first[g->front[at]]; k < g->first[g->front[at] + 1]; k++) {
+            int64_t end = g->beside[k];
+            if (joined[end] || cells[end] != cells[g->front[at]]) continue;
+            joined[end] = 1, g->front[count++] = end;
+        }
+}
+
+int32_t dm_grow_cells(const dm_cells *s, int64_t *cells, uint8_t *joined) {
+    int32_t code = dm_check_cells(s);
+    if (code != DM_OK || !cells || !joined) return code != DM_OK ? code : DM_SIZE;
+    dm_growth g = {0};
+    if ((code = dm_start_growth(&g, s)) != DM_OK) return dm_free_growth(&g), code;
+    int64_t waiting = 0;
+    for (int64_t i = 0; i < s->vertices; i++) cells[i] = g.offered[i] = -1, g.away[i] = INFINITY;
+    for (int64_t k = 0; k < s->seeds; k++) {
+        if (cells[s->seed[k]] < 0) g.front[waiting++] = s->seed[k];
+        cells[s->seed[k]] = k, g.away[s->seed[k]] = 0;
+    }
+    while ((waiting = dm_offer_cells(&g, s, cells, waiting)) != 0) {
+        for (int64_t k = 0; k < waiting; k++) cells[g.next[k]] = g.offered[g.next[k]], g.offered[g.next[k]] = -1;
+        int64_t *before = g.front;
+        g.front = g.next, g.next = before;
+    }
+    dm_join_cells(&g, s, cells, joined);
+    dm_free_growth(&g);
+    return DM_OK;
+}
+
+int32_t dm_follow_cells(const dm_cells *s, const int64_t *cells, int64_t width, const int64_t *around, int64_t each,
+                        uint16_t *followed, float *weights) {
+    int32_t code = dm_check_cells(s);
+    if (code != DM_OK) return code;
+    if (!cells || !around || !followed || !weights || each < 1 || each >= DM_MOST_FOLLOWED) return DM_SIZE;
+    if (width <= each || width > UINT16_MAX) return DM_SIZE;
+    for (int64_t i = 0; i < s->vertices; i++)
+        if (cells[i] < 0 || cells[i] >= s->seeds) return DM_INDEX;
+    for (int64_t k = 0; k < width * s->seeds; k++)
+        if (around[k] < -1 || around[k] >= s->seeds) return DM_INDEX;
+    for (int64_t i = 0; i < s->vertices; i++) {
+        double away[DM_MOST_FOLLOWED], share[DM_MOST_FOLLOWED], bound = 0, total = 0;
+        int64_t near[DM_MOST_FOLLOWED], count = 0;
+        const int64_t *ring = around + width * cells[i];
+        for (int64_t k = 0; k < width && ring[k] >= 0; k++) { /* the nearest each + 1, the nearest first */
+            double d = dm_apart(s->place + 6 * i, s->place + 6 * s->seed[ring[k]]);
+            if (count > each && !(d < away[each])) continue;
+            int64_t at = count > each ? each : count++;
+            for (; at && d < away[at - 1]; at--) away[at] = away[at - 1], near[at] = near[at - 1];
+            away[at] = d, near[at] = ring[k];
+        }
+        if (count) bound = away[count - 1] * (1 + 1e-9);
+        for (int64_t k = 0; k < each; k++) {
+            double left = k < count ? 1 - away[k] / (bound > 1e-30 ? bound : 1e-30) : 0;
+            share[k] = (left > 0 ? left * left : 0) + (k == 0 ? 1e-30 : 0);
+            total += share[k];
+        }
+        for (int64_t k = 0; k < each; k++) {
+            followed[i * each + k] = (uint16_t)(k < count ? near[k] : 0);
+            weights[i * each + k] = (float)(share[k] / total);
+        }
+    }
+    return DM_OK;
+}

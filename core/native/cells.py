@@ -1,0 +1,63 @@
+"""The calls that make cells on a fine surface and say what its vertices follow, and their structure of dimple.h."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import Structure, byref
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import Bools, Floats, Ints, Singles
+from .body import NativeError
+from .definition import Arrays, fields
+
+
+class CCells(Structure):
+    """Seeds on a fine surface: dm_cells."""
+
+    _fields_ = fields(vertices="n", place="p", edges="n", ends="p", seeds="n", seed="p")
+
+
+def grow_cells(library: ctypes.CDLL, ends: Ints, place: Floats, seeds: Ints) -> tuple[Ints, Bools]:
+    """Return what `reduction.cells.spread_cells` does.
+
+    Raises:
+        NativeError: a vertex that does not exist, or no memory.
+    """
+    cells, joined = np.empty(len(place), np.int64), np.empty(len(place), np.uint8)
+    with Arrays() as arrays:
+        surface = _surface(arrays, ends, place, seeds)
+        _check(library, library.dm_grow_cells(byref(surface), cells.ctypes.data, joined.ctypes.data))
+    return cells, joined.astype(bool)
+
+
+def follow_cells(
+    library: ctypes.CDLL, place: Floats, seeds: Ints, cells: Ints, around: Ints, each: int
+) -> tuple[npt.NDArray[np.uint16], Singles]:
+    """Return what `reduction.binding.nearest_seeds` does.
+
+    Raises:
+        NativeError: a vertex or seed that does not exist.
+    """
+    shape = len(place), each
+    followed, weights = np.empty(shape, np.uint16), np.empty(shape, np.float32)
+    with Arrays() as arrays:
+        surface = _surface(arrays, np.empty((0, 2), np.int64), place, seeds)
+        code = library.dm_follow_cells(
+            byref(surface), arrays.index(cells), around.shape[1], arrays.index(around), each, followed.ctypes.data,
+            weights.ctypes.data,
+        )  # fmt: skip
+        _check(library, code)
+    return followed, weights
+
+
+def _surface(arrays: Arrays, ends: Ints, place: Floats, seeds: Ints) -> CCells:
+    given: list[Any] = [len(place), arrays.double(place), len(ends), arrays.index(ends)]
+    return CCells(*given, len(seeds), arrays.index(seeds))
+
+
+def _check(library: ctypes.CDLL, code: int) -> None:
+    if code:
+        raise NativeError(library.dm_message(code).decode(), code)
