@@ -50,7 +50,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_fit_rotation": (c_void_p, c_void_p),
     "dm_carry": (POINTER(CBinding), c_void_p, c_void_p),
     "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),
-    "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_int64, c_void_p, c_void_p),
+    "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_void_p, c_void_p),
     "dm_scene_create": (
         POINTER(c_void_p),
         c_int64,

@@ -23,7 +23,7 @@ extern const dm_methods dm_base_32, dm_base_64;
 #define DM_OF_BITS(set) (bits == 32 ? &dm_##set##_32 : NULL)
 #endif
 
-enum { DM_MAX_COUNT = 1 << 28 };
+enum { DM_MAX_COUNT = 1 << 28, DM_CARRIED = 1 << 12 };
 
 struct dm_body {
     dm_state *state;
@@ -129,14 +129,18 @@ int32_t dm_fit_rotation(const double *h, double *r) {
 }
 
 int32_t dm_carry(const dm_binding *b, const float *motions, float *skin) {
-    if (!b || !motions || !skin || b->seeds < 1 || b->seeds > UINT16_MAX + 1 || b->each < 1 || b->each > UINT16_MAX)
-        return DM_SIZE;
+    if (!b || !motions || !skin || b->seeds < 1 || b->seeds > UINT16_MAX + 1) return DM_SIZE;
     DM_CHECK(DM_COUNT(b->vertices));
-    if (b->vertices && (!b->followed || !b->weights || !b->lever || !b->rest)) return DM_SIZE;
-    uint16_t most = 0;
-    for (int64_t k = 0; k < b->vertices * b->each; k++) most = b->followed[k] > most ? b->followed[k] : most;
-    if (most >= b->seeds) return DM_INDEX;
-    dm_choose(32, DM_SET_BEST)->carry(b, motions, skin);
+    if (b->vertices && (!b->followed || !b->weights || !b->rest)) return DM_SIZE;
+    for (int64_t k = 0; k < b->vertices; k += DM_CARRIED) { /* checked while it is in the cache anyway */
+        int64_t count = b->vertices - k < DM_CARRIED ? b->vertices - k : DM_CARRIED, at = DM_FOLLOWED * k;
+        uint16_t most = 0;
+        for (int64_t j = at; j < at + DM_FOLLOWED * count; j++) most = b->followed[j] > most ? b->followed[j] : most;
+        if (most >= b->seeds) return DM_INDEX;
+        dm_binding part = *b;
+        part.vertices = count, part.followed += at, part.weights += at, part.rest += 3 * k;
+        dm_choose(32, DM_SET_BEST)->carry(&part, motions, skin + 3 * k);
+    }
     return DM_OK;
 }
 

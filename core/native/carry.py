@@ -8,34 +8,35 @@ from ctypes import Structure, byref
 import numpy as np
 import numpy.typing as npt
 
-from ..base import Singles
+from ..base import Floats, Singles
 from .body import NativeError
 from .definition import fields
+
+FOLLOWED = 8  # vertices of a proxy that a vertex of its surface follows
+Shorts = npt.NDArray[np.uint16]
 
 
 class CBinding(Structure):
     """A fine surface that follows a proxy: dm_binding."""
 
-    _fields_ = fields(vertices="n", seeds="n", each="n", followed="p", weights="p", lever="p", rest="p")
+    _fields_ = fields(vertices="n", seeds="n", followed="p", weights="p", rest="p", centre="d3")
 
 
 def carry(
-    library: ctypes.CDLL,
-    rest: Singles,
-    followed: npt.NDArray[np.uint16],
-    weights: Singles,
-    lever: Singles,
-    motions: Singles,
+    library: ctypes.CDLL, rest: Singles, followed: Shorts, weights: Shorts, centre: Floats, motions: Singles
 ) -> Singles:
     """Return where a surface (n, 3) [m] is.
 
     Args:
-        rest, lever: (n, 3) [m].
-        followed, weights: (n, k) what each vertex follows.
-        motions: (m, 12) of that: a shift [m] and a gradient by rows.
+        rest: (n, 3) [m].
+        followed, weights: (n, FOLLOWED) what each vertex follows, and how much of 65535.
+        centre: (3,) from which shifts are measured [m].
+        motions: (m, 16) of that, as `reduction.binding.motions_of` returns them.
     """
-    given = [np.ascontiguousarray(array) for array in (followed, weights, lever, rest)]
-    binding = CBinding(len(rest), len(motions), followed.shape[1], *(array.ctypes.data for array in given))
+    if followed.shape[1] != FOLLOWED or motions.shape[1] != 16:
+        raise NativeError("an array has the wrong size")
+    given = [np.ascontiguousarray(array) for array in (followed, weights, rest)]
+    binding = CBinding(len(rest), len(motions), *(array.ctypes.data for array in given), tuple(centre.tolist()))
     motions, skin = np.ascontiguousarray(motions), np.empty((len(rest), 3), np.float32)
     code = library.dm_carry(byref(binding), motions.ctypes.data, skin.ctypes.data)
     if code:

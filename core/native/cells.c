@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DM_MOST_FOLLOWED = 32 };
-
 static double dm_apart(const double *a, const double *b) {
     double sum = 0;
     for (int c = 0; c < 6; c++) sum += (a[c] - b[c]) * (a[c] - b[c]);
@@ -103,37 +101,45 @@ int32_t dm_grow_cells(const dm_cells *s, int64_t *cells, uint8_t *joined) {
     return DM_OK;
 }
 
-int32_t dm_follow_cells(const dm_cells *s, const int64_t *cells, int64_t width, const int64_t *around, int64_t each,
-                        uint16_t *followed, float *weights) {
+/* Find the nearest of the seeds round a cell and one more, the nearest first; return how many there are. */
+static int64_t dm_nearest_seeds(const dm_cells *s, const double *place, int64_t width, const int64_t *ring,
+                                int64_t *near, double *away) {
+    int64_t count = 0;
+    for (int64_t k = 0; k < width && ring[k] >= 0; k++) {
+        double d = dm_apart(place, s->place + 6 * s->seed[ring[k]]);
+        if (count > DM_FOLLOWED && !(d < away[DM_FOLLOWED])) continue;
+        int64_t at = count > DM_FOLLOWED ? DM_FOLLOWED : count++;
+        for (; at && d < away[at - 1]; at--) away[at] = away[at - 1], near[at] = near[at - 1];
+        away[at] = d, near[at] = ring[k];
+    }
+    return count;
+}
+
+int32_t dm_follow_cells(const dm_cells *s, const int64_t *cells, int64_t width, const int64_t *around,
+                        uint16_t *followed, uint16_t *weights) {
     int32_t code = dm_check_cells(s);
     if (code != DM_OK) return code;
-    if (!cells || !around || !followed || !weights || each < 1 || each >= DM_MOST_FOLLOWED) return DM_SIZE;
-    if (width <= each || width > UINT16_MAX) return DM_SIZE;
+    if (!cells || !around || !followed || !weights || width < 1 || width > UINT16_MAX) return DM_SIZE;
     for (int64_t i = 0; i < s->vertices; i++)
         if (cells[i] < 0 || cells[i] >= s->seeds) return DM_INDEX;
     for (int64_t k = 0; k < width * s->seeds; k++)
         if (around[k] < -1 || around[k] >= s->seeds) return DM_INDEX;
     for (int64_t i = 0; i < s->vertices; i++) {
-        double away[DM_MOST_FOLLOWED], share[DM_MOST_FOLLOWED], bound = 0, total = 0;
-        int64_t near[DM_MOST_FOLLOWED], count = 0;
-        const int64_t *ring = around + width * cells[i];
-        for (int64_t k = 0; k < width && ring[k] >= 0; k++) { /* the nearest each + 1, the nearest first */
-            double d = dm_apart(s->place + 6 * i, s->place + 6 * s->seed[ring[k]]);
-            if (count > each && !(d < away[each])) continue;
-            int64_t at = count > each ? each : count++;
-            for (; at && d < away[at - 1]; at--) away[at] = away[at - 1], near[at] = near[at - 1];
-            away[at] = d, near[at] = ring[k];
-        }
-        if (count) bound = away[count - 1] * (1 + 1e-9);
-        for (int64_t k = 0; k < each; k++) {
-            double left = k < count ? 1 - away[k] / (bound > 1e-30 ? bound : 1e-30) : 0;
-            share[k] = (left > 0 ? left * left : 0) + (k == 0 ? 1e-30 : 0);
+        double away[DM_FOLLOWED + 1], share[DM_FOLLOWED], total = 0;
+        int64_t near[DM_FOLLOWED + 1], left = UINT16_MAX;
+        int64_t count = dm_nearest_seeds(s, s->place + 6 * i, width, around + width * cells[i], near, away);
+        double bound = count ? away[count - 1] * (1 + 1e-9) : 0;
+        for (int64_t k = 0; k < DM_FOLLOWED; k++) {
+            double part = k < count ? 1 - away[k] / (bound > 1e-30 ? bound : 1e-30) : 0;
+            share[k] = (part > 0 ? part * part : 0) + (k == 0 ? 1e-30 : 0);
             total += share[k];
         }
-        for (int64_t k = 0; k < each; k++) {
-            followed[i * each + k] = (uint16_t)(k < count ? near[k] : 0);
-            weights[i * each + k] = (float)(share[k] / total);
+        for (int64_t k = 0; k < DM_FOLLOWED; k++) {
+            followed[DM_FOLLOWED * i + k] = (uint16_t)(k < count ? near[k] : 0);
+            weights[DM_FOLLOWED * i + k] = (uint16_t)(share[k] / total * UINT16_MAX);
+            left -= weights[DM_FOLLOWED * i + k];
         }
+        weights[DM_FOLLOWED * i] = (uint16_t)(weights[DM_FOLLOWED * i] + left); /* the sum is exact */
     }
     return DM_OK;
 }

@@ -7,10 +7,10 @@ from ctypes import Structure, byref
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import Bools, Floats, Ints, Singles
+from ..base import Bools, Floats, Ints
 from .body import NativeError
+from .carry import FOLLOWED, Shorts
 from .definition import Arrays, fields
 
 
@@ -34,22 +34,18 @@ def grow_cells(library: ctypes.CDLL, ends: Ints, place: Floats, seeds: Ints) -> 
 
 
 def follow_cells(
-    library: ctypes.CDLL, place: Floats, seeds: Ints, cells: Ints, around: Ints, each: int
-) -> tuple[npt.NDArray[np.uint16], Singles]:
+    library: ctypes.CDLL, place: Floats, seeds: Ints, cells: Ints, around: Ints
+) -> tuple[Shorts, Shorts]:
     """Return what `reduction.binding.nearest_seeds` does.
 
     Raises:
         NativeError: a vertex or seed that does not exist.
     """
-    shape = len(place), each
-    followed, weights = np.empty(shape, np.uint16), np.empty(shape, np.float32)
+    followed, weights = (np.empty((len(place), FOLLOWED), np.uint16) for _ in range(2))
     with Arrays() as arrays:
         surface = _surface(arrays, np.empty((0, 2), np.int64), place, seeds)
-        code = library.dm_follow_cells(
-            byref(surface), arrays.index(cells), around.shape[1], arrays.index(around), each, followed.ctypes.data,
-            weights.ctypes.data,
-        )  # fmt: skip
-        _check(library, code)
+        given = byref(surface), arrays.index(cells), around.shape[1], arrays.index(around)
+        _check(library, library.dm_follow_cells(*given, followed.ctypes.data, weights.ctypes.data))
     return followed, weights
 
 

@@ -27,6 +27,7 @@
 #define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
 #define DM_MAX_BODIES 4096   /* in one call */
 #define DM_MAX_WORKERS 64
+#define DM_FOLLOWED 8 /* vertices of a proxy that a vertex of its surface follows */
 
 #define DM_MAX_SURFACES 1024 /* in one scene */
 #define DM_SCENE_IMPULSES 64
@@ -175,18 +176,18 @@ DM_API int32_t dm_step(dm_body *body, const dm_motion *motion, dm_frame *frame);
 DM_API int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *const *motions,
                             dm_frame *const *frames, int64_t workers);
 
-/* A fine surface that follows a proxy: each vertex some of its vertices, by weights. */
+/* A fine surface that follows a proxy: each vertex DM_FOLLOWED of its vertices, by weights. */
 typedef struct {
     int64_t vertices;         /* of the surface */
     int64_t seeds;            /* vertices of the proxy */
-    int64_t each;             /* how many of them a vertex follows */
-    const uint16_t *followed; /* (vertices, each) */
-    const float *weights;     /* (vertices, each) */
-    const float *lever;       /* (vertices, 3) [m] */
+    const uint16_t *followed; /* (vertices, DM_FOLLOWED) */
+    const uint16_t *weights;  /* (vertices, DM_FOLLOWED) of 65535 */
     const float *rest;        /* (vertices, 3) [m] */
+    double centre[3];         /* from which shifts are measured [m] */
 } dm_binding;
 
-/* Set the skin (vertices, 3) [m] by the motions (seeds, 12) of what it follows: a shift [m] and a gradient by rows. */
+/* Set the skin (vertices, 3) [m] by the motions (seeds, 16) of what it follows, over 65535: a shift [m] and the three
+ * columns of a gradient, each with a coordinate of the seed at rest [m] behind it, the last with 0. */
 DM_API int32_t dm_carry(const dm_binding *binding, const float *motions, float *skin);
 
 /* Seeds on a fine surface, whose vertices have places in the space of position and normal. */
@@ -202,10 +203,10 @@ typedef struct {
 /* Set the seed (vertices,) that each vertex belongs to, the nearest of those that its neighbours belong to, -1 where
  * none spreads to; and whether its cell joins it to that seed (vertices,). */
 DM_API int32_t dm_grow_cells(const dm_cells *surface, int64_t *cells, uint8_t *joined);
-/* Set which seeds (vertices, each) each vertex follows, with which weights (vertices, each): the nearest of those
- * round its cell, around (seeds, width), the rest of a row -1. */
+/* Set which seeds (vertices, DM_FOLLOWED) each vertex follows, with which weights of 65535: the nearest of those round
+ * its cell, around (seeds, width), the rest of a row -1. */
 DM_API int32_t dm_follow_cells(const dm_cells *surface, const int64_t *cells, int64_t width, const int64_t *around,
-                               int64_t each, uint16_t *followed, float *weights);
+                               uint16_t *followed, uint16_t *weights);
 
 /* A mesh that bodies meet and that goes where it is led. */
 typedef struct {

@@ -12,7 +12,9 @@ from ..base import Floats, Ints, Singles, sums_at
 from ..mesh.surface import Mesh
 from .cells import vertex_normals
 
-NEIGHBOURS = 8  # seeds a fine vertex follows, the last one the distance at which a seed counts no more
+Shorts = npt.NDArray[np.uint16]
+FOLLOWED = 8  # seeds a fine vertex follows
+WHOLE = 65535  # what the weights of a vertex add up to
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,10 +24,9 @@ class Binding:
     coarse: the mesh that is followed.
     rest: (n, 3) rest positions of the fine surface [m].
     followed: (n, k) the coarse vertices that each fine one follows.
-    weights: (n, k) the weights of their motions, sums 1.
-    lever: (n, 3) the vector that the blended gradient is applied to [m].
+    weights: (n, k) the weights of their motions, sums WHOLE.
     centre: (3,) from which shifts are measured [m].
-    arms: (e, 2) directed edges of the coarse mesh.
+    arms: (e, 2) directed edges of the coarse mesh, by their first end, and starts: (m,) where those of each begin.
     spread: (e, 3) the rows that turn the motion along an edge into a gradient [1/m].
     upright: (m, 3) the rows that turn the change of a normal into a gradient.
     normals: (m, 3) unit normals at rest.
@@ -33,11 +34,11 @@ class Binding:
 
     coarse: Mesh
     rest: Singles
-    followed: npt.NDArray[np.uint16]
-    weights: Singles
-    lever: Singles
+    followed: Shorts
+    weights: Shorts
     centre: Floats
     arms: Ints
+    starts: Ints
     spread: Floats
     upright: Floats
     normals: Floats
@@ -45,7 +46,7 @@ class Binding:
     def blend(self, values: Floats) -> Floats:
         """Return the weighted mean (n, ...) of values (m, ...) of the coarse vertices that each fine one follows."""
         columns = zip(self.followed.T, self.weights.T, strict=True)
-        return np.asarray(sum((values[follow].T * weight).T for follow, weight in columns), np.float64)
+        return np.asarray(sum((values[follow].T * weight).T for follow, weight in columns) / WHOLE, np.float64)
 
 
 def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) -> Binding:
@@ -53,19 +54,16 @@ def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) ->
 
     Args:
         rest: (n, 3) rest positions of the fine surface [m].
-        place: (n, c) where its vertices are in the space of the cells.
+        place: (n, 6) where its vertices are in the space of the cells.
         seeds: (m,) the fine vertex at which each coarse one lies.
         cells: (n,) the coarse vertex whose cell each fine one is in.
     """
     followed, weights = _followed(coarse, place, seeds, cells)
-    centre, middle = rest.mean(axis=0), np.zeros_like(rest)
-    for follow, weight in zip(followed.T, weights.T, strict=True):
-        middle += weight[:, None] * coarse.rest_positions[follow]
     arms, spread, upright = _gradient(coarse)
     return Binding(
-        coarse=coarse, rest=rest.astype(np.float32), followed=followed, weights=weights,
-        lever=(2 * rest - centre - middle).astype(np.float32), centre=centre, arms=arms, spread=spread,
-        upright=upright, normals=vertex_normals(coarse.triangles, coarse.rest_positions),
+        coarse=coarse, rest=rest.astype(np.float32), followed=followed, weights=weights, centre=rest.mean(axis=0),
+        arms=arms, starts=np.searchsorted(arms[:, 0], np.arange(len(seeds))), spread=spread, upright=upright,
+        normals=vertex_normals(coarse.triangles, coarse.rest_positions),
     )  # fmt: skip
 
 
@@ -81,35 +79,39 @@ def carry(binding: Binding, positions: Floats) -> Singles:
     if native.why_not():
         return carry_numpy(binding, motions)
     return native.carry(
-        native.library(), binding.rest, binding.followed, binding.weights, binding.lever, motions
+        native.library(), binding.rest, binding.followed, binding.weights, binding.centre, motions
     )  # fmt: skip
 
 
 def motions_of(binding: Binding, positions: Floats) -> Singles:
-    """Return the motion (m, 12) of each coarse vertex: half of its shift [m], and half of its gradient by rows."""
-    rest = binding.coarse.rest_positions
-    u = positions.T - rest
-    turned = vertex_normals(binding.coarse.triangles, positions.T) - binding.normals
+    """Return the motion (m, 16) of each coarse vertex: half of its shift [m], and the columns of half of its gradient.
+
+    Behind each of the first three is a coordinate of where it is at rest [m]; all of it is over WHOLE.
+    """
+    rest, u = binding.coarse.rest_positions, positions.T - binding.coarse.rest_positions
     i, j = binding.arms.T
-    stretched = (u[j] - u[i])[:, :, None] * binding.spread[:, None, :]
-    gradient = turned[:, :, None] * binding.upright[:, None, :]
-    for c in range(9):
-        gradient.reshape(-1, 9)[:, c] += sums_at(i, stretched.reshape(-1, 9)[:, c], len(rest))
-    shift = 2 * u - np.einsum("mcd,md->mc", gradient, rest - binding.centre)
-    return (np.concatenate([shift, gradient.reshape(-1, 9)], axis=1) / 2).astype(np.float32)
+    turned = vertex_normals(binding.coarse.triangles, positions.T) - binding.normals
+    stretched = binding.spread[:, :, None] * (u[j] - u[i])[:, None, :]  # by columns
+    gradient = binding.upright[:, :, None] * turned[:, None, :]
+    gradient += np.add.reduceat(stretched.reshape(-1, 9), binding.starts).reshape(-1, 3, 3)
+    motions = np.zeros((len(rest), 4, 4), np.float32)
+    motions[:, 0, :3] = u - np.einsum("mdc,md->mc", gradient, rest - binding.centre) / 2
+    motions[:, 1:, :3], motions[:, :3, 3] = gradient / 2, rest
+    return motions.reshape(-1, 16) / np.float32(WHOLE)
 
 
 def carry_numpy(binding: Binding, motions: Singles) -> Singles:
-    """Return the surface (n, 3) [m] that some motions (m, 12) make: what the native core does, to read."""
-    mixed = np.zeros((len(binding.rest), 12), np.float32)
+    """Return the surface (n, 3) [m] that some motions (m, 16) make: what the native core does, to read."""
+    mixed = np.zeros((len(binding.rest), 16), np.float32)
     for follow, weight in zip(binding.followed.T, binding.weights.T, strict=True):
-        mixed += motions[follow] * weight[:, None]
-    turned: Singles = np.einsum("ncd,nd->nc", mixed[:, 3:].reshape(-1, 3, 3), binding.lever)
-    return binding.rest + (mixed[:, :3] + turned)
+        mixed += motions[follow] * weight.astype(np.float32)[:, None]
+    way = mixed.reshape(-1, 4, 4)
+    lever = 2 * binding.rest - binding.centre.astype(np.float32) - way[:, :3, 3]
+    return binding.rest + (way[:, 0, :3] + np.einsum("ndc,nd->nc", way[:, 1:, :3], lever))
 
 
-def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[npt.NDArray[np.uint16], Singles]:
-    """Return the seeds (n, k) each fine vertex follows and their weights (n, k), sums 1.
+def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[Shorts, Shorts]:
+    """Return the seeds (n, FOLLOWED) each fine vertex follows and their weights, sums WHOLE.
 
     The nearest ones of two rings round its own, weighted by (1 - (d / D)^2)^2, D the distance of the first that
     is left out: a seed's weight is 0, and so is its slope, where it comes and goes.
@@ -119,38 +121,35 @@ def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[npt.
     links = np.unique(np.concatenate([mesh.springs, mesh.springs[:, ::-1], itself]), axis=0)
     first = np.split(links[:, 1], np.searchsorted(links[:, 0], np.arange(1, m)))
     rings = [np.unique(np.concatenate([first[k] for k in ring])) for ring in first]
-    width = max(len(ring) for ring in rings)
-    around = np.full((m, width), -1)
+    around = np.full((m, max(FOLLOWED + 1, *map(len, rings))), -1)
     for row, ring in zip(around, rings, strict=True):
         row[: len(ring)] = ring
-    each = min(NEIGHBOURS, width - 1)
     if native.why_not():
-        return nearest_seeds(place, seeds, cells, around, each)
-    return native.follow_cells(native.library(), place, seeds, cells, around, each)
+        return nearest_seeds(place, seeds, cells, around)
+    return native.follow_cells(native.library(), place, seeds, cells, around)
 
 
-def nearest_seeds(
-    place: Floats, seeds: Ints, cells: Ints, around: Ints, each: int
-) -> tuple[npt.NDArray[np.uint16], Singles]:
+def nearest_seeds(place: Floats, seeds: Ints, cells: Ints, around: Ints) -> tuple[Shorts, Shorts]:
     """Return the nearest of the seeds round the cell of each vertex, and their weights: what the native core does.
 
     Args:
         around: (m, w) seeds round each cell, the rest of a row -1.
-        each: how many to return.
     """
     n, width = len(place), around.shape[1]
-    followed, weights = np.empty((n, each), np.uint16), np.empty((n, each), np.float32)
+    followed, weights = np.empty((n, FOLLOWED), np.uint16), np.empty((n, FOLLOWED), np.uint16)
     for part in np.array_split(np.arange(n), n * width // 1_000_000 + 1):
         ring = around[cells[part]]
         distance = ((place[part, None] - place[seeds[ring]]) ** 2).sum(axis=2)
         distance[ring < 0] = np.inf
-        near = distance.argsort(axis=1, kind="stable")[:, : each + 1]
+        near = distance.argsort(axis=1, kind="stable")[:, : FOLLOWED + 1]
         away = np.take_along_axis(distance, near, axis=1)
         bound = np.where(np.isfinite(away), away, -np.inf).max(axis=1, keepdims=True) * (1 + 1e-9)
-        weight = np.where(np.isfinite(away), np.maximum(1 - away / np.maximum(bound, 1e-30), 0) ** 2, 0.0)[:, :-1]
-        weight[:, 0] += 1e-30
+        share = np.where(np.isfinite(away), np.maximum(1 - away / np.maximum(bound, 1e-30), 0) ** 2, 0.0)[:, :-1]
+        share[:, 0] += 1e-30
         followed[part] = np.maximum(np.take_along_axis(ring, near, axis=1)[:, :-1], 0)
-        weights[part] = weight / sum(weight.T)[:, None]
+        parts = (share / sum(share.T)[:, None] * WHOLE).astype(np.uint16)
+        parts[:, 0] += (WHOLE - parts.sum(axis=1, dtype=np.int64)).astype(np.uint16)  # the sum is exact
+        weights[part] = parts
     return followed, weights
 
 
@@ -164,6 +163,7 @@ def _gradient(mesh: Mesh) -> tuple[Ints, Floats, Floats]:
     """
     x, m = mesh.rest_positions, len(mesh.rest_positions)
     arms = np.concatenate([mesh.springs, mesh.springs[:, ::-1]])
+    arms = arms[np.argsort(arms[:, 0], kind="stable")]
     i, j = arms.T
     edge = x[j] - x[i]
     row = edge / (edge**2).sum(axis=1)[:, None]

@@ -13,20 +13,21 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from core import native
 from core.native.body import CFrame, CMotion
 from core.native.carry import CBinding
+from core.native.cells import CCells
 from core.native.definition import BodyDef, Constants
 from core.native.scene import CColliderMotion, CCrossings, ColliderDef, CSceneFrame
 
 CALLS = 4000
 BODIES = 12
 NAMES = ("create", "set_constants", "set_state", "get_state", "step", "carry", "scene", "scene_step", "scene_find",
-         "scene_set", "scene_get")  # fmt: skip
-SHARES = (0.25, 0.08, 0.08, 0.05, 0.2, 0.06, 0.1, 0.12, 0.02, 0.02, 0.02)
+         "scene_set", "scene_get", "cells")  # fmt: skip
+SHARES = (0.25, 0.08, 0.08, 0.05, 0.17, 0.05, 0.1, 0.12, 0.02, 0.02, 0.02, 0.04)
 SCENES = 6
 ROOM = 4096  # elements of every array
 WILD = np.array([0.0, -1.0, 1e-3, 1e30, -1e300, 1e-310, np.nan, np.inf, -np.inf])
 FAR = (-1, -(2**31), 2**31 - 1, 2**40, -(2**62), 2**62)
 INDICES = {"ring", "ring_spring", "ends", "irregular_spring", "corners", "fan", "cap_edge", "cap_hole",
-           "surface_corners", "surface_material"}  # fmt: skip
+           "surface_corners", "surface_material", "seed", "cells", "around"}  # fmt: skip
 BYTES = {"loose", "irregular_end"}
 
 
@@ -195,6 +196,14 @@ def main(seed: int) -> None:
         elif name == "carry":
             motions, skin = (fuzzer.array(a, 8) for a in ("motions", "skin"))
             code = library.dm_carry(address(fuzzer.fill(CBinding(), 8)), motions, skin)
+        elif name == "cells":
+            cells, around, joined, follows, weights = (
+                fuzzer.array(a, 6) for a in ("cells", "around", "joined", "follows", "weights")
+            )
+            surface = address(fuzzer.fill(CCells(), 6))
+            width = int(fuzzer.rng.integers(-1, 9))
+            code = library.dm_follow_cells(surface, cells, width, around, follows, weights)
+            code = max(code, library.dm_grow_cells(surface, cells, joined))
         elif name == "step":
             code = library.dm_step(body, address(fuzzer.motion()), address(CFrame()))
         else:

@@ -17,6 +17,7 @@ from core.body import contact
 from core.mesh import depth
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
 from core.native.carry import CBinding
+from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
 from core.session import Session
 from core.solver import motion
@@ -31,7 +32,7 @@ SIZE, INDEX, NUMBER, OPTION = 1, 2, 3, 5  # dimple.h
 HEADER = (SOURCES / "dimple.h").read_text()
 STRUCTURES = {
     "dm_constants": Constants, "dm_body_def": BodyDef, "dm_fingertip": Fingertip,
-    "dm_motion": CMotion, "dm_touch": CTouch, "dm_frame": CFrame, "dm_binding": CBinding,
+    "dm_motion": CMotion, "dm_touch": CTouch, "dm_frame": CFrame, "dm_binding": CBinding, "dm_cells": CCells,
 }  # fmt: skip
 C_TYPES = {"double": "c_double", "int64_t": "c_int64", "int32_t": "c_int32"}
 
@@ -200,15 +201,32 @@ def test_a_null_body_is_refused_by_every_call() -> None:
 
 
 def test_a_binding_to_what_is_not_there_is_refused() -> None:
-    rest, weights, motions = np.zeros((3, 3), np.float32), np.ones((3, 2), np.float32), np.zeros((4, 12), np.float32)
-    followed = np.array([[0, 1], [2, 3], [3, 0]], np.uint16)
-    assert native.carry(native.library(), rest, followed, weights, rest, motions).shape == (3, 3)
+    rest, motions, centre = np.zeros((3, 3), np.float32), np.zeros((4, 16), np.float32), np.zeros(3)
+    followed, weights = np.array([[0, 1, 2, 3] * 2] * 3, np.uint16), np.full((3, 8), 8191, np.uint16)
+    assert native.carry(native.library(), rest, followed, weights, centre, motions).shape == (3, 3)
     with pytest.raises(native.NativeError, match="index"):
-        native.carry(native.library(), rest, followed, weights, rest, motions[:3])
-    with pytest.raises(native.NativeError, match="size"):
-        native.carry(native.library(), rest, followed[:, :0], weights, rest, motions)
+        native.carry(native.library(), rest, followed, weights, centre, motions[:3])
+    for wrong in ((followed[:, :7], motions), (followed, motions[:, :12])):
+        with pytest.raises(native.NativeError, match="size"):
+            native.carry(native.library(), rest, wrong[0], weights, centre, wrong[1])
     assert native.library().dm_carry(ctypes.byref(CBinding()), motions.ctypes.data, rest.ctypes.data) == SIZE
     assert native.library().dm_carry(None, motions.ctypes.data, rest.ctypes.data) == SIZE
+
+
+def test_cells_of_what_is_not_there_are_refused() -> None:
+    library, place, seeds = native.library(), np.random.default_rng(0).normal(size=(4, 6)), np.array([0, 3])
+    ends, around, none = np.array([[0, 1], [1, 2], [2, 3]]), np.array([[0, 1], [1, -1]]), np.zeros(1)
+    cells, joined = native.grow_cells(library, ends, place, seeds)
+    assert joined.all() and cells[0] == 0 and cells[3] == 1
+    assert native.follow_cells(library, place, seeds, cells, around)[0].shape == (4, 8)
+    for wrong in ((ends + 1, seeds), (ends, seeds + 1), (ends, seeds - 1)):
+        with pytest.raises(native.NativeError, match="index"):
+            native.grow_cells(library, wrong[0], place, wrong[1])
+    for wrong in ((cells - 1, around), (cells, around + 1), (cells, around - 1)):
+        with pytest.raises(native.NativeError, match="index"):
+            native.follow_cells(library, place, seeds, *wrong)
+    assert library.dm_grow_cells(ctypes.byref(CCells()), none.ctypes.data, none.ctypes.data) == SIZE
+    assert library.dm_follow_cells(None, none.ctypes.data, 1, none.ctypes.data, none.ctypes.data, None) == SIZE
 
 
 def test_a_body_is_freed_with_its_object(monkeypatch: pytest.MonkeyPatch) -> None:

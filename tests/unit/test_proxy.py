@@ -1,17 +1,20 @@
 """A proxy has the mass, the forces and the shape of its mesh, within what its spacing allows."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import trimesh
 
+from core import native
 from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
 from core.body.shape_matching import fit_pose
 from core.material import PRESETS
 from core.mesh.cotangents import cotangent_weights
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
-from core.reduction.binding import carry, carry_numpy, motions_of
-from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
+from core.reduction.binding import WHOLE, carry, carry_numpy, motions_of, nearest_seeds
+from core.reduction.cells import grow_cells, spread_cells, spread_seeds, vertex_normals
 from core.reduction.proxy import NORMAL_SHARE, Proxy, build_proxy, mean_spacing
 from core.session import Finger, Session
 from studies import bodies
@@ -21,6 +24,11 @@ from tests.bodies import REAL, after, hemisphere, joined, real, soup
 from tests.bodies import ball as ball_shape
 
 VINYL = PRESETS[1].material
+
+
+def joined_balls() -> Mesh:
+    """Return two balls apart, the second so small that no seed lies on it."""
+    return mesh_from_triangles(*joined(ball_shape(3, 0.08), (ball_shape(1, 0.004)[0] + 0.2, ball_shape(1)[1])))
 
 
 @pytest.fixture(scope="module")
@@ -91,6 +99,24 @@ def test_the_native_core_carries_a_surface_as_numpy_does(model: Model, proxy: Pr
     skin, twin = carry(proxy.binding, x), carry_numpy(proxy.binding, motions_of(proxy.binding, x))
     np.testing.assert_allclose(skin, twin, atol=4e-7 * model.mesh.size)
     assert not np.array_equal(skin, proxy.binding.rest)
+
+
+@pytest.mark.parametrize("make", [lambda: ball(4), lambda: bodies.head(20, 0.2), joined_balls])
+def test_the_native_core_grows_and_follows_cells_as_numpy_does(make: Callable[[], Mesh]) -> None:
+    mesh = make()
+    library, spacing = native.library(), mean_spacing(mesh, 150)
+    normals = vertex_normals(mesh.triangles, mesh.rest_positions)
+    place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
+    seeds = spread_seeds(mesh, place, np.flatnonzero(~mesh.loose), 150, spacing)
+    found, wanted = native.grow_cells(library, mesh.springs, place, seeds), spread_cells(mesh.springs, place, seeds)
+    assert np.array_equal(found[0], wanted[0]) and np.array_equal(found[1], wanted[1])
+    cells, rng = np.maximum(wanted[0], 0), np.random.default_rng(0)
+    around = np.array([rng.permutation(len(seeds))[:30] for _ in seeds])
+    around[::3, 5:] = -1
+    followed, weights = native.follow_cells(library, place, seeds, cells, around)
+    twins = nearest_seeds(place, seeds, cells, around)
+    assert np.array_equal(followed, twins[0])
+    assert np.abs(weights.astype(int) - twins[1]).max() <= 1 and (weights.sum(axis=1, dtype=int) == WHOLE).all()
 
 
 def test_a_bent_proxy_bends_the_surface_without_facets(model: Model, proxy: Proxy) -> None:
