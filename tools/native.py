@@ -30,6 +30,7 @@ FLAGS = (
 )  # fmt: skip
 # fused multiply-add is a tenth of the time; without it double precision has the same bits on every machine
 FUSE = {32: "-ffp-contract=on", 64: "-ffp-contract=off"}
+ONCE = "api", "many", "cells"  # compiled once for all instruction sets
 VARIANTS = {"base": (), "avx2": ("-mavx2", "-mfma")}
 SMALL = "-Os"  # of a set that only processors from before 2013 take: 45 kB less of the zip
 
@@ -129,8 +130,7 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
     zig = compiler(python)
     say(f"compiling the native core for {name}")
     folder.mkdir(parents=True, exist_ok=True)
-    whole = "api", "many", "cells"  # once for all sets
-    words: list[list[str | Path]] = [[SOURCES / f"{each}.c", "-o", folder / f"{each}.o"] for each in whole]
+    words: list[list[str | Path]] = [[SOURCES / f"{each}.c", "-o", folder / f"{each}.o"] for each in ONCE]
     for kind in target.sets:
         for bits in (32, 64) if DOUBLE in more else (32,):
             options: list[str | Path] = [f"-DDM_BITS={bits}", f"-DDM_SET={kind}", *VARIANTS[kind], FUSE[bits]]
