@@ -28,7 +28,7 @@ SMOOTH: Final = 0.3  # of the way to the newest force of the model, which touche
 STIFFER: Final = 1.1  # times the slope of its law a body may be under a round tip, at an edge or between two fingers
 VISCOUS: Final = 6.0  # [N s/m] of a touch: what the lags of q and F give back otherwise
 TOO_MUCH: Final = 0.5e-3  # [J] given back by the device: from here on the coupling softens by SOFTEN of the cap a tick
-SPARE: Final = 2e-3  # [J] from here on after the device let go: at 5 N a piece of 0.4 mm, which is seen late, is this much
+SPARE: Final = 2e-3  # [J] the same after the device let go: a piece of 0.4 mm at 5 N, as it is seen late
 SOFTEN, SOFTEST = 0.1, 10.0
 LIFTED: Final = 1e-4  # [m] a sphere that touches nothing this near its fingertip: the touch is over
 
