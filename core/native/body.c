@@ -272,7 +272,7 @@ static void dm_pin(dm_state *b, const double *inverse_mass) {
 }
 
 /* Let a body be stepped again; where it is and how fast do not change. */
-static void dm_wake(dm_state *b) { b->asleep = 0, b->quiet = 0; }
+static void dm_wake(dm_state *b) { b->asleep = b->rested = 0, b->quiet = 0; }
 
 /* The same where a caller has changed it. */
 static void dm_change(dm_state *b) { dm_wake(b), b->changes++, memset(b->resisted, 0, sizeof b->resisted); }

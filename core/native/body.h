@@ -156,7 +156,7 @@ struct dm_state {
     double inner_force;
 
     uint64_t changes;      /* counts what was done to it but by a scene */
-    int asleep;            /* at rest, and not stepped until something wakes it */
+    int rested, asleep;    /* it may sleep; at rest, and not stepped until something wakes it */
     double fastest, quiet; /* [m/s] of the last tick; [s] how long nothing has moved */
     dm_vec3 *still;        /* (groups,) where it was when that began */
     double bounds[2][3], still_pose[12], still_volume; /* of what is asleep */

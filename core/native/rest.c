@@ -21,6 +21,7 @@ static int dm_is_woken(const dm_state *b, const dm_motion *m) {
 
 /* Let a body sleep, unless a fingertip would wake it. */
 static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
+    b->rested = 0;
     for (int c = 0; c < 3; c++) b->bounds[0][c] = INFINITY, b->bounds[1][c] = -INFINITY;
     for (int64_t k = 0; k < b->n; k++)
         for (int c = 0; c < 3 && !b->loose[k]; c++) {
@@ -34,10 +35,10 @@ static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
     b->asleep = 1;
 }
 
-/* After a tick: let a body sleep that has been slow for long and is where it was when that began. */
+/* After a tick: note whether a body has been slow for long and is where it was when that began. */
 static void dm_watch_rest(dm_state *b, const dm_motion *m) {
     if (b->fastest > DM_REST_SPEED * b->size || m->pins_to || b->moving) {
-        b->quiet = 0;
+        b->quiet = 0, b->rested = 0;
         return;
     }
     if (b->quiet == 0)
@@ -49,8 +50,7 @@ static void dm_watch_rest(dm_state *b, const dm_motion *m) {
         dm_vec3 way = dm_sub(b->state[g].x, b->still[g]);
         most = dm_vmax(dm_dot(way, way), most);
     }
-    b->quiet = 0;
+    b->quiet = 0, b->rested = 1;
     for (int l = 0; l < DM_LANES; l++)
-        if (sqrt((double)most[l]) > DM_REST_WAY * b->size) return;
-    dm_fall_asleep(b, m);
+        if (sqrt((double)most[l]) > DM_REST_WAY * b->size) b->rested = 0;
 }

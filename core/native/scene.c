@@ -134,14 +134,14 @@ static void dm_scene_state_read(const dm_scene_state *s, int64_t collider, doubl
 static void dm_aim_colliders(dm_scene_state *s, const dm_collider_motion *to, double share) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         if (f->body) continue;
-        f->moving = to->to != NULL;
-        if (to->to)
-            for (uint32_t k = 0; k < f->count; k++)
-                for (uint32_t c = 0; c < 3; c++) {
-                    double from = to->from[c * f->count + k], way = to->to[c * f->count + k] - from;
-                    s->aim[f->first + k][c] = share >= 1 ? to->to[c * f->count + k] : from + share * way;
-                }
-        else memset(s->rate[f->first], 0, f->count * sizeof *s->rate);
+        f->moving = 0;
+        for (uint32_t k = 0; to->to && k < f->count; k++)
+            for (uint32_t c = 0; c < 3; c++) {
+                double from = to->from[c * f->count + k], way = to->to[c * f->count + k] - from;
+                s->aim[f->first + k][c] = share >= 1 ? to->to[c * f->count + k] : from + share * way;
+                f->moving |= s->aim[f->first + k][c] != s->here[f->first + k][c];
+            }
+        if (!f->moving) memset(s->rate[f->first], 0, f->count * sizeof *s->rate);
         to++;
     }
 }
@@ -154,17 +154,18 @@ static int dm_is_changed(const dm_scene_state *s) {
     return 0;
 }
 
-static void dm_run_scene_substep(dm_scene_state *s, dm_frame *frames, double share) {
+static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, int64_t t, dm_frame *frames, double share) {
     if (s->due) dm_query(s);
     dm_begin_contact(s);
+    if (s->wakes) dm_wake_touched(s, motions, t, frames);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
-        if (f->body) dm_run_substep(f->body, frames + (f - s->surfaces));
+        if (f->body && !f->body->asleep) dm_run_substep(f->body, frames + (f - s->surfaces));
         else if (f->moving) dm_move_collider(s, f, share);
     }
     dm_resolve_touching(s);
     dm_resist_rolling(s);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
-        if (f->body) dm_bound_body(s, f);
+        if (f->body && !f->body->asleep) dm_bound_body(s, f);
     dm_renew_planes(s);
 }
 
@@ -181,19 +182,19 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     for (int64_t t = 0; t < ticks && finite && s->code == DM_OK; t++) {
         double share = ticks > 1 ? first + (double)t / (double)(ticks - 1) * (last - first) : first;
         if (ticks > 1 && t == ticks - 1) share = last;
-        for (int64_t k = 0; k < bodies; k++) {
-            dm_wake(s->surfaces[k].body); /* what it meets may move */
-            dm_begin_tick(s->surfaces[k].body, motions + k, t, frames + k);
-        }
+        int awake = 0;
         dm_aim_colliders(s, colliders, share);
-        dm_set_approach(s);
+        for (int64_t k = 0; k < bodies; k++) dm_begin_tick(s->surfaces[k].body, motions + k, t, frames + k);
+        for (int64_t k = 0; k < s->surface_count; k++) awake |= dm_moves(s->surfaces + k);
+        if (awake) dm_set_approach(s), s->wakes = 1;
         if (dm_is_changed(s)) s->due = 1;
-        for (int64_t i = 0; i < substeps && s->code == DM_OK; i++)
-            dm_run_scene_substep(s, frames, 1 / (double)(substeps - i));
+        for (int64_t i = 0; i < substeps && awake && s->code == DM_OK; i++)
+            dm_run_scene_substep(s, motions, t, frames, 1 / (double)(substeps - i));
         for (int64_t k = 0; k < bodies; k++) {
             dm_end_tick(s->surfaces[k].body, motions + k, t, frames + k);
             finite = finite && frames[k].finite;
         }
+        if (finite) dm_let_sleep(s, motions);
         out->ticks = t + 1;
     }
     dm_sum_meetings(s);

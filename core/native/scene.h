@@ -52,7 +52,7 @@ typedef struct { /* the surface of a body, or a collider */
     dm_lanes *bound;        /* (groups,) square of how far each may go before its planes are looked at, */
     dm_lanes *due;          /* and of that after which a query is due */
     uint64_t changes;       /* of the body, at the last query */
-    uint8_t self, moving;
+    uint8_t self, moving, kept; /* moving: a collider; kept: awake by something that moves */
 } dm_surface;
 
 typedef struct { /* a box with the triangles in it; its first child follows it, its other one is `next` */
@@ -122,6 +122,7 @@ typedef struct dm_scene_state {
     uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
     uint32_t *number;                    /* of vertices, in the order of the caller */
     int looks;                           /* normals are to be set anew */
+    int wakes;                           /* what is awake may have come near what sleeps */
     int due;       /* a query is */
     dm_close *close;
     uint32_t close_count, close_room, run_count, run_room;
@@ -146,6 +147,8 @@ static void *dm_grown(dm_scene_state *s, void *array, uint32_t count, uint32_t *
 }
 
 DM_INLINE int dm_has_room(const dm_scene_state *s) { return s->code == DM_OK; }
+
+DM_INLINE int dm_sleeps(const dm_surface *f) { return f->body && f->body->asleep; }
 
 DM_INLINE void dm_world_of(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
     if (!f->body) {

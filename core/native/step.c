@@ -214,17 +214,21 @@ static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     frame->finite = 1;
 }
 
-static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
+/* Begin a tick of a body that is awake. */
+static void dm_enter_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double way = m->ticks > 1 ? (m->pins_last - m->pins_first) / (double)(m->ticks - 1) : 0;
-    b->dt = m->tick / (double)m->substeps;
-    if (b->law_set == DM_LAWS_PAPER && !b->asleep) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
-    dm_carry_fingertips(b, m, t);
-    if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
-    if (b->asleep) return;
     frame->moved = 1;
     if (b->moving) dm_move_places(b, t ? 1 : (1 - 1 / (double)m->substeps) / 2 - (double)m->ticks, m->tick);
     if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
     DM_TIMED(DM_REACH, dm_find_near(b, m));
+}
+
+static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
+    b->dt = m->tick / (double)m->substeps;
+    if (b->law_set == DM_LAWS_PAPER && !b->asleep) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
+    dm_carry_fingertips(b, m, t);
+    if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
+    if (!b->asleep) dm_enter_tick(b, m, t, frame);
 }
 
 static void dm_run_substep(dm_state *b, dm_frame *frame) {
@@ -261,6 +265,7 @@ static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
         dm_begin_tick(b, m, t, frame);
         for (int64_t s = 0; s < m->substeps && !b->asleep; s++) dm_run_substep(b, frame);
         dm_end_tick(b, m, t, frame);
+        if (b->rested) dm_fall_asleep(b, m);
     }
     dm_end_motion(b, m, frame);
 }

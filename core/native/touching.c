@@ -126,7 +126,7 @@ static void dm_begin_contact(dm_scene_state *s) {
         dm_real square = dm_dot3(n->way, n->way);
         far = square > far ? square : far;
     }
-    if (s->looks || (double)far > DM_LOOK * DM_LOOK * s->touch * s->touch) dm_look(s);
+    if (s->looks || (double)far > DM_LOOK * DM_LOOK * s->touch * s->touch) dm_look(s), s->wakes = 1;
 }
 
 DM_INLINE dm_quad dm_speed_of(const dm_scene_state *s, const dm_meeting *m) {
@@ -155,6 +155,7 @@ DM_INLINE void dm_resolve_meeting(dm_scene_state *s, dm_meeting *m, dm_quad u) {
 /* Where a meeting would go nearer than it touches within the substep: begin with it. */
 static void dm_begin_meeting(dm_scene_state *s, uint32_t k) {
     dm_meeting *m = s->meetings + k;
+    if (dm_sleeps(s->surfaces + m->surface[0]) || dm_sleeps(s->surfaces + m->surface[1])) return;
     dm_quad u = dm_speed_of(s, m), way = {0, 0, 0, 0};
     for (int j = 0; j < 4; j++) way += m->weight[j] * s->near[m->at[j]].way;
     dm_real h = (dm_real)s->dt;

@@ -21,6 +21,7 @@
 #include "touching.c"
 #include "rolling.c"
 #include "query.c"
+#include "islands.c"
 #include "scene.c"
 #include "carry.c"
 

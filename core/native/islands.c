@@ -1,0 +1,39 @@
+/* Sleep where bodies meet: what may touch sleeps together, and wakes before anything that moves can touch it.
+ * Source: core/solver/islands.py. */
+#include "scene.h"
+
+DM_INLINE int dm_moves(const dm_surface *f) { return f->body ? !f->body->asleep : f->moving; }
+
+/* Wake bodies that may touch something that moves before the next look, and what they may touch. */
+static void dm_wake_touched(dm_scene_state *s, const dm_motion *motions, int64_t t, dm_frame *frames) {
+    s->wakes = 0;
+    for (int more = 1; more;) {
+        more = 0;
+        for (const dm_meeting *m = s->meetings; m < s->meetings + s->meeting_count; m++)
+            for (int j = 0; j < 2; j++) {
+                dm_surface *f = s->surfaces + m->surface[j];
+                int64_t k = m->surface[j];
+                if (!dm_sleeps(f) || !dm_moves(s->surfaces + m->surface[1 - j])) continue;
+                dm_wake(f->body), dm_enter_tick(f->body, motions + k, t, frames + k), more = 1;
+            }
+    }
+}
+
+/* After a tick: let bodies sleep that have come to rest with all that they may touch. */
+static void dm_let_sleep(dm_scene_state *s, const dm_motion *motions) {
+    int rested = 0;
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        f->kept = (uint8_t)(f->body ? !f->body->asleep && !f->body->rested : f->moving);
+        rested |= f->body && f->body->rested;
+    }
+    for (int more = rested; more;) {
+        more = 0;
+        for (const dm_meeting *m = s->meetings; m < s->meetings + s->meeting_count; m++)
+            for (int j = 0; j < 2; j++) {
+                dm_surface *f = s->surfaces + m->surface[j];
+                if (f->body && !f->kept && s->surfaces[m->surface[1 - j]].kept) f->kept = 1, more = 1;
+            }
+    }
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
+        if (f->body && f->body->rested && !f->kept) dm_fall_asleep(f->body, motions + (f - s->surfaces));
+}
