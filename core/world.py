@@ -28,7 +28,7 @@ class Meeting(NamedTuple):
     truncated: times that a vertex was held back from passing through something.
     taken: momentum that this took [N s].
     held_back: the farthest that a collider was behind its way [m].
-    forces: on each surface, mean over the step (k, 3) [N]: bodies, then colliders.
+    forces: on each surface, mean over the step (k, 3) [N]: bodies, then colliders; 0 from what sleeps.
     queries: of who is near whom.
     moments: of the forces about the origin (k, 3) [N m].
     """

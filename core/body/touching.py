@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Floats, Ints
+from ..base import Bools, Floats, Ints
 from .proximity import Pairs, Surfaces, measure
 
 SWEEPS = 2  # over what touches, for its velocities
@@ -97,7 +97,7 @@ def look(
 
 
 def resolve(
-    m: Meetings, way: Floats, v: Floats, inverse_mass: Floats, dt: float
+    m: Meetings, way: Floats, v: Floats, inverse_mass: Floats, dt: float, sleeps: Bools
 ) -> tuple[Floats, Floats, Floats, Ints]:
     """Return what comes of a substep in which pairs touch.
 
@@ -106,15 +106,16 @@ def resolve(
         v: (n, 3) velocities [m/s] of the substep.
         inverse_mass: (n,) [1/kg].
         dt: the substep [s].
+        sleeps: (m,) whether a side of a meeting does: then both are at rest.
 
     Returns:
         velocities (n, 3) [m/s], by how much vertices are brought apart (n, 3) [m], the impulse that each meeting gave
-        its first side (m, 3) [N s], and which vertices may have changed.
+        its first side (m, 3) [N s], and which of them touched.
     """
     v, out, passed = v.copy(), np.zeros_like(v), np.zeros((len(m.gap), 3))
     # the distance as the substep began, the least speed apart, and how fast it is to go back to where it stuck
     active: dict[int, tuple[float, float, Floats]] = {}
-    for k in range(len(m.gap)):
+    for k in np.flatnonzero(~sleeps).tolist():
         along = m.weights[k] @ way[m.at[k]]
         begin, along = float(m.gap[k] + m.normal[k] @ along), along - (m.normal[k] @ along) * m.normal[k]
         if begin + dt * float(m.normal[k] @ (m.weights[k] @ v[m.at[k]])) < m.touch[k]:
@@ -132,7 +133,7 @@ def resolve(
         push = float(passed[k] @ m.normal[k])
         if np.linalg.norm(passed[k] - push * m.normal[k]) >= float(m.friction[k]) * push * (1 - ROUNDING):
             m.anchor[k] += dt / BACK * back
-    return v, out, passed, np.unique(m.at[list(active)])
+    return v, out, passed, np.array(list(active), np.int64)
 
 
 def _push(m: Meetings, k: int, least: float, back: Floats, passed: Floats, v: Floats, inverse_mass: Floats) -> None:

@@ -157,6 +157,7 @@ struct dm_state {
 
     uint64_t changes;      /* counts what was done to it but by a scene */
     int rested, asleep;    /* it may sleep; at rest, and not stepped until something wakes it */
+    double sag;            /* [m/s] that gravity gives in a substep, and contact takes back as a way; 0 where none does */
     double fastest, quiet; /* [m/s] of the last tick; [s] how long nothing has moved */
     dm_vec3 *still;        /* (groups,) where it was when that began */
     double bounds[2][3], still_pose[12], still_volume; /* of what is asleep */

@@ -19,6 +19,17 @@ static void dm_wake_touched(dm_scene_state *s, const dm_motion *motions, int64_t
     }
 }
 
+/* Before bodies are watched: note how fast what is touched may be at rest. */
+static void dm_note_sag(dm_scene_state *s) {
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
+        if (f->body) f->body->sag = 0;
+    for (uint32_t k = 0; k < s->active_count; k++)
+        for (int j = 0; j < 2; j++) {
+            dm_state *b = s->surfaces[s->meetings[s->active[k]].surface[j]].body;
+            if (b) b->sag = sqrt(dm_inner3(b->gravity, b->gravity)) * s->dt;
+        }
+}
+
 /* After a tick: let bodies sleep that have come to rest with all that they may touch. */
 static void dm_let_sleep(dm_scene_state *s, const dm_motion *motions) {
     int rested = 0;

@@ -35,9 +35,23 @@ static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
     b->asleep = 1;
 }
 
+/* Is no vertex farther than a body at rest may go from where it was when it became slow? */
+static int dm_stays(const dm_state *b) {
+    dm_lanes most = dm_splat(0);
+    for (int64_t g = 0; g < b->groups; g++) {
+        dm_vec3 way = dm_sub(b->state[g].x, b->still[g]);
+        most = dm_vmax(dm_dot(way, way), most);
+    }
+    for (int l = 0; l < DM_LANES; l++)
+        if (sqrt((double)most[l]) > DM_REST_WAY * b->size) return 0;
+    return 1;
+}
+
 /* After a tick: note whether a body has been slow for long and is where it was when that began. */
 static void dm_watch_rest(dm_state *b, const dm_motion *m) {
-    if (b->fastest > DM_REST_SPEED * b->size || m->pins_to || b->moving) {
+    int fast = b->fastest > DM_REST_SPEED * b->size;
+    if (fast && b->fastest <= b->sag) fast = b->quiet > 0 && !dm_stays(b);
+    if (fast || m->pins_to || b->moving) {
         b->quiet = 0, b->rested = 0;
         return;
     }
@@ -45,12 +59,5 @@ static void dm_watch_rest(dm_state *b, const dm_motion *m) {
         for (int64_t g = 0; g < b->groups; g++) b->still[g] = b->state[g].x;
     b->quiet += m->tick;
     if (b->quiet < DM_REST_TIME) return;
-    dm_lanes most = dm_splat(0);
-    for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 way = dm_sub(b->state[g].x, b->still[g]);
-        most = dm_vmax(dm_dot(way, way), most);
-    }
-    b->quiet = 0, b->rested = 1;
-    for (int l = 0; l < DM_LANES; l++)
-        if (sqrt((double)most[l]) > DM_REST_WAY * b->size) b->rested = 0;
+    b->quiet = 0, b->rested = dm_stays(b);
 }

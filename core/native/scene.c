@@ -190,6 +190,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
         if (dm_is_changed(s)) s->due = 1;
         for (int64_t i = 0; i < substeps && awake && s->code == DM_OK; i++)
             dm_run_scene_substep(s, motions, t, frames, 1 / (double)(substeps - i));
+        dm_note_sag(s);
         for (int64_t k = 0; k < bodies; k++) {
             dm_end_tick(s->surfaces[k].body, motions + k, t, frames + k);
             finite = finite && frames[k].finite;

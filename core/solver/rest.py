@@ -19,24 +19,38 @@ class Rest:
 
     quiet: [s] since it was slow last.
     still: (3, n) where it was then [m].
+    rested: it may sleep.
     asleep: it is not stepped.
     """
 
     quiet: float = 0.0
     still: Floats | None = None
+    rested: bool = False
     asleep: bool = False
 
-    def watch(self, x: Floats, v: Floats, size: float, tick: float, *, led: bool) -> bool:
-        """Look at a body (3, n) [m], [m/s] after a tick [s] and tell whether it may sleep; led: its pins were."""
-        if led or float(np.sqrt((v * v).sum(axis=0).max(initial=0))) > REST_SPEED * size:
-            self.quiet = 0.0
-            return False
+    def watch(self, x: Floats, v: Floats, size: float, tick: float, *, led: bool, sag: float = 0.0) -> None:
+        """Look at a body (3, n) [m], [m/s] after a tick [s].
+
+        Args:
+            led: its pins were.
+            sag: [m/s] that gravity gives in a substep, and contact takes back as a way; 0 where none does.
+        """
+        speed = float(np.sqrt((v * v).sum(axis=0).max(initial=0)))
+        fast = speed > REST_SPEED * size
+        if fast and speed <= sag:
+            fast = self.quiet > 0 and not self._stays(x, size)
+        if led or fast:
+            self.quiet, self.rested = 0.0, False
+            return
         if self.still is None or self.quiet == 0:
             self.still = x.copy()
         self.quiet += tick
         if self.quiet < REST_TIME:
-            return False
-        self.quiet, way = 0.0, x - self.still
+            return
+        self.quiet, self.rested = 0.0, self._stays(x, size)
+
+    def _stays(self, x: Floats, size: float) -> bool:
+        way = x - (x if self.still is None else self.still)
         return bool(np.sqrt((way * way).sum(axis=0).max(initial=0)) <= REST_WAY * size)
 
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..base import Floats, Ints
+from ..base import Bools, Floats, Ints
 
 ARM = 0.005  # of its size: a hundredth of a ball's radius
 PART = 0.1  # of what would stop it in a substep
@@ -50,7 +50,7 @@ class Turning:
         return np.asarray(np.cross(turn[:, None], x - self.centre[:, None], axis=0), np.float64)
 
 
-def resist(bodies: Sequence[Turning | None], surfaces: Ints, pushes: Floats, dt: float) -> None:
+def resist(bodies: Sequence[Turning | None], surfaces: Ints, pushes: Floats, dt: float, sleeps: Bools) -> None:
     """Set the moments that act in the next substep.
 
     Args:
@@ -58,6 +58,7 @@ def resist(bodies: Sequence[Turning | None], surfaces: Ints, pushes: Floats, dt:
         surfaces: (m, 2) of what touches.
         pushes: (m,) normal impulses [N s].
         dt: the substep [s].
+        sleeps: (k,) which sleep, and keep what they had.
     """
     load, beside, resisting = np.zeros(len(bodies)), np.zeros((len(bodies), 3)), {}
     for (i, j), push in zip(surfaces.tolist(), pushes.tolist(), strict=True):
@@ -66,7 +67,7 @@ def resist(bodies: Sequence[Turning | None], surfaces: Ints, pushes: Floats, dt:
             load[one] += push
             beside[one] += 0.0 if partner is None else push * partner.spin
     for i, body in enumerate(bodies):
-        if body is None:
+        if body is None or sleeps[i]:
             continue
         body.moment = np.zeros(3)
         if load[i] == 0:

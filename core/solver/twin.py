@@ -52,6 +52,7 @@ class Twin:
         self._sides: list[Floats | None] = [None] * 3
         self._moved: Floats | None = None  # the shape at rest, where it is not the model's
         self._rest_rate: Floats | None = None  # in the next motion
+        self.sag = 0.0  # [m/s] that gravity gives in a substep, and contact takes back: in a scene
         self.set_state(model.matching.rest)
 
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
@@ -113,7 +114,7 @@ class Twin:
 
     def step(self, motion: Motion) -> Frame:
         """Run the ticks of a motion."""
-        call = self.begin(motion)
+        call, self.sag = self.begin(motion), 0.0
         while call.ticks < motion.ticks and call.finite:
             path = self.begin_tick(call)
             with np.errstate(all="ignore"):  # the frame says when it has blown up
@@ -122,6 +123,8 @@ class Twin:
                         self.model, self._state, path, tick=motion.tick, substeps=motion.substeps
                     )
             self.end_tick(call)
+            if self._rest.rested:
+                self.fall_asleep(call)
         return self.end(call)
 
     @property
@@ -129,9 +132,19 @@ class Twin:
         """Return what moves, for a scene that steps several bodies together."""
         return self._state
 
-    def wake(self) -> None:
-        """Let the body move again after it has come to rest."""
+    @property
+    def rest(self) -> Rest:
+        """Return how long it has been at rest, and whether it sleeps."""
+        return self._rest
+
+    def wake(self, call: Call) -> None:
+        """Let the body move again within a tick."""
         self._rest = Rest()
+        self._enter_tick(call)
+
+    def fall_asleep(self, call: Call) -> None:
+        """Let the body sleep, unless a fingertip or a pin would wake it."""
+        self._rest.rested, self._rest.asleep = False, not self._is_woken(call.motion, call.path)
 
     def begin(self, motion: Motion) -> Call:
         """Begin a motion; its ticks follow one by one."""
@@ -159,14 +172,19 @@ class Twin:
         path = FingerPath(centres=centres, radii=np.array([tips[i].radius for i in call.down]))  # type: ignore[union-attr]
         if self._rest.asleep and self._is_woken(motion, path):
             self._rest = Rest()
-        call.moved |= not self._rest.asleep
+        call.path = path
+        if not self._rest.asleep:
+            self._enter_tick(call)
+        return path
+
+    def _enter_tick(self, call: Call) -> None:
+        motion, call.moved = call.motion, True
         if self._rest_rate is not None:
             left = motion.ticks - call.ticks - (1 - 1 / motion.substeps) / 2
             self.model = on_its_way(self.model, self._rest_rate, left * motion.tick)
-        if motion.pins and not self._rest.asleep:
+        if motion.pins:
+            share = call.ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
             self._lead_pins(motion, motion.pins, share)
-        call.path = path
-        return path
 
     def end_tick(self, call: Call) -> None:
         """Count a tick, and see whether the body is still whole, or has come to rest."""
@@ -178,8 +196,7 @@ class Twin:
             call.finite = self._is_finite(tick)
         if call.finite:
             size, led = self.model.mesh.size, call.motion.pins is not None or self._rest_rate is not None
-            quiet = self._rest.watch(state.positions, state.velocities, size, tick, led=led)
-            self._rest.asleep = quiet and not self._is_woken(call.motion, call.path)
+            self._rest.watch(state.positions, state.velocities, size, tick, led=led, sag=self.sag)
 
     def end(self, call: Call) -> Frame:
         """End a motion and return what it came to."""

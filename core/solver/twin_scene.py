@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import SKIN_TRAVEL, Floats
+from ..base import SKIN_TRAVEL, Floats, Ints
 from ..body import touching
 from ..body.contact import Step, Touch
 from ..body.proximity import CLOSEST, OFFSET, Pairs, find_pairs, join_surfaces, touching_distance
 from . import semi_implicit
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
 from .crossing import find_crossings
+from .islands import let_sleep, moves, woken
 from .motion import Motion
 from .rolling import Turning, resist
 from .scene import Collider, ColliderMotion, Crossings, SceneFrame
@@ -46,7 +47,8 @@ class TwinScene:
         self._sizes = np.array([CLOSEST * body.model.mesh.size for body in bodies] + [0.0] * len(colliders))
         self._turning: list[Turning | None] = [Turning(b.model.mesh.size) if b.model.free else None for b in bodies]
         self._turning += [None] * len(colliders)
-        self._due, self._approach = True, 0.0
+        self._touched = np.zeros(len(self._part), bool)  # of the surfaces, in the last substep
+        self._due, self._wakes, self._approach = True, True, 0.0
         self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
         self._known = [(body.model, body.positions()) for body in bodies]
 
@@ -93,26 +95,42 @@ class TwinScene:
     def _run_tick(self, calls: Sequence[Call], ways: Sequence[ColliderMotion | None], share: float) -> None:
         substeps, touches = calls[0].motion.substeps, []
         for body, call in zip(self._bodies, calls, strict=True):
-            body.wake()
-            path = body.begin_tick(call)
-            touches.append(next(each_tick(body.model, body.state, path, self._tick)))
+            body.begin_tick(call)
+            touches.append(next(each_tick(body.model, body.state, call.path, self._tick)))
         self._aims = [None if way is None else way.start + share * (way.end - way.start) for way in ways]
         for i, aim in enumerate(self._aims):
-            if aim is None:
-                self._rates[i][:] = 0
-        self._set_approach()
-        for step in range(substeps):
+            if aim is None or np.array_equal(aim, self._here[i]):
+                self._aims[i], self._rates[i][:] = None, 0
+        led = np.array([aim is not None for aim in self._aims], bool)
+        awake = bool(moves(self._bodies, led).any())
+        if awake:
+            self._set_approach()
+            self._wakes = True
+        for step in range(substeps if awake else 0):
             if self._due:
                 self._query()
             self._begin_contact()
+            for i in woken(self._bodies, led, self._sides()) if self._wakes else ():
+                self._bodies[i].wake(calls[i])
+                touches[i] = next(each_tick(self._bodies[i].model, self._bodies[i].state, calls[i].path, self._tick))
+            self._wakes = False
             with np.errstate(all="ignore"):  # the frame says when it has blown up
                 for body, call, near, turning in zip(self._bodies, calls, touches, self._turning, strict=False):
-                    self._step_body(body, call, near, turning)
+                    if not body.rest.asleep:
+                        self._step_body(body, call, near, turning)
                 self._move_colliders(1 / (substeps - step))
                 self._resolve()
                 self._bound_bodies()
-        for body, call in zip(self._bodies, calls, strict=True):
+        for i, (body, call) in enumerate(zip(self._bodies, calls, strict=True)):
+            body.sag = float(np.linalg.norm(body.model.gravity)) * self._dt if self._touched[i] else 0.0
             body.end_tick(call)
+        if all(call.finite for call in calls) and any(body.rest.rested for body in self._bodies):
+            let_sleep(self._bodies, calls, led, self._sides())
+
+    def _sides(self) -> Ints:
+        """Return the surfaces (m, 2) of the meetings."""
+        sides: Ints = self._surfaces.of_vertex[self._meetings.at[:, [0, 3]]]
+        return sides
 
     def _step_body(self, body: Twin, call: Call, touches: Sequence[Touch], turning: Turning | None) -> None:
         """Advance a body by a substep, fingertips included."""
@@ -221,31 +239,35 @@ class TwinScene:
         bodies, led = self._bodies, [np.zeros(x.shape[1]) for x in self._here]
         friction = np.concatenate([body.model.friction for body in bodies] + self._frictions)
         self._inverse_mass = np.concatenate([body.model.inverse_mass for body in bodies] + led)
-        self._looked, self._looks = self._last, False
+        self._looked, self._looks, self._wakes = self._last, False, True
         self._meetings = touching.look(
             self._surfaces, self._candidates, self._touches, friction, self._last, self._inverse_mass, self._approach
         )
 
     def _resolve(self) -> None:
         meetings = self._meetings
-        owner = self._surfaces.of_vertex
-        sides = owner[meetings.at[:, [0, 3]]]
+        sides = self._sides()
+        sleeps = ~moves(self._bodies, np.ones(len(self._here), bool))
         if not len(meetings.gap):
-            resist(self._turning, sides, meetings.gap, self._dt)
+            resist(self._turning, sides, meetings.gap, self._dt, sleeps)
+            self._touched = np.zeros(len(self._part), bool)
             return
-        v, out, passed, changed = touching.resolve(
-            meetings, self._last - self._looked, self._velocities(), self._inverse_mass, self._dt
+        asleep = sleeps[sides[:, 0]] | sleeps[sides[:, 1]]
+        v, out, passed, active = touching.resolve(
+            meetings, self._last - self._looked, self._velocities(), self._inverse_mass, self._dt, asleep
         )
+        changed = np.unique(meetings.at[active])
         for body, part in zip(self._bodies, self._part, strict=False):
             own = changed[(changed >= part.start) & (changed < part.stop)]
             own = own[self._inverse_mass[own] > 0]
             state, rows = body.state, own - part.start
             state.positions[:, rows] += self._dt * (v[own].T - state.velocities[:, rows]) + out[own].T
             state.velocities[:, rows] = v[own].T
-        resist(self._turning, sides, np.einsum("mc,mc->m", passed, meetings.normal), self._dt)
+        resist(self._turning, sides, np.einsum("mc,mc->m", passed, meetings.normal), self._dt, sleeps)
         given = np.concatenate([passed, np.cross(meetings.point, passed)], axis=1)
         np.add.at(self._impulses, sides[:, 0], given)
         np.subtract.at(self._impulses, sides[:, 1], given)
+        self._touched = np.isin(np.arange(len(self._part)), sides[active])
         self._most_touching = max(self._most_touching, int((passed != 0).any(axis=1).sum()))
 
     def _bound_bodies(self) -> None:
@@ -253,6 +275,8 @@ class TwinScene:
         x = self._positions()
         far = beyond(self._bounds, x)
         for index, (body, part) in enumerate(zip(self._bodies, self._part, strict=False)):
+            if body.rest.asleep:
+                continue
             for vertex in (part.start + np.flatnonzero(far[part])).tolist():
                 if is_near(self._bounds, vertex):
                     self._held.append(vertex)

@@ -61,3 +61,41 @@ def test_a_ball_beside_the_top_of_another_rolls_off() -> None:
     world = World([held, body])
     world.step(2.0)
     assert body.body.positions()[2].mean() < 0
+
+
+def test_what_lies_on_a_table_sleeps_with_what_lies_on_it_and_wakes_where_it_was() -> None:
+    flat, squares = sheet(8, 0.1)
+    sheets = [session(flat + (0, 0, height), squares) for height in (0.003, 0.006)]
+    table = sheet(2, 1.0)
+    world = World(sheets, [Collider(table[0].T.copy(), table[1], 0.4)])
+    world.step(3.0)
+    world.step(1.0)
+    assert not any(body.moved for body in sheets)
+    before = [body.body.positions() for body in sheets]
+    world.step(1.0)
+    assert all(np.array_equal(a, body.body.positions()) for a, body in zip(before, sheets, strict=True))
+    world.set_colliders([table[0] + (1e-5, 0, 0)])
+    world.step(1e-3)
+    assert all(body.moved for body in sheets)
+    assert max(np.abs(a - body.body.positions()).max() for a, body in zip(before, sheets, strict=True)) < 2e-5
+
+
+def test_a_body_that_slept_is_hit_as_if_it_had_been_awake() -> None:
+    ends = []
+    for kept_awake in (False, True):
+        points, faces = turned_ball(2, (0.3, 0.5, 0.2))
+        bodies = [
+            Session(build_model(mesh_from_triangles(points + (0, 0, height), faces), [SOFT]), backend="native64")
+            for height in (0.0, 2 * RADIUS + 0.08)
+        ]
+        bodies[1].body.set_state(bodies[1].body.positions(), np.full((3, 162), [[0.0], [0.02], [-0.2]]))
+        world, slept = World(bodies), 0
+        for tick in range(600):
+            if kept_awake and tick < 300:
+                bodies[0].body.set_state(bodies[0].body.positions(), bodies[0].body.velocities())
+            world.step(1e-3)
+            slept += not bodies[0].moved
+        assert (slept == 0) == kept_awake
+        ends.append([body.body.positions() for body in bodies])
+    assert np.abs(ends[0][0] - ends[0][1]).max() > 0.01
+    assert all(np.abs(a - b).max() < 2e-6 for a, b in zip(*ends, strict=True))
