@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -37,7 +38,7 @@ STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0}  # times as stiff as at res
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, weakref_slot=True)
+@dataclass(frozen=True, kw_only=True)
 class Model:
     """A mesh with its laws: the definition of a body.
 
@@ -76,7 +77,7 @@ class Model:
     maps: Maps | None = None
     rigged: bool = False
 
-    @property
+    @cached_property
     def free(self) -> bool:
         """Tell whether the shape at rest follows the body rather than the pins."""
         pinned = self.mesh.rest_positions[self.held & ~self.mesh.loose]
