@@ -6,6 +6,7 @@ import socket
 import subprocess
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Final
@@ -18,6 +19,7 @@ from .emulator import add_emulator
 from .logged_servo import add_logged_servo
 
 START: Final = Path(__file__).with_name("start.py")
+WRITE_WAIT: Final = 30.0  # [s] at most for trace and log
 
 
 def main(words: list[str]) -> int:
@@ -60,3 +62,12 @@ class InstrumentedDevice(Emulated):
         if words[0] == "emulator":
             return start_emulator([*words[1:], *self.emulator_words], errors)
         return start([*words, *self.servo_words], errors, script=START)
+
+    def close(self) -> None:
+        """End both, once they have written what they measured, which takes seconds on a busy computer."""
+        for process in (self.process, self.emulator):
+            if process and process.stdin:
+                process.stdin.close()
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(WRITE_WAIT)
+        Emulated.close(self)
