@@ -267,7 +267,7 @@ def _draw_ratings(axis, ratings: list[Ratings]) -> None:  # type: ignore[no-unty
         axis.bar(names, share, bottom=below, color=str(0.9 - 0.7 * step / (steps - 1)), label=f"{step + 1}")
         below += share
     axis.set(ylabel="answers (%)", title="Like the real object? 1 different, 4 the same")
-    axis.legend(loc="lower right")
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=steps, frameon=False)
 
 
 def _draw_comparison(axis, each: Comparison) -> None:  # type: ignore[no-untyped-def]

@@ -2,6 +2,10 @@
 
 It offers what `solver.backend.Body` does, so the session does not know: a step returns what has happened there since
 the last look, positions are those of the newest frame. Whatever Blender does, the body runs on at the device's rate.
+
+Without a device the body stays with Blender. At 5 frames a second 2,402 vertices keep real time there, with a fifth of
+each frame (6 simulated seconds a second of processor); of 10,088 (1.1) the default share of the processor leaves 0.66
+of real time: a second core, without contact and rigs, would win a third, which a larger *Simulation Share* gives too.
 """
 
 from __future__ import annotations
