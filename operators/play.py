@@ -67,7 +67,8 @@ class DIMPLE_OT_play(bpy.types.Operator):
             return {"FINISHED"}
         try:
             if start.takes_long(context):
-                return bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
+                bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
+                return {"CANCELLED"}  # it is started anew when they are ready
             self._report(live.start_all(context))
         except DimpleError as error:
             self.report({"ERROR"}, str(error))

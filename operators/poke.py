@@ -70,7 +70,8 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
         try:
             if start.takes_long(context):
-                return bpy.ops.dimple.start("INVOKE_DEFAULT", then="poke")
+                bpy.ops.dimple.start("INVOKE_DEFAULT", then="poke")
+                return {"CANCELLED"}  # it is started anew when they are ready
             self._tool = fingertip.settings_of(context.scene)
             self._state = PokeState(**self._tool)
             _, messages, wrong = live.start_all(context)

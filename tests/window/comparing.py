@@ -19,7 +19,7 @@ def compare_proxies(at: tuple[int, int], body: str, out: Path, check: Check) -> 
     bare = robot.screenshot(out / "9-compared.png")
     start()
     check("the comparison runs", "DIMPLE_OT_compare_proxies" in robot.modal_operators())
-    yield from robot.looks(10)
+    yield from robot.looks(2)
     yield from robot.key("ESC", *at)
     yield from robot.until(lambda: not robot.modal_operators(), "ESC stops the comparison", 30)
     check("ESC stops the comparison and nothing is kept", settings.comparison == "" and not shown.show_comparison)
