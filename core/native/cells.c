@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#pragma STDC FP_CONTRACT OFF /* the bits of numpy on every processor: what is baked hangs on which seed is nearest */
+
 static double dm_apart(const double *a, const double *b) {
     double sum = 0;
     for (int c = 0; c < 6; c++) sum += (a[c] - b[c]) * (a[c] - b[c]);
@@ -20,6 +22,23 @@ static int32_t dm_check_cells(const dm_cells *s) {
     for (int64_t k = 0; k < 2 * s->edges; k++)
         if (s->ends[k] < 0 || s->ends[k] >= s->vertices) return DM_INDEX;
     return DM_OK;
+}
+
+int64_t dm_farthest_first(int64_t points, const double *place, double *near, double least, int64_t most,
+                          int64_t *chosen) {
+    if (points < 1 || points > DM_MAX_VERTICES || !place || !near || !chosen) return 0;
+    int64_t count = 0, at = 0;
+    for (int64_t k = 1; k < points; k++) at = near[k] > near[at] ? k : at;
+    while (count < most && near[at] > least) {
+        const double *from = place + 6 * at;
+        chosen[count++] = at, at = 0;
+        for (int64_t k = 0; k < points; k++) {
+            double d = dm_apart(place + 6 * k, from);
+            near[k] = d < near[k] ? d : near[k];
+            at = near[k] > near[at] ? k : at;
+        }
+    }
+    return count;
 }
 
 /* What the growth of cells works with. */

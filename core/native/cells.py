@@ -49,6 +49,13 @@ def follow_cells(
     return followed, weights
 
 
+def farthest_first(library: ctypes.CDLL, places: Floats, near: Floats, least: float, most: int) -> Ints:
+    """Return what `reduction.cells.farthest_first` does; `near` is contiguous and kept up in place."""
+    chosen, places = np.empty(max(most, 0), np.int64), np.ascontiguousarray(places, np.float64)
+    given = len(near), places.ctypes.data, near.ctypes.data, least, most, chosen.ctypes.data
+    return chosen[: library.dm_farthest_first(*given)]
+
+
 def _surface(arrays: Arrays, ends: Ints, place: Floats, seeds: Ints) -> CCells:
     given: list[Any] = [len(place), arrays.double(place), len(ends), arrays.index(ends)]
     return CCells(*given, len(seeds), arrays.index(seeds))

@@ -5,6 +5,8 @@ Everything goes by distance in the space of place and normal, so that the two si
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from .. import native
@@ -33,23 +35,33 @@ def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: flo
     creased = np.intersect1d(_creased(mesh), used)
     if len(creased) > CREASED * len(used):
         creased = creased[:0]
-    away = np.full(len(place), np.inf)
-    seeds: list[int] = []
-    every = -(-len(used) // MANY)
+    seeds, every = np.zeros(0, np.int64), -(-len(used) // MANY)
+    choose = farthest_first if native.why_not() else partial(native.farthest_first, native.library())
     for pool, least in ((creased, BESIDE * spacing), (used[::every], 0.0)):
-        near = away[pool]
         points = place[pool]
+        if len(pool) and not len(seeds):  # the first is the point farthest from the middle
+            seeds = pool[[int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())]]
+        near = np.full(len(pool), np.inf)
         for seed in seeds:
             near = np.minimum(near, ((points - place[seed]) ** 2).sum(axis=1))
-        while len(pool) and len(seeds) < count:
-            # the first seed is the point farthest from the middle
-            at = int(near.argmax()) if seeds else int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())
-            if seeds and near[at] <= least**2:
-                break
-            seeds.append(int(pool[at]))
-            difference = points - points[at]
-            np.minimum(near, np.einsum("nc,nc->n", difference, difference), out=near)
-    return np.array(seeds, np.int64)
+        seeds = np.concatenate([seeds, pool[choose(points, near, least**2, count - len(seeds))]])
+    return seeds
+
+
+def farthest_first(places: Floats, near: Floats, least: float, most: int) -> Ints:
+    """Choose points one by one, each the farthest from all chosen before: what the native core does, to read.
+
+    Args:
+        places: (n, 6) [m].
+        near: (n,) the squares of their distances from what was chosen before [m2], kept up.
+        least: square of a distance that is too near [m2].
+        most: to choose.
+    """
+    chosen: list[int] = []
+    while len(near) and len(chosen) < most and near[at := int(near.argmax())] > least:
+        chosen.append(at)
+        np.minimum(near, ((places - places[at]) ** 2).sum(axis=1), out=near)
+    return np.array(chosen, np.int64)
 
 
 def _creased(mesh: Mesh) -> Ints:

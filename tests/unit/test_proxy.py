@@ -14,7 +14,7 @@ from core.material import PRESETS
 from core.mesh.cotangents import cotangent_weights
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.binding import WHOLE, carry, carry_numpy, motions_of, nearest_seeds
-from core.reduction.cells import grow_cells, spread_cells, spread_seeds, vertex_normals
+from core.reduction.cells import farthest_first, grow_cells, spread_cells, spread_seeds, vertex_normals
 from core.reduction.proxy import NORMAL_SHARE, Proxy, build_proxy, mean_spacing
 from core.session import Finger, Session
 from studies import bodies
@@ -108,6 +108,10 @@ def test_the_native_core_grows_and_follows_cells_as_numpy_does(make: Callable[[]
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
     seeds = spread_seeds(mesh, place, np.flatnonzero(~mesh.loose), 150, spacing)
+    chosen, near = [], [np.full(len(place), 0.01) for _ in range(2)]
+    chosen.append(native.farthest_first(library, place, near[0], 1e-6, 70))
+    chosen.append(farthest_first(place, near[1], 1e-6, 70))
+    assert np.array_equal(*chosen) and np.array_equal(*near)
     found, wanted = native.grow_cells(library, mesh.springs, place, seeds), spread_cells(mesh.springs, place, seeds)
     assert np.array_equal(found[0], wanted[0]) and np.array_equal(found[1], wanted[1])
     cells, rng = np.maximum(wanted[0], 0), np.random.default_rng(0)
