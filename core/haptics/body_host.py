@@ -96,7 +96,7 @@ class BodyHost:
             return
         self._answered, touched = servo.answered, self.touched
         if servo.let_go:
-            touched.sink()
+            touched.sink(servo.stored)
         try:
             contacts = touched.advance(servo.places, servo.stored, servo.cap, now)
         except (RuntimeError, ValueError, ArithmeticError) as error:  # the native core refuses what is no number

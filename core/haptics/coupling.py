@@ -28,8 +28,9 @@ SMOOTH: Final = 0.3  # of the way to the newest force of the model, which touche
 STIFFER: Final = 1.1  # times the slope of its law a body may be under a round tip, at an edge or between two fingers
 VISCOUS: Final = 6.0  # [N s/m] of a touch: what the lags of q and F give back otherwise
 TOO_MUCH: Final = 0.5e-3  # [J] given back by the device: from here on the coupling softens by SOFTEN of the cap a tick
-SPARE: Final = 2e-3  # [J] the same after the device let go: a piece of 0.4 mm at 5 N, as it is seen late
+SPARE: Final = 2e-3  # [J] to be kept after the device let go: a piece of 0.4 mm at 5 N, as it is seen late
 SOFTEN, SOFTEST = 0.1, 10.0
+GRAIN_ENERGY: Final = 1e-4  # [J] less is the noise of the converters
 LIFTED: Final = 1e-4  # [m] a sphere that touches nothing this near its fingertip: the touch is over
 
 
@@ -57,7 +58,7 @@ class Coupling:
     lag: u [m].
     force: of the model, smoothed [N].
     softer: compliance [m/N] that was added because energy was given back; it ends with the touch.
-    sunk: the device let go of a pressed fingertip, which may have sunk in and must not be pushed out for nothing.
+    least: stored energy below which the coupling softens [J].
     """
 
     near: Vector | None = None
@@ -67,7 +68,7 @@ class Coupling:
     lag: Vector = ZERO
     force: Vector = ZERO
     softer: float = 0.0
-    sunk: bool = False
+    least: float = -TOO_MUCH
 
     def follow(self, x: Vector, tick: float) -> None:
         """Take where the fingertip is [m] after a tick [s]; implicit, so stable at any rate."""
@@ -90,13 +91,17 @@ class Coupling:
         assert self.near
         push = length(self.force)
         if push == 0 and length(self.lag) < LIFTED:
-            self.softer, self.sunk = 0.0, False
-        elif stored < (SPARE if self.sunk else -TOO_MUCH):
+            self.softer, self.least = 0.0, -TOO_MUCH
+        elif stored < self.least:
             self.softer = min(self.softer + SOFTEN / cap, SOFTEST / cap)
         wanted = scaled(self.force, self._lag_of(push, slopes, cap) / push) if push else ZERO
         share = LAG / max(slopes.at(push) / cap, 1.0)
         self.lag = along(self.lag, along(wanted, self.lag, -1.0), share)
         return along(self.near, self.lag, 1.0)
+
+    def sink(self, stored: float) -> None:
+        """Note that the device let go: a fingertip that sank in is pushed out with no more than the hand gave [J]."""
+        self.least = min(SPARE, stored - GRAIN_ENERGY)
 
     def take(self, force: Vector, slopes: Slopes, cap: float) -> Vector:
         """Take the model's force [N] of this tick; return that of the fingertip."""

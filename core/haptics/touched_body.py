@@ -76,10 +76,10 @@ class TouchedBody:
         ]
         self._material_of = surface.mesh.triangle_material.tolist()
 
-    def sink(self) -> None:
-        """Note that the device let go: a fingertip that sank in is pushed out only with what the hand gave before."""
-        for coupling in self._couplings:
-            coupling.sunk = True
+    def sink(self, stored: Sequence[float]) -> None:
+        """Note that the device let go, and the energy that each hand gave and has not got back [J]."""
+        for coupling, energy in zip(self._couplings, stored, strict=True):
+            coupling.sink(energy)
 
     def lift(self) -> None:
         """Take all fingertips off."""
