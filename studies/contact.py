@@ -19,6 +19,7 @@ from core.base import Floats, Ints
 from core.session import Session
 
 from .contact_cost import measure_cost
+from .contact_laws import measure_laws
 from .contact_scenes import SCENES, Played
 
 STARTS, QUICK_STARTS, QUICK_SHARE = 10, 1, 1.0
@@ -156,6 +157,8 @@ def main(words: list[str]) -> int:
         found["cost"] = measure_cost()
         for case, cost in found["cost"].items():
             print(f"{case:21}", ", ".join(f"{name} {value}" for name, value in cost.items()))
+        found["laws"] = measure_laws()
+        print("laws                 ", ", ".join(f"{name} {value:.3g}" for name, value in found["laws"].items()))
     if options.json:
         options.json.write_text(json.dumps(found, indent=1) + "\n")
     return 0 if all(not row["intersections"] and not row["swallowed"] and row["finite"] for row in rows) else 1

@@ -46,8 +46,8 @@ class Played:
 
 def hand_squeezes_ball(rng: np.random.Generator) -> Played:
     """Curl a sheet of fingers round a ball until it would be far smaller than the ball."""
-    ball = _moved(_ball(3, 0.04), rng)
-    flat = _grid(28, 16, 0.26, 0.08)
+    ball = moved(icosphere(3, 0.04), rng)
+    flat = grid(28, 16, 0.26, 0.08)
 
     def curl(share: float) -> Floats:
         radius = 0.055 - 0.03 * share
@@ -61,8 +61,8 @@ def hand_squeezes_ball(rng: np.random.Generator) -> Played:
 def balls_pressed_flat(rng: np.random.Generator) -> Played:
     """Press five balls of 30 mm flat to 5 mm between two plates."""
     places = [(0.0, 0.0), (0.034, 0.0), (-0.034, 0.0), (0.0, 0.034), (0.0, -0.034)]
-    balls = [_moved(_ball(2, 0.015), rng, (*place, 0.016)) for place in places]
-    low, high = _grid(2, 2, 0.4, 0.4), _grid(2, 2, 0.4, 0.4)
+    balls = [moved(icosphere(2, 0.015), rng, (*place, 0.016)) for place in places]
+    low, high = grid(2, 2, 0.4, 0.4), grid(2, 2, 0.4, 0.4)
     down = _along(high[0] + (0, 0, 0.034), (0, 0, -0.029), rest=0.8)
     return _play(balls, [low, (down(0.0), high[1])], ticks=250, leads=[None, down])
 
@@ -70,9 +70,9 @@ def balls_pressed_flat(rng: np.random.Generator) -> Played:
 def ball_through_ring(rng: np.random.Generator) -> Played:
     """Push a ball through a ring whose hole is two thirds as wide."""
     ring = trimesh.creation.torus(0.037, 0.01, major_sections=40, minor_sections=16)
-    punch = _ball(2, 0.012)
+    punch = icosphere(2, 0.012)
     push = _along(punch[0] + (0, 0, 0.09), (0, 0, -0.115), rest=0.8)
-    ball = _moved(_ball(3, 0.04), rng, (0, 0, 0.035))
+    ball = moved(icosphere(3, 0.04), rng, (0, 0, 0.035))
     return _play([ball], [_of(ring), (push(0.0), punch[1])], ticks=300, leads=[None, push])
 
 
@@ -81,8 +81,8 @@ def needle(rng: np.random.Generator) -> Played:
     cone = trimesh.creation.cone(0.003, 0.08, sections=12)
     cone.vertices[:, 2] = 0.08 - cone.vertices[:, 2]
     down = _along(np.array(cone.vertices) + (0, 0, 0.09), (0, 0, -0.08), rest=0.8)
-    ball = _moved(_ball(3, 0.04), rng, (0, 0, 0.042))
-    return _play([ball], [_grid(2, 2, 0.4, 0.4), (down(0.0), np.array(cone.faces)[:, ::-1])], ticks=250,
+    ball = moved(icosphere(3, 0.04), rng, (0, 0, 0.042))
+    return _play([ball], [grid(2, 2, 0.4, 0.4), (down(0.0), np.array(cone.faces)[:, ::-1])], ticks=250,
                  leads=[None, down])  # fmt: skip
 
 
@@ -118,7 +118,7 @@ def two_lips(rng: np.random.Generator) -> Played:
 
 def folded_sheet(rng: np.random.Generator) -> Played:
     """Fold a sheet over onto itself by leading one edge, and press it down on the table."""
-    points, faces = _grid(24, 12, 0.16, 0.08)
+    points, faces = grid(24, 12, 0.16, 0.08)
     points = points + (0, 0, 0.004) + rng.normal(0, 1e-5, points.shape)
     held = np.abs(points[:, 0]) > 0.0799
 
@@ -127,7 +127,7 @@ def folded_sheet(rng: np.random.Generator) -> Played:
         angle = np.pi * 0.98 * share * (x > 0)
         return np.stack([np.where(x > 0, 0.08 * np.cos(angle), x), y, z + 0.08 * np.sin(angle) * (x > 0)], axis=1)
 
-    table = _grid(2, 2, 0.5, 0.5)
+    table = grid(2, 2, 0.5, 0.5)
     return _play([(points, faces)], [table], ticks=400, held=[held], pins=[fold], itself=True, material=SHEET)
 
 
@@ -139,7 +139,7 @@ def pile_of_twenty(rng: np.random.Generator) -> Played:
     balls = []
     for layer in range(5):
         for x, y in ((-0.026, -0.026), (0.026, -0.026), (-0.026, 0.026), (0.026, 0.026)):
-            balls.append(_moved(_ball(2, 0.024), rng, (x, y, 0.026 + 0.052 * layer)))
+            balls.append(moved(icosphere(2, 0.024), rng, (x, y, 0.026 + 0.052 * layer)))
     return _play(balls, [open_box], ticks=300, material=LIGHT)
 
 
@@ -147,15 +147,15 @@ def fast_fist(rng: np.random.Generator) -> Played:
     """Hit a ball on a table with a fist of 5 m/s, until it is nearly flat."""
     fist = trimesh.creation.box((0.06, 0.06, 0.06)).subdivide().subdivide()
     down = _along(np.array(fist.vertices) + (0, 0, 0.16), (0, 0, -0.12), until=0.024 / 0.12)
-    ball = _moved(_ball(3, 0.04), rng, (0, 0, 0.042))
-    return _play([ball], [_grid(2, 2, 0.4, 0.4), (down(0.0), np.array(fist.faces))], ticks=120, leads=[None, down])
+    ball = moved(icosphere(3, 0.04), rng, (0, 0, 0.042))
+    return _play([ball], [grid(2, 2, 0.4, 0.4), (down(0.0), np.array(fist.faces))], ticks=120, leads=[None, down])
 
 
 def collider_ends_inside(rng: np.random.Generator) -> Played:
     """Lead a ball-shaped collider to the middle of a body that is pinned."""
-    tip = _ball(2, 0.015)
+    tip = icosphere(2, 0.015)
     way = _along(tip[0] + (0.06, 0, 0), (-0.06, 0, 0), rest=0.6)
-    ball = _moved(_ball(3, 0.04), rng)
+    ball = moved(icosphere(3, 0.04), rng)
     return _play([ball], [(way(0.0), tip[1])], ticks=300, held=[ball[0][:, 0] < -0.03], leads=[way])
 
 
@@ -193,7 +193,7 @@ def _play(
     )
 
 
-def _ball(subdivisions: int, radius: float) -> Shape:
+def icosphere(subdivisions: int, radius: float) -> Shape:
     return _of(trimesh.creation.icosphere(subdivisions, radius))
 
 
@@ -201,13 +201,13 @@ def _of(mesh: trimesh.Trimesh) -> Shape:
     return np.array(mesh.vertices), np.array(mesh.faces, np.int64)
 
 
-def _moved(shape: Shape, rng: np.random.Generator, to: Sequence[float] = (0.0, 0.0, 0.0)) -> Shape:
+def moved(shape: Shape, rng: np.random.Generator, to: Sequence[float] = (0.0, 0.0, 0.0)) -> Shape:
     """Turn a shape at random and put it somewhere, up to half a millimetre off."""
     turn = trimesh.transformations.random_rotation_matrix(rng.random(3))[:3, :3]
     return shape[0] @ turn.T + np.asarray(to) + rng.uniform(0, JITTER, 3), shape[1]
 
 
-def _grid(columns: int, rows: int, width: float, depth: float) -> Shape:
+def grid(columns: int, rows: int, width: float, depth: float) -> Shape:
     """Return a flat sheet of columns x rows squares in the plane z = 0, facing up."""
     x, y = np.linspace(-width / 2, width / 2, columns + 1), np.linspace(-depth / 2, depth / 2, rows + 1)
     points = np.stack([a.ravel() for a in (*np.meshgrid(x, y, indexing="ij"), np.zeros((columns + 1, rows + 1)))], 1)
@@ -222,7 +222,7 @@ def _bar(length: float, side: float, along: int, across: int) -> Shape:
     for normal in range(3):
         for sign in (-1, 1):
             sizes = [(length, along) if axis == 0 else (side, across) for axis in range(3) if axis != normal]
-            points, faces = _grid(sizes[0][1], sizes[1][1], sizes[0][0], sizes[1][0])
+            points, faces = grid(sizes[0][1], sizes[1][1], sizes[0][0], sizes[1][0])
             whole = np.insert(points[:, :2], normal, sign * (length if normal == 0 else side) / 2, axis=1)
             parts.append((whole, faces if (sign > 0) != (normal == 1) else faces[:, ::-1]))
     starts = np.cumsum([0, *(len(points) for points, _ in parts)])
