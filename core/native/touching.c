@@ -155,7 +155,6 @@ DM_INLINE void dm_resolve_meeting(dm_scene_state *s, dm_meeting *m, dm_quad u) {
 /* Where a meeting would go nearer than it touches within the substep: begin with it. */
 static void dm_begin_meeting(dm_scene_state *s, uint32_t k) {
     dm_meeting *m = s->meetings + k;
-    if (dm_sleeps(s->surfaces + m->surface[0]) || dm_sleeps(s->surfaces + m->surface[1])) return;
     dm_quad u = dm_speed_of(s, m), way = {0, 0, 0, 0};
     for (int j = 0; j < 4; j++) way += m->weight[j] * s->near[m->at[j]].way;
     dm_real h = (dm_real)s->dt;
@@ -201,7 +200,12 @@ static void dm_resolve_touching(dm_scene_state *s) {
         n->v[3] = inverse_mass;
         n->out = (dm_quad){0, 0, 0, 0}, n->met = 0;
     }
-    for (uint32_t k = 0; k < s->meeting_count; k++) dm_begin_meeting(s, k);
+    int asleep = 0;
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) asleep |= dm_sleeps(f);
+    for (uint32_t k = 0; k < s->meeting_count; k++) {
+        const uint32_t *of = s->meetings[k].surface;
+        if (!asleep || !(dm_sleeps(s->surfaces + of[0]) || dm_sleeps(s->surfaces + of[1]))) dm_begin_meeting(s, k);
+    }
     for (int sweep = 1; sweep < DM_CONTACT_SWEEPS; sweep++)
         for (uint32_t k = 0; k < s->active_count; k++) {
             dm_meeting *m = s->meetings + s->active[k];
