@@ -108,20 +108,20 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from robot.redrawn()
     robot.screenshot(out / "0-force-soft.png")
     session, seen, drawn, began = body().session, [], robot.drawn(), time.monotonic()
-    step = session.step
+    finish = session.finish
 
     def noted(*given: object, **named: object) -> object:
-        frame = step(*given, **named)
+        frame = finish(*given, **named)
         seen.append(float(frame.depths[0]))
         return frame
 
-    session.step = noted
+    session.finish = noted  # however it is stepped
     bpy.data.objects["Cube"].active_material.dimple.K1 = HARD
     bpy.ops.ed.undo_push(message="K1")
     yield from robot.until(lambda: len(seen) > 2, "frames pass", 30)
     check("K1 acts within two frames", abs(seen[1] - soft) > 1e-6, f"{1e3 * (seen[1] - soft):+.4f} mm")
     yield from robot.until(lambda: len(seen) > 30 and settled(), "the fingertip rests again", 400)
-    del session.step
+    del session.finish
     hard, rate = float(body().frame.depths[0]), (robot.drawn() - drawn) / (time.monotonic() - began)
     check("a harder material is pressed less deep", hard < 0.7 * soft, f"{1e3 * soft:.2f} and {1e3 * hard:.2f} mm")
     check("and that is seen, however slow the machine is", rate > 0, f"{rate:.1f} frames a second")
