@@ -1,8 +1,8 @@
 """A virtual indentation: a body at rest under a measuring tip, depth by depth.
 
 A flat punch grips: the surface points under it are pins that go down with it, and the force on it is the sum of the
-forces on them. A sphere is a fingertip. Either goes down in a session whose body is light and critically damped, so
-that it comes to rest within a few ticks at each depth.
+forces on them. Its body is critically damped, so that it comes to rest within a few ticks at each depth. A sphere is a
+fingertip and goes on down. Either body is light, so that it follows.
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ ROWS = 60  # of a virtual press
 RIM = 1 / 3  # of an edge: the rim of a punch holds the edges that cross it as if it were so much wider
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
-MOVING, SETTLING = 0.006, 0.014  # [s] between two depths, and of rest there under a flat tip
-LISTENING = 0.004  # [s] of taking the mean of the force on a sphere: what it touches changes, so depths differ
-STEADY, LOOKS = 2e-3, 6  # there is rest where two means are no farther apart, as a share, or after so many of them
+MOVING, SETTLING = 0.006, 0.014  # [s] between two depths of a flat tip, and of rest there
+# [s] between two depths of a round tip, and of taking the mean of its force: friction remembers the way, so the tip goes
+# down as a fingertip does, in a body as damped as the material is, at least so much
+SINKING, LISTENING, LEAST_DAMPING = 0.010, 0.004, 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,8 +138,9 @@ def set_up(mesh: Mesh, material: Material, indenter: Indenter, site: Site) -> Se
     """Return a session of a body under a tip that just touches it."""
     constants = estimate(material, mesh.size)
     mass = constants.kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
-    light = replace(material, constants=constants, mass=mass, density=None, damping_ratio=1.0)
     under = _gripped(indenter, site)
+    damping = 1.0 if under.any() else max(material.damping_ratio, LEAST_DAMPING)
+    light = replace(material, constants=constants, mass=mass, density=None, damping_ratio=damping)
     model = build_model(
         replace(mesh, loose=mesh.loose | under),  # pins that go down must not carry the shape at rest along
         [light] * (int(mesh.triangle_material.max()) + 1),
@@ -162,12 +164,9 @@ def go_down(session: Session, indenter: Indenter, site: Site, before: float, dep
 
 
 def going_down(
-    session: Session, indenter: Indenter, site: Site, before: float, depth: float, *, looks: int = LOOKS
+    session: Session, indenter: Indenter, site: Site, before: float, depth: float
 ) -> Generator[float, None, Station]:
     """Go down in steps of some milliseconds each.
-
-    Args:
-        looks: how often the force on a sphere is looked at, at most, until it no longer changes.
 
     Yields:
         the share that is done, at the least.
@@ -176,27 +175,25 @@ def going_down(
         where the body rests.
     """
     model, under = session.model, _gripped(indenter, site)
-    if depth != before:
-        if under.any():
-            places = model.mesh.rest_positions + depth * np.outer(under, site.inward)
-            session.set_held(places[model.mesh.source])
-        else:
-            session.set_fingers([_finger(site, depth, indenter.radius)])
-        ticks = abs(depth - before) / (FINGER_TRAVEL * indenter.radius)
-        session.step(max(MOVING, 2 * ticks * session.tick))
-        yield 1 / (1 + looks)
-    force = math.inf
-    for look in range(1, 1 + looks):
-        last, frame = force, session.step(SETTLING if under.any() else LISTENING)
-        if under.any():
-            x = session.body.positions()
-            force = -float(site.inward @ forces(model, _at(model, x))[:, under].sum(axis=1))
-            break
+    ticks = math.ceil(abs(depth - before) / (FINGER_TRAVEL * indenter.radius))
+    if under.any():
+        places = model.mesh.rest_positions + depth * np.outer(under, site.inward)
+        session.set_held(places[model.mesh.source])
+        if depth != before:
+            session.step(max(MOVING, 2 * ticks * session.tick))
+            yield 0.3
+        frame = session.step(SETTLING)
+        force = -float(site.inward @ forces(model, _at(model, session.body.positions()))[:, under].sum(axis=1))
+    else:
+        steps = max(round(SINKING / session.tick), ticks) if depth != before else 1
+        for step in range(1, steps + 1):
+            session.set_fingers([_finger(site, before + (depth - before) * step / steps, indenter.radius)])
+            session.step(session.tick)
+            if step == steps // 2:
+                yield 0.4
+        yield 0.7
+        frame = session.step(LISTENING)
         force = -float(frame.finger_forces[0] @ site.inward) if frame.finite and len(frame.finger_forces) else math.nan
-        if not abs(force - last) > STEADY * abs(force):  # or it is no number
-            break
-        if look < looks:
-            yield (1 + look) / (1 + looks)
     x = session.body.positions()
     volume = pressure.volume(model.pressure, x) if model.pressure.fill == "none" else frame.volume
     return Station(

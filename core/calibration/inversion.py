@@ -24,13 +24,12 @@ from ..material import Material, ModelConstants
 from ..mesh.surface import Mesh
 from ..session import Session
 from ..steps import as_share
-from .indent import LOOKS, Site, Station, going_down, put_back, set_up
+from .indent import Site, Station, going_down, put_back, set_up
 
 DEPTHS = 24  # of a press
 SWEEPS, WORK = (5, 9), 6e7  # presses, from and to, and steps of vertices after which there are no more
 GOOD, GOOD_WORST = 0.01, 0.05  # RMS and largest error over full scale that need no better law
-ROUGH, ROUGH_PART = 2, 0.6  # presses that wait for rest no longer than it mostly takes; times as long as the others
-USUAL_TICKS = 17  # of a depth
+TICKS = 14  # of a depth
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
 # shares of the knee where pieces end, dense where the law must jump, and of what is left beyond it; all of them shares
 # of the deepest where no knee is reached
@@ -84,21 +83,16 @@ def inverted(
     session = set_up(mesh, replace(material, constants=replace(first, pieces=())), material.indenter, site)
     area = session.model.matching.k1 / first.kappa1
     steepest = max(STEEPEST * pulled(session.model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
-    each = len(area) * session.substeps * DEPTHS * USUAL_TICKS
+    each = len(area) * session.substeps * DEPTHS * TICKS
     sweeps = min(max(round(WORK / each), SWEEPS[0]), SWEEPS[1])
-    done = begun
     for sweep in range(sweeps):
-        part = (1 - begun) * (ROUGH_PART if sweep < ROUGH else 1.0) / (sweeps - ROUGH * (1 - ROUGH_PART))
-        looks = 1 if sweep < ROUGH else LOOKS
-        found = yield from _swept(session, area, material, site, ends, np.maximum(slopes, least), looks, (done, part))
-        done += part
-        if sweep == ROUGH:
-            best = None  # what is not at rest is no measure
+        share = begun + (1 - begun) * sweep / sweeps, (1 - begun) / sweeps
+        found = yield from _swept(session, area, material, site, ends, np.maximum(slopes, least), share)
         if best is None or found.off @ found.off < best.off @ best.off:
             best, damped = found, damped * (1.0 if best is None else LESS)
         else:
             damped *= MORE
-        if not best.stations or (sweep >= ROUGH and _is_good(best, material)):
+        if not best.stations or _is_good(best, material):
             break
         slopes = _improved(best, first.kappa1, least, steepest, damped)
     assert best
@@ -126,13 +120,11 @@ def _swept(
     site: Site,
     ends: Floats,
     slopes: Floats,
-    looks: int,
     share: tuple[float, float],
 ) -> Generator[float, None, _Sweep]:
     """Press with a law of slopes (m,) on pieces that end at (m,).
 
     Args:
-        looks: how often the force is looked at, at most, until it no longer changes.
         share: of the whole, before and by this press.
     """
     put_back(session, material.indenter, site)
@@ -144,7 +136,7 @@ def _swept(
     off, stored, stations, before = wanted / weighs, [np.zeros(len(slopes))], [], 0.0
     each = share[1] / (DEPTHS + 1)
     for k, depth in enumerate(depths.tolist()):
-        steps = going_down(session, material.indenter, site, before, depth, looks=looks)
+        steps = going_down(session, material.indenter, site, before, depth)
         station = yield from as_share(steps, share[0] + k * each, each)
         yield share[0] + (k + 1) * each
         if not station.found:
