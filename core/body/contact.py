@@ -7,16 +7,16 @@ Positions second: what is inside is moved out without adding speed, and friction
 point whose velocity alone is stopped would still creep by dt^2 a in each step, and friction would be viscous.
 
 Faces keep a fingertip smaller than an edge from slipping through. A facet stands for a surface that bends round the
-fingertip: where its corners lie on the sphere, its middle would lie deeper by the bulge
+fingertip: where its corners lie on the sphere, its middle lies inside by the bulge
 
     s = (|e_12|^2 + |e_23|^2 + |e_31|^2) / 18 R
 
-with edges e at rest. So a facet meets a sphere smaller by 3 s: as long as it is not stretched its corners alone keep
-it out, for to push at its middle too would be to ask for twice what there is to move, and the surplus would show as
-side force and creep. But where the corners part under the fingertip, the stretched facet holds it. A facet too large
-to bend (s > R / 16) meets a sphere smaller by R / 4 - s, and a vertex the whole sphere. (One sphere for all of a facet,
-or a contact that slides on it would gain energy.) Where several faces share a vertex, each moves its share of the
-vertex's mass (Tonge's mass splitting), so that the result does not depend on an order.
+with edges e at rest. To push there too would be to ask for twice what there is to move, and the surplus would show as
+side force and creep. So a facet meets a sphere smaller by 0.16 R: its corners alone keep a small one out, and where they
+part under the fingertip, the stretched facet holds it. One too large to bend (s > 0.09 R) meets a sphere smaller by
+R / 4 - s, and a vertex the whole sphere. (One sphere for all of a facet, or a contact that slides on it would gain
+energy.) Where several faces share a vertex, each moves its share of the vertex's mass (Tonge's mass splitting), so that
+the result does not depend on an order.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ LEAST_SWEEPS = 2  # where faces are touched: the second stops what slides on aft
 FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
-MOST_SAGITTA = 0.125  # of the radius: a facet that bulges twice as much is stiff
-BENDS = 3.0  # times the bulge at rest: how far a fingertip may sink into a facet before it is met
+STIFF = 0.25  # of the radius: the bulge of a facet that is met whole
+SUNK = 0.16  # of the radius: how far a fingertip may be inside a small facet
 NEAR = 0.0625  # of the radius: farther from a fingertip than that, what is at rest stays clear of it for a tick
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
@@ -82,7 +82,7 @@ def candidates(
     """
     near = ((x - centre[:, None]) ** 2).sum(axis=0) < (radius + margin) ** 2
     within = triangles_near(x, triangles, inverse_mass, centre, radius + margin)
-    radii, corners = radius - sagitta(bulge(rest[:, within], radius), radius), x[:, within]
+    radii, corners = met_radius(bulge(rest[:, within], radius), radius, SUNK * radius), x[:, within]
     offset = (corners * nearest_on_triangles(corners, centre)).sum(axis=2) - centre[:, None]
     met = np.sqrt((offset**2).sum(axis=0)) < radii + margin
     return np.flatnonzero(near & (inverse_mass > 0)), within[met], radii[met]
@@ -198,9 +198,9 @@ def _push(
     return -impulse.sum(axis=1), float(depth.max())
 
 
-def sagitta(bulge: Floats, radius: float, bends: float = BENDS) -> Floats:
-    """Return how much smaller (c,) [m] a sphere meets facets of a bulge at rest (c,) [m] than vertices."""
-    return np.minimum(bends * bulge, np.maximum(2 * MOST_SAGITTA * radius - bulge, 0.0))
+def met_radius(bulge: Floats, radius: float, sunk: Floats | float) -> Floats:
+    """Return the radii (c,) [m] of the spheres that facets of a bulge at rest (c,) [m] meet: smaller by sunk [m]."""
+    return radius - np.minimum(sunk, np.maximum(STIFF * radius - bulge, 0.0))
 
 
 def bulge(corners: Floats, radius: float) -> Floats:

@@ -28,8 +28,8 @@ RIM = 1 / 3  # of an edge: the rim of a punch holds the edges that cross it as i
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
 MOVING, SETTLING = 0.006, 0.014  # [s] between two depths of a flat tip, and of rest there
-# [s] between two depths of a round tip, and of taking the mean of its force: friction remembers the way, so the tip goes
-# down as a fingertip does, in a body as damped as the material is, at least so much
+# [s] between two depths of a round tip, and of taking the mean of its force: friction remembers the way, so it sinks
+# as a fingertip does, in a body as damped as the material is, at least so much
 SINKING, LISTENING, LEAST_DAMPING = 0.010, 0.004, 0.2
 
 

@@ -15,8 +15,8 @@
 #define DM_ROUNDING 1e-6
 #define DM_TOO_NEAR 1e-5
 #define DM_WEIGHT_FLOOR 1e-6
-#define DM_MOST_SAGITTA 0.125
-#define DM_BENDS 3.0
+#define DM_STIFF 0.25
+#define DM_SUNK 0.16
 #define DM_NEAR 0.0625
 #define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the four below */
 #define DM_FINGER_TRAVEL 0.25
@@ -77,7 +77,7 @@ typedef struct { /* a spring summed by itself, on the ends that say so */
 
 typedef struct { /* a point on a face, or a vertex, inside a fingertip */
     uint32_t corner[3];
-    dm_real weight[3], mobility[3], distance, radius; /* of the sphere there: less than the fingertip's by the sagitta */
+    dm_real weight[3], mobility[3], distance, radius; /* of the sphere there: a facet's is smaller than the fingertip's */
     dm_quad normal, impulse, out;
 } dm_contact;
 

@@ -100,7 +100,7 @@ DM_INLINE dm_vec3 dm_nearest_points(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_vec3 *we
     };
 }
 
-/* Return the radius of the sphere that a facet meets: smaller by what the facet bends, unless it is too large for that. */
+/* Return the radius of the sphere that a facet meets: smaller, unless it is too large to bend round the fingertip. */
 static dm_real dm_met_radius(const dm_state *b, const uint32_t *at, dm_real radius) {
     dm_real bulge = 0;
     for (int j = 0; j < 3; j++) {
@@ -109,8 +109,8 @@ static dm_real dm_met_radius(const dm_state *b, const uint32_t *at, dm_real radi
         dm_real x = p->x[k] - q->x[m], y = p->y[k] - q->y[m], z = p->z[k] - q->z[m];
         bulge += (x * x + y * y + z * z) / (18 * radius);
     }
-    dm_real left = 2 * (dm_real)DM_MOST_SAGITTA * radius - bulge, bent = (dm_real)DM_BENDS * bulge;
-    return radius - (bent < left ? bent : left > 0 ? left : 0);
+    dm_real left = (dm_real)DM_STIFF * radius - bulge, sunk = (dm_real)DM_SUNK * radius;
+    return radius - (sunk < left ? sunk : left > 0 ? left : 0);
 }
 
 /* List the faces inside a sphere with their nearest points, and count the contacts at each corner. */

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import Floats, Ints, sums_at
-from core.body.contact import Touch, bulge, nearest_on_triangles, sagitta
+from core.body.contact import Touch, bulge, met_radius, nearest_on_triangles
 
 _TINY = 1e-30
 
@@ -41,13 +41,14 @@ def meeting(x: Floats, touch: Touch, stiffness: Floats, rest: Floats) -> Meeting
 
     Args:
         stiffness: (n,) [N/m] that a vertex is met with.
-        rest: (3, n) [m] where a facet's sagitta is taken, so that the sphere it meets does not change as it moves.
+        rest: (3, n) [m] where the bulge of a facet is taken, so that the sphere it meets does not change as it moves.
     """
     corners = x[:, touch.triangles]
     weights = nearest_on_triangles(corners, touch.centre)
     offset = (corners * weights).sum(axis=2) - touch.centre[:, None]
     distance = np.sqrt((offset**2).sum(axis=0))
-    radius = touch.radius - sagitta(bulge(rest[:, touch.triangles], touch.radius), touch.radius, bends=1.0)
+    sunk = bulge(rest[:, touch.triangles], touch.radius)
+    radius = met_radius(sunk, touch.radius, sunk)
     hit = distance < radius
     members = touch.triangles[hit]
     return Meeting(

@@ -76,7 +76,7 @@ def test_the_constants_of_c_are_those_of_python() -> None:
     shared = {
         "FACE_SWEEPS": contact.FACE_SWEEPS, "FACE_SLACK": contact.FACE_SLACK, "LEAST_SWEEPS": contact.LEAST_SWEEPS,
         "PINNED_GIVE": contact.HELD_GIVE, "ROUNDING": contact.ROUNDING, "TOO_NEAR": contact.TOO_NEAR,
-        "WEIGHT_FLOOR": contact.WEIGHT_FLOOR, "MOST_SAGITTA": contact.MOST_SAGITTA, "BENDS": contact.BENDS,
+        "WEIGHT_FLOOR": contact.WEIGHT_FLOOR, "STIFF": contact.STIFF, "SUNK": contact.SUNK,
         "NEAR": contact.NEAR,
         "SKIN_TRAVEL": base.SKIN_TRAVEL, "FINGER_TRAVEL": base.FINGER_TRAVEL,
         "LARGEST_GROWTH": base.LARGEST_GROWTH, "FASTEST": base.FASTEST, "SAME_SIDE": depth.SAME_SIDE,

@@ -7,15 +7,15 @@ import pytest
 
 from core.base import Floats
 from core.body.contact import (
-    BENDS,
+    SUNK,
     Step,
     Touch,
     bulge,
     candidates,
+    met_radius,
     nearest_on_triangles,
     resolve,
     rest_on_ground,
-    sagitta,
 )
 from core.body.model import build_model
 from core.calibration.identify import identification
@@ -44,10 +44,11 @@ def gap(x: Floats, mesh: Mesh, finger: Finger) -> float:
     """Return how far [m] vertices are from a fingertip, and facets from the smaller one they meet; < 0 inside."""
     corners, centre = x[:, mesh.triangles], np.array(finger.position)
     at_rest = bulge(mesh.rest_positions.T[:, mesh.triangles], finger.radius)
+    met = met_radius(at_rest, finger.radius, SUNK * finger.radius)
     weights = nearest_on_triangles(corners, centre)
     offset = (corners * weights).sum(axis=2).T - centre
-    facets = (np.linalg.norm(offset, axis=1) + sagitta(at_rest, finger.radius)).min()
-    return float(min(facets, np.linalg.norm(x.T - centre, axis=1).min()) - finger.radius)
+    facets = (np.linalg.norm(offset, axis=1) - met).min()
+    return float(min(facets, np.linalg.norm(x.T - centre, axis=1).min() - finger.radius))
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.5, 3.0])
@@ -152,8 +153,8 @@ def test_the_bulge_is_how_far_the_middle_of_a_facet_with_its_corners_on_a_sphere
     facet = np.vstack([flat, np.sqrt(radius**2 - (flat**2).sum(axis=0))])[:, None]
     assert bulge(facet, radius) == pytest.approx(h**2 / (6 * radius))
     assert radius - np.linalg.norm(facet.mean(axis=2)) == pytest.approx(h**2 / (6 * radius), rel=1e-3)
-    assert sagitta(bulge(facet, radius), radius) == pytest.approx(BENDS * h**2 / (6 * radius))
-    assert sagitta(bulge(40 * facet, radius), radius) == 0
+    assert met_radius(bulge(facet, radius), radius, SUNK * radius) == pytest.approx((1 - SUNK) * radius)
+    assert met_radius(bulge(40 * facet, radius), radius, SUNK * radius) == radius
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -206,7 +207,7 @@ def test_the_skin_stays_out_of_the_fingertip(backend: str) -> None:
 
 @pytest.mark.parametrize(("slide", "held"), [(0.3, True), (0.49, True), (0.51, False), (2.0, False)])
 def test_friction_holds_inside_the_cone_and_slides_outside_it(slide: float, held: bool) -> None:
-    """A face, small so that its sagitta is, comes down on a fingertip at 1 m/s and slides along it; friction 0.5."""
+    """A face comes down on a fingertip at 1 m/s and slides along it; friction 0.5."""
     x = 1e-3 * np.array([[-1.0, 1, 0], [-1, -1, 2], [0, 0, 0]]) + np.array([[0], [0], [0.0999]])
     v = np.array([[slide], [0.0], [-1.0]]) * np.ones(3)
     touch = Touch(
