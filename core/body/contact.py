@@ -12,9 +12,9 @@ fingertip: where its corners lie on the sphere, its middle lies inside by the bu
     s = (|e_12|^2 + |e_23|^2 + |e_31|^2) / 18 R
 
 with edges e at rest. To push there too would be to ask for twice what there is to move, and the surplus would show as
-side force and creep. So a facet meets a sphere smaller by 0.16 R: its corners alone keep a small one out, and where they
-part under the fingertip, the stretched facet holds it. One too large to bend (s > 0.09 R) meets a sphere smaller by
-R / 4 - s, and a vertex the whole sphere. (One sphere for all of a facet, or a contact that slides on it would gain
+side force and creep. So a facet meets a sphere smaller by 0.16 R: its corners alone keep a small one out, and where
+they part under the fingertip, the stretched facet holds it. One too large to bend (s > 0.09 R) meets a sphere smaller
+by R / 4 - s, and a vertex the whole sphere. (One sphere for all of a facet, or a contact that slides on it would gain
 energy.) Where several faces share a vertex, each moves its share of the vertex's mass (Tonge's mass splitting), so that
 the result does not depend on an order.
 """
