@@ -57,7 +57,7 @@ def test_a_mesh_too_slow_to_run_live_gets_a_proxy_with_a_reason(round_model: Mod
 
 
 def test_tighter_tolerances_take_more_vertices(round_model: Model) -> None:
-    needs = [planner.vertices_for(round_model, t, f, 0.02) for t, f in ((1e-3, 0.3), (5e-4, 0.3), (5e-4, 0.05))]
+    needs = [planner.vertices_for(round_model, t, f, 0.02) for t, f in ((2e-3, 0.3), (1e-3, 0.3), (1e-3, 0.05))]
     assert needs[0] < needs[1] < needs[2]
     # and a smaller fingertip makes a smaller dent
     assert planner.vertices_for(round_model, 1e-3, 0.1, 0.005) > planner.vertices_for(round_model, 1e-3, 0.1, 0.02)
