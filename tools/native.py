@@ -25,7 +25,7 @@ ZIG = ENVIRONMENTS / "zig"
 PACKAGE = "dimple_native"
 
 FLAGS = (
-    "-std=c11", "-O3", "-fPIC", "-fvisibility=hidden", "-fno-math-errno", "-fno-trapping-math",
+    "-std=c11", "-O3", "-fno-unroll-loops", "-fPIC", "-fvisibility=hidden", "-fno-math-errno", "-fno-trapping-math",
     "-Wall", "-Wextra", "-Werror",
 )  # fmt: skip
 # fused multiply-add is a tenth of the time; without it double precision has the same bits on every machine
