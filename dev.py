@@ -17,9 +17,10 @@ from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, provide
 from tools.extension import build_zip
 
 BUILD = ROOT / "build"
-# what runs against the clock of a device runs alone, then the rest side by side, the two parts of core about as long
+# what runs against the clock of a device runs alone, then the rest side by side, in parts about as long
 REAL_TIME, LONG, BLENDERS_OWN = ["tests/haptics"], ["tests/calibration", "tests/studies"], ["tests/blender"]
-OTHERS = ["tests", *(f"--ignore={place}" for place in (*REAL_TIME, *LONG, *BLENDERS_OWN))]
+SANITIZED = ["tests/parity/test_sanitizers.py"]
+OTHERS = ["tests", *(f"--ignore={place}" for place in (*REAL_TIME, *LONG, *BLENDERS_OWN, *SANITIZED))]
 TESTS_LIMIT_S = 1800  # Blender 4.5 hangs at exit when a timer is left registered
 SCRIPT_LIMIT_S = 1800
 NO_TESTS_COLLECTED = 5  # pytest's exit code
@@ -65,7 +66,7 @@ def test(options: argparse.Namespace) -> int:
     # core and the installed extension are the same modules under two names: one process never holds both
     folders = [[path] for path in inside if Path(path).is_dir()]
     files = [path for path in inside if [path] not in folders]
-    rounds = [[outside], [*folders, files]] if paths else [[REAL_TIME], [OTHERS, LONG, BLENDERS_OWN]]
+    rounds = [[outside], [*folders, files]] if paths else [[REAL_TIME], [OTHERS, LONG, BLENDERS_OWN, SANITIZED]]
     codes = []
     for places in rounds:
         commands = [[python, "-m", "pytest", *flags, *some] for some in places if some]

@@ -130,7 +130,7 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
     zig = compiler(python)
     say(f"compiling the native core for {name}")
     folder.mkdir(parents=True, exist_ok=True)
-    words: list[list[str | Path]] = [[SOURCES / f"{each}.c", "-o", folder / f"{each}.o"] for each in ONCE]
+    words: list[list[str | Path]] = [[FUSE[64], SOURCES / f"{each}.c", "-o", folder / f"{each}.o"] for each in ONCE]
     for kind in target.sets:
         for bits in (32, 64) if DOUBLE in more else (32,):
             options: list[str | Path] = [f"-DDM_BITS={bits}", f"-DDM_SET={kind}", *VARIANTS[kind], FUSE[bits]]

@@ -1,10 +1,9 @@
-/* Cells on a fine surface, and what each of its vertices follows. Source: core/reduction/cells.py and binding.py. */
+/* Cells on a fine surface, and what each of its vertices follows. Source: core/reduction/cells.py and binding.py.
+ * Compiled without fused multiply-add, to the bits of numpy: what is baked depends on which seed is nearest. */
 #include "dimple.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#pragma STDC FP_CONTRACT OFF /* the bits of numpy on every processor: what is baked hangs on which seed is nearest */
 
 static double dm_apart(const double *a, const double *b) {
     double sum = 0;

@@ -52,7 +52,10 @@ def ball_in_flight() -> tuple[Model, State, np.ndarray, float]:
     return model, start, answer.y[: start.positions.size, -1].reshape(3, -1), seconds
 
 
-@pytest.mark.parametrize("method", METHODS)
+SLOW = {"vertex_block_descent"}
+
+
+@pytest.mark.parametrize("method", [pytest.param(m, marks=[pytest.mark.slow] * (m in SLOW)) for m in METHODS])
 def test_a_twisted_ball_converges_on_an_independent_solver_at_the_order_of_the_method(
     method: str, ball_in_flight: tuple[Model, State, np.ndarray, float]
 ) -> None:

@@ -42,7 +42,7 @@ def test_the_hand_gets_the_force_of_the_body_that_blender_shows(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
     """All three rest, so near each other that they share a dent: each gets less than its law of 200 N/m alone."""
-    _, entry = pressed(bpy, port, add, radius_mm=10.0)
+    _, entry = pressed(bpy, port, add, radius_mm=12.0)
 
     def rests(report: Any) -> bool:
         forces, depths = entry.frame.finger_forces, entry.frame.depths

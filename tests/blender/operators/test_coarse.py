@@ -94,7 +94,8 @@ def test_a_coarse_mesh_goes_along_with_its_refined_surface(bpy: ModuleType, smal
 
     assert len(small.link.rest) == 8 and len(small.session.positions()) > 500
     press(small, 0.03, 0.03, 0.006)
-    local = showing.show(bpy.data.objects[small.name], small)
+    showing.show(bpy.data.objects[small.name], small)
+    local = showing.local_of(small)
     off = np.linalg.norm(local - small.link.rest, axis=1)
     corner = int((small.link.rest @ np.ones(3)).argmax())
     assert local.shape == (8, 3) and off.argmax() == corner and off[corner] > 0.1
