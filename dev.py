@@ -18,7 +18,8 @@ from tools.extension import build_zip
 
 BUILD = ROOT / "build"
 # what runs against the clock of a device runs alone, then the rest side by side, in parts about as long
-REAL_TIME, LONG, BLENDERS_OWN = ["tests/haptics"], ["tests/calibration", "tests/studies"], ["tests/blender"]
+REAL_TIME, BLENDERS_OWN = ["tests/haptics"], ["tests/blender"]
+LONG = ["tests/calibration", "tests/experiment", "tests/studies", "tests/unit"]
 SANITIZED = ["tests/parity/test_sanitizers.py"]
 OTHERS = ["tests", *(f"--ignore={place}" for place in (*REAL_TIME, *LONG, *BLENDERS_OWN, *SANITIZED))]
 TESTS_LIMIT_S = 1800  # Blender 4.5 hangs at exit when a timer is left registered
