@@ -43,16 +43,12 @@ def as_share(
 
 def at_once(parts: Parts) -> Any:
     """Call each part in turn and return the result."""
-    send, value = parts.send, None
-    while True:
-        try:
-            _, call = send(value)
-        except StopIteration as end:
-            return end.value
-        try:
-            send, value = parts.send, call()
-        except DimpleError as error:  # the steps may know what to do about it
-            send, value = parts.throw, error
+
+    def called(call: Callable[[], Any]) -> Generator[float, None, Any]:
+        yield 0.0
+        return call()
+
+    return result_of(_driven(parts, called))
 
 
 def beside(parts: Parts) -> Generator[float, None, Any]:
@@ -61,26 +57,33 @@ def beside(parts: Parts) -> Generator[float, None, Any]:
     Returns:
         the result.
     """
-    pool, share = ThreadPoolExecutor(1), 0.0
+    pool = ThreadPoolExecutor(1)
 
     def waited(call: Callable[[], Any]) -> Generator[float, None, Any]:
         future = pool.submit(call)
         while not future.done():
             time.sleep(LOOK_S)
-            yield share
+            yield 0.0
         return future.result()
 
-    send, value = parts.send, None
     try:
-        while True:
-            try:
-                share, call = send(value)
-            except StopIteration as end:
-                return end.value
-            try:
-                send, value = parts.send, (yield from waited(call))
-            except DimpleError as error:
-                send, value = parts.throw, error
+        return (yield from _driven(parts, waited))
     finally:
         parts.close()
         pool.shutdown(wait=False)
+
+
+def _driven(
+    parts: Parts, run: Callable[[Callable[[], Any]], Generator[float, None, Any]]
+) -> Generator[float, None, Any]:
+    """Run each part in steps, send what it returns or throw why it cannot, and yield the share that is done."""
+    send, value = parts.send, None
+    while True:
+        try:
+            share, call = send(value)
+        except StopIteration as end:
+            return end.value
+        try:
+            send, value = parts.send, (yield from as_share(run(call), share, 0.0))
+        except DimpleError as error:  # the parts may know what to do about it
+            send, value = parts.throw, error

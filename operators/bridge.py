@@ -34,15 +34,21 @@ if TYPE_CHECKING:
 LEVEL = 1e-4  # of its size: points of an object as high as its highest one
 _CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}  # Blender turns them into meshes that have faces
 
-def read_body(
+def read_body(context: bpy.types.Context, body: bpy.types.Object, **options: Any) -> tuple[ObjectLink, Model]:
+    """Read a mesh object at once; see `reading_body`."""
+    found: tuple[ObjectLink, Model] = at_once(reading_body(context, body, **options))
+    return found
+
+
+def reading_body(
     context: bpy.types.Context,
     body: bpy.types.Object,
     *,
     baked: bool = True,
     identify: str = "BACKGROUND",
     refined: Refinement | None = None,
-) -> tuple[ObjectLink, Model]:
-    """Read a mesh object with its materials and settings into a model; change nothing.
+) -> Parts:
+    """Read a mesh object with its materials and settings into a link and a model, in parts; change nothing.
 
     Args:
         baked: take the shape keys of an earlier bake as part of the rest shape.
@@ -53,18 +59,6 @@ def read_body(
     Raises:
         DimpleError: this object cannot be pressed, with the reason and what to do.
     """
-    found: tuple[ObjectLink, Model] = at_once(reading_body(context, body, baked, identify, refined))
-    return found
-
-
-def reading_body(
-    context: bpy.types.Context,
-    body: bpy.types.Object,
-    baked: bool = True,
-    identify: str = "BACKGROUND",
-    refined: Refinement | None = None,
-) -> Parts:
-    """Read a mesh object in parts; see `read_body`."""
     from ..core.mesh.surface import mesh_from_triangles
 
     check(body)

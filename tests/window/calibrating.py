@@ -65,8 +65,7 @@ def identify(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.W
     """Stop an identification by ESC; let another one end, on a coarse ball of the same material."""
     start("identify")
     check("the identification runs", "DIMPLE_OT_identify" in robot.modal_operators())
-    yield from robot.looks(10)
-    yield from robot.key("ESC", *at)
+    yield from robot.key("ESC", *at)  # at once: it takes a second or two
     yield from robot.until(lambda: not robot.modal_operators(), "ESC stops the identification", 30)
     settings = bpy.data.objects[body].active_material.dimple
     check("ESC stops the identification and nothing is written", settings.kappa1 == 0)
