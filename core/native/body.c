@@ -7,7 +7,7 @@ static void dm_state_destroy(dm_state *b) {
         b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness, b->tension, b->rest_rate,
         b->pull_rate, b->load,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
-        b->inverse_mass, b->friction, b->hits, b->before, b->still, b->pin_room, b->shares, b->moved,
+        b->inverse_mass, b->friction, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
@@ -28,7 +28,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->records = room(size, sizeof(dm_record)));
     whole = whole && (b->state = room(b->groups, sizeof(dm_group_state)));
     whole = whole && (b->matter = room(b->groups, sizeof(dm_group_matter)));
-    whole = whole && (b->still = room(b->groups, sizeof(dm_vec3)));
+    whole = whole && (b->still = room(b->groups, sizeof(dm_vec3))) && (b->listed = room(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->rest_rate = room(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->pull_rate = room(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->load = room(b->groups, sizeof(dm_vec3)));
@@ -275,7 +275,11 @@ static void dm_pin(dm_state *b, const double *inverse_mass) {
 static void dm_wake(dm_state *b) { b->asleep = b->rested = 0, b->quiet = 0; }
 
 /* The same where a caller has changed it. */
-static void dm_change(dm_state *b) { dm_wake(b), b->changes++, memset(b->resisted, 0, sizeof b->resisted); }
+static void dm_change(dm_state *b) {
+    dm_wake(b), b->changes++;
+    memset(b->resisted, 0, sizeof b->resisted);
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
+}
 
 static void dm_state_set_load(dm_state *b, const double *load) {
     b->loaded = load != NULL;

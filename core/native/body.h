@@ -18,6 +18,7 @@
 #define DM_STIFF 0.25
 #define DM_SUNK 0.16
 #define DM_NEAR 0.0625
+#define DM_LIST_MARGIN 0.125 /* of the radius: the more, the longer a list holds, and the longer it is */
 #define DM_SKIN_TRAVEL 0.5 /* as in core/base.py, with the four below */
 #define DM_FINGER_TRAVEL 0.25
 #define DM_LARGEST_GROWTH 100.0
@@ -90,6 +91,9 @@ typedef struct { /* what a fingertip may meet within a tick */
     uint32_t *vertices, (*faces)[3]; /* by their corners, the last one repeated to fill eight lanes */
     dm_real *radii;                  /* of the spheres that the faces meet [m] */
     uint32_t *noted;                 /* each of those vertices and corners once */
+    double listed_at[3], listed;     /* these are all within so much [m] of this place; 0: not known */
+    dm_real listed_radius;
+    int listed_finger;
 } dm_near;
 
 typedef struct { /* a triangle of the surface at rest, below which fingertips are measured */
@@ -149,6 +153,7 @@ struct dm_state {
     dm_real *inverse_mass, *friction;
     int finger_count;
     dm_near touches[DM_MAX_FINGERTIPS];
+    dm_vec3 *listed; /* (groups,) where vertices were when those lists were made */
     dm_contact *hits;
     dm_quad *before; /* where vertices near a fingertip were at the begin of the step */
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */

@@ -31,7 +31,7 @@ static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
 static double dm_fastest_of(const dm_scene_state *s) {
     double speed = 0;
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
-        double fastest = f->body ? (double)dm_greatest_speed(f->body) : 0;
+        double fastest = f->body ? dm_greatest_speed(f->body) : 0;
         for (uint32_t i = f->first; !f->body && f->moving && i < f->first + f->count; i++) {
             double way[3];
             dm_minus(s->aim[i], s->here[i], way);

@@ -1,12 +1,27 @@
-/* What each fingertip may meet within a tick: found once, by bounding boxes first. */
+/* What each fingertip may meet within a tick: listed by bounding boxes first, and with a margin, so that the lists hold
+ * until something has gone that far (Verlet 1967). */
 #include "body.h"
 
-static dm_real dm_greatest_speed(const dm_state *b) {
+static double dm_greatest_root(dm_lanes squares) {
+    dm_real most = 0;
+    for (int l = 0; l < DM_LANES; l++) most = squares[l] > most ? squares[l] : most;
+    return sqrt((double)most);
+}
+
+static double dm_greatest_speed(const dm_state *b) {
     dm_lanes most = dm_splat(0);
     for (int64_t g = 0; g < b->groups; g++) most = dm_vmax(dm_dot(b->state[g].v, b->state[g].v), most);
-    dm_real speed = 0;
-    for (int l = 0; l < DM_LANES; l++) speed = most[l] > speed ? most[l] : speed;
-    return DM_SQRT(speed);
+    return dm_greatest_root(most);
+}
+
+/* How far a vertex has gone at most since the lists were made. */
+static double dm_greatest_way(const dm_state *b) {
+    dm_lanes most = dm_splat(0);
+    for (int64_t g = 0; g < b->groups; g++) {
+        dm_vec3 way = dm_sub(b->state[g].x, b->listed[g]);
+        most = dm_vmax(dm_dot(way, way), most);
+    }
+    return dm_greatest_root(most);
 }
 
 static void dm_bound_boxes(dm_state *b) {
@@ -91,6 +106,14 @@ static void dm_list_noted(dm_state *b, dm_near *t) {
     for (int64_t k = 0; k < t->noted_count; k++) b->is_moved[t->noted[k]] = 0;
 }
 
+static void dm_list_near(dm_state *b, dm_near *t, double reach) {
+    dm_find_near_vertices(b, t, (dm_real)reach);
+    dm_find_near_faces(b, t, (dm_real)reach);
+    dm_list_noted(b, t);
+    memcpy(t->listed_at, b->fingers[t->finger].centre, sizeof t->listed_at);
+    t->listed = reach, t->listed_finger = t->finger, t->listed_radius = t->radius;
+}
+
 /* Move the fingertips by a tick, no faster than they may without skipping a skin. t: of the tick in the motion. */
 static void dm_carry_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
     double share = m->ticks > 1 ? (double)t / (double)(m->ticks - 1) : 0;
@@ -115,17 +138,32 @@ static void dm_carry_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
     }
 }
 
+/* Do the lists of a fingertip hold everything that it may meet within `asked` of its centre? */
+static int dm_is_listed(const dm_state *b, const dm_near *to, double asked, double gone) {
+    double way = 0;
+    for (int c = 0; c < 3; c++) {
+        double step = b->fingers[to->finger].centre[c] - to->listed_at[c];
+        way += step * step;
+    }
+    return to->listed_finger == to->finger && to->listed_radius == to->radius && sqrt(way) + gone + asked <= to->listed;
+}
+
 /* Find what the fingertips may meet within the tick. */
 static void dm_find_near(dm_state *b, const dm_motion *m) {
     b->skin_travel = 0;
     if (!b->finger_count) return;
-    double speed = (double)dm_greatest_speed(b);
-    dm_bound_boxes(b);
-    for (dm_near *to = b->touches; to < b->touches + b->finger_count; to++) {
-        dm_real reach = (dm_real)(to->reach + 2 * speed * m->tick) + (dm_real)DM_NEAR * to->radius;
-        dm_find_near_vertices(b, to, reach);
-        dm_find_near_faces(b, to, reach);
-        dm_list_noted(b, to);
+    double speed = dm_greatest_speed(b), gone = dm_greatest_way(b), asked[DM_MAX_FINGERTIPS];
+    int hold = !b->moving;
+    for (int k = 0; k < b->finger_count; k++) {
+        const dm_near *to = b->touches + k;
+        asked[k] = to->reach + 2 * speed * m->tick + DM_NEAR * (double)to->radius;
+        hold = hold && dm_is_listed(b, to, asked[k], gone);
+    }
+    if (!hold) dm_bound_boxes(b);
+    for (int64_t g = 0; !hold && g < b->groups; g++) b->listed[g] = b->state[g].x;
+    for (int k = 0; k < b->finger_count; k++) {
+        dm_near *to = b->touches + k;
+        if (!hold) dm_list_near(b, to, asked[k] + DM_LIST_MARGIN * (double)to->radius);
         double travel = DM_SKIN_TRAVEL * (double)to->radius;
         if (to->vertex_count + to->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
             b->skin_travel = travel;
