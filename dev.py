@@ -17,8 +17,10 @@ from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, provide
 from tools.extension import build_zip
 
 BUILD = ROOT / "build"
-# what runs against the clock of a device runs alone, then the rest side by side, in parts about as long
-REAL_TIME, BLENDERS_OWN = ["tests/haptics"], ["tests/blender"]
+# what runs by the real clock, with a device's processes, runs alone, then the rest side by side, in parts about as long
+BY_THE_CLOCK = "byte_poller", "device", "mailbox", "processes", "pseudo_terminal", "serial_link", "udp_line"
+REAL_TIME = [f"tests/haptics/test_{name}.py" for name in BY_THE_CLOCK]
+BLENDERS_OWN = ["tests/blender"]
 LONG = ["tests/calibration", "tests/experiment", "tests/studies", "tests/unit"]
 SANITIZED = ["tests/parity/test_sanitizers.py"]
 OTHERS = ["tests", *(f"--ignore={place}" for place in (*REAL_TIME, *LONG, *BLENDERS_OWN, *SANITIZED))]
