@@ -11,6 +11,7 @@
 #include "contact.c"
 #include "reach.c"
 #include "surface.c"
+#include "constants.c"
 #include "body.c"
 #include "moved_rest.c"
 #include "rest.c"
