@@ -30,7 +30,7 @@ FLAGS = (
 )  # fmt: skip
 # fused multiply-add is a tenth of the time; without it double precision has the same bits on every machine
 FUSE = {32: "-ffp-contract=on", 64: "-ffp-contract=off"}
-ONCE = "api", "many", "cells"  # compiled once for all instruction sets
+ONCE = "api", "many", "cells", "seeds"  # compiled once for all instruction sets
 VARIANTS = {"base": (), "avx2": ("-mavx2", "-mfma")}
 SMALL = "-Os"  # of a set that only processors from before 2013 take: 45 kB less of the zip
 

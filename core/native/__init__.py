@@ -35,7 +35,7 @@ from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 12
+ABI = 13
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
@@ -122,7 +122,7 @@ def load(path: Path) -> ctypes.CDLL:
     for name in ("dm_destroy", "dm_scene_destroy"):
         getattr(library, name).argtypes, getattr(library, name).restype = [c_void_p], None
     library.dm_rest_volume.argtypes, library.dm_rest_volume.restype = [c_void_p], c_double
-    library.dm_farthest_first.argtypes = [c_int64, c_void_p, c_void_p, c_double, c_int64, c_void_p]
+    library.dm_farthest_first.argtypes = [c_int64, c_void_p, c_int64, c_double, c_int64, c_void_p]
     library.dm_farthest_first.restype = c_int64
     library.dm_default_body_def.argtypes, library.dm_default_body_def.restype = [POINTER(BodyDef)], None
     for name, arguments in _SIGNATURES.items():

@@ -23,23 +23,6 @@ static int32_t dm_check_cells(const dm_cells *s) {
     return DM_OK;
 }
 
-int64_t dm_farthest_first(int64_t points, const double *place, double *near, double least, int64_t most,
-                          int64_t *chosen) {
-    if (points < 1 || points > DM_MAX_VERTICES || !place || !near || !chosen) return 0;
-    int64_t count = 0, at = 0;
-    for (int64_t k = 1; k < points; k++) at = near[k] > near[at] ? k : at;
-    while (count < most && near[at] > least) {
-        const double *from = place + 6 * at;
-        chosen[count++] = at, at = 0;
-        for (int64_t k = 0; k < points; k++) {
-            double d = dm_apart(place + 6 * k, from);
-            near[k] = d < near[k] ? d : near[k];
-            at = near[k] > near[at] ? k : at;
-        }
-    }
-    return count;
-}
-
 /* What the growth of cells works with. */
 typedef struct {
     int64_t *first, *beside; /* (vertices + 1,), (2 edges,) neighbours of each vertex, one after the other */

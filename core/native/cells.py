@@ -49,10 +49,10 @@ def follow_cells(
     return followed, weights
 
 
-def farthest_first(library: ctypes.CDLL, places: Floats, near: Floats, least: float, most: int) -> Ints:
-    """Return what `reduction.cells.farthest_first` does; `near` is contiguous and kept up in place."""
+def farthest_first(library: ctypes.CDLL, places: Floats, taken: int, least: float, most: int) -> Ints:
+    """Return what `reduction.cells.farthest_first` does."""
     chosen, places = np.empty(max(most, 0), np.int64), np.ascontiguousarray(places, np.float64)
-    given = len(near), places.ctypes.data, near.ctypes.data, least, most, chosen.ctypes.data
+    given = len(places), places.ctypes.data, taken, least, most, chosen.ctypes.data
     return chosen[: library.dm_farthest_first(*given)]
 
 

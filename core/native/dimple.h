@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 12 /* changes with anything below */
+#define DM_ABI 13 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -200,9 +200,9 @@ typedef struct {
     const int64_t *seed; /* (seeds,) vertices */
 } dm_cells;
 
-/* Choose (most,) of points at places (points, 6), the farthest from all chosen before first, as long as the square of
- * that distance is more than `least` [m2]; near: (points,) the square of each point's, kept up. Return how many. */
-DM_API int64_t dm_farthest_first(int64_t points, const double *place, double *near, double least, int64_t most,
+/* Choose (most,) of points at places (points, 6) beside the first `taken`, the farthest from all of those and from all
+ * chosen before, as long as the square of that distance is more than `least` [m2]. Return how many. */
+DM_API int64_t dm_farthest_first(int64_t points, const double *place, int64_t taken, double least, int64_t most,
                                  int64_t *chosen);
 /* Set the seed (vertices,) that each vertex belongs to, the nearest of those that its neighbours belong to, -1 where
  * none spreads to; and whether its cell joins it to that seed (vertices,). */

@@ -116,17 +116,25 @@ def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[Shor
     The nearest ones of two rings round its own, weighted by (1 - (d / D)^2)^2, D the distance of the first that
     is left out: a seed's weight is 0, and so is its slope, where it comes and goes.
     """
-    m = len(seeds)
-    itself = np.arange(m)[:, None].repeat(2, axis=1)
-    links = np.unique(np.concatenate([mesh.springs, mesh.springs[:, ::-1], itself]), axis=0)
-    first = np.split(links[:, 1], np.searchsorted(links[:, 0], np.arange(1, m)))
-    rings = [np.unique(np.concatenate([first[k] for k in ring])) for ring in first]
-    around = np.full((m, max(FOLLOWED + 1, *map(len, rings))), -1)
-    for row, ring in zip(around, rings, strict=True):
-        row[: len(ring)] = ring
+    around = _two_rings(mesh.springs, len(seeds))
     if native.why_not():
         return nearest_seeds(place, seeds, cells, around)
     return native.follow_cells(native.library(), place, seeds, cells, around)
+
+
+def _two_rings(edges: Ints, m: int) -> Ints:
+    """Return the vertices (m, w) within two edges of each, itself too, in order; the rest of a row is -1."""
+    (i, j), itself = edges.T, np.arange(m) * (m + 1)
+    near, far = np.divmod(np.unique(np.concatenate([i * m + j, j * m + i, itself])), m)
+    start = np.searchsorted(near, np.arange(m + 1))
+    count = np.diff(start)[far]  # each neighbour's row of neighbours, put in its place
+    at = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + np.repeat(start[far], count)
+    first, second = np.divmod(np.unique(np.repeat(near, count) * m + far[at]), m)
+    begin = np.searchsorted(first, np.arange(m))
+    column = np.arange(len(first)) - begin[first]
+    around = np.full((m, max(FOLLOWED + 1, int(column.max()) + 1)), -1)
+    around[first, column] = second
+    return around
 
 
 def nearest_seeds(place: Floats, seeds: Ints, cells: Ints, around: Ints) -> tuple[Shorts, Shorts]:

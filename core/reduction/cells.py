@@ -41,23 +41,25 @@ def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: flo
         points = place[pool]
         if len(pool) and not len(seeds):  # the first is the point farthest from the middle
             seeds = pool[[int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())]]
-        near = np.full(len(pool), np.inf)
-        for seed in seeds:
-            near = np.minimum(near, ((points - place[seed]) ** 2).sum(axis=1))
-        seeds = np.concatenate([seeds, pool[choose(points, near, least**2, count - len(seeds))]])
+        both = np.concatenate([seeds, pool])
+        chosen = choose(place[both], len(seeds), least**2, count - len(seeds))
+        seeds = np.concatenate([seeds, both[chosen]])
     return seeds
 
 
-def farthest_first(places: Floats, near: Floats, least: float, most: int) -> Ints:
+def farthest_first(places: Floats, taken: int, least: float, most: int) -> Ints:
     """Choose points one by one, each the farthest from all chosen before: what the native core does, to read.
 
     Args:
         places: (n, 6) [m].
-        near: (n,) the squares of their distances from what was chosen before [m2], kept up.
+        taken: how many of the first were chosen before.
         least: square of a distance that is too near [m2].
         most: to choose.
     """
     chosen: list[int] = []
+    near = np.full(len(places), np.inf)
+    for place in places[:taken]:
+        np.minimum(near, ((places - place) ** 2).sum(axis=1), out=near)
     while len(near) and len(chosen) < most and near[at := int(near.argmax())] > least:
         chosen.append(at)
         np.minimum(near, ((places - places[at]) ** 2).sum(axis=1), out=near)

@@ -27,7 +27,7 @@ def flip_edges(points: Floats, triangles: Ints) -> Ints:
     for k, (a, b, c) in enumerate(corners):
         for i, j in ((a, b), (b, c), (c, a)):
             sides.setdefault((min(i, j), max(i, j)), []).append(k)
-    waiting, looks = list(sides), MOST_LOOKS * len(sides)
+    waiting, looks = _blunt(points, triangles), MOST_LOOKS * len(sides)
     while waiting and looks:
         looks -= 1
         edge = waiting.pop()
@@ -50,6 +50,16 @@ def flip_edges(points: Floats, triangles: Ints) -> Ints:
             those[those.index(before)] = now
         waiting += [(min(p, q), max(p, q)) for p in edge for q in other]
     return np.array(corners, dtype=triangles.dtype)
+
+
+def _blunt(points: Floats, triangles: Ints) -> list[Edge]:
+    """Return the edges whose opposite angles sum to more than a half turn."""
+    i, j, k = (np.roll(triangles, -turn, axis=1).ravel() for turn in range(3))
+    p, q = points[i] - points[k], points[j] - points[k]
+    area = np.linalg.norm(np.cross(p, q), axis=1)
+    edge, where = np.unique(np.minimum(i, j) * len(points) + np.maximum(i, j), return_inverse=True)
+    cotangents = np.bincount(where, (p * q).sum(axis=1) / np.maximum(area, 1e-30))
+    return list(zip(*(ends.tolist() for ends in np.divmod(edge[cotangents < -ROUNDING], len(points))), strict=True))
 
 
 def _is_better(i: Point, j: Point, k: Point, m: Point) -> bool:

@@ -108,10 +108,9 @@ def test_the_native_core_grows_and_follows_cells_as_numpy_does(make: Callable[[]
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
     seeds = spread_seeds(mesh, place, np.flatnonzero(~mesh.loose), 150, spacing)
-    chosen, near = [], [np.full(len(place), 0.01) for _ in range(2)]
-    chosen.append(native.farthest_first(library, place, near[0], 1e-6, 70))
-    chosen.append(farthest_first(place, near[1], 1e-6, 70))
-    assert np.array_equal(*chosen) and np.array_equal(*near)
+    for taken, least in ((1, 0.0), (40, 0.0), (1, spacing**2)):
+        chosen = native.farthest_first(library, place, taken, least, 300)
+        assert np.array_equal(chosen, farthest_first(place, taken, least, 300)) and len(chosen)
     found, wanted = native.grow_cells(library, mesh.springs, place, seeds), spread_cells(mesh.springs, place, seeds)
     assert np.array_equal(found[0], wanted[0]) and np.array_equal(found[1], wanted[1])
     cells, rng = np.maximum(wanted[0], 0), np.random.default_rng(0)
