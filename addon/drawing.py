@@ -3,6 +3,7 @@
 import bpy
 
 from ..operators.messages import wrapped
+from ..operators.translation import translated
 from . import readout
 
 TAB = "Dimple"
@@ -35,7 +36,7 @@ def draw_notes(
     column = layout.box().column(align=True)
     columns = max(12, int((context.region.width / context.preferences.system.ui_scale - FRAME) / CHARACTER))
     for sentence in sentences:
-        for i, line in enumerate(wrapped(readout.iface_(sentence), columns)):
+        for i, line in enumerate(wrapped(translated(sentence, readout.iface_), columns)):
             column.label(text=line, icon="BLANK1" if i else icon, translate=False)
 
 

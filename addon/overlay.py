@@ -12,6 +12,7 @@ import bpy
 from ..operators import calibration
 from ..operators.messages import wrapped
 from ..operators.sessions import sessions
+from ..operators.translation import translated
 from ..operators.under_way import is_blind
 from . import dent, readout, room, shapes
 from .readout import iface_
@@ -150,7 +151,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
         rows = readout.rows(entry.frame, entry.session.tick)
         notes = readout.sentences([*entry.session.model.notes, *filter(None, [entry.refused])], entry.frame)
         lines += [(f"{label}: {value}", TEXT) for label, value in rows]
-        lines += [(line, TEXT) for sentence in notes for line in wrapped(sentence, 60)]
+        lines += [(line, TEXT) for sentence in notes for line in wrapped(translated(sentence, iface_), 60)]
     # what finds no room is left out, the last first
     lines = lines[: max(int((free.top - free.bottom) / (LINE_HEIGHT * scale)), 0)]
     if not lines:

@@ -3,6 +3,7 @@
 import bpy
 
 from . import polls
+from .messages import say
 from .names import Op
 
 
@@ -33,7 +34,7 @@ class DIMPLE_OT_add_fingertip(bpy.types.Operator):
             bridge.check(body)
             scale, top = bridge.scale_and_top(context, body)
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         number = next(n for n in (1, 2, 3) if not getattr(settings, f"finger_{n}"))
         tip = bpy.data.objects.new(f"Fingertip {number}", None)

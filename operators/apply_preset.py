@@ -6,6 +6,7 @@ import bpy
 from bpy.props import StringProperty
 
 from . import polls
+from .messages import say
 from .names import Op
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ class DIMPLE_OT_apply_preset(bpy.types.Operator):
         preset = next((each for each in (*PRESETS, *EVERYDAY) if each.name == self.preset), None)
         if preset is None:
             known = ", ".join(each.name for each in (*PRESETS, *EVERYDAY))
-            self.report({"ERROR"}, f'There is no preset "{self.preset}". There are: {known}.')
+            say(self, {"ERROR"}, f'There is no preset "{self.preset}". There are: {known}.')
             return {"CANCELLED"}
         apply(material_of(context.object, preset.label).dimple, preset)
         body = context.object.dimple

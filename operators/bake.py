@@ -4,6 +4,7 @@ import bpy
 from bpy.props import EnumProperty, IntProperty
 
 from . import polls, sessions
+from .messages import say
 from .names import Op
 from .working import Working
 
@@ -50,7 +51,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
         self._messages: list[str] = []
         if not any(sessions.fingertip_objects(scene)):
             self._messages.append("There is no fingertip, so nothing presses: Fingertips > Add Fingertip adds one.")
-        self._what = f"{len(objects)} object{'s' if len(objects) > 1 else ''}"
+        self._count = len(objects)
         plan = baking.BakePlan(
             objects=objects,
             first=self.frame_start if given("frame_start") else scene.frame_start,
@@ -62,8 +63,8 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         for sentence in self._messages:
-            self.report({"WARNING"}, sentence)
-        self.report({"INFO"}, f"Baked {self._what}")
+            say(self, {"WARNING"}, sentence)
+        say(self, {"INFO"}, f"Objects that were baked: {self._count}")
         return {"FINISHED"}
 
 
@@ -92,12 +93,12 @@ class DIMPLE_OT_unbake(bpy.types.Operator):
         try:
             meshes = [obj for obj in live.candidates(context) if obj.type == "MESH"]
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         for obj in meshes:
             removed += bool(output.detach_cache(obj)) + bool(shape_keys.remove(obj))
         if not removed:
-            self.report({"WARNING"}, "There was no bake on the selected objects")
+            say(self, {"WARNING"}, "There was no bake on the selected objects")
         return {"FINISHED"}
 
 

@@ -4,7 +4,6 @@ Where the file leaves something open a dialog asks the core's question with its 
 """
 
 import json
-import textwrap
 from functools import lru_cache
 
 import bpy
@@ -12,7 +11,9 @@ from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProper
 
 from . import calibration, polls
 from .calibrate_together import several
+from .messages import say, wrapped
 from .names import TIPS, Op
+from .translation import translated
 
 OPEN = "NONE"  # a question that has no answer yet
 ASKED_AT_ONCE = 4
@@ -130,7 +131,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
                 values = [candidate["value"] for candidate in question["candidates"]]
                 if question["default"] in values:  # the likeliest answer is chosen until another one is
                     setattr(self, f"answer_{number}", str(values.index(question["default"])))
-            return context.window_manager.invoke_props_dialog(self, width=WIDTH, title="Which is right?")
+            return context.window_manager.invoke_props_dialog(self, width=WIDTH, title=translated("Which is right?"))
         if given("filepath"):
             return self.execute(context)
         context.window_manager.fileselect_add(self)
@@ -155,14 +156,14 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
             return self._ask(context, json.dumps(undecided.to_record(), ensure_ascii=False), _message(undecided))
         except DimpleError as error:
             advice = f" Choose them: {_labels(error.answers)}." if isinstance(error, WrongColumns) else ""
-            self.report({"ERROR"}, f"{error}{advice}")
+            say(self, {"ERROR"}, f"{error}{advice}")
             return {"CANCELLED"}
         advice = [f"If it is known, give {_labels(found.unsure)}."] if found.unsure else []
         context.scene.dimple.calibration = calibration.to_text(found, advice)
         record = calibration.load(context.scene.dimple.calibration)
         for warning in record["warnings"]:
-            self.report({"WARNING"}, calibration.headline(warning))
-        self.report({"INFO"}, calibration.source(record, record["source_of_k"]))
+            say(self, {"WARNING"}, calibration.headline(warning))
+        say(self, {"INFO"}, calibration.source(record, record["source_of_k"]))
         return {"FINISHED"}
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -178,10 +179,10 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     def _draw_questions(self, layout: bpy.types.UILayout) -> None:
         for number, question in enumerate(calibration.load(self.asked)["questions"][:ASKED_AT_ONCE]):
             column = layout.column(align=True)
-            for line in textwrap.wrap(question["text"], CHARACTERS):
+            for line in wrapped(translated(question["text"]), CHARACTERS):
                 column.label(text=line, translate=False)
             for i, candidate in enumerate(question["candidates"]):
-                text = f"{candidate['value']}   {candidate['label']}"
+                text = f"{candidate['value']}   {translated(candidate['label'])}"
                 column.prop_enum(self, f"answer_{number}", str(i), text=text, translate=False)
 
     def _take_answers(self) -> bool:
@@ -206,7 +207,7 @@ class DIMPLE_OT_calibrate(bpy.types.Operator):
     def _ask(self, context: bpy.types.Context, asked: str, message: str) -> set[str]:
         """Open the dialog with what is open; a script gets an error instead."""
         if bpy.app.background:
-            self.report({"ERROR"}, message or "A question of the dialog has no answer.")
+            say(self, {"ERROR"}, message or "A question of the dialog has no answer.")
             return {"CANCELLED"}
         given = {name: getattr(self, name) for name in _KEPT if self.properties.is_property_set(name)}
         given |= {name: getattr(self, name) for name in _ANSWERS if getattr(self, name)}
@@ -227,7 +228,7 @@ def _si(value: float, factor: float) -> float | None:
 
 def _labels(names) -> str:
     """Return the labels of properties of the operator, as the interface shows them."""
-    return " and ".join(f"“{DIMPLE_OT_calibrate.__annotations__[name].keywords['name']}”" for name in names)
+    return ", ".join(DIMPLE_OT_calibrate.__annotations__[name].keywords["name"] for name in names)
 
 
 def _message(undecided) -> str:

@@ -7,6 +7,7 @@ import bpy
 from bpy.props import CollectionProperty, EnumProperty, FloatProperty, StringProperty
 
 from . import calibration, polls
+from .messages import say
 from .names import TIPS, Op
 
 # as people name their files: ball_10mm.csv, punch-r5.txt, sphere 2.5 mm.csv
@@ -76,12 +77,12 @@ class DIMPLE_OT_calibrate_together(bpy.types.Operator):
             alone = [self._alone(each, length) for each in self.files]
             found = fit_together([curve_of(each) for each in alone], size=length or 0.0)
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         context.scene.dimple.calibration = calibration.joint_text(alone[0], found)
         first, *rest = lines(found)
-        self.report({"INFO"}, first)
-        self.report({"INFO" if found.determined else "WARNING"}, rest[0])
+        say(self, {"INFO"}, first)
+        say(self, {"INFO" if found.determined else "WARNING"}, rest[0])
         return {"FINISHED"}
 
     def _alone(self, each: DIMPLE_PG_curve_file, length: float | None):

@@ -65,7 +65,7 @@ def joint_text(first: Calibration, found: Together) -> str:
     said = joint.pop("lines")
     names = ", ".join(each.name for each in found.curves)
     kept = record | joint | {
-        "provenance": f"{names}: {said[0]}, {said[1]}, calibrated {record['date']}", "band": [],
+        "provenance": f"{names}: {said[0]}; {said[1]}, calibrated {record['date']}", "band": [],
         "warnings": [warning for warning in record["warnings"] if found.knee or "knee" not in warning],
         "notes": [*record["notes"], *said[2:]], "source": names,
         "residual_share": max(each.rms for each in found.curves),
@@ -80,7 +80,7 @@ def headline(warning: str) -> str:
 
 def source(record: dict[str, Any], k: str) -> str:
     """Return the line that a material keeps of where its constants come from; k: where its own does, if so."""
-    return f"{record['provenance']}, {k}" if k else record["provenance"]
+    return f"{record['provenance']}; {k}" if k else record["provenance"]
 
 
 def band(calibration: Calibration) -> list[list[float]]:

@@ -4,7 +4,7 @@ import bpy
 from mathutils import Matrix, Vector
 
 from . import polls, sessions, twins
-from .messages import report
+from .messages import report, say
 from .names import Op
 
 
@@ -47,7 +47,7 @@ class DIMPLE_OT_compare_materials(bpy.types.Operator):
         twin.matrix_world = Matrix.Translation(beside(context, obj)) @ obj.matrix_world
         twin.dimple.twin = obj
         twin.select_set(False)
-        self.report({"INFO"}, polls.tip_("{} is its twin: select it and change its material").format(f'"{twin.name}"'))
+        say(self, {"INFO"}, polls.tip_("{} is its twin: select it and change its material").format(f'"{twin.name}"'))
         return {"FINISHED"}
 
 

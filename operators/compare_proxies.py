@@ -7,6 +7,7 @@ import bpy
 from bpy.props import IntProperty
 
 from . import polls, sessions
+from .messages import say
 from .names import Op
 from .working import Working
 
@@ -71,8 +72,8 @@ class DIMPLE_OT_compare_proxies(Working, bpy.types.Operator):
         context.window_manager.dimple.show_comparison = True
         for each in self._found:
             if each.note:
-                self.report({"INFO"}, f"A proxy of {each.asked} vertices: {each.note}")
-        self.report({"INFO"}, f"Compared {len(good)} variants of {obj.name}")
+                say(self, {"INFO"}, f"A proxy of {each.asked} vertices: {each.note}")
+        say(self, {"INFO"}, f"Compared {len(good)} variants of {obj.name}")
         sessions.redraw()
         return {"FINISHED"}
 

@@ -6,7 +6,9 @@ import bpy
 from bpy.props import FloatProperty
 
 from . import haptic, polls, sessions
+from .messages import say
 from .names import DEAD_MAN, Op
+from .translation import translated
 
 RENEW_S = 0.05  # between two renewals of the dead-man key; `safety.LEASE` covers a standstill of 0.2 s and one of them
 ANSWER_S = 1.0  # within which the device reports that it arms
@@ -41,7 +43,7 @@ class DIMPLE_OT_connect_device(bpy.types.Operator):
         try:
             haptic.connect(context.scene)
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 
@@ -74,7 +76,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         manager = context.window_manager
         self._timer = manager.event_timer_add(RENEW_S, window=context.window)
         manager.modal_handler_add(self)
-        context.workspace.status_text_set(KEYS)
+        context.workspace.status_text_set(translated(KEYS))
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -149,7 +151,7 @@ class DIMPLE_OT_centre_device(_NeedsDevice, bpy.types.Operator):
         try:
             haptic.set_origin(context.scene)
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 

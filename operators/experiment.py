@@ -10,7 +10,7 @@ import bpy
 from bpy.props import IntProperty, StringProperty
 
 from . import polls, sessions
-from .messages import report
+from .messages import report, say
 from .names import Op
 from .under_way import (
     FELT_S,
@@ -72,13 +72,13 @@ class DIMPLE_OT_open_experiment(bpy.types.Operator):
                 source_of(task.object)
             under_way = UnderWay(experiment=Experiment(plan, participant, Log(log_path(path, participant))))
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         close()
         under_way.obj = context.object.name, context.object.active_material
         experiments.append(under_way)
         done = len(under_way.experiment.log.rows)
-        self.report({"INFO"}, f"{done} trials are answered" if done else "Read the consent, then begin")
+        say(self, {"INFO"}, f"{done} trials are answered" if done else "Read the consent, then begin")
         return {"FINISHED"}
 
 
@@ -192,7 +192,7 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
                 self._event = press.aimed(bodies, None, (0.0, 0.0, 0.0))
         except DimpleError as error:
             sessions.stop_all()
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return False
         if under_way.shown == 0:
             under_way.began, under_way.samples = time.perf_counter(), []
@@ -251,7 +251,7 @@ class DIMPLE_OT_answer_trial(_UnderWay, bpy.types.Operator):
             seconds = time.perf_counter() - under_way.began
             under_way.experiment.answer(self.choice, seconds=seconds, samples=under_way.samples)
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         under_way.shown, under_way.samples = 0, []
         sessions.redraw()
@@ -269,7 +269,7 @@ class DIMPLE_OT_stop_experiment(_UnderWay, bpy.types.Operator):
         from ..core.experiment.results import sentences
 
         for sentence in sentences(experiments[0].experiment.log.rows):
-            self.report({"INFO"}, sentence)
+            say(self, {"INFO"}, sentence)
         close()
         return {"FINISHED"}
 

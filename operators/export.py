@@ -7,8 +7,9 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import polls, sessions
-from .messages import duration, megabytes, wrapped
+from .messages import duration, megabytes, say, wrapped
 from .names import EXPORTS, Op
+from .translation import translated
 from .working import Working
 
 CHARACTER = 11.0  # [px] of a line of the dialog for each character, its icon and borders included
@@ -105,7 +106,9 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             row.prop(self, name)
         sentence, icon = self._estimate(context)
         column = layout.box().column(align=True)
-        for line in wrapped(sentence, int(context.region.width / context.preferences.system.ui_scale / CHARACTER)):
+        for line in wrapped(
+            translated(sentence), int(context.region.width / context.preferences.system.ui_scale / CHARACTER)
+        ):
             column.label(text=line, translate=False, icon=icon)
             icon = "BLANK1"
 
@@ -163,8 +166,8 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         for sentence in self._messages:
-            self.report({"WARNING"}, sentence)
-        self.report({"INFO"}, f"Exported {len(self._written)} files to {self._written[0].parent}")
+            say(self, {"WARNING"}, sentence)
+        say(self, {"INFO"}, f"Exported {len(self._written)} files to {self._written[0].parent}")
         return {"FINISHED"}
 
 

@@ -56,7 +56,7 @@ _PACKAGE = __package__.rpartition(".")[0]
 # what chooses the proxy of an object on a mesh, given how its model is built: `planning` adds itself
 choosing: list[Callable[[int, Mesh, Callable[[], Model]], Proxy | None]] = []
 revision = 0  # changes with every result of the background
-_known: dict[str, Identification | str] = {}  # or how the sentence goes on that says why there is none
+_known: dict[str, Identification | str] = {}  # or the sentence that says why there is none
 _jobs: dict[str, Job] = {}  # under way, by name
 
 
@@ -82,7 +82,7 @@ def model_constants(
         _work(job, float("inf"))
     found = _known[name]
     if isinstance(found, str):
-        return None, f"The force is an estimate in closed form{found}"
+        return None, f"The force is an estimate in closed form. {found}"
     return found.material.constants, ""
 
 
@@ -160,7 +160,7 @@ def _work(job: Job, budget: float) -> bool:
         _keep(job.name, end.value)
         return True
     except DimpleError as error:
-        _known[job.name] = f". {error}"
+        _known[job.name] = str(error)
         return True
     return False
 
@@ -169,7 +169,7 @@ def _keep(name: str, found: Identification) -> None:
     import numpy as np
 
     hopeless = np.median(found.off) > HOPELESS
-    _known[name] = ": no constants of the model follow the measured law." if hopeless else found
+    _known[name] = "No constants of the model follow the measured law." if hopeless else found
     if not hopeless:
         with contextlib.suppress(DimpleError):  # it is found again another time
             cache.remember(own_folder("identified"), name, found)

@@ -7,6 +7,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty
 
 from . import calibration, polls, sessions
+from .messages import say
 from .names import PLACES, Op
 from .working import Working
 
@@ -86,12 +87,12 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         }  # fmt: skip
         settings.identification = json.dumps(record, ensure_ascii=False)
         for note in record["notes"]:
-            self.report({"INFO" if found.worst <= 1 else "WARNING"}, note)
+            say(self, {"INFO" if found.worst <= 1 else "WARNING"}, note)
         if self._anew is not None:
             try:
                 cache.remember(*self._anew, found)
             except DimpleError as error:
-                self.report({"WARNING"}, f"It was not remembered, so another time it is worked out again: {error}")
+                say(self, {"WARNING"}, f"It was not remembered, so another time it is worked out again: {error}")
         return {"FINISHED"}
 
 

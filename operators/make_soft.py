@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 
 from . import polls, sessions
-from .messages import report
+from .messages import report, say
 from .names import POKE_TOOL, Op
 from .sizing import scale_of, settle_size
 
@@ -72,7 +72,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         try:
             bodies = [obj for obj in live.candidates(context) if obj.type in PRESSABLE]
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         for obj in bodies:
             try:
@@ -82,11 +82,11 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
             except DimpleError as error:
                 wrong.append(str(error))
         if not done:
-            self.report({"ERROR"}, " ".join(wrong))
+            say(self, {"ERROR"}, " ".join(wrong))
             return {"CANCELLED"}
         report(self, wrong)
         choose_tool(context)
-        self.report({"INFO"}, " ".join(done))
+        say(self, {"INFO"}, " ".join(done))
         return {"FINISHED"}
 
 

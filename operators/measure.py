@@ -5,6 +5,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from . import polls, sessions
 from .identify import place_of
+from .messages import say
 from .names import PLACES, TIPS, Op
 from .working import Working
 
@@ -111,10 +112,10 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         deepest, wanted = float(depth[-1]), self._bench.deepest
         if deepest < 0.999 * wanted:
             why = "the body is no thicker, or finds no rest"
-            self.report({"WARNING"}, f"Pressed {1e3 * deepest:.3g} mm of {1e3 * wanted:.3g} mm deep: {why} deeper")
+            say(self, {"WARNING"}, f"Pressed {1e3 * deepest:.3g} mm of {1e3 * wanted:.3g} mm deep: {why} deeper")
         for note in self._bench.notes:
-            self.report({"WARNING"}, note)
-        self.report({"INFO"}, f"Measured {1e3 * deepest:.3g} mm deep with up to {force.max():.3g} N: {path}")
+            say(self, {"WARNING"}, note)
+        say(self, {"INFO"}, f"Measured {1e3 * deepest:.3g} mm deep with up to {force.max():.3g} N: {path}")
         return {"FINISHED"}
 
 

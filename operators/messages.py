@@ -4,6 +4,8 @@ from collections.abc import Iterable
 
 import bpy
 
+from .translation import translated
+
 
 class Note(str):
     """A sentence that warns of nothing."""
@@ -11,10 +13,15 @@ class Note(str):
     __slots__ = ()
 
 
+def say(operator: bpy.types.Operator, kind: set[str], text: str) -> None:
+    """Report messages in the language of the interface; kind: as `Operator.report` takes it."""
+    operator.report(kind, translated(text))
+
+
 def report(operator: bpy.types.Operator, sentences: Iterable[str]) -> None:
     """Say sentences: those that are no notes are warnings."""
     for sentence in sentences:
-        operator.report({"INFO" if isinstance(sentence, Note) else "WARNING"}, sentence)
+        say(operator, {"INFO" if isinstance(sentence, Note) else "WARNING"}, sentence)
 
 
 def duration(seconds: float) -> str:

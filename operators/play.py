@@ -7,7 +7,7 @@ import bpy
 from bpy.props import FloatProperty, IntProperty
 
 from . import polls, sessions, showing
-from .messages import report
+from .messages import report, say
 from .names import Op
 
 
@@ -43,7 +43,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             polls.check_numbers(self, "seconds")
             self._report(live.start_all(context))
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         scene = context.scene
         now, count = scene.frame_current, max(round(self.seconds / timeline.frame_s(scene)), 1)
@@ -71,7 +71,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
                 return {"CANCELLED"}  # it is started anew when they are ready
             self._report(live.start_all(context))
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         self._run = sessions.open_run(context, "play", "Playing: Esc ends and puts the rest shape back")
         self._clock, self._frame = time.perf_counter(), context.scene.frame_current
@@ -140,7 +140,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         _, messages, wrong = started
         report(self, wrong)
         if messages:
-            self.report({"INFO"}, " ".join(messages))
+            say(self, {"INFO"}, " ".join(messages))
 
 
 def _at_rest() -> bool:

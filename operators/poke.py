@@ -8,7 +8,7 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from . import polls, sessions, showing
-from .messages import report
+from .messages import report, say
 from .names import Op
 
 if TYPE_CHECKING:
@@ -76,11 +76,11 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             self._state = PokeState(**self._tool)
             _, messages, wrong = live.start_all(context)
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         report(self, wrong)
         if messages:
-            self.report({"INFO"}, " ".join(messages))
+            say(self, {"INFO"}, " ".join(messages))
         self._shapes: dict[int, object] = {}
         self._clock = time.perf_counter()
         self._run = sessions.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
@@ -199,12 +199,12 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             return None
         if not other.dimple.enabled:
             text = polls.tip_("{} is not selected: leave the poke, select it and poke again to press it")
-            self.report({"INFO"}, text.format(f'"{other.name}"'))
+            say(self, {"INFO"}, text.format(f'"{other.name}"'))
             return None
         try:
             body, messages = sessions.start(other, context)
         except DimpleError as error:
-            self.report({"WARNING"}, str(error))
+            say(self, {"WARNING"}, str(error))
             return None
         self._settings[body.link.uid] = body.settings
         report(self, messages)

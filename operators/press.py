@@ -12,7 +12,7 @@ from ..core.base import DimpleError
 from ..core.mesh.depth import rest_surface, touching
 from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
 from . import bridge, live, pointer, polls, record, sessions
-from .messages import report
+from .messages import report, say
 from .sessions import LiveBody
 
 FORCE_N = 5.0  # of a press by force where none is given
@@ -36,10 +36,10 @@ def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> set[
             deepest, strongest = run(context, state, event, operator.hold_s, messages)
             messages += sessions.stop_all(restore=not operator.keep)
     except DimpleError as error:
-        operator.report({"ERROR"}, str(error))
+        say(operator, {"ERROR"}, str(error))
         return {"CANCELLED"}
     report(operator, [*wrong, *messages])
-    operator.report({"INFO"}, f"Pressed {deepest * 1e3:.1f} mm deep with up to {strongest:.2f} N")
+    say(operator, {"INFO"}, f"Pressed {deepest * 1e3:.1f} mm deep with up to {strongest:.2f} N")
     return {"FINISHED"}
 
 

@@ -4,7 +4,7 @@ import bpy
 
 from ..core.errors import DimpleError
 from . import polls, sessions
-from .messages import report
+from .messages import report, say
 from .names import Op
 
 
@@ -63,9 +63,9 @@ class DIMPLE_OT_record(bpy.types.Operator):
         try:
             begin(context)
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, "Recording")
+        say(self, {"INFO"}, "Recording")
         return {"FINISHED"}
 
 

@@ -105,10 +105,10 @@ class Recorder:
     def summary(self, name: str, scene_end: int) -> str:
         """Return the sentence for the artist on a recording of an object that has ended."""
         last = self._start_frame + self.frames - 1
-        beyond = f", beyond the scene's last frame {scene_end}" if last > scene_end else ""
+        beyond = f" That is beyond the scene's last frame {scene_end}." if last > scene_end else ""
         return (
             f'Recorded {self.frames} frames of "{name}" to {self._path.name}: when its session has ended, it plays '
-            f"them from frame {self._start_frame} to {last}{beyond}."
+            f"them from frame {self._start_frame} to {last}.{beyond}"
         )
 
     def close(self) -> None:

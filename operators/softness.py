@@ -4,6 +4,7 @@ import bpy
 from bpy.props import StringProperty
 
 from . import polls, sessions
+from .messages import say
 from .names import Op
 
 GROUP, INTERVAL = "Softness from Pokes", "dimple_softness_interval"
@@ -50,16 +51,16 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
             link, model = bridge.read_body(context, body, baked=False, identify="NO")
             found = map_pokes(model.mesh, model.materials[0], pokes)
         except DimpleError as error:
-            self.report({"ERROR"}, str(error))
+            say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         own = model.mesh.source[: len(link.rest)]
         bridge_write.paint(body, GROUP, found.weights[own], INTERVAL, found.interval[own])
         body.dimple.softness_group = GROUP
-        self.report({"INFO"}, found.text)
+        say(self, {"INFO"}, found.text)
         if link.refined:
-            self.report({"WARNING"}, "The mesh has too few vertices to hold the map: Make Soft can cut it finer first.")
+            say(self, {"WARNING"}, "The mesh has too few vertices to hold the map: Make Soft can cut it finer first.")
         if found.outside > PAINTED:
-            self.report({"WARNING"}, (
+            say(self, {"WARNING"}, (
                 f"{found.outside:.0%} of the vertices are over four times softer or stiffer than the material, beyond "
                 "what a map can say: change K1 and K2."
             ))  # fmt: skip

@@ -6,6 +6,7 @@ from bpy.props import StringProperty
 from . import sessions
 from .messages import report
 from .names import Op
+from .translation import translated
 from .working import Working
 
 LARGE = 20_000  # vertices in all: more take longer than a second, so they are read beside Blender's events
@@ -39,7 +40,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     def _show(self, context: bpy.types.Context, share: float) -> None:
         """Show how far it is; how long the parts take is not known."""
         context.window_manager.progress_update(share)
-        context.workspace.status_text_set(f"{self.verb} {share:.0%} | Esc: cancel")
+        context.workspace.status_text_set(translated(f"{self.verb} {share:.0%} | Esc: cancel"))
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         _, messages, wrong = self._came

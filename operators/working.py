@@ -5,7 +5,8 @@ import time
 import bpy
 
 from . import sessions
-from .messages import duration
+from .messages import duration, say
+from .translation import translated
 
 SLICE_S = 0.1  # between two looks at the keyboard
 
@@ -63,7 +64,7 @@ class Working:
         if event.type == "ESC" and event.value == "PRESS":
             sessions.disarm()
             sessions.close_run(self._run)
-            self.report({"INFO"}, self.stopped)
+            say(self, {"INFO"}, self.stopped)
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
@@ -93,12 +94,12 @@ class Working:
     def _show(self, context: bpy.types.Context, share: float) -> None:
         left = (time.perf_counter() - self._began) * (1 / share - 1) if share else 0.0
         context.window_manager.progress_update(share)
-        context.workspace.status_text_set(f"{self.verb} {share:.0%}, {duration(left)} left | Esc: cancel")
+        context.workspace.status_text_set(translated(f"{self.verb} {share:.0%}, {duration(left)} left | Esc: cancel"))
 
     def _leave(self) -> None:
         self._steps.close()
         bpy.context.window_manager.progress_end()
 
     def _failed(self, why: str) -> set[str]:
-        self.report({"ERROR"}, why)
+        say(self, {"ERROR"}, why)
         return {"CANCELLED"}

@@ -135,8 +135,8 @@ def _ask_decimal(rows: Sequence[Sequence[str]], best: Dialect) -> None:
                         name="decimal",
                         text=f"Is {cell} a number of thousands, or does its mark part off decimals?",
                         candidates=(
-                            Candidate(value=".", label=f"{cell} is {points:g}"),
-                            Candidate(value=",", label=f"{cell} is {commas:g}"),
+                            Candidate(value=".", label=f"{cell} = {points:g}"),
+                            Candidate(value=",", label=f"{cell} = {commas:g}"),
                         ),
                     )
                 )

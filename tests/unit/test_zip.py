@@ -18,7 +18,7 @@ TOP = {"LICENSE", "__init__.py", "addon", "blender_manifest.toml", "core", "oper
 FOLDERS = {
     "addon", "addon/translations", "core", "core/animation", "core/body", "core/calibration",
     "core/experiment", "core/haptics",
-    "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "wheels",
+    "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "operators/japanese", "wheels",
 }  # fmt: skip
 ENDINGS = {"", ".c", ".dat", ".h", ".py", ".toml", ".whl"}  # no library, object, cache, picture, table or scene
 WHEELS = {

@@ -25,6 +25,9 @@ Xvfb :99 -screen 0 1280x800x24 -nolisten tcp > /tmp/xvfb.log 2>&1 &
 for i in $(seq 100); do test -e /tmp/.X11-unix/X99 && break; sleep 0.1; done
 blender --factory-startup --gpu-backend opengl --enable-event-simulate --window-geometry 0 0 1280 800 \
     --python-exit-code 3 --python /mnt/window/drive.py
+code=$?
+cp /tmp/*.crash.txt /mnt/out/ 2> /dev/null
+exit $code
 """
 ENVIRONMENT = {
     "DISPLAY": ":99",

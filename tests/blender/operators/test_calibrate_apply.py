@@ -37,7 +37,7 @@ def test_apply_sets_constants_tip_size_and_source_and_one_undo_takes_them_back(
         assert getattr(settings, name) == pytest.approx(result[name], rel=1e-6)
     assert settings.k == pytest.approx(result["k_to_use"], rel=1e-6)
     assert (settings.tip, settings.tip_radius_mm) == ("PUNCH", 4)
-    assert settings.provenance == f"{result['provenance']}, {result['source_of_k']}"
+    assert settings.provenance == f"{result['provenance']}; {result['source_of_k']}"
     for part in (SAMPLE.name, "±", "95 %", "residual", f"calibrated {result['date']}"):
         assert part in settings.provenance
     assert body.dimple.enabled and body.dimple.size_mm == 150

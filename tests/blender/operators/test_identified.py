@@ -140,7 +140,7 @@ def test_where_no_constants_follow_the_law_the_closed_form_does_and_a_note_says_
     for _ in range(2):
         constants, notes = read(bpy, cube)
         assert constants is None
-        assert "estimate in closed form: no constants of the model follow the measured law" in notes
+        assert "estimate in closed form. No constants of the model follow the measured law" in notes
     assert len(asked) == 1
 
 

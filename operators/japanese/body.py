@@ -1,0 +1,198 @@
+"""Japanese of what core says about meshes, materials, proxies and sessions."""
+
+MESSAGES = {
+    "{} vertices in {} frames need a picture {} pixels high, and graphics cards take {}. Export at most {} frames.": (
+        "{} 頂点 × {} フレームには高さ {} ピクセルの画像が必要ですが、グラフィックボードが扱えるのは {} までです。"
+        "{} フレーム以下でエクスポートしてください。"
+    ),
+    "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh.": (
+        "すべての頂点が固定されていて動けません。「固定」を「なし」にするか、固定する頂点を減らすか、メッシュを細分"
+        "化してください。"
+    ),
+    "Raise its mass, lower k or K2, or use a coarser mesh.": (
+        "質量を増やすか、k や K2 を下げるか、もっと粗いメッシュを使ってください。"
+    ),
+    "The body is only {} large: give it a Custom Size in Physics > Dimple.": (
+        "物体の大きさが {} しかありません。物理演算 > Dimple で「指定した大きさ」を設定してください。"
+    ),
+    "The material is so stiff or light on this mesh that a millisecond needs over {} steps.": (
+        "このメッシュではマテリアルが硬すぎるか軽すぎて、1 ミリ秒に {} を超えるステップが必要です。"
+    ),
+    "The law set must be one of {} (it is {}).": "法則は {} のいずれかにしてください（現在 {}）。",
+    "Gravity must be three numbers and the ground's height one.": (
+        "重力は 3 つの数、地面の高さは 1 つの数にしてください。"
+    ),
+    "A face uses a material slot that is empty. Assign a material to it.": (
+        "空のマテリアルスロットを使う面があります。マテリアルを割り当ててください。"
+    ),
+    "{} map": "{}のマップ",
+    "The body starts {} mm below the ground, so for it the ground is as low as it is. Move it up to let it fall.": (
+        "物体が地面より {} mm 下から始まるので、この物体の地面はその高さとします。落とすには上に動かしてください。"
+    ),
+    "The {} must have one value for each of the {} vertices.": "{}には {} 頂点のそれぞれに 1 つの値が必要です。",
+    "Some values of the {} are not numbers.": "{}に数でない値があります。",
+    "pins": "固定",
+    "softness": "柔らかさ",
+    "knee": "折れ点",
+    "spread": "広がり",
+    "thickness": "厚さ",
+    "The tip must be one of {} (it is {}).": "先端は {} のいずれかにしてください（現在 {}）。",
+    "The radius of the tip must be greater than 0 mm (it is {}).": (
+        "先端の半径は 0 mm より大きくしてください（現在 {}）。"
+    ),
+    "The tension must not be negative": "張力は負にできません",
+    "A piece needs a knee greater than 0": "区間の折れ点は 0 より大きくしてください",
+    "The model constant {} must be greater than 0": "モデル定数 {} は 0 より大きくしてください",
+    "{} must be greater than 0 {}": "{} は 0 {} より大きくしてください",
+    "The spread must not be negative": "広がりは負にできません",
+    "Give either a mass or a density": "質量か密度のどちらか一方を設定してください",
+    "The mass must be greater than 0 kg": "質量は 0 kg より大きくしてください",
+    "The density must be greater than 0 kg/m³": "密度は 0 kg/m³ より大きくしてください",
+    "The damping ratio must lie between 0 and 2": "減衰比は 0 から 2 までにしてください",
+    "The friction must not be negative": "摩擦は負にできません",
+    "The fill must be one of {}": "中身は {} のいずれかにしてください",
+    "{} is out of range (it is {}). Change it in Material > Dimple.": (
+        "{}が範囲を超えています（現在 {}）。マテリアル > Dimple で変更してください。"
+    ),
+    "{} (it is {}). Change it in Material > Dimple.": "{}（現在 {}）。マテリアル > Dimple で変更してください。",
+    "The mass": "質量",
+    "The density": "密度",
+    "The spread": "広がり",
+    "The damping ratio": "減衰比",
+    "The friction": "摩擦",
+    "The tension": "張力",
+    "both": "両方",
+    "neither": "どちらもなし",
+    "All vertices lie at one point, so there is nothing to press. Give the mesh a size.": (
+        "すべての頂点が一点にあり、押すものがありません。メッシュに大きさを与えてください。"
+    ),
+    "{} vertices coincide with others and move with them.": "{} 個の頂点がほかの頂点と重なっていて、一緒に動きます。",
+    "Every face has shrunk to a line or a point. Dissolve the degenerate geometry or scale it up.": (
+        "すべての面が線か点につぶれています。退化した部分を溶解するか、拡大してください。"
+    ),
+    "The faces have no area. Dissolve the degenerate geometry first.": (
+        "面に面積がありません。先に退化した部分を溶解してください。"
+    ),
+    "{} faces have no area and add no stiffness.": "{} 個の面に面積がなく、硬さに加わりません。",
+    "{} faces were flipped to match the normals of their neighbours.": (
+        "{} 個の面を、隣の面の法線に合わせて反転しました。"
+    ),
+    "The normals pointed inward and were recalculated for the simulation.": (
+        "法線が内側を向いていたため、計算用に再計算しました。"
+    ),
+    "{} faces of separate parts pointed inward and were flipped for the simulation.": (
+        "分かれた部分の {} 個の面が内側を向いていたため、計算用に反転しました。"
+    ),
+    "The mesh is a sheet and encloses no volume: its fill is off.": (
+        "メッシュは一枚の面で体積を囲んでいないため、中身はなしとします。"
+    ),
+    "{} holes are closed for the pressure only.": "{} 個の穴を、圧力の計算でのみふさぎます。",
+    "{} edges are non-manifold: they join three or more faces.": (
+        "{} 本の辺が非多様体です（3 つ以上の面につながっています）。"
+    ),
+    "{} loose vertices belong to no face and stay where they are.": (
+        "{} 個の孤立した頂点はどの面にも属さず、そのまま動きません。"
+    ),
+    "The mesh has no faces, so there is no surface to press. Add faces first.": (
+        "メッシュに面がなく、押す表面がありません。先に面を追加してください。"
+    ),
+    "A face refers to a vertex that does not exist. Run Mesh > Clean Up, or rebuild the mesh.": (
+        "存在しない頂点を使う面があります。メッシュ > クリーンアップを実行するか、メッシュを作り直してください。"
+    ),
+    "There must be one material index for each triangle.": "三角形ごとに 1 つのマテリアル番号が必要です。",
+    "Vertex {} has a NaN or infinite coordinate, or one beyond {} m ({} such vertices). Delete or move them.": (
+        "頂点 {} の座標が NaN か無限大、または {} m を超えています（そのような頂点は {} 個）。削除するか動かしてく"
+        "ださい。"
+    ),
+    "Runs on numpy, slower: this installation has no native core for this machine.": (
+        "numpy で動くため低速です。このインストールには、このコンピューター用のネイティブコアがありません。"
+    ),
+    "Runs on numpy, slower: the native core was refused ({}).": (
+        "numpy で動くため低速です。ネイティブコアが使えませんでした（{}）。"
+    ),
+    "it has version {}, not {}": "バージョンが {} で、{} ではありません",
+    "it differs from numpy by {} mm": "numpy と {} mm 違います",
+    "The recording has {} vertices but the mesh now has {}. Start a new recording after changing the mesh.": (
+        "記録は {} 頂点ですが、メッシュは今 {} 頂点です。メッシュを変えたあとは新しく記録してください。"
+    ),
+    "Sample {} has coordinates that are not numbers; it was not recorded.": (
+        "サンプル {} に数でない座標があり、記録されませんでした。"
+    ),
+    "{} is not a PC2 point cache.": "{} は PC2 ポイントキャッシュではありません。",
+    "{} is a PC2 point cache that was cut short. Bake again.": (
+        "{} は途中で切れた PC2 ポイントキャッシュです。もう一度ベイクしてください。"
+    ),
+    "{} has a sample every {} frames, not one a frame. Bake again.": (
+        "{} のサンプルは {} フレームごとで、1 フレームごとではありません。もう一度ベイクしてください。"
+    ),
+    "{} is a PC2 point cache with a damaged header.": "{} はヘッダーの壊れた PC2 ポイントキャッシュです。",
+    "No part of the surface is free to be pressed. Pin fewer vertices.": (
+        "押せる表面が残っていません。固定する頂点を減らしてください。"
+    ),
+    "the simulation became unstable": "計算が不安定になりました",
+    "The full mesh is too stiff to simulate": "元のメッシュは硬すぎて計算できません",
+    "The full mesh runs live: {}.": "元のメッシュのまま実時間で動きます（{}）。",
+    "The full mesh would run at {} real time ({})": "元のメッシュでは実時間の {} の速さです（{}）",
+    "{} mm and {}": "{} mm と {}",
+    "no proxy of up to {} vertices is within {}": "{} 頂点までの代理メッシュに、{} 以内のものはありません",
+    "{}. It is simulated all the same: {}.": "{}。それでもそのまま計算します。{}。",
+    "no proxy within the tolerances is faster": "許容差に収まる代理メッシュで、これより速いものはありません",
+    "As chosen, the full mesh: {}, at {} real time.": "選択どおり元のメッシュ（{}）、実時間の {} の速さです。",
+    "runs at {} real time": "は実時間の {} の速さで動き",
+    "runs live": "は実時間で動き",
+    "As chosen": "選択どおりです",
+    "{}. A proxy of {} vertices {}, about {} mm and {} of the force off.": (
+        "{}。{} 頂点の代理メッシュ{}、誤差は約 {} mm、力の {} です。"
+    ),
+    "{} vertices at {} steps per millisecond": "{} 頂点、1 ミリ秒に {} ステップ",
+    "a proxy of this mesh has from {} to {} vertices, not {}": (
+        "このメッシュの代理メッシュは {} から {} 頂点で、{} にはできません"
+    ),
+    "its pieces are too small for a proxy": "部分が小さすぎて代理メッシュを作れません",
+    "the paper's equations depend on the mesh, so they need the full mesh": (
+        "論文の式はメッシュに依存するため、元のメッシュが必要です"
+    ),
+    "its surface is too crumpled for a proxy of this size": (
+        "表面の凹凸が激しく、この大きさの代理メッシュを作れません"
+    ),
+    "a proxy of this size would have holes": "この大きさの代理メッシュには穴が空きます",
+    "a proxy of this size would lose too much of the volume": "この大きさの代理メッシュでは体積が失われすぎます",
+    "its pins are too few for a proxy of this size": (
+        "固定された頂点が少なすぎて、この大きさの代理メッシュを作れません"
+    ),
+    "A tick must be longer than 0 s (it is {}).": "刻みは 0 s より長くしてください（現在 {}）。",
+    "There are at most {} fingertips.": "指先は {} 個までです。",
+    "A fingertip needs a place that is a number and a radius greater than 0.": (
+        "指先には、数で表した位置と 0 より大きい半径が必要です。"
+    ),
+    "The mesh has {} vertices: give a position for each.": "メッシュは {} 頂点です。それぞれの位置を与えてください。",
+    "A held vertex has a position that is not a number.": "固定した頂点の位置が数ではありません。",
+    "The shape at rest has a position that is not a number.": "元の形に数でない位置があります。",
+    "A step of time must be 0 s or longer (it is {}).": "時間の幅は 0 s 以上にしてください（現在 {}）。",
+    "The simulation blew up after {} s and was put back to rest: soften the material.": (
+        "計算が {} s で発散したため、元の形に戻しました。マテリアルを柔らかくしてください。"
+    ),
+    "The mesh has other vertices than when it was started. Reset it and start again.": (
+        "開始したときとメッシュの頂点が違います。リセットしてもう一度始めてください。"
+    ),
+    "There is no backend {}: take auto, native, native64 or numpy.": (
+        "計算方式 {} はありません。auto、native、native64、numpy のいずれかを選んでください。"
+    ),
+    "The mass of a prop must be greater than 0 kg (it is {}).": (
+        "小道具の質量は 0 kg より大きくしてください（現在 {}）。"
+    ),
+    "The prop has no faces with an area, so it cannot touch anything.": (
+        "小道具に面積のある面がなく、何にも触れられません。"
+    ),
+    "Bodies that meet must be stepped by the same backend, with the same tick.": (
+        "触れ合う物体は、同じ計算方式と同じ刻みで計算する必要があります。"
+    ),
+    '"{}" passes through itself': '"{}" が自分自身と交差しています',
+    '"{}" and "{}" intersect': '"{}" と "{}" が交差しています',
+    "{} at ({}) mm, {} pairs of faces in all. Move them apart first.": (
+        "{}。位置 ({}) mm、交差する面は全部で {} 組です。先に離してください。"
+    ),
+    'Collider "{}" has other vertices than at the start, or one that is no number.': (
+        'コライダー "{}" の頂点が開始時と違うか、数でない頂点があります。'
+    ),
+}

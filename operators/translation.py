@@ -1,0 +1,94 @@
+"""Messages in the language of the interface: core writes English, for it knows no Blender; they are translated here.
+
+A message is a template of the catalogue with its places {} filled in. The template is recognised, looked up, and filled
+with the same values; those are translated too, unless they stand in quotes, as names do.
+"""
+
+import functools
+import re
+from collections.abc import Callable
+from typing import NamedTuple
+
+from bpy.app.translations import pgettext_tip
+
+from .japanese import MESSAGES
+
+Lookup = Callable[[str], str]
+
+_PLACE = "{}"
+_END = re.compile(r"(?<=[.?!])\s+(?!\()|\n")  # of a sentence
+_NAMED = '"{}": '
+_QUOTES = ('"', "“")
+
+
+class Template(NamedTuple):
+    """A message of the catalogue.
+
+    text: its key, with places for the values.
+    pattern: what recognises it.
+    names: whether the value of each place is a name.
+    """
+
+    text: str
+    pattern: re.Pattern[str]
+    names: tuple[bool, ...]
+
+
+def translated(text: str, lookup: Lookup = pgettext_tip) -> str:
+    """Translate a message, or several in a row; what is not in the catalogue stays as it is.
+
+    Args:
+        lookup: gives a template of the catalogue in the language of the interface.
+    """
+    if not text or (found := lookup(text)) != text:
+        return found if text else ""
+    ends = [end.end() for end in _END.finditer(text)]
+    for at in (len(text), *reversed(ends)):  # a template may be several sentences
+        if found := _filled(text[:at].strip(), lookup):
+            return _joined(found, text[:at], translated(text[at:], lookup))
+    return _joined(text[: ends[0]].strip(), text[: ends[0]], translated(text[ends[0] :], lookup)) if ends else text
+
+
+def _joined(first: str, before: str, rest: str) -> str:
+    """Join sentences; a line that ended `before` it was translated ends still, and Japanese has no space."""
+    return first + ("\n" if before.endswith("\n") else "" if not rest or first[-1] in "。？" else " ") + rest
+
+
+def _filled(text: str, lookup: Lookup) -> str:
+    """Return one message in another language, "" where it is not in the catalogue or the language is English."""
+    match = _match(text)
+    if match is None or (found := lookup(match[0].text)) == match[0].text:
+        return ""
+    pairs = zip(match[1], match[0].names, strict=True)
+    return found.format(*(value if name else _value(value, lookup) for value, name in pairs)).replace("。。", "。")
+
+
+def _value(value: str, lookup: Lookup) -> str:
+    """Return what fills a place: a message of the catalogue, a list of them, or what is the same everywhere."""
+    parts = [_filled(part, lookup) for part in value.strip().split(", ")]
+    return "、".join(parts) if all(parts) else _filled(value.strip(), lookup) or value
+
+
+@functools.lru_cache(maxsize=500)
+def _match(text: str) -> tuple[Template, tuple[str, ...]] | None:
+    """Return the template that a text was made of, and its values: those of several sentences are messages too."""
+    for template in _templates():
+        found = template.pattern.fullmatch(text)
+        if found and all(not _END.search(value) or _match(value.strip()) for value in found.groups()):
+            return template, found.groups()
+    return None
+
+
+@functools.cache
+def _templates() -> list[Template]:
+    """Return every template: with a name in front first, for others take it for a value; then the longest first."""
+    ordered = sorted(MESSAGES, key=lambda text: (not text.startswith(_NAMED), -len(text.replace(_PLACE, ""))))
+    return [_template(text) for text in ordered]
+
+
+def _template(text: str) -> Template:
+    parts = text.split(_PLACE)
+    pattern = "(.*?)".join(map(re.escape, parts))
+    if text.endswith("."):  # a message in the midst of another has none
+        pattern += "?"
+    return Template(text, re.compile(pattern, re.DOTALL), tuple(part.endswith(_QUOTES) for part in parts[:-1]))
