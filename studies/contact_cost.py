@@ -94,5 +94,5 @@ def _touching(sessions: list[Session]) -> float:
     s = join_surfaces([session.model.mesh.rest_positions for session in sessions],
                       [session.model.mesh.triangles for session in sessions])  # fmt: skip
     both, reach = np.concatenate(x), 2.2 * OFFSET * float(s.edge.mean())
-    pairs = find_pairs(s, both, np.zeros_like(both), 0, 1, reach=reach, closest=0.0)
+    pairs = find_pairs(s, both, 0, 1, reach=reach, closest=0.0)
     return len(np.unique(pairs.at[pairs.ones == 1, 0])) / len(both)

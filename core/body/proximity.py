@@ -154,13 +154,12 @@ def measure(x: Floats, ones: Ints) -> tuple[Floats, Floats, Floats]:
     return w, between, np.sqrt(_dot(between, between))
 
 
-def find_pairs(
-    s: Surfaces, x: Floats, v: Floats, first: int, second: int, *, reach: float, closest: float
-) -> Pairs:
+def find_pairs(s: Surfaces, x: Floats, first: int, second: int, *, reach: float, closest: float) -> Pairs:
     """Find what of two surfaces, or of one, is nearer than a reach [m] at positions x (n, 3) [m].
 
+    Their planes stand in the middle between the two, so that native code needs to set none before a vertex comes to it.
+
     Args:
-        v: (n, 3) velocities [m/s].
         closest: nearer than this [m], nothing goes nearer still.
     """
     low = np.maximum(_box(x, s, first)[0], _box(x, s, second)[0]) - reach
@@ -188,7 +187,7 @@ def find_pairs(
     at.append(np.column_stack([s.edges[i], s.edges[j]]))
     part.append(np.column_stack([i, j]))
     ones.append(np.full(len(i), 2))
-    return _with_planes(s, x, v, np.concatenate(at), np.concatenate(ones), np.concatenate(part), reach, closest)
+    return _with_planes(s, x, np.concatenate(at), np.concatenate(ones), np.concatenate(part), reach, closest)
 
 
 def touching_distance(s: Surfaces, pairs: Pairs, offsets: Floats) -> Floats:
@@ -237,11 +236,11 @@ def planes_between(x: Floats, v: Floats, at: Ints, ones: Ints, closest: Floats) 
 
 
 def _with_planes(
-    s: Surfaces, x: Floats, v: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float
+    s: Surfaces, x: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float
 ) -> Pairs:
     near = measure(x[at], ones)[2] < reach
     at, ones, part = at[near], ones[near], part[near]
-    planes = planes_between(x, v, at, ones, np.full(len(at), closest))
+    planes = planes_between(x, np.zeros_like(x), at, ones, np.full(len(at), closest))
     weight = np.ones(len(at))
     edge = np.flatnonzero(ones == 2)
     inside = (np.abs(planes.weights[edge]) > 0).all(axis=1)

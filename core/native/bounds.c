@@ -2,46 +2,52 @@
  * Source: core/solver/bounds.py. */
 #include "scene.h"
 
+/* Room for so many things, where there is less. */
+static void *dm_roomy(dm_scene_state *s, void *array, uint32_t count, uint32_t *size, size_t each) {
+    if (count <= *size) return array;
+    dm_free(array);
+    array = room(2 * (int64_t)count, each), *size = array ? 2 * count : 0;
+    if (!array) s->code = DM_MEMORY;
+    return array;
+}
+
 /* List the pairs of each vertex that is near, and note how far it may go before they are looked at. */
 static void dm_link_pairs(dm_scene_state *s) {
-    if (s->pairs_of_room < 4 * s->pair_count) {
-        dm_free(s->pairs_of);
-        s->pairs_of_room = 8 * s->pair_count;
-        s->pairs_of = room(s->pairs_of_room, sizeof *s->pairs_of);
-        if (!s->pairs_of) s->pairs_of_room = 0, s->code = DM_MEMORY;
-    }
+    s->pairs_of = dm_roomy(s, s->pairs_of, 4 * s->pair_count, &s->pairs_of_room, sizeof *s->pairs_of);
+    s->planes = dm_roomy(s, s->planes, s->pair_count, &s->plane_room, sizeof *s->planes);
     if (!dm_has_room(s)) return;
-    for (uint32_t k = 0; k < 4 * s->pair_count; k++) s->near[s->pairs[k / 4].at[k % 4]].pair_count++;
     uint32_t start = 0;
-    for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++)
-        n->first_pair = start, start += n->pair_count, n->pair_count = 0;
-    for (uint32_t k = 0; k < 4 * s->pair_count; k++) {
-        const dm_pair *p = s->pairs + k / 4;
-        dm_neighbour *n = s->near + p->at[k % 4];
-        s->pairs_of[n->first_pair + n->pair_count++] = k;
-        double free_way = p->way[k % 4 >= p->ones], *roam = s->roam + n->vertex;
-        *roam = free_way < *roam ? free_way : *roam;
+    for (uint32_t k = 0; k < s->near_count; k++) {
+        dm_tally *t = s->tally + k;
+        dm_neighbour *n = s->near + k;
+        n->first_pair = t->start = start, n->pair_count = t->count, start += t->count;
+        s->roam[n->vertex] = t->way < s->roam[n->vertex] ? t->way : s->roam[n->vertex];
     }
+    for (uint32_t k = 0; k < 4 * s->pair_count; k++)
+        s->pairs_of[s->tally[s->pairs[k / 4].at[k % 4]].start++] = k;
 }
 
-/* How far a vertex is on its own side of the plane of a pair. */
-DM_INLINE double dm_side(const dm_pair *p, uint32_t corner, const double *x) {
-    double along = dm_inner3(p->normal, x) - p->level;
-    return corner < p->ones ? along : -along;
+/* How far a vertex is on its own side of a plane. */
+DM_INLINE double dm_side(const dm_plane *plane, int first, const double *x) {
+    double along = dm_inner3(plane->normal, x) - plane->level;
+    return first ? along : -along;
 }
 
-DM_INLINE double dm_kept(const dm_pair *p, uint32_t corner) { return p->keep[corner >= p->ones]; }
-
-static int dm_is_allowed(const dm_scene_state *s, uint32_t vertex, const double *x) {
+/* May a vertex be at x? What has had no plane since the query is not reached within its way. */
+static int dm_is_allowed(dm_scene_state *s, uint32_t vertex, const double *x) {
     double way[3];
     dm_minus(x, s->before[vertex], way);
-    if (!(dm_inner3(way, way) <= s->slack[vertex] * s->slack[vertex])) return 0;
+    double square = dm_inner3(way, way);
+    if (!(square <= s->slack[vertex] * s->slack[vertex])) return 0;
     if (s->place[vertex] == DM_NO_VERTEX) return 1;
     const dm_neighbour *n = s->near + s->place[vertex];
     for (uint32_t k = 0; k < n->pair_count; k++) {
         uint32_t which = s->pairs_of[n->first_pair + k];
-        const dm_pair *p = s->pairs + which / 4;
-        if (!(dm_side(p, which % 4, x) >= dm_kept(p, which % 4))) return 0;
+        dm_pair *p = s->pairs + which / 4;
+        if (!p->renewed && square <= p->way * p->way) continue;
+        int first = which % 4 < p->ones;
+        const dm_plane *plane = dm_plane_of(s, p);
+        if (!(dm_side(plane, first, x) >= plane->keep[!first])) return 0;
     }
     return 1;
 }
@@ -62,7 +68,7 @@ DM_INLINE void dm_last_of(const dm_scene_state *s, const dm_surface *f, const dm
 
 /* Bring a vertex to where it may be: onto its planes where it is beyond them, so that it still slides along; where that
  * is not enough, so far back on its way as it must. */
-static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
+static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
     const double *begin = s->before[vertex];
     double most = s->slack[vertex] * (1 - 1e-6), share = 1;
     dm_shorten(begin, x, most);
@@ -74,20 +80,23 @@ static void dm_hold_back(const dm_scene_state *s, const dm_surface *f, uint32_t 
     for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
         int moved = 0;
         for (uint32_t k = 0; k < n->pair_count; k++) {
-            const dm_pair *p = s->pairs + mine[k] / 4;
-            double short_of = dm_kept(p, mine[k] % 4) * (1 + 1e-6) - dm_side(p, mine[k] % 4, x);
+            dm_pair *p = s->pairs + mine[k] / 4;
+            int first = mine[k] % 4 < p->ones;
+            const dm_plane *plane = dm_plane_of(s, p);
+            double short_of = plane->keep[!first] * (1 + 1e-6) - dm_side(plane, first, x);
             if (!(short_of > 0)) continue;
-            double by = mine[k] % 4 < p->ones ? short_of : -short_of;
-            for (int c = 0; c < 3; c++) x[c] += by * p->normal[c];
+            double by = first ? short_of : -short_of;
+            for (int c = 0; c < 3; c++) x[c] += by * plane->normal[c];
             moved = 1;
         }
         if (!moved) return;
         dm_shorten(begin, x, most);
     }
     for (uint32_t k = 0; k < n->pair_count; k++) {
-        const dm_pair *p = s->pairs + mine[k] / 4;
-        double there = dm_side(p, mine[k] % 4, x), here = dm_side(p, mine[k] % 4, from);
-        double keep = dm_kept(p, mine[k] % 4);
+        dm_pair *p = s->pairs + mine[k] / 4;
+        int first = mine[k] % 4 < p->ones;
+        const dm_plane *plane = dm_plane_of(s, p);
+        double there = dm_side(plane, first, x), here = dm_side(plane, first, from), keep = plane->keep[!first];
         if (there < keep && here > there) {
             double part = (here - keep) / (here - there) * (1 - 1e-6);
             share = part < share ? (part > 0 ? part : 0) : share;
@@ -106,8 +115,9 @@ static void dm_note_held(dm_scene_state *s, uint32_t vertex) {
     else s->due = 1;
 }
 
+/* Set the plane of a pair where things are now: the faster a side comes towards the other, the larger its part. */
 static void dm_renew_plane(dm_scene_state *s, dm_pair *p) {
-    double x[4][3], w[4], between[3];
+    double x[4][3], w[4], between[3], normal[3], share = 0.5;
     if (p->renewed == s->renewal) return;
     p->renewed = s->renewal;
     for (int j = 0; j < 4; j++) {
@@ -116,7 +126,15 @@ static void dm_renew_plane(dm_scene_state *s, dm_pair *p) {
     }
     const double *at[4] = {x[0], x[1], x[2], x[3]};
     double gap = dm_measure_pair(at, p->ones, w, between);
-    dm_set_plane(s, p, at, w, between, gap);
+    double closest = dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3)), most = 1 - DM_LEAST_SHARE;
+    if (gap > closest) {
+        for (int c = 0; c < 3; c++) normal[c] = between[c] / gap;
+        double u = dm_approach(s, p, 0, p->ones, w, normal) + DM_SLOW;
+        double v = dm_approach(s, p, p->ones, 4, w, normal) + DM_SLOW;
+        share = u / (u + v);
+        share = share < DM_LEAST_SHARE ? DM_LEAST_SHARE : share > most ? most : share;
+    }
+    dm_set_plane(s->planes + (p - s->pairs), p->ones, at, w, between, gap, closest, share);
 }
 
 /* How far a vertex of a body may go from where it is now before its planes are looked at. */
@@ -130,7 +148,10 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
     double gone = sqrt(dm_inner3(way, way)), most = s->slack[n->vertex] - gone;
     for (uint32_t k = 0; k < n->pair_count; k++) {
         uint32_t which = s->pairs_of[n->first_pair + k];
-        double left = dm_side(s->pairs + which / 4, which % 4, x) - dm_kept(s->pairs + which / 4, which % 4);
+        const dm_pair *p = s->pairs + which / 4;
+        const dm_plane *plane = s->planes + which / 4;
+        int first = which % 4 < p->ones;
+        double left = p->renewed ? dm_side(plane, first, x) - plane->keep[!first] : p->way - gone;
         most = left < most ? left : most;
     }
     uint32_t i = n->vertex - f->first;
@@ -142,7 +163,7 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
 
 /* Set the planes anew of what has used its way, where things are now: it may go on from there in the next substep. */
 static void dm_renew_planes(dm_scene_state *s) {
-    s->renewal++;
+    s->renewal = s->renewal < UINT32_MAX ? s->renewal + 1 : 2; /* 0: never, 1: at the query */
     for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
         const dm_neighbour *n = s->near + s->held[h];
         for (uint32_t k = 0; k < n->pair_count; k++) dm_renew_plane(s, s->pairs + s->pairs_of[n->first_pair + k] / 4);

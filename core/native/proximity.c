@@ -57,7 +57,9 @@ static double dm_measure_pair(const double *const *x, uint32_t ones, double *w, 
 static uint32_t dm_note_near(dm_scene_state *s, const dm_surface *f, uint32_t vertex) {
     if (s->place[vertex] != DM_NO_VERTEX) return s->place[vertex];
     s->near = dm_grown(s, s->near, s->near_count, &s->near_room, sizeof *s->near);
+    s->tally = dm_grown(s, s->tally, s->near_count, &s->tally_room, sizeof *s->tally);
     if (!dm_has_room(s)) return 0;
+    s->tally[s->near_count] = (dm_tally){.way = INFINITY};
     dm_neighbour *n = s->near + s->near_count;
     *n = (dm_neighbour){.vertex = vertex, .surface = (uint32_t)(f - s->surfaces)};
     return s->place[vertex] = s->near_count++;
@@ -79,9 +81,13 @@ static double dm_sharpness(const dm_scene_state *s, uint32_t edge, const double 
     return least;
 }
 
+DM_INLINE const dm_surface *dm_surface_of(const dm_scene_state *s, const dm_pair *p, uint32_t corner) {
+    return s->surfaces + s->near[p->at[corner]].surface;
+}
+
 /* The friction of the vertices `from` up to `to` of a pair, with their weights. */
 static double dm_friction_of(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w) {
-    const dm_surface *f = s->surfaces + p->surface[from > 0];
+    const dm_surface *f = dm_surface_of(s, p, from);
     if (!f->body) return f->friction;
     double mu = 0;
     for (uint32_t k = from; k < to; k++)
@@ -89,7 +95,8 @@ static double dm_friction_of(const dm_scene_state *s, const dm_pair *p, uint32_t
     return mu;
 }
 
-DM_INLINE double dm_approach(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w) {
+DM_INLINE double dm_approach(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w,
+                             const double *normal) {
     double speed = 0;
     for (uint32_t k = from; k < to; k++) {
         const dm_neighbour *n = s->near + p->at[k];
@@ -97,66 +104,47 @@ DM_INLINE double dm_approach(const dm_scene_state *s, const dm_pair *p, uint32_t
         double v[3];
         if (f->body) dm_velocity(f->body, n->vertex - f->first, v);
         else memcpy(v, s->rate[n->vertex], sizeof v);
-        speed -= w[k] * dm_inner3(p->normal, v);
+        speed -= w[k] * dm_inner3(normal, v);
     }
     return speed > 0 ? speed : 0;
 }
 
-/* Set the plane between the nearest points of a pair at positions x, and how near each may come to it: the faster it
- * comes towards the other, the larger its part of the distance. */
-static void dm_set_plane(const dm_scene_state *s, dm_pair *p, const double *const *x, const double *w,
-                         const double *between, double gap) {
-    double a = s->surfaces[p->surface[0]].closest, b = s->surfaces[p->surface[1]].closest, closest = a > b ? a : b;
-    for (int c = 0; c < 3; c++) p->normal[c] = gap > 0 ? between[c] / gap : 0;
-    double u = dm_approach(s, p, 0, p->ones, w) + DM_SLOW, v = dm_approach(s, p, p->ones, 4, w) + DM_SLOW;
-    double share[2] = {u / (u + v), 0}, most = 1 - DM_LEAST_SHARE;
-    if (gap <= closest) share[0] = 0.5;
-    share[0] = share[0] < DM_LEAST_SHARE ? DM_LEAST_SHARE : share[0] > most ? most : share[0];
-    share[1] = 1 - share[0], p->level = 0;
-    for (int c = 0; c < 3; c++) {
-        double other = 0;
-        for (uint32_t k = p->ones; k < 4; k++) other -= w[k] * x[k][c];
-        p->level += p->normal[c] * (other + share[1] * between[c]);
-    }
-    for (int k = 0; k < 2; k++) {
-        double whole = share[k] * gap, least = whole / 2 < closest / 2 ? whole / 2 : closest / 2;
-        p->keep[k] = gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - 1e-6);
-        p->way[k] = whole - p->keep[k];
-    }
+/* Nearer than this, nothing of two surfaces goes nearer still. */
+DM_INLINE double dm_closest_of(const dm_surface *f, const dm_surface *g) {
+    return f->closest > g->closest ? f->closest : g->closest;
 }
 
-/* Note a pair, where it is near, with the plane between its two. */
-static void dm_note_pair(dm_scene_state *s, const dm_surface *f, const dm_surface *g, const dm_close *close) {
-    const uint32_t *at = close->at, *parts = close->parts, ones = close->ones;
-    const double *x[4] = {s->before[at[0]], s->before[at[1]], s->before[at[2]], s->before[at[3]]};
-    double w[4], between[3], gap = dm_measure_pair(x, ones, w, between);
-    if (!(gap < s->reach)) return;
-    if (close->swapped) {
-        const dm_surface *other = f;
-        f = g, g = other;
+/* How near one of two may come to the plane between them, where its part of the distance is `whole`. */
+DM_INLINE double dm_keep_of(double whole, double gap, double closest) {
+    double least = whole / 2 < closest / 2 ? whole / 2 : closest / 2;
+    return gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - 1e-6);
+}
+
+/* Set the plane between the nearest points of a pair at positions x, and how near each may come to it. share: of the
+ * distance, that the first has. */
+static void dm_set_plane(dm_plane *p, uint32_t ones, const double *const *x, const double *w, const double *between,
+                         double gap, double closest, double share) {
+    p->level = 0;
+    for (int c = 0; c < 3; c++) {
+        double other = 0;
+        p->normal[c] = gap > 0 ? between[c] / gap : 0;
+        for (uint32_t k = ones; k < 4; k++) other -= w[k] * x[k][c];
+        p->level += p->normal[c] * (other + (1 - share) * between[c]);
     }
-    s->gap = gap < s->gap ? gap : s->gap;
-    s->pairs = dm_grown(s, s->pairs, s->pair_count, &s->pair_room, sizeof *s->pairs);
-    dm_pair p = {.ones = ones, .gap = gap, .touch = f->offset + g->offset, .weight = 1, .triangle = parts[0]};
-    for (uint32_t k = 0; k < 4; k++) p.at[k] = dm_note_near(s, k < ones ? f : g, at[k]);
-    if (!dm_has_room(s)) return;
-    p.surface[0] = (uint32_t)(f - s->surfaces), p.surface[1] = (uint32_t)(g - s->surfaces);
-    dm_set_plane(s, &p, x, w, between, gap);
-    if (f == g) {
-        const double *rest[4] = {s->rest[at[0]], s->rest[at[1]], s->rest[at[2]], s->rest[at[3]]};
-        double was[4], apart[3], far = DM_SELF_SHARE * dm_measure_pair(rest, ones, was, apart);
-        p.touch = far < p.touch ? far : p.touch;
-    }
-    if (ones == 2) {
-        double point[3], other[3], back[3];
-        int inside = w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0;
-        for (int c = 0; c < 3; c++) {
-            point[c] = w[0] * x[0][c] + w[1] * x[1][c], other[c] = -w[2] * x[2][c] - w[3] * x[3][c];
-            back[c] = -p.normal[c];
-        }
-        p.weight = inside ? dm_sharpness(s, parts[0], point, back) * dm_sharpness(s, parts[1], other, p.normal) : 0;
-    }
-    s->pairs[s->pair_count++] = p;
+    p->keep[0] = dm_keep_of(share * gap, gap, closest), p->keep[1] = dm_keep_of((1 - share) * gap, gap, closest);
+}
+
+/* The plane of a pair: that of the query, in the middle between the two, where none was needed before. */
+static const dm_plane *dm_plane_of(dm_scene_state *s, dm_pair *p) {
+    dm_plane *plane = s->planes + (p - s->pairs);
+    if (p->renewed) return plane;
+    const double *x[4];
+    double w[4], between[3], closest = dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3));
+    for (int j = 0; j < 4; j++) x[j] = s->before[s->near[p->at[j]].vertex];
+    double gap = dm_measure_pair(x, p->ones, w, between);
+    dm_set_plane(plane, p->ones, x, w, between, gap, closest, 0.5);
+    p->renewed = 1;
+    return plane;
 }
 
 DM_INLINE int dm_share_a_vertex(const uint32_t *a, int m, const uint32_t *b, int n) {
@@ -166,17 +154,31 @@ DM_INLINE int dm_share_a_vertex(const uint32_t *a, int m, const uint32_t *b, int
     return 0;
 }
 
-/* Keep a vertex and a face, or two edges, that are close. */
-static void dm_keep_close(dm_scene_state *s, dm_close close) {
-    const uint32_t *at = close.at;
-    const double *x[4] = {s->before[at[0]], s->before[at[1]], s->before[at[2]], s->before[at[3]]};
-    double w[4], between[3];
-    if (!(dm_measure_pair(x, close.ones, w, between) < s->wide)) return;
-    s->close = dm_grown(s, s->close, s->close_count, &s->close_room, sizeof *s->close);
-    if (dm_has_room(s)) s->close[s->close_count++] = close;
+/* Keep what of the waiting pairs is close. */
+static void dm_keep_waiting(dm_scene_state *s, uint32_t ones) {
+    uint32_t k = ones - 1, count = s->waiting_count[k];
+    const dm_close *waiting = s->waiting[k];
+    for (uint32_t i = 0; i < count && dm_has_room(s); i += DM_LANES) {
+        uint32_t many = count - i < DM_LANES ? count - i : DM_LANES;
+        dm_wide_mask inside;
+        dm_wide3 way = dm_wide_between((const double(*)[3])s->before, waiting + i, many, ones, &inside);
+        dm_wide square = dm_wide_dot(way, way);
+        for (uint32_t l = 0; l < many && dm_has_room(s); l++) {
+            if (!(square[l] < s->wide * s->wide)) continue;
+            s->close[k] = dm_grown(s, s->close[k], s->close_count[k], &s->close_room[k], sizeof *waiting);
+            if (dm_has_room(s)) s->close[k][s->close_count[k]++] = waiting[i + l];
+        }
+    }
+    s->waiting_count[k] = 0;
 }
 
-/* Is a point, or the ball round an edge, farther than a search looks from the ball round a triangle or another edge? */
+DM_INLINE void dm_keep_close(dm_scene_state *s, uint32_t ones, dm_close close) {
+    uint32_t k = ones - 1;
+    s->waiting[k][s->waiting_count[k]++] = close;
+    if (s->waiting_count[k] == DM_BATCH) dm_keep_waiting(s, ones);
+}
+
+/* Is a point, or the ball round a triangle, farther than a search looks from the ball round another? */
 DM_INLINE int dm_balls_apart(const dm_scene_state *s, const double *a, double r, const double *b, double q) {
     double way[3], most = s->wide + r + q;
     dm_minus(a, b, way);
@@ -185,31 +187,27 @@ DM_INLINE int dm_balls_apart(const dm_scene_state *s, const double *a, double r,
 
 static void dm_keep_edges(dm_scene_state *s, uint32_t i, uint32_t j) {
     for (int k = 0; k < 3; k++) {
-        uint32_t pair[2] = {s->edges_of[i][k]};
-        const uint32_t *e = s->edges[pair[0]];
-        const double *ball = s->edge_balls[pair[0]];
         if (!(s->owns[i] >> (3 + k) & 1)) continue;
-        if (dm_balls_apart(s, ball, ball[3], s->balls[j], s->balls[j][3])) continue;
+        uint32_t edge = s->edges_of[i][k], a = s->edges[edge][0], b = s->edges[edge][1];
         for (int l = 0; l < 3; l++) {
             if (!(s->owns[j] >> (3 + l) & 1)) continue;
-            const uint32_t *h = s->edges[pair[1] = s->edges_of[j][l]];
-            const double *other = s->edge_balls[pair[1]];
-            if (!dm_balls_apart(s, ball, ball[3], other, other[3]) && !dm_share_a_vertex(e, 2, h, 2))
-                dm_keep_close(s, (dm_close){{e[0], e[1], h[0], h[1]}, 2, {pair[0], pair[1]}, 0});
+            uint32_t other = s->edges_of[j][l], c = s->edges[other][0], d = s->edges[other][1];
+            if (a != c && a != d && b != c && b != d) dm_keep_close(s, 2, (dm_close){{a, b, c, d}, {edge, other}});
         }
     }
 }
 
 /* Keep what of triangle i, and of what it stands for, is close to triangle j. */
 static void dm_keep_triangles(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+    (void)f, (void)g;
     const uint32_t *a = s->corners[i], *b = s->corners[j];
     const double *p = s->balls[i], *q = s->balls[j];
     if (dm_balls_apart(s, p, p[3], q, q[3])) return;
     for (int k = 0; k < 3; k++) {
         if (s->owns[i] >> k & 1 && !dm_share_a_vertex(a + k, 1, b, 3) && !dm_balls_apart(s, s->before[a[k]], 0, q, q[3]))
-            dm_keep_close(s, (dm_close){{a[k], b[0], b[1], b[2]}, 1, {j, 0}, 0});
+            dm_keep_close(s, 1, (dm_close){{a[k], b[0], b[1], b[2]}, {j, 0}});
         if (s->owns[j] >> k & 1 && !dm_share_a_vertex(b + k, 1, a, 3) && !dm_balls_apart(s, s->before[b[k]], 0, p, p[3]))
-            dm_keep_close(s, (dm_close){{b[k], a[0], a[1], a[2]}, 1, {i, 0}, f != g});
+            dm_keep_close(s, 1, (dm_close){{b[k], a[0], a[1], a[2]}, {i, 0}});
     }
     dm_keep_edges(s, i, j);
 }

@@ -65,12 +65,10 @@ static void dm_bring_near(dm_surface *f, double slack, double stale) {
 
 /* Between two surfaces stands a slab, square to the mean normal of their pairs: what is farther than the reach from the
  * other's side of it, and its neighbours with it, may go farther. Where one is all round the other there is none.
- * pair: the first of theirs. */
-static void dm_free_behind(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t pair) {
+ * normal: sum of theirs towards f, 0 where f is g. */
+static void dm_free_behind(dm_scene_state *s, const dm_surface *f, const dm_surface *g, double *normal) {
     const dm_surface *both[2] = {f, g};
-    double normal[3] = {0}, edge[2] = {INFINITY, -INFINITY};
-    for (const dm_pair *p = s->pairs + pair; p < s->pairs + s->pair_count && f != g; p++)
-        for (int c = 0; c < 3; c++) normal[c] += s->surfaces + p->surface[0] == f ? p->normal[c] : -p->normal[c];
+    double edge[2] = {INFINITY, -INFINITY};
     double size = sqrt(dm_inner3(normal, normal));
     for (int c = 0; c < 3 && size > 0; c++) normal[c] /= size;
     for (int k = 0; k < 2; k++)
@@ -101,7 +99,8 @@ DM_INLINE int dm_may_touch(const dm_surface *f, const dm_surface *g) { return f 
 
 /* Find all that is close, so widely that some queries can live of it. */
 static void dm_search(dm_scene_state *s) {
-    s->wide = DM_WIDE * s->reach, s->close_count = s->run_count = 0;
+    s->wide = DM_WIDE * s->reach, s->close_count[0] = s->close_count[1] = s->run_count = 0;
+    s->waiting_count[0] = s->waiting_count[1] = 0;
     memcpy(s->searched, s->before, (size_t)s->vertex_count * sizeof *s->searched);
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_fit_boxes(s, f);
     for (uint32_t i = 0; i < s->surface_count; i++)
@@ -109,8 +108,9 @@ static void dm_search(dm_scene_state *s) {
             const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
             if (!dm_may_touch(f, g) || (f != g && dm_boxes_apart(f->low, f->high, g->low, g->high) > s->wide)) continue;
             dm_visit_pairs(s, f, g, s->wide, dm_keep_triangles);
+            dm_keep_waiting(s, 1), dm_keep_waiting(s, 2);
             s->runs = dm_grown(s, s->runs, s->run_count, &s->run_room, sizeof *s->runs);
-            if (dm_has_room(s)) s->runs[s->run_count++] = (dm_run){i, j, s->close_count};
+            if (dm_has_room(s)) s->runs[s->run_count++] = (dm_run){i, j, {s->close_count[0], s->close_count[1]}};
         }
 }
 
@@ -126,28 +126,95 @@ static int dm_is_outdated(const dm_scene_state *s) {
     return !(left > 0);
 }
 
+/* How much two edges stick out towards each other. */
+static double dm_weight_of_edges(const dm_scene_state *s, const dm_close *close) {
+    const double *x[4];
+    double w[4], between[3], point[3], other[3], back[3];
+    for (int j = 0; j < 4; j++) x[j] = s->before[close->at[j]];
+    double gap = dm_measure_pair(x, 2, w, between);
+    for (int c = 0; c < 3; c++) {
+        point[c] = w[0] * x[0][c] + w[1] * x[1][c], other[c] = -w[2] * x[2][c] - w[3] * x[3][c];
+        between[c] = gap > 0 ? between[c] / gap : 0, back[c] = -between[c];
+    }
+    double one = dm_sharpness(s, close->parts[0], point, back);
+    return one > 0 ? one * dm_sharpness(s, close->parts[1], other, between) : 0;
+}
+
+/* Note a pair as a candidate where it may touch before the next query. */
+static void dm_note_candidate(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t pair, double gap) {
+    const dm_pair *p = s->pairs + pair;
+    const dm_close *close = s->close[p->ones - 1] + p->close;
+    dm_candidate made = {pair, gap, f->offset + g->offset, p->ones == 1 ? 1 : dm_weight_of_edges(s, close)};
+    if (f == g) {
+        const double *rest[4];
+        double w[4], between[3];
+        for (int j = 0; j < 4; j++) rest[j] = s->rest[close->at[j]];
+        double far = DM_SELF_SHARE * dm_measure_pair(rest, p->ones, w, between);
+        made.touch = far < made.touch ? far : made.touch;
+    }
+    if (!(made.weight > 0) || gap > made.touch + DM_STALE * (s->reach - s->touch) * 1.5) return;
+    s->candidates = dm_grown(s, s->candidates, s->candidate_count, &s->candidate_room, sizeof *s->candidates);
+    if (dm_has_room(s)) s->candidates[s->candidate_count++] = made;
+}
+
+/* Note a pair that is near. */
+static void dm_note_pair(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t ones, uint32_t close,
+                         double gap) {
+    const uint32_t *at = s->close[ones - 1][close].at;
+    dm_pair p = {.close = close, .ones = ones};
+    p.way = gap / 2 - dm_keep_of(gap / 2, gap, dm_closest_of(f, g));
+    s->pairs = dm_grown(s, s->pairs, s->pair_count, &s->pair_room, sizeof *s->pairs);
+    for (uint32_t k = 0; k < 4 && dm_has_room(s); k++) {
+        p.at[k] = dm_note_near(s, at[k] - f->first < f->count ? f : g, at[k]);
+        if (!dm_has_room(s)) return;
+        dm_tally *t = s->tally + p.at[k];
+        t->count++, t->way = p.way < t->way ? p.way : t->way;
+    }
+    if (dm_has_room(s)) s->pairs[s->pair_count++] = p;
+}
+
+/* Note the faces, or the edges, of a run that are near, and add up the normals between them, towards f. */
+static void dm_note_run(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t ones, uint32_t from,
+                        uint32_t end, double *normal) {
+    const dm_close *close = s->close[ones - 1];
+    for (uint32_t k = from; k < end && dm_has_room(s); k += DM_LANES) {
+        uint32_t many = end - k < DM_LANES ? end - k : DM_LANES;
+        dm_wide_mask inside;
+        dm_wide3 way = dm_wide_between((const double(*)[3])s->before, close + k, many, ones, &inside);
+        dm_wide gap = dm_wide_root(dm_wide_dot(way, way));
+        for (uint32_t l = 0; l < many && dm_has_room(s); l++) {
+            if (!(gap[l] < s->reach)) continue;
+            double by = gap[l] > 0 && f != g ? (close[k + l].at[0] < g->first ? 1 : -1) / gap[l] : 0;
+            normal[0] += by * way.x[l], normal[1] += by * way.y[l], normal[2] += by * way.z[l];
+            s->gap = gap[l] < s->gap ? gap[l] : s->gap;
+            dm_note_pair(s, f, g, ones, k + l, gap[l]);
+            if (inside[l] && dm_has_room(s)) dm_note_candidate(s, f, g, s->pair_count - 1, gap[l]);
+        }
+    }
+}
+
 /* Note which of two surfaces are near each other, or how far they are apart. run: where theirs may be. */
 static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j, uint32_t *run) {
     dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
     if (!dm_may_touch(f, g)) return;
     const dm_run *r = s->runs + *run;
-    int close = *run < s->run_count && r->first == i && r->second == j;
-    uint32_t from = close && *run ? r[-1].end : 0, pair = s->pair_count;
+    int close = *run < s->run_count && r->first == i && r->second == j, first = *run == 0;
     *run += (uint32_t)close;
-    double apart = f == g ? -1 : dm_boxes_apart(f->low, f->high, g->low, g->high);
+    double apart = f == g ? -1 : dm_boxes_apart(f->low, f->high, g->low, g->high), normal[3] = {0};
     if (apart > s->reach) {
         double way = apart / 2;
         dm_bring_near(f, DM_ROAM * way, way / 2), dm_bring_near(g, DM_ROAM * way, way / 2);
         return;
     }
-    for (uint32_t k = from; close && k < r->end && dm_has_room(s); k++) dm_note_pair(s, f, g, s->close + k);
-    if (dm_has_room(s)) dm_free_behind(s, f, g, pair);
+    for (uint32_t k = 0; close && k < 2; k++)
+        dm_note_run(s, f, g, k + 1, first ? 0 : r[-1].end[k], r->end[k], normal);
+    if (dm_has_room(s)) dm_free_behind(s, f, g, normal);
 }
 
-/* A pair as a candidate: its vertices in the order of the caller, each side from the lowest. */
-static dm_candidate dm_candidate_of(const dm_scene_state *s, uint32_t pair) {
-    const dm_pair *p = s->pairs + pair;
-    dm_candidate made = {.ones = p->ones, .pair = pair};
+/* A candidate with its vertices in the order of the caller, each side from the lowest. */
+static dm_ordered dm_ordered_of(const dm_scene_state *s, const dm_candidate *candidate) {
+    const dm_pair *p = s->pairs + candidate->pair;
+    dm_ordered made = {.ones = p->ones, .own = *candidate};
     uint32_t *number = made.number, start = p->ones == 1 ? 1 : 0, end = p->ones == 1 ? 4 : 2;
     for (int k = 0; k < 4; k++) number[k] = s->number[s->near[p->at[k]].vertex];
     for (; start < 4; start = end, end = 4)
@@ -156,14 +223,14 @@ static dm_candidate dm_candidate_of(const dm_scene_state *s, uint32_t pair) {
                 uint32_t other = number[j];
                 number[j] = number[j - 1], number[j - 1] = other;
             }
-    if (p->ones == 2 && p->surface[0] == p->surface[1] && number[2] < number[0]) {
+    if (p->ones == 2 && s->near[p->at[0]].surface == s->near[p->at[3]].surface && number[2] < number[0]) {
         uint32_t edge[2] = {number[0], number[1]};
         memcpy(number, number + 2, sizeof edge), memcpy(number + 2, edge, sizeof edge);
     }
     return made;
 }
 
-static int dm_comes_before(const dm_candidate *a, const dm_candidate *b) {
+static int dm_comes_before(const dm_ordered *a, const dm_ordered *b) {
     if (a->ones != b->ones) return a->ones < b->ones;
     for (int k = 1; k < 4; k++)
         if (a->number[k] != b->number[k]) return a->number[k] < b->number[k];
@@ -181,33 +248,19 @@ static void dm_order_candidates(dm_scene_state *s) {
         if (!s->sorted) s->code = DM_MEMORY;
     }
     if (!count || !dm_has_room(s)) return;
-    dm_candidate *sorted = s->sorted, *plain = sorted + count;
+    dm_ordered *sorted = s->sorted, *plain = sorted + count;
     for (uint32_t k = 0; k < count; k++)
-        plain[k] = dm_candidate_of(s, s->candidates[k]), bins[plain[k].number[0] + 1]++;
+        plain[k] = dm_ordered_of(s, s->candidates + k), bins[plain[k].number[0] + 1]++;
     for (int64_t k = 0; k < s->vertex_count; k++) bins[k + 1] += bins[k];
     for (uint32_t k = 0; k < count; k++) sorted[bins[plain[k].number[0]]++] = plain[k];
     for (uint32_t i = 0; i < count; i++) {
-        dm_candidate own = sorted[i];
+        dm_ordered own = sorted[i];
         uint32_t j = i;
         for (; j > 0 && sorted[j - 1].number[0] == own.number[0] && dm_comes_before(&own, sorted + j - 1); j--)
             sorted[j] = sorted[j - 1];
         sorted[j] = own;
     }
-    for (uint32_t k = 0; k < count; k++) s->candidates[k] = sorted[k].pair;
-}
-
-/* List the pairs that may touch before the next query. */
-static void dm_list_candidates(dm_scene_state *s) {
-    s->candidate_count = 0;
-    for (uint32_t k = 0; k < s->pair_count; k++) {
-        const dm_pair *p = s->pairs + k;
-        if (!(p->weight > 0) || p->gap > p->touch + DM_STALE * (s->reach - s->touch) * 1.5) continue;
-        s->candidates = dm_grown(s, s->candidates, s->candidate_count, &s->candidate_room, sizeof *s->candidates);
-        if (!dm_has_room(s)) return;
-        s->candidates[s->candidate_count++] = k;
-    }
-    dm_order_candidates(s);
-    s->looks = 1;
+    for (uint32_t k = 0; k < count; k++) s->candidates[k] = sorted[k].own;
 }
 
 static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
@@ -236,7 +289,8 @@ static void dm_query(dm_scene_state *s) {
             s->stale[i] = f->stale < s->stale[i] ? f->stale : s->stale[i], s->roam[i] = s->slack[i];
         }
     if (dm_has_room(s)) dm_link_pairs(s);
-    if (dm_has_room(s)) dm_list_candidates(s);
+    if (dm_has_room(s)) dm_order_candidates(s);
+    s->looks = 1;
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_set_bounds(s, f);
     s->out->queries++, s->out->pairs = s->pair_count > s->out->pairs ? s->pair_count : s->out->pairs;
     s->out->gap = s->gap < s->out->gap ? s->gap : s->out->gap;

@@ -6,10 +6,10 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
         dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound), dm_free(s->surfaces[k].due);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->searched,
-                           s->balls, s->edge_balls, s->number, s->bins, s->slack, s->stale};
+                           s->balls, s->number, s->bins, s->slack, s->stale};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->meetings, s->active, s->candidates, s->sorted, s->held,
-                           s->close, s->runs};
+                           s->close[0], s->close[1], s->runs, s->planes, s->tally};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);
 }
@@ -25,7 +25,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->nodes = room(2 * t + s->surface_count, sizeof *s->nodes));
     whole = whole && (s->slack = room(n, sizeof(double))) && (s->stale = room(n, sizeof(double)));
     whole = whole && (s->searched = room(n, sizeof *s->searched));
-    whole = whole && (s->balls = room(t, sizeof *s->balls)) && (s->edge_balls = room(3 * t, sizeof *s->edge_balls));
+    whole = whole && (s->balls = room(t, sizeof *s->balls));
     whole = whole && (s->number = room(n, sizeof(uint32_t))) && (s->bins = room(n + 1, sizeof(uint32_t)));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
     return whole ? DM_OK : DM_MEMORY;
@@ -108,7 +108,7 @@ static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_s
         f->first_triangle = (uint32_t)s->triangle_count, f->triangle_count = (uint32_t)triangles;
         s->vertex_count += count, s->triangle_count += triangles;
     }
-    s->due = 1;
+    s->due = 1, s->renewal = 1;
     int32_t code = dm_allocate_scene(s);
     if (code == DM_OK) code = dm_lay_surfaces(s, bodies, collider);
     if (code != DM_OK) dm_scene_state_destroy(s), *made = NULL;

@@ -12,6 +12,7 @@
 
 #define DM_NO_VERTEX UINT32_MAX
 #define DM_LEAF 4             /* triangles in a leaf of a tree */
+#define DM_BATCH 64           /* pairs that a search measures together */
 #define DM_DEEPEST 128        /* pairs of nodes that wait: twice the depth of two trees */
 #define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/body/proximity.py */
 #define DM_REACH_EDGE 0.3     /* of the mean edge: the farthest a query looks */
@@ -61,26 +62,38 @@ typedef struct { /* a box with the triangles in it; its first child follows it, 
 } dm_node;
 
 typedef struct { /* a vertex and a face, or two edges, that were nearer than `wide` at the last search */
-    uint32_t at[4], ones, parts[2], swapped; /* parts: the triangle, or both edges; swapped: the first is of the other */
+    uint32_t at[4], parts[2]; /* vertex and corners, or ends of both edges; the triangle, or both edges */
 } dm_close;
 
-typedef struct { /* those of two surfaces: up to `end` */
-    uint32_t first, second, end;
+typedef struct { /* those of two surfaces: up to these ends in the lists of faces and of edges */
+    uint32_t first, second, end[2];
 } dm_run;
 
-typedef struct { /* a vertex and a face, or two edges; a plane between them */
-    uint32_t at[4]; /* in the list of what is near: vertex and corners, or ends of both edges */
-    uint32_t ones;  /* how many of them lie on the side of the normal: 1 or 2 */
-    uint32_t surface[2], triangle, renewed; /* that the face is; when its plane was set */
-    double normal[3], level, keep[2]; /* each side keeps at least so far from normal . x = level */
-    double way[2];                 /* [m] that each side may go towards the other */
-    double gap, touch;             /* their distance at the query, and at which they touch [m] */
-    double weight;                 /* of what they do: fades where edges are flat */
+typedef struct { /* what is nearer than `reach` at the query */
+    uint32_t at[4];           /* in the list of what is near */
+    uint32_t close, ones;     /* in the list of faces or of edges; how many lie on the side of the normal: 1 or 2 */
+    uint32_t renewed;         /* when its plane was set: 0 where it never was */
+    double way;               /* [m] that each side may go from where it was at the query, whatever the plane */
 } dm_pair;
 
-typedef struct { /* a pair that may touch, and its vertices in the order of the caller, each side from the lowest */
-    uint32_t number[4], ones, pair;
+typedef struct { /* between the two of a pair: each side keeps at least so far from normal . x = level */
+    double normal[3], level, keep[2];
+} dm_plane;
+
+typedef struct { /* a pair that may touch */
+    uint32_t pair;
+    double gap, touch, weight; /* at the query, and at which they touch [m]; of what they do: fades where edges are flat */
 } dm_candidate;
+
+typedef struct { /* with its vertices in the order of the caller, each side from the lowest */
+    uint32_t number[4], ones;
+    dm_candidate own;
+} dm_ordered;
+
+typedef struct { /* of a vertex that is near something: the least way of its pairs [m], and how many there are */
+    double way;
+    uint32_t count, start;
+} dm_tally;
 
 typedef struct { /* two that may touch: their nearest points at the last look, and what passes between them */
     uint32_t at[4];
@@ -112,22 +125,26 @@ typedef struct dm_scene_state {
     uint8_t *owns; /* bits: a triangle stands for these of its corners, and of its edges */
     uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; where it is in the list of what is near */
     dm_node *nodes;
-    double (*balls)[4], (*edge_balls)[4]; /* middle and radius of each triangle and edge at the last search */
+    double (*balls)[4]; /* middle and radius of each triangle at the last search */
     dm_neighbour *near;
     uint32_t near_count, near_room, pair_count, pair_room, meeting_count, meeting_room, *pairs_of, pairs_of_room;
-    uint32_t candidate_count, candidate_room, *candidates; /* pairs that may touch before the next query */
+    uint32_t candidate_count, candidate_room; /* pairs that may touch before the next query */
+    dm_candidate *candidates;
     uint32_t sorted_room, *bins; /* room to put them in order */
-    dm_candidate *sorted;
+    dm_ordered *sorted;
     uint32_t active_count, active_room, *active; /* meetings of this substep */
     uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
     uint32_t *number;                    /* of vertices, in the order of the caller */
     int looks;                           /* normals are to be set anew */
     int wakes;                           /* what is awake may have come near what sleeps */
     int due;       /* a query is */
-    dm_close *close;
-    uint32_t close_count, close_room, run_count, run_room;
+    dm_close *close[2], waiting[2][DM_BATCH]; /* faces, and edges; what a search has not measured yet */
+    uint32_t close_count[2], close_room[2], waiting_count[2], run_count, run_room;
     dm_run *runs;
     dm_pair *pairs;
+    dm_plane *planes; /* of the pairs */
+    dm_tally *tally;  /* of what is near */
+    uint32_t tally_room, plane_room;
     dm_meeting *meetings;
     double touch, edge, tick, dt, reach, wide, gap, approach, fastest; /* wide: 0 where nobody has searched */
     int32_t code;

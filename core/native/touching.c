@@ -29,7 +29,7 @@ DM_INLINE int dm_nearer_towards(const dm_scene_state *s, const dm_surface *g, ui
 /* Is the nearest point of this face the nearest of the surface round it? On its border, a face beside it may be nearer,
  * and has a pair of its own. */
 static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double *w, const double *between) {
-    const dm_surface *g = s->surfaces + p->surface[1];
+    const dm_surface *g = dm_surface_of(s, p, 3);
     double point[3];
     int zero = 0, on = 0, off = 0;
     for (int k = 0; k < 3; k++) {
@@ -39,7 +39,8 @@ static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double
     if (!zero) return 1;
     dm_minus(s->near[p->at[0]].there, between, point);
     if (zero == 1) { /* on the edge opposite corner `off`, which begins at the next corner */
-        uint32_t edge = s->edges_of[p->triangle][(off + 1) % 3], own = s->near[p->at[1 + off]].vertex;
+        uint32_t triangle = s->close[0][p->close].parts[0];
+        uint32_t edge = s->edges_of[triangle][(off + 1) % 3], own = s->near[p->at[1 + off]].vertex;
         uint32_t other = s->across[edge][0] == own ? s->across[edge][1] : s->across[edge][0];
         return other == DM_NO_VERTEX || !dm_nearer_towards(s, g, other, point, between);
     }
@@ -64,9 +65,10 @@ static void dm_sum_meetings(dm_scene_state *s) {
 }
 
 /* Note where the nearest points of a pair are; return 0 where it cannot touch before the next look. */
-static int dm_look_at(const dm_scene_state *s, const dm_pair *p, dm_meeting *m) {
+static int dm_look_at(const dm_scene_state *s, const dm_candidate *candidate, dm_meeting *m) {
+    const dm_pair *p = s->pairs + candidate->pair;
     const double *x[4];
-    double w[4], between[3], give = 0, most = p->touch + s->approach;
+    double w[4], between[3], give = 0, most = candidate->touch + s->approach;
     for (int j = 0; j < 4; j++) x[j] = s->near[p->at[j]].there;
     double gap = dm_measure_pair(x, p->ones, w, between);
     if (!(gap < most) || !(gap > 0)) return 0;
@@ -74,14 +76,14 @@ static int dm_look_at(const dm_scene_state *s, const dm_pair *p, dm_meeting *m) 
     for (int j = 0; j < 4; j++) give += w[j] * w[j] * (double)s->near[p->at[j]].v[3];
     if (!(give > 0)) return 0;
     double mu = sqrt(dm_friction_of(s, p, 0, p->ones, w) * dm_friction_of(s, p, p->ones, 4, w));
-    *m = (dm_meeting){.gap = (dm_real)gap, .touch = (dm_real)p->touch, .friction = (dm_real)mu,
-                      .give = (dm_real)give, .share = (dm_real)p->weight};
+    *m = (dm_meeting){.gap = (dm_real)gap, .touch = (dm_real)candidate->touch, .friction = (dm_real)mu,
+                      .give = (dm_real)give, .share = (dm_real)candidate->weight};
     for (int c = 0; c < 3; c++) {
         m->normal[c] = (dm_real)(between[c] / gap);
         for (uint32_t j = 0; j < p->ones; j++) m->point[c] += w[j] * x[j][c];
     }
     for (int j = 0; j < 4; j++) m->at[j] = p->at[j], m->weight[j] = (dm_real)w[j];
-    memcpy(m->surface, p->surface, sizeof m->surface);
+    m->surface[0] = s->near[p->at[0]].surface, m->surface[1] = s->near[p->at[3]].surface;
     return 1;
 }
 
@@ -103,11 +105,11 @@ static void dm_look(dm_scene_state *s) {
     }
     double travel = 2 * sqrt(far);
     for (uint32_t k = 0; k < s->candidate_count; k++) {
-        const dm_pair *p = s->pairs + s->candidates[k];
-        if (p->gap - travel > p->touch + s->approach) continue;
+        const dm_candidate *c = s->candidates + k;
+        if (c->gap - travel > c->touch + s->approach) continue;
         s->meetings = dm_grown(s, s->meetings, s->meeting_count, &s->meeting_room, sizeof *s->meetings);
         if (!dm_has_room(s)) return;
-        s->meeting_count += dm_look_at(s, p, s->meetings + s->meeting_count);
+        s->meeting_count += dm_look_at(s, c, s->meetings + s->meeting_count);
     }
     if (s->active_room < s->meeting_room) {
         dm_free(s->active);

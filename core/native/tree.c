@@ -105,19 +105,8 @@ static void dm_fit_ball(dm_scene_state *s, uint32_t triangle) {
     ball[3] = sqrt(most) * (1 + 1e-12);
 }
 
-static void dm_fit_edge_balls(dm_scene_state *s, const dm_surface *f) {
-    for (uint32_t e = f->first_edge; e < f->first_edge + f->edge_count; e++) {
-        const double *a = s->before[s->edges[e][0]], *b = s->before[s->edges[e][1]];
-        double square = 0;
-        for (int c = 0; c < 3; c++)
-            s->edge_balls[e][c] = (a[c] + b[c]) / 2, square += (a[c] - b[c]) * (a[c] - b[c]);
-        s->edge_balls[e][3] = sqrt(square) / 2 * (1 + 1e-12);
-    }
-}
-
 /* Fit the boxes of a surface to where its vertices were at the query: children come after their parent. */
 static void dm_fit_boxes(dm_scene_state *s, const dm_surface *f) {
-    dm_fit_edge_balls(s, f);
     for (uint32_t k = f->first_node + f->node_count; k-- > f->first_node;) {
         dm_node *n = s->nodes + k;
         if (n->next) {

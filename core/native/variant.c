@@ -17,6 +17,7 @@
 #include "rest.c"
 #include "step.c"
 #include "tree.c"
+#include "gaps.c"
 #include "proximity.c"
 #include "bounds.c"
 #include "touching.c"

@@ -194,7 +194,7 @@ class TwinScene:
                         stale[part] = np.minimum(stale[part], apart / 4)
                 else:
                     closest = float(max(self._sizes[i], self._sizes[j]))
-                    found.append(find_pairs(s, x, self._velocities(), i, j, reach=reach, closest=closest))
+                    found.append(find_pairs(s, x, i, j, reach=reach, closest=closest))
                     way = free_behind(s, x, i, j, found[-1], reach)
                     slack, stale = np.minimum(slack, ROAM * way / 2), np.minimum(stale, STALE * (way - self._touch) / 2)
         pairs = _joined(found)

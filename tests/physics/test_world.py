@@ -132,7 +132,7 @@ def test_bodies_pressed_together_keep_the_distance_at_which_they_touch_and_are_s
     surfaces = join_surfaces(rests, [body.model.mesh.triangles for body in sessions])
     before, x = x, np.concatenate([body.positions() for body in sessions]).astype(np.float64)
     touch = OFFSET * float(surfaces.edge.sum())
-    pairs = find_pairs(surfaces, x, np.zeros_like(x), 0, 1, reach=2 * touch, closest=0.0)
+    pairs = find_pairs(surfaces, x, 0, 1, reach=2 * touch, closest=0.0)
     faces_of = pairs.ones == 1
     assert np.count_nonzero(pairs.gap[faces_of] < 1.1 * touch) > 50
     assert pairs.gap[faces_of].min() > 0.9 * touch
