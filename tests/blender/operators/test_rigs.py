@@ -175,6 +175,35 @@ def test_the_bake_of_a_walking_rig_equals_its_live_play_bit_for_bit(
     bpy.ops.dimple.reset()
 
 
+@pytest.mark.slow
+def test_a_walking_rig_of_ten_thousand_vertices_is_pressed_and_baked_as_a_small_one_is(
+    bpy: ModuleType, sessions: Any, scene: Any, add: Add, shown: Shown
+) -> None:
+    obj = walker(bpy, add, rings=100, around=100, name="Fine Walker")
+    vertex = 27 * 100
+    place = skin(bpy, obj, vertex)
+    fingertip(bpy, scene, {frame: place(frame, 0.15 * min(max(frame - 2, 0), 2) / 2) for frame in range(1, 7)})
+    scene.frame_set(1)
+    before, live = bits(obj), []
+    assert len(obj.data.vertices) == 10_002
+    for frame in range(1, 6):
+        bpy.ops.dimple.play(frames=1)
+        live.append((frame + 1, shown(obj)))
+    assert sessions.get(obj).link.follows
+    assert 0.05 < dent(obj, live[-1][1], vertex) < 0.25, "the press is where the skin has gone"
+    away = np.linalg.norm(live[-1][1] - sessions.get(obj).rest, axis=1)
+    assert np.median(away) < 0.03, "and the rest of the leg is where its rig has put it"
+    assert bits(obj) == before, "while it is pressed"
+    bpy.ops.dimple.reset()
+    assert bits(obj) == before
+    scene.frame_set(1)
+    bpy.ops.dimple.bake(frame_start=1, frame_end=6)
+    assert bits(obj) == before
+    for frame, seen in live:
+        scene.frame_set(frame)
+        assert np.abs(shown(obj) - seen).max() < 1e-6, "what is seen differs by the rounding of an offset"
+
+
 def test_a_rig_that_an_artist_moves_by_hand_takes_a_pressed_body_along(
     bpy: ModuleType, sessions: Any, scene: Any, add: Add, shown: Shown
 ) -> None:
