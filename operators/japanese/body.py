@@ -141,8 +141,8 @@ MESSAGES = {
     "runs at {} real time": "は実時間の {} の速さで動き",
     "runs live": "は実時間で動き",
     "As chosen": "選択どおりです",
-    "{}. A proxy of {} vertices {}, about {} mm and {} of the force off.": (
-        "{}。{} 頂点の代理メッシュ{}、誤差は約 {} mm、力の {} です。"
+    "{}. A proxy of {} vertices {}, within {} mm and {} of the force.": (
+        "{}。{} 頂点の代理メッシュ{}、誤差は {} mm 以内、力の {} 以内です。"
     ),
     "{} vertices at {} steps per millisecond": "{} 頂点、1 ミリ秒に {} ステップ",
     "a proxy of this mesh has from {} to {} vertices, not {}": (

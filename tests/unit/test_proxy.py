@@ -204,7 +204,7 @@ def test_a_free_proxy_conserves_momentum() -> None:
 @pytest.mark.parametrize("vertices", [283, 800, 1600])
 def test_cells_are_in_one_piece_so_a_closed_mesh_has_a_closed_proxy(vertices: int) -> None:
     """On a bent body cells cut one another in two while they grow; two pieces of a cell would leave a hole."""
-    bent = bodies.build(bodies.FRESH[5])
+    bent = bodies.build(bodies.FITTED[29])
     mesh, spacing = bent.mesh, mean_spacing(bent.mesh, vertices)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
