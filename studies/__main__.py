@@ -22,6 +22,8 @@ COMMANDS = {
     "release": ("press a hundred meshes, let go, and see what comes back", ".release_report", "add_release"),
     "dents": ("draw settled dents, measure how smooth they are and how they converge", ".dents", "add_dents"),
     "experiment": ("simulate or analyse the sensory comparison of chapter 5", ".experiment", "add_experiment"),
+    "graded": ("measure what proxies gain that are fine near one fingertip", ".graded", "add_graded"),
+    "quasi-static": ("count what slow presses take without inertia", ".quasi_static", "add_quasi_static"),
     "machines": ("compute what a graphics processor or many machines would bring", ".machines", "add_machines"),
     "haptics": ("press with an emulated device and print what it rendered", ".haptics", "add_haptics"),
 }

@@ -50,7 +50,7 @@ def keep(out: Path) -> None:
     for name in ("work_precision", "stability", "proxies"):
         for suffix in (".png", ".svg", ".csv"):
             shutil.copyfile(out / (name + suffix), KEPT / (name + suffix))
-    for name in ("stability_bounds.csv", "proxies_fit.csv", "fronts.csv"):
+    for name in ("stability_bounds.csv", "proxies_fit.csv", "proxies_ladder.csv", "fronts.csv"):
         shutil.copyfile(out / name, KEPT / name)
 
 

@@ -32,6 +32,7 @@ def draw_proxies(out: Path, quick: bool) -> None:
     choices = [choice for benchmark in benchmarks for choice in choices_of(benchmark, quick)]
     unseen = [row for benchmark in benchmarks for row in proxies.rows(benchmark)]
     write_rows(out, known, choices)
+    write_ladders(out, benchmarks)
     figure, ((surface, force), (ladder, verdict)) = plt.subplots(2, 2, figsize=(13, 10))
     for axes, (what, label, fit) in zip((surface, force), FITS, strict=True):
         draw_fit(axes, known, unseen, what, fit)
@@ -72,6 +73,17 @@ def write_rows(out: Path, known: Sequence[Row], choices: Sequence[Choice]) -> No
           c.best.vertices, c.best.steps, f"{c.best.cost:.3g}", len(c.ours.errors), c.missed, f"{c.ratio:.3g}",
           f"{c.cost_ratio:.3g}")
          for c in choices),
+    )  # fmt: skip
+
+
+def write_ladders(out: Path, benchmarks: Sequence[ProxyBenchmark]) -> None:
+    """Write error against cost of every rung, errors as 49 of 50 presses keep them."""
+    write_csv(
+        out / "proxies_ladder.csv",
+        ("body", "vertices", "steps", "cost_s_per_s", "error_over_radius", "force_error"),
+        ((b.body.name, r.vertices, r.steps, f"{r.cost:.3g}", f"{_kept(r) / b.body.radius:.3g}",
+          f"{np.quantile(r.force_errors, KEPT):.3g}")
+         for b in benchmarks for r in b.ladder(GROWTH**2)),
     )  # fmt: skip
 
 

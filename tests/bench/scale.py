@@ -11,6 +11,8 @@ import hashlib
 import resource
 import time
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from statistics import median
 from typing import Any
 
@@ -34,6 +36,7 @@ from tests.bench.bench import straight
 FRAME = 1 / 60  # [s]
 CROWD, TOUCHED, FRAMES = 100, 5, 12
 WORKERS_BODIES, CALLS = 8, 60  # of 2,562 vertices each: 20,000 together
+TURNS, AT_ONCE = 9, 20  # of two processes that share nothing
 MILLION, SIZE, RADIUS = 408, 0.2, 0.016  # squares along a side of the head; [m]
 TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
 
@@ -92,8 +95,36 @@ def workers() -> dict[str, Any]:
     return {
         "vertices": WORKERS_BODIES * len(model.mass), "one_ms": round(1e3 * median(times[1]), 2),
         "two_ms": round(1e3 * median(times[2]), 2), "least_ms": [round(1e3 * min(times[k]), 2) for k in (1, 2)],
-        "same_hash": len(hashes) == 1,
+        "ratio": round(median(a / b for a, b in zip(times[1], times[2], strict=True)), 3),
+        "ceiling": round(ceiling(), 3), "same_hash": len(hashes) == 1,
     }  # fmt: skip
+
+
+def ceiling() -> float:
+    """Return how much faster two processes that share nothing step than one: what this machine has to give.
+
+    Each turn has one process at work, then both at once; the median over turns of twice the first wall time over the
+    second.
+    """
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        list(pool.map(stepping, (1, 1)))
+        ratios = []
+        for _ in range(TURNS):
+            alone = pool.submit(stepping, AT_ONCE).result()
+            ratios.append(2 * alone / max(pool.map(stepping, (AT_ONCE, AT_ONCE))))
+    return median(ratios)
+
+
+def stepping(calls: int) -> float:
+    """Return the wall time [s] of calls that step bodies of half the vertices of `workers`, in this process."""
+    model, top = scenes.poke_ball(4).model, TOP
+    group = [native.Body(model, native.library()) for _ in range(WORKERS_BODIES // 2)]
+    still = Motion(8, model.substeps(TICK), TICK, straight(top - 0.01, top - 0.01, 8, 1))
+    step_many(group, [still] * len(group), workers=1)
+    started = time.perf_counter()
+    for _ in range(calls):
+        step_many(group, [still] * len(group), workers=1)
+    return time.perf_counter() - started
 
 
 def million(*, full: bool) -> dict[str, Any]:
