@@ -37,6 +37,7 @@ def tune(out: Path, check: Check) -> robot.Waits:
     yield from seeing.see(at, out, check)
     yield from looks(at, out, check)
     yield from large.press_large(at, out, check)
+    settings = bpy.context.scene.dimple  # the steps that were undone since have replaced the one above
     settings.press_by, settings.finger_radius_mm, settings.active_finger = "DEPTH", 10.0, 1
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.wm.tool_set_by_id(name="builtin.select_box")

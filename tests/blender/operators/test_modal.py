@@ -198,6 +198,25 @@ def test_undo_is_swallowed_and_navigation_is_not(bpy: ModuleType, hand: Any, res
     assert poke.send("ESC", at=None) == {"CANCELLED"}
 
 
+def test_a_3d_mouse_turns_the_view_while_a_fingertip_presses_and_the_press_stays(
+    bpy: ModuleType, hand: Any, rest: bytes
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    poke = hand("poke")
+    poke.invoke()
+    poke.send("LEFTMOUSE")
+    poke.ticks(20)
+    body = sessions.get(ball_of(bpy))
+    tip, depth = body.fingers[0], float(body.frame.depths[0])
+    for kind in ("NDOF_MOTION", "NDOF_BUTTON_FIT", "NDOF_BUTTON_TOP"):
+        for value in ("PRESS", "RELEASE", "NOTHING"):
+            assert poke.send(kind, value) == {"PASS_THROUGH"}, (kind, value)
+    poke.ticks(5)
+    assert body.fingers[0] == tip and body.frame.depths[0] == pytest.approx(depth, rel=0.02) and depth > 0.01
+    assert poke.send("ESC") == {"CANCELLED"}
+
+
 def test_a_click_beside_the_ball_presses_nothing(bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits) -> None:
     poke = hand("poke")
     poke.invoke()
