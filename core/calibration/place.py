@@ -15,6 +15,8 @@ AROUND = 2.0  # radii of the tip: how far the surface counts
 MANY = 200_000  # pairs of a place and a vertex that are looked at at once
 EDGE = 0.15  # by which a place may be less even than the best, where it lies in the middle of the top
 DOWN = (0.0, 0.0, -1.0)
+LITTLE = 0.45  # of what a flat place has under a tip: the corner of a cube has 0.42, and answers half of the law
+MOST = 2.5  # times that share of the law: what points and corners answer at most
 
 
 def typical_site(mesh: Mesh, indenter: Indenter, *, held: Bools | None = None) -> Site:
@@ -63,6 +65,30 @@ def _beside(mesh: Mesh, indenter: Indenter, held: Bools, above: Floats | None, i
         return at(site.point + aside)
     except DimpleError:  # the middle is all there is
         return site
+
+
+def bare_message(mesh: Mesh, point: Floats, outward: Floats, radius: float) -> str:
+    """Return a message where a fingertip presses a point or a corner, "" where there is enough surface under it.
+
+    It counts the surface within two radii as it is seen along the press: 1 on a plane, 0.5 at an edge that is pressed
+    like a face, where the law holds; on points and corners the force is from once to two and a half times that share
+    of the law at the way that the fingertip went in.
+
+    Args:
+        point: (3,) on the surface at rest [m].
+        outward: (3,) unit vector against the press.
+        radius: of the fingertip [m].
+    """
+    a, b, c = mesh.rest_positions[mesh.triangles].transpose(1, 0, 2)
+    seen = np.maximum(np.cross(b - a, c - a) @ outward / 2, 0.0)
+    near = ((mesh.rest_positions - point) ** 2).sum(axis=1) <= (AROUND * radius) ** 2
+    share = float(near[mesh.triangles].mean(axis=1) @ seen) / (np.pi * (AROUND * radius) ** 2)
+    if share >= LITTLE or not near.any():
+        return ""
+    return (
+        f"The fingertip presses a point or a corner: it has {share:.0%} of the surface that the measured law stands "
+        f"for, so the force will be some {share:.0%} to {MOST * share:.0%} of the law."
+    )
 
 
 def _candidates(mesh: Mesh, indenter: Indenter, held: Bools) -> tuple[Floats, Floats, Floats]:

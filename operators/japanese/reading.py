@@ -144,6 +144,11 @@ MESSAGES = {
     "Deeper than {} mm the tip would meet the far side of the object, which is {} mm thick there.": (
         "{} mm より深いと、先端が物体の裏側に当たります。そこの厚さは {} mm です。"
     ),
+    "The fingertip presses a point or a corner: it has {} of the surface that the measured law stands for, so the "
+    "force will be some {} to {} of the law.": (
+        "指先が尖った所か角を押しています。そこにある面は測定した法則が前提とする面の {} なので、"
+        "力は法則の {}〜{} ほどになります。"
+    ),
     "{} N instead of {} N": "{1} N のところ {0} N",
     "A round tip touches more as it sinks in, so it rounds the knee.": (
         "丸い先端は沈むほど広く触れるため、折れ点が丸くなります。"

@@ -1,5 +1,6 @@
 """A mesh that is too coarse for the fingertip is no trap: a bare primitive answers a click as was measured."""
 
+import re
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any
@@ -48,6 +49,33 @@ def test_a_click_on_a_bare_primitive_answers_the_law(
     assert coordinates(obj) == before and obj.dimple.size_mode == "CUSTOM"
     if name != "plane":
         assert frame.volume == pytest.approx(frame.rest_volume, rel=0.002)
+
+
+def test_a_torus_whose_edges_are_as_long_as_the_fingertip_is_cut_finer(
+    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any]
+) -> None:
+    """Its own 576 vertices answered 1.4 times the law, by chance of where they lie."""
+    bare("torus")
+    where = {"location": (1.0, 0.17, 0.25), "direction": (0.0, 0.0, -1.0)}
+    assert bpy.ops.dimple.poke(**(PRESS | where)) == {"FINISHED"}
+    frame = frames[0].frame
+    assert len(frames[0].session.model.mesh.rest_positions) > 1000
+    force = float(np.linalg.norm(frame.finger_forces, axis=1).max())
+    assert force == pytest.approx(float(frame.law_forces.max()), rel=NEAR)
+
+
+def test_the_artist_hears_that_the_law_does_not_hold_on_a_point(
+    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], capfd: pytest.CaptureFixture[str]
+) -> None:
+    bare("cone")
+    at_the_tip = {"location": (0.0, 0.0, 1.0), "direction": (0.0, 0.0, -1.0)}
+    assert bpy.ops.dimple.poke(**(PRESS | at_the_tip)) == {"FINISHED"}
+    said = re.search(r"it has (\d+)% of the surface.* some (\d+)% to (\d+)% of the law", capfd.readouterr().out)
+    assert said
+    share, least, most = (int(each) / 100 for each in said.groups())
+    law = frames[0].session.model.materials[0].law(KNEE_MM / 1e3)
+    force = float(np.linalg.norm(frames[0].frame.finger_forces, axis=1).max()) / law
+    assert share == least < 0.3 and least < force < most
 
 
 def test_the_artist_hears_at_what_size_and_with_how_many_vertices_it_is_pressed(
