@@ -12,6 +12,7 @@ from scene_parts import frame, install, key_press, look, painted, press_ball, sa
 HERE = Path(__file__).parent
 FINGERTIP_MM = 10.0
 CUT_MM = 0.49 * FINGERTIP_MM  # edges: so long, the force differs by some 3 % from place to place
+FEWEST = 14  # cells a side of a small cube: with more it would not be simulated itself beside the others, live
 
 
 def three_objects() -> None:
@@ -23,7 +24,7 @@ def three_objects() -> None:
         ("Object 3 vinyl water", "object_3_vinyl_water", 0.165, (0.105, 0.0), (0.16, 0.58, 0.45), 20.0),
     )
     for number, (name, preset, edge, (x, y), colour, depth) in enumerate(objects, 1):
-        body = soft_cube(name, edge, max(20, round(edge / CUT_MM * 1e3)), Vector((x, y, edge / 2)))
+        body = soft_cube(name, edge, max(FEWEST, round(edge / CUT_MM * 1e3)), Vector((x, y, edge / 2)))
         body.data.materials.append(painted(name, colour))
         bpy.ops.dimple.apply_preset(preset=preset)
         body.dimple.enabled = True
