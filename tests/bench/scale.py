@@ -171,7 +171,8 @@ def million(*, full: bool) -> dict[str, Any]:
 def main(*, full: bool) -> dict[str, Any]:
     """Measure all, print each as it is known and return it."""
     found: dict[str, Any] = {}
-    for name, measure in (("crowd", crowd), ("workers", workers), ("million", lambda: million(full=full))):
+    # the million first: its memory is the most that the process has had
+    for name, measure in (("million", lambda: million(full=full)), ("crowd", crowd), ("workers", workers)):
         found[name] = measure()
         print(f"{name}: " + ", ".join(f"{key} {value}" for key, value in found[name].items()), flush=True)
     return found
