@@ -13,7 +13,7 @@ static void dm_state_destroy(dm_state *b) {
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         dm_free(b->touches[k].vertices), dm_free(b->touches[k].faces), dm_free(b->touches[k].noted);
-        dm_free(b->touches[k].radii);
+        dm_free(b->touches[k].radii), dm_free(b->touches[k].listed_vertices), dm_free(b->touches[k].listed_faces);
     }
     dm_free(b);
 }
@@ -53,6 +53,8 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         whole = whole && (b->touches[k].vertices = room(size, sizeof(uint32_t)));
         whole = whole && (b->touches[k].faces = room(t + DM_LANES, sizeof *b->touches[k].faces));
+        whole = whole && (b->touches[k].listed_vertices = room(size, sizeof(uint32_t)));
+        whole = whole && (b->touches[k].listed_faces = room(t + DM_LANES, sizeof *b->touches[k].listed_faces));
         whole = whole && (b->touches[k].radii = room(t + DM_LANES, sizeof(dm_real)));
         whole = whole && (b->touches[k].noted = room(size, sizeof(uint32_t)));
     }

@@ -91,8 +91,10 @@ typedef struct { /* what a fingertip may meet within a tick */
     uint32_t *vertices, (*faces)[3]; /* by their corners, the last one repeated to fill eight lanes */
     dm_real *radii;                  /* of the spheres that the faces meet [m] */
     uint32_t *noted;                 /* each of those vertices and corners once */
-    double listed_at[3], listed;     /* these are all within so much [m] of this place; 0: not known */
-    dm_real listed_radius;
+    int64_t listed_vertex_count, listed_face_count;
+    uint32_t *listed_vertices, (*listed_faces)[3]; /* what they are picked from: */
+    double listed_at[3], listed; /* all within so much [m] of this place, 0 where that is not known, */
+    dm_real listed_radius;       /* for this fingertip */
     int listed_finger;
 } dm_near;
 
@@ -153,7 +155,7 @@ struct dm_state {
     dm_real *inverse_mass, *friction;
     int finger_count;
     dm_near touches[DM_MAX_FINGERTIPS];
-    dm_vec3 *listed; /* (groups,) where vertices were when those lists were made */
+    dm_vec3 *listed; /* (groups,) where vertices were when the lists were made */
     dm_contact *hits;
     dm_quad *before; /* where vertices near a fingertip were at the begin of the step */
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */

@@ -1,5 +1,5 @@
-/* What each fingertip may meet within a tick: listed by bounding boxes first, and with a margin, so that the lists hold
- * until something has gone that far (Verlet 1967). */
+/* What each fingertip may meet within a tick, picked from lists that are made with a margin, by bounding boxes first, and
+ * hold until something has gone that far (Verlet 1967). */
 #include "body.h"
 
 static double dm_greatest_root(dm_lanes squares) {
@@ -38,23 +38,59 @@ static void dm_bound_boxes(dm_state *b) {
     }
 }
 
-static void dm_find_near_vertices(const dm_state *b, dm_near *t, dm_real reach) {
+static void dm_list_vertices(const dm_state *b, dm_near *t, dm_real reach) {
     dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
-    t->vertex_count = 0;
+    t->listed_vertex_count = 0;
     for (int64_t g = 0; g < b->groups; g++) {
         dm_vec3 offset = dm_sub(b->state[g].x, centre);
         dm_mask moves = (dm_mask)(b->matter[g].inverse_mass > dm_splat(0));
         dm_mask near = (dm_mask)(dm_dot(offset, offset) < dm_splat(reach * reach)) & moves;
         for (int l = 0; dm_any_of(near) && l < DM_LANES; l++)
-            if (near[l]) t->vertices[t->vertex_count++] = (uint32_t)(g * DM_LANES + l);
+            if (near[l]) t->listed_vertices[t->listed_vertex_count++] = (uint32_t)(g * DM_LANES + l);
     }
 }
 
-/* A triangle may be within reach when the sphere round its middle that holds its corners is; it meets a smaller one. */
-static void dm_find_near_faces(const dm_state *b, dm_near *t, dm_real reach) {
+static void dm_pick_vertices(const dm_state *b, dm_near *t, dm_real reach) {
+    t->vertex_count = 0;
+    for (int64_t k = 0; k < t->listed_vertex_count; k++) {
+        dm_quad offset = b->records[t->listed_vertices[k]].x - t->centre;
+        if (dm_dot3(offset, offset) < reach * reach) t->vertices[t->vertex_count++] = t->listed_vertices[k];
+    }
+}
+
+/* Pick the faces that the spheres they meet may come to within reach, and return how many: first those whose corners'
+ * own sphere is. from: readable for whole lanes.  radii: of the spheres, NULL where they are not wanted. */
+static int64_t dm_pick_faces(const dm_state *b, const dm_near *t, const uint32_t (*from)[3], int64_t count,
+                             dm_real reach, uint32_t (*to)[3], dm_real *radii) {
     dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
     dm_lanes third = dm_splat((dm_real)1 / 3);
-    t->face_count = 0;
+    int64_t picked = 0;
+    for (int64_t i = 0; i < count; i += DM_LANES) {
+        dm_vec3 x = dm_corners_at(b, from + i, 0, centre), y = dm_corners_at(b, from + i, 1, centre);
+        dm_vec3 z = dm_corners_at(b, from + i, 2, centre);
+        dm_vec3 middle = {(x.x + y.x + z.x) * third, (x.y + y.y + z.y) * third, (x.z + y.z + z.z) * third};
+        dm_vec3 to_x = dm_sub(x, middle), to_y = dm_sub(y, middle), to_z = dm_sub(z, middle), weight;
+        dm_lanes most = dm_vmax(dm_vmax(dm_dot(to_x, to_x), dm_dot(to_y, to_y)), dm_dot(to_z, to_z));
+        dm_lanes limit = dm_splat(reach) + dm_vsqrt(most);
+        dm_mask near = (dm_mask)(dm_dot(middle, middle) < limit * limit);
+        if (!dm_any_of(near)) continue;
+        dm_vec3 point = dm_nearest_points(x, y, z, &weight);
+        dm_lanes distance = dm_vsqrt(dm_dot(point, point));
+        for (int64_t l = 0; l < DM_LANES && i + l < count; l++) {
+            const uint32_t *at = from[i + l];
+            if (!near[l]) continue;
+            if (!(b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0)) continue;
+            dm_real radius = dm_met_radius(b, at, t->radius);
+            if (distance[l] - radius > reach - t->radius) continue;
+            if (radii) radii[picked] = radius;
+            memcpy(to[picked++], at, sizeof *to);
+        }
+    }
+    return picked;
+}
+
+static void dm_list_faces(const dm_state *b, dm_near *t, dm_real reach) {
+    t->listed_face_count = 0;
     for (int64_t k = 0; k < b->box_count; k++) {
         /* the middle of a triangle lies in its box, and no corner farther off than two thirds of the diagonal */
         const dm_quad *box = b->boxes[k];
@@ -65,33 +101,10 @@ static void dm_find_near_faces(const dm_state *b, dm_near *t, dm_real reach) {
             away += gap > 0 ? gap * gap : 0;
         }
         if (DM_SQRT(away) > reach + span) continue;
-        int64_t end = (k + 1) * DM_BLOCK < b->triangle_count ? (k + 1) * DM_BLOCK : b->triangle_count;
-        for (int64_t i = k * DM_BLOCK; i < end; i += DM_LANES) {
-            const uint32_t (*face)[3] = (const uint32_t (*)[3])b->triangles + i;
-            dm_vec3 x = dm_corners_at(b, face, 0, centre), y = dm_corners_at(b, face, 1, centre);
-            dm_vec3 z = dm_corners_at(b, face, 2, centre);
-            dm_vec3 middle = {(x.x + y.x + z.x) * third, (x.y + y.y + z.y) * third, (x.z + y.z + z.z) * third};
-            dm_vec3 to_x = dm_sub(x, middle), to_y = dm_sub(y, middle), to_z = dm_sub(z, middle), weight;
-            dm_lanes most = dm_vmax(dm_vmax(dm_dot(to_x, to_x), dm_dot(to_y, to_y)), dm_dot(to_z, to_z));
-            dm_lanes limit = dm_splat(reach) + dm_vsqrt(most);
-            dm_mask near = (dm_mask)(dm_dot(middle, middle) < limit * limit);
-            if (!dm_any_of(near)) continue;
-            dm_vec3 point = dm_nearest_points(x, y, z, &weight);
-            dm_lanes distance = dm_vsqrt(dm_dot(point, point));
-            for (int64_t l = 0; l < DM_LANES && i + l < end; l++) {
-                const uint32_t *at = face[l];
-                if (!near[l]) continue;
-                if (!(b->inverse_mass[at[0]] > 0 || b->inverse_mass[at[1]] > 0 || b->inverse_mass[at[2]] > 0)) continue;
-                dm_real radius = dm_met_radius(b, at, t->radius);
-                if (distance[l] - radius > reach - t->radius) continue;
-                t->radii[t->face_count] = radius;
-                memcpy(t->faces[t->face_count++], at, sizeof *t->faces);
-            }
-        }
-    }
-    for (int64_t k = t->face_count; k % DM_LANES; k++) {
-        memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);
-        t->radii[k] = t->radii[k - 1];
+        const uint32_t (*block)[3] = (const uint32_t (*)[3])b->triangles + k * DM_BLOCK;
+        int64_t left = b->triangle_count - k * DM_BLOCK, count = left < DM_BLOCK ? left : DM_BLOCK;
+        uint32_t (*to)[3] = t->listed_faces + t->listed_face_count;
+        t->listed_face_count += dm_pick_faces(b, t, block, count, reach, to, NULL);
     }
 }
 
@@ -106,10 +119,21 @@ static void dm_list_noted(dm_state *b, dm_near *t) {
     for (int64_t k = 0; k < t->noted_count; k++) b->is_moved[t->noted[k]] = 0;
 }
 
-static void dm_list_near(dm_state *b, dm_near *t, double reach) {
-    dm_find_near_vertices(b, t, (dm_real)reach);
-    dm_find_near_faces(b, t, (dm_real)reach);
+/* Find what a fingertip may meet within reach of its centre, in the order in which it is listed. */
+static void dm_pick_near(dm_state *b, dm_near *t, dm_real reach) {
+    dm_pick_vertices(b, t, reach);
+    const uint32_t (*listed)[3] = (const uint32_t (*)[3])t->listed_faces;
+    t->face_count = dm_pick_faces(b, t, listed, t->listed_face_count, reach, t->faces, t->radii);
+    for (int64_t k = t->face_count; k % DM_LANES; k++) {
+        memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);
+        t->radii[k] = t->radii[k - 1];
+    }
     dm_list_noted(b, t);
+}
+
+static void dm_list_near(const dm_state *b, dm_near *t, double reach) {
+    dm_list_vertices(b, t, (dm_real)reach);
+    dm_list_faces(b, t, (dm_real)reach);
     memcpy(t->listed_at, b->fingers[t->finger].centre, sizeof t->listed_at);
     t->listed = reach, t->listed_finger = t->finger, t->listed_radius = t->radius;
 }
@@ -161,9 +185,11 @@ static void dm_find_near(dm_state *b, const dm_motion *m) {
     }
     if (!hold) dm_bound_boxes(b);
     for (int64_t g = 0; !hold && g < b->groups; g++) b->listed[g] = b->state[g].x;
+    for (int k = 0; !hold && k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
     for (int k = 0; k < b->finger_count; k++) {
         dm_near *to = b->touches + k;
         if (!hold) dm_list_near(b, to, asked[k] + DM_LIST_MARGIN * (double)to->radius);
+        dm_pick_near(b, to, (dm_real)asked[k]);
         double travel = DM_SKIN_TRAVEL * (double)to->radius;
         if (to->vertex_count + to->face_count > 0 && (b->skin_travel == 0 || travel < b->skin_travel))
             b->skin_travel = travel;
