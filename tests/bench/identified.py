@@ -102,9 +102,9 @@ def main() -> int:
     given = options.parse_args()
     bpy.ops.extensions.package_install_files(filepath=str(given.zip), repo="user_default", enable_on_install=True)
     package = sys.modules["bl_ext.user_default.dimple"]
-    sessions, bridge = operators(package, "sessions", "bridge")
+    sessions, bridge_model = operators(package, "sessions", "bridge_model")
     Finger = importlib.import_module(f"{package.__name__}.core.session").Finger
-    bridge.bpy = Window()
+    bridge_model.bpy = Window()
     for large in (False, True):
         for shape in ("ball", "cube"):
             for tip in ("POINT", "SPHERE"):
