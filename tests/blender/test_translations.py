@@ -14,7 +14,7 @@ BASES = ("Panel", "Menu", "Operator", "PropertyGroup", "AddonPreferences")
 # whatever Blender gives to a class of ours is translated by Blender: the name of a preset operator's preset
 BLENDERS_OWN = {"rna_type", "name", "remove_name", "remove_active"}
 
-# two words or more, or a sentence: what is said to somebody
+# two words or more, or a sentence: what a person reads
 SENTENCE = re.compile(r"""[A-Za-z]{2,}[,;:]?["”]? ["“]?[A-Za-z{]|[}"”] [a-z]{2}|^[A-Z][a-z].*\.$""")
 # a place that is a sentence of its own: what stands beside it is a message without it
 BESIDE = re.compile(r"(?<=[.?])\s*\{\}$|^\{\}\s(?=[A-Z][a-z])")
