@@ -31,9 +31,7 @@ ERROR = 0.083, 1.89, -0.42
 FORCE_ERROR = 0.56, 2.27, -0.23
 NARROWEST = 0.5  # spread over radius: narrower dents have not been fitted
 MARGIN = 1.1  # bodies scatter about the fit by a tenth: a proxy is chosen to be so much better than the tolerances
-# times a tolerance: a proxy that runs live, or the largest there is, may miss it by so much; a typical press is off by
-# half of what 49 of 50 keep
-STRETCH = 4.0
+STRETCH = 2.0  # times a tolerance: a proxy that runs live and misses it by no more beats one that does not run live
 UNEVEN = 1.25  # times the steps of its mesh that a proxy takes at most: its triangles are less even
 TRIES = 5
 DENSER = 1.25  # where no proxy can be made, the factor of vertices to the next attempt
@@ -101,7 +99,9 @@ def plan(
         check(model)
         least = vertices_for(model, STRETCH * tolerance, STRETCH * force_tolerance, radius)
         live, most = vertices_within(model, budget), most_of(model)
-        vertices = live if least <= live < wanted else min(wanted, max(least, most))
+        vertices = live if least <= live < wanted else wanted
+        if vertices == wanted and vertices_for(model, tolerance, force_tolerance, radius) <= most:
+            vertices = min(wanted, most)  # the largest keeps the tolerances, though without the margin
         if vertices > most:
             near = f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
             raise DimpleError(f"no proxy of up to {most:,} vertices is within {near}")

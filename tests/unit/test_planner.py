@@ -63,11 +63,12 @@ def test_tighter_tolerances_take_more_vertices(round_model: Model) -> None:
     assert planner.vertices_for(round_model, 1e-3, 0.1, 0.005) > planner.vertices_for(round_model, 1e-3, 0.1, 0.02)
 
 
-def test_the_largest_proxy_that_nearly_keeps_the_tolerances_beats_a_full_mesh_that_is_not_live(
+def test_the_largest_proxy_that_keeps_the_tolerances_without_a_margin_beats_a_full_mesh_that_is_not_live(
     round_model: Model,
 ) -> None:
     """It missed them by a hair on a cube of 40,000 vertices, which then ran at a thirteenth of real time."""
-    share = next(f for f in np.arange(0.5, 0.0, -0.002) if planner.vertices_for(round_model, 1.0, f, 0.02) > 1281)
+    shares = np.arange(0.5, 0.0, -0.002)
+    share = next(f for f in shares if planner.vertices_for(round_model, 1.0, f / planner.MARGIN, 0.02) > 1281)
     chosen = plan(round_model, budget=NEVER_LIVE, tolerance=1.0, force_tolerance=float(share), radius=0.02)
     assert chosen.proxy is not None and 1000 < chosen.vertices <= 1281
     assert chosen.force_error == pytest.approx(share, rel=0.2)

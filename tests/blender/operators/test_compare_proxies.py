@@ -56,9 +56,9 @@ def test_a_heavy_mesh_gets_a_proxy_with_a_reason_and_keeps_it(bpy: ModuleType, f
     again, said = start(bpy, fine)
     assert np.array_equal(again.session.proxy.seeds, seeds) and said == []
     stop()
-    fine.dimple.tolerance_percent = 5.0  # too far from what one that runs live keeps
-    tighter, said = start(bpy, fine)
-    assert len(tighter.session.proxy.seeds) > len(seeds) and "proxy of" in said[0]
+    fine.dimple.tolerance_percent = 50.0
+    looser, said = start(bpy, fine)
+    assert len(looser.session.proxy.seeds) < len(seeds) and "proxy of" in said[0]
     stop()
 
 
