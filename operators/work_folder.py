@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import IO
 
 PREFIX = ".dimple-"
+OPENING = "opening"  # the lock before it is held
 LOCK = "lock"  # a file that whoever works in the folder holds, and that nobody holds once it is killed
 
 
@@ -29,9 +30,9 @@ def opened(parent: Path) -> Iterator[Path]:
     """
     parent.mkdir(parents=True, exist_ok=True)
     clear(parent)
-    folder = Path(tempfile.mkdtemp(prefix=_prefix(), dir=parent))
+    folder, lock = _made(parent)
     try:
-        with _held(folder):
+        with lock:
             yield folder
     finally:
         _remove(folder)
@@ -39,9 +40,25 @@ def opened(parent: Path) -> Iterator[Path]:
 
 def clear(parent: Path) -> None:
     """Delete the folders that killed Blenders of this computer left in a place."""
-    for lock in sorted(parent.glob(f"{_prefix()}*/{LOCK}")):
-        if _is_free(lock):
-            _remove(lock.parent)
+    for folder in sorted(parent.glob(f"{_prefix()}*/")):
+        with contextlib.suppress(OSError):
+            folder.rmdir()  # nothing is in it: whoever has just made it makes another
+        for lock in (folder / LOCK, folder / OPENING):
+            if lock.exists():
+                _remove_if_free(lock)
+
+
+def _made(parent: Path) -> tuple[Path, IO[bytes]]:
+    """Make a folder and its open lock; where another Blender clears it before it is held, make another."""
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=_prefix(), dir=parent))
+        try:
+            return folder, _held(folder)
+        except FileNotFoundError:
+            continue
+        except OSError:
+            _remove(folder)
+            raise
 
 
 def _remove(folder: Path) -> None:
@@ -50,7 +67,7 @@ def _remove(folder: Path) -> None:
         for path in folder.iterdir():
             if path.is_dir():
                 shutil.rmtree(path, ignore_errors=True)
-            elif path.name != LOCK:
+            elif path.name not in (LOCK, OPENING):
                 path.unlink(missing_ok=True)
     shutil.rmtree(folder, ignore_errors=True)
 
@@ -60,28 +77,37 @@ def _prefix() -> str:
 
 
 def _held(folder: Path) -> IO[bytes]:
-    """Return the open lock of a folder; it has its name once it is held, so nobody finds one that is about to be."""
+    """Return the open lock of a folder; it has its name once it is held.
+
+    Raises:
+        OSError: it cannot be made; FileNotFoundError where the folder is gone.
+    """
     try:
         import fcntl
     except ImportError:  # Windows deletes no file that is open
         return (folder / LOCK).open("wb")
-    file = (folder / "opening").open("wb")
-    with contextlib.suppress(OSError):  # a disk without locks: then what a killed Blender leaves stays
+    file = (folder / OPENING).open("wb")
+    try:
         fcntl.flock(file, fcntl.LOCK_EX)
-        (folder / "opening").rename(folder / LOCK)
+    except OSError:  # a disk without locks: then what a killed Blender leaves stays
+        return file
+    try:
+        (folder / OPENING).rename(folder / LOCK)
+    except OSError:
+        file.close()
+        raise
     return file
 
 
-def _is_free(lock: Path) -> bool:
-    """Tell whether nobody holds a lock."""
-    try:
-        import fcntl
-    except ImportError:
-        with contextlib.suppress(OSError):
+def _remove_if_free(lock: Path) -> None:
+    """Delete the folder of a lock that nobody holds; it is held meanwhile, so whoever is about to hold it waits."""
+    with contextlib.suppress(OSError):
+        try:
+            import fcntl
+        except ImportError:
             lock.unlink()
-            return True
-        return False
-    with contextlib.suppress(OSError), lock.open("rb") as file:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        return True
-    return False
+            _remove(lock.parent)
+            return
+        with lock.open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _remove(lock.parent)

@@ -114,16 +114,13 @@ def test_the_folders_of_those_that_are_at_work_are_left_alone(bpy: ModuleType, t
 
     with work_folder.opened(tmp_path) as running:
         name = running.name
-        elsewhere, begun = tmp_path / ".dimple-another-computer-x1", tmp_path / f"{name}2"
-        for folder in (elsewhere, begun):
+        elsewhere, killed = tmp_path / ".dimple-another-computer-x1", tmp_path / f"{name}2"
+        for folder in (elsewhere, killed):
             folder.mkdir()
-        (elsewhere / "lock").touch()
+            (folder / "lock").touch()
         (running / "half").write_text("half")
         with work_folder.opened(tmp_path) as other:
-            assert (running / "half").exists() and elsewhere.exists() and begun.exists() and other != running
-        (begun / "lock").touch()  # whoever held it is gone
-        work_folder.clear(tmp_path)
-        assert (running / "half").exists() and elsewhere.exists() and not begun.exists()
+            assert (running / "half").exists() and elsewhere.exists() and not killed.exists() and other != running
     assert sorted(path.name for path in tmp_path.iterdir()) == [elsewhere.name]
 
 
@@ -143,3 +140,47 @@ def test_the_lock_of_a_folder_is_deleted_last_so_that_one_half_deleted_is_found_
             (folder / f"frame_{number}").touch()
         monkeypatch.setattr(os, "unlink", noted)
     assert len(gone) == 21 and gone[-1] == "lock" and not folder.exists()
+
+
+@pytest.mark.parametrize("left", [(), ("opening",), ("lock",), ("opening", "half")])
+def test_a_folder_is_cleared_wherever_between_making_and_deleting_it_a_kill_came(
+    bpy: ModuleType, tmp_path: Path, left: tuple[str, ...]
+) -> None:
+    from bl_ext.user_default.dimple.operators import work_folder
+
+    with work_folder.opened(tmp_path) as folder:
+        killed = tmp_path / f"{folder.name}2"
+        killed.mkdir()
+        for name in left:
+            (killed / name).touch()
+        work_folder.clear(tmp_path)
+        assert list(tmp_path.iterdir()) == [folder]
+
+
+@pytest.mark.parametrize("when", ["mkdtemp", "flock"])
+def test_a_folder_that_another_blender_clears_before_it_is_held_is_made_again(
+    bpy: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, when: str
+) -> None:
+    import fcntl
+    import tempfile
+
+    from bl_ext.user_default.dimple.operators import work_folder
+
+    module: Any = tempfile if when == "mkdtemp" else fcntl
+    real, made = getattr(module, when), []
+
+    def cleared(*given: Any, **named: Any) -> Any:
+        """Let the other clear just before the lock is held; it leaves alone whatever is held."""
+        if when == "flock" and not made:
+            made.append(next(tmp_path.iterdir()))
+            work_folder.clear(tmp_path)
+        result = real(*given, **named)
+        if when == "mkdtemp" and not made:
+            made.append(Path(result))
+            work_folder.clear(tmp_path)
+        return result
+
+    monkeypatch.setattr(module, when, cleared)
+    with work_folder.opened(tmp_path) as folder:
+        assert made and folder not in made and list(tmp_path.iterdir()) == [folder] and (folder / "lock").exists()
+    assert not list(tmp_path.iterdir())
