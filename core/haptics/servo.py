@@ -37,7 +37,8 @@ class Servo:
     cap: largest stiffness to render [N/m]; it falls as soon as the delay grows, and rises only while nothing is
         touched: a wall that stiffens under a finger pushes it out.
     unsent: answers that the line did not take.
-    let_go: the device had no commands for so long that it took the force away, perhaps of a pressed fingertip.
+    let_go: the device took the force away, or began its ramp anew, for want of commands or of STATEs, perhaps under a
+        pressed fingertip.
     """
 
     def __init__(self, spec: Spec, *, nonce: int = 1) -> None:
@@ -203,12 +204,15 @@ class Servo:
         oldest = FADE_BEGINS if self._switch.arming is Arming.WAITING else LEASE
         held = self.order.is_held(now) or bool(state.buttons & wire.DEADMAN_BUTTON)
         held = held and self.order.is_fresh(now, oldest)
-        out = self._check(steady) + self._update_forces(state, now, min(dt, MOST_DT), held)
+        out = self._check(steady)
+        device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
+        lost_force = not device_on or self._acting.restarts_ramp(before, state)
+        self.let_go = lost_force and self._switch.arming in (Arming.RAMP, Arming.ON)
+        out += self._update_forces(now, min(dt, MOST_DT), held=held, device_on=device_on)
         a, b, c = (finger.drive(self.spec, finger.guard.sent) for finger in self._fingers)
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held
         if self._old_fault and self._switch.arming is Arming.WAITING and state.status & wire.MODE == wire.FAULT:
             flags = wire.CLEAR
-        self._acting.send(self._seq + 1 & 0xFFFF, tuple([finger.guard.sent for finger in self._fingers]))
         return out + self._command((*a, *b, *c), flags)
 
     def _take_contacts(self, now: float) -> None:
@@ -227,15 +231,13 @@ class Servo:
                 self._bad.count(now)
             finger.contact.take(contact, finger.at, now, self.cap)
 
-    def _update_forces(self, state: wire.DeviceState, now: float, dt: float, held: bool) -> bytes:
+    def _update_forces(self, now: float, dt: float, *, held: bool, device_on: bool) -> bytes:
         """Give each finger its force; return the ARM frame where it is due."""
         wanted: list[Vector] = [finger.contact.force(finger.at, now, self.cap) for finger in self._fingers]
         for force in wanted:
             if not is_finite(force):
                 self._bad.count(now)
         asked = self._switch.arming is Arming.ASKED
-        device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
-        self.let_go = not device_on and self._switch.arming in (Arming.RAMP, Arming.ON)
         gain = self._switch.gain(max(map(length, wanted)), now, held=held, device_on=device_on)
         for finger, force in zip(self._fingers, wanted, strict=True):
             if finger.bad:
@@ -295,6 +297,8 @@ class Servo:
 
     def _command(self, torque: wire.Nine, flags: int = 0) -> bytes:
         self._seq = (self._seq + 1) & 0xFFFF
+        held = flags & wire.DEADMAN
+        self._acting.send(self._seq, tuple([finger.guard.sent for finger in self._fingers]) if held else None)
         echo = self._state.seq if self._state else 0
         ttl = round(1e3 * self.spec.hold)
         return wire.encode(wire.Command(self._session, self._seq, echo, torque, flags, ttl))

@@ -54,6 +54,8 @@ class ModelRig:
     """A device with a body beside its servo.
 
     stuck: for a time [s] the share of ticks at which the servo's process does not run for `stall` [s].
+    baud: bits a second of the line, None: the device's, 0: bytes take no time.
+    deaf_until: the line holds the device's bytes back until then [s].
     """
 
     model: Model
@@ -63,14 +65,16 @@ class ModelRig:
     stuck: float = 0.0
     stall: float = 0.0025
     seed: int = 0
+    baud: int | None = None
 
     def __post_init__(self) -> None:
         self.ticks: list[TraceRow] = []
-        self.emulator, self.servo = FaultyEmulator(self.spec, hand=self.hand, trace=self.ticks), Servo(self.spec)
+        self.emulator = FaultyEmulator(self.spec, hand=self.hand, trace=self.ticks, baud=self.baud)
+        self.servo = Servo(self.spec)
         self._folder = tempfile.TemporaryDirectory(prefix="dimple-")
         self._box = Path(self._folder.name) / "box"
         self.host = BodyHost(self._box)
-        self.now, self._data, self._sleeps = 0.0, b"", 0.0
+        self.now, self._data, self._late, self._sleeps, self.deaf_until = 0.0, b"", b"", 0.0, 0.0
         self._dice = np.random.default_rng(self.seed)
         self.order, self.rows, self.begun = Order(), [], math.inf
         rest = self.model.matching.rest
@@ -98,9 +102,12 @@ class ModelRig:
             out = self.emulator.step(self.now, self._data)
             self._data = b""
             if self.now < self._sleeps:
-                self._late = getattr(self, "_late", b"") + out
+                self._late += out
                 continue
-            out, self._late = getattr(self, "_late", b"") + out, b""
+            if self.now < self.deaf_until:
+                self._late, out = self._late + out, b""
+            else:
+                out, self._late = self._late + out, b""
             if self.held:
                 self.order = replace(self.order, held_until=self.now + LEASE, written=self.now)
             self.servo.order = self.host.order(self.order, self.servo, self.now)

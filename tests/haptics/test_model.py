@@ -19,6 +19,7 @@ from core.haptics.remote_body import Parcels, RemoteBody
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import BodyState, Order, ServoReport
 from core.haptics.spec import load_spec
+from core.haptics.wire import RAMP
 from core.material import PRESETS, Material
 from core.session import Finger, Session
 from core.solver.motion import Frame, Motion
@@ -111,6 +112,19 @@ def test_a_device_that_let_go_of_a_pressed_fingertip_gets_no_energy_when_its_for
     assert strongest(rig) < 1.0 and rig.servo.report().arming.name == "RAMP"
     rig.run(0.6)
     assert rig.servo.report().arming.name == "ON"
+    assert rig.energy() > -1e-3 and rig.observed() < rig.energy() + 1e-4
+
+
+@pytest.mark.parametrize("k", [610, 4000])
+def test_a_line_that_was_silent_under_a_pressed_fingertip_gives_no_energy_when_the_force_comes_back(k: float) -> None:
+    """After 5 ms without a STATE the servo takes the force away, and the device's ramp begins anew, the servo's not."""
+    rig = ModelRig(soft_cube(material(k)), pressing(0.005, 0.015, -0.010), baud=0)
+    rig.run(1.95)
+    assert strongest(rig) > 2.0
+    rig.deaf_until = rig.now + 0.006
+    rig.run(0.02)
+    assert rig.emulator.mode == RAMP and rig.servo.report().arming.name == "ON"
+    rig.run(1.0)
     assert rig.energy() > -1e-3 and rig.observed() < rig.energy() + 1e-4
 
 
