@@ -324,6 +324,7 @@ class Session:
         # the vertices of the mesh whose places are prescribed
         self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
         self._followed = self._pinned if proxy is None else np.union1d(self._pinned, proxy.still)
+        self._still: tuple[Floats | None, Singles | None] = None, None  # where pins were, and the still vertices there
         return moves
 
     def _share(self, time: float) -> float:
@@ -373,7 +374,9 @@ class Session:
         if self.proxy is None:
             return x.T
         surface, still = carry(self.proxy.binding, x), self.proxy.still
-        surface[still] = self._pins_origin[:, still].T  # rows first: a third of the time
+        if self._still[0] is not self._pins_origin:
+            self._still = self._pins_origin, self._pins_origin[:, still].T.astype(np.float32)
+        surface[still] = self._still[1]
         return surface
 
     def _skin_velocities(self) -> Floats:

@@ -132,14 +132,12 @@ int32_t dm_carry(const dm_binding *b, const float *motions, float *skin) {
     if (!b || !motions || !skin || b->seeds < 1 || b->seeds > UINT16_MAX + 1) return DM_SIZE;
     DM_CHECK(DM_COUNT(b->vertices));
     if (b->vertices && (!b->followed || !b->weights || !b->rest)) return DM_SIZE;
+    const dm_methods *does = dm_choose(32, DM_SET_BEST); /* once: asking a processor what it is takes microseconds */
     for (int64_t k = 0; k < b->vertices; k += DM_CARRIED) { /* checked while it is in the cache anyway */
         int64_t count = b->vertices - k < DM_CARRIED ? b->vertices - k : DM_CARRIED, at = DM_FOLLOWED * k;
-        uint16_t most = 0;
-        for (int64_t j = at; j < at + DM_FOLLOWED * count; j++) most = b->followed[j] > most ? b->followed[j] : most;
-        if (most >= b->seeds) return DM_INDEX;
         dm_binding part = *b;
         part.vertices = count, part.followed += at, part.weights += at, part.rest += 3 * k;
-        dm_choose(32, DM_SET_BEST)->carry(&part, motions, skin + 3 * k);
+        DM_CHECK(does->carry(&part, motions, skin + 3 * k));
     }
     return DM_OK;
 }

@@ -21,7 +21,7 @@ typedef struct {
     int (*asleep)(const dm_state *state);
     void (*step)(dm_state *state, const dm_motion *motion, dm_frame *frame);
     void (*fit_rotation)(const double *h, double *r);
-    void (*carry)(const dm_binding *binding, const float *motions, float *skin);
+    int32_t (*carry)(const dm_binding *binding, const float *motions, float *skin);
     /* null where this library has none: in double precision, but for tests */
     int32_t (*scene_create)(dm_scene_state **scene, int64_t bodies, dm_state *const *body, const uint8_t *self,
                             int64_t colliders, const dm_collider_def *collider);
