@@ -144,15 +144,15 @@ class Session:
         self._begin, self._end, self._started = self._time, self._time + dt, time.perf_counter()
         self._last_tick = math.floor(self._end / self.tick + 1e-6)
         self._done, self._note = 0, ""
+        if self._glide:
+            self._glide.begin(dt)
         self.most = TICKS_AT_ONCE if self._glide else MAX_STEPS // self.substeps - 1
         for tip in self._tips:
             if tip:
                 tip.impulse = NOWHERE
                 if tip.pushed:
                     self.most = 1  # each tick moves it
-        if self._glide and self._glide.hardens and self.most == 1:
-            moves = replace(self._moves, friction=self._glide.friction * self._moves.friction)
-            self.body.set_constants(moves, surface=self.model)
+        self._let_slip()
 
     @property
     def due(self) -> int:
@@ -169,7 +169,8 @@ class Session:
         for tip in self._tips if self.most == 1 else ():
             if tip and tip.pushed:
                 tip.push(self.body.model, max(self._last.ticks, 1) * self.tick, self.tick, push)
-        self._go_on_gliding()
+        if self._glide and (self._glide.seconds == 0 or self._ticks >= self._faded + TICKS_AT_ONCE):
+            self._fade()
         first = last = self._share((self._ticks + ticks) * self.tick)
         if ticks > 1:
             first = self._share((self._ticks + 1) * self.tick)
@@ -205,6 +206,7 @@ class Session:
             end = self._ticks * self.tick if early else self._end
             self._move_origins(self._share(end))
             self._time = end
+            self._fade()
         impulses, seconds = self.frame.impulses, self.frame.seconds  # as before where no tick was due
         if self._done or len(impulses) != len(self._tips):
             impulses = tuple([tip.impulse if tip else NOWHERE for tip in self._tips])
@@ -299,13 +301,23 @@ class Session:
         self._glide.add(before, after, self.body.positions())
         self.body.set_constants(moves, surface=model)
 
-    def _go_on_gliding(self) -> None:
-        if self._glide and (self._glide.seconds == 0 or self._ticks >= self._faded + TICKS_AT_ONCE):
+    def _let_slip(self) -> None:
+        """Let the body have the share of its friction that acts while it hardens under a force."""
+        if self._glide and self._glide.hardens and self.most == 1:
+            moves = replace(self._moves, friction=self._glide.friction * self._moves.friction)
+            self.body.set_constants(moves, surface=self.model)
+
+    def _fade(self) -> None:
+        """Let the load of what glides fade for the ticks since it did last."""
+        if self._glide:
+            before = self._glide.friction
             load = self._glide.fade((self._ticks - self._faded) * self.tick)
             self.body.set_load(load)
             self._faded = self._ticks
             if load is None:
                 self._end_glide()
+            elif self._glide.friction > before:  # the force is about to return
+                self._let_slip()
 
     def _end_glide(self) -> None:
         if self._glide:

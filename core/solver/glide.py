@@ -2,10 +2,11 @@
 
 With forces F before and F' after, the load begins as F - F' on each vertex, so that nothing jumps, not even an
 acceleration. It is the last of three lags in a row, so it starts to fade without a jolt; and as that is linear, changes
-that follow each other, while a number is dragged, add up.
+that follow each other, while a number is dragged, add up. In the step that shows a change first it fades no farther
+than in a sixtieth of a second, however long that step is, and at full speed from the next one on.
 
 Where a body hardens under a fingertip that a force pushes, friction would keep its dent as wide as it was. So friction
-fades with the load, and the force goes back a little and returns in the end, as if the body were pressed anew.
+fades with the load, and the force goes back a little and returns after that, as if the body were pressed anew.
 """
 
 from __future__ import annotations
@@ -19,8 +20,10 @@ from ..body.model import Model, State, forces
 from ..body.shape_matching import fit_pose, pose_of
 
 LAG = 0.04  # [s] so that after a sixtieth of a second a hundredth has faded
-OVER = 12  # lags after which nothing is left
-GIVES_WAY = 0.4  # of its force: what a fingertip gives way by
+FIRST_S = 1 / 60  # [s] by which a change fades at most in the step that shows it first
+OVER = 12  # lags after which nothing is left of the load
+BACK = 8  # lags in which the force returns after that
+GIVES_WAY = 0.4  # of its force: what a fingertip gives way by where a body becomes twice as hard, or more
 
 
 class Glide:
@@ -31,37 +34,68 @@ class Glide:
     """
 
     def __init__(self, n: int) -> None:
-        self._lags: tuple[Floats, ...] = (np.zeros((3, n)),) * 3
+        self._lags = self._fresh = (np.zeros((3, n)),) * 3  # of all changes, and of those in the step under way
+        self._rate = 1.0  # at which those fade
         self.seconds, self.hardens = 0.0, False
+        self._given_before = self._to_give = 0.0  # at the last change, and what that leads to
 
     def add(self, before: Model, after: Model, x: Floats) -> None:
         """Change the constants of a body that is at x (3, n) [m]."""
-        load = _forces(before, x) - _forces(after, x)
+        force = _forces(before, x)
+        load = force - _forces(after, x)
         rotation, translation = pose_of(after.matching, x, _pose(after, x))
         dent = x - rotation @ after.matching.rest - translation[:, None]
-        self._lags = tuple(lag + load for lag in self._lags)
-        self.seconds, self.hardens = 0.0, float((load * dent).sum()) > 0
+        self._settle()
+        self._fresh = (load,) * 3
+        hardening = -float((load * dent).sum()) / min(float((force * dent).sum()), -1e-30)
+        self._given_before = self._given
+        self._to_give = min(self._given_before + max(hardening, 0.0), 1.0)
+        self.seconds, self.hardens = 0.0, hardening > 0
+
+    def begin(self, seconds: float) -> None:
+        """Begin a step of so many seconds."""
+        self._rate = min(FIRST_S / max(seconds, FIRST_S), 1.0)
+        if self.seconds > 0:  # there was a step since the last change
+            self._settle()
+            self._rate = 1.0
 
     def fade(self, seconds: float) -> Floats | None:
-        """Let some time pass and return the load (3, n) [N], None where it is over."""
-        self.seconds += seconds
-        if self.seconds > OVER * LAG:
+        """Let some time of a step pass and return the load (3, n) [N], None where it is over."""
+        self.seconds += self._rate * seconds
+        if self.seconds > (OVER + self.hardens * BACK) * LAG:
             return None
-        (first, second, third), past = self._lags, seconds / LAG
-        lags = first + past * second + past**2 / 2 * third, second + past * third, third
-        self._lags = tuple(math.exp(-past) * lag for lag in lags)
-        return self._lags[0]
+        self._lags = _faded(self._lags, seconds)
+        self._fresh = _faded(self._fresh, self._rate * seconds)
+        return self._lags[0] + self._fresh[0]
+
+    def _settle(self) -> None:
+        self._lags = tuple(lag + fresh for lag, fresh in zip(self._lags, self._fresh, strict=True))
+        self._fresh = (np.zeros_like(self._lags[0]),) * 3
 
     @property
     def friction(self) -> float:
         """Return the share of its friction that acts."""
-        past = self.seconds / LAG
-        return math.exp(-past) * (1 + past + past**2 / 2) if self.hardens else 1.0
+        return 1 - self._given if self.hardens and self.seconds < OVER * LAG else 1.0
 
     @property
     def push(self) -> float:
         """Return the share of its force by which a fingertip is pushed."""
-        return 1 - GIVES_WAY * (1 - self.friction)
+        return 1 - GIVES_WAY * self._given
+
+    @property
+    def _given(self) -> float:
+        """Return how far a fingertip has given way, from 0 to 1."""
+        given, past = self._given_before, self.seconds / LAG
+        if self.hardens:
+            given = self._to_give - (self._to_give - given) * math.exp(-past) * (1 + past + past**2 / 2)
+            past = max(past - OVER, 0.0)
+        return given * (0.5 + 0.5 * math.cos(math.pi * min(past / BACK, 1.0)))
+
+
+def _faded(lags: tuple[Floats, ...], seconds: float) -> tuple[Floats, ...]:
+    (first, second, third), past = lags, seconds / LAG
+    after = first + past * second + past**2 / 2 * third, second + past * third, third
+    return tuple(math.exp(-past) * lag for lag in after)
 
 
 def may_glide(before: Model, after: Model) -> bool:

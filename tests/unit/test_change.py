@@ -61,7 +61,7 @@ def test_a_changed_constant_acts_at_once_and_nothing_jumps(material: Material) -
     assert session.frame.law_forces[0] == pytest.approx(material.law(0.01), rel=1e-3)
 
 
-FRAME_S, FRAMES = 1 / 60, 30
+FRAME_S, GLIDE_S = 1 / 60, 0.5  # of a frame, and until a change has come in
 EDGE = 0.6  # radii of a fingertip: what Make Soft cuts edges to; on longer ones the skin may tremble
 COARSE, FINE = 20, 41  # cells along an edge: 2,402 and 10,088 vertices
 TUNED: dict[str, dict[str, Any]] = {
@@ -78,10 +78,13 @@ def vinyl_on(cells: int) -> tuple[Mesh, Material]:
     return mesh, result_of(identification(coarse, material, material.indenter, site, deepest)).material
 
 
+@pytest.mark.parametrize("rate", [60, 24, 10])
 @pytest.mark.parametrize("newtons", [None, 8.0], ids=["by depth", "by force"])
 @pytest.mark.parametrize("name", TUNED)
 @pytest.mark.parametrize("cells", [COARSE, pytest.param(FINE, marks=pytest.mark.slow)])
-def test_a_resting_pressed_body_glides_to_its_new_rest(cells: int, name: str, newtons: float | None) -> None:
+def test_a_resting_pressed_body_glides_to_its_new_rest(
+    cells: int, name: str, newtons: float | None, rate: float
+) -> None:
     """It moves in the first frame after the change, by less than 1 % of the depth, and ends as one pressed anew."""
     mesh, material = vinyl_on(cells)
     tuned = replace(material, **TUNED[name], constants=material.constants if name == "mass" else None)
@@ -97,11 +100,11 @@ def test_a_resting_pressed_body_glides_to_its_new_rest(cells: int, name: str, ne
     deep = float(session.frame.depths[0])
     session.change(models[1], glide=True)
     seen = [session.positions()]
-    for _ in range(FRAMES):
-        session.step(FRAME_S)
+    for _ in range(round(GLIDE_S * rate)):
+        session.step(1 / rate)
         seen.append(session.positions())
     moved = np.linalg.norm(np.diff(seen, axis=0), axis=2).max(axis=1) / deep
-    print(f"{len(mesh.rest_positions)} {name}: {moved[0]:.4f} of the depth in the first frame, up to {moved.max():.4f}")
+    print(f"{len(mesh.rest_positions)} {name} at {rate}: {moved[0]:.5f} of the depth at first, up to {moved.max():.4f}")
     assert 0 < moved[0] < 0.01
     session.step(0.5)
     if newtons:
@@ -154,6 +157,41 @@ def test_a_body_that_hardens_under_a_force_is_pressed_as_deep_as_one_that_was_ha
         assert (session.body.model.friction == STIFF.friction).all()
         depths.append(float(session.frame.depths[0]))
     assert depths[0] == pytest.approx(depths[1], rel=0.03)
+
+
+def hardened(factor: float, changes: int, frames: int) -> tuple[list[float], float]:
+    """Harden a body under a force so often, with frames between; return its depths, and that of one pressed anew."""
+    mesh = mesh_from_triangles(*ball(4, RADIUS))
+    tip = Finger((0.0, 0.0, 1.2 * RADIUS), 0.2 * RADIUS, 3.0)
+    soft, *harder = [
+        on_its_base(mesh, replace(SOFT, K1=K1, K2=3 * K1, k=K1)) for K1 in 600 * factor ** np.arange(changes + 1)
+    ]
+    session, anew = Session(soft), Session(harder[-1])
+    for each in (session, anew):
+        each.set_fingers([tip])
+        each.step(1.0)
+    depths = [float(session.frame.depths[0])]
+    for model in harder:
+        session.change(model, glide=True)
+        depths += [float(session.step(FRAME_S).depths[0]) for _ in range(frames)]
+    depths += [float(session.step(FRAME_S).depths[0]) for _ in range(60)]
+    return depths, float(anew.step(1.0).depths[0])
+
+
+def test_a_body_that_hardens_a_little_lets_the_fingertip_go_back_a_little() -> None:
+    depths, anew = hardened(1.02, 1, 1)
+    assert min(depths) > 0.97 * anew and depths[-1] == pytest.approx(anew, rel=0.01)
+
+
+@pytest.mark.parametrize("factor, changes, frames", [(1.08, 20, 1), (1.26, 5, 6)], ids=["each frame", "now and then"])
+def test_a_number_that_is_dragged_ends_where_one_that_is_typed_does(factor: float, changes: int, frames: int) -> None:
+    depths, anew = hardened(factor, changes, frames)
+    assert depths[-1] == pytest.approx(anew, rel=0.02)
+
+
+def test_the_force_returns_gently_after_a_change() -> None:
+    depths, anew = hardened(3.0, 1, 1)
+    assert np.diff(depths).max() < 0.1 * anew and depths[-1] == pytest.approx(anew, rel=0.02)
 
 
 def test_a_proxy_takes_other_constants_too() -> None:
