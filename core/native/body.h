@@ -104,6 +104,12 @@ typedef struct { /* a triangle of the surface at rest, below which fingertips ar
     int64_t index, material;
 } dm_facet;
 
+enum { DM_NEARBY = 256 };
+typedef struct { /* every facet within `reach` [m] of a point of the shape at rest, 0: not known */
+    double centre[3], reach, margin; /* margin: beyond the nearest facet, when they are listed [m] */
+    uint32_t facets[DM_NEARBY], count;
+} dm_nearby;
+
 struct dm_state {
     int64_t n, groups;
     uint32_t *place, *rank; /* of each of the caller's vertices: in memory, along a curve in space */
@@ -177,6 +183,7 @@ struct dm_state {
         double centre[3], side[3]; /* where a fingertip is, and the outward normal where it came in */
         int has_side;
         int64_t last; /* the facet it was nearest to */
+        dm_nearby nearby;
     } fingers[DM_MAX_FINGERTIPS];
 };
 

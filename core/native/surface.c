@@ -1,7 +1,7 @@
 /* How deep a fingertip is below the surface at rest: the x of Eq. (1). Source: core/mesh/depth.py. */
 #include "body.h"
 
-enum { DM_FACET_BLOCK = 16 }; /* facets that share a bounding box */
+enum { DM_FACET_BLOCK = 16, DM_NEARBY_SHARE = 8 }; /* facets that share a bounding box; of the radius a margin has */
 
 /* Put the facets where their vertices are (3, n), and box them in runs. */
 static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
@@ -23,6 +23,7 @@ static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
                 box[c] = first || a < box[c] ? a : box[c], box[3 + c] = first || a > box[3 + c] ? a : box[3 + c];
             }
     }
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) b->fingers[k].nearby.reach = 0;
 }
 
 /* Lay the facets along a curve in space. */
@@ -86,14 +87,17 @@ static double dm_gap_to_box(const double *box, const double *x) {
 }
 
 /* Find the distance to the nearest facet that faces the side, DBL_MAX where none does; with a limit on it, find of the
- * facets that are as near the one that sees the point most squarely: on an edge it knows the point's side. */
-static double dm_nearest_facet(const dm_state *b, const double *x, const double *side, double limit,
-                               const dm_facet **best, double *offset) {
+ * facets that are as near the one that sees the point most squarely: on an edge it knows the point's side.
+ * nearby: the facets to look at, NULL: all. */
+static double dm_nearest_facet(const dm_state *b, const dm_nearby *nearby, const double *x, const double *side,
+                               double limit, const dm_facet **best, double *offset) {
     double near = limit, height = -1;
-    for (int64_t k = 0; k < b->facet_box_count; k++) {
-        if (dm_gap_to_box(b->facet_boxes[k], x) > near) continue;
-        int64_t end = (k + 1) * DM_FACET_BLOCK < b->facet_count ? (k + 1) * DM_FACET_BLOCK : b->facet_count;
-        for (const dm_facet *f = b->facets + k * DM_FACET_BLOCK; f < b->facets + end; f++) {
+    int64_t count = nearby ? nearby->count : b->facet_count;
+    for (int64_t k = 0; k * DM_FACET_BLOCK < count; k++) {
+        if (!nearby && dm_gap_to_box(b->facet_boxes[k], x) > near) continue;
+        int64_t end = (k + 1) * DM_FACET_BLOCK < count ? (k + 1) * DM_FACET_BLOCK : count;
+        for (int64_t i = k * DM_FACET_BLOCK; i < end; i++) {
+            const dm_facet *f = b->facets + (nearby ? nearby->facets[i] : i);
             if (side && !(dm_inner3(side, f->normal) > DM_SAME_SIDE)) continue;
             double from[3];
             dm_offset_from(f, x, from);
@@ -111,6 +115,34 @@ static double dm_nearest_facet(const dm_state *b, const double *x, const double 
     return near;
 }
 
+/* Are all facets within a distance of a point listed? */
+static int dm_knows(const dm_nearby *nearby, const double *x, double away) {
+    double way[3];
+    for (int c = 0; c < 3; c++) way[c] = x[c] - nearby->centre[c];
+    return away + sqrt(dm_inner3(way, way)) < (1 - 1e-9) * nearby->reach;
+}
+
+/* List the facets near a point, so many farther than the nearest that they last for some ticks. */
+static void dm_list_nearby(const dm_state *b, dm_nearby *nearby, const double *x, double near, double most) {
+    double reach = near + nearby->margin;
+    int64_t found = 0;
+    for (int64_t k = 0; k < b->facet_box_count; k++) {
+        if (dm_gap_to_box(b->facet_boxes[k], x) > reach) continue;
+        int64_t end = (k + 1) * DM_FACET_BLOCK < b->facet_count ? (k + 1) * DM_FACET_BLOCK : b->facet_count;
+        for (int64_t i = k * DM_FACET_BLOCK; i < end; i++) {
+            double from[3];
+            dm_offset_from(b->facets + i, x, from);
+            if (dm_inner3(from, from) > reach * reach) continue;
+            if (found < DM_NEARBY) nearby->facets[found] = (uint32_t)i;
+            found++;
+        }
+    }
+    memcpy(nearby->centre, x, sizeof nearby->centre);
+    nearby->reach = found <= DM_NEARBY ? reach : 0, nearby->count = (uint32_t)found;
+    if (4 * found < DM_NEARBY) nearby->margin = 2 * nearby->margin < most ? 2 * nearby->margin : most;
+    if (found > DM_NEARBY) nearby->margin *= DM_NEARBY / (2.0 * (double)found);
+}
+
 /* Measure a fingertip against the surface at rest in its pose, and remember by which side it came in. */
 static void dm_measure_depth(dm_state *b, int finger, double radius, const double *pose, dm_touch *touch) {
     const double *centre = b->fingers[finger].centre;
@@ -124,9 +156,18 @@ static void dm_measure_depth(dm_state *b, int finger, double radius, const doubl
         dm_offset_from(last, local, offset);
         near = sqrt(dm_inner3(offset, offset));
     }
-    near = dm_nearest_facet(b, local, side, near, NULL, NULL);
-    if (side && near == DBL_MAX) side = NULL, near = dm_nearest_facet(b, local, NULL, DBL_MAX, NULL, NULL);
-    dm_nearest_facet(b, local, side, near * (1 + 1e-9) + 1e-12, &best, offset);
+    dm_nearby *nearby = &b->fingers[finger].nearby;
+    double listed = nearby->reach > 0 ? dm_nearest_facet(b, nearby, local, side, near, NULL, NULL) : DBL_MAX;
+    if (dm_knows(nearby, local, listed * (1 + 1e-9) + 1e-12)) near = listed;
+    else {
+        near = dm_nearest_facet(b, NULL, local, side, near, NULL, NULL);
+        if (side && near == DBL_MAX) side = NULL, near = dm_nearest_facet(b, NULL, local, NULL, DBL_MAX, NULL, NULL);
+        double most = radius / DM_NEARBY_SHARE;
+        if (!(nearby->margin > 0 && nearby->margin < most)) nearby->margin = most;
+        if (near < DBL_MAX) dm_list_nearby(b, nearby, local, near, most);
+    }
+    double limit = near * (1 + 1e-9) + 1e-12;
+    dm_nearest_facet(b, dm_knows(nearby, local, limit) ? nearby : NULL, local, side, limit, &best, offset);
     touch->triangle = -1, touch->depth = touch->law_force = 0;
     memcpy(touch->centre, centre, sizeof touch->centre);
     memset(touch->outward, 0, sizeof touch->outward);
