@@ -35,7 +35,7 @@ class Glide:
 
     def __init__(self, n: int) -> None:
         self._lags: tuple[Floats, ...] = (np.zeros((3, n)),) * 3
-        self._fresh = self._lags  # of a change that the step under way shows first
+        self._fresh: tuple[Floats, ...] = self._lags  # of a change that the step under way shows first
         self._rate = 1.0  # at which those fade
         self.seconds, self.hardens = 0.0, False
         self._given_before = self._to_give = 0.0  # at the last change, and what that leads to
