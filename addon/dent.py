@@ -34,6 +34,7 @@ class Dent(NamedTuple):
 
     places, mesh_places: (n, 3) where it is, and where the mesh shows it, in the scene.
     normals: (n, 3) unit vectors.
+    All row by row, single: Blender's buffers take any other layout for that one.
     """
 
     places: np.ndarray
@@ -57,7 +58,8 @@ def dent_of(entry: Any) -> Dent | None:
     for corner in entry.triangles.T:
         np.add.at(normals, corner, across)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    return Dent(x / entry.link.scale, carried / entry.link.scale, normals)
+    given = x / entry.link.scale, carried / entry.link.scale, normals
+    return Dent(*(np.ascontiguousarray(each, np.float32) for each in given))
 
 
 def draw_dent(body: bpy.types.Object, entry: Any) -> None:
@@ -71,8 +73,7 @@ def draw_dent(body: bpy.types.Object, entry: Any) -> None:
     shader = _shader()
     material = body.active_material
     places = {"place": dent.places, "mesh_place": dent.mesh_places, "normal": dent.normals}
-    arrays = {name: values.astype("f4") for name, values in places.items()}
-    batch = batch_for_shader(shader, "TRIS", arrays, indices=entry.triangles.astype("i4"))
+    batch = batch_for_shader(shader, "TRIS", places, indices=entry.triangles.astype("i4"))
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.depth_mask_set(True)
     gpu.state.face_culling_set("BACK")

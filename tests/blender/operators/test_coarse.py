@@ -153,3 +153,4 @@ def test_the_overlay_draws_the_dent_that_a_coarse_mesh_cannot_show(bpy: ModuleTy
     depth = (dent.mesh_places - dent.places)[:, 2] * small.link.scale
     assert depth.max() == pytest.approx(0.01, abs=0.001)
     assert np.abs(dent.places[depth.argmax(), :2]).max() * small.link.scale < 0.004
+    assert all(each.flags.c_contiguous and each.dtype == np.float32 for each in dent), "else the buffers are garbage"
