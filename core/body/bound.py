@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import Floats, sums_at
+from ..base import Floats, sums_at, sums_of_three
 from ..mesh.surface import Mesh
 from .pressure import Pressure, pressure_slope, volume_and_gradient
 
@@ -44,17 +44,17 @@ def of_edges(mesh: Mesh, constants: Floats, at_vertices: Floats, inverse_mass: F
     edges = mesh.triangle_springs[:, [1, 2, 0]]  # opposite each corner
     shared = np.bincount(edges.ravel(), minlength=len(constants))
     opposite = (constants / np.maximum(shared, 1))[edges]
-    total = opposite.sum(axis=1, keepdims=True)
-    meets = total - opposite
+    meets = sums_of_three(opposite)[:, None] - opposite
     whole = sums_at(corners.ravel(), meets.ravel(), n)
     # 1 / the part of the mass: m_T = m (what meets at the corner) / (what meets at the vertex)
     inverse = (inverse_mass * whole)[corners] / np.maximum(meets, 1e-30)
-    s = (meets * inverse).sum(axis=1)
+    s = sums_of_three(meets * inverse)
     a, b, c = opposite.T
     i, j, k = inverse.T
     q = (a * b + b * c + c * a) * (i * j + j * k + k * i)
     highest = (s + np.sqrt(np.maximum(s * s - 4 * q, 0))) / 2
-    return float(max((highest + own[corners].max(axis=1)).max(), own.max()))
+    own_most = np.maximum(np.maximum(own[corners[:, 0]], own[corners[:, 1]]), own[corners[:, 2]])
+    return float(max((highest + own_most).max(), own.max()))
 
 
 def of_body(

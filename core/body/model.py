@@ -19,6 +19,7 @@ from ..base import (
     DimpleError,
     Floats,
     Ints,
+    mean_of_pairs,
     sums_at,
 )
 from ..material import Material
@@ -220,7 +221,7 @@ def assemble(
     mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + met, ~mesh.loose)
     i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
-    dashpots = 2 * damping[ends].mean(axis=1) * np.sqrt(stiffness * reduced)
+    dashpots = 2 * mean_of_pairs(damping, ends) * np.sqrt(stiffness * reduced)
     inverse_mass = np.where(held, 0.0, 1 / mass)
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)

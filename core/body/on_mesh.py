@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import MASS_FLOOR, Floats, sums_at
+from ..base import MASS_FLOOR, Floats, mean_of_pairs, sums_at
 from ..material import Material
 from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh
@@ -34,7 +34,7 @@ def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[
     stiffnesses += list(further[:, 1][:, which] * np.where(early, first, beyond))
     tension = first * tension[which]
     k1, k2, *more = (maps.stiffer * _vertex_sum(mesh, c * mesh.triangle_areas / 3) for c in stiffnesses)
-    stiffer, wider, thicker = (f[mesh.springs].mean(axis=1) for f in (maps.stiffer, maps.wider, maps.thicker))
+    stiffer, wider, thicker = (mean_of_pairs(f, mesh.springs) for f in (maps.stiffer, maps.wider, maps.thicker))
     return {
         "friction": _vertex_mean(mesh, friction[which]), "damping": _vertex_mean(mesh, damping[which]),
         "stiffness": membrane_stiffness(mesh, _spring_mean(mesh, k_scaled[which])) * stiffer * thicker,
@@ -97,4 +97,4 @@ def _vertex_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
 
 
 def _spring_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
-    return per_triangle[mesh.spring_triangles].mean(axis=1)
+    return mean_of_pairs(per_triangle, mesh.spring_triangles)

@@ -15,21 +15,22 @@ import numpy as np
 from ..base import Bools, Floats, Ints, sums_at
 from .edges import edges_of
 
+SLANTED = np.array([0.3517, 0.5843, 0.7313])  # no longer than 1; hardly any two points of a mesh are level along it
+LEVEL = 64  # points that may be level, before all are compared the long way
 ROUNDING = 1e-9  # of the terms of a volume: a part with less is flat, and has neither an inside nor an outside
 
 
 def connected(pairs: Ints, n: int) -> Ints:
     """Return the lowest index (n,) that each of n nodes is connected to by edges `pairs` (m, 2)."""
-    label = np.arange(n)
-    while len(pairs):
-        low = np.minimum(label[pairs[:, 0]], label[pairs[:, 1]])
-        before = label.copy()
-        # the labels themselves are joined too, so that long chains take few rounds
-        for end in (label[pairs[:, 0]], label[pairs[:, 1]], pairs[:, 0], pairs[:, 1]):
-            np.minimum.at(label, end, low)
-        label = label[label]
-        if (label == before).all():
-            break
+    label, (a, b) = np.arange(n), pairs.T
+    while len(a):
+        first, second = label[a], label[b]
+        apart = first != second
+        a, b, first, second = a[apart], b[apart], first[apart], second[apart]
+        # the label of a label changes, not that of a node: so none is cut off from what it was joined to
+        np.minimum.at(label, np.maximum(first, second), np.minimum(first, second))
+        while ((lowest := label[label]) != label).any():
+            label = lowest
     return label
 
 
@@ -47,6 +48,9 @@ def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
     """
     from trimesh.grouping import unique_rows
 
+    itself = np.arange(len(positions))
+    if _all_apart(positions, cell):
+        return itself, itself
     pairs = []
     # near points may lie on two sides of a grid line, but not of both of two grids half a cell apart
     for shift in product((0.0, 0.5), repeat=3):
@@ -57,6 +61,25 @@ def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
     label = connected(np.concatenate(pairs), len(positions))
     kept, source = np.unique(label, return_inverse=True)
     return kept, source
+
+
+def _all_apart(positions: Floats, cell: float) -> bool:
+    """Tell whether no two points (N, 3) [m] are within a cell [m] along all axes; False where that takes too long.
+
+    Such points are within sqrt(3) cells along any direction.
+    """
+    along = positions @ SLANTED
+    order = np.argsort(along)
+    along, points = along[order], positions[order]
+    level = np.arange(len(points))
+    for step in range(1, LEVEL):
+        level = level[: np.searchsorted(level, len(points) - step)]
+        level = level[along[level + step] - along[level] <= 2 * cell]
+        if not len(level):
+            return True
+        if (np.abs(points[level + step] - points[level]) <= cell).all(axis=1).any():
+            return False
+    return False
 
 
 def consistent_winding(faces: Ints, adjacency: Ints) -> Ints:

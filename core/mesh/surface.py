@@ -82,7 +82,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     _check(positions, triangles, material)
     notes: list[str] = []
 
-    size = float(np.ptp(positions[np.unique(triangles)], axis=0).max())
+    size = float(np.ptp(positions[~_loose(triangles, len(positions))], axis=0).max())
     if size <= 0:
         raise DimpleError("All vertices lie at one point, so there is nothing to press. Give the mesh a size.")
     kept, source = weld(positions, WELD_SHARE * size)
@@ -132,8 +132,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     springs, beside = edges.ends, edges.count > 2
     if beside.any():
         notes.append(f"{int(beside.sum())} edges are non-manifold: they join three or more faces.")
-    loose = np.ones(len(positions), bool)
-    loose[triangles] = False
+    loose = _loose(triangles, len(positions))
     if loose.any():
         notes.append(f"{int(loose.sum())} loose vertices belong to no face and stay where they are.")
     lengths = np.linalg.norm(positions[springs[:, 0]] - positions[springs[:, 1]], axis=1)
@@ -187,6 +186,13 @@ def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
             f"Vertex {bad[0]} has a NaN or infinite coordinate, or one beyond {FARTHEST:g} m "
             f"({len(bad)} such vertices). Delete or move them."
         )
+
+
+def _loose(triangles: Ints, n: int) -> Bools:
+    """Return which of n vertices belong to no face."""
+    loose = np.ones(n, bool)
+    loose[triangles] = False
+    return loose
 
 
 def _loops(border: Ints, n: int) -> Ints:

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from .. import native
-from ..base import Bools, Floats, Ints, sums_at
+from ..base import Bools, Floats, Ints, sums_at, sums_of_three
 from ..mesh.surface import Mesh
 
 CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the proxy must have too
@@ -24,10 +24,16 @@ def vertex_normals(triangles: Ints, x: Floats) -> Floats:
 
     trimesh's `mean_vertex_normals` needs scipy, which Blender has not, and is 15 times slower without.
     """
-    a, b, c = (x[triangles[:, k]] for k in range(3))
-    faces = np.cross(b - a, c - a)
-    total = np.stack([sums_at(triangles.ravel(), np.repeat(faces[:, k], 3), len(x)) for k in range(3)], axis=1)
-    return total / np.maximum(np.sqrt((total**2).sum(axis=1)), 1e-30)[:, None]
+    total = np.stack([sums_at(triangles.ravel(), np.repeat(f, 3), len(x)) for f in _face_vectors(triangles, x)], axis=1)
+    return total / np.maximum(np.sqrt(sums_of_three(total**2)), 1e-30)[:, None]
+
+
+def _face_vectors(triangles: Ints, x: Floats) -> Floats:
+    """Return the normals (3, t) of faces, as long as twice their area."""
+    first, along, across = (np.ascontiguousarray(x.T)[:, at] for at in triangles.T)
+    along -= first
+    across -= first
+    return np.stack([along[c - 2] * across[c - 1] - along[c - 1] * across[c - 2] for c in range(3)])
 
 
 def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float) -> Ints:
@@ -68,11 +74,10 @@ def farthest_first(places: Floats, taken: int, least: float, most: int) -> Ints:
 
 def _creased(mesh: Mesh) -> Ints:
     """Return the vertices on creases and borders."""
-    a, b, c = (mesh.rest_positions[mesh.triangles[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-30)[:, None]
+    normals = _face_vectors(mesh.triangles, mesh.rest_positions)
+    normals /= np.maximum(np.sqrt((normals**2).sum(axis=0)), 1e-30)
     first, last = mesh.spring_triangles.T
-    sharp = (normals[first] * normals[last]).sum(axis=1) < CREASE
+    sharp = sum(n[first] * n[last] for n in normals) < CREASE
     return np.unique(np.concatenate([mesh.springs[sharp].ravel(), mesh.cap_edges.ravel()]))
 
 

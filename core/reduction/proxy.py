@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import DimpleError, Floats, Ints, sums_at
+from ..base import DimpleError, Floats, Ints, mean_of_pairs, sums_at
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
 from ..mesh.cotangents import cotangent_weights
@@ -148,7 +148,7 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         """Return the material's own constant [N/m] on the edges of the proxy, from that of fine edges."""
         weight = np.where(unit > 0, fine.spring_areas, 0.0)
         sums = sums_at(ends, np.repeat(values / np.maximum(unit, 1e-30) * weight, 2), m)
-        return (sums / np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30))[mesh.springs].mean(axis=1)
+        return mean_of_pairs(sums / np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30), mesh.springs)
 
     k = of_surface(model.springs.stiffness, membrane_stiffness(fine, np.ones(len(fine.springs))))
     tension = of_surface(matching.tension, cotangent_weights(fine))

@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from core.base import DimpleError
+from core.mesh.repair import SLANTED, connected, weld
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from studies.specimen import cube_triangles
 from tests.bodies import TETRAHEDRON, Shape, ball, hemisphere, joined, sheet, signed_volume, soup, walled_box
@@ -45,6 +48,30 @@ def test_soup_is_welded_although_its_corners_are_rounded_apart(jitter: float) ->
     noise = np.random.default_rng(0).uniform(-jitter, jitter, points.shape)
     mesh = mesh_from_triangles(points + noise, faces)
     assert mesh.closed and len(mesh.rest_positions) == 42
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("level", [False, True])
+def test_one_pair_of_near_vertices_is_found_among_thousands(level: bool, seed: int) -> None:
+    """Also where all lie in a plane on which the quick look says nothing."""
+    points, off = (np.random.default_rng(seed).uniform(-1, 1, shape) for shape in ((3000, 3), 3))
+    if level:
+        points -= np.outer(points @ SLANTED, SLANTED) / (SLANTED @ SLANTED)
+    points[2000] = points[700] + 0.49e-6 * off / np.abs(off).max()
+    kept, source = weld(points, 1e-6)
+    assert len(kept) == 2999 and source[2000] == source[700] == 700
+    np.testing.assert_array_equal(kept, np.delete(np.arange(3000), 2000))
+    assert len(weld(np.delete(points, 2000, axis=0), 1e-6)[0]) == 2999
+
+
+@pytest.mark.parametrize("edges", [0, 1, 40, 150, 400])
+def test_what_edges_connect_has_the_lowest_number_of_its_part(edges: int) -> None:
+    for seed in range(20):
+        pairs = np.random.default_rng(seed).integers(0, 200, (edges, 2))
+        graph = coo_matrix((np.ones(edges), pairs.T), shape=(200, 200))
+        parts = connected_components(graph, directed=False)[1]
+        first = np.array([np.flatnonzero(parts == part)[0] for part in parts])
+        np.testing.assert_array_equal(connected(pairs, 200), first)
 
 
 def test_vertices_a_little_apart_stay_apart() -> None:
