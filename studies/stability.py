@@ -134,14 +134,14 @@ def bound(method: str, jacobian: Floats) -> float:
 
 def measured_boundary(method: str, model: Model, guess: float) -> float:
     """Return the largest dt [s] at which the method itself does not blow up, sought near a guess."""
-    jacobian = linearised(model)
+    return _crossing(lambda dt: blows_up(method, model, dt), guess / 1.5, guess * 1.5, halvings=HALVINGS)
+
+
+def blows_up(method: str, model: Model, dt: float) -> bool:
+    """Tell whether a method blows up at a step dt [s]."""
     steps = BOUNDARY_STEPS * (SLOW_GROWTH if method == "explicit_euler" else 1)
-
-    def beyond(dt: float) -> bool:
-        run = cell(method, model, jacobian, 0.0, dt, steps=steps, each=steps // BOUNDARY_SAMPLES)
-        return run.label == "blown up"
-
-    return _crossing(beyond, guess / 1.5, guess * 1.5, halvings=HALVINGS)
+    run = cell(method, model, linearised(model), 0.0, dt, steps=steps, each=steps // BOUNDARY_SAMPLES)
+    return run.label == "blown up"
 
 
 def cell(

@@ -161,7 +161,7 @@ def test_unplugged() -> None:
     assert press.servo.link is LinkState.LOST and press.arming == "OFF" and "lost" in press.note
 
 
-@pytest.mark.parametrize("stall", [0.15, 5.0])
+@pytest.mark.parametrize("stall", [0.15, 1.0])
 def test_the_host_is_killed_or_stalls(stall: float) -> None:
     """Zero by 25 ms, brake, latched after 100 ms; what comes later needs a CLEAR and a new ARM."""
     press = Press().run(AT)

@@ -1,6 +1,7 @@
 """What the door of the native core lets in: nothing that could crash Blender."""
 
 import ctypes
+import os
 import re
 import subprocess
 import sys
@@ -256,7 +257,12 @@ def test_the_extremes_of_a_run_are_taken(body: native.Body) -> None:
     run(body, velocities, Motion(2, 2, TICK, (huge,)))
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3))])
+SANITIZED = "DIMPLE_LIBRARY" in os.environ  # where a bad access is seen, and more seeds are worth their time
+
+
+@pytest.mark.parametrize(
+    "seed", [pytest.param(seed, marks=[pytest.mark.slow] * (seed > SANITIZED)) for seed in range(4)]
+)
 def test_random_calls_never_end_the_process(seed: int) -> None:
     done = subprocess.run([sys.executable, HERE / "fuzz.py", str(seed)], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr[-2000:]

@@ -1,6 +1,7 @@
 """The native core does what numpy does: every law, on whole, degenerate and real meshes."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -16,7 +17,9 @@ DOUBLE, SINGLE = 1e-9, 1e-4  # of the size
 BACKENDS = pytest.mark.parametrize(("backend", "tolerance"), [("native64", DOUBLE), ("native", SINGLE)])
 
 
+@cache
 def go(name: str, backend: str) -> tuple[Body, Frame]:
+    """Run a case, once for all tests that read how it ended."""
     model, velocities, motion = build(CASES[name])
     body = create(model, backend=backend)
     return body, run(body, velocities, motion)

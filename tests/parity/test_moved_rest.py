@@ -1,6 +1,8 @@
 """A shape at rest that moves while the body lives: native as numpy."""
 
 from dataclasses import replace
+from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,22 +52,8 @@ def motion_of(model: Model, ticks: int) -> Motion:
 @pytest.mark.parametrize("backend", AGREE)
 @pytest.mark.parametrize("name", MODELS)
 def test_a_body_whose_shape_at_rest_moves_goes_where_that_of_numpy_goes(name: str, backend: str) -> None:
-    model = MODELS[name]
-    rest = model.matching.rest
-    end = bent(rest)
-    found = []
-    for each in (backend, "numpy"):
-        body = create(model, backend=each)
-        motion = motion_of(model, 6)
-        if model.held.any():
-            motion = motion._replace(pins=PinMotion(rest[:, model.held], end[:, model.held], 1 / 6, 1.0))
-        body.set_rest(end, (end - rest) / (6 * TICK))
-        frames = [body.step(motion), body.step(motion._replace(pins=None, fingertips=()))]
-        body.set_rest(rest)
-        frames.append(body.step(motion._replace(pins=None)))
-        found.append((body.positions(), body.rest_volume, frames))
-    (x, volume, frames), (y, volume_of_twin, of_twin) = found
-    assert np.abs(x - y).max() < AGREE[backend] * model.mesh.size
+    (x, volume, frames), (y, volume_of_twin, of_twin) = moved(name, backend), moved(name, "numpy")
+    assert np.abs(x - y).max() < AGREE[backend] * MODELS[name].mesh.size
     assert volume == pytest.approx(volume_of_twin, rel=1e-9)
     for frame, other in zip(frames, of_twin, strict=True):
         assert frame.pressure == pytest.approx(other.pressure, rel=1e-2, abs=1 if backend == "native" else 1e-3)
@@ -73,24 +61,43 @@ def test_a_body_whose_shape_at_rest_moves_goes_where_that_of_numpy_goes(name: st
             assert touch and same and touch.depth == pytest.approx(same.depth, abs=10 * AGREE[backend] * SIZE)
 
 
+@cache
+def moved(name: str, backend: str) -> tuple[Floats, float, list[Any]]:
+    """Bend the shape at rest under a fingertip and straighten it; return positions, volume at rest and frames."""
+    model = MODELS[name]
+    rest, body, motion = model.matching.rest, create(model, backend=backend), motion_of(model, 6)
+    end = bent(rest)
+    if model.held.any():
+        motion = motion._replace(pins=PinMotion(rest[:, model.held], end[:, model.held], 1 / 6, 1.0))
+    body.set_rest(end, (end - rest) / (6 * TICK))
+    frames = [body.step(motion), body.step(motion._replace(pins=None, fingertips=()))]
+    body.set_rest(rest)
+    frames.append(body.step(motion._replace(pins=None)))
+    return body.positions(), body.rest_volume, frames
+
+
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("backend", ["native", "native64"])
 def test_a_load_pushes_the_same_in_both_and_ends(backend: str, name: str) -> None:
+    model, found, twin = MODELS[name], loaded(name, backend), loaded(name, "numpy")
+    assert np.abs(found[0] - model.matching.rest).max() > 1e-5 * SIZE
+    assert np.abs(np.subtract(found, twin)).max() < AGREE[backend] * model.mesh.size
+    with pytest.raises(NativeError):
+        native.Body(model, native.library()).set_load(np.full_like(found[0], np.nan))
+
+
+@cache
+def loaded(name: str, backend: str) -> list[Floats]:
+    """Push a body and let go; return where it was after each."""
     model = MODELS[name]
     load = 0.1 * np.random.default_rng(5).normal(size=model.matching.rest.shape)
-    found = []
-    for each in (backend, "numpy"):
-        body, motion = create(model, backend=each), motion_of(model, 6)._replace(fingertips=())
-        seen = []
-        for pushed in (load, None):
-            body.set_load(pushed)
-            body.step(motion)
-            seen.append(body.positions())
-        found.append(seen)
-    assert np.abs(found[0][0] - model.matching.rest).max() > 1e-5 * SIZE
-    assert np.abs(np.subtract(*found)).max() < AGREE[backend] * model.mesh.size
-    with pytest.raises(NativeError):
-        native.Body(model, native.library()).set_load(np.full_like(load, np.nan))
+    body, motion = create(model, backend=backend), motion_of(model, 6)._replace(fingertips=())
+    seen = []
+    for pushed in (load, None):
+        body.set_load(pushed)
+        body.step(motion)
+        seen.append(body.positions())
+    return seen
 
 
 @pytest.mark.parametrize("backend", ["native", "numpy"])

@@ -128,8 +128,11 @@ def test_no_fingertip_slips_through_a_face_larger_than_itself(preset: Preset, ce
         (0.3, -0.11, 0.2, -0.2, 2),
         (0.1, 0.2, 0, 0.1, 0),
     ]
-    for backend, radius in ((BACKENDS[-1], 0.002), (BACKENDS[0], 0.01)):
-        for a, b, slide_a, slide_b, axis in places if backend != "numpy" else places[3:4]:
+    presses = [(BACKENDS[-1], 0.002, places), (BACKENDS[-1], 0.01, places[3:4])]
+    if preset is PRESETS[1]:
+        presses.append((BACKENDS[0], 0.01, places[3:4]))  # numpy, which takes seconds
+    for backend, radius, some in presses:
+        for a, b, slide_a, slide_b, axis in some:
             session = Session(model, backend=backend)
             steps = 50
             for i in range(steps + 1):
@@ -242,22 +245,23 @@ def test_a_body_on_a_slope_holds_up_to_the_angle_of_friction(angle: float, slide
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_what_friction_holds_does_not_creep(backend: str) -> None:
-    """25 degrees where 26.6 is the limit: once it has settled it stays, to a hundredth of a millimetre in seconds."""
+    """25 degrees where 26.6 is the limit: once it has settled it stays, to a thousandth of a millimetre a second."""
     a = np.radians(25.0)
     model = build_model(
         cube(1 if backend == "numpy" else 4, 0.1), [replace(PRESETS[1].material, friction=0.5)],
         gravity=(9.81 * np.sin(a), 0, -9.81 * np.cos(a)), ground=-0.05,
     )  # fmt: skip
     session = Session(model, backend=backend)
-    settled = after(session, 2.0).mean(axis=0)[0]
+    settles, stays = (0.5, 0.5) if backend == "numpy" else (2.0, 10.0)
+    settled = after(session, settles).mean(axis=0)[0]
     assert settled > 1e-4, "it gives way a little at first: friction is at work"
-    assert after(session, 2.0 if backend == "numpy" else 10.0).mean(axis=0)[0] == pytest.approx(settled, abs=1e-5)
+    assert after(session, stays).mean(axis=0)[0] == pytest.approx(settled, abs=1e-6 * stays)
 
 
 @pytest.mark.parametrize("speed", [0.001, 0.01, 0.1])
 def test_a_sliding_fingertip_meets_coulombs_friction_at_any_speed(speed: float) -> None:
     """A flat face, a shallow press: the drag is the coefficient times the push, whether it creeps or flies."""
-    radius, depth, way = 0.04, 0.002, 0.05
+    radius, depth, way = 0.04, 0.002, min(0.05, 20 * speed)
     mesh = cube(20, 0.165)
     material = replace(PRESETS[2].material, friction=0.5, damping_ratio=0.5)
     session = Session(build_model(mesh, [material], held=base_vertices(mesh)))

@@ -68,8 +68,11 @@ def test_without_friction_it_is_not_lifted() -> None:
     assert max(moment.forces[1][0] for moment in moments) > 1  # pressed as hard, all the same
 
 
-def test_the_command_tells_how_high_the_cube_was(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_the_command_tells_how_high_the_cube_was(
+    moments: list[Moment], capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     out = tmp_path / "grasp.json"
+    monkeypatch.setattr(grasp, "run", lambda _session, wall: moments)
     assert main(["grasp", "--json", str(out)]) == 0
     output = capsys.readouterr().out
     assert "lifted" in output and "weighs 0.98 N" in output

@@ -15,9 +15,9 @@ from studies.scenes import oscillator, oscillator_radius, twisted_ball
 
 WITHIN = 0.15
 # steps of the coarser run: fine enough for the leading term, coarse enough to stay above rounding
-OSCILLATOR_STEPS = {1: 150, 2: 50, 4: 25}
+OSCILLATOR_STEPS = {1: 75, 2: 50, 4: 25}
 BALL_STEPS = {1: 400, 2: 80, 4: 60}
-BALL_STEPS_IMPLICIT = {1: 250, 2: 40}  # no limit asks for more
+BALL_STEPS_IMPLICIT = {1: 180, 2: 40}  # no limit asks for more
 BALL_STEPS_SWEEPING = {1: 250}
 
 
