@@ -17,7 +17,8 @@ from tools.environment import BLENDERS, OLDEST, ROOT, Stop, environment, provide
 from tools.extension import build_zip
 
 BUILD = ROOT / "build"
-# what runs by the real clock, with a device's processes, runs alone, then the rest side by side, in parts about as long
+# what runs by the real clock, with a device's processes, runs alone, then the rest in parts, as many at a time as there
+# are processors; they begin in an order in which two end together
 BY_THE_CLOCK = "byte_poller", "device", "mailbox", "processes", "pseudo_terminal", "serial_link", "udp_line"
 REAL_TIME = [f"tests/haptics/test_{name}.py" for name in BY_THE_CLOCK]
 BLENDERS_OWN = ["tests/blender"]
@@ -59,20 +60,20 @@ def in_blender(script: str, wanted: str | None, out: Path | None) -> int:
 
 
 def test(options: argparse.Namespace) -> int:
-    """run the tests; paths and further options go to pytest"""
-    python = environment(options.blender)
+    """run the tests; paths and further options go to pytest; of a second --blender those in tests/blender"""
+    python, *others = [environment(wanted) for wanted in options.blender or [None]]
     native_core.provide_library(python)
     paths = [word for word in options.rest if Path(word).parts[:1] == ("tests",)]
     flags = [*(["-m", ""] if options.slow else []), *(word for word in options.rest if word not in paths)]
+    # core and the installed extension are the same modules under two names: one process never holds both
     inside = [path for path in paths if Path(path).parts[:2] == ("tests", "blender")]
     outside = [path for path in paths if path not in inside]
-    # core and the installed extension are the same modules under two names: one process never holds both
-    folders = [[path] for path in inside if Path(path).is_dir()]
-    files = [path for path in inside if [path] not in folders]
-    rounds = [[outside], [*folders, files]] if paths else [[REAL_TIME], [OTHERS, LONG, BLENDERS_OWN, SANITIZED]]
+    own = inside if paths else BLENDERS_OWN
+    theirs = [(other, own) for other in others]
+    parts = [(python, own), (python, LONG), *theirs, (python, OTHERS), (python, SANITIZED)]
     codes = []
-    for places in rounds:
-        commands = [[python, "-m", "pytest", *flags, *some] for some in places if some]
+    for some in ([(python, outside), (python, own), *theirs],) if paths else ([(python, REAL_TIME)], parts):
+        commands = [[each, "-m", "pytest", *flags, *places] for each, places in some if places]
         codes += run_together(commands, limit_s=TESTS_LIMIT_S)
     if all(code == NO_TESTS_COLLECTED for code in codes):
         return NO_TESTS_COLLECTED
@@ -170,7 +171,9 @@ def main(words: list[str]) -> int:
             action.__name__, help=text, description=text, allow_abbrev=False, add_help=own_help
         )
         command.set_defaults(action=action, out=None)
-        command.add_argument("--blender", metavar="VERSION", help=f"{', '.join(BLENDERS)}, or its first numbers")
+        several = {"action": "append"} if action is test else {}
+        versions = f"{', '.join(BLENDERS)}, or its first numbers"
+        command.add_argument("--blender", metavar="VERSION", help=versions, **several)
         if action is test:
             command.add_argument("--slow", action="store_true", help="run the slow tests too")
         if action in (demo, build, wheels, charts, window):

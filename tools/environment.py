@@ -16,8 +16,10 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import IO
 
 ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENTS = ROOT / ".venv"
@@ -29,6 +31,7 @@ READER_PINS = ROOT / "requirements" / "readers.txt"
 # version of bpy: the Python it needs; newest first
 BLENDERS = {"5.2.3": "3.13", "5.0.1": "3.11", "4.5.15": "3.11"}
 OLDEST = "4.5.15"
+LOOK_S = 0.05  # between two looks at whether a command has ended
 
 # what bpy loads on Linux, and the Debian package that brings it (without libEGL a GPU engine aborts)
 SYSTEM_LIBRARIES = {
@@ -63,29 +66,39 @@ def run(command: Sequence[str | Path], *, limit_s: float | None = None, **variab
 
 
 def run_together(commands: Sequence[Sequence[str | Path]], *, limit_s: float) -> list[int]:
-    """Run commands in the repository at the same time and return their exit codes.
+    """Run commands in the repository, as many at a time as there are processors, and return their exit codes.
 
-    What the first one prints is seen as it comes, what each other one prints when it and those before it have ended.
+    They begin in the order given. What the first one prints is seen as it comes, what each other one prints when it
+    and those before it have ended.
     """
-    lines, codes, until = [[str(word) for word in command] for command in commands], [], time.monotonic() + limit_s
+    lines, until = [[str(word) for word in command] for command in commands], time.monotonic() + limit_s
     with contextlib.ExitStack() as stack:
         outputs = [stack.enter_context(tempfile.TemporaryFile()) if place else None for place in range(len(lines))]
-        started = []
-        for words, output in zip(lines, outputs, strict=True):
-            process = subprocess.Popen(words, cwd=ROOT, stdout=output, stderr=output and subprocess.STDOUT)
-            stack.callback(process.kill)  # does nothing to one that has ended
-            started.append(process)
-        for words, output, process in zip(lines, outputs, started, strict=True):
-            try:
-                codes.append(process.wait(max(until - time.monotonic(), 0)))
-            except subprocess.TimeoutExpired:
-                raise Stop(f"stopped after {limit_s:.0f} s without an end: {' '.join(words)}") from None
-            finally:
-                if output:
-                    output.seek(0)
-                    shutil.copyfileobj(output, sys.stdout.buffer)
-                    sys.stdout.flush()
-    return codes
+        started: list[subprocess.Popen[bytes]] = []
+        waiting, unseen = deque(zip(lines, outputs, strict=True)), deque(outputs)
+        while unseen:
+            if waiting and sum(process.poll() is None for process in started) < (os.cpu_count() or 1):
+                words, output = waiting.popleft()
+                process = subprocess.Popen(words, cwd=ROOT, stdout=output, stderr=output and subprocess.STDOUT)
+                stack.callback(process.kill)  # does nothing to one that has ended
+                started.append(process)
+                continue
+            first = len(lines) - len(unseen)
+            late = time.monotonic() > until
+            if late or started[first].poll() is not None:
+                show(unseen.popleft())
+            if late:
+                raise Stop(f"stopped after {limit_s:.0f} s without an end: {' '.join(lines[first])}")
+            time.sleep(LOOK_S)
+    return [process.returncode for process in started]
+
+
+def show(output: IO[bytes] | None) -> None:
+    """Print what a command has written to a file."""
+    if output:
+        output.seek(0)
+        shutil.copyfileobj(output, sys.stdout.buffer)
+        sys.stdout.flush()
 
 
 def require(command: Sequence[str | Path], failure: str) -> None:

@@ -25,7 +25,9 @@ def test_an_explicit_method_blows_up_within_a_tenth_of_its_bound(method: str, k:
     assert blows_up(method, model, 1.1 * theory) and not blows_up(method, model, 0.9 * theory)
 
 
-@pytest.mark.parametrize("method", [pytest.param(m, marks=[pytest.mark.slow] * (m != "semi_implicit")) for m in EXPLICIT])
+@pytest.mark.parametrize(
+    "method", [pytest.param(name, marks=[pytest.mark.slow] * (name != "semi_implicit")) for name in EXPLICIT]
+)
 def test_the_boundary_that_is_sought_is_found_within_a_tenth_of_the_bound(method: str) -> None:
     model = small_body(6.0)
     theory = bound(method, linearised(model))
