@@ -121,7 +121,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         if owner is self._watch:
             haptic.hold(0.0)
         if owner in (None, self._watch):  # a newer operator has a text of its own, a script has none
-            context.workspace.status_text_set(None)
+            sessions.clear_status()
         return {"FINISHED"}
 
 

@@ -309,6 +309,13 @@ def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
         run.status, run.shown = text, wanted
 
 
+def clear_status() -> None:
+    """Take our text out of the status bar of every workspace: it may have been shown in several."""
+    for workspace in bpy.data.workspaces:
+        with bpy.context.temp_override(workspace=workspace):  # whose it is is not looked at
+            workspace.status_text_set(None)
+
+
 def close_run(run: ModalRun) -> None:
     """Take timer and status text of a modal operator away; closing twice does nothing."""
     if run.closed:
@@ -319,8 +326,7 @@ def close_run(run: ModalRun) -> None:
     if run.timer:
         manager.event_timer_remove(run.timer)
         run.timer = None
-    for workspace in bpy.data.workspaces:  # it may have been shown in several
-        workspace.status_text_set(None)
+    clear_status()
     manager.dimple.state = ""
     redraw()
     if run.leave:

@@ -19,6 +19,7 @@ import comparing
 import device
 import exporting
 import judging
+import opening
 import robot
 import tuning
 
@@ -151,6 +152,7 @@ def play() -> robot.Waits:
     bpy.ops.extensions.package_install_files(filepath="/mnt/zip", repo="user_default", enable_on_install=True)
     names = [name for name in bpy.context.preferences.addons.keys() if name.startswith("bl_ext.")]
     check("Blender's own installer takes the zip and enables it", len(names) == 1, ", ".join(names))
+    yield from opening.open_samples(OUT, check, REPORT["measured"])
     yield from tuning.tune(OUT, check)
     yield from open_scene()
     yield from robot.show_tab("Dimple")

@@ -18,7 +18,7 @@ import command
 import debian
 from PIL import Image
 
-LIMIT_S = 1600
+LIMIT_S = 2000
 VIEWPORT, LOOP_WIDTH, LOOP_MS = (0, 80, 1050, 720), 720, 90  # [px], [px], [ms] a picture
 INSIDE = """
 Xvfb :99 -screen 0 1280x800x24 -nolisten tcp > /tmp/xvfb.log 2>&1 &
@@ -51,7 +51,8 @@ def press(zip_path: Path, out: Path) -> dict:
         old.unlink(missing_ok=True)
     shutil.rmtree(out / "command", ignore_errors=True)
     log = out / "blender.log"
-    files = {"zip": zip_path, "out": out, "window": Path(__file__).parent}
+    here = Path(__file__).resolve().parent
+    files = {"zip": zip_path, "out": out, "window": here, "samples": here.parent.parent / "blend_samples"}
     started = time.monotonic()
     print("window: Blender opens its window and is pressed (software rendering, some minutes)", flush=True)
     code = debian.run_inside(root, INSIDE, files=files, log=log, limit_s=LIMIT_S, environment=ENVIRONMENT)
