@@ -1,0 +1,223 @@
+"""Sleep leaves no trace: what slept goes on as what was kept awake, tick by tick, whatever wakes it.
+
+The one that is kept awake is given its own state again and again, so that it is never slow for long.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from core.base import REST_SPEED, REST_WAY, TICK, Floats
+from core.body.model import Model, build_model
+from core.crowd import step_all
+from core.mesh.surface import base_vertices, mesh_from_triangles
+from core.reduction.proxy import build_proxy
+from core.session import Finger, Session
+from core.world import Collider, World
+from studies import scenes
+from tests.bodies import backends, ball, sheet
+
+EVERY = backends("native64", "native")
+RADIUS, TIP = scenes.BALL_RADIUS, 0.02
+TOP = float(scenes.ball(2).rest_positions[:, 2].max())
+SIZE = 2 * RADIUS
+SETTLED, WATCHED = 2.0, 0.125  # [s] before what wakes it begins, and after
+SOFT = replace(scenes.BALL, damping_ratio=0.4)
+
+
+@dataclass
+class Scene:
+    """Bodies, the world they meet in if there is one, and the fingertip and colliders there."""
+
+    bodies: list[Session]
+    world: World | None = None
+    begun: bool = False
+
+    def step(self, seconds: float) -> None:
+        if self.world:
+            self.world.step(seconds)
+        else:
+            step_all(self.bodies, [seconds] * len(self.bodies))
+
+    def settle(self, *, awake: bool) -> None:
+        for _ in range(round(SETTLED / 0.1)):
+            if awake:
+                self.stir()
+            self.step(0.1)
+        assert [body.moved for body in self.bodies] == [awake] * len(self.bodies)
+
+    def stir(self) -> None:
+        for body in self.bodies:
+            body.body.set_state(body.body.positions(), body.body.velocities())
+
+
+def model(*, level: int = 2, height: float = 0.0, gravity: float = -9.81) -> Model:
+    """Return a ball, held at its base where it is not lifted."""
+    mesh = scenes.ball(level)
+    if height:
+        mesh = mesh_from_triangles(mesh.rest_positions + [0.003, 0.002, height], mesh.triangles)
+    held = None if height else base_vertices(mesh)
+    return build_model(mesh, [SOFT], held=held, gravity=(0.0, 0.0, gravity))
+
+
+def changed(session: Session, *, k1: float = SOFT.K1, gravity: float = -9.81, glide: bool = False) -> None:
+    before = session.model
+    material = replace(SOFT, K1=k1)
+    after = build_model(before.mesh, [material], held=before.held, gravity=(0.0, 0.0, gravity))
+    session.change(after, glide=glide)
+
+
+def alone(backend: str, gravity: float = -9.81) -> Scene:
+    return Scene([Session(model(gravity=gravity), backend=backend)])
+
+
+def proxied(backend: str) -> Scene:
+    fine = model(level=3)
+    return Scene([Session(fine, proxy=build_proxy(fine, 150), backend=backend)])
+
+
+def under_another(backend: str) -> Scene:
+    bodies = [Session(model(height=h, gravity=0.0), backend=backend) for h in (0.0, 2 * RADIUS + 0.01)]
+    return Scene(bodies, World(bodies))
+
+
+def beside_collider(backend: str) -> Scene:
+    body, (points, faces) = Session(model(), backend=backend), ball(1, 0.02)
+    return Scene([body], World([body], [Collider((points + [0.001, 0.002, RADIUS + 0.3]).T.copy(), faces, 0.4)]))
+
+
+def pressed(scene: Scene, seconds: float) -> None:
+    """A keyframed fingertip comes from afar at 2 m/s and stays 6 mm deep."""
+    way = max(0.2 - 2 * seconds, -0.006)
+    scene.bodies[0].set_fingers([Finger((0.0, 0.0, TOP + TIP + way), TIP)])
+
+
+def pushed(scene: Scene, _: float) -> None:
+    scene.bodies[0].set_fingers([Finger((0.0, 0.0, TOP + TIP), TIP, 3.0)])
+
+
+def at_begin(change: Callable[[Session], None]) -> Callable[[Scene, float], None]:
+    def act(scene: Scene, _: float) -> None:
+        if not scene.begun:
+            change(scene.bodies[-1])
+        scene.begun = True
+
+    return act
+
+
+def led(session: Session, seconds: float) -> None:
+    session.set_held(session.model.mesh.rest_positions + [0.2 * seconds, 0.0, 0.0])
+
+
+def bent(session: Session, seconds: float) -> None:
+    rest = session.model.mesh.rest_positions
+    session.set_rest(rest + np.outer(rest[:, 2] ** 2, [seconds, 0.0, 0.0]) * 4)
+
+
+def approached(scene: Scene, seconds: float) -> None:
+    """A keyframed collider comes from afar at 3 m/s and stays 5 mm deep."""
+    assert scene.world
+    scene.world.set_colliders([scene.world.colliders[0].positions.T - [0.0, 0.0, min(3 * seconds, 0.285)]])
+
+
+CAUSES: dict[str, tuple[Callable[[str], Scene], Callable[[Scene, float], None]]] = {
+    "a keyframed fingertip": (alone, pressed),
+    "a keyframed fingertip, on a proxy": (proxied, pressed),
+    "a fingertip pushed by a force": (alone, pushed),
+    "a changed constant": (alone, at_begin(lambda s: changed(s, k1=0.3 * SOFT.K1))),
+    "a constant that glides": (alone, at_begin(lambda s: changed(s, k1=0.3 * SOFT.K1, glide=True))),
+    "gravity switched on": (lambda b: alone(b, gravity=0.0), at_begin(changed)),
+    "gravity switched off": (alone, at_begin(lambda s: changed(s, gravity=0.0))),
+    "pins that are led": (alone, lambda scene, seconds: led(scene.bodies[0], seconds)),
+    "a rig that bends it": (alone, lambda scene, seconds: bent(scene.bodies[0], seconds)),
+    "a body that falls on it": (under_another, at_begin(changed)),
+    "a keyframed collider": (beside_collider, approached),
+}  # fmt: skip
+
+
+def act_and_step(scene: Scene, act: Callable[[Scene, float], None], each: float) -> Iterator[Session]:
+    """Let what wakes it happen, frame by frame of some time [s]; yield the first body before each and at the end."""
+    for frame in range(round(WATCHED / each)):
+        yield scene.bodies[0]
+        act(scene, (frame + 1) * each)
+        scene.step(each)
+    yield scene.bodies[0]
+
+
+def traced(cause: str, backend: str, *, awake: bool, each: float) -> Floats:
+    """Return places [m] and velocities [m/s] of the first body, frame by frame (frames, 2, 3, n)."""
+    make, act = CAUSES[cause]
+    scene = make(backend)
+    scene.settle(awake=awake)
+    if awake:
+        scene.stir()
+    return np.array([
+        (session.body.positions(), session.body.velocities()) for session in act_and_step(scene, act, each)
+    ])  # fmt: skip
+
+
+@pytest.mark.parametrize("backend", EVERY)
+@pytest.mark.parametrize("each", [TICK, 1 / 24], ids=["tick by tick", "frame by frame"])
+@pytest.mark.parametrize("cause", CAUSES)
+def test_it_goes_on_as_if_it_had_been_awake(cause: str, each: float, backend: str) -> None:
+    """Neither place nor velocity has a step that it would not have had, and nothing comes late."""
+    slept, awake = (traced(cause, backend, awake=awake, each=each) for awake in (False, True))
+    way, off = (np.abs(a).max(axis=(0, 2, 3)) for a in (awake - awake[0], slept - awake))
+    assert way[0] > 5e-5
+    assert off[0] < REST_WAY * SIZE
+    assert off[1] < REST_SPEED * SIZE
+
+
+@pytest.mark.parametrize("backend", EVERY)
+def test_nothing_jumps_when_it_falls_asleep(backend: str) -> None:
+    """A ball that was pressed and let go comes to rest; tick by tick beside one that is kept awake."""
+    bodies = [Session(model(), backend=backend) for _ in range(2)]
+    for depth in (0.0, 0.006):
+        for body in bodies:
+            body.set_fingers([Finger((0.0, 0.0, TOP + TIP - depth), TIP)])
+            body.step(0.05)
+    ticks_asleep, before = 0, None
+    for tick in range(2000):
+        for body in bodies:
+            body.set_fingers([])
+        if tick % 100 == 0:
+            bodies[1].body.set_state(bodies[1].body.positions(), bodies[1].body.velocities())
+        step_all(bodies, [TICK] * 2)
+        (x, v), (awake_x, awake_v) = ((each.body.positions(), each.body.velocities()) for each in bodies)
+        assert np.abs(x - awake_x).max() < REST_WAY * SIZE and np.abs(v - awake_v).max() < REST_SPEED * SIZE
+        assert bodies[1].moved
+        if not bodies[0].moved:
+            ticks_asleep += 1
+            assert before and np.array_equal(before[0], x) and np.array_equal(before[1], v)
+        before = x, v
+    assert 500 < ticks_asleep < 1900
+
+
+@pytest.mark.parametrize("backend", EVERY)
+@pytest.mark.parametrize("cause", ["a changed constant", "a constant that glides", "gravity switched off"])
+def test_in_a_world_too_a_change_wakes_it_in_the_next_tick(cause: str, backend: str) -> None:
+    scene = beside_collider(backend)
+    scene.settle(awake=False)
+    CAUSES[cause][1](scene, TICK)
+    scene.step(TICK)
+    assert scene.bodies[0].moved
+
+
+@pytest.mark.parametrize("backend", EVERY)
+def test_what_lies_on_a_collider_falls_in_the_tick_in_which_that_is_drawn_away(backend: str) -> None:
+    points, faces = sheet(8, 0.1)
+    lying = build_model(mesh_from_triangles(points + [0, 0, 0.003], faces), [SOFT], gravity=(0.0, 0.0, -9.81))
+    body, (table, squares) = Session(lying, backend=backend), sheet(2, 1.0)
+    scene = Scene([body], World([body], [Collider(table.T.copy(), squares, 0.4)]))
+    scene.settle(awake=False)
+    scene.step(0.5)
+    assert scene.world and not body.moved
+    height = body.body.positions()[2].mean()
+    for tick in range(50):
+        scene.world.set_colliders([table - [0.0, 0.0, 0.01 * (tick + 1)]])
+        scene.step(TICK)
+        assert body.moved
+    fallen = height - body.body.positions()[2].mean()
+    assert fallen == pytest.approx(9.81 * 0.05**2 / 2, rel=0.1)
