@@ -15,7 +15,6 @@ Singles = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
-STANDARD_GRAVITY = 9.81  # [m/s2]
 AIR_PRESSURE = 101_325.0  # [Pa] outside every body
 AIR_EXPONENT = 1.4  # adiabatic: a press is over before heat flows
 # [Pa] a thousandth of real water: a fingertip's few kPa still change the volume by well under 0.5 %, and the pressure

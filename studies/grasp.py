@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from core.base import STANDARD_GRAVITY, DimpleError
+from core.base import DimpleError
 from core.body.model import build_model
 from core.haptics.contact_rendering import ContactRendering, Workspace, fingers
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
@@ -40,6 +40,7 @@ TOUCH, SQUEEZED, RAISE, RAISED, LOWER, DOWN, OPEN, END = 1.3, 1.6, 1.8, 2.4, 3.0
 MOMENTS = {"open": TOUCH, "squeezed": RAISE, "lifted": RAISED + 0.1, "held": LOWER, "put down": DOWN, "let go": END}
 STEP = 2e-4  # [s] of the clock: a host that answers within it
 FRAME = 1 / 60  # [s]
+GRAVITY = 9.81  # [m/s2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +66,7 @@ class Moment:
 def grasp(cells: int = 3, *, friction: float = PRESET.material.friction) -> Session:
     """Return the cube, free on the ground, centred on the origin."""
     material = replace(PRESET.material, friction=friction)
-    mesh, down = cube(cells, PRESET.size), (0, 0, -STANDARD_GRAVITY)
+    mesh, down = cube(cells, PRESET.size), (0, 0, -GRAVITY)
     return Session(build_model(mesh, [material], gravity=down, ground=-PRESET.size / 2))
 
 
@@ -137,7 +138,7 @@ def add_grasp(command: argparse.ArgumentParser) -> None:
 def run_grasp(options: argparse.Namespace) -> int:
     """Grasp, then print how high the cube was and the forces on the fingertips."""
     session = grasp(friction=options.friction)
-    moments, weight = list(run(session, wall=options.wall)), STANDARD_GRAVITY * float(session.model.mass.sum())
+    moments, weight = list(run(session, wall=options.wall)), GRAVITY * float(session.model.mass.sum())
     print("when        time   cube up   thumb          index          middle: force inward, force down")
     for name, time in MOMENTS.items():
         moment = min(moments, key=lambda moment: abs(moment.time - time))

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.paper import surface_stretch, surface_tension
 from core.calibration.calibrate import Calibration, calibrate
 from core.calibration.export import write_press
 from core.calibration.identify import ALLOWED, ALLOWED_FORCE, WEAK
@@ -28,6 +27,7 @@ from core.calibration.surface import string_balance
 from core.material import POINT, PRESETS, Preset
 
 from .assessment import FINGERTIP, Assessment, assess, bed_slopes
+from .paper_laws import surface_stretch, surface_tension
 from .reconstruct import DEEPEST, write_samples
 from .specimen import cube
 from .virtual_press import identify, press_curve

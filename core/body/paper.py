@@ -35,12 +35,6 @@ def pressure_force(pressure: float, triangles: Ints, x: Floats, rest_area: float
     return pressure * rest_area / x.shape[1] * total / np.maximum(np.linalg.norm(total, axis=0), _TINY)
 
 
-def spring_energy(law: Springs, x: Floats) -> float:
-    """Return the energy [J] whose gradient Eq. (4) is: k (|l|^3 / (3 |l0|) - |l|^2 / 2 + |l0|^2 / 6)."""
-    length, rest = np.linalg.norm(x[:, law.pairs[:, 1]] - x[:, law.pairs[:, 0]], axis=0), law.rest_lengths
-    return float(law.stiffness @ (length**3 / (3 * rest) - length**2 / 2 + rest**2 / 6))
-
-
 def spring_force(law: Springs, x: Floats) -> Floats:
     """Return f_k = k (|l| - |l0|) l / |l0| (3, n) [N], Eq. (4), signed so that it restores."""
     i, j = law.pairs.T
@@ -53,13 +47,3 @@ def spring_force(law: Springs, x: Floats) -> Floats:
 def _face_normals(triangles: Ints, x: Floats) -> Floats:
     a, b, c = x[:, triangles[:, 0]], x[:, triangles[:, 1]], x[:, triangles[:, 2]]
     return np.asarray(np.cross(b - a, c - a, axis=0), np.float64)
-
-
-def surface_tension(force: float, depth: float, length: float) -> float:
-    """Return S [N] of a surface of length l [m] pressed in its middle by a force [N] to a depth [m], Eq. (9)."""
-    return float(force * depth / (2 * np.hypot(length / 2, depth)))
-
-
-def surface_stretch(tension: float, length: float, section: float, youngs_modulus: float) -> float:
-    """Return lambda [m] of a surface of length [m], section A [m2] and Young's modulus E [Pa], Eq. (10)."""
-    return tension * length / (2 * section * youngs_modulus)

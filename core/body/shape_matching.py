@@ -143,7 +143,7 @@ def force(
     """
     rotation, translation = pose_of(law, x, pose)
     u = x - rotation @ law.rest - translation[:, None]
-    f = tension_force(law.pairs, law.tension, u) - _secant(law, u) * u
+    f = tension_force(law.pairs, law.tension, u) - secant(law, u) * u
     if v is not None:
         moving = shape_velocity(law, pose_rate) if pose is not None else rigid_velocity(law.mass, x, v)
         if law.rate is not None:
@@ -152,16 +152,6 @@ def force(
     if pose is None:
         f -= law.mass * rigid_velocity(law.mass, x, f / law.mass)
     return f
-
-
-def stiffness_parts(law: ShapeMatching, x: Floats, pose: Pose) -> tuple[Floats, Floats, Floats]:
-    """Return a (n,) [N/m], b (n,) [N/m3] and u (3, n) [m] of K = a + b u u^T, vertex by vertex, without the tension."""
-    rotation, translation = pose
-    u = x - rotation @ law.rest - translation[:, None]
-    d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
-    turn = np.where(d > law.d0, (law.k2 - law.k1) * law.d0, 0.0)
-    turn += np.where(d > law.knees, law.more * law.knees, 0.0).sum(axis=0)
-    return _secant(law, u), turn / d**3, u
 
 
 def stiffest(law: ShapeMatching) -> Floats:
@@ -189,7 +179,8 @@ def rigid_velocity(mass: Floats, x: Floats, v: Floats) -> Floats:
     return mean[:, None] + np.cross(spin[:, None], r, axis=0)
 
 
-def _secant(law: ShapeMatching, u: Floats) -> Floats:
+def secant(law: ShapeMatching, u: Floats) -> Floats:
+    """Return how stiff each vertex is (n,) [N/m] from its place at rest to a displacement u (3, n) [m]."""
     d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
     k: Floats = law.k1 + (law.k2 - law.k1) * np.maximum(1 - law.d0 / d, 0)
     return k + (law.more * np.maximum(1 - law.knees / d, 0)).sum(axis=0) if len(law.more) else k

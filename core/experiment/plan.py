@@ -14,7 +14,7 @@ import json
 import math
 import random
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -217,8 +217,3 @@ def _whole(name: str, value: Any) -> int:
     if number != round(number):
         raise ValueError(f"{name} must be a whole number")
     return round(number)
-
-
-def conditions(tasks: Sequence[Task]) -> list[str]:
-    """Return the conditions of tasks."""
-    return sorted({task.condition for task in tasks})

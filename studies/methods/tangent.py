@@ -16,7 +16,7 @@ import numpy as np
 from core.base import Floats, sums_at
 from core.body import pressure, shape_matching
 from core.body.model import Model, State
-from core.body.shape_matching import ShapeMatching
+from core.body.shape_matching import Pose, ShapeMatching
 
 from . import penalty
 from .penalty import Meeting
@@ -111,10 +111,20 @@ def _springs(model: Model, state: State, h: float) -> tuple[Product, Floats]:
     return product, blocks
 
 
+def stiffness_parts(law: ShapeMatching, x: Floats, pose: Pose) -> tuple[Floats, Floats, Floats]:
+    """Return a (n,) [N/m], b (n,) [N/m3] and u (3, n) [m] of K = a + b u u^T, vertex by vertex, without the tension."""
+    rotation, translation = pose
+    u = x - rotation @ law.rest - translation[:, None]
+    d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
+    turn = np.where(d > law.d0, (law.k2 - law.k1) * law.d0, 0.0)
+    turn += np.where(d > law.knees, law.more * law.knees, 0.0).sum(axis=0)
+    return shape_matching.secant(law, u), turn / d**3, u
+
+
 def _memory(model: Model, state: State, h: float) -> tuple[Product, Floats]:
     law, x = model.matching, state.positions
     pose = shape_matching.pose_of(law, x, state.pose)
-    bed, turn, u = shape_matching.stiffness_parts(law, x, pose)
+    bed, turn, u = stiffness_parts(law, x, pose)
     level, steep, tension, drag = h * h * bed, h * h * turn, h * h * law.tension, h * law.damping
 
     def pull(s: Floats) -> Floats:

@@ -27,6 +27,7 @@ from .colours import colours
 from .implicit import run_implicit
 from .newton import meet_faces
 from .penalty import Meeting
+from .tangent import stiffness_parts
 
 SWEEPS = 4
 CONTACT = 3.0  # stiffness of a contact over that of a vertex: if stiffer, sweeps leave forces that are far off
@@ -157,7 +158,7 @@ def move(block: Block, x: Floats, fixed: Fixed, h: float) -> Floats:
     along = block.stiffness + block.damping / h - across
     along[block.stiffness == 0] = 0
 
-    level, turn, u = shape_matching.stiffness_parts(block.matching, here, fixed.pose)
+    level, turn, u = stiffness_parts(block.matching, here, fixed.pose)
     force -= level * u + block.matching.damping / h * (here - fixed.drift[:, at])
     force += (block.tension * (d - np.tensordot(fixed.pose[0], block.arms, 1))).sum(axis=1)
     flat = inertia + level + block.matching.damping / h + (across + block.tension).sum(axis=0)

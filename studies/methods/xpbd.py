@@ -25,6 +25,7 @@ from core.solver.ticks import run_ticks
 from .cached import kept
 from .colours import colours
 from .implicit import require_energy
+from .tangent import stiffness_parts
 
 _TINY = 1e-30
 
@@ -111,7 +112,7 @@ def move_to_shape(model: Model, state: State, before: Floats, h: float) -> None:
     start, pose = x.copy(), shape_matching.pose_of(law, x, state.pose)
     for edges in kept(model, spring_colours):
         move_by_tension(edges, x, pose[0], h)
-    stiffness, _, u = shape_matching.stiffness_parts(law, x, pose)
+    stiffness, _, u = stiffness_parts(law, x, pose)
     moved = x - before
     if state.pose is None:
         moved -= shape_matching.rigid_velocity(law.mass, x, moved)

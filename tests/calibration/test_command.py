@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from core.body.paper import surface_stretch, surface_tension
 from core.calibration.calibrate import calibrate, provenance, source_of_k
 from core.calibration.export import text_cell, write_press
 from core.calibration.question import Answers
@@ -19,6 +18,7 @@ from core.calibration.surface import surface_constants
 from core.material import PRESETS
 from studies.__main__ import main
 from studies.calibrate import fitted_material
+from studies.paper_laws import surface_stretch, surface_tension
 from studies.reconstruct import DEEPEST, write_samples
 from studies.specimen import load_mesh
 from tools.environment import ROOT

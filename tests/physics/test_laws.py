@@ -16,6 +16,7 @@ from core.body.contact import Touch
 from core.body.shape_matching import fit_pose
 from core.mesh.surface import Mesh, mesh_from_triangles
 from studies.methods import penalty
+from studies.paper_laws import spring_energy
 from tests.bodies import ball, sheet
 from tests.physics.disturbed import SHAPES, difference, disturbed, turn
 
@@ -38,7 +39,7 @@ def membrane(mesh: Mesh, rng: np.random.Generator) -> Law:
 
 def equation_4(mesh: Mesh, rng: np.random.Generator) -> Law:
     law = springs_of(mesh, rng)
-    return Law(lambda x: paper.spring_energy(law, x), lambda x: paper.spring_force(law, x))
+    return Law(lambda x: spring_energy(law, x), lambda x: paper.spring_force(law, x))
 
 
 def fill(kind: str) -> Callable[[Mesh, np.random.Generator], Law]:

@@ -18,6 +18,7 @@ from core.mesh.surface import mesh_from_triangles
 from core.session import Finger, Session
 from core.solver import semi_implicit
 from core.solver.path import FingerPath
+from studies.paper_laws import surface_stretch, surface_tension
 from studies.specimen import cube_triangles
 from tests.bodies import TETRAHEDRON, ball
 
@@ -160,16 +161,16 @@ def test_eqs_6_to_8_a_step_is_acceleration_then_velocity_then_position(pressed: 
 @pytest.mark.parametrize(("force", "depth", "span"), [(21.4, 0.0363, 0.05), (9.94, 0.0163, 0.165), (6.2, 0.01, 0.165)])
 def test_eq_9_surface_tension(force: float, depth: float, span: float) -> None:
     wanted = force * depth / (2 * math.sqrt((span / 2) ** 2 + depth**2))
-    assert paper.surface_tension(force, depth, span) == pytest.approx(wanted)
+    assert surface_tension(force, depth, span) == pytest.approx(wanted)
 
 
 def test_eq_10_surface_stretch() -> None:
-    assert paper.surface_stretch(4.0, 0.165, 2e-5, 3e6) == pytest.approx(4.0 * 0.165 / (2 * 2e-5 * 3e6))
+    assert surface_stretch(4.0, 0.165, 2e-5, 3e6) == pytest.approx(4.0 * 0.165 / (2 * 2e-5 * 3e6))
 
 
 @pytest.mark.parametrize("force", [0.1, 6.2, 80.0])
 @pytest.mark.parametrize("depth", [0.001, 0.0137, 0.05])
 def test_eqs_9_and_10_their_ratio_carries_no_measurement(force: float, depth: float) -> None:
-    tension = paper.surface_tension(force, depth, 0.165)
-    stretch = paper.surface_stretch(tension, 0.165, 2e-5, 3e6)
+    tension = surface_tension(force, depth, 0.165)
+    stretch = surface_stretch(tension, 0.165, 2e-5, 3e6)
     assert tension / stretch == pytest.approx(2 * 2e-5 * 3e6 / 0.165)

@@ -17,6 +17,7 @@ from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.solver import semi_implicit
 from core.solver.path import FingerPath
+from studies.paper_laws import spring_energy, surface_stretch, surface_tension
 from studies.scenes import cube
 from tests.bodies import ball
 
@@ -131,7 +132,7 @@ def test_nothing_damps_so_energy_put_in_stays(law_set: str, ticks: int, kept: tu
     mesh = mesh_from_triangles(*ball(0, 0.08))
     material = replace(OBJECT_3.material, mass=1.0, density=None, k=200.0, K1=100.0, K2=200.0, fill="none")
     model = build_model(mesh, [material], law_set=law_set)
-    stored = paper.spring_energy if law_set == "paper" else springs.energy
+    stored = spring_energy if law_set == "paper" else springs.energy
     state = initial_state(model)
     state.positions *= 1 + 0.1 * np.random.default_rng(0).normal(size=(3, 12))
 
@@ -204,12 +205,12 @@ def test_the_tension_of_eq_9_does_not_balance_the_force_it_comes_from(depth: flo
     half = math.hypot(span / 2, depth)
     balanced = force * half / (2 * depth)  # two sides, each pulling up by its slope, depth / half
     assert 2 * balanced * depth / half == pytest.approx(force)
-    assert 2 * paper.surface_tension(force, depth, span) * depth / half < 0.2 * force
+    assert 2 * surface_tension(force, depth, span) * depth / half < 0.2 * force
 
 
 def test_the_constants_of_eq_10_are_those_of_the_bar_whatever_was_measured() -> None:
-    tensions = [paper.surface_tension(force, 0.01, 0.165) for force in (1.0, 6.2, 600.0)]
-    slopes = [t / paper.surface_stretch(t, 0.165, 2e-5, 3e6) for t in tensions]
+    tensions = [surface_tension(force, 0.01, 0.165) for force in (1.0, 6.2, 600.0)]
+    slopes = [t / surface_stretch(t, 0.165, 2e-5, 3e6) for t in tensions]
     assert slopes == pytest.approx([2 * 2e-5 * 3e6 / 0.165] * 3)
     assert 2 * math.hypot(0.165 / 2, 0.01) - 0.165 != pytest.approx(tensions[1] * 0.165 / (2 * 2e-5 * 3e6), rel=0.5)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.base import STANDARD_GRAVITY, DimpleError
+from core.base import DimpleError
 from core.body import pressure, shape_matching, springs
 from core.body.model import Model, build_model
 from core.mesh.surface import base_vertices
@@ -76,7 +76,7 @@ def test_a_stiff_cube_is_pressed_to_its_knee() -> None:
 
 def test_gravity_on_a_free_body_has_no_equilibrium_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("studies.methods.equilibrium.STEPS", 6)
-    model = build_model(ball(1), [BALL], gravity=(0, 0, -STANDARD_GRAVITY))
+    model = build_model(ball(1), [BALL], gravity=(0, 0, -9.81))
     assert not equilibrium(model, []).converged
 
 
