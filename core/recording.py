@@ -107,7 +107,7 @@ def open_point_cache(path: str | os.PathLike[str]) -> tuple[float, npt.NDArray[n
     with Path(path).open("rb") as file:
         header = file.read(_HEADER.size)
         size = os.fstat(file.fileno()).st_size
-    if len(header) < _HEADER.size or header[:12] != _MAGIC:
+    if len(header) < _HEADER.size or header[:16] != _MAGIC + b"\1\0\0\0":
         raise DimpleError(f"{name} is not a PC2 point cache.")
     _, _, vertices, start, rate, samples = _HEADER.unpack(header)
     if vertices < 1 or samples < 1 or size < _HEADER.size + 12 * vertices * samples or not math.isfinite(start):
@@ -115,23 +115,3 @@ def open_point_cache(path: str | os.PathLike[str]) -> tuple[float, npt.NDArray[n
     if rate != 1:
         raise DimpleError(f"{name} has a sample every {rate:g} frames, not one a frame. Bake again.")
     return start, np.memmap(path, "<f4", "r", _HEADER.size, (samples, vertices, 3))
-
-
-def read_point_cache(path: str | os.PathLike[str]) -> tuple[float, float, npt.NDArray[np.float32]]:
-    """Read a PC2 file.
-
-    Returns:
-        start frame, sample rate, positions (samples, vertices, 3); of a file cut short the whole samples only.
-
-    Raises:
-        DimpleError: not a PC2 file.
-    """
-    data = Path(path).read_bytes()
-    if len(data) < _HEADER.size or data[:12] != _MAGIC:
-        raise DimpleError(f"{Path(path).name} is not a PC2 point cache.")
-    _, version, vertices, start, rate, samples = _HEADER.unpack_from(data)
-    if version != 1 or vertices < 0 or samples < 0 or not (math.isfinite(start) and 0 < rate < math.inf):
-        raise DimpleError(f"{Path(path).name} is a PC2 point cache with a damaged header.")
-    whole = min(samples, (len(data) - _HEADER.size) // max(12 * vertices, 1))
-    points = np.frombuffer(data, "<f4", whole * vertices * 3, _HEADER.size)
-    return start, rate, points.reshape(whole, vertices, 3).astype(np.float32)

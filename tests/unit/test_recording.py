@@ -11,7 +11,8 @@ import pytest
 
 from core import recording
 from core.base import DimpleError
-from core.recording import PointCache, read_point_cache
+from core.recording import PointCache, open_point_cache
+from tests.point_cache import read_point_cache
 from tools.environment import ROOT
 
 HEADER = 32  # bytes
@@ -28,7 +29,22 @@ def path(tmp_path: Path) -> Path:
     return cache.path
 
 
-def test_what_is_recorded_is_read_back(path: Path) -> None:
+@pytest.fixture
+def whole(path: Path) -> Path:
+    """Return a file with a sample a frame, which the extension reads."""
+    with PointCache(path, 3) as cache:
+        for sample in SAMPLES:
+            cache.append(sample)
+    return cache.path
+
+
+def test_what_is_recorded_is_read_back(whole: Path) -> None:
+    start, samples = open_point_cache(whole)
+    assert start == 1.0 and samples.dtype == np.float32
+    np.testing.assert_array_equal(samples, SAMPLES)
+
+
+def test_what_is_recorded_is_read_by_others(path: Path) -> None:
     start, rate, samples = read_point_cache(path)
     assert (start, rate) == (10.0, 0.5) and samples.dtype == np.float32
     np.testing.assert_array_equal(samples, SAMPLES)
@@ -44,8 +60,10 @@ def test_a_file_cut_anywhere_gives_its_whole_samples_or_a_message(path: Path) ->
     data = path.read_bytes()
     for length in range(len(data)):
         path.write_bytes(data[:length])
+        with pytest.raises(DimpleError, match="PC2"):
+            open_point_cache(path)
         if length < HEADER:
-            with pytest.raises(DimpleError, match="not a PC2"):
+            with pytest.raises(ValueError, match="not a PC2"):
                 read_point_cache(path)
         else:
             samples = read_point_cache(path)[2]
@@ -96,31 +114,32 @@ def test_coordinates_that_are_not_numbers_are_not_recorded(path: Path, value: fl
     [(0, b"pointcache2\0"), (12, struct.pack("<i", 2)), (16, struct.pack("<i", -1)), (28, struct.pack("<i", -1)),
      (20, struct.pack("<f", np.nan)), (24, struct.pack("<f", np.inf)), (24, struct.pack("<f", 0.0))],
 )  # fmt: skip
-def test_a_damaged_header_is_refused(path: Path, at: int, value: bytes) -> None:
-    data = bytearray(path.read_bytes())
+def test_a_damaged_header_is_refused(whole: Path, at: int, value: bytes) -> None:
+    data = bytearray(whole.read_bytes())
     data[at : at + len(value)] = value
-    path.write_bytes(data)
-    with pytest.raises(DimpleError, match="PC2"):
-        read_point_cache(path)
+    whole.write_bytes(data)
+    with pytest.raises(DimpleError, match="PC2|not one a frame"):
+        open_point_cache(whole)
 
 
 @pytest.mark.parametrize(("at", "value"), [(16, 2**31 - 1), (28, 2**31 - 1), (16, 0)])
-def test_counts_larger_than_the_file_ask_for_no_memory(path: Path, at: int, value: int) -> None:
-    data = bytearray(path.read_bytes())
+def test_counts_other_than_those_of_the_file_are_refused(whole: Path, at: int, value: int) -> None:
+    data = bytearray(whole.read_bytes())
     data[at : at + 4] = struct.pack("<i", value)
-    path.write_bytes(data)
-    assert read_point_cache(path)[2].size <= SAMPLES.size
+    whole.write_bytes(data)
+    with pytest.raises(DimpleError, match="cut short"):
+        open_point_cache(whole)
 
 
-def test_a_random_file_never_raises_anything_but_a_message(path: Path) -> None:
-    rng, data = np.random.default_rng(1), path.read_bytes()
+def test_a_random_file_never_raises_anything_but_a_message(whole: Path) -> None:
+    rng, data = np.random.default_rng(1), whole.read_bytes()
     for _ in range(200):
         changed = bytearray(data)
         for at in rng.integers(0, len(data), 4):
             changed[at] = rng.integers(256)
-        path.write_bytes(changed)
+        whole.write_bytes(changed)
         try:
-            assert read_point_cache(path)[2].size <= SAMPLES.size
+            assert open_point_cache(whole)[1].size <= SAMPLES.size
         except DimpleError:
             pass
 

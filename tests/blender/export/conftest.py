@@ -12,6 +12,7 @@ import pytest
 
 from tests.blender.export.reading import EVERY, FIRST, FPS, LAST, Exported, carried
 from tests.blender.operators.conftest import add, ball, coordinates, pressed, scene, shown
+from tests.point_cache import read_point_cache
 from tools.environment import ROOT, provide_readers
 
 __all__ = ["add", "ball", "coordinates", "pressed", "scene", "shown"]
@@ -25,8 +26,6 @@ def exported(bpy: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Itera
     scene.render.fps, scene.dimple.cache_dir = FPS, str(folder / "caches")
     obj = carried(bpy)
     bpy.ops.dimple.bake(frame_start=FIRST, frame_end=LAST)
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
-
     _, _, local = read_point_cache(obj.modifiers[0].filepath)
     world = []
     for frame, sample in zip(range(FIRST, LAST + 1), local, strict=True):

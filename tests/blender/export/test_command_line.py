@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.point_cache import read_point_cache
 from tools.environment import ROOT
 
 
@@ -50,8 +51,6 @@ def test_it_writes_every_format_and_says_so(command: Any, blend: Path, tmp_path:
 
 
 def test_a_part_of_the_frames_is_the_part_of_the_whole(command: Any, blend: Path, tmp_path: Path) -> None:
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
-
     command(blend, "--out", tmp_path / "whole", "--format", "pc2", "--frames", "1-9")
     code, _ = command(
         blend, "--out", tmp_path / "part", "--format", "pc2", "--frames", "6-9", "--begin", "1", "--object", "Ball"

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.point_cache import read_point_cache
 from tools.environment import ROOT, provide_readers
 
 SCRIPT = ROOT / "tools" / "flamenco" / "dimple-bake.js"
@@ -62,7 +63,6 @@ def test_what_the_submitter_evaluates_in_blender_is_right(
 def test_the_tasks_of_two_bodies_bake_both_in_parts(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], ball: Callable[..., Any], tmp_path: Path
 ) -> None:
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
     from bl_ext.user_default.dimple.operators import command_line
 
     pressed().dimple.enabled = True

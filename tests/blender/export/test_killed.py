@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from tests.blender.export.reading import contents, earlier
+from tests.point_cache import read_point_cache
 from tools.environment import ROOT
 
 # Blender as a module starts with the settings of the factory
@@ -50,7 +51,6 @@ def killed_at(share: float, blend: Path, out: Path) -> bool:
 def test_an_export_that_is_killed_leaves_whole_files_or_those_from_before(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, count: int
 ) -> None:
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
     from bl_ext.user_default.dimple.operators import exporters
 
     obj, out, chance = pressed(), tmp_path / "out", random.Random(14)
@@ -98,8 +98,6 @@ def killed(bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: P
 
 
 def test_a_bake_that_is_killed_leaves_a_cache_that_can_be_read_until_the_next(bpy: ModuleType, killed: Path) -> None:
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
-
     (folder,) = killed.iterdir()
     (cache,) = folder.glob("*.pc2")
     assert folder.name.startswith(".dimple-") and len(read_point_cache(cache)[2]) == 6

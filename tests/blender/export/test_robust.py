@@ -12,6 +12,7 @@ import pytest
 
 from tests.blender.export.reading import ENDINGS, EVERY, contents, earlier
 from tests.blender.operators.test_disk_full import full_after
+from tests.point_cache import read_point_cache
 
 Bits = Callable[[Any], bytes]
 
@@ -191,8 +192,6 @@ def test_an_export_that_is_cancelled_while_it_simulates_leaves_nothing(
 def test_what_plays_is_exported_beyond_its_ends_too(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path
 ) -> None:
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
-
     obj = pressed()
     bpy.ops.dimple.bake(frame_start=3, frame_end=8)
     _, _, baked = read_point_cache(obj.modifiers[0].filepath)

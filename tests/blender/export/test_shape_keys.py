@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.blender.export.reading import FINEST, FIRST, FPS, LAST, Exported, carried, imported, nearest, seen, worst
+from tests.point_cache import read_point_cache
 
 
 @pytest.mark.parametrize("percent", [1.0, 0.01])
@@ -69,8 +70,6 @@ def test_an_object_with_shape_keys_of_its_own_is_no_still(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, kind: str
 ) -> None:
     """Blender's USD exporter writes such an object without what deforms it, unless it is kept from it."""
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
-
     obj = pressed()
     for name in ("Basis", "Large"):
         obj.shape_key_add(name=name)

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.point_cache import read_point_cache
+
 Add = Callable[..., Any]
 Bits = Callable[[Any], bytes]
 Shown = Callable[[Any], np.ndarray]
@@ -22,8 +24,6 @@ def table(obj: Any, scene: Any) -> list[dict[str, float]]:
 
 
 def cached(scene: Any) -> tuple[float, np.ndarray]:
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
-
     (path,) = Path(scene.dimple.cache_dir).glob("*.pc2")
     start, _, positions = read_point_cache(path)
     return start, positions

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.point_cache import read_point_cache
+
 Add = Callable[..., Any]
 Shown = Callable[[Any], np.ndarray]
 
@@ -43,8 +45,6 @@ def top(points: np.ndarray) -> float:
 def test_a_keyframed_cube_pushes_a_soft_ball_and_a_bake_equals_play(
     bpy: ModuleType, scene: Any, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes], shown: Any
 ) -> None:
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
-
     obj, _ = pushed()
     before = coordinates(obj)
     assert bpy.ops.dimple.bake(frame_start=1, frame_end=8) == {"FINISHED"}
@@ -167,8 +167,6 @@ def test_a_hand_that_its_bones_close_squeezes_a_ball(
     bpy.ops.dimple.reset()
     scene.frame_set(1)
     bpy.ops.dimple.bake(frame_start=1, frame_end=8)
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
-
     (path,) = Path(scene.dimple.cache_dir).glob("*.pc2")
     assert np.array_equal(read_point_cache(path)[2][-1], live), "the bake equals the live play"
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.blender.operators.conftest import icosphere
+from tests.point_cache import read_point_cache
 
 FRAMES = 14
 
@@ -35,8 +36,6 @@ def hashed(samples: Any) -> str:
 
 
 def samples(path: str) -> np.ndarray:
-    from bl_ext.user_default.dimple.core.recording import read_point_cache
-
     return read_point_cache(path)[2]
 
 
