@@ -66,7 +66,7 @@ def test_what_friction_holds_does_not_creep(backend: str) -> None:
 
 
 @pytest.mark.parametrize("angle", [15.0, 25.0])
-@pytest.mark.parametrize("cells", [4, 12])
+@pytest.mark.parametrize("cells", [4, pytest.param(12, marks=SLOW)])
 def test_it_does_not_creep_in_ten_seconds_either_when_it_is_kept_awake(angle: float, cells: int) -> None:
     """A body at rest sleeps, which would hide a creep: here each tenth of a second wakes it."""
     session = Session(on_a_slope(angle, cells))
@@ -129,7 +129,7 @@ def dragged(radius: float, depth: float, speed: float, way: float, lead: float) 
     return float(-drag / push), float(push)
 
 
-@pytest.mark.parametrize("speed", [1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0])
+@pytest.mark.parametrize("speed", [1e-4, pytest.param(1e-3, marks=SLOW), 1e-2, pytest.param(0.1, marks=SLOW), 1.0])
 def test_a_sliding_fingertip_meets_coulombs_friction_at_any_speed(speed: float) -> None:
     """A flat face, a nearly flat press: from a tenth of a millimetre to a metre a second, within 2 percent."""
     share, push = dragged(0.2, 0.001, speed, 0.001 if speed < 1e-3 else 0.005 if speed < 1e-2 else 0.03, 0.01)

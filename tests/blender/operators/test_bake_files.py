@@ -85,6 +85,20 @@ def test_a_cancelled_bake_leaves_nothing_half_done(
     assert not obj.modifiers and obj.data.shape_keys is None and coordinates(obj) == before
 
 
+def test_two_bakes_of_one_scene_write_the_same_bytes(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
+    """Cache and table: nothing in them tells when, or how fast, they were made."""
+    pressed()
+    found = []
+    for _ in range(2):
+        bpy.ops.dimple.bake(frame_start=1, frame_end=12)
+        files = sorted(Path(scene.dimple.cache_dir).iterdir())
+        found.append({path.suffix: path.read_bytes() for path in files})
+        bpy.ops.dimple.unbake()
+        for path in files:
+            path.unlink()
+    assert found[0] == found[1] and found[0].keys() == {".pc2", ".csv"}
+
+
 def test_a_cancelled_bake_leaves_the_bake_before_it(bpy: ModuleType, scene: Any, pressed: Callable[..., Any]) -> None:
     obj = pressed()
     bpy.ops.dimple.bake(frame_start=1, frame_end=4)

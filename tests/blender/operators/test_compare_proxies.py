@@ -171,6 +171,30 @@ def test_the_budget_is_shared_by_the_bodies_of_a_scene_and_a_new_one_plans_again
     assert planning.budget_of(scene, fine) == pytest.approx(0.45)
 
 
+def test_bodies_that_are_alike_are_planned_once(
+    bpy: ModuleType, heavy: None, ball: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import planning
+
+    planned, plan = [], planning.plan
+
+    def counted(*args: Any, **named: Any) -> Any:
+        planned.append(args)
+        return plan(*args, **named)
+
+    monkeypatch.setattr(planning, "plan", counted)
+    alike = [ball(f"Ball {i}", 5) for i in range(6)]
+    for obj in alike:
+        obj.dimple.enabled, obj.dimple.tolerance_mm, obj.dimple.tolerance_percent = True, 2.0, 20.0
+    start(bpy, alike[0])
+    for_one = len(planned)  # before its constants are identified, and with them
+    for obj in alike[1:]:
+        start(bpy, obj)
+    stop()
+    assert len(planned) == for_one <= 2
+    assert {obj.dimple.plan_key for obj in alike} == {alike[0].dimple.plan_key}
+
+
 def test_whatever_shape_matching_pulls_with_is_part_of_what_was_planned(bpy: ModuleType, ball: Any) -> None:
     from bl_ext.user_default.dimple.operators import bridge, calibration, planning
 

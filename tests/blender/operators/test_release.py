@@ -1,0 +1,54 @@
+"""Blender's own monkey, pressed and let go: no dent stays."""
+
+from collections.abc import Iterator
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+PLACES = 12
+RADIUS = 0.010  # [m]
+LEFT = 1e-4  # [m] that may stay a second later, a fiftieth of the shallow press
+
+
+@pytest.fixture
+def monkey(bpy: ModuleType, empty_file: ModuleType) -> Iterator[Any]:
+    """Suzanne as Blender adds her, of 165 mm, of the paper's second object."""
+    from bl_ext.user_default.dimple.operators import sessions
+
+    bpy.ops.mesh.primitive_monkey_add()
+    bpy.ops.dimple.apply_preset(preset="object_2_vinyl_air")
+    obj = bpy.context.object
+    obj.dimple.simulated = "MESH"
+    live, _ = sessions.start(obj, bpy.context)
+    yield live.session
+    sessions.stop_all()
+
+
+def outward(mesh: Any) -> np.ndarray:
+    """Return the normal (n, 3) at each vertex."""
+    a, b, c = mesh.rest_positions[mesh.triangles].transpose(1, 0, 2)
+    normals = np.zeros_like(mesh.rest_positions)
+    for corner in mesh.triangles.T:
+        np.add.at(normals, corner, np.cross(b - a, c - a))
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+
+
+@pytest.mark.parametrize("depth", [0.005, 0.020])
+def test_a_pressed_suzanne_comes_back_wherever_she_is_pressed(monkey: Any, depth: float) -> None:
+    from bl_ext.user_default.dimple.core.session import Finger
+
+    mesh, model = monkey.model.mesh, monkey.model
+    assert 500 <= len(mesh.rest_positions) <= 510
+    normals, rng = outward(mesh), np.random.default_rng(0)
+    for vertex in rng.choice(np.flatnonzero(~model.held & ~mesh.loose), PLACES, replace=False):
+        monkey.reset()
+        for down, seconds in ((-0.005, 0.01), (depth, 0.25), (depth, 0.2)):
+            centre = mesh.rest_positions[vertex] + (RADIUS - down) * normals[vertex]
+            monkey.set_fingers([Finger(tuple(centre.tolist()), RADIUS)])
+            frame = monkey.step(seconds)
+        assert frame.finite and np.abs(monkey.body.positions() - mesh.rest_positions.T).max() > 0.5 * depth
+        monkey.set_fingers([])
+        monkey.step(1.0)
+        assert np.abs(monkey.body.positions() - mesh.rest_positions.T).max() < LEFT, vertex

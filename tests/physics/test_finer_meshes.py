@@ -1,0 +1,95 @@
+"""One material on any mesh: identified with its tip, as the product does it, it answers the same force straight back.
+
+The tip's radius is twice the edges or more; where edges are longer, README's "Calibrate" says what is lost.
+"""
+
+from collections.abc import Callable, Iterator
+from functools import cache, partial
+
+import numpy as np
+import pytest
+
+from core.base import Floats
+from core.body.model import build_model
+from core.calibration.identify import identification
+from core.calibration.indent import Site, find_site
+from core.calibration.place import typical_site
+from core.material import DEFAULT_MATERIAL, Indenter, Material
+from core.mesh.surface import Mesh, mesh_from_triangles
+from core.session import Finger, Session
+from core.steps import result_of
+from studies.dents import jittered
+from studies.primitives import SIZE, box, icosphere, remeshed, rotated, sized
+
+TIP = Indenter(shape="sphere", radius=0.020)
+DEPTH, SPEED, PLACES = 0.010, 0.05, 3  # [m], [m/s]
+CLOSE = 0.03  # of the force: what it may differ from the law, and be sideways
+
+
+def turned_ball(subdivisions: int, seed: int) -> Mesh:
+    points, faces = rotated(icosphere(subdivisions), seed=seed)
+    return mesh_from_triangles(points * SIZE / 2 / np.linalg.norm(points, axis=1).max(), faces)
+
+
+MESHES: dict[str, Callable[[], Mesh]] = {
+    "ball of 2,562": lambda: sized(*icosphere(4)),
+    "ball of 2,562, turned": partial(turned_ball, 4, 0),
+    "cube of 2,402": lambda: sized(*box(20)),
+}
+FINER: dict[str, Callable[[], Mesh]] = {
+    "ball of 2,562, turned again": partial(turned_ball, 4, 1),
+    "uneven ball of 2,562": lambda: sized(*remeshed(4)),
+    "ball of 10,242": lambda: sized(*icosphere(5)),
+    "ball of 10,242, turned": partial(turned_ball, 5, 0),
+    "uneven ball of 10,242": lambda: sized(*remeshed(5)),
+    "ball of 40,962": lambda: sized(*icosphere(6)),
+    "cube of 10,088": lambda: sized(*box(41)),
+    "uneven cube of 10,088": lambda: sized(*jittered(41)),
+}
+
+
+def identified(mesh: Mesh) -> Material:
+    """Return the material with the constants that the product finds for a mesh."""
+    deepest = 1.5 * DEFAULT_MATERIAL.x0
+    return result_of(identification(mesh, DEFAULT_MATERIAL, TIP, typical_site(mesh, TIP), deepest)).material
+
+
+def places(mesh: Mesh, *, cube: bool) -> Iterator[Site]:
+    """Yield places on the upper side, away from edges and pins."""
+    rng = np.random.default_rng(1)
+    for _ in range(PLACES):
+        x, y = rng.uniform(-0.03, 0.03, 2).tolist()
+        outward = np.array([0.0, 0.0, 1.0] if cube else [x, y, SIZE / 2])
+        outward /= np.linalg.norm(outward)
+        above = np.array([x, y, 0.0]) if cube else SIZE / 2 * outward
+        yield find_site(mesh, TIP, above=above.tolist(), inward=(-outward).tolist())
+
+
+def pressed(mesh: Mesh, material: Material, site: Site) -> Floats:
+    """Return the force (3,) [N] on a fingertip as large as the tip, that goes in at an even speed, on the way."""
+    session = Session(build_model(mesh, [material], held=site.held[mesh.source]))
+    for depth, seconds in ((0.0, 0.001), (DEPTH, DEPTH / SPEED)):
+        x, y, z = (site.point + (depth - TIP.radius) * site.inward).tolist()
+        session.set_fingers([Finger((x, y, z), TIP.radius)])
+        session.step(seconds - 0.004 if depth else seconds)
+    return np.asarray(session.step(0.004).finger_forces[0])
+
+
+@cache
+def forces(name: str) -> list[tuple[float, float]]:
+    """Return the force over the law, and its part across the press over it, at several places of a mesh."""
+    mesh = {**MESHES, **FINER}[name]()
+    material, found = identified(mesh), []
+    for site in places(mesh, cube="cube" in name):
+        force = pressed(mesh, material, site)
+        along = float(-force @ site.inward)
+        across = float(np.linalg.norm(force + along * site.inward))
+        found.append((along / material.law(DEPTH), across / along))
+    return found
+
+
+@pytest.mark.parametrize("name", [*MESHES, *(pytest.param(name, marks=pytest.mark.slow) for name in FINER)])
+def test_an_identified_body_answers_the_law_on_any_mesh_and_hardly_sideways(name: str) -> None:
+    for force, across in forces(name):
+        print(f"{name}: {force:.3f} of the law, {100 * across:.1f} % across")
+        assert force == pytest.approx(1.0, abs=CLOSE) and across < CLOSE
