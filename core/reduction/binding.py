@@ -91,8 +91,8 @@ def motions_of(binding: Binding, positions: Floats) -> Singles:
     rest, u = binding.coarse.rest_positions, positions.T - binding.coarse.rest_positions
     i, j = binding.arms.T
     turned = vertex_normals(binding.coarse.triangles, positions.T) - binding.normals
-    stretched = binding.spread[:, :, None] * (u[j] - u[i])[:, None, :]  # by columns
-    gradient = binding.upright[:, :, None] * turned[:, None, :]
+    stretched = np.einsum("ed,ec->edc", binding.spread, np.take(u, j, axis=0) - np.take(u, i, axis=0))  # by columns
+    gradient = np.einsum("md,mc->mdc", binding.upright, turned)
     gradient += np.add.reduceat(stretched.reshape(-1, 9), binding.starts).reshape(-1, 3, 3)
     motions = np.zeros((len(rest), 4, 4), np.float32)
     motions[:, 0, :3] = u - np.einsum("mdc,md->mc", gradient, rest - binding.centre) / 2
