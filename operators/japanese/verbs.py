@@ -206,8 +206,8 @@ MESSAGES = {
     '"{}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.': (
         '"{}" にはシェイプキーがあるか、メッシュを共有しているため、細かく分割しません。自分で細分化してください。'
     ),
-    '"{}" is soft: {}, {} large. Press it with the left mouse button.': (
-        '"{}" を柔らかくしました: {}、大きさ {}。左マウスボタンで押せます。'
+    '"{}" is soft: "{}", {} large. Press it with the left mouse button.': (
+        '"{}" を柔らかくしました: "{}"、大きさ {}。左マウスボタンで押せます。'
     ),
     '"{}" has no faces, so there is no surface to press. Give it depth or a bevel first.': (
         '"{}" に面がなく、押す表面がありません。先に押し出しかベベルを付けてください。'

@@ -202,6 +202,10 @@ def test_a_message_with_numbers_is_recognised_and_filled_in_japanese(bpy: Module
             'メッシュを細分化してください。"Depth": 3 個の穴を、圧力の計算でのみふさぎます。',
         ),
         (
+            '"Cube" is soft: "Vinyl cube, air, 165 mm", 165 mm large. Press it with the left mouse button.',
+            '"Cube" を柔らかくしました: "Vinyl cube, air, 165 mm"、大きさ 165 mm。左マウスボタンで押せます。',
+        ),
+        (
             "The mass must be greater than 0 kg (it is -1). Change it in Material > Dimple.",
             "質量は 0 kg より大きくしてください（現在 -1）。マテリアル > Dimple で変更してください。",
         ),
