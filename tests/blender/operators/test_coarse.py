@@ -51,6 +51,19 @@ def test_a_click_on_a_bare_primitive_answers_the_law(
         assert frame.volume == pytest.approx(frame.rest_volume, rel=0.002)
 
 
+@pytest.mark.parametrize("name", ["cube", "cone", "cylinder"])
+def test_a_liquid_keeps_its_volume_in_a_primitive_of_few_vertices(
+    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], name: str
+) -> None:
+    """A cone of 34 vertices pressed as it is cannot: 30 percent of its volume lie under the one that is pressed."""
+    assert len(bare(name).data.vertices) < 200
+    bpy.ops.dimple.apply_preset(preset="object_3_vinyl_water")
+    assert bpy.ops.dimple.poke(**(PRESS | {"location": (0.0, 0.0, 1.0), "direction": (0.0, 0.0, -1.0)})) == {"FINISHED"}
+    assert frames[0].session.model.pressure.fill == "liquid"
+    assert frames[0].frame.volume == pytest.approx(frames[0].frame.rest_volume, rel=0.005)
+    assert frames[0].frame.depths[0] > 0.005
+
+
 def test_a_torus_whose_edges_are_as_long_as_the_fingertip_is_cut_finer(
     bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any]
 ) -> None:
