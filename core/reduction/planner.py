@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from .. import native
@@ -111,6 +111,8 @@ def plan(
     if chosen.cost >= cost:
         why = "no proxy within the tolerances is faster"
         return _full_mesh(model, cost, f"{slow}. It is simulated all the same: {why}.")
+    if chosen.error > tolerance or chosen.force_error > force_tolerance:
+        return replace(chosen, reason=f"{chosen.reason} A proxy within the tolerances would not run live.")
     return chosen
 
 

@@ -141,6 +141,7 @@ MESSAGES = {
     "runs at {} real time": "は実時間の {} の速さで動き",
     "runs live": "は実時間で動き",
     "As chosen": "選択どおりです",
+    "{} A proxy within the tolerances would not run live.": "{}許容差に収まる代理メッシュでは実時間で動きません。",
     "{}. A proxy of {} vertices {}, within {} mm and {} of the force.": (
         "{}。{} 頂点の代理メッシュ{}、誤差は {} mm 以内、力の {} 以内です。"
     ),

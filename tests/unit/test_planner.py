@@ -121,6 +121,16 @@ def test_a_proxy_that_runs_live_and_nearly_keeps_the_tolerances_beats_a_slow_one
     assert far.vertices == accurate.vertices and "real time" in far.reason, "none that runs live is near"
 
 
+def test_a_proxy_that_misses_the_tolerances_says_so(round_model: Model) -> None:
+    accurate = plan(round_model, budget=NEVER_LIVE, tolerance=1e-3, radius=0.02)
+    missed = []
+    for share in (1.1, 0.8, 0.6, 0.4):
+        chosen = plan(round_model, budget=share * accurate.cost, tolerance=1e-3, radius=0.02)
+        missed.append(chosen.error > 1e-3 or chosen.force_error > planner.FORCE_TOLERANCE)
+        assert missed[-1] == ("A proxy within the tolerances would not run live." in chosen.reason)
+    assert any(missed) and not all(missed)
+
+
 def test_the_cost_counts_vertices_and_steps(round_model: Model) -> None:
     cost = planner.NUMPY_COST if native.why_not() else planner.NATIVE_COST
     assert planner.cost_of(round_model) == pytest.approx(2562 * round_model.substeps(1e-3) * cost / 1e-3)
