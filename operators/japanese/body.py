@@ -125,7 +125,6 @@ MESSAGES = {
     "{} has a sample every {} frames, not one a frame. Bake again.": (
         "{} のサンプルは {} フレームごとで、1 フレームごとではありません。もう一度ベイクしてください。"
     ),
-    "{} is a PC2 point cache with a damaged header.": "{} はヘッダーの壊れた PC2 ポイントキャッシュです。",
     "No part of the surface is free to be pressed. Pin fewer vertices.": (
         "押せる表面が残っていません。固定する頂点を減らしてください。"
     ),
