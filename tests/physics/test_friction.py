@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.base import STANDARD_GRAVITY
 from core.body.contact import Step, Touch, nearest_on_triangles, resolve
 from core.body.model import Model, build_model
 from core.material import PRESETS
@@ -16,6 +15,7 @@ from tests.bodies import after, backends
 
 BACKENDS = backends("numpy", "native64", "native")
 FRICTION = 0.5  # holds up to 26.6 degrees
+GRAVITY = 9.81  # [m/s2]
 SLOW = pytest.mark.slow
 
 
@@ -39,7 +39,7 @@ def test_friction_holds_inside_the_cone_and_slides_outside_it(slide: float, held
 def on_a_slope(degrees: float, cells: int) -> Model:
     """Return a cube of 0.1 m on a slope."""
     a = np.radians(degrees)
-    down = STANDARD_GRAVITY * np.array([np.sin(a), 0.0, -np.cos(a)])
+    down = GRAVITY * np.array([np.sin(a), 0.0, -np.cos(a)])
     vinyl = replace(PRESETS[1].material, friction=FRICTION)
     return build_model(cube(cells, 0.1), [vinyl], gravity=tuple(down.tolist()), ground=-0.05)
 
@@ -49,7 +49,7 @@ def test_a_body_on_a_slope_holds_up_to_the_angle_of_friction(angle: float, slide
     way = after(Session(on_a_slope(angle, 1)), 0.4).mean(axis=0)[0]
     if slides:
         a = np.radians(angle)
-        wanted = STANDARD_GRAVITY * (np.sin(a) - FRICTION * np.cos(a)) * 0.4**2 / 2
+        wanted = GRAVITY * (np.sin(a) - FRICTION * np.cos(a)) * 0.4**2 / 2
         assert way == pytest.approx(wanted, rel=0.15)
     else:
         assert abs(way) < 2e-3
@@ -83,7 +83,7 @@ def test_a_sliding_block_is_slowed_by_the_same_at_any_speed() -> None:
     model = build_model(
         cube(8 if len(BACKENDS) > 1 else 1, 0.1),
         [replace(PRESETS[1].material, friction=FRICTION, damping_ratio=0.8)],
-        gravity=(0, 0, -STANDARD_GRAVITY), ground=-0.05,
+        gravity=(0, 0, -GRAVITY), ground=-0.05,
     )  # fmt: skip
     session = Session(model)
     session.step(0.5)
@@ -97,7 +97,7 @@ def test_a_sliding_block_is_slowed_by_the_same_at_any_speed() -> None:
     for first, last in ((0.9, 0.7), (0.3, 0.1), (1.0, 0.01)):
         a, b = (int(np.argmax(np.array(speeds) <= wanted)) for wanted in (first, last))
         slowed = (speeds[a] - speeds[b]) / (0.001 * (b - a))
-        assert slowed == pytest.approx(FRICTION * STANDARD_GRAVITY, rel=0.05), (first, last)
+        assert slowed == pytest.approx(FRICTION * GRAVITY, rel=0.05), (first, last)
 
 
 def dragged(radius: float, depth: float, speed: float, way: float, lead: float) -> tuple[float, float]:
@@ -147,7 +147,7 @@ def grasped(friction: float, squeeze: float, *, cells: int = 4 if len(BACKENDS) 
     """Squeeze a free cube of nylon with three fingertips, lift it 10 cm and hold it; return its height then."""
     size, radius = PRESETS[0].size, 0.01
     nylon = replace(PRESETS[0].material, friction=friction)
-    model = build_model(cube(cells, size), [nylon], gravity=(0, 0, -STANDARD_GRAVITY), ground=-size / 2)
+    model = build_model(cube(cells, size), [nylon], gravity=(0, 0, -GRAVITY), ground=-size / 2)
     session = Session(model)
 
     def fingers(pressed: float, height: float) -> list[Finger | None]:
@@ -169,7 +169,7 @@ def height_of(session: Session) -> float:
 def test_three_fingers_lift_a_free_cube_against_gravity() -> None:
     session, height = grasped(0.5, 0.005)
     assert height == pytest.approx(0.1, abs=0.005)
-    weight = session.model.mass.sum() * STANDARD_GRAVITY
+    weight = session.model.mass.sum() * GRAVITY
     assert session.frame.finger_forces.sum(axis=0) == pytest.approx([0, 0, -weight], abs=0.02 * weight)
 
 

@@ -33,7 +33,6 @@ class Watch:
         from bl_ext.user_default.dimple.operators.device import DIMPLE_OT_arm_device
 
         self.timers: list[float] = []
-        self.texts: list[str | None] = []
         names = ("invoke", "modal", "cancel", "_end", "_is_armed")
         self.operator = type("Stub", (), {name: DIMPLE_OT_arm_device.__dict__[name] for name in names})()
         manager = SimpleNamespace(
@@ -41,7 +40,7 @@ class Watch:
             event_timer_add=lambda seconds, window: self.timers.append(seconds) or seconds,
             event_timer_remove=self.timers.remove,
         )
-        workspace = SimpleNamespace(status_text_set=self.texts.append)
+        workspace = SimpleNamespace(status_text_set=lambda _text: None)
         self.context = SimpleNamespace(window_manager=manager, workspace=workspace, window=None)
         assert self.operator.invoke(self.context, None) == {"RUNNING_MODAL"}
 
@@ -115,17 +114,23 @@ def test_only_a_timer_and_the_key_itself_are_told_to_the_servo(bpy: ModuleType, 
     assert connection().device._order.held_until > before.held_until
 
 
-def test_the_newest_operator_follows_the_key_alone(bpy: ModuleType, port: Any) -> None:
+def test_the_newest_operator_follows_the_key_alone(
+    bpy: ModuleType, port: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    cleared: list[bool] = []  # a stub's workspace is not among Blender's
+    monkeypatch.setattr(sessions, "clear_status", lambda: cleared.append(True))
     connect(bpy, port.path)
     old, new = Watch(bpy), Watch(bpy)
     assert old.send("LEFT_SHIFT", "PRESS") == {"FINISHED"} and not old.holds() and not old.timers
     new.press()
     newest = Watch(bpy)
     newest.press()
-    assert new.send("TIMER") == {"FINISHED"} and not new.timers and newest.holds() and new.texts[-1]
+    assert new.send("TIMER") == {"FINISHED"} and not new.timers and newest.holds() and not cleared
     assert bpy.ops.dimple.arm_device(hold_s=60.0) == {"FINISHED"}
     assert newest.send("TIMER", shift=True) == {"FINISHED"} and not newest.timers
-    assert newest.holds() and newest.texts[-1] is None, "the script holds it, and no key does"
+    assert newest.holds() and cleared, "the script holds it, and no key does"
 
 
 def test_escape_disarms(bpy: ModuleType, port: Any) -> None:
