@@ -79,6 +79,7 @@ def judge(record: PressRecord) -> dict[str, float]:
         "wire_us": device["wire_us"],
         "late_share": device["late_share"],
         "longest_gap_ms": 1e-3 * float(np.diff(record.log[:, 0]).max()),  # beyond 5 ms the device lets go
+        "ramps": int((np.diff(record.trace[:, 1] == RAMP, prepend=0) > 0).sum()),  # more than one: it let go meanwhile
         "lost_frames": report.lost + device["lost"],
         "unsent_frames": report.unsent,
         "wrong_frames": int((off > WRONG).any(axis=1).sum()),
