@@ -85,17 +85,18 @@ def resting() -> bool:
     return abs(push() - bpy.context.scene.dimple.press_force_n) < 0.01 * bpy.context.scene.dimple.press_force_n
 
 
-_last = {"depth": -1.0, "time": -1.0}
+STILL_S = 1.0  # [s] of the body's time; longer than a change takes to come in
+_last = {"depth": -1.0, "since": -1.0}
 
 
 def settled() -> bool:
-    """Tell whether the fingertip rests, its depth no longer changes and nothing is identified any more."""
+    """Tell whether the fingertip has rested for a while at one depth, and nothing is identified any more."""
     frame = body().frame
-    if frame.time < _last["time"] + 0.15 and frame.time >= _last["time"]:
-        return False
     depth = float(frame.depths[0]) if len(frame.depths) else 0.0
-    still, _last["depth"], _last["time"] = abs(depth - _last["depth"]) < 2e-3 * depth, depth, frame.time
-    return resting() and still and robot.extension("operators.sessions").identifying() is None
+    moves = abs(depth - _last["depth"]) >= 2e-3 * depth or frame.time < _last["since"]
+    if moves or not resting() or robot.extension("operators.sessions").identifying() is not None:
+        _last["depth"], _last["since"] = depth, frame.time
+    return frame.time > _last["since"] + STILL_S
 
 
 def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
