@@ -63,10 +63,11 @@ def test_a_bake_that_fails_on_its_way_leaves_nothing(
 
 
 def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_nothing(
-    bpy: ModuleType, hand: Any, ball: Callable[..., Any], coordinates: Bits
+    bpy: ModuleType, hand: Any, ball: Callable[..., Any], coordinates: Bits, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions, start
+    from bl_ext.user_default.dimple.operators import sessions, start, working
 
+    monkeypatch.setattr(working, "SLICE_S", 0.01)  # many slices, however fast this computer is
     large = ball("Large", subdivisions=7)
     assert len(large.data.vertices) > start.LARGE
     before = coordinates(large)
