@@ -40,7 +40,7 @@ def press_large(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
         now = time.monotonic()
         longest, before, looks = max(longest, now - before), now, looks + 1
     words = f"{len(large.data.vertices):,} vertices, {robot.drawn() - drawn} draws meanwhile, {longest:.1f} s at most"
-    check("the viewport is drawn meanwhile", robot.drawn() - drawn > 2 and longest < 2.0, words)
+    check("the viewport is drawn meanwhile", robot.drawn() - drawn > 5 and longest < 2.0, words)
     yield from robot.move(*at)
     yield from robot.button(*at, "PRESS")
     body = running.get(large)
