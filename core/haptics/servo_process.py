@@ -54,6 +54,7 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
     """
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     scheduling.request_priority()
+    scheduling.keep_processors_awake()
     gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
     load()  # before the device is greeted: it counts a second from then
     box, servo = Mailbox(mailbox), None
