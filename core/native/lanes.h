@@ -9,6 +9,11 @@
 #pragma GCC diagnostic ignored "-Wpsabi" /* how vectors go by value matters between objects, and here none do */
 #endif
 #define DM_INLINE static inline __attribute__((always_inline))
+#if defined(__clang__)
+#define DM_UNROLLED _Pragma("clang loop unroll(full)") /* others are not: the library would be larger */
+#else
+#define DM_UNROLLED
+#endif
 #define DM_LANES 8
 #define DM_TINY ((dm_real)1e-30)
 
@@ -107,7 +112,7 @@ DM_INLINE dm_vec3 dm_splat3(const double *a) {
 /* the positions and velocities of the eight records at these offsets, in lanes */
 DM_INLINE void dm_gather8(const void *records, const uint32_t *at, dm_vec3 *x, dm_vec3 *v) {
     dm_lanes r[8];
-    for (int l = 0; l < DM_LANES; l++) memcpy(r + l, (const char *)records + at[l], sizeof *r);
+    DM_UNROLLED for (int l = 0; l < DM_LANES; l++) memcpy(r + l, (const char *)records + at[l], sizeof *r);
     dm_lanes xy0 = DM_ZIP_LOW(r[0], r[1]), xy2 = DM_ZIP_LOW(r[2], r[3]);
     dm_lanes xy4 = DM_ZIP_LOW(r[4], r[5]), xy6 = DM_ZIP_LOW(r[6], r[7]);
     dm_lanes z0 = DM_ZIP_HIGH(r[0], r[1]), z2 = DM_ZIP_HIGH(r[2], r[3]);
@@ -132,6 +137,6 @@ DM_INLINE void dm_quads_of(dm_vec3 a, dm_quad *to) {
 DM_INLINE void dm_scatter8(dm_vec3 x, dm_vec3 v, dm_record *to) {
     dm_quad at[DM_LANES], speed[DM_LANES];
     dm_quads_of(x, at), dm_quads_of(v, speed);
-    for (int l = 0; l < DM_LANES; l++) to[l] = (dm_record){at[l], speed[l]};
+    DM_UNROLLED for (int l = 0; l < DM_LANES; l++) to[l] = (dm_record){at[l], speed[l]};
 }
 #endif
