@@ -26,7 +26,6 @@ class Frame(NamedTuple):
     steps: ticks done.
     cost: wall time [s].
     total_steps: substeps since the start.
-    total_cost: wall time since the start [s].
     work: of the fingertips on the body since the start [J].
     note: "" or a sentence.
     """
@@ -43,7 +42,6 @@ class Frame(NamedTuple):
     steps: int
     cost: float
     total_steps: int
-    total_cost: float
     work: float
     note: str
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
-from .crowd import TICKS_AT_ONCE, step_all
+from .crowd import TICKS_AT_ONCE
 from .fingertip import NOWHERE, FingerOnItsWay, between, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
@@ -65,7 +65,7 @@ class Session:
         self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
         self.body.set_state(self._moves.matching.rest)
         self._end_glide()
-        self._time, self._ticks, self._cost, self._work = 0.0, 0, 0.0, 0.0
+        self._time, self._ticks, self._work = 0.0, 0, 0.0
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
@@ -131,7 +131,13 @@ class Session:
         Raises:
             DimpleError: dt is negative or not a number.
         """
-        return step_all([self], [dt], budget=budget)[0]
+        self.begin(dt)
+        most = self.most if budget is None else min(self.most, TICKS_AT_ONCE)
+        while self.due:
+            self.take(self.body.step(self.next_motion(min(self.due, most))))
+            if budget is not None and time.perf_counter() - self._started > budget:
+                break
+        return self.finish(early=self.due > 0)
 
     def begin(self, dt: float) -> None:
         """Begin a step of dt [s]; its ticks follow in motions, and `finish` ends it.
@@ -397,12 +403,11 @@ class Session:
         return v if self.proxy is None else self.proxy.binding.blend(v)
 
     def _show(self, impulses: tuple[motion.Vector, ...], seconds: float) -> Frame:
-        cost, last = time.perf_counter() - self._started, self._last
-        self._cost += cost
-        bent = self._bent is not None  # asking the body costs a call
+        last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume
+        if self._bent is not None:  # asking the body costs a call
+            rest = self.body.rest_volume * scale
         return Frame(
-            self._time, impulses, seconds, last.touches, self.model.mesh, last.pressure,
-            last.volume * self._volume_scale,
-            self.body.rest_volume * self._volume_scale if bent else self.model.mesh.volume, self.substeps, self._done,
-            cost, self._ticks * self.substeps, self._cost, self._work, self._note,
+            self._time, impulses, seconds, last.touches, self.model.mesh, last.pressure, last.volume * scale, rest,
+            self.substeps, self._done, time.perf_counter() - self._started, self._ticks * self.substeps, self._work,
+            self._note,
         )  # fmt: skip
