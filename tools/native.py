@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
-import lzma
 import os
 import platform
 import re
@@ -15,7 +14,6 @@ import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from unittest import mock
 
 from .environment import ENVIRONMENTS, ROOT, Stop, provide_packages, require, say
 
@@ -25,8 +23,6 @@ WHEELS = ROOT / "wheels"
 PINS = ROOT / "requirements" / "native.txt"
 ZIG = ENVIRONMENTS / "zig"
 PACKAGE = "dimple_native"
-# bits of context for the next byte, by what is before it and by its place: instructions of ARM are four bytes long
-LZMA = {"lc": 3, "lp": 0, "pb": 2}, {"lc": 4, "lp": 0, "pb": 0}, {"lc": 1, "lp": 2, "pb": 2}
 
 FLAGS = (
     "-std=c11", "-O3", "-fno-unroll-loops", "-fPIC", "-fvisibility=hidden", "-fno-math-errno", "-fno-trapping-math",
@@ -36,7 +32,7 @@ FLAGS = (
 FUSE = {32: "-ffp-contract=on", 64: "-ffp-contract=off"}
 ONCE = "api", "many", "cells", "seeds"  # compiled once for all instruction sets
 VARIANTS = {"base": (), "avx2": ("-mavx2", "-mfma")}
-SMALL = "-Os"  # of a set that only processors from before 2013 take: 45 kB less of the zip
+SMALL = "-Os"  # of the set that only processors from before 2013 take, and of what is linked in: 50 kB less of the zip
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +141,7 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
         list(pool.map(lambda rest: quiet([*command, *FLAGS, "-c", *rest]), words))
     objects = [rest[-1] for rest in words]
     system = ["-lm", "-lpthread"] if name.startswith("linux") else []
-    quiet([*command, "-shared", "-s", "-o", library, *objects, *system])
+    quiet([*command, SMALL, "-shared", "-s", "-o", library, *objects, *system])
     stamp.write_text(sources_hash())
     return library
 
@@ -185,17 +181,10 @@ def wheel_content(tag: str, library: dict[str, bytes]) -> bytes:
     }
     record = "".join(f"{name},sha256={_digest(content)},{len(content)}\n" for name, content in files.items())
     files[f"{info}/RECORD"] = f"{record}{info}/RECORD,,\n".encode()
-    return min((_packed(files, **each) for each in LZMA), key=len)
-
-
-def _packed(files: dict[str, bytes], **options: int) -> bytes:
-    """Return a zip of files by LZMA: a fifth smaller, and every Python of Blender reads it."""
-    encode, memory = lzma._encode_filter_properties, io.BytesIO()  # type: ignore[attr-defined]
-    with (
-        mock.patch.object(lzma, "_encode_filter_properties", lambda chosen: encode({**chosen, **options})),
-        zipfile.ZipFile(memory, "w") as archive,
-    ):
+    memory = io.BytesIO()
+    with zipfile.ZipFile(memory, "w") as archive:
         for name, content in files.items():
+            # a fifth smaller, and every Python of Blender reads it
             archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content, zipfile.ZIP_LZMA)
     return memory.getvalue()
 
