@@ -35,7 +35,7 @@ from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 13
+ABI = 14
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
@@ -48,7 +48,6 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
     "dm_step": None,  # its arguments are made once, and quicker to hand over unchecked
     "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
-    "dm_fit_rotation": (c_void_p, c_void_p),
     "dm_carry": (POINTER(CBinding), c_void_p, c_void_p),
     "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),
     "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_void_p, c_void_p),

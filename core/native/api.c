@@ -121,13 +121,6 @@ const char *dm_message(int32_t code) {
     return code >= 0 && code <= DM_OPTION ? words[code] : "an unknown code";
 }
 
-int32_t dm_fit_rotation(const double *h, double *r) {
-    if (!h || !r) return DM_SIZE;
-    DM_CHECK(dm_check_numbers(9, h, 0));
-    dm_base_32.fit_rotation(h, r);
-    return DM_OK;
-}
-
 int32_t dm_carry(const dm_binding *b, const float *motions, float *skin) {
     if (!b || !motions || !skin || b->seeds < 1 || b->seeds > UINT16_MAX + 1) return DM_SIZE;
     DM_CHECK(DM_COUNT(b->vertices));

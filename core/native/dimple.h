@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 13 /* changes with anything below */
+#define DM_ABI 14 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -146,9 +146,6 @@ typedef struct {
 DM_API int32_t dm_abi(void);
 DM_API const char *dm_instructions(int32_t set); /* its name, "" where this machine lacks it */
 DM_API const char *dm_message(int32_t code);
-
-/* Best rotation r (3x3, by rows) for h = sum of w x q^T: the r that maximises trace(r^T h). */
-DM_API int32_t dm_fit_rotation(const double *h, double *r);
 
 DM_API void dm_default_body_def(dm_body_def *def);
 

@@ -164,8 +164,6 @@ def test_a_state_and_a_motion_with_numbers_that_are_none_are_refused(body: nativ
     wrong = tip._replace(start=(0.0, bad, 0.0)), tip._replace(last=(bad, 0.0, 0.0)), tip._replace(radius=bad)
     for broken_tip in wrong:
         assert code_of(lambda: body.step(Motion(1, 1, TICK, (broken_tip,)))) == NUMBER  # noqa: B023
-    h = np.full(9, bad)
-    assert native.library().dm_fit_rotation(h.ctypes.data, np.zeros(9).ctypes.data) == NUMBER
     assert body.step(Motion(1, 1, TICK)).finite, "what was refused has done nothing"
 
 
