@@ -11,7 +11,7 @@ from .solver import motion
 from .solver.backend import Body, step_bodies
 from .solver.motion import Motion
 
-TICKS_AT_ONCE = 8  # between looks at the clock, where there is a budget
+TICKS_AT_ONCE = 8  # at most between looks at the clock, where there is a budget
 
 
 class Stepped(Protocol):
@@ -28,13 +28,26 @@ class Stepped(Protocol):
     def finish(self, *, early: bool = False) -> Frame: ...
 
 
+def ticks_that_fit(done: int, spent: float, budget: float | None) -> int:
+    """Return how many ticks to run before the next look at the clock: what is left pays for them, or one.
+
+    Args:
+        done: ticks so far, in so much wall time spent [s].
+        budget: wall time for all [s], None without a limit.
+    """
+    if budget is None:
+        return motion.MAX_STEPS
+    return max(1, min(TICKS_AT_ONCE, int(done * (budget - spent) / max(spent, 1e-9))))
+
+
 def step_all(
     sessions: Sequence[Stepped], seconds: Sequence[float], *, budget: float | None = None
 ) -> list[Frame]:
     """Advance each session by its time [s] in whole ticks; what is left over is carried to the next call.
 
     Args:
-        budget: stop after this much wall time [s]; the simulated time of those that are not done then lags behind.
+        budget: stop after this much wall time [s], at most a tick of each later; the simulated time of those that are
+            not done then lags behind.
 
     Raises:
         DimpleError: a time is negative or not a number.
@@ -44,11 +57,13 @@ def step_all(
         session.begin(dt)
     # the largest first, so that no core is left alone with it at the end
     going = sorted((each for each in sessions if each.due), key=lambda each: -len(each.body.model.mass))
-    at_once = TICKS_AT_ONCE if budget is not None else motion.MAX_STEPS
+    done, spent = 0, 0.0
     while going:
+        at_once = ticks_that_fit(done, spent, budget)
         motions = [session.next_motion(min(session.due, session.most, at_once)) for session in going]
         results = step_bodies([session.body for session in going], motions)
         going = [each for each, result in zip(going, results, strict=True) if each.take(result) and each.due]
-        if budget is not None and time.perf_counter() - started > budget:
+        done, spent = done + max(each.ticks for each in motions), time.perf_counter() - started
+        if budget is not None and spent > budget:
             break
     return [session.finish(early=session in going) for session in sessions]

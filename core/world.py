@@ -13,7 +13,7 @@ import numpy as np
 
 from .apart import way_out
 from .base import DimpleError, Floats
-from .crowd import TICKS_AT_ONCE
+from .crowd import ticks_that_fit
 from .session import Session
 from .solver.backend import create_scene
 from .solver.motion import MAX_STEPS
@@ -118,7 +118,7 @@ class World:
         """Advance all sessions by dt [s] in whole ticks; their frames show it.
 
         Args:
-            budget: stop after this much wall time [s]; the simulated time then lags behind.
+            budget: stop after this much wall time [s], at most a tick later; the simulated time then lags behind.
         """
         if any(session.body is not body for session, body in zip(self.sessions, self._bodies, strict=True)):
             self._make()
@@ -126,18 +126,18 @@ class World:
         for session in self.sessions:
             session.begin(dt)
         substeps = max(session.substeps for session in self.sessions)
-        usual = MAX_STEPS // substeps - 1 if budget is None else TICKS_AT_ONCE
-        most = min([usual, self.most, *(session.most for session in self.sessions)])
-        whole, share = min(session.due for session in self.sessions), 0
+        most = min([MAX_STEPS // substeps - 1, self.most, *(session.most for session in self.sessions)])
+        whole, share, spent = min(session.due for session in self.sessions), 0, 0.0
         while share < whole:
-            ticks = min(whole - share, most)
+            ticks = min(whole - share, most, ticks_that_fit(share, spent, budget))
             parts.append(self._run(ticks, substeps, share, whole))
             share += ticks
             results = [s.take(f) for s, f in zip(self.sessions, parts[-1].frames, strict=True)]
             if not all(results):
                 self._place()
                 break
-            early = budget is not None and time.perf_counter() - started > budget and share < whole
+            spent = time.perf_counter() - started
+            early = budget is not None and spent > budget and share < whole
             if early:
                 break
         self._arrive(share / whole if early else 1.0)

@@ -1,11 +1,17 @@
 """Several sessions in one call: the bits of each alone, however many workers there are."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
+from core import crowd
 from core.crowd import step_all
 from core.session import Finger, Session
 from core.solver import backend
+from core.solver.backend import Body
+from core.solver.motion import Frame as MotionFrame
+from core.solver.motion import Motion
 from studies import scenes
 
 TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
@@ -37,5 +43,21 @@ def test_bodies_stepped_together_move_to_the_bits_of_each_alone(
 
 def test_a_budget_is_that_of_all_and_none_runs_far_ahead() -> None:
     frames = step_all(pressed(), [1.0, 0.0, 1.0, 1.0], budget=0.0)
-    assert [frame.steps for frame in frames] == [8, 0, 8, 8]
+    assert [frame.steps for frame in frames] == [1, 0, 1, 1]
     assert step_all([], []) == []
+
+
+@pytest.mark.parametrize(("cost", "ticks"), [(0.060, 1), (0.012, 3), (0.0101, 3), (0.001, 26)])
+def test_a_budget_is_exceeded_by_a_tick_at_most(cost: float, ticks: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tick of all takes so long [s], by a clock of its own, and there are 25 ms."""
+    now, step_bodies = 0.0, crowd.step_bodies
+
+    def step(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[MotionFrame]:
+        nonlocal now
+        now += cost * max(each.ticks for each in motions)
+        return step_bodies(bodies, motions)
+
+    monkeypatch.setattr(crowd, "step_bodies", step)
+    monkeypatch.setattr(crowd.time, "perf_counter", lambda: now)
+    frames = step_all(pressed()[:3:2], [1.0, 1.0], budget=0.025)
+    assert [frame.steps for frame in frames] == [ticks, ticks]
