@@ -7,9 +7,10 @@ from typing import Any
 import bpy
 
 from ..operators import calibration
-from . import overlay, shapes
-from .overlay import Screen
+from . import canvas, shapes
+from .canvas import BACK, FAINT, FORCE, MARGIN, Screen
 from .readout import iface_
+from .room import free_corner
 
 SIZE = (330.0, 220.0)  # [px] of the chart, at a resolution scale of 1
 ROOM = 0.06  # decades round the points
@@ -39,36 +40,36 @@ def draw_chart(variants: Sequence[dict[str, Any]], limits: shapes.Point, corner:
     scale = screen.scale
     size = (SIZE[0] * scale, SIZE[1] * scale)
     (left, bottom), (right, top) = corner, (corner[0] + size[0], corner[1] + size[1])
-    room = overlay.MARGIN * scale
-    overlay.draw_filled((left - room, bottom - 2 * room), (right + 2 * room, top + room), overlay.BACK)
-    overlay.draw_lines([((left, top), (left, bottom)), ((left, bottom), (right, bottom))], overlay.FAINT, screen)
+    room = MARGIN * scale
+    canvas.draw_filled((left - room, bottom - 2 * room), (right + 2 * room, top + room), BACK)
+    canvas.draw_lines([((left, top), (left, bottom)), ((left, bottom), (right, bottom))], FAINT, screen)
     (live, near), *spots = places(variants, limits, corner, size)
-    overlay.draw_lines([((live, bottom), (live, top)), ((left, near), (right, near))], overlay.FAINT, screen)
-    overlay.write(iface_("Live"), (live + 4 * scale, top - 30 * scale), scale)
-    overlay.write(f"{limits[1]:g} mm", (left + 4 * scale, near + 4 * scale), scale)
+    canvas.draw_lines([((live, bottom), (live, top)), ((left, near), (right, near))], FAINT, screen)
+    canvas.write(iface_("Live"), (live + 4 * scale, top - 30 * scale), scale)
+    canvas.write(f"{limits[1]:g} mm", (left + 4 * scale, near + 4 * scale), scale)
     placed = list(zip(variants, spots, strict=True))
     proxies = sorted(at for variant, at in placed if variant["error"] > 0)
-    overlay.draw_lines(shapes.chained(proxies), PROXIES, screen)
+    canvas.draw_lines(shapes.chained(proxies), PROXIES, screen)
     named: list[tuple[float, float, float]] = []  # where names begin, and how wide they are
     for variant, (x, y) in placed:
         if not variant["error"]:
-            overlay.draw_lines([((x, bottom), (x, top))], overlay.FORCE, screen)
-            overlay.write(iface_("Full Mesh"), (x + 4 * scale, top - 14 * scale), scale)
+            canvas.draw_lines([((x, bottom), (x, top))], FORCE, screen)
+            canvas.write(iface_("Full Mesh"), (x + 4 * scale, top - 14 * scale), scale)
             continue
         label = f"{variant['vertices']}"
-        overlay.draw_lines(shapes.circle((x, y), (4 * scale, 0.0), (0.0, 4 * scale)), PROXIES, screen)
-        wide = overlay.width(label, scale)
+        canvas.draw_lines(shapes.circle((x, y), (4 * scale, 0.0), (0.0, 4 * scale)), PROXIES, screen)
+        wide = canvas.width(label, scale)
         name = (min(x + 6 * scale, right + 2 * room - wide), y + 4 * scale, wide)
         if all(apart(name, other, scale) for other in named):  # the table has the names of all
-            overlay.write(label, name[:2], scale)
+            canvas.write(label, name[:2], scale)
             named.append(name)
-    overlay.write(iface_("Error (mm) against cost (s per second)"), (left, bottom - 20 * scale), scale)
+    canvas.write(iface_("Error (mm) against cost (s per second)"), (left, bottom - 20 * scale), scale)
 
 
 def apart(one: tuple[float, float, float], other: tuple[float, float, float], scale: float) -> bool:
     """Return whether two names (x, y, width) [px] can both be read."""
     beside = one[0] >= other[0] + other[2] or other[0] >= one[0] + one[2]
-    return beside or abs(one[1] - other[1]) >= overlay.TEXT_SIZE * scale
+    return beside or abs(one[1] - other[1]) >= canvas.TEXT_SIZE * scale
 
 
 def places(
@@ -98,19 +99,19 @@ def draw_over() -> None:
     body = context.object
     if not context.window_manager.dimple.show_comparison or body is None or not body.dimple.comparison:
         return
-    if not overlay.overlays_shown(context):
+    if not canvas.overlays_shown(context):
         return
     from ..operators import planning  # not at import: it needs numpy, and enabling must be quick
 
-    screen = overlay.screen_of(context)
+    screen = canvas.screen_of(context)
     limits = (planning.budget_of(context.scene, body), body.dimple.tolerance_mm)
     draw_chart(load(body.dimple), limits, chart_corner(context.area, context.region, screen.scale), screen)
 
 
 def chart_corner(area: bpy.types.Area, region: bpy.types.Region, scale: float) -> shapes.Point:
     """Return the lower left corner [px] of the chart: at the top, clear of the numbers of a session."""
-    left, bottom = overlay.free_corner(area, scale)
-    return left + overlay.MARGIN * scale, max(bottom, region.height - (SIZE[1] + 110.0) * scale)
+    left, bottom = free_corner(area, scale)
+    return left + MARGIN * scale, max(bottom, region.height - (SIZE[1] + 110.0) * scale)
 
 
 def register() -> None:

@@ -4,8 +4,8 @@ from typing import Any
 
 import bpy
 
-from . import overlay, shapes
-from .overlay import BACK, FAINT, FORCE, LINE_HEIGHT, MARGIN, Screen
+from . import canvas, force_chart, shapes
+from .canvas import BACK, FAINT, FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
 from .room import Room
 
@@ -28,20 +28,20 @@ def draw(shown: list[tuple[bpy.types.Object, Any]], free: Room, screen: Screen) 
     scale = screen.scale
     wide, high = SIZE[0] * scale, SIZE[1] * scale
     left = free.right - wide
-    if not pressed or left < free.left + (overlay.CHART[0] + MARGIN) * scale or free.top - free.bottom < 2 * high:
+    if not pressed or left < free.left + (force_chart.SIZE[0] + MARGIN) * scale or free.top - free.bottom < 2 * high:
         return
     distance, depth = fields.profile(pressed[0][0].session, pressed[0][1])
     if not len(distance):
         return
     curve, ends = placed(distance.tolist(), depth.tolist(), (left, free.bottom), (wide, high))
-    overlay.draw_filled((left, free.bottom), (left + wide, free.bottom + high + LINE_HEIGHT * scale), BACK)
+    canvas.draw_filled((left, free.bottom), (left + wide, free.bottom + high + LINE_HEIGHT * scale), BACK)
     level = free.bottom + (1 - TOP) * high
-    overlay.draw_lines([((left, level), (left + wide, level))], FAINT, screen)
-    overlay.draw_lines(shapes.chained(curve), FORCE, screen)
-    overlay.write(iface_("Profile"), (left + 4 * scale, free.bottom + high + 4 * scale), scale)
-    overlay.write(f"{1e3 * ends[1]:g} mm", (left + 4 * scale, free.bottom + 5 * scale), scale)
+    canvas.draw_lines([((left, level), (left + wide, level))], FAINT, screen)
+    canvas.draw_lines(shapes.chained(curve), FORCE, screen)
+    canvas.write(iface_("Profile"), (left + 4 * scale, free.bottom + high + 4 * scale), scale)
+    canvas.write(f"{1e3 * ends[1]:g} mm", (left + 4 * scale, free.bottom + 5 * scale), scale)
     text = f"± {1e3 * ends[0]:.0f} mm"
-    overlay.write(text, (left + wide - overlay.width(text, scale) - 4 * scale, free.bottom + 5 * scale), scale)
+    canvas.write(text, (left + wide - canvas.width(text, scale) - 4 * scale, free.bottom + 5 * scale), scale)
 
 
 def placed(

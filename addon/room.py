@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import bpy
 
+from .canvas import LINE_HEIGHT, MARGIN
+
 BLENDERS_LINES = 3  # of text in the upper left corner: the view, the object, the unit
 TAB_OF = "DIMPLE_PT_session"  # the panel of the sidebar that shows the numbers too
 
@@ -17,12 +19,11 @@ class Room(NamedTuple):
     top: float
 
 
-def free_room(context: bpy.types.Context, margin: float, line: float) -> Room | None:
+def free_room(context: bpy.types.Context, scale: float) -> Room | None:
     """Return what is free of the region that is being drawn, None where another of the four views has the numbers.
 
     Args:
-        margin: to keep clear at each side [px].
-        line: height of a line of text [px].
+        scale: the resolution scale of the interface.
     """
     area, region = context.area, context.region
     if context.space_data.region_quadviews:
@@ -45,8 +46,15 @@ def free_room(context: bpy.types.Context, margin: float, line: float) -> Room | 
         else:
             top = min(top, y)
     if context.space_data.overlay.show_text:
-        top -= BLENDERS_LINES * line
+        top -= BLENDERS_LINES * LINE_HEIGHT * scale
+    margin = MARGIN * scale
     return Room(left + margin, bottom + 2 * margin, right - margin, top - margin)
+
+
+def free_corner(area: bpy.types.Area, scale: float) -> tuple[float, float]:
+    """Return the lower left corner [px] beside Blender's own toolbar."""
+    tools = next((region for region in area.regions if region.type == "TOOLS"), None)
+    return ((tools.width if tools else 0) + MARGIN * scale, 2 * MARGIN * scale)
 
 
 def shown_in_sidebar(context: bpy.types.Context, body: bpy.types.Object) -> bool:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import bpy
 
 from ..operators.under_way import is_blind
-from . import colour_map, overlay, profile_chart, shapes
-from .overlay import BACK, LINE_HEIGHT, MARGIN, TEXT, Screen
+from . import canvas, colour_map, overlay, profile_chart, room, shapes
+from .canvas import BACK, LINE_HEIGHT, MARGIN, TEXT, Screen
 from .readout import iface_
 from .room import Room
 
@@ -58,7 +58,7 @@ def draw_surfaces() -> None:
             draw_coloured(each, ends, context.region_data)
     if settings.show_rest:
         for _, entry in shown:
-            draw_rest(entry, overlay.screen_of(context))
+            draw_rest(entry, canvas.screen_of(context))
 
 
 def draw_scales() -> None:
@@ -69,8 +69,8 @@ def draw_scales() -> None:
     settings, shown = context.scene.dimple, overlay.shown_bodies(context)
     if not shown or (settings.show_field == "NONE" and not settings.show_profile):
         return
-    screen = overlay.screen_of(context)
-    free = overlay.free_room(context, screen.scale)
+    screen = canvas.screen_of(context)
+    free = room.free_room(context, screen.scale)
     if free is None:
         return
     name = settings.show_field.lower()
@@ -172,19 +172,19 @@ def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen)
 
     scale = screen.scale
     title = f"{titles()[name]} ({UNITS[name]})"
-    wide = max(overlay.width(title, scale), (LEGEND[0] + 50.0) * scale)
+    wide = max(canvas.width(title, scale), (LEGEND[0] + 50.0) * scale)
     high = min(LEGEND[1] * scale, free.top - free.bottom - 3 * LINE_HEIGHT * scale)
     left, bottom = free.right - wide, free.bottom
     if high < LINE_HEIGHT * scale or left < free.left:
         return free.right
     edge = 4 * scale
     top = bottom + high + 2 * LINE_HEIGHT * scale
-    overlay.draw_filled((left - edge, bottom - edge), (free.right + edge, top), BACK)
+    canvas.draw_filled((left - edge, bottom - edge), (free.right + edge, top), BACK)
     draw_bar((left, bottom + 5 * scale), (LEGEND[0] * scale, high), name in SIGNED)
-    overlay.write(title, (left, bottom + high + LINE_HEIGHT * scale), scale, TEXT)
+    canvas.write(title, (left, bottom + high + LINE_HEIGHT * scale), scale, TEXT)
     for share in (0.0, 0.5, 1.0):
         value = ends[0] + share * (ends[1] - ends[0])
-        overlay.write(f"{value:g}", (left + (LEGEND[0] + 6.0) * scale, bottom + share * high), scale, TEXT)
+        canvas.write(f"{value:g}", (left + (LEGEND[0] + 6.0) * scale, bottom + share * high), scale, TEXT)
     return left - MARGIN * scale
 
 

@@ -26,14 +26,14 @@ def body(empty_file: ModuleType) -> Any:
 
 def test_the_chart_leaves_the_colours_of_proxies_and_the_mesh(bpy: ModuleType, body: Any) -> None:
     import gpu
-    from bl_ext.user_default.dimple.addon import comparison_chart, overlay
+    from bl_ext.user_default.dimple.addon import canvas, comparison_chart
 
     if not hasattr(gpu, "init"):
         pytest.skip("this Blender cannot draw without a window; 5.2 can")
     gpu.init()
     found = comparison_chart.load(body.dimple)
     picture = on_screen(lambda screen: comparison_chart.draw_chart(found, (0.6, 0.5), (60.0, 60.0), screen))
-    for colour in (comparison_chart.PROXIES, overlay.FORCE, overlay.TEXT):
+    for colour in (comparison_chart.PROXIES, canvas.FORCE, canvas.TEXT):
         assert (abs(picture[:, :, :3] / 255.0 - colour[:3]).max(axis=2) < 0.12).sum() > 20, colour
 
 
@@ -52,24 +52,24 @@ def test_dearer_lies_farther_right_and_worse_higher(bpy: ModuleType, body: Any) 
 def test_no_name_lies_over_another_or_beside_the_chart(
     bpy: ModuleType, body: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.addon import comparison_chart, overlay
+    from bl_ext.user_default.dimple.addon import canvas, comparison_chart
 
     names: list[tuple[float, float, float]] = []
 
     def write(text: str, at: Any, scale: float, *_: Any) -> float:
-        names.append((*at, overlay.width(text, scale)))
+        names.append((*at, canvas.width(text, scale)))
         return names[-1][2]
 
     for name, fake in (("draw_lines", lambda *_: None), ("draw_filled", lambda *_: None), ("write", write)):
-        monkeypatch.setattr(overlay, name, fake)
-    monkeypatch.setattr(overlay, "width", lambda text, _scale: 7.0 * len(text))
+        monkeypatch.setattr(canvas, name, fake)
+    monkeypatch.setattr(canvas, "width", lambda text, _scale: 7.0 * len(text))
     found = comparison_chart.load(body.dimple)
     crowded = [*found, found[1] | {"vertices": 201, "cost": found[1]["cost"] * 1.1}]
     comparison_chart.draw_chart(crowded, (0.6, 0.5), (60.0, 60.0), SCREEN)
     variants = names[2:-1]  # after the limits, before what the axes are
     assert len(variants) == len(crowded) - 1, "of two that are as good as one only the first is named"
     assert all(comparison_chart.apart(one, other, 1.0) for i, one in enumerate(variants) for other in variants[:i])
-    assert all(x + wide <= 60 + comparison_chart.SIZE[0] + 2 * overlay.MARGIN for x, _, wide in variants)
+    assert all(x + wide <= 60 + comparison_chart.SIZE[0] + 2 * canvas.MARGIN for x, _, wide in variants)
 
 
 def test_the_chart_is_drawn_only_where_it_and_the_overlays_are_switched_on(

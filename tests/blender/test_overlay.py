@@ -117,10 +117,10 @@ def test_the_chart_of_a_calibration_shows_the_measured_points_and_leaves_their_c
     import gpu
 
     bpy = empty_file
-    assert overlay.calibrated_curves(bpy.context) is None
+    assert overlay.force_chart.calibrated_curves(bpy.context) is None
     sample = Path(__file__).parents[2] / "blend_samples" / "calibration" / "object_2_vinyl_air.csv"
     bpy.ops.dimple.calibrate(filepath=str(sample))
-    curves = overlay.calibrated_curves(bpy.context)
+    curves = overlay.force_chart.calibrated_curves(bpy.context)
     assert len(curves.measured) > 50 and curves.law[0] == pytest.approx(611, rel=0.01)
     K1, K2, x0 = curves.law
     for depth, force in curves.measured:  # the sample has 1 % of 51.5 N of noise on the law
@@ -130,17 +130,18 @@ def test_the_chart_of_a_calibration_shows_the_measured_points_and_leaves_their_c
         law = K1 * min(depth, x0) + K2 * max(depth - x0, 0)
         assert 0.9 * law < least < law < most < 1.1 * law, "the sample gives the law to a few percent"
     bpy.context.scene.dimple.show_chart = False
-    assert overlay.calibrated_curves(bpy.context) is None
+    assert overlay.force_chart.calibrated_curves(bpy.context) is None
     if not hasattr(gpu, "init"):
         pytest.skip("this Blender cannot draw without a window; 5.2 can")
     gpu.init()
     curves = curves._replace(simulated=[(depth, 0.5 * force) for depth, force in curves.measured])
 
     def draw(screen: Any) -> None:
-        overlay.draw_curves(curves, (20.0, 20.0), screen)
+        overlay.force_chart.draw_curves(curves, (20.0, 20.0), screen)
 
     picture = on_screen(draw)
-    for colour in (overlay.LAW, overlay.MEASURED, overlay.SIMULATED):
+    chart = overlay.force_chart
+    for colour in (chart.LAW, chart.MEASURED, chart.SIMULATED):
         seen = abs(picture[:, :, :3] / 255.0 - colour[:3]).max(axis=2) < 0.12
         assert seen.sum() > 20, colour
 
@@ -150,7 +151,7 @@ def test_a_calibration_is_drawn_only_where_overlays_are_switched_on(
 ) -> None:
     bpy, drawn = empty_file, []
     bpy.context.scene.dimple.calibration = json.dumps({"K1": 0.6, "K2": 7.0, "x0": 16.0, "points": [[1.0, 0.6]]})
-    monkeypatch.setattr(overlay, "draw_curves", lambda *given: drawn.append(given))
+    monkeypatch.setattr(overlay.force_chart, "draw_curves", lambda *given: drawn.append(given))
     context = viewport(bpy)
     monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
     context.space_data.overlay.show_overlays = False
@@ -160,7 +161,7 @@ def test_a_calibration_is_drawn_only_where_overlays_are_switched_on(
     overlay.draw_numbers()
     ((curves, _corner, screen),) = drawn
     assert curves.measured == [(0.001, 0.6)]
-    assert screen.scale == 1.5 and screen.line == 2 * overlay.LINE_WIDTH, "as thick as the preferences say"
+    assert screen.scale == 1.5 and screen.line == 2 * overlay.canvas.LINE_WIDTH, "as thick as the preferences say"
 
 
 def test_a_session_is_drawn_only_where_overlays_are_switched_on(
@@ -168,7 +169,7 @@ def test_a_session_is_drawn_only_where_overlays_are_switched_on(
 ) -> None:
     drawn: list[str] = []
     monkeypatch.setattr(overlay, "draw_fingers", lambda *_: drawn.append("fingers"))
-    monkeypatch.setattr(overlay, "draw_curves", lambda *_: drawn.append("curves") or 0.0)
+    monkeypatch.setattr(overlay.force_chart, "draw_curves", lambda *_: drawn.append("curves") or 0.0)
     monkeypatch.setattr(overlay, "draw_rows", lambda *_, **__: drawn.append("rows") or 0.0)
     context = viewport(bpy, region=region("WINDOW", 0, 0, 1280, 800))
     monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
@@ -185,11 +186,11 @@ def test_a_line_is_as_thick_as_the_screen_asks(overlay: ModuleType, bpy: ModuleT
     if not hasattr(gpu, "init"):
         pytest.skip("this Blender cannot draw without a window; 5.2 can")
     gpu.init()
-    seen = []
+    seen, draw = [], overlay.canvas.draw_lines
     for line in (2.0, 6.0):
         screen = SimpleNamespace(**{**vars(SCREEN), "line": line})
         level = [((100.0, 200.0), (500.0, 200.0))]
-        picture = on_screen(lambda here, level=level: overlay.draw_lines(level, overlay.TEXT, here), screen=screen)
+        picture = on_screen(lambda here, level=level: draw(level, overlay.TEXT, here), screen=screen)
         seen.append((picture[:, 300, 0] > 150).sum())
     assert 2 <= seen[0] <= 3 and 6 <= seen[1] <= 7, seen
 
@@ -224,13 +225,14 @@ def test_the_chart_shows_the_law_and_the_measurement_of_the_material_that_is_pre
     (entry,) = sessions.sessions.values()
     for index, K1 in ((1, 500.0), (2, 2000.0)):
         halves.active_material_index = index
-        assert overlay.pressed_curves(halves, entry).law[0] == K1, "nothing is pressed: of the active material"
+        law = overlay.force_chart.pressed_curves(halves, entry).law
+        assert law[0] == K1, "nothing is pressed: of the active material"
     reach = 0.0825 + 0.010 - 0.002
     for place, K1, force in (((0.0, 0.0, reach), 2000.0, 3.0), ((reach, 0.0, 0.0), 500.0, 2.0)):
         entry.session.set_fingers([])  # or the fingertip would be dragged through the cube
         entry.session.set_fingers([None, Finger(place, 0.010)])
         entry.session.step(0.002)
-        curves = overlay.pressed_curves(halves, entry)
+        curves = overlay.force_chart.pressed_curves(halves, entry)
         assert curves.law[0] == K1 and curves.measured == [(0.001, force)]
         assert entry.frame.law_forces[1] == pytest.approx(K1 * entry.frame.depths[1])
 
@@ -246,10 +248,11 @@ def test_the_key_over_a_chart_names_what_is_in_it_and_nothing_else(
 
     for name, fake in (("write", write), ("draw_lines", lambda *_: None), ("draw_filled", lambda *_: None),
                        ("width", lambda *_: 50.0)):  # fmt: skip
-        monkeypatch.setattr(overlay, name, fake)
-    curves = overlay.pressed_curves(SimpleNamespace(material_slots=()), entry)
-    end = overlay.draw_curves(curves, (0.0, 0.0), SCREEN)
-    assert end > overlay.CHART[1] and written["Law"] == overlay.LAW and written["Pressed"] == overlay.FORCE
+        monkeypatch.setattr(overlay.canvas, name, fake)
+    chart = overlay.force_chart
+    curves = chart.pressed_curves(SimpleNamespace(material_slots=()), entry)
+    end = chart.draw_curves(curves, (0.0, 0.0), SCREEN)
+    assert end > chart.SIZE[1] and written["Law"] == chart.LAW and written["Pressed"] == overlay.FORCE
     assert not {"Measured", "Simulated"} & written.keys()
 
 
@@ -257,9 +260,9 @@ def test_a_body_that_is_renamed_while_pressed_is_called_by_its_new_name(
     bpy: ModuleType, overlay: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     written: list[str] = []
-    monkeypatch.setattr(overlay, "write", lambda text, *_: written.append(text))
-    monkeypatch.setattr(overlay, "width", lambda *_: 50.0)
-    monkeypatch.setattr(overlay, "draw_filled", lambda *_: None)
+    monkeypatch.setattr(overlay.canvas, "write", lambda text, *_: written.append(text))
+    monkeypatch.setattr(overlay.canvas, "width", lambda *_: 50.0)
+    monkeypatch.setattr(overlay.canvas, "draw_filled", lambda *_: None)
     halves.name = "Another"
     shown = SimpleNamespace(
         scene=bpy.context.scene, space_data=SimpleNamespace(overlay=SimpleNamespace(show_overlays=1))
@@ -302,7 +305,7 @@ def test_the_chart_the_numbers_and_the_fingertip_leave_their_colours(
         pytest.skip("this Blender cannot draw without a window; 5.2 can")
     gpu.init()
     picture = drawn(overlay, entry)
-    for colour in (overlay.FINGERTIP, overlay.FORCE, overlay.LAW, overlay.TEXT):
+    for colour in (overlay.FINGERTIP, overlay.FORCE, overlay.force_chart.LAW, overlay.TEXT):
         seen = abs(picture[:, :, :3] / 255.0 - colour[:3]).max(axis=2) < 0.12
         assert seen.sum() > 20, colour
 
@@ -312,7 +315,7 @@ def drawn(overlay: ModuleType, entry: Any) -> Any:
 
     def draw(screen: Any) -> None:
         body = SimpleNamespace(name="Ball", material_slots=())
-        end = overlay.draw_curves(overlay.pressed_curves(body, entry), (20.0, 20.0), screen)
+        end = overlay.force_chart.draw_curves(overlay.force_chart.pressed_curves(body, entry), (20.0, 20.0), screen)
         overlay.draw_rows(body, entry, overlay.Room(20.0, end + 16, *SIZE), 1.0)
 
     return on_screen(draw, lambda screen: overlay.draw_fingers(entry, screen))
@@ -353,9 +356,9 @@ def lines_of(overlay: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[tuple
         return 7 * scale * len(text)
 
     for name in ("draw_lines", "draw_filled"):
-        monkeypatch.setattr(overlay, name, lambda *_: None)
-    monkeypatch.setattr(overlay, "write", write)
-    monkeypatch.setattr(overlay, "width", lambda text, scale: 7 * scale * len(text))
+        monkeypatch.setattr(overlay.canvas, name, lambda *_: None)
+    monkeypatch.setattr(overlay.canvas, "write", write)
+    monkeypatch.setattr(overlay.canvas, "width", lambda text, scale: 7 * scale * len(text))
     return written
 
 

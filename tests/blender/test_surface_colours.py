@@ -119,8 +119,9 @@ def test_the_scale_names_quantity_and_unit_and_shows_all_colours(
     if not hasattr(gpu, "init"):
         pytest.skip("this Blender cannot draw without a window; 5.2 can")
     gpu.init()
-    written, write = [], overlay.write
-    monkeypatch.setattr(overlay, "write", lambda text, *rest: written.append(text) or write(text, *rest))
+    canvas, written = overlay.canvas, []
+    write = canvas.write
+    monkeypatch.setattr(canvas, "write", lambda text, *rest: written.append(text) or write(text, *rest))
     free = overlay.Room(16.0, 32.0, 624.0, 384.0)
     picture = on_screen(lambda screen: colours.draw_scale("depth", (0.0, 20.0), free, screen))
     assert written == ["Depth (mm)", "0", "10", "20"]

@@ -53,9 +53,10 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
     text = "K1 {:.3f} N/mm, K2 {:.3f} N/mm, x0 {:.2f} mm".format(*found)
     check("a dropped file becomes a material", np.allclose(found, LAW, 0.05), text)
     yield from robot.redrawn()
-    overlay, scale, view = robot.extension("addon.overlay"), bpy.context.preferences.system.ui_scale, robot.region()
-    left, bottom = overlay.free_corner(robot.area(), scale)
-    chart = round(view.x + left + overlay.CHART[0] * scale / 2), round(view.y + bottom + overlay.CHART[1] * scale / 2)
+    scale, view = bpy.context.preferences.system.ui_scale, robot.region()
+    left, bottom = robot.extension("addon.room").free_corner(robot.area(), scale)
+    wide, high = robot.extension("addon.force_chart").SIZE
+    chart = round(view.x + left + wide * scale / 2), round(view.y + bottom + high * scale / 2)
     gap = robot.differing(bare, robot.screenshot(out / "9-calibrated.png"), chart, robot.HALF)
     check("its chart is seen in the viewport", gap > robot.SEEN, f"{gap} pixels differ")
     yield from identify(at, body, out, check)

@@ -95,7 +95,7 @@ def test_a_participant_sees_no_number_and_no_chart(
 
     ops, looked = bpy.ops.dimple, []
     monkeypatch.setattr(overlay, "shown_bodies", lambda context: looked.append(context) or [])
-    monkeypatch.setattr(overlay, "calibrated_curves", lambda _: None)
+    monkeypatch.setattr(overlay.force_chart, "calibrated_curves", lambda _: None)
     assert ops.open_experiment(filepath=str(plan), participant="8") == {"FINISHED"}
     overlay.draw_numbers()
     assert looked and bpy.types.DIMPLE_PT_readout.poll(bpy.context), "the experimenter may look"

@@ -1,0 +1,99 @@
+"""What is drawn with over the viewport: colours, sizes, lines, filled boxes and text.
+
+`gpu` is imported only when there is something to draw, so the extension also registers where nothing can be drawn.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import bpy
+
+from .shapes import Point, Segment
+
+FINGERTIP = (1.0, 0.62, 0.15, 1.0)
+FORCE = (0.95, 0.2, 0.15, 1.0)
+TEXT = (1.0, 1.0, 1.0, 1.0)
+FAINT = (1.0, 1.0, 1.0, 0.35)
+BACK = (0.0, 0.0, 0.0, 0.6)  # dark enough for all colours on a light theme
+
+LINE_WIDTH = 2.0  # in units of Blender's own line width
+# all sizes below in pixels at a resolution scale of 1
+TEXT_SIZE = 12.0
+LINE_HEIGHT = 17.0
+MARGIN = 16.0
+
+
+class Screen(NamedTuple):
+    """The region that is drawn in.
+
+    width, height: [px].
+    scale: the resolution scale of the interface.
+    line: width of a line [px].
+    """
+
+    width: float
+    height: float
+    scale: float
+    line: float
+
+
+def screen_of(context: bpy.types.Context) -> Screen:
+    """Return the region that is being drawn; lines are as thick as the preferences say."""
+    system, region = context.preferences.system, context.region
+    return Screen(region.width, region.height, system.ui_scale, LINE_WIDTH * system.pixel_size)
+
+
+def overlays_shown(context: bpy.types.Context) -> bool:
+    """Return whether overlays are switched on in this viewport."""
+    return context.space_data.overlay.show_overlays
+
+
+def draw_lines(segments: Sequence[Segment], colour: Point, screen: Screen) -> None:
+    if not segments:
+        return
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    points = [(*point, 0.0)[:3] for segment in segments for point in segment]
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    shader.uniform_float("viewportSize", (screen.width, screen.height))
+    shader.uniform_float("lineWidth", screen.line)
+    shader.uniform_float("color", colour)
+    gpu.state.blend_set("ALPHA")
+    batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
+    gpu.state.blend_set("NONE")
+
+
+def draw_filled(low: Point, high: Point, colour: Point) -> None:
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    corners = [(low[0], low[1], 0), (high[0], low[1], 0), (high[0], high[1], 0), (low[0], high[1], 0)]
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    shader.uniform_float("color", colour)
+    gpu.state.blend_set("ALPHA")
+    batch_for_shader(shader, "TRIS", {"pos": corners}, indices=[(0, 1, 2), (0, 2, 3)]).draw(shader)
+    gpu.state.blend_set("NONE")
+
+
+def write(text: str, at: Point, scale: float, colour: Point = TEXT) -> float:
+    """Write a line and return how wide it is [px]."""
+    import blf
+
+    font = 0
+    blf.size(font, TEXT_SIZE * scale)
+    blf.color(font, *colour)
+    blf.enable(font, blf.SHADOW)
+    blf.shadow(font, 3, 0.0, 0.0, 0.0, 0.9)
+    blf.position(font, at[0], at[1], 0)
+    blf.draw(font, text)
+    blf.disable(font, blf.SHADOW)
+    return width(text, scale)
+
+
+def width(text: str, scale: float) -> float:
+    """Return how wide a line is [px]."""
+    import blf
+
+    blf.size(0, TEXT_SIZE * scale)
+    return blf.dimensions(0, text)[0]

@@ -1,0 +1,138 @@
+"""The chart of force against depth: the law of a material, its measurement, and the press that runs."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import bpy
+
+from ..operators import calibration
+from . import canvas, shapes
+from .canvas import BACK, FAINT, FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
+from .readout import iface_
+from .room import Room
+from .shapes import Point
+
+LAW = (0.55, 0.75, 1.0, 0.9)
+BAND = (0.55, 0.75, 1.0, 0.35)
+MEASURED = (1.0, 1.0, 0.55, 0.9)
+SIMULATED = (0.3, 0.95, 0.45, 0.95)
+# sizes in pixels at a resolution scale of 1
+SIZE = (230.0, 130.0)
+CROSS = 2.5  # half the width of a measured point
+
+
+class Curves(NamedTuple):
+    """The curves of a chart, as points (depth [m], force [N]).
+
+    law: K1, K2 [N/m] and x0 [m] of Eq. (1).
+    band: the lower and upper end of the law's 95 % interval.
+    measured: of the instrument.
+    simulated: of the virtual press.
+    trail: of the running session.
+    """
+
+    law: Point
+    band: tuple[list[Point], list[Point]] = ([], [])
+    measured: list[Point] = []
+    simulated: list[Point] = []
+    trail: list[Point] = []
+
+
+def fits(free: Room, scale: float, lines: int) -> bool:
+    """Tell whether a chart with its key has room, and so many lines above it."""
+    high = SIZE[1] + LINE_HEIGHT + (MARGIN + lines * LINE_HEIGHT if lines else 0.0)
+    return free.right - free.left > SIZE[0] * scale and free.top - free.bottom > high * scale
+
+
+def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
+    """Return the curves of a session's chart: force against depth, and the law of the material that is pressed."""
+    which = pressed_material(body, entry)
+    material, slot = entry.session.model.materials[which], entry.link.slots[which]
+    theirs = body.material_slots[slot].material if slot < len(body.material_slots) else None
+    known = _material_curves(theirs.dimple) if theirs else None
+    law = (material.K1, material.K2, material.x0)
+    trail = [(float(depth), float(force)) for depth, force in entry.trail]
+    return (known or Curves(law))._replace(law=law, trail=trail)
+
+
+def pressed_material(body: bpy.types.Object, entry: Any) -> int:
+    """Return the index, in the model, of the material nearest to the deepest fingertip, else of the active one."""
+    frame, slots = entry.frame, entry.link.slots
+    down = [(depth, which) for depth, which in zip(frame.depths, frame.materials, strict=True) if which >= 0]
+    if down:
+        return max(down)[1]
+    return slots.index(body.active_material_index) if body.active_material_index in slots else 0
+
+
+def calibrated_curves(context: bpy.types.Context) -> Curves | None:
+    """Return the curves while nothing is pressed: of the last calibration, else of the active material's."""
+    settings, body = context.scene.dimple, context.object
+    if not settings.show_overlay or not settings.show_chart:
+        return None
+    if record := calibration.load(settings.calibration):
+        law = (record["K1"] * 1e3, record["K2"] * 1e3, record["x0"] / 1e3)
+        return Curves(law, _band(record), _metres(record["points"]))
+    material = body.active_material if body else None
+    return _material_curves(material.dimple) if material else None
+
+
+def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
+    """Return the curves of a material, None where it has neither a measured nor a simulated press."""
+    record = calibration.load(settings.calibration)
+    measured = record.get("points", [])
+    simulated = calibration.identification(settings).get("points", [])
+    if not measured and not simulated:
+        return None
+    law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3)
+    band = ([], []) if settings.edited else _band(record)
+    return Curves(law, band, _metres(measured), _metres(simulated))
+
+
+def _band(record: dict[str, Any]) -> tuple[list[Point], list[Point]]:
+    rows = record.get("band", [])
+    return _metres([(depth, low) for depth, low, _ in rows]), _metres([(depth, high) for depth, _, high in rows])
+
+
+def _metres(rows: Sequence[Sequence[float]]) -> list[Point]:
+    return [(depth / 1e3, force) for depth, force in rows]
+
+
+def draw_key(curves: Curves, corner: Point, scale: float) -> float:
+    """Write the names of the curves in their colours, from a corner [px]; return where the line ends [px]."""
+    law = iface_("Law") + (" ± 95 %" if curves.band[0] else "")
+    words = [(law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured)]
+    words += [(iface_("Simulated"), SIMULATED, curves.simulated), (iface_("Pressed"), FORCE, curves.trail)]
+    words = [(word, colour, shown) for word, colour, shown in words if shown]
+    wide = sum(canvas.width(word, scale) + MARGIN * scale for word, _, _ in words)
+    left, top = corner[0], corner[1] + LINE_HEIGHT * scale
+    canvas.draw_filled(corner, (left + max(wide, SIZE[0] * scale), top), BACK)
+    for word, colour, _ in words:
+        left += canvas.write(word, (left, corner[1] + 5 * scale), scale, colour) + MARGIN * scale
+    return top
+
+
+def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
+    """Draw a chart and its key upwards from a corner [px] and return where they end [px]."""
+    scale = screen.scale
+    size = (SIZE[0] * scale, SIZE[1] * scale)
+    seen = [*curves.measured, *curves.simulated, *curves.trail]
+    # the knee is always in view, to show how far the press has come
+    deepest = max([curves.law[2] * 1.1, *(depth for depth, _ in seen)])
+    law = shapes.law_curve(*curves.law, deepest)
+    ends = (shapes.round_up(deepest), shapes.round_up(max(force for _, force in [*law, *seen])))
+    right, top = corner[0] + size[0], corner[1] + size[1]
+    canvas.draw_filled(corner, (right, top), BACK)
+    canvas.draw_lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, screen)
+    measured = shapes.into_box(curves.measured, ends, corner, size)
+    canvas.draw_lines(shapes.crosses(measured, CROSS * scale), MEASURED, screen)
+    for end in curves.band:
+        canvas.draw_lines(shapes.chained(shapes.into_box(end, ends, corner, size)), BAND, screen)
+    canvas.draw_lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, screen)
+    canvas.draw_lines(shapes.chained(shapes.into_box(curves.simulated, ends, corner, size)), SIMULATED, screen)
+    trail = shapes.into_box(curves.trail, ends, corner, size)
+    canvas.draw_lines(shapes.chained(trail), FORCE, screen)
+    if trail:
+        canvas.draw_lines(shapes.circle(trail[-1], (4 * scale, 0.0), (0.0, 4 * scale)), FINGERTIP, screen)
+    canvas.write(f"{ends[1]:g} N", (corner[0] + 4 * scale, top - LINE_HEIGHT * scale), scale)
+    canvas.write(f"{ends[0] * 1e3:g} mm", (right - 48 * scale, corner[1] + 5 * scale), scale)
+    return draw_key(curves, (corner[0], top), scale)
