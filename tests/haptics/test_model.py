@@ -14,6 +14,7 @@ from core.base import DimpleError
 from core.haptics import touched_body
 from core.haptics.body_host import BLEW_UP, TOO_HEAVY, BodyHost
 from core.haptics.coupling import Coupling, Slopes
+from core.haptics.emulated_hand import EmulatedHand, Keyframe
 from core.haptics.parcel import pack_changes, parcel_path, unpack_changes
 from core.haptics.remote_body import Parcels, RemoteBody
 from core.haptics.servo import Servo
@@ -24,7 +25,7 @@ from core.material import PRESETS, Material
 from core.session import Finger, Session
 from core.solver.motion import Frame, Motion
 from studies.scripted_press import swing
-from tests.haptics.model_rig import RADIUS, WORKSPACE, ModelRig, holding, pressing, soft_cube
+from tests.haptics.model_rig import BEGIN, RADIUS, SIDES, WORKSPACE, ModelRig, holding, pressing, soft_cube
 
 SLOW = pytest.mark.slow
 POKES = (0.005, 0.010, -0.010, 0.012, -0.010)  # [m] below the top, one after the other
@@ -208,13 +209,32 @@ def test_what_is_under_a_fingertip_never_changes_while_there_is_force() -> None:
     assert strongest(rig) == 0.0 and rig.servo.report().arming.name == "OFF"
 
 
-def test_a_constant_that_is_changed_is_rendered_at_once() -> None:
-    rig = ModelRig(soft_cube(material(400)), pressing(0.010, hold=3.0, stiffness=None))
-    before = strongest(pressed(rig))
-    softer = soft_cube(material(200))
-    rig.send(("constants", softer, softer))
-    rig.run(0.2)
-    assert strongest(rig) == pytest.approx(before / 2, rel=0.1) and rig.servo.report().arming.name == "ON"
+def test_friction_and_stiffness_that_are_changed_are_rendered_at_once() -> None:
+    """The fingertips go sideways all the while: friction resists that, and none is left where it is taken away."""
+    rough = soft_cube(replace(material(400), friction=0.5))
+    rig = ModelRig(rough, EmulatedHand(tips=tuple(map(sliding, SIDES)), stiffness=None))
+
+    def forces() -> tuple[float, float]:
+        """Return how strongly the motors resist the way, and push up, all together [N]."""
+        along, _, up = rig.trace()[2][-50:].mean(axis=0).sum(axis=0)
+        return -along, up
+
+    pressed(rig)
+    resists, pushes = forces()
+    assert 0.5 * pushes < resists < 0.75 * pushes, "Coulomb's half, and the dent's slope"
+    for model in (soft_cube(replace(material(400), friction=0.0)), soft_cube(replace(material(200), friction=0.0))):
+        rig.send(("constants", model, model))
+        rig.run(0.2)
+        assert rig.servo.report().arming.name == "ON"
+        assert abs(forces()[0]) < 0.1 * forces()[1]
+    assert forces()[1] == pytest.approx(pushes / 2, rel=0.1)
+
+
+def sliding(side: tuple[float, float]) -> tuple[Keyframe, ...]:
+    """Return the way of a fingertip that goes 7 mm in at a side of the top and then along it, at 20 mm/s."""
+    x, y = side
+    ends = (BEGIN, x, y, 0.01), (BEGIN + 0.15, x, y, -0.007), (BEGIN + 0.3, x, y, -0.007)
+    return (*ends, (BEGIN + 1.3, x + 0.02, y, -0.007))
 
 
 def test_a_body_is_read_after_one_answer_built_after_the_next_and_runs_once_it_has_a_state(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ def soft(bpy: ModuleType, add: Callable[..., Any]) -> Any:
     bpy.context.scene.dimple.finger_radius_mm = 15.0
     body = add()
     body.dimple.simulated = "AUTO"
-    softened(bpy, body)
+    softened(bpy, body).friction = 0.1
     return body
 
 
@@ -175,3 +175,4 @@ def test_a_constant_that_is_changed_goes_to_the_body_that_runs(
     report = wait(lambda report: report.parcel > before, bpy)
     assert runs(report) and entry.session.body is remote
     assert remote.model.materials[0].damping_ratio == pytest.approx(0.9)
+    assert remote.model.friction.max() == pytest.approx(0.1), "and the friction of the material from the start"
