@@ -106,7 +106,7 @@ def run(
         to_device = servo.step(now, emulator.step(now, to_device))
         if touched and servo.answered != answered:
             answered = servo.answered
-            contacts = touched.advance(servo.places, servo.stored, servo.cap, now)
+            contacts = touched.advance(servo.places, servo.cap, now)
             servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=contacts)
         if now < next_frame or servo.link is not LinkState.READY:
             continue

@@ -95,10 +95,8 @@ class BodyHost:
         if self.touched is None or self.state is not BodyState.RUNS or servo.answered == self._answered:
             return
         self._answered, touched = servo.answered, self.touched
-        if servo.let_go:
-            touched.sink(servo.stored)
         try:
-            contacts = touched.advance(servo.places, servo.stored, servo.cap, now)
+            contacts = touched.advance(servo.places, servo.cap, now)
         except (RuntimeError, ValueError, ArithmeticError) as error:  # the native core refuses what is no number
             self._give_up(servo, FAILED.format(error=error))
             servo.order = replace(servo.order, contacts=())

@@ -27,11 +27,6 @@ LAG: Final = 0.3  # of the way to its lag u goes in a tick, over how much stiffe
 SMOOTH: Final = 0.3  # of the way to the newest force of the model, which touches vertex by vertex, in a tick
 STIFFER: Final = 1.1  # times the slope of its law a body may be under a round tip, at an edge or between two fingers
 VISCOUS: Final = 6.0  # [N s/m] of a touch: what the lags of q and F give back otherwise
-TOO_MUCH: Final = 0.5e-3  # [J] given back by the device: from here on the coupling softens by SOFTEN of the cap a tick
-SPARE: Final = 2e-3  # [J] to be kept after the device let go: a piece of 0.4 mm at 5 N, as it is seen late
-SOFTEN, SOFTEST = 0.1, 10.0
-GRAIN_ENERGY: Final = 1e-4  # [J] less is the noise of the converters
-LIFTED: Final = 1e-4  # [m] a sphere that touches nothing this near its fingertip: the touch is over
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,8 +52,6 @@ class Coupling:
     quick: the fingertip's speed over SPEED_TIME [m/s].
     lag: u [m].
     force: of the model, smoothed [N].
-    softer: compliance [m/N] that was added because energy was given back; it ends with the touch.
-    least: stored energy below which the coupling softens [J].
     """
 
     near: Vector | None = None
@@ -67,8 +60,6 @@ class Coupling:
     quick: Vector = ZERO
     lag: Vector = ZERO
     force: Vector = ZERO
-    softer: float = 0.0
-    least: float = -TOO_MUCH
 
     def follow(self, x: Vector, tick: float) -> None:
         """Take where the fingertip is [m] after a tick [s]; implicit, so stable at any rate."""
@@ -80,28 +71,14 @@ class Coupling:
         self.speed = scaled(along(self.speed, along(x, self.near, -1.0), pull), 1 / drag)
         self.near = along(self.near, self.speed, tick)
 
-    def place(self, slopes: Slopes, cap: float, stored: float) -> Vector:
-        """Return where the sphere is to be [m].
-
-        Args:
-            slopes: of the body.
-            cap: largest stiffness that the device renders [N/m].
-            stored: energy that the hand gave the device and has not got back [J].
-        """
+    def place(self, slopes: Slopes, cap: float) -> Vector:
+        """Return where the sphere is to be [m], over a body with slopes, below the device's stiffness cap [N/m]."""
         assert self.near
         push = length(self.force)
-        if push == 0 and length(self.lag) < LIFTED:
-            self.softer, self.least = 0.0, -TOO_MUCH
-        elif stored < self.least:
-            self.softer = min(self.softer + SOFTEN / cap, SOFTEST / cap)
         wanted = scaled(self.force, self._lag_of(push, slopes, cap) / push) if push else ZERO
         share = LAG / max(slopes.at(push) / cap, 1.0)
         self.lag = along(self.lag, along(wanted, self.lag, -1.0), share)
         return along(self.near, self.lag, 1.0)
-
-    def sink(self, stored: float) -> None:
-        """Note that the device let go: a fingertip that sank in is pushed out with no more than the hand gave [J]."""
-        self.least = min(SPARE, stored - GRAIN_ENERGY)
 
     def take(self, force: Vector, slopes: Slopes, cap: float) -> Vector:
         """Take the model's force [N] of this tick; return that of the fingertip."""
@@ -112,8 +89,7 @@ class Coupling:
 
     def _compliances(self, slopes: Slopes, cap: float) -> tuple[float, float]:
         """Return the compliance [m/N] of the coupling below the knee and beyond it."""
-        below, beyond = (max(1 / cap - 1 / max(k, 1e-9), 0.0) + self.softer for k in (slopes.k1, slopes.k2))
-        return below, beyond
+        return max(1 / cap - 1 / max(slopes.k1, 1e-9), 0.0), max(1 / cap - 1 / max(slopes.k2, 1e-9), 0.0)
 
     def _lag_of(self, force: float, slopes: Slopes, cap: float) -> float:
         below, beyond = self._compliances(slopes, cap)

@@ -30,6 +30,10 @@ PASSIVITY_DAMPING = 12.0  # [N s/m] the most the passivity controller adds: a te
 PASSIVITY_SPEED = 2e-3  # [m/s] slower than this is converter noise
 GRAIN = 4e-4  # [m] five times the noise of a 12-bit converter at the tip
 STORE_TIME = 0.050  # [s] without force: the spring is relaxed, nothing is stored
+ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took; from there on its force yields,
+YIELD_ENERGY = 2.5e-4  # to 1/e for each so many [J]
+SPARE = 2e-3  # [J] of what was taken that are kept once the device let go: what it gave is known some pieces late
+GRAIN_ENERGY = 1e-4  # [J] less is the noise of the converters
 
 
 class Arming(Enum):
@@ -165,8 +169,10 @@ class Passivity:
     begin: where the piece under way began [m].
     total: the sum of the forces along it [N].
     count: their number.
+    share: of the force that is left, once the touch gave back too much; it ends with the touch.
+    floor: stored energy below which it falls [J].
 
-    Source: Hannaford and Ryu, time-domain passivity control.
+    Source: Hannaford and Ryu, time-domain passivity control; a force that yields until the touch is over is ours.
     """
 
     stored: float = 0.0
@@ -176,6 +182,8 @@ class Passivity:
     begin: Vector | None = None
     total: Vector = ZERO
     count: int = 0
+    share: float = 1.0
+    floor: float = -ALLOWED
 
     def observe(self, force: Vector, x: Vector, now: float) -> None:
         """Take the force [N] that acted until the fingertip came to x [m]."""
@@ -190,16 +198,24 @@ class Passivity:
             self.idle_since = now
         elif now - self.idle_since > STORE_TIME:
             self.stored = min(self.stored, 0.0)  # what was dissipated pays for nothing later
+            self.share, self.floor = 1.0, min(self.stored, -ALLOWED)
 
     def _count(self, x: Vector) -> None:
         """Count the piece under way, which ends at x [m]."""
         self.stored -= dot(self.total, along(x, self.begin or x, -1.0)) / self.count
         self.least = min(self.least, self.stored)
+        if self.stored < self.floor:
+            self.share *= math.exp((self.stored - self.floor) / YIELD_ENERGY)
+            self.floor = self.stored
         self.begin, self.total, self.count = x, ZERO, 0
 
     def skip(self) -> None:
         """Drop the piece under way: a sensor failed."""
         self.at, self.begin, self.total, self.count = None, None, ZERO, 0
+
+    def lose(self) -> None:
+        """Note that the device let go: a fingertip that sank in is pushed out with no more than the hand gave."""
+        self.floor = min(SPARE, self.stored - GRAIN_ENERGY)
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         """Return the force [N], damped so that what was given too much is taken back."""
@@ -256,7 +272,7 @@ class Guard:
         if gain <= 0 or not is_finite(wanted):
             return self.zero()
         speed = self.motion.speed
-        force = along(scaled(wanted, gain), speed, -RAMP_DAMPING * (1 - gain))
+        force = along(scaled(wanted, gain * self.passivity.share), speed, -RAMP_DAMPING * (1 - gain))
         force = self.passivity.damp(force, speed, dt)
         most = min(self.limits.peak, HARD_CEILING)
         if self.square >= self.limits.continuous**2:

@@ -37,8 +37,6 @@ class Servo:
     cap: largest stiffness to render [N/m]; it falls as soon as the delay grows, and rises only while nothing is
         touched: a wall that stiffens under a finger pushes it out.
     unsent: answers that the line did not take.
-    let_go: the device took the force away, or began its ramp anew, for want of commands or of STATEs, perhaps under a
-        pressed fingertip.
     """
 
     def __init__(self, spec: Spec, *, nonce: int = 1) -> None:
@@ -57,7 +55,7 @@ class Servo:
         self._measured: wire.LinkReport | None = None
         self._acting = ActingForces()
         self._ended = ""  # why the force must end at the next answer
-        self.unsent, self.let_go = 0, False
+        self.unsent = 0
         self.cap = stiffness_cap(spec.viscous, spec.tick, FIRST_DELAY)
 
     @property
@@ -103,11 +101,6 @@ class Servo:
     def places(self) -> list[Vector | None]:
         """Return where the fingertips are [m]; None where the sensor is not trusted."""
         return [None if f.bad or f.angles is None else f.at for f in self._fingers]
-
-    @property
-    def stored(self) -> list[float]:
-        """Return the energy that each hand gave and has not got back [J]."""
-        return [f.guard.passivity.stored for f in self._fingers]
 
     def end(self, reason: str) -> None:
         """End all force at the next answer, for a reason that is shown; waiting for it goes on."""
@@ -206,8 +199,10 @@ class Servo:
         held = held and self.order.is_fresh(now, oldest)
         out = self._check(steady)
         device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
-        lost_force = not device_on or self._acting.restarts_ramp(before, state)
-        self.let_go = lost_force and self._switch.arming in (Arming.RAMP, Arming.ON)
+        lost_force = not device_on or left < 1 or self._acting.restarts_ramp(before, state)
+        if lost_force and self._switch.arming in (Arming.RAMP, Arming.ON):
+            for finger in self._fingers:
+                finger.guard.passivity.lose()
         out += self._update_forces(now, min(dt, MOST_DT), held=held, device_on=device_on)
         a, b, c = (finger.drive(self.spec, finger.guard.sent) for finger in self._fingers)
         flags = wire.ENABLE * (self._switch.arming is not Arming.OFF) | wire.DEADMAN * held

@@ -23,9 +23,11 @@ if TYPE_CHECKING:
     from ..solver.motion import FingertipMotion, Frame, PinMotion, Touch
 
 Where = tuple[Vector, float, tuple[Vector, Vector, Vector], float]
-HEAVIEST: Final = 0.8  # of a tick: a body that takes more on the average leaves the device no time
+HEAVIEST: Final = 0.8  # of a tick: a body that takes more leaves the device no time
+BORROWED: Final = 500  # ticks that it may take beyond that, less what it takes below: a busy second of others is none
+LONGEST: Final = 2.0  # ticks that one counts at most: on a virtual machine time that was stolen counts as taken
 LEAD: Final = 16  # ticks: about a frame of Blender's
-PATIENCE: Final = 250  # ticks of that average
+PATIENCE: Final = 250  # ticks of an average
 SOFT_SLOPE: Final = 1.5  # times its law a body may stiffen between two ticks: too stiff is viscous, too soft active
 SIDEWAYS: Final = 2 / 3  # see contact_rendering
 GRIP: Final = 1e3  # a friction beyond every force: the model has slipped already where it slips
@@ -55,7 +57,7 @@ class TouchedBody:
 
         self.body: Body = create(model, surface=surface, backend="native")
         self.frame: Frame | None = None
-        self.load, self._ticks = 0.0, 0
+        self.load, self._ticks, self._borrowed = 0.0, 0, 0.0
         self.where: Where = (ZERO, 1.0, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), 0.0)
         self._pins: tuple[Floats, Floats, int] | None = None  # from, to, ticks gone
         self.tick = tick
@@ -76,11 +78,6 @@ class TouchedBody:
         ]
         self._material_of = surface.mesh.triangle_material.tolist()
 
-    def sink(self, stored: Sequence[float]) -> None:
-        """Note that the device let go, and the energy that each hand gave and has not got back [J]."""
-        for coupling, energy in zip(self._couplings, stored, strict=True):
-            coupling.sink(energy)
-
     def lift(self) -> None:
         """Take all fingertips off."""
         self.places = [None] * FINGERS
@@ -88,14 +85,11 @@ class TouchedBody:
         self.forces = [ZERO] * FINGERS
         self._couplings = [Coupling() for _ in range(FINGERS)]
 
-    def advance(
-        self, places: Sequence[Vector | None], stored: Sequence[float], cap: float, now: float
-    ) -> tuple[Contact | None, ...]:
+    def advance(self, places: Sequence[Vector | None], cap: float, now: float) -> tuple[Contact | None, ...]:
         """Run one tick; return the contact of each fingertip in the space of the device.
 
         Args:
             places: of the device's fingertips [m], None where a sensor is not trusted.
-            stored: energy in each, see `Coupling.place`.
             cap: largest stiffness that the device renders [N/m].
             now: [s].
         """
@@ -103,13 +97,14 @@ class TouchedBody:
 
         began = time.thread_time()  # other processes do not make a body heavy
         cap = max(cap, 1e-3)
-        tips = [self._tip(i, place, stored[i], cap) for i, place in enumerate(places)]
+        tips = [self._tip(i, place, cap) for i, place in enumerate(places)]
         self.frame = frame = self.body.step(Motion(1, self.substeps, self.tick, tuple(tips), self._led()))
         self._touched = [*frame.touches]
         contacts = tuple([self._contact(i, touch, cap, now) for i, touch in enumerate(frame.touches)])
         self._ticks += 1
-        took = (time.thread_time() - began) / self.tick
+        took = min((time.thread_time() - began) / self.tick, LONGEST)
         self.load += (took - self.load) / min(self._ticks, PATIENCE)
+        self._borrowed = max(self._borrowed + took - HEAVIEST, 0.0)
         return contacts
 
     def lead(self, at: Floats) -> None:
@@ -139,10 +134,10 @@ class TouchedBody:
 
     @property
     def is_too_heavy(self) -> bool:
-        """Tell whether the body leaves the device no time."""
-        return self._ticks >= PATIENCE and self.load > HEAVIEST
+        """Tell whether the body leaves the device no time: within half a second of 2 ticks a tick, 5 s of 0.9."""
+        return self._borrowed > BORROWED
 
-    def _tip(self, i: int, place: Vector | None, stored: float, cap: float) -> FingertipMotion | None:
+    def _tip(self, i: int, place: Vector | None, cap: float) -> FingertipMotion | None:
         """Return the way of a sphere in this tick, None where there is none."""
         from ..solver.motion import FingertipMotion
 
@@ -151,7 +146,7 @@ class TouchedBody:
             self.places[i], self._couplings[i] = None, Coupling()
             return None
         coupling.follow(self._to_session(place), self.tick)
-        self.places[i] = at = coupling.place(self._slopes_at(i), cap, stored)
+        self.places[i] = at = coupling.place(self._slopes_at(i), cap)
         return FingertipMotion(before or at, at, at, radius, before is None)
 
     def _slopes_at(self, i: int) -> Slopes:

@@ -9,11 +9,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from core.haptics import wire
 from core.haptics.contact_model import Contact, stiffness_cap
-from core.haptics.emulated_hand import EmulatedHand
+from core.haptics.emulated_hand import EmulatedHand, Keyframe
 from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState
@@ -28,6 +29,7 @@ from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS
 STEP = 2.5e-4  # [s] of the clock
 FRAME = 0.016  # [s] of the simulation
 WAY = ((0.0, 0.0, 0.0, 0.01), (0.7, 0.0, 0.0, 0.01), (0.8, 0.0, 0.0, -0.01))  # from the device's ramp
+TWICE = (*WAY, (2.4, 0.0, 0.0, -0.01), (2.6, 0.0, 0.0, 0.01), (2.8, 0.0, 0.0, 0.01), (3.0, 0.0, 0.0, -0.01))
 AT = 1.8  # [s] when things go wrong: the fingertips rest in the wall since 1.4 s
 NEAR = 0.002  # [m] a place farther from the truth is a wrong one: converters err by 0.3 mm
 
@@ -44,20 +46,23 @@ class Press:
         *faults: str,
         contact: Callable[[float], Contact | None] = lambda now: wall(now, k=300.0),
         spec: Spec = SPEC,
+        way: tuple[Keyframe, ...] = WAY,
+        baud: int | None = None,
     ) -> None:
         self.trace: list[TraceRow] = []
-        hand, spoiled = EmulatedHand(tips=(WAY,) * 3), [parse_fault(text) for text in faults]
-        self.device = FaultyEmulator(spec, hand=hand, faults=spoiled, seed=3, trace=self.trace)
+        hand, spoiled = EmulatedHand(tips=(way,) * 3), [parse_fault(text) for text in faults]
+        self.device = FaultyEmulator(spec, hand=hand, faults=spoiled, seed=3, trace=self.trace, baud=baud)
         self.servo, self.contact = Servo(spec), contact
         self.now = self.next_frame = self.places = 0.0
-        self.host_runs, self.to_device = True, b""
+        self.host_runs, self.line_runs, self.to_device, self.to_host = True, True, b"", b""
 
     def run(self, until: float) -> Press:
         """Let time pass until a time [s]."""
         while self.now < until:
             self.now += STEP
-            to_host = self.device.step(self.now, self.to_device)
-            self.to_device = self.servo.step(self.now, to_host) if self.host_runs else b""
+            self.to_host += self.device.step(self.now, self.to_device)
+            heard, self.to_host = (self.to_host, b"") if self.line_runs else (b"", self.to_host)
+            self.to_device = self.servo.step(self.now, heard) if self.host_runs else b""
             if self.servo.link is LinkState.READY and self.now >= self.next_frame:
                 self.next_frame = self.now + FRAME
                 contact = self.contact(self.now)
@@ -73,6 +78,12 @@ class Press:
         """Return the strongest true force of the three tips [N], of the ticks of a time."""
         rows = [row for row in self.trace if begin <= row[0] < end]
         return [max(math.hypot(*row[i : i + 3]) for i in (11, 14, 17)) for row in rows]
+
+    def energy(self) -> float:
+        """Return the lowest energy [J] that a hand had given a motor."""
+        rows = np.array(self.trace)
+        x, force = rows[:, 2:11].reshape(-1, 3, 3), rows[:, 11:].reshape(-1, 3, 3)
+        return float(-np.cumsum((force[:-1] * np.diff(x, axis=0)).sum(axis=2), axis=0).max())
 
     @property
     def arming(self) -> str:
@@ -92,9 +103,9 @@ class Press:
         return self.arming == "ON" and self.forces(self.now - 0.02)[-1] == pytest.approx(leant(self.servo.cap), abs=0.2)
 
 
-def leant(cap: float) -> float:
-    """Return the force [N] of a wall of 300 N/m, or of a cap [N/m]; the hand wants 10 mm, on a spring of 400 N/m."""
-    k = min(300.0, cap)
+def leant(cap: float, stiffness: float = 300.0) -> float:
+    """Return the force [N] of a wall, or of a cap [N/m]; the hand wants 10 mm, on a spring of 400 N/m."""
+    k = min(stiffness, cap)
     return 0.01 * k * 400 / (k + 400)
 
 
@@ -178,6 +189,25 @@ def test_the_host_is_killed_or_stalls(stall: float) -> None:
     press.run(press.now + 0.3)
     press.servo.order = replace(press.servo.order, arm=2)
     assert press.run(press.now + 1.3).arming == "ON"
+
+
+@pytest.mark.parametrize("stall", [0.006, 0.012, 0.02, 0.03, 0.06])
+@pytest.mark.parametrize("what", ["host_runs", "line_runs"])
+def test_a_force_that_comes_back_after_a_stall_gives_the_hand_no_more_than_it_took(what: str, stall: float) -> None:
+    """The force of a stiff wall fades and the fingertip sinks in; pushed out whole it gets up to 6 mJ too much.
+
+    The force yields until the fingertip has left the wall; the next press meets the whole of it.
+    """
+    press = Press(contact=lambda now: wall(now, k=1000.0), way=TWICE, baud=0).run(AT)
+    setattr(press, what, False)
+    press.run(AT + stall)
+    setattr(press, what, True)
+    press.run(AT + 0.7)
+    assert press.arming == "ON" and press.forces(press.now - 0.02)[-1] > 0.2
+    assert press.energy() > -1e-3
+    press.run(3.6)
+    assert press.energy() > -1e-3 and min(tip.least_energy for tip in press.servo.report().tips) > -1e-3
+    assert press.forces(press.now - 0.02)[-1] == pytest.approx(leant(press.servo.cap, 1000.0), abs=0.2)
 
 
 @pytest.mark.parametrize("fault", ["adc-range", "adc-frozen", "adc-jump"])

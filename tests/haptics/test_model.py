@@ -1,5 +1,6 @@
 """The model itself in the loop of the servo, on an injected clock: what the hand gets, and what must end all force."""
 
+import itertools
 import math
 import pickle
 import subprocess
@@ -13,13 +14,13 @@ import pytest
 from core.base import DimpleError
 from core.haptics import touched_body
 from core.haptics.body_host import BLEW_UP, TOO_HEAVY, BodyHost
-from core.haptics.coupling import Coupling, Slopes
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
 from core.haptics.parcel import pack_changes, parcel_path, unpack_changes
 from core.haptics.remote_body import Parcels, RemoteBody
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import BodyState, Order, ServoReport
 from core.haptics.spec import load_spec
+from core.haptics.touched_body import TouchedBody
 from core.haptics.wire import RAMP
 from core.material import PRESETS, Material
 from core.session import Finger, Session
@@ -129,21 +130,6 @@ def test_a_line_that_was_silent_under_a_pressed_fingertip_gives_no_energy_when_t
     assert rig.energy() > -1e-3 and rig.observed() < rig.energy() + 1e-4
 
 
-def test_a_touch_that_was_softened_stays_soft_until_the_fingertip_has_left_the_body() -> None:
-    """The model's sphere hovers at the skin and touches now and then nothing: no reason to push with all its force."""
-    stiff, coupling = Slopes(k1=1e3, k2=1e3, knee=10.0), Coupling()
-    coupling.follow((0.0, 0.0, -0.01), 1e-3)
-    coupling.take((0.0, 0.0, 5.0), stiff, 1e3)
-    for _ in range(100):
-        coupling.place(stiff, 1e3, -1e-3)
-    coupling.take((0.0, 0.0, 0.0), stiff, 1e3)
-    coupling.place(stiff, 1e3, -1e-3)
-    assert coupling.softer > 0
-    for _ in range(100):
-        coupling.place(stiff, 1e3, 0.0)
-    assert coupling.softer == 0 and coupling.lag == pytest.approx((0.0, 0.0, 0.0), abs=1e-4)
-
-
 def test_a_busy_computer_gives_no_energy_and_the_observer_sees_what_there_is() -> None:
     """One tick in ten comes 2.5 ms late: the force that acted is the one the device acknowledged."""
     rig = ModelRig(soft_cube(material(610)), pressing(*POKES), stuck=0.1)
@@ -195,11 +181,36 @@ def test_forces_of_a_body_that_are_not_numbers_are_never_rendered(monkeypatch: p
 def test_a_body_that_is_too_heavy_leaves_the_device_to_the_wall() -> None:
     rig = pressed(ModelRig(soft_cube(material(400)), pressing(0.010, hold=3.0)))
     assert rig.host.touched
-    rig.host.touched.load = 1e3
+    rig.host.touched._borrowed = 1e6
     rig.run(0.003)
     assert strongest(rig) == 0.0 and rig.host.state is BodyState.REFUSED
     assert rig.host.joined(rig.servo.report()).note == TOO_HEAVY
     assert rig.host.order(replace(rig.order, contacts=(None,)), rig.servo, rig.now).contacts == (None,)
+
+
+def test_a_busy_second_of_others_makes_no_body_too_heavy_and_one_that_is_is_known_soon(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(touched_body, "HEAVIEST", 0.8)
+    took, model = 0.0, soft_cube(cells=2)
+    begun = itertools.count()
+    monkeypatch.setattr(touched_body.time, "thread_time", lambda: (next(begun) % 2) * took * 1e-3)
+    body = TouchedBody(model, model, 1e-3)
+
+    def ticks(share: float, most: int) -> int:
+        """Run ticks that take a share of one each; return how many until the body is too heavy."""
+        nonlocal took
+        took = share
+        for i in range(most):
+            body.advance([None] * 3, 1e3, 0.0)
+            if body.is_too_heavy:
+                return i + 1
+        return most
+
+    for _ in range(5):
+        assert ticks(0.7, 4000) == 4000 and ticks(50.0, 5) == 5, "pauses of the machine"
+        assert ticks(1.2, 1000) == 1000, "a busy second"
+    assert ticks(0.7, 4000) == 4000 and ticks(3.0, 1000) < 420
 
 
 def test_what_is_under_a_fingertip_never_changes_while_there_is_force() -> None:

@@ -142,7 +142,7 @@ def press_and_leave(push: float, pull: float, *, control: bool) -> float:
         taken += guard.sent[0] * (before - x) * -1.0
         guard.move((-x, 0.0, 0.0), i * MS)
         if not control:
-            guard.passivity.stored = 0.0
+            guard.passivity.stored, guard.passivity.share = 0.0, 1.0
         guard.output(((push if i <= 200 else pull) * x, 0.0, 0.0), 1.0, MS)
         before = x
     return taken
@@ -167,6 +167,34 @@ def test_what_happens_in_a_long_step_is_counted_with_the_force_of_that_step() ->
     assert guard.passivity.stored == pytest.approx(0.0, abs=1e-9)
     guard.move((0.0, 0.0, 0.0), 0.060, (0.0, 0.0, 4.0), left=0.0)
     assert guard.passivity.stored == pytest.approx(-0.016), "what it gets is counted whole"
+
+
+def test_a_force_that_gave_too_much_yields_until_nothing_was_touched_for_a_moment() -> None:
+    """The device let go of a fingertip 5 mm deep: what a hand gave, 4 mJ, may push it out, and no more."""
+    guard, given, ms = Guard(LIMITS), 0.0, 0
+
+    def go(x: float, push: float) -> float:
+        nonlocal given, ms
+        ms += 1
+        given += guard.sent[0] * (guard.motion.at[0] - x if guard.motion.at else 0.0)
+        guard.move((x, 0.0, 0.0), ms * MS)
+        return guard.output((push, 0.0, 0.0), 1.0, MS)[0]
+
+    for i in range(100):
+        go(-5e-5 * i, 3.2e2 * 1e-3 * i / 20)
+    guard.zero()
+    guard.passivity.lose()
+    for _ in range(100):
+        go(-0.015, 9.0)
+    for i in range(300):
+        go(-0.015 + 5e-5 * i, 9.0)
+    assert given > -1e-3 and guard.passivity.share < 0.1
+    assert go(0.0, 9.0) < 1.0, "a touch that goes on stays soft"
+    for _ in range(60):
+        go(0.0, 0.0)
+    for _ in range(10):
+        go(0.0, 9.0)
+    assert guard.sent[0] == pytest.approx(9.0)
 
 
 def test_the_passivity_controller_takes_back_what_a_sampled_wall_leaks() -> None:
