@@ -11,7 +11,6 @@ BEFORE_TENSION = {
         "test_what_is_on_the_front_of_the_oscillator_comes_as_near_when_it_is_run_again",
         "test_the_kept_map_has_limits_within_a_tenth_of_theory_over_four_decades_and_none_for_the_rest",
     ),
-    "test_grasp.py": ("test_the_device_renders_the_squeeze_and_the_weight",),
 }
 
 
