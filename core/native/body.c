@@ -3,9 +3,9 @@
 
 static void dm_state_destroy(dm_state *b) {
     void *const parts[] = {
-        b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next, b->pieces,
-        b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness, b->tension, b->rest_rate,
-        b->pull_rate, b->load,
+        b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
+        b->pieces, b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
+        b->tension, b->rest_rate, b->pull_rate, b->load,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
         b->inverse_mass, b->friction, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
@@ -21,42 +21,46 @@ static void dm_state_destroy(dm_state *b) {
 /* Make room for everything whose size the definition knows. */
 static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     int64_t n = d->vertices, size = b->groups * DM_LANES, t = d->triangles;
-    int whole = (b->place = room(n, sizeof *b->place)) && (b->rank = room(n, sizeof *b->rank));
-    whole = whole && (b->pinned = room(n, sizeof *b->pinned)) && (b->loose = room(n, 1));
-    whole = whole && (b->rest = room(3 * n, sizeof(double))) && (b->mass = room(n, sizeof(double)));
-    whole = whole && (b->pins = room(3 * n, sizeof(double))) && (b->pin_room = room(9 * n, sizeof(double)));
-    whole = whole && (b->records = room(size, sizeof(dm_record)));
-    whole = whole && (b->state = room(b->groups, sizeof(dm_group_state)));
-    whole = whole && (b->matter = room(b->groups, sizeof(dm_group_matter)));
-    whole = whole && (b->still = room(b->groups, sizeof(dm_vec3))) && (b->listed = room(b->groups, sizeof(dm_vec3)));
-    whole = whole && (b->rest_rate = room(b->groups, sizeof(dm_vec3)));
-    whole = whole && (b->pull_rate = room(b->groups, sizeof(dm_vec3)));
-    whole = whole && (b->load = room(b->groups, sizeof(dm_vec3)));
-    whole = whole && (b->next = room(b->groups, sizeof(dm_group_next)));
-    whole = whole && (b->inverse_mass = room(size, sizeof(dm_real))) && (b->friction = room(size, sizeof(dm_real)));
-    whole = whole && (b->before = room(size, sizeof *b->before));
-    whole = whole && (b->shares = room(size, sizeof(uint32_t))) && (b->moved = room(size, sizeof(uint32_t)));
-    whole = whole && (b->is_moved = room(size, 1)) && (b->touching = room(size, 1));
-    whole = whole && (b->irregular = room(d->irregular, sizeof *b->irregular));
-    whole = whole && (b->ends = room(d->springs, sizeof *b->ends));
-    whole = whole && (b->rest_length = room(d->springs, sizeof(double)));
-    whole = whole && (b->stiffness = room(d->springs, sizeof(double)));
-    whole = whole && (b->tension = room(d->springs, sizeof(double)));
-    whole = whole && (b->fans = room(d->fans, sizeof *b->fans)) && (b->caps = room(d->cap_edges, sizeof *b->caps));
-    whole = whole && (b->cap_hole = room(d->cap_edges, sizeof(uint32_t)));
-    whole = whole && (b->holes = room(d->cap_edges, sizeof *b->holes));
-    whole = whole && (b->triangles = room(t + DM_LANES, sizeof *b->triangles)) && (b->hits = room(t, sizeof(dm_contact)));
+    int whole = (b->place = dm_alloc(n, sizeof *b->place)) && (b->rank = dm_alloc(n, sizeof *b->rank));
+    whole = whole && (b->pinned = dm_alloc(n, sizeof *b->pinned)) && (b->loose = dm_alloc(n, 1));
+    whole = whole && (b->rest = dm_alloc(3 * n, sizeof(double))) && (b->mass = dm_alloc(n, sizeof(double)));
+    whole = whole && (b->pins = dm_alloc(3 * n, sizeof(double))) && (b->pin_room = dm_alloc(9 * n, sizeof(double)));
+    whole = whole && (b->records = dm_alloc(size, sizeof(dm_record)));
+    whole = whole && (b->state = dm_alloc(b->groups, sizeof(dm_group_state)));
+    whole = whole && (b->matter = dm_alloc(b->groups, sizeof(dm_group_matter)));
+    whole = whole && (b->still = dm_alloc(b->groups, sizeof(dm_vec3)));
+    whole = whole && (b->listed = dm_alloc(b->groups, sizeof(dm_vec3)));
+    whole = whole && (b->rest_rate = dm_alloc(b->groups, sizeof(dm_vec3)));
+    whole = whole && (b->pull_rate = dm_alloc(b->groups, sizeof(dm_vec3)));
+    whole = whole && (b->load = dm_alloc(b->groups, sizeof(dm_vec3)));
+    whole = whole && (b->next = dm_alloc(b->groups, sizeof(dm_group_next)));
+    whole = whole && (b->inverse_mass = dm_alloc(size, sizeof(dm_real)));
+    whole = whole && (b->friction = dm_alloc(size, sizeof(dm_real)));
+    whole = whole && (b->before = dm_alloc(size, sizeof *b->before));
+    whole = whole && (b->shares = dm_alloc(size, sizeof(uint32_t))) && (b->moved = dm_alloc(size, sizeof(uint32_t)));
+    whole = whole && (b->is_moved = dm_alloc(size, 1)) && (b->touching = dm_alloc(size, 1));
+    whole = whole && (b->irregular = dm_alloc(d->irregular, sizeof *b->irregular));
+    whole = whole && (b->ends = dm_alloc(d->springs, sizeof *b->ends));
+    whole = whole && (b->rest_length = dm_alloc(d->springs, sizeof(double)));
+    whole = whole && (b->stiffness = dm_alloc(d->springs, sizeof(double)));
+    whole = whole && (b->tension = dm_alloc(d->springs, sizeof(double)));
+    whole = whole && (b->fans = dm_alloc(d->fans, sizeof *b->fans));
+    whole = whole && (b->caps = dm_alloc(d->cap_edges, sizeof *b->caps));
+    whole = whole && (b->cap_hole = dm_alloc(d->cap_edges, sizeof(uint32_t)));
+    whole = whole && (b->holes = dm_alloc(d->cap_edges, sizeof *b->holes));
+    whole = whole && (b->triangles = dm_alloc(t + DM_LANES, sizeof *b->triangles));
+    whole = whole && (b->hits = dm_alloc(t, sizeof(dm_contact)));
     b->box_count = (t + DM_BLOCK - 1) / DM_BLOCK;
-    whole = whole && (b->box_start = room(b->box_count + 1, sizeof(uint32_t)));
-    whole = whole && (b->box_vertex = room(3 * t, sizeof(uint32_t)));
-    whole = whole && (b->boxes = room(b->box_count, sizeof *b->boxes));
+    whole = whole && (b->box_start = dm_alloc(b->box_count + 1, sizeof(uint32_t)));
+    whole = whole && (b->box_vertex = dm_alloc(3 * t, sizeof(uint32_t)));
+    whole = whole && (b->boxes = dm_alloc(b->box_count, sizeof *b->boxes));
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
-        whole = whole && (b->touches[k].vertices = room(size, sizeof(uint32_t)));
-        whole = whole && (b->touches[k].faces = room(t + DM_LANES, sizeof *b->touches[k].faces));
-        whole = whole && (b->touches[k].listed_vertices = room(size, sizeof(uint32_t)));
-        whole = whole && (b->touches[k].listed_faces = room(t + DM_LANES, sizeof *b->touches[k].listed_faces));
-        whole = whole && (b->touches[k].radii = room(t + DM_LANES, sizeof(dm_real)));
-        whole = whole && (b->touches[k].noted = room(size, sizeof(uint32_t)));
+        whole = whole && (b->touches[k].vertices = dm_alloc(size, sizeof(uint32_t)));
+        whole = whole && (b->touches[k].faces = dm_alloc(t + DM_LANES, sizeof *b->touches[k].faces));
+        whole = whole && (b->touches[k].listed_vertices = dm_alloc(size, sizeof(uint32_t)));
+        whole = whole && (b->touches[k].listed_faces = dm_alloc(t + DM_LANES, sizeof *b->touches[k].listed_faces));
+        whole = whole && (b->touches[k].radii = dm_alloc(t + DM_LANES, sizeof(dm_real)));
+        whole = whole && (b->touches[k].noted = dm_alloc(size, sizeof(uint32_t)));
     }
     return whole ? DM_OK : DM_MEMORY;
 }
@@ -64,7 +68,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
 /* Order the triangles along the curve in space, and box them in runs. */
 static int32_t dm_lay_faces(dm_state *b, int64_t t, const int64_t *corners) {
     int64_t size = b->groups * DM_LANES;
-    uint32_t *seen = room(size, sizeof(uint32_t)), *next = room(size + 1, sizeof(uint32_t));
+    uint32_t *seen = dm_alloc(size, sizeof(uint32_t)), *next = dm_alloc(size + 1, sizeof(uint32_t));
     if (!seen || !next) return dm_free(seen), dm_free(next), DM_MEMORY;
     for (int pass = 0; pass < 2; pass++) { /* count, then place */
         for (int64_t k = 0; k < t; k++) {
@@ -115,7 +119,7 @@ static void dm_lay_springs(dm_state *b, const dm_body_def *d) {
 static void dm_state_place(dm_state *b, const double *positions, const double *velocities);
 
 static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
-    dm_state *b = *made = room(1, sizeof(dm_state));
+    dm_state *b = *made = dm_alloc(1, sizeof(dm_state));
     if (!b) return DM_MEMORY;
     int64_t n = b->n = d->vertices;
     b->groups = (n + DM_LANES - 1) / DM_LANES;

@@ -6,7 +6,7 @@
 static void *dm_roomy(dm_scene_state *s, void *array, uint32_t count, uint32_t *size, size_t each) {
     if (count <= *size) return array;
     dm_free(array);
-    array = room(2 * (int64_t)count, each), *size = array ? 2 * count : 0;
+    array = dm_alloc(2 * (int64_t)count, each), *size = array ? 2 * count : 0;
     if (!array) s->code = DM_MEMORY;
     return array;
 }

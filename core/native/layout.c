@@ -69,8 +69,8 @@ static void dm_order_by_wave(const dm_state *b, dm_keyed *keys, uint8_t *seen, i
 static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
     enum { DM_WINDOW = 256 };
     int64_t n = b->n;
-    dm_keyed *keys = room(n, sizeof(dm_keyed));
-    uint8_t *seen = room(n, 1);
+    dm_keyed *keys = dm_alloc(n, sizeof(dm_keyed));
+    uint8_t *seen = dm_alloc(n, 1);
     if (!keys || !seen) return dm_free(keys), dm_free(seen), DM_MEMORY;
     dm_order_along_curve(b->rest, n, keys);
     for (int64_t k = 0; k < n; k++) b->rank[keys[k].vertex] = (uint32_t)k;
@@ -93,8 +93,8 @@ static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const
  * one that has none gathers itself. */
 static int32_t dm_lay_rings(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
     int64_t n = b->n, size = b->groups * DM_LANES;
-    int64_t *vertex = room(size, sizeof(int64_t));
-    b->ring.start = room(b->groups + 1, sizeof(int64_t));
+    int64_t *vertex = dm_alloc(size, sizeof(int64_t));
+    b->ring.start = dm_alloc(b->groups + 1, sizeof(int64_t));
     if (!vertex || !b->ring.start) return dm_free(vertex), DM_MEMORY;
     for (int64_t i = 0; i < size; i++) vertex[i] = -1;
     for (int64_t i = 0; i < n; i++) vertex[b->place[i]] = i;
@@ -108,8 +108,8 @@ static int32_t dm_lay_rings(dm_state *b, int64_t width, const int64_t *ring, con
         b->ring.start[g + 1] = b->ring.start[g] + most;
     }
     int64_t slots = b->ring.start[b->groups];
-    b->ring.slots = room(slots, sizeof(dm_slot));
-    b->ring_spring = room(slots * DM_LANES, sizeof(int32_t));
+    b->ring.slots = dm_alloc(slots, sizeof(dm_slot));
+    b->ring_spring = dm_alloc(slots * DM_LANES, sizeof(int32_t));
     if (!b->ring.slots || !b->ring_spring) return dm_free(vertex), DM_MEMORY;
     for (int64_t g = 0; g < b->groups; g++)
         for (int64_t s = b->ring.start[g]; s < b->ring.start[g + 1]; s++)

@@ -244,7 +244,7 @@ static void dm_order_candidates(dm_scene_state *s) {
     memset(bins, 0, (size_t)(s->vertex_count + 1) * sizeof *bins);
     if (s->sorted_room < 2 * count) {
         dm_free(s->sorted);
-        s->sorted = room(4 * count, sizeof *s->sorted), s->sorted_room = s->sorted ? 4 * count : 0;
+        s->sorted = dm_alloc(4 * count, sizeof *s->sorted), s->sorted_room = s->sorted ? 4 * count : 0;
         if (!s->sorted) s->code = DM_MEMORY;
     }
     if (!count || !dm_has_room(s)) return;

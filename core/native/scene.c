@@ -16,17 +16,17 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
 
 static int32_t dm_allocate_scene(dm_scene_state *s) {
     int64_t n = s->vertex_count, t = s->triangle_count;
-    int whole = (s->before = room(n, sizeof *s->before)) && (s->rest = room(n, sizeof *s->rest));
-    whole = whole && (s->here = room(n, sizeof *s->here)) && (s->aim = room(n, sizeof *s->aim));
-    whole = whole && (s->rate = room(n, sizeof *s->rate)) && (s->roam = room(n, sizeof(double)));
-    whole = whole && (s->corners = room(t, sizeof *s->corners)) && (s->edges_of = room(t, sizeof *s->edges_of));
-    whole = whole && (s->edges = room(3 * t, sizeof *s->edges)) && (s->across = room(3 * t, sizeof *s->across));
-    whole = whole && (s->owns = room(t, 1)) && (s->place = room(n, sizeof(uint32_t)));
-    whole = whole && (s->nodes = room(2 * t + s->surface_count, sizeof *s->nodes));
-    whole = whole && (s->slack = room(n, sizeof(double))) && (s->stale = room(n, sizeof(double)));
-    whole = whole && (s->searched = room(n, sizeof *s->searched));
-    whole = whole && (s->balls = room(t, sizeof *s->balls));
-    whole = whole && (s->number = room(n, sizeof(uint32_t))) && (s->bins = room(n + 1, sizeof(uint32_t)));
+    int whole = (s->before = dm_alloc(n, sizeof *s->before)) && (s->rest = dm_alloc(n, sizeof *s->rest));
+    whole = whole && (s->here = dm_alloc(n, sizeof *s->here)) && (s->aim = dm_alloc(n, sizeof *s->aim));
+    whole = whole && (s->rate = dm_alloc(n, sizeof *s->rate)) && (s->roam = dm_alloc(n, sizeof(double)));
+    whole = whole && (s->corners = dm_alloc(t, sizeof *s->corners)) && (s->edges_of = dm_alloc(t, sizeof *s->edges_of));
+    whole = whole && (s->edges = dm_alloc(3 * t, sizeof *s->edges)) && (s->across = dm_alloc(3 * t, sizeof *s->across));
+    whole = whole && (s->owns = dm_alloc(t, 1)) && (s->place = dm_alloc(n, sizeof(uint32_t)));
+    whole = whole && (s->nodes = dm_alloc(2 * t + s->surface_count, sizeof *s->nodes));
+    whole = whole && (s->slack = dm_alloc(n, sizeof(double))) && (s->stale = dm_alloc(n, sizeof(double)));
+    whole = whole && (s->searched = dm_alloc(n, sizeof *s->searched));
+    whole = whole && (s->balls = dm_alloc(t, sizeof *s->balls));
+    whole = whole && (s->number = dm_alloc(n, sizeof(uint32_t))) && (s->bins = dm_alloc(n + 1, sizeof(uint32_t)));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
     return whole ? DM_OK : DM_MEMORY;
 }
@@ -37,8 +37,8 @@ static int32_t dm_lay_body(dm_scene_state *s, dm_surface *f) {
     for (uint32_t k = 0; k < b->n; k++) s->number[f->first + b->place[k]] = f->first + k;
     for (int64_t k = 0; k < 3 * b->triangle_count; k++)
         s->corners[f->first_triangle + k / 3][k % 3] = f->first + b->triangles[k / 3][k % 3];
-    f->before = room(b->groups, sizeof *f->before), f->bound = room(b->groups, sizeof *f->bound);
-    f->due = room(b->groups, sizeof *f->due), f->closest = DM_CLOSEST * b->size;
+    f->before = dm_alloc(b->groups, sizeof *f->before), f->bound = dm_alloc(b->groups, sizeof *f->bound);
+    f->due = dm_alloc(b->groups, sizeof *f->due), f->closest = DM_CLOSEST * b->size;
     return f->before && f->bound && f->due ? DM_OK : DM_MEMORY;
 }
 
@@ -92,9 +92,9 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
 
 static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_state *const *body, const uint8_t *self,
                                int64_t colliders, const dm_collider_def *collider) {
-    dm_scene_state *s = *made = room(1, sizeof *s);
+    dm_scene_state *s = *made = dm_alloc(1, sizeof *s);
     if (!s) return DM_MEMORY;
-    s->surfaces = room(bodies + colliders, sizeof *s->surfaces);
+    s->surfaces = dm_alloc(bodies + colliders, sizeof *s->surfaces);
     if (!s->surfaces) return dm_free(s), *made = NULL, DM_MEMORY;
     s->surface_count = bodies + colliders;
     for (int64_t k = 0; k < s->surface_count; k++) {

@@ -156,7 +156,7 @@ typedef struct dm_scene_state {
 static void *dm_grown(dm_scene_state *s, void *array, uint32_t count, uint32_t *size, size_t each) {
     if (count < *size) return array;
     uint32_t wanted = *size ? 2 * *size : 256;
-    void *made = room(wanted, each);
+    void *made = dm_alloc(wanted, each);
     if (!made) return s->code = DM_MEMORY, array;
     if (array) memcpy(made, array, count * each);
     dm_free(array), *size = wanted;

@@ -29,11 +29,11 @@ static void dm_shape_facets(dm_state *b, const double *x, int64_t n) {
 /* Lay the facets along a curve in space. */
 static int32_t dm_lay_surface(dm_state *b, const dm_body_def *d) {
     int64_t t = d->surface_triangles, n = d->surface_vertices;
-    double *middles = room(3 * t, sizeof(double));
-    dm_keyed *keys = room(t, sizeof(dm_keyed));
-    b->facets = room(t, sizeof(dm_facet));
+    double *middles = dm_alloc(3 * t, sizeof(double));
+    dm_keyed *keys = dm_alloc(t, sizeof(dm_keyed));
+    b->facets = dm_alloc(t, sizeof(dm_facet));
     b->facet_box_count = (t + DM_FACET_BLOCK - 1) / DM_FACET_BLOCK;
-    b->facet_boxes = room(b->facet_box_count, sizeof *b->facet_boxes);
+    b->facet_boxes = dm_alloc(b->facet_box_count, sizeof *b->facet_boxes);
     int whole = middles && keys && b->facets && b->facet_boxes;
     for (int64_t k = 0; whole && k < t; k++)
         for (int c = 0; c < 3; c++) {

@@ -113,7 +113,7 @@ static void dm_look(dm_scene_state *s) {
     }
     if (s->active_room < s->meeting_room) {
         dm_free(s->active);
-        s->active = room(s->meeting_room, sizeof *s->active), s->active_room = s->active ? s->meeting_room : 0;
+        s->active = dm_alloc(s->meeting_room, sizeof *s->active), s->active_room = s->active ? s->meeting_room : 0;
         if (!s->active) s->code = DM_MEMORY, s->meeting_count = 0;
     }
 }

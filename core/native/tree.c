@@ -60,8 +60,8 @@ static int32_t dm_lay_edges(dm_scene_state *s, dm_surface *f) {
 }
 
 static int32_t dm_lay_neighbours(dm_scene_state *s) {
-    uint32_t *start = s->ring_start = room(s->vertex_count + 2, sizeof *start);
-    s->ring = room(2 * s->edge_count, sizeof *s->ring);
+    uint32_t *start = s->ring_start = dm_alloc(s->vertex_count + 2, sizeof *start);
+    s->ring = dm_alloc(2 * s->edge_count, sizeof *s->ring);
     if (!start || !s->ring) return DM_MEMORY;
     for (int64_t e = 0; e < s->edge_count; e++) start[s->edges[e][0] + 2]++, start[s->edges[e][1] + 2]++;
     for (int64_t i = 2; i < s->vertex_count + 2; i++) start[i] += start[i - 1];

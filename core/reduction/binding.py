@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from .. import native
 from ..base import Floats, Ints, Singles, sums_at
 from ..mesh.surface import Mesh
+from ..native.carry import FOLLOWED, Shorts
 from .cells import vertex_normals
 
-Shorts = npt.NDArray[np.uint16]
-FOLLOWED = 8  # seeds a fine vertex follows
 WHOLE = 65535  # what the weights of a vertex add up to
 
 

@@ -14,14 +14,15 @@ import numpy as np
 import pytest
 
 from core import base, native
-from core.body import contact
+from core.body import contact, proximity, touching
 from core.mesh import depth
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
 from core.native.carry import CBinding
 from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
-from core.session import Session
-from core.solver import motion
+from core.reduction import binding
+from core.session import MAX_FINGERS, Session
+from core.solver import bounds, motion, rolling, scene, twin_scene
 from core.solver.motion import FingertipMotion, Motion
 from tests.bodies import after
 from tests.native_core import missing
@@ -71,20 +72,30 @@ def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
     assert in_python(STRUCTURES[name]) == declared(name)
 
 
+# where C's constants have their twins, and those that are called otherwise there
+TWINS = base, contact, proximity, touching, bounds, motion, rolling, scene, twin_scene, binding, depth
+RENAMED = {
+    "ABI": native.ABI, "PINNED_GIVE": contact.HELD_GIVE, "CONTACT_SWEEPS": touching.SWEEPS, "SWEEPS": bounds.SWEEPS,
+    "SCENE_IMPULSES": scene.MAX_IMPULSES, "ROLL_ARM": rolling.ARM, "ROLL_PART": rolling.PART, "PART": touching.PART,
+    "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS,
+}  # fmt: skip
+# what only C has: how much it takes, how it searches and lays things out, and what numpy writes into a formula
+OF_C = set(
+    """ABREAST BATCH BIN_POINTS BLOCK CARRIED DEEPEST FACET_BLOCK K_X K_XQ LANES LEAF LIST_MARGIN MAX_BODIES
+    MAX_COUNT MAX_NEIGHBOURS MAX_PIECES MAX_SURFACES MAX_VERTICES MAX_WORKERS MOMENTS MOST_BINS M_V M_X M_XV M_XX NEARBY
+    NEARBY_SHARE PIN_BEHIND RUN WIDE WINDOW X86""".split()
+)
+
+
 def test_the_constants_of_c_are_those_of_python() -> None:
-    code = "\n".join((SOURCES / name).read_text() for name in ("body.h", "step.c", "dimple.h", "lanes.h"))
-    numbers = {k: float(v) for k, v in re.findall(r"(?:#define|enum \{|,|double)\s+DM_(\w+)\s*=?\s*([-\d.e]+)\b", code)}
-    shared = {
-        "FACE_SWEEPS": contact.FACE_SWEEPS, "FACE_SLACK": contact.FACE_SLACK, "LEAST_SWEEPS": contact.LEAST_SWEEPS,
-        "PINNED_GIVE": contact.HELD_GIVE, "ROUNDING": contact.ROUNDING, "TOO_NEAR": contact.TOO_NEAR,
-        "WEIGHT_FLOOR": contact.WEIGHT_FLOOR, "STIFF": contact.STIFF, "SUNK": contact.SUNK,
-        "NEAR": contact.NEAR,
-        "SKIN_TRAVEL": base.SKIN_TRAVEL, "FINGER_TRAVEL": base.FINGER_TRAVEL,
-        "LARGEST_GROWTH": base.LARGEST_GROWTH, "FASTEST": base.FASTEST, "SAME_SIDE": depth.SAME_SIDE,
-        "AIR_PRESSURE": base.AIR_PRESSURE, "AIR_EXPONENT": base.AIR_EXPONENT, "ABI": native.ABI,
-        "LIQUID_BULK_MODULUS": base.LIQUID_BULK_MODULUS, "MAX_STEPS": motion.MAX_STEPS,
-    }  # fmt: skip
-    assert {name: numbers.get(name) for name in shared} == shared
+    code = "\n".join(path.read_text() for path in sorted(SOURCES.glob("*.[ch]")))
+    code = re.sub(r"/\*.*?\*/", "", code, flags=re.DOTALL)
+    found = re.findall(r"(?:#define|enum \{|,|double) DM_(\w+)(?: = | +)\(?([-\d.]+(?:e-?\d+)?)", code)
+    known = {name: value for module in TWINS for name, value in vars(module).items()} | RENAMED
+    assert {name: known.get(name) for name, _ in found if name not in OF_C} == {
+        name: float(value) for name, value in found if name not in OF_C
+    }
+    assert {name for name, _ in found} >= OF_C
 
 
 def code_of(call: Callable[[], Any]) -> int:
