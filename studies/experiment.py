@@ -22,7 +22,7 @@ import numpy as np
 
 from core.base import DimpleError
 from core.experiment.log import Log
-from core.experiment.plan import Plan, make_plan
+from core.experiment.plan import ExperimentPlan, make_plan
 from core.experiment.psychometric import QUARTER, Psychometric, shares
 from core.experiment.results import Comparison, Ratings, compared, rated, sentences
 from core.experiment.run import Experiment, Trial
@@ -113,7 +113,7 @@ def observer(dice: random.Random) -> Observer:
     return Observer(dice.uniform(0.88, 1.12), dice.uniform(0.08, 0.18), dice.uniform(0.0, 0.03), dice)
 
 
-def go_through(plan: Plan, who: Observer, path: Path, participant: str, *, sync: bool) -> Experiment:
+def go_through(plan: ExperimentPlan, who: Observer, path: Path, participant: str, *, sync: bool) -> Experiment:
     """Answer all that is left of an experiment."""
     experiment = Experiment(plan, participant, Log(path, sync=sync))
     while trial := experiment.next():
@@ -180,7 +180,7 @@ def by_psignifit(each: Comparison, *, as_it_comes: bool = False) -> dict[str, fl
     return {"pse": found["threshold"], "jnd": found["width"] / ninety * QUARTER}
 
 
-def observe(plan: Plan, path: Path, seed: int) -> None:
+def observe(plan: ExperimentPlan, path: Path, seed: int) -> None:
     """Let one observer answer, each trial with a seed of its own: an interrupted one goes on as it would have."""
     experiment = Experiment(plan, str(seed), Log(path))
     while trial := experiment.next():

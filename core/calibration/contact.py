@@ -39,7 +39,7 @@ Reading = Callable[[float], float]  # what the file calls a depth [m], in mm
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Touch:
+class FirstTouch:
     """The first touch of a press.
 
     depth: where it is [m].
@@ -52,7 +52,7 @@ class Touch:
     free: Free
 
 
-def find_touch(depth: Floats, force: Floats) -> Touch:
+def find_touch(depth: Floats, force: Floats) -> FirstTouch:
     """Find the first touch of a loading stroke (n,) [m], [N] whose force grows with depth."""
     noise = roughness(force)
     rest = float(np.median(force[: max(3, min(20, len(force) // 50))]))
@@ -69,7 +69,7 @@ def find_touch(depth: Floats, force: Floats) -> Touch:
         if loaded and pieces.join - depth[0] < _TRAVEL * np.ptp(depth):
             continue  # too little travel to know that what is on the cell is no preload
         if pieces.residual < _CLEARLY * _bent_residual(x, f) and _is_level(x[before], f[before], noise):
-            return Touch(depth=pieces.join, tare=pieces.offset, free=("contact", "tare"))
+            return FirstTouch(depth=pieces.join, tare=pieces.offset, free=("contact", "tare"))
     return _already_touching(depth, force, rest, noise)
 
 
@@ -242,15 +242,15 @@ def _begun(first: float, before: float, loaded: float) -> Question:
     )
 
 
-def _already_touching(depth: Floats, force: Floats, rest: float, noise: float) -> Touch:
+def _already_touching(depth: Floats, force: Floats, rest: float, noise: float) -> FirstTouch:
     """Return the touch of a file that begins in contact: at depth 0, or where the first rows point back to."""
     span, first = float(np.ptp(depth)), float(depth[0])
     if abs(first) < 0.02 * span:
-        return Touch(depth=0.0, tare=0.0, free=())
+        return FirstTouch(depth=0.0, tare=0.0, free=())
     end = max(_sustained(force > rest + 0.1 * (force.max() - rest)), 2 * _ROWS)
     slope, _ = np.polyfit(depth[:end] - first, force[:end], 1)
     back = rest / slope if slope > 0 and abs(rest) > _CLEAR * noise else 0.0
-    return Touch(depth=first - back, tare=0.0, free=("contact",))
+    return FirstTouch(depth=first - back, tare=0.0, free=("contact",))
 
 
 def _sustained(above: np.ndarray) -> int:

@@ -65,7 +65,7 @@ class Task:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class ExperimentPlan:
     """An experiment.
 
     name: of it.
@@ -101,7 +101,7 @@ class Slot:
     label: str
 
 
-def order(plan: Plan, participant: str) -> list[Slot]:
+def order(plan: ExperimentPlan, participant: str) -> list[Slot]:
     """Return the trials of a participant: tasks in a seeded order, the trials of each shuffled."""
     dice = random.Random(f"{plan.seed} {participant}")
     names = sorted({task.object for task in plan.tasks})
@@ -126,7 +126,7 @@ def order(plan: Plan, participant: str) -> list[Slot]:
     return slots
 
 
-def read_plan(path: Path) -> Plan:
+def read_plan(path: Path) -> ExperimentPlan:
     """Return the plan in a file.
 
     Raises:
@@ -145,7 +145,7 @@ def read_plan(path: Path) -> Plan:
         raise DimpleError(f"{path.name} is not an experiment: {error}.") from None
 
 
-def make_plan(file: Mapping[str, Any]) -> Plan:
+def make_plan(file: Mapping[str, Any]) -> ExperimentPlan:
     """Return the plan of what a file says.
 
     Raises:
@@ -158,7 +158,7 @@ def make_plan(file: Mapping[str, Any]) -> Plan:
         raise DimpleError(f"The experiment has more than {LONGEST} trials.")
     name = str(file["name"])
     seed = int(file.get("seed", zlib.crc32(name.encode())))
-    return Plan(name=name, seed=seed, consent=str(file.get("consent") or CONSENT), tasks=tuple(tasks))
+    return ExperimentPlan(name=name, seed=seed, consent=str(file.get("consent") or CONSENT), tasks=tuple(tasks))
 
 
 def _cells(row: Mapping[str, str | None]) -> dict[str, Any]:

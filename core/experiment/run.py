@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 
 from ..errors import DimpleError
 from .log import Log, Row, Sample
-from .plan import Plan, Task, order
+from .plan import ExperimentPlan, Task, order
 from .staircase import next_level
 
 
@@ -41,7 +41,7 @@ class Experiment:
         DimpleError: the log is of another plan or another participant.
     """
 
-    def __init__(self, plan: Plan, participant: str, log: Log) -> None:
+    def __init__(self, plan: ExperimentPlan, participant: str, log: Log) -> None:
         self.plan, self.participant, self.log = plan, participant, log
         self._slots = order(plan, participant)
         for row in log.rows:

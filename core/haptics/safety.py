@@ -130,7 +130,7 @@ class BadNumbers:
 
 
 @dataclass(slots=True)
-class Motion:
+class Velocity:
     """The velocity of a fingertip [m/s], filtered because of the steps of its converter."""
 
     at: Vector | None = None
@@ -238,7 +238,7 @@ class Guard:
     """
 
     limits: Limits
-    motion: Motion = field(default_factory=Motion)
+    motion: Velocity = field(default_factory=Velocity)
     passivity: Passivity = field(default_factory=Passivity)
     sent: Vector = ZERO
     square: float = 0.0
