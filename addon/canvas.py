@@ -49,6 +49,7 @@ def overlays_shown(context: bpy.types.Context) -> bool:
 
 
 def draw_lines(segments: Sequence[Segment], colour: Point, screen: Screen) -> None:
+    """Draw straight lines, each from point to point, in the scene or in pixels."""
     if not segments:
         return
     import gpu
@@ -65,6 +66,7 @@ def draw_lines(segments: Sequence[Segment], colour: Point, screen: Screen) -> No
 
 
 def draw_filled(low: Point, high: Point, colour: Point) -> None:
+    """Fill a rectangle between two corners [px]."""
     import gpu
     from gpu_extras.batch import batch_for_shader
 

@@ -168,6 +168,7 @@ def at_spread(means: Sequence[Means], spread: float, knee: bool, *, start: Found
 
 
 def cost_of(found: Found) -> float:
+    """Return the sum of the squared residuals of a fit, by which fits are sorted."""
     return found.cost
 
 

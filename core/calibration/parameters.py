@@ -37,11 +37,13 @@ class Parameters:
 
 
 def law(x: Floats, K1: float, K2: float, x0: float) -> Floats:
+    """Return K(x) of Eq. (1), (n,) [N], at depths (n,) [m]."""
     x = np.maximum(x, 0)
     return K1 * np.minimum(x, x0) + K2 * np.maximum(x - x0, 0)
 
 
 def residual_of(parameters: Parameters, x: Floats, f: Floats) -> Floats:
+    """Return how far forces (n,) [N] at depths (n,) [m] are above the law and the tare, (n,) [N]."""
     K1, K2, x0, contact, tare = parameters.parts(x)
     return f - tare - law(x - contact, K1, K2, x0)
 
@@ -58,6 +60,7 @@ def jacobian_of(parameters: Parameters, x: Floats) -> Floats:
 
 
 def sum_of_squares(parameters: Parameters, x: Floats, f: Floats) -> float:
+    """Return the sum of the squared residuals [N2]."""
     return float((residual_of(parameters, x, f) ** 2).sum())
 
 

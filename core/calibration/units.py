@@ -42,6 +42,7 @@ def written_units(table: Table) -> list[Unit]:
 
 
 def kind_of(unit: Unit) -> str | None:
+    """Return the kind of a unit, see `unit_of`; of units one a row that of the first."""
     found = unit_of(unit if isinstance(unit, str) else unit[0]) if unit else None
     return found[0] if found else None
 
@@ -84,11 +85,13 @@ def factor_to_si(
 
 
 def title_of(table: Table, at: int) -> str:
+    """Return what a column is called in a question: its name and unit, or its number."""
     unit = table.units[at]
     return (table.names[at] + (f" ({unit})" if unit else "")) or f"column {at + 1}"
 
 
 def which_unit(table: Table, role: str, at: int | None) -> Question:
+    """Return the question in what unit a column is."""
     assert at is not None
     values = table.numbers[:, at][np.isfinite(table.numbers[:, at])]
     reach = float(np.abs(values).max(initial=0))
