@@ -1,17 +1,20 @@
 """Bodies meet colliders, each other and themselves, and nothing passes through anything."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import core.world
 from core.base import DimpleError
 from core.body.model import build_model
 from core.body.proximity import OFFSET, find_pairs, join_surfaces
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
+from core.solver.scene import SceneFrame
 from core.world import Collider, World
 from tests.bodies import ball, sheet
 
@@ -170,3 +173,31 @@ def test_a_body_inside_a_closed_collider_is_moved_out_of_it() -> None:
     body = session((0, 0, 2.2 * RADIUS))
     World([body], [Collider(points.T.copy(), faces)], apart=[True])
     assert np.linalg.norm(body.body.positions(), axis=0).min() > 2.9 * RADIUS
+
+
+class Slow(World):
+    """A world each tick of which takes so long [s], by a clock of its own."""
+
+    clock, each = 0.0, 0.0
+
+    def _run(self, ticks: int, substeps: int, done: int, whole: int) -> SceneFrame:
+        Slow.clock += ticks * self.each
+        return super()._run(ticks, substeps, done, whole)
+
+
+@pytest.mark.parametrize("each", [0.001, 0.006, 0.05])
+def test_a_frame_of_a_tangle_ends_a_tick_after_its_budget_at_most_and_time_runs_slower(
+    each: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(core.world, "time", SimpleNamespace(perf_counter=lambda: Slow.clock))
+    body = session((0, 0, 0.05))
+    world = Slow([body], [table()])
+    for now in (each, each / 4, each):  # what a tick costs changes as things come together and part
+        Slow.each = now
+        for _ in range(3):
+            before, time = Slow.clock, body.frame.time
+            world.step(0.1, budget=0.02)
+            spent, done = Slow.clock - before, body.frame.time - time
+            assert done == pytest.approx(1e-3 * spent / now)
+            assert spent <= 0.02 + 1.001 * now
+            assert spent >= min(0.02, 100 * now) - 1e-9
