@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty
 
-from . import polls, sessions
+from . import modal_runs, polls, sessions
 from .messages import say
 from .names import Op
 from .working import Working
@@ -38,8 +38,8 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
             return polls.refuse(cls, "Go back to Object Mode to bake")
         return polls.is_free(cls)
 
-    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
-        return sessions.open_run(context, "bake", "Baking: Esc cancels", interval=0.01)
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "bake", "Baking: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps of the bake; live sessions end first, for a bake starts at rest."""

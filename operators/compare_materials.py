@@ -3,7 +3,7 @@
 import bpy
 from mathutils import Matrix, Vector
 
-from . import polls, sessions, twins
+from . import modal_runs, polls, sessions, twins
 from .messages import report, say
 from .names import Op
 
@@ -25,7 +25,7 @@ class DIMPLE_OT_compare_materials(bpy.types.Operator):
             return polls.refuse(cls, "Make the object soft first")
         if twins.other(obj, context.scene):
             return polls.refuse(cls, "The object has a twin already: use one of the two materials first")
-        if sessions.sessions or sessions.runs:
+        if sessions.sessions or modal_runs.runs:
             return polls.refuse(cls, "Something is being pressed: end that first, with Esc or Reset")
         return True
 

@@ -6,7 +6,7 @@ import math
 import bpy
 from bpy.props import IntProperty
 
-from . import polls, sessions
+from . import modal_runs, polls, sessions
 from .messages import say
 from .names import Op
 from .working import Working
@@ -35,8 +35,8 @@ class DIMPLE_OT_compare_proxies(Working, bpy.types.Operator):
         """Need Object Mode, a mesh, and no other task."""
         return polls.can_press(cls, context)
 
-    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
-        return sessions.open_run(context, "compare", "Comparing: Esc cancels", interval=0.01)
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "compare", "Comparing: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for a body is pressed from rest."""
@@ -74,7 +74,7 @@ class DIMPLE_OT_compare_proxies(Working, bpy.types.Operator):
             if each.note:
                 say(self, {"INFO"}, f"A proxy of {each.asked} vertices: {each.note}")
         say(self, {"INFO"}, f"Compared {len(good)} variants of {obj.name}")
-        sessions.redraw()
+        modal_runs.redraw()
         return {"FINISHED"}
 
 

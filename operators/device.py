@@ -5,7 +5,7 @@ import time
 import bpy
 from bpy.props import FloatProperty
 
-from . import haptic, polls, sessions
+from . import haptic, modal_runs, polls, sessions
 from .messages import say
 from .names import DEAD_MAN, Op
 from .translation import translated
@@ -94,7 +94,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
             connection.device.disarm()
             haptic.hold(0.0)
             connection.watch = None
-            return {"PASS_THROUGH"} if sessions.runs else self._end(context)
+            return {"PASS_THROUGH"} if modal_runs.runs else self._end(context)
         before, key = self._down, event.value if event.type == DEAD_MAN else ""
         if key == "PRESS":
             self._down = True
@@ -121,7 +121,7 @@ class DIMPLE_OT_arm_device(_NeedsDevice, bpy.types.Operator):
         if owner is self._watch:
             haptic.hold(0.0)
         if owner in (None, self._watch):  # a newer operator has a text of its own, a script has none
-            sessions.clear_status()
+            modal_runs.clear_status()
         return {"FINISHED"}
 
 

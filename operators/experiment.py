@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 from bpy.props import IntProperty, StringProperty
 
-from . import polls, sessions
+from . import modal_runs, polls, sessions
 from .messages import report, say
 from .names import Op
 from .under_way import (
@@ -98,7 +98,7 @@ class DIMPLE_OT_agree_experiment(_UnderWay, bpy.types.Operator):
     def execute(self, _context: bpy.types.Context) -> set[str]:
         """Begin."""
         experiments[0].agreed = True
-        sessions.redraw()
+        modal_runs.redraw()
         return {"FINISHED"}
 
 
@@ -135,7 +135,7 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
         """Present by the clock until the press is over; what is felt, until an answer, the other interval or Esc."""
         if not self._begin(context):
             return {"CANCELLED"}
-        self._run = sessions.open_run(context, "play", "Trial: answer in the panel, Esc ends it")
+        self._run = modal_runs.open_run(context, "play", "Trial: answer in the panel, Esc ends it")
         self._clock = time.perf_counter()
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -157,7 +157,7 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
             with sessions.ending_on_error():
                 self._advance(context, asked, budget)
             live.adapt(self._run, asked)
-            sessions.redraw()
+            modal_runs.redraw()
         return {"PASS_THROUGH"}
 
     def cancel(self, _context: bpy.types.Context) -> None:
@@ -254,7 +254,7 @@ class DIMPLE_OT_answer_trial(_UnderWay, bpy.types.Operator):
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         under_way.shown, under_way.samples = 0, []
-        sessions.redraw()
+        modal_runs.redraw()
         return {"FINISHED"}
 
 

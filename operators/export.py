@@ -6,7 +6,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from . import polls, sessions
+from . import modal_runs, polls, sessions
 from .messages import duration, megabytes, say, wrapped
 from .names import EXPORTS, Op
 from .translation import translated
@@ -130,8 +130,8 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             text += iface_(", {} on this computer").format(duration(took))
         return text, "TIME"
 
-    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
-        return sessions.open_run(context, "export", "Exporting: Esc cancels", interval=0.01)
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "export", "Exporting: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for what is exported starts at rest."""

@@ -6,7 +6,7 @@ import sys
 
 import bpy
 
-from . import sessions, showing
+from . import modal_runs, sessions, showing
 from .names import PRESS
 
 
@@ -52,7 +52,7 @@ def _on_undo_pre(*_: object) -> None:
 def _on_undo(*_: object) -> None:
     """Go on where the object is still there; an undo may bring back objects that it caught pressed."""
     sessions.disarm()  # it may put anything under a fingertip of the haptic device at once
-    for run in sessions.runs:
+    for run in modal_runs.runs:
         run.shown = ("", "")  # an undo takes the text of the status bar away
     if sessions.sessions:
         from . import bridge, bridge_write

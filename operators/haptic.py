@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from . import sessions
+from . import modal_runs, sessions
 from .beside import Beside
 
 if TYPE_CHECKING:
@@ -251,7 +251,7 @@ def _look() -> float | None:
             connection.device.renew()
         else:
             write(bpy.context.scene)
-    sessions.redraw()
+    modal_runs.redraw()
     return LOOK_S
 
 

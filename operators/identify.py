@@ -6,7 +6,7 @@ from datetime import date
 import bpy
 from bpy.props import EnumProperty, FloatProperty
 
-from . import calibration, polls, sessions
+from . import calibration, modal_runs, polls, sessions
 from .messages import say
 from .names import PLACES, Op
 from .working import Working
@@ -34,8 +34,8 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         """Need Object Mode, a mesh with a material, and nothing else at work."""
         return polls.can_measure(cls, context)
 
-    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
-        return sessions.open_run(context, "identify", "Identifying: Esc cancels", interval=0.01)
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "identify", "Identifying: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; a body is at rest before it is pressed."""

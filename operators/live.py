@@ -12,9 +12,10 @@ from ..core.base import DimpleError
 from ..core.crowd import step_all
 from ..core.session import MAX_FINGERS, Finger
 from ..core.steps import Parts, at_once
-from . import bridge, contact, haptic, props, rest_shape, sessions, showing, timeline, tuning, twins
+from . import bridge, contact, haptic, modal_runs, props, rest_shape, sessions, showing, timeline, tuning, twins
 from .messages import Note
-from .sessions import LiveBody, ModalRun
+from .modal_runs import ModalRun
+from .sessions import LiveBody
 
 if TYPE_CHECKING:
     from ..core.world import World
@@ -120,7 +121,7 @@ def _may_run_beside(context: bpy.types.Context, pressed: Mapping[int, Sequence[F
     Bodies that meet are stepped together, and what the mouse presses is stepped where the mouse is.
     """
     mouse, timed = any(any(fingers) for fingers in pressed.values()), timeline.is_playing(context)
-    plays = any(not run.paused for run in sessions.runs)
+    plays = any(not run.paused for run in modal_runs.runs)
     return plays and not (mouse or timed or contact.is_on(context.scene))
 
 

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from . import polls, sessions
+from . import modal_runs, polls, sessions
 from .identify import place_of
 from .messages import say
 from .names import PLACES, TIPS, Op
@@ -68,8 +68,8 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
             row.active = name != "tip_radius_mm" or self.tip != _AS_MEASURED[0]
             row.prop(self, name)
 
-    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
-        return sessions.open_run(context, "measure", "Measuring: Esc cancels", interval=0.01)
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "measure", "Measuring: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         """Return the steps; a body is at rest before it is pressed."""

@@ -6,7 +6,7 @@ from itertools import chain
 import bpy
 from bpy.props import FloatProperty, IntProperty
 
-from . import polls, sessions, showing
+from . import modal_runs, polls, sessions, showing
 from .messages import report, say
 from .names import Op
 
@@ -61,9 +61,9 @@ class DIMPLE_OT_play(bpy.types.Operator):
         from ..core.base import DimpleError
         from . import live, start
 
-        if sessions.runs:
-            run = sessions.runs[0]
-            sessions.pause(context, run, not run.paused)
+        if modal_runs.runs:
+            run = modal_runs.runs[0]
+            modal_runs.pause(context, run, not run.paused)
             return {"FINISHED"}
         try:
             if start.takes_long(context):
@@ -73,7 +73,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._run = sessions.open_run(context, "play", "Playing: Esc ends and puts the rest shape back")
+        self._run = modal_runs.open_run(context, "play", "Playing: Esc ends and puts the rest shape back")
         self._clock, self._frame = time.perf_counter(), context.scene.frame_current
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -109,7 +109,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             messages = live.advance(context, asked, budget=budget)
             live.adapt(self._run, asked)
         report(self, [*messages, *recovery_copy.save_when_due(self._run)])
-        sessions.redraw()
+        modal_runs.redraw()
         if not sessions.sessions:
             sessions.stop_all()
             return {"CANCELLED"}
@@ -157,7 +157,7 @@ class DIMPLE_OT_reset(bpy.types.Operator):
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
         """Need something that runs."""
-        if not (sessions.sessions or sessions.runs):
+        if not (sessions.sessions or modal_runs.runs):
             return polls.refuse(cls, "Nothing is being pressed")
         return True
 

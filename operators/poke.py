@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
 
-from . import polls, sessions, showing
+from . import modal_runs, polls, sessions, showing
 from .messages import report, say
 from .names import Op
 
@@ -52,7 +52,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         """Need Object Mode, and no other poke or bake."""
         if context.mode != "OBJECT":
             return polls.refuse(cls, "Go back to Object Mode to press")
-        if any(run.kind == "poke" for run in sessions.runs):
+        if any(run.kind == "poke" for run in modal_runs.runs):
             return polls.refuse(cls, "A poke is running; Esc leaves it")
         return polls.is_free(cls)
 
@@ -83,10 +83,10 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             say(self, {"INFO"}, " ".join(messages))
         self._shapes: dict[int, object] = {}
         self._clock = time.perf_counter()
-        self._run = sessions.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
+        self._run = modal_runs.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
         context.window_manager.modal_handler_add(self)
         self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
-        sessions.show_status(context, self._run, fingertip.help_text(self._state))
+        modal_runs.show_status(context, self._run, fingertip.help_text(self._state))
         # started as a tool the button is down already
         view = pointer.view_under(context, event)
         if view and event.type == "LEFTMOUSE" and event.value in pointer.DOWN:
@@ -135,7 +135,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         asked, self._budget = live.ask(context.scene, self._run, wall)
         tool = fingertip.settings_of(context.scene)
         self._state, self._tool = fingertip.taken(self._state, self._tool, tool), tool
-        sessions.show_status(context, self._run, fingertip.help_text(self._state))
+        modal_runs.show_status(context, self._run, fingertip.help_text(self._state))
         if self._run.paused != self._state.paused:  # the sidebar's button
             self._take(context, PokeEvent(kind=Kind.PAUSE))
         if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
@@ -156,13 +156,13 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         if event.kind is Kind.PRESS:
             report(self, press.bare(event, self._state.radius))
         if self._run.paused != self._state.paused:
-            sessions.pause(context, self._run, self._state.paused)
+            modal_runs.pause(context, self._run, self._state.paused)
         if self._state.pressing and not was_pressing:
             # a drag follows the surface as it was: the dent would lead the fingertip deeper and deeper
             self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}
         if event.kind in (Kind.RADIUS, Kind.AMOUNT, Kind.BY_FORCE, Kind.FINGER):
             self._tool = fingertip.store(context.scene, self._state)
-            sessions.show_status(context, self._run, fingertip.help_text(self._state))
+            modal_runs.show_status(context, self._run, fingertip.help_text(self._state))
         for effect in effects:
             if result := self._do(context, effect, event.amount):
                 return result
@@ -243,7 +243,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
                     centre = along(hover.point, hover.normal, self._state.radius)
                     fingers[active] = Finger(centre, self._state.radius)
             body.fingers = tuple(fingers)
-        sessions.redraw()
+        modal_runs.redraw()
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_poke])

@@ -4,7 +4,7 @@ import bpy
 from bpy.app.translations import pgettext_tip
 
 from ..core.errors import DimpleError
-from . import sessions
+from . import modal_runs, sessions
 
 LARGEST = 1e9  # of a number an operator takes; NaN and infinity are none either
 
@@ -47,7 +47,7 @@ def is_own(operator: type, body: bpy.types.Object) -> bool:
 
 def is_free(operator: type) -> bool:
     """Tell whether nothing runs that may not be disturbed."""
-    if sessions.at_work():
+    if modal_runs.at_work():
         return refuse(operator, "A bake, a comparison or a virtual press is running; Esc cancels it")
     return True
 

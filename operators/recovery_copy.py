@@ -11,10 +11,10 @@ from pathlib import Path
 
 import bpy
 
-from . import sessions
+from . import modal_runs
 
 
-def save_when_due(run: sessions.ModalRun) -> list[str]:
+def save_when_due(run: modal_runs.ModalRun) -> list[str]:
     """Write the copy at the interval of Blender's preferences, if autosave is on there.
 
     Returns:

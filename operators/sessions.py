@@ -1,14 +1,12 @@
 """The running sessions: the mutable module state of the extension, but for the connection to the haptic device.
 
 `sessions` holds a LiveBody for every object that is being pressed, by the object's session_uid, which survives undo
-and renaming; `runs` holds the modal operators that drive them, so that whatever ends a session from outside (a
-file is loaded, the extension is switched off, an undo takes the object away) also ends what drives it.
+and renaming.
 """
 
 from __future__ import annotations
 
 import sys
-import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,6 +16,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from .messages import Note
+from .modal_runs import close_run, runs
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from .recorder import Recorder
     from .settings import Settings
 
-PAUSED = "Paused: Space or Play goes on, Esc ends and puts the rest shape back"
 TRAIL = 4000  # points of force against depth that the chart remembers
 
 
@@ -103,36 +101,7 @@ class LiveBody:
         return x, y, z
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
-class ModalRun:
-    """A modal operator that drives the sessions.
-
-    kind: "start", "poke", "play", "bake", "compare", "identify" or "measure".
-    timer: what wakes it.
-    state: what it does, for the panel.
-    status: for the status bar.
-    shown: the workspace that shows which status.
-    paused: time stands still.
-    closed: it has ended.
-    step_s: simulated time that the next step asks for [s]; it falls when the computer lags.
-    saved_at: when the last recovery copy was due [s].
-    leave: called when the run is closed, by whomever.
-    """
-
-    kind: str
-    timer: bpy.types.Timer | None
-    state: str = ""
-    status: str = ""
-    shown: tuple[str, str] = ("", "")
-    paused: bool = False
-    closed: bool = False
-    step_s: float = 0.002
-    saved_at: float = field(default_factory=time.monotonic)
-    leave: Callable[[], None] | None = None
-
-
 sessions: dict[int, LiveBody] = {}
-runs: list[ModalRun] = []
 worlds: list[LiveWorld] = []  # the sessions that are stepped together
 disarming: list[Callable[[], None]] = []  # what ends all force of the haptic device: `haptic` adds itself
 
@@ -140,11 +109,6 @@ disarming: list[Callable[[], None]] = []  # what ends all force of the haptic de
 def get(obj: bpy.types.Object | None) -> LiveBody | None:
     """Return the session of an object."""
     return sessions.get(obj.session_uid) if obj else None
-
-
-def at_work() -> bool:
-    """Tell whether something runs that nothing may disturb; Esc cancels it."""
-    return any(run.kind not in ("poke", "play") for run in runs)
 
 
 def identifying() -> float | None:
@@ -281,61 +245,3 @@ def ending_on_error() -> Iterator[None]:
     except BaseException:
         stop_all()
         raise
-
-
-def open_run(context: bpy.types.Context, kind: str, state: str, *, interval: float = 1 / 60) -> ModalRun:
-    """Register a modal operator and give it a timer; an earlier one that drives the sessions is closed."""
-    for run in list(runs):
-        close_run(run)
-    manager = context.window_manager
-    run = ModalRun(kind=kind, timer=manager.event_timer_add(interval, window=context.window), state=state)
-    runs.append(run)
-    manager.dimple.state = state
-    return run
-
-
-def pause(context: bpy.types.Context, run: ModalRun, paused: bool) -> None:
-    """Let time stand still, or go on, and say so."""
-    run.paused = paused
-    context.window_manager.dimple.state = PAUSED if paused else run.state
-    redraw()
-
-
-def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
-    """Show a text in the status bar: also after an undo and in another workspace, which both forget it."""
-    wanted = (getattr(context.workspace, "name", ""), text)
-    if run.shown != wanted:
-        context.workspace.status_text_set(text)
-        run.status, run.shown = text, wanted
-
-
-def clear_status() -> None:
-    """Take our text out of the status bar of every workspace: it may have been shown in several."""
-    for workspace in bpy.data.workspaces:
-        with bpy.context.temp_override(workspace=workspace):  # whose it is is not looked at
-            workspace.status_text_set(None)
-
-
-def close_run(run: ModalRun) -> None:
-    """Take timer and status text of a modal operator away; closing twice does nothing."""
-    if run.closed:
-        return
-    run.closed = True
-    runs.remove(run)
-    manager = bpy.context.window_manager
-    if run.timer:
-        manager.event_timer_remove(run.timer)
-        run.timer = None
-    clear_status()
-    manager.dimple.state = ""
-    redraw()
-    if run.leave:
-        run.leave()
-
-
-def redraw() -> None:
-    """Ask every viewport to draw itself anew."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()

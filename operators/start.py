@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
-from . import sessions
+from . import modal_runs, sessions
 from .messages import report
 from .names import Op
 from .translation import translated
@@ -22,8 +22,8 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
 
     then: StringProperty(name="Then", description="The operator that follows", options={"HIDDEN", "SKIP_SAVE"})
 
-    def _open(self, context: bpy.types.Context) -> sessions.ModalRun:
-        return sessions.open_run(context, "start", "Getting ready: Esc cancels", interval=0.01)
+    def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
+        return modal_runs.open_run(context, "start", "Getting ready: Esc cancels", interval=0.01)
 
     def _begin(self, context: bpy.types.Context):
         from ..core.steps import beside

@@ -4,7 +4,7 @@ import time
 
 import bpy
 
-from . import sessions
+from . import modal_runs, sessions
 from .messages import duration, say
 from .translation import translated
 
@@ -63,7 +63,7 @@ class Working:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
             sessions.disarm()
-            sessions.close_run(self._run)
+            modal_runs.close_run(self._run)
             say(self, {"INFO"}, self.stopped)
             return {"CANCELLED"}
         if event.type != "TIMER":
@@ -74,7 +74,7 @@ class Working:
                 if share < 1:
                     self._show(context, share)
                     return {"RUNNING_MODAL"}
-                sessions.close_run(self._run)
+                modal_runs.close_run(self._run)
                 return self._finished(context)
         except DimpleError as error:
             return self._failed(str(error))
@@ -82,7 +82,7 @@ class Working:
     def cancel(self, _context: bpy.types.Context) -> None:
         """Leave when Blender ends the operator: the window closes, another file is loaded."""
         if self._run is not None:
-            sessions.close_run(self._run)
+            modal_runs.close_run(self._run)
 
     def _work(self) -> float:
         """Work for a moment; return the share that is done, 1 when all is."""

@@ -24,17 +24,17 @@ def press_large(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     for other in others:
         other.hide_set(True)
     yield from robot.redrawn()
-    running = robot.extension("operators.sessions")
+    running, runs = robot.extension("operators.sessions"), robot.extension("operators.modal_runs").runs
     _poke()
     yield from robot.looks(3)
-    check("a large mesh gets ready while Blender goes on", [run.kind for run in running.runs] == ["start"])
+    check("a large mesh gets ready while Blender goes on", [run.kind for run in runs] == ["start"])
     robot.screenshot(out / "0-getting-ready.png")
     yield from robot.key("ESC", *at)
-    yield from robot.until(lambda: not running.runs, "Esc stops it", 60)
+    yield from robot.until(lambda: not runs, "Esc stops it", 60)
     check("Esc stops it and nothing is left", not running.sessions and not large.modifiers)
     _poke()
     longest, looks, before, drawn = 0.0, 0, time.monotonic(), robot.drawn()
-    while not any(run.kind == "poke" for run in running.runs):
+    while not any(run.kind == "poke" for run in runs):
         yield robot.TICK_S
         robot.area().tag_redraw()
         now = time.monotonic()

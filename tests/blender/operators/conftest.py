@@ -146,10 +146,10 @@ def simulated(bpy: ModuleType) -> Callable[[Any], np.ndarray]:
 @pytest.fixture
 def sessions(bpy: ModuleType) -> Any:
     """The running sessions; after the test nothing may be left of them."""
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators import modal_runs, sessions
 
     yield sessions
-    assert not sessions.sessions and not sessions.runs
+    assert not sessions.sessions and not modal_runs.runs
     assert bpy.context.window_manager.dimple.state == ""
 
 
@@ -273,6 +273,7 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
         identify,
         live,
         measure,
+        modal_runs,
         play,
         pointer,
         poke,
@@ -307,6 +308,6 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
         return hands[-1]
 
     yield take
-    left = (len(sessions.sessions), len(sessions.runs))
+    left = (len(sessions.sessions), len(modal_runs.runs))
     sessions.stop_all()
     assert left == (0, 0) and bpy.context.window_manager.dimple.state == ""

@@ -91,11 +91,11 @@ def run(bpy: ModuleType, body: Any, *, plays: bool = False) -> Any:
 
     plays: as by Play, in real time, so that the body may run beside the device.
     """
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators import live, modal_runs, sessions
 
     live.start_all(bpy.context)
     if plays:
-        sessions.runs.append(sessions.ModalRun(kind="play", timer=None))
+        modal_runs.runs.append(modal_runs.ModalRun(kind="play", timer=None))
     entry = sessions.get(body)
     bpy.context.scene.dimple.device_origin = (0.0, 0.0, 1.0 + 0.010 / entry.link.scale)
     return entry

@@ -17,7 +17,7 @@ Refused = Callable[..., None]
 @pytest.fixture
 def refused(coordinates: Callable[[Any], bytes], bpy: ModuleType) -> Refused:
     """Return a function that checks that poke, play and bake refuse an object in a sentence, and leave it as it was."""
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators import modal_runs, sessions
 
     def check(obj: Any, words: str) -> None:
         before, data = coordinates(obj), obj.data
@@ -31,7 +31,7 @@ def refused(coordinates: Callable[[Any], bytes], bpy: ModuleType) -> Refused:
             with pytest.raises(RuntimeError, match=words) as caught:
                 verb()
             assert "Traceback" not in str(caught.value)
-            assert not sessions.sessions and not sessions.runs
+            assert not sessions.sessions and not modal_runs.runs
             assert coordinates(obj) == before and obj.data == data
             assert set(obj.data.attributes.keys()) == attributes and len(obj.modifiers) == modifiers
 

@@ -141,9 +141,9 @@ def test_a_body_that_sleeps_is_not_shown_anew(
 def test_a_slow_computer_slows_time_rather_than_tearing_the_skin(
     bpy: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import live, sessions
+    from bl_ext.user_default.dimple.operators import live, modal_runs, sessions
 
-    run = sessions.ModalRun(kind="play", timer=None)
+    run = modal_runs.ModalRun(kind="play", timer=None)
     asked, budget = live.ask(bpy.context.scene, run, 5.0)
     assert asked == run.step_s and budget < 0.1
     body = SimpleNamespace(done=1e-3)

@@ -265,7 +265,7 @@ def test_reset_from_the_sidebar_ends_the_poke(bpy: ModuleType, hand: Any, rest: 
 def test_something_unforeseen_ends_the_poke_and_is_raised(
     bpy: ModuleType, hand: Any, rest: bytes, coordinates: Bits, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators import modal_runs, sessions
 
     poke = hand("poke")
     poke.invoke()
@@ -278,7 +278,7 @@ def test_something_unforeseen_ends_the_poke_and_is_raised(
     monkeypatch.setattr(sessions.get(ball_of(bpy)).session, "begin", broken)
     with pytest.raises(ZeroDivisionError):
         poke.ticks(1)
-    assert coordinates(ball_of(bpy)) == rest and not sessions.runs
+    assert coordinates(ball_of(bpy)) == rest and not modal_runs.runs
 
 
 def test_a_soft_body_that_was_not_selected_joins_when_it_is_pressed(

@@ -65,7 +65,7 @@ def test_a_bake_that_fails_on_its_way_leaves_nothing(
 def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_nothing(
     bpy: ModuleType, hand: Any, ball: Callable[..., Any], coordinates: Bits, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions, start, working
+    from bl_ext.user_default.dimple.operators import modal_runs, sessions, start, working
 
     monkeypatch.setattr(working, "SLICE_S", 0.01)  # many slices, however fast this computer is
     large = ball("Large", subdivisions=7)
@@ -79,7 +79,7 @@ def test_a_large_mesh_gets_ready_between_events_with_progress_and_esc_leaves_not
         assert run.ticks(ticks) == {"RUNNING_MODAL"} and "Getting ready" in run.context.said
         assert run.send("G") == {"RUNNING_MODAL"}, "nothing changes the scene meanwhile"
         assert run.send("ESC") == {"CANCELLED"}
-        assert not sessions.sessions and not sessions.runs and not large.modifiers and coordinates(large) == before
+        assert not sessions.sessions and not modal_runs.runs and not large.modifiers and coordinates(large) == before
     run.operator._finished = lambda context: {"FINISHED"}
     run.invoke()
     slices = 0
