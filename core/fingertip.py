@@ -91,8 +91,11 @@ class FingerOnItsWay:
 
 def is_possible(finger: Finger) -> bool:
     """Tell whether a fingertip has a place and a force that are numbers, and a size."""
-    position, radius, force, inward = finger
-    return len(position) == 3 and radius > 0 and isfinite(sum(position) + sum(inward) + radius + (force or 0.0))
+    position, radius, force, (a, b, c) = finger
+    if len(position) != 3 or not radius > 0:
+        return False
+    x, y, z = position
+    return isfinite(x + y + z + a + b + c + radius + (force or 0.0))
 
 
 def sent(tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | None:

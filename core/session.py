@@ -133,8 +133,8 @@ class Session:
         """
         self.begin(dt)
         most = self.most if budget is None else min(self.most, TICKS_AT_ONCE)
-        while self.due:
-            self.take(self.body.step(self.next_motion(min(self.due, most))))
+        while due := self.due:
+            self.take(self.body.step(self.next_motion(min(due, most))))
             if budget is not None and time.perf_counter() - self._started > budget:
                 break
         return self.finish(early=self.due > 0)
@@ -181,7 +181,8 @@ class Session:
         if ticks > 1:
             first = self._share((self._ticks + 1) * self.tick)
         self._pins = None if self._pins_target is None else self._led(self._pins_target, first, last)
-        self._bend(ticks)
+        if self._bent_target is not None and ticks:
+            self._bend(self._bent_target, ticks)
         tips = tuple([tip.motion(first, last) if tip else None for tip in self._tips])
         return Motion(ticks, substeps or self.substeps, self.tick, tips, self._pins)
 
@@ -366,14 +367,12 @@ class Session:
             tip.fresh, tip.touch = False, None
         return result
 
-    def _bend(self, ticks: int) -> None:
-        """Let the shape at rest go on in the ticks that follow."""
-        if self._bent_target is None or not ticks:
-            return
+    def _bend(self, target: Floats, ticks: int) -> None:
+        """Let the shape at rest go on towards a target in the ticks that follow."""
         before = self._moves.matching.rest if self._bent is None else self._bent
         share, left = self._share((self._ticks + ticks) * self.tick), 1 - max(self._share(self._ticks * self.tick), 0.0)
         done = 1.0 if share >= 1 else 1 - (1 - share) / left
-        self._bent = self._bent_target if done == 1 else before + done * (self._bent_target - before)
+        self._bent = target if done == 1 else before + done * (target - before)
         self.body.set_rest(self._bent, (self._bent - before) / (ticks * self.tick))
         if done == 1:
             self._bent_target = None
