@@ -27,6 +27,7 @@ from core.haptics.servo_messages import BodyState, LinkState, ServoReport
 from core.mesh.surface import base_vertices
 from core.session import Session
 
+from .machine_lateness import machine_lateness
 from .processes import InstrumentedDevice
 from .scenes import cube
 from .scripted_press import CYCLE, PRESET, RADIUS, READY_AFTER, SHORTEST, WORKSPACE, PressRecord, judge, way
@@ -58,11 +59,12 @@ def run_haptics(options: argparse.Namespace) -> int:
     """Press, then print the figures."""
     words = [word for fault in options.fault for word in ("--fault", fault)]
     words += [] if options.baud is None else ["--baud", str(options.baud)]
+    machine = machine_lateness()
     record = press(
         options.seconds, busy=options.busy, words=words, cells=options.cells, in_servo=options.model,
         loads=options.loads, udp=options.udp, stiffness=options.stiffness,
     )  # fmt: skip
-    figures = judge(record)
+    figures = {**judge(record), **machine}
     if record.report.arming is not Arming.ON:
         print(f"Not armed at the end, so forces and stiffness are too small. {record.report.note}")
     if not figures["real_time"]:

@@ -171,6 +171,7 @@ class Passivity:
     count: their number.
     share: of the force that is left, once the touch gave back too much; it ends with the touch.
     floor: stored energy below which it falls [J].
+    unwanted: for how long no force has been wanted [s].
 
     Source: Hannaford and Ryu, time-domain passivity control; a force that yields until the touch is over is ours.
     """
@@ -184,6 +185,7 @@ class Passivity:
     count: int = 0
     share: float = 1.0
     floor: float = -ALLOWED
+    unwanted: float = 0.0
 
     def observe(self, force: Vector, x: Vector, now: float) -> None:
         """Take the force [N] that acted until the fingertip came to x [m]."""
@@ -198,7 +200,6 @@ class Passivity:
             self.idle_since = now
         elif now - self.idle_since > STORE_TIME:
             self.stored = min(self.stored, 0.0)  # what was dissipated pays for nothing later
-            self.share, self.floor = 1.0, min(self.stored, -ALLOWED)
 
     def _count(self, x: Vector) -> None:
         """Count the piece under way, which ends at x [m]."""
@@ -216,6 +217,13 @@ class Passivity:
     def lose(self) -> None:
         """Note that the device let go: a fingertip that sank in is pushed out with no more than the hand gave."""
         self.floor = min(SPARE, self.stored - GRAIN_ENERGY)
+
+    def want(self, force: Vector, dt: float) -> Vector:
+        """Return what is left of a force [N] wanted for a time [s]; wanted none for a while, the touch is over."""
+        self.unwanted = 0.0 if force != ZERO else self.unwanted + dt
+        if self.unwanted > STORE_TIME:
+            self.share, self.floor = 1.0, min(self.stored, -ALLOWED)
+        return scaled(force, self.share)
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         """Return the force [N], damped so that what was given too much is taken back."""
@@ -269,10 +277,13 @@ class Guard:
 
     def output(self, wanted: Vector, gain: float, dt: float) -> Vector:
         """Return the force [N] that may act where another is wanted; where that is not a number, none."""
-        if gain <= 0 or not is_finite(wanted):
+        if not is_finite(wanted):
+            return self.zero()
+        left = self.passivity.want(wanted, dt)
+        if gain <= 0:
             return self.zero()
         speed = self.motion.speed
-        force = along(scaled(wanted, gain * self.passivity.share), speed, -RAMP_DAMPING * (1 - gain))
+        force = along(scaled(left, gain), speed, -RAMP_DAMPING * (1 - gain))
         force = self.passivity.damp(force, speed, dt)
         most = min(self.limits.peak, HARD_CEILING)
         if self.square >= self.limits.continuous**2:

@@ -200,7 +200,8 @@ class Servo:
         out = self._check(steady)
         device_on = state.status & wire.MODE in (wire.RAMP, wire.ARMED)
         lost_force = not device_on or left < 1 or self._acting.restarts_ramp(before, state)
-        if lost_force and self._switch.arming in (Arming.RAMP, Arming.ON):
+        faded = not self.order.is_fresh(now, FADE_BEGINS)
+        if (lost_force or faded) and self._switch.arming in (Arming.RAMP, Arming.ON):
             for finger in self._fingers:
                 finger.guard.passivity.lose()
         out += self._update_forces(now, min(dt, MOST_DT), held=held, device_on=device_on)

@@ -15,7 +15,7 @@ import pytest
 from core.haptics import wire
 from core.haptics.contact_model import Contact, stiffness_cap
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
-from core.haptics.safety import LEASE
+from core.haptics.safety import LEASE, STORE_TIME
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState
 from core.haptics.spec import Spec
@@ -191,20 +191,25 @@ def test_the_host_is_killed_or_stalls(stall: float) -> None:
     assert press.run(press.now + 1.3).arming == "ON"
 
 
-@pytest.mark.parametrize("stall", [0.006, 0.012, 0.02, 0.03, 0.06])
-@pytest.mark.parametrize("what", ["host_runs", "line_runs"])
+SLOW = pytest.mark.slow
+STALLS = [(0.006, "line"), (0.03, "line"), (0.006, "host"), (0.03, "host")]
+MORE_STALLS = [*((stall, what) for what in ("line", "host") for stall in (0.012, 0.02, 0.06))]
+
+
+@pytest.mark.parametrize(("stall", "what"), [*STALLS, *(pytest.param(*each, marks=SLOW) for each in MORE_STALLS)])
 def test_a_force_that_comes_back_after_a_stall_gives_the_hand_no_more_than_it_took(what: str, stall: float) -> None:
     """The force of a stiff wall fades and the fingertip sinks in; pushed out whole it gets up to 6 mJ too much.
 
     The force yields until the fingertip has left the wall; the next press meets the whole of it.
     """
     press = Press(contact=lambda now: wall(now, k=1000.0), way=TWICE, baud=0).run(AT)
-    setattr(press, what, False)
+    press.host_runs, press.line_runs = what != "host", what != "line"
     press.run(AT + stall)
-    setattr(press, what, True)
+    press.host_runs = press.line_runs = True
     press.run(AT + 0.7)
-    assert press.arming == "ON" and press.forces(press.now - 0.02)[-1] > 0.2
-    assert press.energy() > -1e-3
+    assert press.arming == "ON" and press.energy() > -1e-3
+    if stall < STORE_TIME:  # without force for so long, a wall has nothing left to give
+        assert press.forces(press.now - 0.02)[-1] > 0.2
     press.run(3.6)
     assert press.energy() > -1e-3 and min(tip.least_energy for tip in press.servo.report().tips) > -1e-3
     assert press.forces(press.now - 0.02)[-1] == pytest.approx(leant(press.servo.cap, 1000.0), abs=0.2)

@@ -142,7 +142,7 @@ def press_and_leave(push: float, pull: float, *, control: bool) -> float:
         taken += guard.sent[0] * (before - x) * -1.0
         guard.move((-x, 0.0, 0.0), i * MS)
         if not control:
-            guard.passivity.stored, guard.passivity.share = 0.0, 1.0
+            guard.passivity.stored, guard.passivity.floor = 0.0, -math.inf
         guard.output(((push if i <= 200 else pull) * x, 0.0, 0.0), 1.0, MS)
         before = x
     return taken

@@ -29,7 +29,7 @@ class Unwatched(Passivity):
 
     def observe(self, force: Vector, x: Vector, now: float) -> None:
         Passivity.observe(self, force, x, now)
-        self.share = 1.0
+        self.floor, self.share = -math.inf, 1.0
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         return force
