@@ -17,7 +17,7 @@
 #define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/body/proximity.py */
 #define DM_REACH_EDGE 0.3     /* of the mean edge: the farthest a query looks */
 #define DM_LEAST_REACH 2.0    /* of the distance at which surfaces touch */
-#define DM_WIDE 2.0           /* of the reach: how far a search looks, of which several queries live */
+#define DM_WIDE 3.0           /* of the reach: how far a search looks, of which several queries live */
 #define DM_REACH_TIME 1.5     /* ticks that a query is to last */
 #define DM_BOUND 0.9          /* of half the distance: what two primitives may go towards each other */
 #define DM_ROAM 0.99          /* of half the reach: what is near nothing may go */
