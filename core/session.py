@@ -17,7 +17,7 @@ import numpy.typing as npt
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
-from .crowd import TICKS_AT_ONCE
+from .crowd import TICKS_AT_ONCE, step_all
 from .fingertip import NOWHERE, FingerOnItsWay, between, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
@@ -131,13 +131,12 @@ class Session:
         Raises:
             DimpleError: dt is negative or not a number.
         """
+        if budget is not None:
+            return step_all([self], [dt], budget=budget)[0]
         self.begin(dt)
-        most = self.most if budget is None else min(self.most, TICKS_AT_ONCE)
         while due := self.due:
-            self.take(self.body.step(self.next_motion(min(due, most))))
-            if budget is not None and time.perf_counter() - self._started > budget:
-                break
-        return self.finish(early=self.due > 0)
+            self.take(self.body.step(self.next_motion(min(due, self.most))))
+        return self.finish()
 
     def begin(self, dt: float) -> None:
         """Begin a step of dt [s]; its ticks follow in motions, and `finish` ends it.

@@ -60,7 +60,7 @@ def test_a_second_has_as_many_ticks_at_any_frame_rate(rate: float) -> None:
 def test_a_budget_stops_early_and_time_lags() -> None:
     session = on_its_base()
     frame = session.step(1.0, budget=0.0)
-    assert 0 < frame.steps < 1000 and frame.time == pytest.approx(frame.steps * 1e-3)
+    assert frame.steps == 1 and frame.time == pytest.approx(1e-3), "at most a tick later"
     later = session.step(0.001)
     assert later.steps == 1  # what was not done is forgotten, not owed
     assert on_its_base().step(0.05, budget=1e9).steps == 50
