@@ -39,8 +39,8 @@ def demo(options: argparse.Namespace) -> int:
 
 
 def window(options: argparse.Namespace) -> int:
-    """press a mesh in a real Blender window, with a simulated mouse"""
-    return in_blender("tests/window/run.py", options.blender, options.out or BUILD / "window")
+    """press a mesh in a real Blender window, with a simulated mouse; names of scenes play only those"""
+    return in_blender("tests/window/run.py", options.blender, options.out or BUILD / "window", *options.rest)
 
 
 def samples(options: argparse.Namespace) -> int:
@@ -48,7 +48,7 @@ def samples(options: argparse.Namespace) -> int:
     return in_blender("blend_samples/make_samples.py", options.blender or OLDEST, None)
 
 
-def in_blender(script: str, wanted: str | None, out: Path | None) -> int:
+def in_blender(script: str, wanted: str | None, out: Path | None, *words: str) -> int:
     """Run a script that installs the freshly built zip into a throwaway Blender profile."""
     python = environment(wanted)
     with tempfile.TemporaryDirectory(prefix="dimple-") as profile:
@@ -56,6 +56,7 @@ def in_blender(script: str, wanted: str | None, out: Path | None) -> int:
         if out is not None:
             out.mkdir(parents=True, exist_ok=True)
             command += ["--out", out.resolve()]
+        command += words
         return run(command, limit_s=SCRIPT_LIMIT_S, BLENDER_USER_RESOURCES=profile)
 
 
@@ -179,7 +180,7 @@ def main(words: list[str]) -> int:
         if action in (demo, build, wheels, charts, window):
             command.add_argument("--out", type=Path, metavar="DIR", help="where the results go")
     options, options.rest = parser.parse_known_args(words)
-    if options.rest and options.action not in (test, core, contact, bench, charts, bake):
+    if options.rest and options.action not in (test, core, contact, bench, charts, bake, window):
         parser.error(f"unknown arguments: {' '.join(options.rest)}")
     try:
         return options.action(options)

@@ -134,10 +134,7 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     connection = haptic.get()
     if connection and connection.beside.reason and haptic.sessions.sessions:
         sentences.append(iface_(connection.beside.reason))
-    if connection and connection.slow:
-        sentences.append(
-            iface_("Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.")
-        )
+    sentences += slow()
     if not haptic.sessions.sessions:
         sentences.append(iface_("Press Play to feel the selected object."))
     return sentences
@@ -149,3 +146,11 @@ def knee_force(material: bpy.types.PropertyGroup) -> float:
 
 
 SIDEBAR = (DIMPLE_PT_device,)
+
+
+def slow() -> list[str]:
+    """Return a sentence while Blender is too slow for the dead-man key."""
+    connection = haptic.get()
+    if not (connection and connection.slow):
+        return []
+    return [iface_("Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.")]

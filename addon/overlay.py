@@ -11,7 +11,7 @@ from ..operators.messages import wrapped
 from ..operators.sessions import sessions
 from ..operators.translation import translated
 from ..operators.under_way import is_blind
-from . import canvas, dent, force_chart, readout, room, shapes
+from . import canvas, dent, device, force_chart, readout, room, shapes
 from .canvas import BACK, FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, TEXT, Screen
 from .readout import iface_
 from .room import Room
@@ -74,6 +74,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
     lines = [(body.name, TEXT)]
     if entry.recorder:
         lines.append((f"● {iface_('Recording')} {entry.recorder.frames}", FORCE))
+    lines += [(line, FORCE) for sentence in device.slow() for line in wrapped(sentence, 40)]
     if numbers:
         rows = readout.rows(entry.frame, entry.session.tick)
         notes = readout.sentences([*entry.session.model.notes, *filter(None, [entry.refused])], entry.frame)

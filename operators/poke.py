@@ -171,8 +171,9 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
     def _do(self, context: bpy.types.Context, effect: "Effect", amount: float) -> set[str] | None:
         """Do what the state machine asks for; return how the operator ends, None when it goes on."""
+        from ..core.base import DimpleError
         from ..core.poke import Effect, fingers, lifted
-        from . import live
+        from . import live, record
 
         match effect:
             case Effect.STEP:
@@ -185,7 +186,10 @@ class DIMPLE_OT_poke(bpy.types.Operator):
                 live.adapt(self._run, amount)
                 return self._went_on(messages)
             case Effect.RECORD:
-                bpy.ops.dimple.record()
+                try:  # an operator that another one calls says nothing to the artist
+                    report(self, record.switch(context))
+                except DimpleError as error:
+                    say(self, {"WARNING"}, str(error))
             case Effect.KEEP | Effect.RESTORE:
                 report(self, sessions.stop_all(restore=effect is Effect.RESTORE))
                 return {"FINISHED"} if effect is Effect.KEEP else {"CANCELLED"}

@@ -4,7 +4,7 @@ import bpy
 
 from ..core.errors import DimpleError
 from . import polls, sessions
-from .messages import report, say
+from .messages import Note, report, say
 from .names import Op
 
 
@@ -42,6 +42,18 @@ def end() -> list[str]:
     return [sentence for body in sessions.sessions.values() for sentence in sessions.end_recording(body)]
 
 
+def switch(context: bpy.types.Context) -> list[str]:
+    """Begin to record, or end it; return sentences for the artist.
+
+    Raises:
+        DimpleError: nothing can be recorded.
+    """
+    if any(body.recording for body in sessions.sessions.values()):
+        return end()
+    begin(context)
+    return [Note("Recording")]
+
+
 class DIMPLE_OT_record(bpy.types.Operator):
     """Record what is being pressed, or stop; the object plays it once its session has ended"""
 
@@ -57,15 +69,11 @@ class DIMPLE_OT_record(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Start or stop."""
-        if any(body.recording for body in sessions.sessions.values()):
-            report(self, end())
-            return {"FINISHED"}
         try:
-            begin(context)
+            report(self, switch(context))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
-        say(self, {"INFO"}, "Recording")
         return {"FINISHED"}
 
 

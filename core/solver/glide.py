@@ -49,9 +49,11 @@ class Glide:
         self._settle()
         self._fresh = (load,) * 3
         hardening = -float((load * dent).sum()) / min(float((force * dent).sum()), -1e-30)
+        # what an earlier change is still to give is given all the same, by a fingertip that this one would sink in too
+        due = self._to_give if self.hardens and self.seconds < OVER * LAG else 0.0
         self._given_before = self._given
-        self._to_give = min(self._given_before + max(hardening, 0.0), 1.0)
-        self.seconds, self.hardens = 0.0, hardening > 0
+        self._to_give = max(min(self._given_before + max(hardening, 0.0), 1.0), due)
+        self.seconds, self.hardens = 0.0, hardening > 0 or due > 0
 
     def begin(self, seconds: float) -> None:
         """Begin a step of so many seconds."""

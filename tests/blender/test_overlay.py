@@ -397,13 +397,14 @@ def test_of_four_views_one_has_the_numbers(
     assert seen == [False, False, False, True]
 
 
-def test_numbers_that_the_sidebar_shows_are_not_shown_twice_but_a_recording_is(
+def test_numbers_that_the_sidebar_shows_are_not_shown_twice_but_a_recording_and_a_slow_blender_are(
     bpy: ModuleType, overlay: ModuleType, halves: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators import haptic, sessions
 
     (entry,) = sessions.sessions.values()
     entry.recorder = SimpleNamespace(frames=12)
+    monkeypatch.setattr(haptic, "connections", [SimpleNamespace(slow=True)])
     written = lines_of(overlay, monkeypatch)
     context = viewport(bpy, object=halves, area=SimpleNamespace(regions=[region("UI", 0, 0, 9, 9, "Dimple")]))
     monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
@@ -412,5 +413,5 @@ def test_numbers_that_the_sidebar_shows_are_not_shown_twice_but_a_recording_is(
         written.clear()
         overlay.draw_numbers()
         texts = " ".join(text for text, _, _ in written)
-        assert ("Pressure" in texts) != shown and "Recording 12" in texts
+        assert ("Pressure" in texts) != shown and "Recording 12" in texts and "Blender draws too slowly" in texts
     entry.recorder = None

@@ -189,6 +189,26 @@ def test_a_number_that_is_dragged_ends_where_one_that_is_typed_does(factor: floa
     assert depths[-1] == pytest.approx(anew, rel=0.02)
 
 
+@pytest.mark.parametrize("frames", [8, 12])
+def test_a_small_change_while_a_body_still_hardens_does_not_keep_its_wider_dent(frames: int) -> None:
+    """The background identifies constants a few frames after K1 was typed, a little softer than those estimated."""
+    mesh = mesh_from_triangles(*ball(4, RADIUS))
+    tip = Finger((0.0, 0.0, 1.2 * RADIUS), 0.2 * RADIUS, 3.0)
+    depths = []
+    for materials in ([SOFT, replace(STIFF, K1=1.05 * STIFF.K1, K2=1.05 * STIFF.K2), STIFF], [STIFF]):
+        session = Session(on_its_base(mesh, materials[0]))
+        session.set_fingers([tip])
+        session.step(1.0)
+        for material in materials[1:]:
+            session.change(on_its_base(mesh, material), glide=True)
+            for _ in range(frames):
+                session.step(FRAME_S)
+        for _ in range(12):
+            session.step(0.1)
+        depths.append(float(session.frame.depths[0]))
+    assert depths[0] == pytest.approx(depths[1], rel=0.005)
+
+
 def test_the_force_returns_gently_after_a_change() -> None:
     depths, anew = hardened(3.0, 1, 1)
     assert np.diff(depths).max() < 0.1 * anew and depths[-1] == pytest.approx(anew, rel=0.02)

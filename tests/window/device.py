@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import robot
 
 PRESSED = 0.3  # [N]
 TAB = "Device"
+STOPPED_S = 0.4  # longer than the dead-man key counts as held
 
 
 def open_panel(name: str = "DIMPLE_PT_device", tab: str = TAB) -> type:
@@ -65,6 +67,7 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
         if strongest() > PRESSED:
             break  # it is seen pressing
     check("a fingertip of the emulated device feels the playing ball", most > PRESSED, f"{most:.2f} N")
+    yield from too_slow(presses, out, check)
     device.get().device.process.kill()
     yield from robot.until(lambda: report().link.name == "LOST", "the loss of the device is seen", 60)
     playing = bool(robot.modal_operators())
@@ -79,3 +82,32 @@ def feel(body: str, top: tuple[float, float, float], out: Path, check: Callable[
     bpy.utils.unregister_class(panel)
     yield from photograph(out / "14-device-gone.png")
     check("without the device the ball is as it was, bit for bit", (robot.positions(body) == rest).all())
+
+
+def too_slow(armed: Callable[[], bool], out: Path, check: Callable[..., None]) -> robot.Waits:
+    """Hold Blender up while the device is armed: that is said, and seen while it lasts, with the sidebar closed."""
+    device, view = robot.extension("operators.haptic"), robot.area().spaces.active
+    view.show_region_ui = False
+
+    def held_up() -> bool:
+        armed()
+        time.sleep(STOPPED_S)
+        return device.get().slow
+
+    yield from robot.until(held_up, "Blender is too slow for the device", 5)
+    yield from photograph_view(out / "13-too-slow.png")
+    reports = [each.message for each in bpy.context.window_manager.reports]
+    said = [each for each in reports if each.startswith("Blender draws only")]
+    check("a Blender too slow for the device says so", bool(said), said[-1] if said else "")
+    view.show_region_ui = True
+    yield from robot.redrawn()
+
+
+def photograph_view(path: Path) -> robot.Waits:
+    """Take a picture of the viewport while Blender stays slow."""
+    drawn = robot.drawn()
+    while robot.drawn() < drawn + 2:
+        time.sleep(STOPPED_S)
+        robot.area().tag_redraw()
+        yield robot.TICK_S
+    robot.screenshot(path)

@@ -6,6 +6,7 @@ Reads /mnt/zip (the built extension), writes /mnt/out/*.png and /mnt/out/window.
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from pathlib import Path
@@ -24,6 +25,7 @@ import robot
 import tuning
 
 OUT = Path("/mnt/out")
+ONLY = set(os.environ.get("DIMPLE_SCENES", "").split())  # names of functions below; none: all of them
 BODY = "Ball"
 DENT = 0.12  # [m] in the scene: the ball is 2 m wide there and stands for one of 165 mm, so 10 mm of the real one
 ROUNDING = 1e-5  # [m] that a running body at rest may tremble
@@ -84,14 +86,17 @@ def open_scene() -> robot.Waits:
     yield from robot.redrawn()
 
 
-def start_poke() -> robot.Waits:
-    """Click the poke's button in the sidebar, found by hovering."""
-    buttons = yield from robot.find_buttons()
-    REPORT["buttons"] = {command: list(place) for command, place in buttons.items()}
-    places = [place for command, place in buttons.items() if command.startswith("bpy.ops.dimple.poke(")]
+def click(name: str) -> robot.Waits:
+    """Click the button of an operator in the sidebar, found by hovering."""
+    buttons = REPORT["buttons"] = yield from robot.find_buttons()
+    places = [place for command, place in buttons.items() if command.startswith(f"bpy.ops.dimple.{name}(")]
     if not places:
-        raise robot.NotReached(f"no button of the sidebar calls dimple.poke; there are {sorted(buttons)}")
+        raise robot.NotReached(f"no button of the sidebar calls dimple.{name}; there are {sorted(buttons)}")
     yield from robot.click(*places[0])
+
+
+def start_poke() -> robot.Waits:
+    yield from click("poke")
     yield from robot.until(poking, "the poke runs", 20)
 
 
@@ -148,12 +153,27 @@ def compare(wanted: np.ndarray, at: tuple[int, int], name: str) -> robot.Differs
 
 
 def play() -> robot.Waits:
-    """Install, press, let go, leave; press again, keep, undo; calibrate; look at the panels; quit while playing."""
+    """Install, then play all scenes, or those that were asked for by name."""
     bpy.ops.extensions.package_install_files(filepath="/mnt/zip", repo="user_default", enable_on_install=True)
     names = [name for name in bpy.context.preferences.addons.keys() if name.startswith("bl_ext.")]
     check("Blender's own installer takes the zip and enables it", len(names) == 1, ", ".join(names))
-    yield from opening.open_samples(OUT, check, REPORT["measured"])
-    yield from tuning.tune(OUT, check)
+    own = {"opening": lambda: opening.open_samples(OUT, check, REPORT["measured"]), "on_ball": on_ball}
+    if unknown := ONLY - {*own, *tuning.SCENES, *ON_BALL}:
+        raise robot.NotReached(f"there is no scene {sorted(unknown)}; there are {[*own, *tuning.SCENES, *ON_BALL]}")
+    if wanted("opening"):
+        yield from own["opening"]()
+    if scenes := [scene for name, scene in tuning.SCENES.items() if wanted(name)]:
+        yield from tuning.tune(scenes, OUT, check)
+    if ON_BALL.keys() & ONLY or wanted("on_ball"):
+        yield from on_ball()
+
+
+def wanted(name: str) -> bool:
+    return not ONLY or name in ONLY
+
+
+def on_ball() -> robot.Waits:
+    """Make a ball, look at it, and play what is played on it."""
     yield from open_scene()
     yield from robot.show_tab("Dimple")
     at = robot.on_screen((0.0, 0.0, 0.0))
@@ -163,20 +183,19 @@ def play() -> robot.Waits:
     resting = robot.screenshot(OUT / "1-rest.png")
     control = yield from compare(resting, at, "1-rest.png")
     check("two pictures of the resting ball are alike", control <= ALIKE, f"{control} pixels differ")
+    for name, scene in ON_BALL.items():
+        if wanted(name) or "on_ball" in ONLY:
+            yield from scene(at, rest, resting, before)
+
+
+def press_twice(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray, before: set[str]) -> robot.Waits:
+    """Press, let go, leave; press again, keep, undo; save and load; press what is no mesh."""
     yield from press_and_leave(at, rest, resting)
     check("ESC leaves nothing on the mesh", traces() == before, extra(before))
     yield from press_and_keep(at, rest, resting)
     check("Ctrl-Z leaves nothing on the mesh", traces() == before, extra(before))
     yield from save_and_load(at, rest, before)
     yield from poke_what_is_no_mesh(at)
-    yield from comparing.compare_proxies(at, BODY, OUT, check)
-    yield from calibrating.calibrate(at, BODY, OUT, check)
-    yield from device.feel(BODY, (0.0, 0.0, 1.2), OUT, check)
-    yield from judging.judge(BODY, OUT, check)
-    yield from exporting.export(at, BODY, OUT, check)
-    yield from show_panels()
-    yield from in_japanese()
-    yield from play_on(rest)
 
 
 def press_and_leave(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray) -> robot.Waits:
@@ -304,11 +323,24 @@ def play_on(rest: np.ndarray) -> robot.Waits:
     """Start the simulation by its button and leave it running: `finish` closes Blender in the middle."""
     bpy.context.scene.dimple.use_gravity = True  # so that something moves
     bpy.data.objects[BODY].dimple.pinned = "NONE"
-    yield from robot.click(*REPORT["buttons"]["bpy.ops.dimple.play()"])
+    yield from click("play")
     yield from robot.until(lambda: moved(rest) > 0.01, "the free ball falls", 60)
     check("a click on its button plays: the free ball falls", "DIMPLE_OT_play" in robot.modal_operators())
     yield from robot.redrawn()
     robot.screenshot(OUT / "11-playing.png")
+
+
+ON_BALL = {
+    "pressing": press_twice,
+    "comparing": lambda at, *_: comparing.compare_proxies(at, BODY, OUT, check),
+    "calibrating": lambda at, *_: calibrating.calibrate(at, BODY, OUT, check),
+    "device": lambda *_: device.feel(BODY, (0.0, 0.0, 1.2), OUT, check),
+    "judging": lambda *_: judging.judge(BODY, OUT, check),
+    "exporting": lambda at, *_: exporting.export(at, BODY, OUT, check),
+    "panels": lambda *_: show_panels(),
+    "japanese": lambda *_: in_japanese(),
+    "playing": lambda _at, rest, *_: play_on(rest),
+}
 
 
 def finish(error: str) -> None:

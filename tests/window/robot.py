@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import struct
 import subprocess
+import time
 import traceback
 import zlib
 from collections.abc import Callable, Generator
@@ -24,7 +25,7 @@ TICK_S = 0.05
 WIDTH, HEIGHT = 1280, 800
 HALF = 80  # [px] of a compared square: inside the ball's outline, whose smoothing is never the same twice
 SEEN = 1000  # [px] that a dent or a chart changes at least
-_draws = {"count": 0}
+_draws = {"count": 0, "at": 0.0, "oldest": 0.0}
 
 
 class NotReached(Exception):
@@ -53,8 +54,20 @@ def drawn() -> int:
     return _draws["count"]
 
 
+def watch() -> None:
+    """Begin to watch how old a picture becomes."""
+    _draws["at"], _draws["oldest"] = time.monotonic(), 0.0
+
+
+def oldest() -> float:
+    """Return how old a picture became at most since then [s], the one that is seen now too."""
+    return max(_draws["oldest"], time.monotonic() - _draws["at"])
+
+
 def _count_draw() -> None:
+    now = time.monotonic()
     _draws["count"] += 1
+    _draws["oldest"], _draws["at"] = max(_draws["oldest"], now - _draws["at"]), now
 
 
 def extension(name: str) -> ModuleType:

@@ -1,4 +1,4 @@
-"""Press a mesh in a real Blender window: python tests/window/run.py --zip ZIP --out DIR
+"""Press a mesh in a real Blender window: python tests/window/run.py --zip ZIP --out DIR [SCENE...]
 
 Builds a chroot with Debian's Blender once (`debian.py`), starts it under Xvfb with `drive.py` inside, and
 judges what that wrote. Writes DIR/*.png, DIR/window.json and DIR/blender.log. Exits with 0 when everything
@@ -44,8 +44,8 @@ def bad_lines(log: str) -> list[str]:
     return [line for line in log.splitlines() if any(word in line for word in BAD_WORDS)]
 
 
-def press(zip_path: Path, out: Path) -> dict:
-    """Run Blender in its window and return the report with its checks."""
+def press(zip_path: Path, out: Path, scenes: list[str]) -> dict:
+    """Run Blender in its window, all of its scenes or some, and return the report with its checks."""
     root = debian.chroot_folder()
     for old in [*out.glob("*.png"), out / "window.json"]:
         old.unlink(missing_ok=True)
@@ -55,7 +55,8 @@ def press(zip_path: Path, out: Path) -> dict:
     files = {"zip": zip_path, "out": out, "window": here, "samples": here.parent.parent / "blend_samples"}
     started = time.monotonic()
     print("window: Blender opens its window and is pressed (software rendering, some minutes)", flush=True)
-    code = debian.run_inside(root, INSIDE, files=files, log=log, limit_s=LIMIT_S, environment=ENVIRONMENT)
+    environment = {**ENVIRONMENT, "DIMPLE_SCENES": " ".join(scenes)}
+    code = debian.run_inside(root, INSIDE, files=files, log=log, limit_s=LIMIT_S, environment=environment)
     written = out / "window.json"
     report = json.loads(written.read_text()) if written.exists() else {"checks": []}
     ended = f"killed after {LIMIT_S} s" if code in (137, -9) else f"exit code {code}"
@@ -65,7 +66,8 @@ def press(zip_path: Path, out: Path) -> dict:
         {"name": "Blender closes in good order", "ok": code == 0, "detail": ended},
         {"name": "Blender printed no error", "ok": not bad, "detail": "; ".join(bad)},
     ]
-    report["checks"] += command.run(root, zip_path, out)
+    if not scenes:
+        report["checks"] += command.run(root, zip_path, out)
     report["seconds_in_all"] = round(time.monotonic() - started, 1)
     written.write_text(json.dumps(report, indent=1) + "\n")
     return report
@@ -100,10 +102,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--zip", type=Path, required=True, help="the built extension")
     parser.add_argument("--out", type=Path, required=True, help="folder for the pictures and window.json")
+    parser.add_argument("scenes", nargs="*", help="names of scenes to play, those of drive.py; all without")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     try:
-        report = press(arguments.zip.resolve(strict=True), arguments.out.resolve())
+        report = press(arguments.zip.resolve(strict=True), arguments.out.resolve(), arguments.scenes)
     except debian.Unavailable as reason:
         print(f"window: skipped: {reason}")
         return 0

@@ -12,13 +12,14 @@ import robot
 import seeing
 
 Check = Callable[..., None]
+Scene = Callable[[tuple[int, int], Path, Check], robot.Waits]
 FORCE_N, GENTLE_N = 15.0, 4.0  # past the knee of the soft one; short of it
 SOFT, HARD = 0.3, 3.0  # [N/mm] of K1
 TIP_MM = 10.0  # of the fingertip that measured
 
 
-def tune(out: Path, check: Check) -> robot.Waits:
-    """Take the cube from nothing to a material that was chosen by eye."""
+def tune(scenes: list[Scene], out: Path, check: Check) -> robot.Waits:
+    """Take the cube from nothing to a material that was chosen by eye, and play scenes with it."""
     settings = bpy.context.scene.dimple
     view = robot.area().spaces.active
     view.region_3d.view_distance, view.show_region_toolbar = 6.0, True
@@ -30,13 +31,8 @@ def tune(out: Path, check: Check) -> robot.Waits:
     bpy.data.objects["Cube"].active_material.dimple.K1 = SOFT
     bpy.ops.ed.undo_push(message="Soft")
     yield from robot.redrawn()
-    yield from press_by_force(at, out, check)
-    yield from take_it_back(at, out, check)
-    yield from search(at, out, check)
-    yield from paint(at, out, check)
-    yield from seeing.see(at, out, check)
-    yield from looks(at, out, check)
-    yield from large.press_large(at, out, check)
+    for scene in scenes:
+        yield from scene(at, out, check)
     settings = bpy.context.scene.dimple  # the steps that were undone since have replaced the one above
     settings.press_by, settings.finger_radius_mm, settings.active_finger = "DEPTH", 10.0, 1
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
@@ -97,6 +93,11 @@ def settled() -> bool:
     if moves or not resting() or robot.extension("operators.sessions").identifying() is not None:
         _last["depth"], _last["since"] = depth, frame.time
     return frame.time > _last["since"] + STILL_S
+
+
+def press_and_undo(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    yield from press_by_force(at, out, check)
+    yield from take_it_back(at, out, check)
 
 
 def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -246,3 +247,40 @@ def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     check("the overlay goes on in every look", body() is not None)
     yield from robot.key("ESC", *at)
     yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+
+
+def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Record with the sidebar closed: a sign is seen while it lasts, and its end is said."""
+    bpy.context.scene.dimple.press_force_n = GENTLE_N
+    yield from leave_resting(at)
+    robot.area().spaces.active.show_region_ui = False
+    yield from robot.redrawn()
+    before = robot.screenshot(out / "0-recording.png")
+    yield from robot.key("R", *at)
+    yield from robot.until(lambda: (body().recorder or None) and body().recorder.frames > 2, "it records", 60)
+    yield from robot.redrawn()
+    pictures = before, robot.screenshot(out / "0-recording.png")
+    red = [int(((each[..., 0] > 150) & (each[..., 1:] < 100).all(axis=2))[300:, 60:360].sum()) for each in pictures]
+    check("a recording is seen with the sidebar closed", red[1] > red[0] + 20, f"{red[0]} and {red[1]} red pixels")
+    yield from robot.key("R", *at)
+    yield from robot.looks(10)
+    yield from robot.key("ESC", *at)
+    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+    yield from robot.redrawn()
+    robot.screenshot(out / "0-recorded.png")
+    reports = [each.message for each in bpy.context.window_manager.reports if each.message.startswith("Recorded")]
+    cube = bpy.data.objects["Cube"]
+    played = any(each.type == "MESH_CACHE" for each in cube.modifiers)
+    check("its end is said", played and len(reports) == 1, "; ".join(reports))
+    bpy.ops.dimple.unbake()
+
+
+SCENES: dict[str, Scene] = {
+    "tuning": press_and_undo,
+    "search": search,
+    "recording": record,
+    "painting": paint,
+    "seeing": seeing.see,
+    "looks": looks,
+    "large": large.press_large,
+}

@@ -117,6 +117,8 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
     poke.ticks(30)
     poke.send("R")
     assert not body.recording
+    said = [text for _, text in poke.reports]
+    assert "Recording" in said and said[-1].startswith('Recorded '), "by its own operator, for that is what is shown"
     poke.send("ESC")
     assert ball_of(bpy).modifiers["Dimple"].filepath.endswith("Ball_take_001.pc2")
 
