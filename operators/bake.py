@@ -87,7 +87,7 @@ class DIMPLE_OT_unbake(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Take modifiers and keys off."""
         from ..core.base import DimpleError
-        from . import live, output, shape_keys
+        from . import cache_files, live, shape_keys
 
         removed = 0
         try:
@@ -96,7 +96,7 @@ class DIMPLE_OT_unbake(bpy.types.Operator):
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
         for obj in meshes:
-            removed += bool(output.detach_cache(obj)) + bool(shape_keys.remove(obj))
+            removed += bool(cache_files.detach_cache(obj)) + bool(shape_keys.remove(obj))
         if not removed:
             say(self, {"WARNING"}, "There was no bake on the selected objects")
         return {"FINISHED"}

@@ -22,10 +22,10 @@ from ..core.session import Session
 from . import (
     bridge,
     bridge_write,
+    cache_files,
     contact,
     live,
     offset,
-    output,
     planning,
     props,
     recorder,
@@ -34,7 +34,7 @@ from . import (
     stack,
     timeline,
     tuning,
-    work_folder,
+    unfinished_folder,
 )  # fmt: skip
 from .settings import settings_of
 
@@ -101,7 +101,7 @@ def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Ite
         DimpleError: an object cannot be baked, the simulation blew up, or the disk refuses.
     """
     bodies = yield from simulate(context, plan, messages)
-    with output.plain_os_errors("The bake"):
+    with cache_files.plain_os_errors("The bake"):
         for body in bodies:
             _play(plan, body)
 
@@ -116,7 +116,7 @@ def simulate(
     """
     scene = context.scene
     before = scene.frame_current, scene.frame_subframe
-    with contextlib.ExitStack() as files, output.plain_os_errors("The bake"):
+    with contextlib.ExitStack() as files, cache_files.plain_os_errors("The bake"):
         _check(plan)
         files.callback(go_to, scene, before)
         scene.frame_set(plan.first)
@@ -188,8 +188,8 @@ def _open(
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):
         messages.append(f'"{obj.name}" shares its mesh with other objects: its shape keys go on a copy of its own.')
-    path, cache = output.bake_path(context, obj, plan.folder), None
-    part = (plan.folder or files.enter_context(work_folder.opened(path.parent))) / path.name
+    path, cache = cache_files.bake_path(context, obj, plan.folder), None
+    part = (plan.folder or files.enter_context(unfinished_folder.opened(path.parent))) / path.name
     if plan.target != "SHAPE_KEYS":
         cache = PointCache(part, len(link.rest), plan.first)
         files.callback(recorder.quietly, cache.close)
@@ -271,8 +271,8 @@ def _play(plan: BakePlan, body: Baked) -> None:
         return
     if plan.target == "MESH_CACHE":
         shape_keys.remove(obj)
-        output.attach_cache(obj, str(body.path), plan.first)
+        cache_files.attach_cache(obj, str(body.path), plan.first)
     elif plan.target == "SHAPE_KEYS":
-        output.detach_cache(obj)
+        cache_files.detach_cache(obj)
         shape_keys.add(obj, body.shapes)
-        output.add_curves(obj, body.path)
+        cache_files.add_curves(obj, body.path)

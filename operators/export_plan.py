@@ -13,7 +13,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.recording import open_point_cache
-from . import bridge, exporters, output, stack
+from . import bridge, cache_files, exporters, stack
 from .formats import FORMATS, Size
 from .messages import megabytes
 
@@ -62,7 +62,7 @@ class Source:
 
 def finals(plan: ExportPlan) -> list[Path]:
     """Return the names of everything that an export makes."""
-    stems = [output.file_name(obj.name) for obj in plan.objects]
+    stems = [cache_files.file_name(obj.name) for obj in plan.objects]
     endings = [*(FORMATS[each].ending for each in plan.formats), ".csv", ".json"]
     return [plan.folder / f"{stem}{ending}" for stem in stems for ending in endings]
 

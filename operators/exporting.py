@@ -20,7 +20,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.recording import open_point_cache
-from . import baking, export_time, output, sidecar, stack, work_folder
+from . import baking, cache_files, export_time, sidecar, stack, unfinished_folder
 from .clip import Clip
 from .export_plan import ExportPlan, Source, check, check_space, played, size_of, unplayed
 from .formats import FORMATS
@@ -38,9 +38,9 @@ def export(
     Raises:
         DimpleError: an object cannot be exported, files are there already, or the disk refuses.
     """
-    with contextlib.ExitStack() as stack, output.plain_os_errors("The export", "folder"):
+    with contextlib.ExitStack() as stack, cache_files.plain_os_errors("The export", "folder"):
         check(plan)
-        folder = stack.enter_context(work_folder.opened(plan.folder))
+        folder = stack.enter_context(unfinished_folder.opened(plan.folder))
         check_space(context, plan)
         (folder / "simulated").mkdir()
         first, *parts = _shares(plan)
@@ -48,7 +48,7 @@ def export(
         done = first
         for obj, source in zip(plan.objects, sources, strict=True):
             described = sidecar.describe(context, obj, plan.first, plan.last, source.simulated)
-            stem = output.file_name(obj.name)
+            stem = cache_files.file_name(obj.name)
             if source.table:
                 _copy_table(source.table, folder / "table", plan)
                 _commit(folder / "table", plan.folder / f"{stem}.csv", written)

@@ -14,7 +14,7 @@ def begin(context: bpy.types.Context) -> None:
     Raises:
         DimpleError: a file cannot be written; nothing is recorded.
     """
-    from . import bridge, output, recorder
+    from . import bridge, cache_files, recorder
 
     render = context.scene.render
     begun: list[tuple[sessions.LiveBody, recorder.Recorder]] = []
@@ -23,9 +23,9 @@ def begin(context: bpy.types.Context) -> None:
             obj = bridge.find(uid, body.name)
             if obj is None or body.recorder:
                 continue
-            path = output.take_path(context, obj)
+            path = cache_files.take_path(context, obj)
             local = bridge.to_local(body.link, body.matrix, body.rest, body.session.positions())
-            with output.plain_os_errors("Recording"):
+            with cache_files.plain_os_errors("Recording"):
                 fps = render.fps / render.fps_base
                 each = recorder.Recorder(path, context.scene.frame_current, fps, body.frame.time, local, body.session)
             begun.append((body, each))

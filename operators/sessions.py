@@ -181,7 +181,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     if body is None:
         return []
     worlds.clear()  # made anew of those that are left
-    from . import bridge, bridge_write, output, props
+    from . import bridge, bridge_write, cache_files, props
 
     if not sessions and restore and not undoing:
         props.put_back()
@@ -196,7 +196,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     bridge_write.rescue(sessions)
     messages = end_recording(body)  # after the mesh: whatever the disk does, that is safe
     if obj and body.take:
-        output.attach_cache(obj, *body.take)
+        cache_files.attach_cache(obj, *body.take)
         if not undoing:
             bridge_write.remember("Record")  # else an undo of what came before would take the take along
     return messages

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from . import bridge, output
+from . import bridge, cache_files
 from .clip import Clip
 from .formats import FORMATS
 
@@ -32,7 +32,7 @@ def describe(
     mesh.loops.foreach_get("vertex_index", corners)
     return {
         "dimple_animation": VERSION,
-        "dimple": output.version(),
+        "dimple": cache_files.version(),
         "blender": bpy.app.version_string,
         "object": obj.name,
         "vertices": len(mesh.vertices),

@@ -108,16 +108,16 @@ def test_a_bake_that_is_killed_leaves_a_cache_that_can_be_read_until_the_next(bp
 
 
 def test_the_folders_of_those_that_are_at_work_are_left_alone(bpy: ModuleType, tmp_path: Path) -> None:
-    from bl_ext.user_default.dimple.operators import work_folder
+    from bl_ext.user_default.dimple.operators import unfinished_folder
 
-    with work_folder.opened(tmp_path) as running:
+    with unfinished_folder.opened(tmp_path) as running:
         name = running.name
         elsewhere, killed = tmp_path / ".dimple-another-computer-x1", tmp_path / f"{name}2"
         for folder in (elsewhere, killed):
             folder.mkdir()
             (folder / "lock").touch()
         (running / "half").write_text("half")
-        with work_folder.opened(tmp_path) as other:
+        with unfinished_folder.opened(tmp_path) as other:
             assert (running / "half").exists() and elsewhere.exists() and not killed.exists() and other != running
     assert sorted(path.name for path in tmp_path.iterdir()) == [elsewhere.name]
 
@@ -125,7 +125,7 @@ def test_the_folders_of_those_that_are_at_work_are_left_alone(bpy: ModuleType, t
 def test_the_lock_of_a_folder_is_deleted_last_so_that_one_half_deleted_is_found_again(
     bpy: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import work_folder
+    from bl_ext.user_default.dimple.operators import unfinished_folder
 
     gone, unlink = [], os.unlink
 
@@ -133,7 +133,7 @@ def test_the_lock_of_a_folder_is_deleted_last_so_that_one_half_deleted_is_found_
         gone.append(os.path.basename(path))
         unlink(path, **options)
 
-    with work_folder.opened(tmp_path) as folder:
+    with unfinished_folder.opened(tmp_path) as folder:
         for number in range(20):
             (folder / f"frame_{number}").touch()
         monkeypatch.setattr(os, "unlink", noted)
@@ -144,14 +144,14 @@ def test_the_lock_of_a_folder_is_deleted_last_so_that_one_half_deleted_is_found_
 def test_a_folder_is_cleared_wherever_between_making_and_deleting_it_a_kill_came(
     bpy: ModuleType, tmp_path: Path, left: tuple[str, ...]
 ) -> None:
-    from bl_ext.user_default.dimple.operators import work_folder
+    from bl_ext.user_default.dimple.operators import unfinished_folder
 
-    with work_folder.opened(tmp_path) as folder:
+    with unfinished_folder.opened(tmp_path) as folder:
         killed = tmp_path / f"{folder.name}2"
         killed.mkdir()
         for name in left:
             (killed / name).touch()
-        work_folder.clear(tmp_path)
+        unfinished_folder.clear(tmp_path)
         assert list(tmp_path.iterdir()) == [folder]
 
 
@@ -162,7 +162,7 @@ def test_a_folder_that_another_blender_clears_before_it_is_held_is_made_again(
     import fcntl
     import tempfile
 
-    from bl_ext.user_default.dimple.operators import work_folder
+    from bl_ext.user_default.dimple.operators import unfinished_folder
 
     module: Any = tempfile if when == "mkdtemp" else fcntl
     real, made = getattr(module, when), []
@@ -171,14 +171,14 @@ def test_a_folder_that_another_blender_clears_before_it_is_held_is_made_again(
         """Let the other clear just before the lock is held; it leaves alone whatever is held."""
         if when == "flock" and not made:
             made.append(next(tmp_path.iterdir()))
-            work_folder.clear(tmp_path)
+            unfinished_folder.clear(tmp_path)
         result = real(*given, **named)
         if when == "mkdtemp" and not made:
             made.append(Path(result))
-            work_folder.clear(tmp_path)
+            unfinished_folder.clear(tmp_path)
         return result
 
     monkeypatch.setattr(module, when, cleared)
-    with work_folder.opened(tmp_path) as folder:
+    with unfinished_folder.opened(tmp_path) as folder:
         assert made and folder not in made and list(tmp_path.iterdir()) == [folder] and (folder / "lock").exists()
     assert not list(tmp_path.iterdir())

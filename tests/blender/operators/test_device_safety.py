@@ -117,10 +117,10 @@ def test_only_a_timer_and_the_key_itself_are_told_to_the_servo(bpy: ModuleType, 
 def test_the_newest_operator_follows_the_key_alone(
     bpy: ModuleType, port: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.operators import sessions
+    from bl_ext.user_default.dimple.operators import modal_runs
 
     cleared: list[bool] = []  # a stub's workspace is not among Blender's
-    monkeypatch.setattr(sessions, "clear_status", lambda: cleared.append(True))
+    monkeypatch.setattr(modal_runs, "clear_status", lambda: cleared.append(True))
     connect(bpy, port.path)
     old, new = Watch(bpy), Watch(bpy)
     assert old.send("LEFT_SHIFT", "PRESS") == {"FINISHED"} and not old.holds() and not old.timers
