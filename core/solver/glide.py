@@ -23,6 +23,7 @@ LAG = 0.04  # [s] so that after a sixtieth of a second a hundredth has faded
 FIRST_S = 1 / 60  # [s] by which a change fades at most in the step that shows it first
 OVER = 12  # lags after which nothing is left of the load
 BACK = 8  # lags in which the force returns after that
+NOTICED = 1e-6  # of its force: by so much more a dent must resist to have hardened
 GIVES_WAY = 0.4  # of its force: what a fingertip gives way by where a body becomes twice as hard, or more
 
 
@@ -30,15 +31,16 @@ class Glide:
     """How a body of n vertices comes from one rest to another.
 
     seconds: since its constants were changed last.
-    hardens: its dent meets more resistance than before.
+    hardens: its dent meets more resistance than before, and
+    since: so long a fingertip gives way to that [s].
     """
 
     def __init__(self, n: int) -> None:
         self._lags: tuple[Floats, ...] = (np.zeros((3, n)),) * 3
         self._fresh: tuple[Floats, ...] = self._lags  # of a change that the step under way shows first
         self._rate = 1.0  # at which those fade
-        self.seconds, self.hardens = 0.0, False
-        self._given_before = self._to_give = 0.0  # at the last change, and what that leads to
+        self.seconds, self.since, self.hardens = 0.0, 0.0, False
+        self._given_before = self._to_give = 0.0  # when it began to give way, and what that leads to
 
     def add(self, before: Model, after: Model, x: Floats) -> None:
         """Change the constants of a body that is at x (3, n) [m]."""
@@ -49,11 +51,11 @@ class Glide:
         self._settle()
         self._fresh = (load,) * 3
         hardening = -float((load * dent).sum()) / min(float((force * dent).sum()), -1e-30)
-        # what an earlier change is still to give is given all the same, by a fingertip that this one would sink in too
-        due = self._to_give if self.hardens and self.seconds < OVER * LAG else 0.0
-        self._given_before = self._given
-        self._to_give = max(min(self._given_before + max(hardening, 0.0), 1.0), due)
-        self.seconds, self.hardens = 0.0, hardening > 0 or due > 0
+        self.seconds, to_give = 0.0, min(self._given + hardening, 1.0)
+        # what gives way to an earlier change, or returns from it, goes on with that, unless this one asks for more
+        if hardening > NOTICED and not (self._gives_way and to_give <= self._to_give):
+            self._given_before, self._to_give = self._given, to_give
+            self.since, self.hardens = 0.0, True
 
     def begin(self, seconds: float) -> None:
         """Begin a step of so many seconds."""
@@ -64,8 +66,8 @@ class Glide:
 
     def fade(self, seconds: float) -> Floats | None:
         """Let some time of a step pass and return the load (3, n) [N], None where it is over."""
-        self.seconds += self._rate * seconds
-        if self.seconds > (OVER + self.hardens * BACK) * LAG:
+        self.seconds, self.since = self.seconds + self._rate * seconds, self.since + self._rate * seconds
+        if self.seconds > OVER * LAG and self.since > (OVER + self.hardens * BACK) * LAG:
             return None
         self._lags = _faded(self._lags, seconds)
         self._fresh = _faded(self._fresh, self._rate * seconds)
@@ -78,7 +80,7 @@ class Glide:
     @property
     def friction(self) -> float:
         """Return the share of its friction that acts."""
-        return 1 - self._given if self.hardens and self.seconds < OVER * LAG else 1.0
+        return 1 - self._given if self._gives_way else 1.0
 
     @property
     def push(self) -> float:
@@ -86,9 +88,13 @@ class Glide:
         return 1 - GIVES_WAY * self._given
 
     @property
+    def _gives_way(self) -> bool:
+        return self.hardens and self.since < OVER * LAG
+
+    @property
     def _given(self) -> float:
         """Return how far a fingertip has given way, from 0 to 1."""
-        given, past = self._given_before, self.seconds / LAG
+        given, past = self._given_before, self.since / LAG
         if self.hardens:
             given = self._to_give - (self._to_give - given) * math.exp(-past) * (1 + past + past**2 / 2)
             past = max(past - OVER, 0.0)

@@ -209,6 +209,18 @@ def test_a_small_change_while_a_body_still_hardens_does_not_keep_its_wider_dent(
     assert depths[0] == pytest.approx(depths[1], rel=0.005)
 
 
+def test_a_fingertip_gives_way_only_once_though_the_constants_are_given_anew_in_every_frame() -> None:
+    """As while a map is painted, of which the fingertip's own place has its share already."""
+    mesh = mesh_from_triangles(*ball(4, RADIUS))
+    session = Session(on_its_base(mesh, SOFT))
+    session.set_fingers([Finger((0.0, 0.0, 1.2 * RADIUS), 0.2 * RADIUS, 3.0)])
+    session.step(1.0)
+    for _ in range(90):
+        session.change(on_its_base(mesh, STIFF), glide=True)
+        session.step(FRAME_S)
+    assert float(session.frame.finger_forces[0][2]) == pytest.approx(3.0, rel=0.02)
+
+
 def test_the_force_returns_gently_after_a_change() -> None:
     depths, anew = hardened(3.0, 1, 1)
     assert np.diff(depths).max() < 0.1 * anew and depths[-1] == pytest.approx(anew, rel=0.02)
