@@ -1,4 +1,4 @@
-"""Ask the system for priority: 1 kHz beside a busy Blender."""
+"""Ask the system for priority, and for processors that stay awake: 1 kHz beside a busy Blender, or an idle one."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from typing import Final
 
 PRIORITY: Final = 10  # of the first-in-first-out class: above every ordinary process, below the system's own
 NICENESS: Final = -20  # the strongest there is
-
-
 WAKE_LATENCY: Final = Path("/dev/cpu_dma_latency")  # of Linux: whoever holds it open sets how deep processors may sleep
 
 
@@ -22,9 +20,9 @@ def keep_processors_awake() -> int | None:
     """
     try:
         held = os.open(WAKE_LATENCY, os.O_WRONLY)
+        os.write(held, bytes(4))  # no latency at all [us]
     except OSError:
         return None
-    os.write(held, bytes(4))  # no latency at all [us]
     return held
 
 
