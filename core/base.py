@@ -5,6 +5,8 @@ Everything in `core` is SI: metres, kilograms, seconds, newtons, pascals.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import numpy.typing as npt
 
@@ -39,7 +41,13 @@ FINGER_TRAVEL = 0.25  # of its radius: the most a fingertip may move in a tick, 
 REST_SPEED = 1e-3  # sizes a second: what moves faster is not at rest
 REST_TIME = 0.25  # [s] what has been slower for so long, and
 REST_WAY = 1e-6  # of its size: is no farther from where it was then, sleeps
+ROWS = 1 << 15  # of an array at a time: what is worked out of them stays in the cache
 REST_CLEAR = 0.05  # of a fingertip's radius: nearer to the box round a body, it keeps it awake
+
+
+def row_parts(count: int) -> Iterator[slice]:
+    """Yield the slices of `count` rows that are worked through one by one."""
+    return (slice(at, at + ROWS) for at in range(0, count, ROWS))
 
 
 def mean_of_pairs(values: Floats, pairs: Ints) -> Floats:

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import Floats, sums_at, sums_of_three
+from ..base import Floats, row_parts, sums_at, sums_of_three
 from ..mesh.surface import Mesh
 from .pressure import Pressure, pressure_slope, volume_and_gradient
 
@@ -41,20 +41,24 @@ def of_edges(mesh: Mesh, constants: Floats, at_vertices: Floats, inverse_mass: F
     if not len(mesh.triangles):
         return float(own.max())
     n, corners = len(inverse_mass), mesh.triangles
-    edges = mesh.triangle_springs[:, [1, 2, 0]]  # opposite each corner
-    shared = np.bincount(edges.ravel(), minlength=len(constants))
-    opposite = (constants / np.maximum(shared, 1))[edges]
-    meets = sums_of_three(opposite)[:, None] - opposite
-    whole = sums_at(corners.ravel(), meets.ravel(), n)
-    # 1 / the part of the mass: m_T = m (what meets at the corner) / (what meets at the vertex)
-    inverse = (inverse_mass * whole)[corners] / np.maximum(meets, 1e-30)
-    s = sums_of_three(meets * inverse)
-    a, b, c = opposite.T
-    i, j, k = inverse.T
-    q = (a * b + b * c + c * a) * (i * j + j * k + k * i)
-    highest = (s + np.sqrt(np.maximum(s * s - 4 * q, 0))) / 2
-    own_most = np.maximum(np.maximum(own[corners[:, 0]], own[corners[:, 1]]), own[corners[:, 2]])
-    return float(max((highest + own_most).max(), own.max()))
+    edges = np.take(mesh.triangle_springs, (1, 2, 0), axis=1)  # opposite each corner
+    each = constants / np.maximum(np.bincount(edges.ravel(), minlength=len(constants)), 1)
+    meets, parts = np.empty(corners.shape), list(row_parts(len(corners)))
+    for part in parts:
+        opposite = each[edges[part]]
+        meets[part] = sums_of_three(opposite)[:, None] - opposite
+    met, most = inverse_mass * sums_at(corners.ravel(), meets.ravel(), n), [own.max()]
+    for part in parts:
+        # 1 / the part of the mass: m_T = m (what meets at the corner) / (what meets at the vertex)
+        inverse = met[corners[part]] / np.maximum(meets[part], 1e-30)
+        s = sums_of_three(meets[part] * inverse)
+        a, b, c = each[edges[part]].T
+        i, j, k = inverse.T
+        q = (a * b + b * c + c * a) * (i * j + j * k + k * i)
+        highest = (s + np.sqrt(np.maximum(s * s - 4 * q, 0))) / 2
+        a, b, c = own[corners[part]].T
+        most.append((highest + np.maximum(np.maximum(a, b), c)).max())
+    return float(max(most))
 
 
 def of_body(
@@ -76,8 +80,8 @@ def of_body(
         return skin
     along /= np.sqrt(square)
     moved, (i, j) = root * along, mesh.springs.T
-    pull = constants * (moved[:, i] - moved[:, j])
-    held = np.stack([sums_at(i, p, len(root)) - sums_at(j, p, len(root)) for p in pull]) + at_vertices * moved
+    pulls = (constants * (x[i] - x[j]) for x in moved)
+    held = np.stack([sums_at(i, p, len(root)) - sums_at(j, p, len(root)) for p in pulls]) + at_vertices * moved
     met = float((root * held * along).sum())
     across = float(np.sqrt(((root * held - met * along) ** 2).sum()))
     whole = met + reserve * pressure_slope(fill, volume) * square

@@ -34,14 +34,15 @@ def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[
     stiffnesses += list(further[:, 1][:, which] * np.where(early, first, beyond))
     tension = first * tension[which]
     k1, k2, *more = (maps.stiffer * _vertex_sum(mesh, c * mesh.triangle_areas / 3) for c in stiffnesses)
+    at_vertices = _vertex_means(mesh, friction[which], damping[which], d0[which], *knees)
     stiffer, wider, thicker = (mean_of_pairs(f, mesh.springs) for f in (maps.stiffer, maps.wider, maps.thicker))
     return {
-        "friction": _vertex_mean(mesh, friction[which]), "damping": _vertex_mean(mesh, damping[which]),
+        "friction": at_vertices[0], "damping": at_vertices[1],
         "stiffness": membrane_stiffness(mesh, _spring_mean(mesh, k_scaled[which])) * stiffer * thicker,
-        "k1": k1, "k2": k2, "d0": _vertex_mean(mesh, d0[which]) * maps.deeper,
+        "k1": k1, "k2": k2, "d0": at_vertices[2] * maps.deeper,
         "tension": cotangent_weights(mesh) * _spring_mean(mesh, tension) * stiffer * wider**2,
         "more": np.reshape(more, (-1, len(k1))),
-        "knees": np.reshape([maps.deeper * _vertex_mean(mesh, c) for c in knees], (-1, len(k1))),
+        "knees": np.reshape([maps.deeper * knee for knee in at_vertices[3:]], (-1, len(k1))),
     }  # fmt: skip
 
 
@@ -49,11 +50,11 @@ def paper_constants(mesh: Mesh, materials: Sequence[Material]) -> dict[str, Floa
     """Return the constants of the paper's equations, as `model.assemble` takes them."""
     table = np.array([_row(m, mesh.size) for m in materials]).T
     d0, friction, k = (table[row][mesh.triangle_material] for row in (2, 6, 7))
+    d0, friction = _vertex_means(mesh, d0, friction)
     none, n = np.zeros(len(mesh.rest_positions)), len(mesh.rest_positions)
     return {
-        "friction": _vertex_mean(mesh, friction), "damping": none, "stiffness": _spring_mean(mesh, k), "k1": none,
-        "k2": none, "d0": _vertex_mean(mesh, d0), "tension": np.zeros(len(mesh.springs)),
-        "more": np.zeros((0, n)), "knees": np.zeros((0, n)),
+        "friction": friction, "damping": none, "stiffness": _spring_mean(mesh, k), "k1": none, "k2": none, "d0": d0,
+        "tension": np.zeros(len(mesh.springs)), "more": np.zeros((0, n)), "knees": np.zeros((0, n)),
     }  # fmt: skip
 
 
@@ -91,9 +92,9 @@ def _vertex_sum(mesh: Mesh, per_triangle: Floats) -> Floats:
     return sums_at(mesh.triangles.ravel(), np.repeat(per_triangle, 3), len(mesh.rest_positions))
 
 
-def _vertex_mean(mesh: Mesh, per_triangle: Floats) -> Floats:
-    count = np.bincount(mesh.triangles.ravel(), minlength=len(mesh.rest_positions))
-    return _vertex_sum(mesh, per_triangle) / np.maximum(count, 1)
+def _vertex_means(mesh: Mesh, *per_triangle: Floats) -> list[Floats]:
+    count = np.maximum(np.bincount(mesh.triangles.ravel(), minlength=len(mesh.rest_positions)), 1)
+    return [_vertex_sum(mesh, values) / count for values in per_triangle]
 
 
 def _spring_mean(mesh: Mesh, per_triangle: Floats) -> Floats:

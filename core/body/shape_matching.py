@@ -85,8 +85,8 @@ def build_shape_matching(
 def tension_force(pairs: Ints, tension: Floats, u: Floats) -> Floats:
     """Return sum_j t_ij (u_j - u_i), (3, n) [N], for displacements (3, n) [m]."""
     i, j = pairs.T
-    pull = tension * (u[:, j] - u[:, i])
-    return np.stack([sums_at(i, p, u.shape[1]) - sums_at(j, p, u.shape[1]) for p in pull])
+    pulls = (tension * (x[j] - x[i]) for x in u)
+    return np.stack([sums_at(i, pull, u.shape[1]) - sums_at(j, pull, u.shape[1]) for pull in pulls])
 
 
 def fit_pose(rest: Floats, x: Floats, weight: Floats, pull: Floats | None = None) -> Pose:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import Floats, mean_of_pairs, sums_at, sums_of_three
+from ..base import Floats, mean_of_pairs, row_parts, sums_at, sums_of_three
 from .surface import Mesh
 
 LEAST = 0.25  # of its weights a vertex keeps, where nearly all triangles round it are blunt
@@ -19,11 +19,11 @@ def cotangent_weights(mesh: Mesh) -> Floats:
     triangles would be stiffer than its area.
     """
     n, ends, square = len(mesh.rest_positions), mesh.springs, mesh.rest_lengths**2
-    sides = square[mesh.triangle_springs]
-    # the law of cosines: 4 A cot = b^2 + c^2 - a^2
-    cotangents = (sums_of_three(sides)[:, None] / 2 - sides) / np.maximum(
-        2 * mesh.triangle_areas, 1e-12 * mesh.size**2
-    )[:, None]
+    cotangents = np.empty((len(mesh.triangles), 3))
+    for part in row_parts(len(cotangents)):  # the law of cosines: 4 A cot = b^2 + c^2 - a^2
+        sides = square[mesh.triangle_springs[part]]
+        area = np.maximum(2 * mesh.triangle_areas[part], 1e-12 * mesh.size**2)
+        cotangents[part] = (sums_of_three(sides)[:, None] / 2 - sides) / area[:, None]
     total = sums_at(mesh.triangle_springs.ravel(), cotangents.ravel(), len(ends)) / 2
     weights = np.clip(total, 0, LARGEST)
     wanted, kept = (sums_at(ends.ravel(), np.repeat(w * square, 2), n) for w in (total, weights))

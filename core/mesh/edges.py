@@ -57,7 +57,7 @@ class Edges:
 
 def edges_of(triangles: Ints) -> Edges:
     """Find the edges of triangles (t, 3) with three different corners each."""
-    start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    start, end = triangles.ravel(), np.take(triangles, (1, 2, 0), axis=1).ravel()
     n = int(triangles.max()) + 1 if len(triangles) else 1
     keys = np.minimum(start, end) * n + np.maximum(start, end)
     order = np.argsort(keys, kind="stable")

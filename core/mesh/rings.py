@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Bools, Ints
+from ..base import Bools, Ints, row_parts
 from .edges import Edges
 
 MAX_RING = 12  # one wide fan must not widen every row
@@ -46,9 +46,9 @@ def ordered_rings(triangles: Ints, edges: Edges, n: int) -> Rings:
         edges: of those triangles.
         n: number of vertices.
     """
-    start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    start, end = triangles.ravel(), np.take(triangles, (1, 2, 0), axis=1).ravel()
     half = np.arange(len(start)).reshape(-1, 3)
-    turn = edges.twin[np.roll(half, 1, axis=1).ravel()]  # the next half-edge round the vertex where one starts
+    turn = edges.twin[np.take(half, (2, 0, 1), axis=1).ravel()]  # the next half-edge round the vertex where one starts
     valence = np.bincount(start, minlength=n)
     regular = (valence >= 3) & (valence <= MAX_RING)
     regular[start[turn < 0]] = False
@@ -58,20 +58,22 @@ def ordered_rings(triangles: Ints, edges: Edges, n: int) -> Rings:
     first = np.zeros(n, np.int64)
     first[start[by_corner[::-1]]] = by_corner[::-1]
     ring, springs = np.empty((width, n), np.int64), np.empty((width, n), np.int64)
-    here = first.copy()
-    for slot in range(width):
-        # walk to the next neighbour; past the last stay at the first
-        ring[slot], springs[slot] = end[here], edges.of_half[here]
-        springs[slot, slot >= valence] = -1
-        here = np.where(slot < valence - 1, turn[here], first)
-        # back at the start too early: two fans meet in this vertex
-        regular &= (here != first) | (slot >= valence - 1)
+    for part in row_parts(n):
+        here, start_here, count = first[part], first[part], valence[part]
+        for slot in range(width):
+            # walk to the next neighbour; past the last stay at the first
+            ring[slot, part], springs[slot, part] = end[here], edges.of_half[here]
+            springs[slot, part][slot >= count] = -1
+            here = np.where(slot < count - 1, turn[here], start_here)
+            # back at the start too early: two fans meet in this vertex
+            regular[part] &= (here != start_here) | (slot >= count - 1)
     ring[:, ~regular], springs[:, ~regular] = np.flatnonzero(~regular), -1
 
     odd = by_corner[~regular[start[by_corner]]]
     apex = end[odd + np.where(odd % 3 == 2, -2, 1)]
     ends = ~regular[edges.ends]
+    irregular = np.flatnonzero(ends[:, 0] | ends[:, 1])
     return Rings(
         neighbours=ring, springs=springs, regular=regular, corners=np.stack([start[odd], end[odd], apex], axis=1),
-        irregular_springs=np.flatnonzero(ends.any(axis=1)), irregular_ends=ends[ends.any(axis=1)],
+        irregular_springs=irregular, irregular_ends=ends[irregular],
     )  # fmt: skip

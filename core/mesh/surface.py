@@ -11,7 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import FARTHEST, LEAST_VOLUME, LEAST_VOLUME_OPEN, WELD_SHARE, Bools, DimpleError, Floats, Ints, sums_at
+from ..base import (
+    FARTHEST,
+    LEAST_VOLUME,
+    LEAST_VOLUME_OPEN,
+    WELD_SHARE,
+    Bools,
+    DimpleError,
+    Floats,
+    Ints,
+    row_parts,
+    sums_at,
+)
 from .edges import Edges, edges_of
 from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
@@ -90,7 +101,8 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         notes.append(f"{len(positions) - len(kept)} vertices coincide with others and move with them.")
         positions, triangles = positions[kept], source[triangles]
 
-    whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    a, b, c = triangles.T
+    whole = (a != b) & (b != c) & (c != a)
     triangles, material = triangles[whole], material[whole]
     if not len(triangles):
         raise DimpleError(
@@ -98,7 +110,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         )
     from trimesh.triangles import area  # here: the servo's process is given meshes that are made, and starts without
 
-    areas = area(positions[triangles])
+    areas = np.concatenate([area(positions[triangles[part]]) for part in row_parts(len(triangles))])
     if areas.sum() <= (1e-6 * size) ** 2:
         raise DimpleError("The faces have no area. Dissolve the degenerate geometry first.")
     flat = int((areas < 1e-10 * size * size).sum()) + int((~whole).sum())
@@ -180,8 +192,9 @@ def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
         raise DimpleError("A face refers to a vertex that does not exist. Run Mesh > Clean Up, or rebuild the mesh.")
     if len(material) != len(triangles):
         raise DimpleError("There must be one material index for each triangle.")
-    bad = np.flatnonzero(~(np.abs(positions) < FARTHEST).all(axis=1))
-    if len(bad):
+    possible = np.abs(positions) < FARTHEST
+    if not possible.all():
+        bad = np.flatnonzero(~possible.all(axis=1))
         raise DimpleError(
             f"Vertex {bad[0]} has a NaN or infinite coordinate, or one beyond {FARTHEST:g} m "
             f"({len(bad)} such vertices). Delete or move them."
@@ -212,7 +225,8 @@ def _closed(positions: Floats, triangles: Ints, edges: Edges) -> tuple[Ints, Int
     border = edges.border
     cap_loop = _loops(border, len(positions))
     x = positions - positions[triangles].mean(axis=(0, 1))
-    total = float(np.linalg.det(x[triangles]).sum())
+    parts = [np.linalg.det(x[triangles[part]]) for part in row_parts(len(triangles))]
+    total = float(np.concatenate(parts).sum())
     if len(border):
         centre, _ = cap_centres(x, border, cap_loop)
         total += float(np.linalg.det(np.stack([x[border[:, 0]], x[border[:, 1]], centre[cap_loop]], axis=1)).sum())

@@ -147,7 +147,8 @@ def _join_islands(ends: Ints, place: Floats, seeds: Ints, cells: Ints, joined: B
 
 def dual(corners: Ints) -> Ints:
     """Return the triangles (t, 3) of cells that meet in a fine triangle; two that look opposite ways are none."""
-    meet = corners[(corners != np.roll(corners, 1, axis=1)).all(axis=1)]
+    a, b, c = corners.T
+    meet = corners[(a != b) & (b != c) & (c != a)]
     low = meet.argmin(axis=1)
     turned = np.take_along_axis(meet, (low[:, None] + np.arange(3)) % 3, axis=1)
     ways, count = np.unique(turned, axis=0, return_counts=True)
