@@ -32,6 +32,7 @@ GRAIN = 4e-4  # [m] five times the noise of a 12-bit converter at the tip
 STORE_TIME = 0.050  # [s] without force: the spring is relaxed, nothing is stored
 ALLOWED = 5e-4  # [J] that a touch may give back beyond what it took; from there on its force yields,
 YIELD_ENERGY = 2.5e-4  # to 1/e for each so many [J]
+KNOWN_LATE = 6e-3  # [s] after which what a force gave has been counted, and the force has ended
 SPARE = 2e-3  # [J] of what was taken that are kept once the device let go: what it gave is known some pieces late
 GRAIN_ENERGY = 1e-4  # [J] less is the noise of the converters
 
@@ -222,8 +223,13 @@ class Passivity:
         """Return what is left of a force [N] wanted for a time [s]; wanted none for a while, the touch is over."""
         self.unwanted = 0.0 if force != ZERO else self.unwanted + dt
         if self.unwanted > STORE_TIME:
-            self.share, self.floor = 1.0, min(self.stored, -ALLOWED)
+            self.share, self.floor = 1.0, min(self.stored, 0.0) - ALLOWED
         return scaled(force, self.share)
+
+    def afford(self, force: Vector, speed: Vector) -> Vector:
+        """Return the force [N], less where at a speed [m/s] it would give more than is left before that is known."""
+        given, left = KNOWN_LATE * dot(force, speed), max(self.stored - self.floor, 0.0)
+        return scaled(force, left / given) if given > left else force
 
     def damp(self, force: Vector, speed: Vector, dt: float) -> Vector:
         """Return the force [N], damped so that what was given too much is taken back."""
@@ -285,6 +291,7 @@ class Guard:
         speed = self.motion.speed
         force = along(scaled(left, gain), speed, -RAMP_DAMPING * (1 - gain))
         force = self.passivity.damp(force, speed, dt)
+        force = self.passivity.afford(force, speed)
         most = min(self.limits.peak, HARD_CEILING)
         if self.square >= self.limits.continuous**2:
             most = min(most, self.limits.continuous)

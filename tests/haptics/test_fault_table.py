@@ -215,6 +215,21 @@ def test_a_force_that_comes_back_after_a_stall_gives_the_hand_no_more_than_it_to
     assert press.forces(press.now - 0.02)[-1] == pytest.approx(leant(press.servo.cap, 1000.0), abs=0.2)
 
 
+@pytest.mark.parametrize("stall", [0.15, 0.2])
+def test_a_wall_that_comes_back_after_the_simulation_stood_still_hardly_gives_the_hand_more_than_it_took(
+    stall: float,
+) -> None:
+    """The wall fades, and the fingertip sinks in by 7 mm more: pushed out with the whole wall it would get 36 mJ.
+
+    It may get what is allowed, 0.5 mJ, and a piece of the path, 0.4 mm, at 2 N; the next press meets the whole wall.
+    """
+    press = Press(
+        contact=lambda now: None if AT < now < AT + stall else wall(now, k=1000.0), way=TWICE, baud=0
+    ).run(3.6)
+    assert press.arming == "ON" and press.energy() > -1.3e-3
+    assert press.forces(press.now - 0.02)[-1] == pytest.approx(leant(press.servo.cap, 1000.0), abs=0.2)
+
+
 @pytest.mark.parametrize("fault", ["adc-range", "adc-frozen", "adc-jump"])
 def test_a_sensor_that_lies(fault: str) -> None:
     """Masked at once (a frozen one after 50 readings alike), disarmed after 5 more."""
