@@ -13,6 +13,7 @@ from . import calibration, device, experiment, readout
 from .contact import DIMPLE_PT_contact
 from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
+from .tool import amounts
 
 
 def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
@@ -181,10 +182,10 @@ class DIMPLE_PT_fingertips(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.prop(settings, "finger_radius_mm", text="Radius (mm)")
         layout.row().prop(settings, "press_by", expand=True)
-        by_force = settings.press_by == "FORCE"
-        layout.prop(settings, "press_force_n" if by_force else "press_depth_mm")
+        for name in amounts(settings):
+            layout.prop(settings, name)
         row = layout.row()
-        row.active = not by_force  # a force goes straight into the surface
+        row.active = settings.press_by == "DEPTH"  # a force goes straight into the surface
         row.prop(settings, "poke_along")
         layout.prop(settings, "active_finger")
         column = layout.column(align=True)

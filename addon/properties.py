@@ -44,6 +44,7 @@ _POKE_ALONG = (
     ("NORMAL", "Surface", "The fingertip moves straight into the surface it touches"),
 )
 
+_WEIGHT_N = 9.80665e-3  # of a gram
 _PRESS_BY = (
     ("DEPTH", "Depth", "The fingertip goes to a set depth; the force is what the body answers"),
     (
@@ -226,6 +227,10 @@ def _finger(number: int) -> PointerProperty:
     )  # fmt: skip
 
 
+def _set_grams(self: bpy.types.PropertyGroup, grams: float) -> None:
+    self.press_force_n = grams * _WEIGHT_N
+
+
 class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     """The fingertips and the surroundings of all sessions in a scene."""
 
@@ -253,6 +258,11 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
     press_force_n: FloatProperty(
         name="Press Force (N)", description="How strong a press is, by force",
         default=5.0, min=0.001, soft_min=0.1, soft_max=100.0, step=10, precision=2, **FIXED,
+    )  # fmt: skip
+    press_force_g: FloatProperty(
+        name="Press Force (g)", description="The same force, as the weight of so many grams",
+        min=0.1, soft_min=10.0, soft_max=10_000.0, step=1000, precision=0,
+        get=lambda self: self.press_force_n / _WEIGHT_N, set=_set_grams, **FIXED,
     )  # fmt: skip
     frame_budget_percent: FloatProperty(
         name="Simulation Share (%)",

@@ -7,6 +7,11 @@ import bpy
 from ..operators.names import POKE_TOOL, Op
 
 
+def amounts(settings: bpy.types.PropertyGroup) -> tuple[str, ...]:
+    """Return the settings that say how far or how hard a press goes."""
+    return ("press_force_n", "press_force_g") if settings.press_by == "FORCE" else ("press_depth_mm",)
+
+
 class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
     """The tool that starts `dimple.poke` when the left mouse button goes down."""
 
@@ -25,7 +30,8 @@ class DIMPLE_WT_poke(bpy.types.WorkSpaceTool):
         layout.prop(settings, "active_finger")
         layout.prop(settings, "finger_radius_mm")
         layout.prop(settings, "press_by", expand=True)
-        layout.prop(settings, "press_force_n" if settings.press_by == "FORCE" else "press_depth_mm")
+        for name in amounts(settings):
+            layout.prop(settings, name)
         along = layout.row()
         along.active = settings.press_by == "DEPTH"  # a force goes straight into the surface
         along.prop(settings, "poke_along")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 # edges [fingertip radii]: up to the first a dent is the fingertip's own; up to the second a press by force is as deep
 # on a vertex as beside it, within 5 %, so it is cut that fine where so many vertices do
-SHOWN, PRESSED, LIVE = 1.1, 0.6, 8_000
+SHOWN, PRESSED, LIVE = 1.1, 0.55, 8_000
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
 MOST_VERTICES = 40_000  # of a mesh that is subdivided
 ROUNDS = 7  # of cutting edges

@@ -25,6 +25,8 @@ WORDS = {
     "How deep a press goes, by depth": "深さで押すとき、どこまで押し込むか",
     "Press Force (N)": "押す力 (N)",
     "How strong a press is, by force": "力で押すとき、どれだけの力で押すか",
+    "Press Force (g)": "押す力 (g)",
+    "The same force, as the weight of so many grams": "同じ力を、何グラムの重さかで表します",
     "Force (N)": "力 (N)",
     "Force to press with; 0 presses to the depth": "押す力。0 は深さまで押し込みます",
     "Left drag: press with {} | Ctrl wheel: force | F: by depth": (

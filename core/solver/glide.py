@@ -24,7 +24,7 @@ FIRST_S = 1 / 60  # [s] by which a change fades at most in the step that shows i
 OVER = 12  # lags after which nothing is left of the load
 BACK = 8  # lags in which the force returns after that
 NOTICED = 1e-6  # of its force: by so much more a dent must resist to have hardened
-GIVES_WAY = 0.4  # of its force: what a fingertip gives way by where a body becomes twice as hard, or more
+GIVES_WAY = 0.5  # of its force: what a fingertip gives way by where a body becomes twice as hard, or more
 
 
 class Glide:

@@ -3,6 +3,8 @@
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
+import pytest
+
 
 def test_the_icon_is_one_that_blender_reads_and_is_drawn_by_its_script(bpy: ModuleType) -> None:
     from bl_ext.user_default.dimple.addon.tool import DIMPLE_WT_poke
@@ -36,6 +38,15 @@ def test_the_header_of_the_tool_has_depth_or_force(bpy: ModuleType, empty_file: 
         bpy.context.scene.dimple.press_by = by
         names = drawn(DIMPLE_WT_poke.draw_settings, bpy.context, "layout", None)
         assert {"press_by", shown, "finger_radius_mm"} <= set(names) and hidden not in names
+        assert ("press_force_g" in names) == (by == "FORCE")
+
+
+def test_a_press_is_given_in_grams_as_well_as_in_newtons(bpy: ModuleType, empty_file: ModuleType) -> None:
+    settings = bpy.context.scene.dimple
+    settings.press_force_n = 9.80665
+    assert settings.press_force_g == pytest.approx(1000)
+    settings.press_force_g = 500
+    assert settings.press_force_n == pytest.approx(4.903325)
 
 
 def test_the_object_menu_has_the_verbs_where_the_search_finds_them(bpy: ModuleType) -> None:

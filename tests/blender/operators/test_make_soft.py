@@ -25,6 +25,8 @@ def test_a_bare_cube_is_ready_for_its_first_press(bpy: ModuleType, bare: Any) ->
     assert settings.K1 == pytest.approx(0.61) and "Hosei" in settings.provenance
     assert bare.dimple.enabled and bare.dimple.size_mode == "CUSTOM" and bare.dimple.size_mm == 165
     assert 500 < len(bare.data.vertices) < 8000 and bare.dimple.plan_key, "it is planned already"
+    edges = [np.subtract(*(bare.data.vertices[i].co for i in edge.vertices)) for edge in bare.data.edges]
+    assert np.linalg.norm(edges, axis=1).max() * 0.165 / 2 <= 0.55 * TIP * 1.001, "a press by force is right anywhere"
     top = max(vertex.co.z for vertex in bare.data.vertices)
     bpy.ops.dimple.poke(**PRESS)
     heights = np.array([vertex.co.z for vertex in bare.data.vertices])
