@@ -1,6 +1,6 @@
 """Softness by eye: a fingertip that a force pushes rests where the law says, wherever on the mesh, and however it came.
 
-On a mesh that is as coarse as Make Soft leaves it the depth differs from place to place, and friction remembers the way.
+On a mesh as coarse as Make Soft leaves it the depth differs from place to place, and friction remembers the way.
 """
 
 from dataclasses import replace
