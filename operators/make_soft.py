@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 SHOWN, PRESSED, LIVE = 1.1, 0.55, 8_000
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
 MOST_VERTICES = 40_000  # of a mesh that is subdivided
-ROUNDS = 7  # of cutting edges
+ROUNDS, EVEN = 7, 1.001  # of cutting edges; by less than that all are as long
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
 
 
@@ -173,7 +173,7 @@ def refine(obj: bpy.types.Object, radius: float) -> None:
         area = sum(face.calc_area() for face in made.faces)
         longest = max(PRESSED * radius, min(SHOWN * radius, (area / LIVE) ** 0.5), (area / MOST_VERTICES) ** 0.5)
         for _ in range(ROUNDS):
-            long = [edge for edge in made.edges if edge.calc_length() > longest]
+            long = [edge for edge in made.edges if edge.calc_length() > EVEN * longest]
             cuts = math.ceil(min((edge.calc_length() for edge in long), default=0.0) / longest) - 1
             if not long or len(made.verts) + cuts * len(long) > MOST_VERTICES:
                 break

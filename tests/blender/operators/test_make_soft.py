@@ -27,6 +27,8 @@ def test_a_bare_cube_is_ready_for_its_first_press(bpy: ModuleType, bare: Any) ->
     assert 500 < len(bare.data.vertices) < 8000 and bare.dimple.plan_key, "it is planned already"
     edges = [np.subtract(*(bare.data.vertices[i].co for i in edge.vertices)) for edge in bare.data.edges]
     assert np.linalg.norm(edges, axis=1).max() * 0.165 / 2 <= 0.55 * TIP * 1.001, "a press by force is right anywhere"
+    areas = [face.area for face in bare.data.polygons]
+    assert min(areas) > 0.99 * max(areas), "a length that comes out even is cut once"
     top = max(vertex.co.z for vertex in bare.data.vertices)
     bpy.ops.dimple.poke(**PRESS)
     heights = np.array([vertex.co.z for vertex in bare.data.vertices])
