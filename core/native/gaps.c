@@ -84,9 +84,9 @@ DM_INLINE dm_wide3 dm_wide_corner(const double (*x)[3], const dm_close *const *o
                       {a[2], b[2], c[2], d[2], e[2], f[2], g[2], h[2]}};
 }
 
-/* Find the vectors between the nearest points of up to eight pairs, where vertices are at x. */
-DM_INLINE dm_wide3 dm_wide_between(const double (*x)[3], const dm_close *close, uint32_t count, uint32_t ones,
-                                   dm_wide_mask *inside) {
+/* Find the vectors between the nearest points of up to eight pairs, where vertices are at x. Large, so not inlined. */
+static __attribute__((noinline)) dm_wide3 dm_wide_between(const double (*x)[3], const dm_close *close, uint32_t count,
+                                                          uint32_t ones, dm_wide_mask *inside) {
     const dm_close *of[DM_LANES];
     for (uint32_t l = 0; l < DM_LANES; l++) of[l] = close + (l < count ? l : count - 1);
     dm_wide3 a = dm_wide_corner(x, of, 0), b = dm_wide_corner(x, of, 1);

@@ -7,13 +7,14 @@ DM_INLINE int dm_moves(const dm_surface *f) { return f->body ? !f->body->asleep 
 /* Wake bodies that may touch something that moves before the next look, and what they may touch. */
 static void dm_wake_touched(dm_scene_state *s, const dm_motion *motions, int64_t t, dm_frame *frames) {
     s->wakes = 0;
-    for (int more = 1; more;) {
+    for (int more = dm_any_sleeps(s); more;) {
         more = 0;
-        for (const dm_meeting *m = s->meetings; m < s->meetings + s->meeting_count; m++)
+        for (uint32_t i = 0; i < DM_LANES * s->batch_count; i++)
             for (int j = 0; j < 2; j++) {
-                dm_surface *f = s->surfaces + m->surface[j];
-                int64_t k = m->surface[j];
-                if (!dm_sleeps(f) || !dm_moves(s->surfaces + m->surface[1 - j])) continue;
+                const uint32_t *of = dm_sides_of(s, i);
+                dm_surface *f = s->surfaces + of[j];
+                int64_t k = of[j];
+                if (!dm_sleeps(f) || !dm_moves(s->surfaces + of[1 - j])) continue;
                 dm_wake(f->body), dm_enter_tick(f->body, motions + k, t, frames + k), more = 1;
             }
     }
@@ -23,10 +24,11 @@ static void dm_wake_touched(dm_scene_state *s, const dm_motion *motions, int64_t
 static void dm_note_sag(dm_scene_state *s) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         if (f->body) f->body->sag = 0;
-    for (uint32_t k = 0; k < s->active_count; k++)
+    for (uint32_t i = 0; i < DM_LANES * s->batch_count; i++)
         for (int j = 0; j < 2; j++) {
-            dm_state *b = s->surfaces[s->meetings[s->active[k]].surface[j]].body;
-            if (b) b->sag = sqrt(dm_inner3(b->gravity, b->gravity)) * s->dt;
+            dm_state *b = s->surfaces[dm_sides_of(s, i)[j]].body;
+            if (b && s->batches[i / DM_LANES].active[i % DM_LANES])
+                b->sag = sqrt(dm_inner3(b->gravity, b->gravity)) * s->dt;
         }
 }
 
@@ -39,10 +41,11 @@ static void dm_let_sleep(dm_scene_state *s, const dm_motion *motions) {
     }
     for (int more = rested; more;) {
         more = 0;
-        for (const dm_meeting *m = s->meetings; m < s->meetings + s->meeting_count; m++)
+        for (uint32_t i = 0; i < DM_LANES * s->batch_count; i++)
             for (int j = 0; j < 2; j++) {
-                dm_surface *f = s->surfaces + m->surface[j];
-                if (f->body && !f->kept && s->surfaces[m->surface[1 - j]].kept) f->kept = 1, more = 1;
+                const uint32_t *of = dm_sides_of(s, i);
+                dm_surface *f = s->surfaces + of[j];
+                if (f->body && !f->kept && s->surfaces[of[1 - j]].kept) f->kept = 1, more = 1;
             }
     }
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)

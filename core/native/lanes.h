@@ -102,6 +102,7 @@ DM_INLINE dm_vec3 dm_splat3(const double *a) {
 
 #define DM_LOW(a) __builtin_shufflevector(a, a, 0, 1, 2, 3)
 #define DM_HIGH(a) __builtin_shufflevector(a, a, 4, 5, 6, 7)
+#define DM_JOINED(a, b) __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7)
 #define DM_BEFORE(a, b) __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11)
 #define DM_AFTER(a, b) __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15)
 #define DM_ZIP_LOW(a, b) __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13)
@@ -123,11 +124,19 @@ DM_INLINE void dm_gather8(const void *records, const uint32_t *at, dm_vec3 *x, d
     *v = (dm_vec3){DM_AFTER(low[0], high[0]), DM_AFTER(low[1], high[1]), DM_AFTER(low[2], high[2])};
 }
 
-/* the vectors of eight vertices, one in a quad each */
-DM_INLINE void dm_quads_of(dm_vec3 a, dm_quad *to) {
-    dm_lanes none = dm_splat(0);
-    dm_lanes t0 = DM_ZIP_LOW(a.x, a.y), t1 = DM_ZIP_LOW(a.z, none);
-    dm_lanes t2 = DM_ZIP_HIGH(a.x, a.y), t3 = DM_ZIP_HIGH(a.z, none);
+/* the quads of eight of these: their vectors in lanes, and the fourth numbers */
+DM_INLINE dm_vec3 dm_gather_quads(const dm_quad *from, const uint32_t *at, dm_lanes *fourth) {
+    dm_lanes r0 = DM_JOINED(from[at[0]], from[at[4]]), r1 = DM_JOINED(from[at[1]], from[at[5]]);
+    dm_lanes r2 = DM_JOINED(from[at[2]], from[at[6]]), r3 = DM_JOINED(from[at[3]], from[at[7]]);
+    dm_lanes xy0 = DM_ZIP_LOW(r0, r1), xy2 = DM_ZIP_LOW(r2, r3), z0 = DM_ZIP_HIGH(r0, r1), z2 = DM_ZIP_HIGH(r2, r3);
+    *fourth = DM_PAIR_HIGH(z0, z2);
+    return (dm_vec3){DM_PAIR_LOW(xy0, xy2), DM_PAIR_HIGH(xy0, xy2), DM_PAIR_LOW(z0, z2)};
+}
+
+/* the vectors of eight vertices, one in a quad each with a fourth number */
+DM_INLINE void dm_quads_of(dm_vec3 a, dm_lanes fourth, dm_quad *to) {
+    dm_lanes t0 = DM_ZIP_LOW(a.x, a.y), t1 = DM_ZIP_LOW(a.z, fourth);
+    dm_lanes t2 = DM_ZIP_HIGH(a.x, a.y), t3 = DM_ZIP_HIGH(a.z, fourth);
     dm_lanes r0 = DM_PAIR_LOW(t0, t1), r1 = DM_PAIR_HIGH(t0, t1), r2 = DM_PAIR_LOW(t2, t3), r3 = DM_PAIR_HIGH(t2, t3);
     to[0] = DM_LOW(r0), to[1] = DM_LOW(r1), to[2] = DM_LOW(r2), to[3] = DM_LOW(r3);
     to[4] = DM_HIGH(r0), to[5] = DM_HIGH(r1), to[6] = DM_HIGH(r2), to[7] = DM_HIGH(r3);
@@ -136,7 +145,7 @@ DM_INLINE void dm_quads_of(dm_vec3 a, dm_quad *to) {
 /* and back, into eight records in a row */
 DM_INLINE void dm_scatter8(dm_vec3 x, dm_vec3 v, dm_record *to) {
     dm_quad at[DM_LANES], speed[DM_LANES];
-    dm_quads_of(x, at), dm_quads_of(v, speed);
+    dm_quads_of(x, dm_splat(0), at), dm_quads_of(v, dm_splat(0), speed);
     DM_UNROLLED for (int l = 0; l < DM_LANES; l++) to[l] = (dm_record){at[l], speed[l]};
 }
 #endif

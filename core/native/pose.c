@@ -145,10 +145,10 @@ static void dm_fit_motion(dm_state *b, const double *sums) {
 static void dm_fit_points(int64_t count, const double *rest, const double *points, double *pose) {
     double from[3] = {0}, to[3] = {0}, h[9] = {0};
     for (int64_t k = 0; k < count; k++)
-        for (int c = 0; c < 3; c++)
-            from[c] += rest[3 * k + c] / (double)count, to[c] += points[3 * k + c] / (double)count;
-    for (int64_t k = 0; k < count; k++)
-        for (int c = 0; c < 9; c++) h[c] += (points[3 * k + c / 3] - to[c / 3]) * (rest[3 * k + c % 3] - from[c % 3]);
+        for (int c = 0; c < 3; c++) from[c] += rest[3 * k + c], to[c] += points[3 * k + c];
+    for (int c = 0; c < 3; c++) from[c] /= (double)count, to[c] /= (double)count;
+    for (int64_t k = 0; k < count; k++, rest += 3, points += 3)
+        DM_UNROLLED for (int c = 0; c < 9; c++) h[c] += (points[c / 3] - to[c / 3]) * (rest[c % 3] - from[c % 3]);
     dm_nearest_rotation(h, pose);
     for (int c = 0; c < 3; c++) pose[9 + c] = to[c] - dm_inner3(pose + 3 * c, from);
 }

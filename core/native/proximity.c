@@ -62,6 +62,7 @@ static uint32_t dm_note_near(dm_scene_state *s, const dm_surface *f, uint32_t ve
     s->tally[s->near_count] = (dm_tally){.way = INFINITY};
     dm_neighbour *n = s->near + s->near_count;
     *n = (dm_neighbour){.vertex = vertex, .surface = (uint32_t)(f - s->surfaces)};
+    if (f->body) n->body = f->body->records + (vertex - f->first);
     return s->place[vertex] = s->near_count++;
 }
 
@@ -175,7 +176,7 @@ static void dm_keep_waiting(dm_scene_state *s, uint32_t ones) {
 DM_INLINE void dm_keep_close(dm_scene_state *s, uint32_t ones, dm_close close) {
     uint32_t k = ones - 1;
     s->waiting[k][s->waiting_count[k]++] = close;
-    if (s->waiting_count[k] == DM_BATCH) dm_keep_waiting(s, ones);
+    if (s->waiting_count[k] == DM_WAITING) dm_keep_waiting(s, ones);
 }
 
 /* Is a point, or the ball round a triangle, farther than a search looks from the ball round another? */

@@ -274,7 +274,7 @@ static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
 }
 
 static void dm_query(dm_scene_state *s) {
-    dm_sum_meetings(s), s->meeting_count = 0;
+    dm_sum_meetings(s), s->batch_count = 0;
     for (const dm_neighbour *n = s->near; n < s->near + s->near_count; n++) s->place[n->vertex] = DM_NO_VERTEX;
     s->near_count = s->pair_count = s->candidate_count = s->held_count = 0, s->due = 0, s->gap = INFINITY;
     s->reach = dm_reach_of(s);
@@ -290,6 +290,8 @@ static void dm_query(dm_scene_state *s) {
         }
     if (dm_has_room(s)) dm_link_pairs(s);
     if (dm_has_room(s)) dm_order_candidates(s);
+    s->way = dm_roomy(s, s->way, s->near_count + 1, &s->way_room, sizeof *s->way); /* the last: of empty lanes */
+    s->speed = dm_roomy(s, s->speed, s->near_count + 1, &s->speed_room, sizeof *s->speed);
     s->looks = 1;
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_set_bounds(s, f);
     s->out->queries++, s->out->pairs = s->pair_count > s->out->pairs ? s->pair_count : s->out->pairs;

@@ -34,24 +34,26 @@ static void dm_resist_rolling(dm_scene_state *s) {
         memset(f->body->resisted, 0, sizeof f->body->resisted), memset(f->spin_beside, 0, sizeof f->spin_beside);
         f->load = 0, rolling++;
     }
-    for (uint32_t k = 0; rolling && k < s->active_count; k++) {
-        const dm_meeting *m = s->meetings + s->active[k];
-        for (int j = 0; j < 2 && m->surface[0] != m->surface[1]; j++) {
-            dm_surface *f = s->surfaces + m->surface[j];
-            const dm_surface *g = s->surfaces + m->surface[1 - j];
-            f->load += (double)m->push;
-            for (int c = 0; c < 3 && dm_rolls(g); c++) f->spin_beside[c] += (double)m->push * g->body->moments.spin[c];
+    for (uint32_t i = 0; rolling && i < DM_LANES * s->batch_count; i++) {
+        const uint32_t *of = dm_sides_of(s, i);
+        double push = (double)s->batches[i / DM_LANES].push[i % DM_LANES];
+        for (int j = 0; j < 2 && push > 0 && of[0] != of[1]; j++) {
+            dm_surface *f = s->surfaces + of[j];
+            const dm_surface *g = s->surfaces + of[1 - j];
+            f->load += push;
+            for (int c = 0; c < 3 && dm_rolls(g); c++) f->spin_beside[c] += push * g->body->moments.spin[c];
         }
     }
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         if (dm_rolls(f)) dm_resist_body(s, f);
-    for (uint32_t k = 0; rolling > 1 && k < s->active_count; k++) {
-        const dm_meeting *m = s->meetings + s->active[k];
-        for (int j = 0; j < 2 && m->surface[0] != m->surface[1]; j++) {
-            const dm_surface *f = s->surfaces + m->surface[j];
-            dm_surface *g = s->surfaces + m->surface[1 - j];
+    for (uint32_t i = 0; rolling > 1 && i < DM_LANES * s->batch_count; i++) {
+        const uint32_t *of = dm_sides_of(s, i);
+        double push = (double)s->batches[i / DM_LANES].push[i % DM_LANES];
+        for (int j = 0; j < 2 && push > 0 && of[0] != of[1]; j++) {
+            const dm_surface *f = s->surfaces + of[j];
+            dm_surface *g = s->surfaces + of[1 - j];
             if (!dm_rolls(f) || !dm_rolls(g) || f->load == 0) continue;
-            for (int c = 0; c < 3; c++) g->body->resisted[c] -= (double)m->push / f->load * f->moment_of[c];
+            for (int c = 0; c < 3; c++) g->body->resisted[c] -= push / f->load * f->moment_of[c];
         }
     }
 }

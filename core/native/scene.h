@@ -12,7 +12,7 @@
 
 #define DM_NO_VERTEX UINT32_MAX
 #define DM_LEAF 4             /* triangles in a leaf of a tree */
-#define DM_BATCH 64           /* pairs that a search measures together */
+#define DM_WAITING 64         /* pairs that a search measures together */
 #define DM_DEEPEST 128        /* pairs of nodes that wait: twice the depth of two trees */
 #define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/body/proximity.py */
 #define DM_REACH_EDGE 0.3     /* of the mean edge: the farthest a query looks */
@@ -95,22 +95,29 @@ typedef struct { /* of a vertex that is near something: the least way of its pai
     uint32_t count, start;
 } dm_tally;
 
-typedef struct { /* two that may touch: their nearest points at the last look, and what passes between them */
-    uint32_t at[4];
-    dm_real weight[4];
-    dm_quad normal, drag, sum; /* sum: of the impulses since the last look [N s] */
-    dm_quad anchor, back;      /* where on its way it stuck last [m]; how fast it is to go back there [m/s] */
-    dm_real gap, begin, touch; /* distances: at the look, as the substep began, and at which they touch [m] */
-    dm_real least, push, give, friction, share; /* least: speed apart [m/s]; give: 1 / mass */
-    double point[3];           /* where they met [m] */
-    uint32_t surface[2];
+typedef struct { /* two that may touch: their nearest points at the last look */
+    uint32_t at[4], surface[2];
+    double weight[4], normal[3], point[3];           /* point: where they meet [m] */
+    double gap, touch, give, friction, share;        /* distances: there, and at which they touch [m]; give: 1 / mass */
 } dm_meeting;
 
+typedef struct { /* eight meetings that have no vertex in common, and what passes between them */
+    uint32_t at[4][DM_LANES]; /* in the list of what is near; an empty lane has no weight */
+    dm_lanes weight[4];
+    dm_vec3 normal, drag, sum;               /* sum: of the impulses since the last look [N s] */
+    dm_vec3 anchor, back;                    /* where on its way it stuck last [m]; how fast it is to go back there [m/s] */
+    dm_lanes gap, begin, touch;              /* distances: at the look, as the substep began, and at which they touch [m] */
+    dm_lanes least, push, friction, by;      /* least: speed apart [m/s]; by: share of what it does over 1 / mass */
+    dm_mask active;                          /* in this substep */
+    double point[DM_LANES][3];
+    uint32_t surface[DM_LANES][2], count;
+} dm_batch;
+
 typedef struct { /* a vertex that is near something */
-    dm_quad from, last; /* where it is at the last look and before this substep, from the origin of its body */
-    dm_quad way, v, out; /* from the one to the other; its velocity, and 1 / mass; by which it is brought apart */
-    uint32_t vertex, surface, first_pair, pair_count, renewed, met;
-    double there[3]; /* where it was at the last look */
+    dm_quad from, last;   /* where it is at the last look and before this substep, from the origin of its body */
+    dm_record *body;      /* null: of a collider */
+    uint32_t vertex, surface, first_pair, pair_count, renewed, batch; /* batch: after the last that it is in */
+    double there[3];      /* where it was at the last look */
 } dm_neighbour;
 
 typedef struct dm_scene_state {
@@ -127,25 +134,26 @@ typedef struct dm_scene_state {
     dm_node *nodes;
     double (*balls)[4]; /* middle and radius of each triangle at the last search */
     dm_neighbour *near;
-    uint32_t near_count, near_room, pair_count, pair_room, meeting_count, meeting_room, *pairs_of, pairs_of_room;
+    uint32_t near_count, near_room, pair_count, pair_room, *pairs_of, pairs_of_room;
     uint32_t candidate_count, candidate_room; /* pairs that may touch before the next query */
     dm_candidate *candidates;
     uint32_t sorted_room, *bins; /* room to put them in order */
     dm_ordered *sorted;
-    uint32_t active_count, active_room, *active; /* meetings of this substep */
+    uint32_t batch_count, batch_room, way_room, speed_room;
+    dm_batch *batches; /* of the meetings, in the order in which they are taken */
+    dm_quad *way, *speed; /* of what is near: its way since the look, then by how much it is brought apart; with 1 / mass */
     uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
     uint32_t *number;                    /* of vertices, in the order of the caller */
     int looks;                           /* normals are to be set anew */
     int wakes;                           /* what is awake may have come near what sleeps */
     int due;       /* a query is */
-    dm_close *close[2], waiting[2][DM_BATCH]; /* faces, and edges; what a search has not measured yet */
+    dm_close *close[2], waiting[2][DM_WAITING]; /* faces, and edges; what a search has not measured yet */
     uint32_t close_count[2], close_room[2], waiting_count[2], run_count, run_room;
     dm_run *runs;
     dm_pair *pairs;
     dm_plane *planes; /* of the pairs */
     dm_tally *tally;  /* of what is near */
     uint32_t tally_room, plane_room;
-    dm_meeting *meetings;
     double touch, edge, tick, dt, reach, wide, gap, approach, fastest; /* wide: 0 where nobody has searched */
     int32_t code;
     dm_scene_frame *out;

@@ -20,6 +20,7 @@
 #include "gaps.c"
 #include "proximity.c"
 #include "bounds.c"
+#include "batch.c"
 #include "touching.c"
 #include "rolling.c"
 #include "query.c"

@@ -1,0 +1,167 @@
+/* Eight meetings at once, none of which moves a vertex of another: what passes between them in a substep. It comes to what
+ * all of them one after the other come to, for each waits for those before it that move a vertex of its own.
+ * Source: core/body/touching.py. */
+#include "scene.h"
+
+/* The surfaces of the i-th lane of the batches; those of an empty one are the same. */
+DM_INLINE const uint32_t *dm_sides_of(const dm_scene_state *s, uint32_t i) {
+    return s->batches[i / DM_LANES].surface[i % DM_LANES];
+}
+
+static int dm_any_sleeps(const dm_scene_state *s) {
+    int asleep = 0;
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) asleep |= dm_sleeps(f);
+    return asleep;
+}
+
+DM_INLINE double dm_give_of(const dm_scene_state *s, const dm_neighbour *n) {
+    const dm_surface *f = s->surfaces + n->surface;
+    return f->body ? (double)f->body->inverse_mass[n->vertex - f->first] : 0;
+}
+
+/* Put a meeting into the first batch after those that its vertices are in which has a lane left. What nothing moves may
+ * be in many lanes of one. */
+static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
+    uint32_t k = 0;
+    for (int j = 0; j < 4; j++)
+        if (s->speed[m->at[j]][3] > 0 && s->near[m->at[j]].batch > k) k = s->near[m->at[j]].batch;
+    while (k < s->batch_count && s->batches[k].count == DM_LANES) k++;
+    for (int j = 0; j < 4; j++) s->near[m->at[j]].batch = k + 1;
+    if (k == s->batch_count) {
+        s->batches = dm_grown(s, s->batches, k, &s->batch_room, sizeof *s->batches);
+        if (!dm_has_room(s)) return;
+        dm_batch *made = s->batches + s->batch_count++;
+        memset(made, 0, sizeof *made);
+        for (int i = 0; i < 4 * DM_LANES; i++) made->at[i / DM_LANES][i % DM_LANES] = s->near_count;
+    }
+    dm_batch *b = s->batches + k;
+    uint32_t l = b->count++;
+    for (int j = 0; j < 4; j++) b->at[j][l] = m->at[j], b->weight[j][l] = (dm_real)m->weight[j];
+    dm_set_lane3(&b->normal, l, dm_quad_of(m->normal));
+    b->gap[l] = (dm_real)m->gap, b->touch[l] = (dm_real)m->touch, b->friction[l] = (dm_real)m->friction;
+    b->by[l] = (dm_real)(m->share / m->give);
+    memcpy(b->point[l], m->point, sizeof m->point), memcpy(b->surface[l], m->surface, sizeof m->surface);
+}
+
+/* Add what the meetings passed on to what their surfaces got. */
+static void dm_sum_meetings(dm_scene_state *s) {
+    for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
+        for (uint32_t l = 0; l < b->count; l++) {
+            double impulse[3] = {b->sum.x[l], b->sum.y[l], b->sum.z[l]}, moment[3];
+            dm_cross3(b->point[l], impulse, moment);
+            for (int k = 0; k < 2; k++)
+                for (int c = 0; c < 3; c++) {
+                    dm_surface *f = s->surfaces + b->surface[l][k];
+                    f->impulse[c] += k ? -impulse[c] : impulse[c], f->moment[c] += k ? -moment[c] : moment[c];
+                }
+        }
+        b->sum = dm_splat3((double[3]){0, 0, 0});
+    }
+}
+
+DM_INLINE dm_vec3 dm_plus(dm_vec3 a, dm_lanes by, dm_vec3 b) {
+    return (dm_vec3){a.x + by * b.x, a.y + by * b.y, a.z + by * b.z};
+}
+
+DM_INLINE dm_lanes dm_where(dm_mask which, dm_lanes a) { return (dm_lanes)(which & (dm_mask)a); }
+
+typedef struct { /* of one vertex of each meeting: a way, or a velocity, and 1 / mass */
+    dm_vec3 of;
+    dm_lanes give;
+} dm_moving;
+
+/* Gather ways or velocities of the vertices of a batch; return those between its nearest points. */
+DM_INLINE dm_vec3 dm_gather_batch(const dm_batch *b, const dm_quad *from, dm_moving *each) {
+    dm_vec3 between = dm_splat3((double[3]){0, 0, 0});
+    for (int j = 0; j < 4; j++) {
+        each[j].of = dm_gather_quads(from, b->at[j], &each[j].give);
+        between = dm_plus(between, b->weight[j], each[j].of);
+    }
+    return between;
+}
+
+/* Change what moves by its share of an impulse. give: [1/kg] in the fourth numbers, of `each` or of others. */
+DM_INLINE void dm_scatter_batch(const dm_batch *b, const dm_moving *each, const dm_lanes *give, dm_vec3 more,
+                                dm_quad *to) {
+    for (int j = 0; j < 4; j++) {
+        dm_quad made[DM_LANES];
+        dm_quads_of(dm_plus(each[j].of, b->weight[j] * give[j], more), each[j].give, made);
+        DM_UNROLLED for (int l = 0; l < DM_LANES; l++) to[b->at[j][l]] = made[l];
+    }
+}
+
+/* Add to the impulses so much that nothing goes nearer than it may, and slides no more than friction lets it. */
+DM_INLINE void dm_resolve_batch(const dm_scene_state *s, dm_batch *b, const dm_moving *v, dm_vec3 u) {
+    dm_lanes none = dm_splat(0), by = dm_where(b->active, b->by), along = dm_dot(u, b->normal);
+    dm_lanes push = dm_vmax(b->push + by * (b->least - along), none);
+    dm_vec3 slide = dm_plus(dm_plus(u, dm_splat(1), b->back), -along, b->normal), drag = dm_plus(b->drag, -by, slide);
+    dm_lanes square = dm_dot(drag, drag), most = b->friction * push;
+    dm_mask slips = (dm_mask)(square > most * most);
+    dm_lanes kept = dm_blend(slips, most / dm_vsqrt(dm_vmax(square, dm_splat(DM_TINY))), dm_splat(1));
+    drag = (dm_vec3){kept * drag.x, kept * drag.y, kept * drag.z};
+    dm_vec3 more = dm_plus(dm_sub(drag, b->drag), push - b->push, b->normal);
+    b->push = push, b->drag = drag;
+    dm_scatter_batch(b, v, (dm_lanes[]){v[0].give, v[1].give, v[2].give, v[3].give}, more, s->speed);
+}
+
+/* Where meetings would go nearer than they touch within the substep: begin with them. awake: those that may move. */
+DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake) {
+    dm_moving v[4], gone[4];
+    dm_lanes h = dm_splat((dm_real)s->dt), none = dm_splat(0), back = dm_splat((dm_real)DM_BACK) / h;
+    dm_vec3 way = dm_gather_batch(b, s->way, gone), u = dm_gather_batch(b, s->speed, v);
+    dm_lanes towards = dm_dot(way, b->normal);
+    way = dm_plus(way, -towards, b->normal), b->begin = b->gap + towards;
+    b->active = awake & (dm_mask)(b->begin + h * dm_dot(u, b->normal) < b->touch);
+    dm_mask moves = awake & ~b->active;
+    b->anchor.x = dm_blend(moves, way.x, b->anchor.x), b->anchor.y = dm_blend(moves, way.y, b->anchor.y);
+    b->anchor.z = dm_blend(moves, way.z, b->anchor.z);
+    b->push = none, b->drag = (dm_vec3){none, none, none};
+    if (!dm_any_of(b->active)) return 0;
+    way = dm_sub(way, b->anchor), b->back = (dm_vec3){back * way.x, back * way.y, back * way.z};
+    b->least = -dm_vmax((b->begin - b->touch) / h, none);
+    dm_resolve_batch(s, b, v, u);
+    return 1;
+}
+
+/* Bring apart what is nearer than it touches. */
+DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b) {
+    dm_moving v[4], out[4];
+    dm_lanes h = dm_splat((dm_real)s->dt);
+    dm_vec3 way = dm_gather_batch(b, s->way, out), u = dm_gather_batch(b, s->speed, v);
+    dm_lanes short_of = b->touch - b->begin - dm_dot(dm_plus(way, h, u), b->normal);
+    dm_mask near = b->active & (dm_mask)(short_of > dm_splat(0));
+    dm_lanes by = dm_where(near, b->by * dm_splat((dm_real)DM_PART) * short_of);
+    dm_scatter_batch(b, out, (dm_lanes[]){v[0].give, v[1].give, v[2].give, v[3].give},
+                     (dm_vec3){by * b->normal.x, by * b->normal.y, by * b->normal.z}, s->way);
+    b->sum = dm_plus(dm_plus(b->sum, b->push, b->normal), dm_splat(1), b->drag);
+    dm_lanes most = b->friction * b->push * dm_splat((dm_real)(1 - DM_ROUNDING));
+    dm_mask slides = b->active & (dm_mask)(dm_dot(b->drag, b->drag) >= most * most);
+    b->anchor = dm_plus(b->anchor, dm_where(slides, h / dm_splat((dm_real)DM_BACK)), b->back);
+}
+
+/* Pass on what touches in this substep; return how many do. */
+static int64_t dm_resolve_meetings(dm_scene_state *s) {
+    int asleep = dm_any_sleeps(s), any = 0;
+    int64_t touching = 0;
+    for (uint32_t k = 0; k < s->batch_count; k++) {
+        dm_mask awake = ~(dm_mask){0};
+        for (int l = 0; asleep && l < DM_LANES; l++) {
+            const uint32_t *of = s->batches[k].surface[l];
+            awake[l] = dm_sleeps(s->surfaces + of[0]) || dm_sleeps(s->surfaces + of[1]) ? 0 : -1;
+        }
+        any |= dm_begin_batch(s, s->batches + k, awake);
+    }
+    if (!any) return 0;
+    for (int sweep = 1; sweep < DM_CONTACT_SWEEPS; sweep++)
+        for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
+            dm_moving v[4];
+            if (dm_any_of(b->active)) dm_resolve_batch(s, b, v, dm_gather_batch(b, s->speed, v));
+        }
+    for (uint32_t k = 0; k < s->near_count; k++) s->way[k] = (dm_quad){0, 0, 0, 0};
+    for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
+        if (!dm_any_of(b->active)) continue;
+        dm_part_batch(s, b);
+        for (int l = 0; l < DM_LANES; l++) touching -= b->active[l];
+    }
+    return touching;
+}
