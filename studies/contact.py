@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -23,7 +24,9 @@ from .contact_laws import measure_laws
 from .contact_scenes import SCENES, Played
 
 STARTS, QUICK_STARTS, QUICK_SHARE = 10, 1, 1.0
-MISSING = "The referee, ipctk, is missing: run this by python3 dev.py, which installs it."
+PROBE = "import ipctk, numpy; f = numpy.array([[0, 1, 2]]); ipctk.CollisionMesh(numpy.eye(3), ipctk.edges(f), f)"
+MISSING = """The referee, ipctk, does not run. python3 dev.py installs it; where what it installs for one Python wants
+another processor than this, take the other Python's: --blender 4.5."""
 
 
 class Referee:
@@ -136,9 +139,7 @@ def main(words: list[str]) -> int:
     parser.add_argument("--json", type=Path, metavar="FILE", help="where the results go")
     parser.add_argument("scenes", nargs="*", choices=[*SCENES, []], metavar="SCENE", help=", ".join(SCENES))
     options = parser.parse_args(words)
-    try:
-        import ipctk  # noqa: F401
-    except ImportError:
+    if subprocess.run([sys.executable, "-c", PROBE], check=False, capture_output=True).returncode:
         print(MISSING, file=sys.stderr)
         return 1
     rows = []
