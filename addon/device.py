@@ -103,8 +103,8 @@ def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple
         force = sum(c * c for c in tip.force) ** 0.5
         full = f" ({iface_('full')})" if tip.full or force > FULL * report.peak else ""
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N{full}"))
-    model = iface_("Model, {:.0f} % of Its Time").format(100 * report.load)
-    lines.append((iface_("Rendered"), model if report.body.name == "RUNS" else iface_("Local Wall of the Law")))
+    model = iface_("Model, {:.0f} % of a Tick").format(100 * report.load)
+    lines.append((iface_("Rendered"), model if report.body.name == "RUNS" else iface_("Local Wall (Measured Law)")))
     lines.append((iface_("Renders up to"), f"{report.cap / 1e3:.2f} N/mm, {report.peak:.0f} N"))
     for name in ("K1", "K2") if material else ():
         measured = getattr(material, name)
@@ -121,12 +121,12 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     cap = report.cap / 1e3
     if material and min(material.K1, material.K2) > cap:
         sentences.append(
-            iface_("K1 and K2 are not renderable: so stiff a wall shakes the device. Both are rendered softer.")
+            iface_("K1 and K2 are stiffer than the device can render without shaking, so both are rendered softer.")
         )
     elif material and material.K2 > cap:
-        sentences.append(iface_("K2 is not renderable: so stiff a wall shakes the device. It is rendered softer."))
+        sentences.append(iface_("K2 is stiffer than the device can render without shaking, so it is rendered softer."))
     elif material and material.K1 > cap:
-        sentences.append(iface_("K1 is not renderable: so stiff a wall shakes the device. It is rendered softer."))
+        sentences.append(iface_("K1 is stiffer than the device can render without shaking, so it is rendered softer."))
     if material and knee_force(material) > report.peak:
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
     if report.arming.name == "WAITING":

@@ -28,7 +28,7 @@ _FILLS = (
 )
 _LAW_SETS = (
     ("CONSISTENT", "Consistent", "All forces derive from one energy: they sum to zero, and the volume is preserved"),
-    ("PAPER", "Paper (literal)", "Equations 1 to 10 of the paper taken literally, with their known limits"),
+    ("PAPER", "Paper (literal)", "Equations 1 to 8 of the paper, taken literally, with their known limits"),
 )
 _PINNED = (
     ("BASE", "Base", "The lowest tenth of the body is pinned; a flat sheet is pinned along its border"),
@@ -248,8 +248,8 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         name="Poke Along", description="Direction in which the fingertip presses", items=_POKE_ALONG, **FIXED
     )
     press_by: EnumProperty(
-        name="Press By", description="What a press, the wheel with Ctrl and a pen's pressure mean", items=_PRESS_BY,
-        **FIXED,
+        name="Press By", description="Whether a press, Ctrl + wheel and pen pressure set a depth or a force",
+        items=_PRESS_BY, **FIXED,
     )  # fmt: skip
     press_depth_mm: FloatProperty(
         name="Press Depth (mm)", description="How deep a press goes, by depth",

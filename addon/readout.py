@@ -46,7 +46,7 @@ def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
     for number, force, depth, law in finger_numbers(frame):
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
         lines.append((iface_("Depth {}").format(number), f"{depth:.2f} mm"))
-        lines.append((iface_("Material Curve {}").format(number), f"{law:.2f} N"))
+        lines.append((iface_("Law {}").format(number), f"{law:.2f} N"))
     lines.append((iface_("Pressure"), f"{round(frame.pressure / 1e3, 3) + 0.0:.3f} kPa"))
     lines.append((iface_("Volume"), volume_text(frame.volume)))
     lines.append((iface_("Change of Volume"), f"{round(volume_change(frame), 4) + 0.0:+.2%}"))

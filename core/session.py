@@ -200,7 +200,9 @@ class Session:
         if not result.finite:
             at, done = self._ticks * self.tick, self._done
             self.reset()
-            note = f"The simulation blew up after {at:.3f} s and was put back to rest: soften the material."
+            note = (
+                f"The simulation blew up after {at:.3f} s and was put back to rest. Lower k or K2, or raise the mass."
+            )
             self._done, self._note = done, note
         return result.finite
 

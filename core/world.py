@@ -88,8 +88,15 @@ class World:
         if found.pairs:
             first, second = (self._names[i] for i in found.surfaces)
             where = ", ".join(f"{1e3 * c:.1f}" for c in found.place)
-            pair = f'"{first}" passes through itself' if first == second else f'"{first}" and "{second}" intersect'
-            raise DimpleError(f"{pair} at ({where}) mm, {found.pairs} pairs of faces in all. Move them apart first.")
+            if first == second:
+                raise DimpleError(
+                    f'"{first}" passes through itself at ({where}) mm, {found.pairs} pairs of faces in all. Repair the '
+                    "mesh there, or switch off Self Contact in Physics > Dimple > Contact."
+                )
+            raise DimpleError(
+                f'"{first}" and "{second}" intersect at ({where}) mm, {found.pairs} pairs of faces in all. Move them '
+                "apart, or switch on Move Apart for a body that is not pinned."
+            )
 
     def set_colliders(self, ends: Sequence[Floats | None]) -> None:
         """Say where each collider (m, 3) [m] is to be at the end of the next step; None lets it rest.
@@ -102,7 +109,10 @@ class World:
                 continue
             if np.shape(end) != self._at[i].T.shape or not np.isfinite(end).all():
                 name = self._names[len(self.sessions) + i]
-                raise DimpleError(f'Collider "{name}" has other vertices than at the start, or one that is no number.')
+                raise DimpleError(
+                    f'Collider "{name}" has another number of vertices than at the start, or a coordinate that is not '
+                    "a number. Reset, and start again."
+                )
             self._ends[i] = np.ascontiguousarray(np.asarray(end, np.float64).T)
 
     def target(self, index: int) -> Floats:

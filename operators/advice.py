@@ -32,12 +32,13 @@ def on_body(
     radius, edge = scene.dimple.finger_radius_mm / 1e3, float(np.median(mesh.rest_lengths))
     if refined:
         notes.append(Note(
-            f"Its own {refined.before:,} vertices are too few for the fingertip: {len(mesh.rest_positions):,} are "
-            "simulated, in the same shape. Make Soft can cut the mesh itself as fine."
+            f"The mesh has only {refined.before:,} vertices, too few for this fingertip: "
+            f"{len(mesh.rest_positions):,} are simulated, in the same shape. A bake needs the mesh itself as fine: "
+            "subdivide it, or let Make Soft do it."
         ))  # fmt: skip
     if radius < size / 100:
         notes.append(
-            f"The body is {size:.3g} m large, over 100 times the radius of the fingertip. "
+            f"The body is {size:.3g} m across, over 100 times the radius of the fingertip. "
             "Set Physical Size to Custom Size in Physics > Dimple."
         )
     elif edge > 2 * radius:

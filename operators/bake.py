@@ -64,7 +64,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         for sentence in self._messages:
             say(self, {"WARNING"}, sentence)
-        say(self, {"INFO"}, f"Objects that were baked: {self._count}")
+        say(self, {"INFO"}, f"Baked objects: {self._count}")
         return {"FINISHED"}
 
 

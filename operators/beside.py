@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 HEAVIEST = 0.7  # [s] of processor time for a second of the body: the device's process answers too, and posts frames
 CLEAR_MM = 5.0  # of every fingertip from the body that takes over: none is inside before it has begun
-TOO_HEAVY = "So fine a body cannot keep up with the device, so a local wall is rendered. Simulate a proxy to feel it."
 TOO_COARSE = (
-    "So coarse a body chatters under a fingertip, so a local wall is rendered. Let Dimple choose what is simulated."
+    "The mesh is too coarse for this fingertip, so a local wall is rendered. Set Simulate to Automatic, or use a "
+    "larger fingertip."
 )
 RIGGED = "A rig moves this body, so a local wall of the measured law is rendered."
 NO_CORE = "There is no native core for this machine, so a local wall of the measured law is rendered."
@@ -103,6 +103,7 @@ class Beside:
 
     def _fits(self, body: LiveBody, radius: float) -> bool:
         """Tell whether a body can run there; its vertices and steps decide, so that it is the same every time."""
+        from ..core.haptics.body_host import TOO_FINE
         from ..core.mesh.refine import is_coarse
         from ..core.reduction.planner import cost_of
 
@@ -114,7 +115,7 @@ class Beside:
             elif model.rigged:
                 self.reason = RIGGED
             elif cost_of(model) > HEAVIEST:
-                self.reason = TOO_HEAVY
+                self.reason = TOO_FINE
             elif is_coarse(model.mesh.rest_positions, model.mesh.triangles, radius):
                 self.reason = TOO_COARSE
         return not self.reason

@@ -64,7 +64,9 @@ def _stem(context: bpy.types.Context, obj: bpy.types.Object, kind: str) -> Path:
     """
     chosen = context.scene.dimple.cache_dir
     if chosen.startswith("//") and not bpy.data.filepath:
-        raise DimpleError("The cache folder is beside the .blend, which has no place yet. Save the file first.")
+        raise DimpleError(
+            "The cache folder is relative to the .blend file, which is not saved yet. Save the file first."
+        )
     if chosen:
         folder = Path(bpy.path.abspath(chosen))
     elif bpy.data.filepath:

@@ -102,7 +102,8 @@ class DIMPLE_OT_calibrate_together(bpy.types.Operator):
         except Undecided as undecided:
             asked = undecided.questions[0].text
             raise DimpleError(
-                f"{each.name} leaves something open: {asked} Calibrate with it alone, or write it more plainly."
+                f"{each.name} is ambiguous: {asked} Calibrate from this file alone to answer, or state it in its "
+                "header."
             ) from None
 
 

@@ -19,8 +19,10 @@ class DIMPLE_OT_compare_materials(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need a soft body without a twin, and nothing that runs."""
         obj = context.object
-        if context.mode != "OBJECT" or not polls.needs_mesh(cls, context) or not polls.is_own(cls, obj):
-            return polls.refuse(cls, "Select a soft body first") if context.mode != "OBJECT" else False
+        if context.mode != "OBJECT":
+            return polls.refuse(cls, "Go back to Object Mode first")
+        if not polls.needs_mesh(cls, context) or not polls.is_own(cls, obj):
+            return False
         if not obj.dimple.enabled or obj.active_material is None:
             return polls.refuse(cls, "Make the object soft first")
         if twins.other(obj, context.scene):
@@ -61,7 +63,9 @@ class DIMPLE_OT_use_material(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need a twin."""
-        if context.mode != "OBJECT" or context.object is None or not twins.other(context.object, context.scene):
+        if context.mode != "OBJECT":
+            return polls.refuse(cls, "Go back to Object Mode first")
+        if context.object is None or not twins.other(context.object, context.scene):
             return polls.refuse(cls, "The object has no twin: Compare Materials makes one")
         return polls.is_free(cls)
 

@@ -137,7 +137,10 @@ def _make(
     for obj in colliders:
         points, triangles = _surface(graph, obj, scale)
         if not len(triangles) or not np.isfinite(points).all():
-            raise DimpleError(f'Collider "{obj.name}" has no faces, or a vertex that is no number.')
+            raise DimpleError(
+                f'Collider "{obj.name}" has no faces, or a coordinate that is not a number. Repair it, or switch '
+                "Dimple Collider off."
+            )
         made.append(Collider(points.T.copy(), triangles, obj.dimple.collider_friction))
     for _, session, _ in bodies:
         if session.proxy is not None:  # what is seen must not pass through anything, so that is what is simulated

@@ -236,9 +236,11 @@ class DIMPLE_OT_answer_trial(_UnderWay, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need a trial whose objects were all presented."""
+        if not super().poll(context):
+            return False
         shown = trial()
-        if not super().poll(context) or shown is None or experiments[0].shown < len(shown.shown):
-            return polls.refuse(cls, "Present the object first, of a comparison both")
+        if shown is None or experiments[0].shown < len(shown.shown):
+            return polls.refuse(cls, "Present the object first; in a comparison, both")
         return True
 
     def execute(self, _context: bpy.types.Context) -> set[str]:

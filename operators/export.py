@@ -141,7 +141,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         if not self.directory:
             raise DimpleError("No folder is chosen. Choose where the files go.")
         if self.directory.startswith("//") and not bpy.data.filepath:
-            raise DimpleError("The folder is beside the .blend, which has no place yet. Save the file first.")
+            raise DimpleError("The folder is relative to the .blend file, which is not saved yet. Save the file first.")
         sessions.stop_all()
         self._messages: list[str] = []
         self._written: list[Path] = []

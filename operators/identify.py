@@ -92,7 +92,9 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
             try:
                 cache.remember(*self._anew, found)
             except DimpleError as error:
-                say(self, {"WARNING"}, f"It was not remembered, so another time it is worked out again: {error}")
+                say(self, {"WARNING"}, (
+                    f"The result could not be stored, so it will be computed again next time: {error}"
+                ))  # fmt: skip
         return {"FINISHED"}
 
 

@@ -118,7 +118,7 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
     _, model = bridge.read_body(context, obj)
     planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
     size = f"{1e3 * model.mesh.size:.3g} mm"
-    return f'"{obj.name}" is soft: "{obj.active_material.name}", {size} large. Press it with the left mouse button.'
+    return f'"{obj.name}" is soft: "{obj.active_material.name}", {size} across. Press it with the left mouse button.'
 
 
 def convert(context: bpy.types.Context, obj: bpy.types.Object) -> str:

@@ -71,7 +71,7 @@ def check_depth(state: PokeState, event: PokeEvent, bodies: dict[int, LiveBody])
     size = body.session.model.mesh.size
     if not state.by_force and state.depth > size:
         raise DimpleError(
-            f'"{body.name}" is {1e3 * size:.4g} mm large, so a press of {1e3 * state.depth:.4g} mm would go '
+            f'"{body.name}" is {1e3 * size:.4g} mm across, so a press of {1e3 * state.depth:.4g} mm would go '
             "through it. Press less deep."
         )
 

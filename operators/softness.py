@@ -58,7 +58,7 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
         body.dimple.softness_group = GROUP
         say(self, {"INFO"}, found.text)
         if link.refined:
-            say(self, {"WARNING"}, "The mesh has too few vertices to hold the map: Make Soft can cut it finer first.")
+            say(self, {"WARNING"}, "The mesh has too few vertices to hold the map. Subdivide it first.")
         if found.outside > PAINTED:
             say(self, {"WARNING"}, (
                 f"{found.outside:.0%} of the vertices are over four times softer or stiffer than the material, beyond "

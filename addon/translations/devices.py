@@ -54,22 +54,24 @@ WORDS = {
     "full": "上限",
     "{} Material / Rendered": "{} 材質 / 提示",
     "Renders up to": "表現できる上限",
-    "K1 and K2 are not renderable: so stiff a wall shakes the device. Both are rendered softer.": (
-        "K1 と K2 は表現できません。この硬さではデバイスが振動するため、どちらも柔らかく提示されます。"
+    "K1 and K2 are stiffer than the device can render without shaking, so both are rendered softer.": (
+        "K1 と K2 は、デバイスが振動せずに提示できる硬さを超えるため、どちらも柔らかく提示されます。"
     ),
-    "K2 is not renderable: so stiff a wall shakes the device. It is rendered softer.": (
-        "K2 は表現できません。この硬さではデバイスが振動するため、柔らかく提示されます。"
+    "K2 is stiffer than the device can render without shaking, so it is rendered softer.": (
+        "K2 は、デバイスが振動せずに提示できる硬さを超えるため、柔らかく提示されます。"
     ),
-    "K1 is not renderable: so stiff a wall shakes the device. It is rendered softer.": (
-        "K1 は表現できません。この硬さではデバイスが振動するため、柔らかく提示されます。"
+    "K1 is stiffer than the device can render without shaking, so it is rendered softer.": (
+        "K1 は、デバイスが振動せずに提示できる硬さを超えるため、柔らかく提示されます。"
     ),
     "Rendered": "提示",
-    "Model, {:.0f} % of Its Time": "モデル（時間の {:.0f} %）",
-    "Local Wall of the Law": "法則による局所的な壁",
-    "So fine a body cannot keep up with the device, so a local wall is rendered. Simulate a proxy to feel it.": (
+    "Model, {:.0f} % of a Tick": "モデル（1ティックの {:.0f} %）",
+    "Local Wall (Measured Law)": "局所的な壁（測定した法則）",
+    "This body is too fine to run at the device's rate, so a local wall is rendered. Simulate a proxy to feel the "
+    "model.": (
         "この細かさの物体はデバイスの速さに追いつけないため、局所的な壁を提示します。モデルに触れるにはプロキシを使ってください。"
     ),
-    "So coarse a body chatters under a fingertip, so a local wall is rendered. Let Dimple choose what is simulated.": (
+    "The mesh is too coarse for this fingertip, so a local wall is rendered. Set Simulate to Automatic, or use a "
+    "larger fingertip.": (
         "粗すぎる物体は指先の下で振動するため、局所的な壁を提示します。シミュレーション対象を自動にしてください。"
     ),
     "A rig moves this body, so a local wall of the measured law is rendered.": (

@@ -82,8 +82,8 @@ BODY = {
         "すべての力を一つのエネルギーから導きます。力の総和はゼロになり、体積が保たれます"
     ),
     "Paper (literal)": "論文 (そのまま)",
-    "Equations 1 to 10 of the paper taken literally, with their known limits": (
-        "論文の式 1 から 10 をそのまま使います。既知の限界もそのままです"
+    "Equations 1 to 8 of the paper, taken literally, with their known limits": (
+        "論文の式 1 から 8 をそのまま使います。既知の限界もそのままです"
     ),
     "Pinned": "固定",
     "Which part of the body is pinned": "物体のどこを固定するか",
@@ -178,7 +178,7 @@ PANELS = {
     ),
     "Force {}": "力 {}",
     "Depth {}": "深さ {}",
-    "Material Curve {}": "マテリアルの曲線 {}",
+    "Law {}": "法則 {}",
     "Pressure": "圧力",
     "Volume": "体積",
     "Change of Volume": "体積の変化",

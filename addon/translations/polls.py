@@ -21,7 +21,7 @@ WORDS = {
     "Open an experiment first": "先に実験を開いてください",
     "Agree to the text first": "先に説明に同意してください",
     "All trials are answered": "すべての試行に回答しました",
-    "Present the object first, of a comparison both": "先に対象を提示してください。比較では両方を提示します",
+    "Present the object first; in a comparison, both": "先に対象を提示してください。比較では両方を提示します",
     "No haptic device is ready": "使える力覚デバイスがありません",
     "Poke or play first: there is nothing to record": "先に押すか再生してください。記録するものがありません",
     "Select a mesh first": "先にメッシュを選択してください",

@@ -10,8 +10,8 @@ WORDS = {
     "How far a dent reaches beyond the fingertip": "くぼみが指先の外へどこまで広がるか",
     "Identifying: the force is an estimate so far": "同定中：力はまだ推定値です",
     "Press By": "押し方",
-    "What a press, the wheel with Ctrl and a pen's pressure mean": (
-        "押すとき、Ctrl とホイール、ペンの筆圧が何を表すか"
+    "Whether a press, Ctrl + wheel and pen pressure set a depth or a force": (
+        "押すとき、Ctrl とホイール、ペンの筆圧が深さと力のどちらを決めるか"
     ),
     "Depth": "深さ",
     "The fingertip goes to a set depth; the force is what the body answers": (

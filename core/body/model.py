@@ -101,7 +101,7 @@ class Model:
             todo = "Raise its mass, lower k or K2, or use a coarser mesh."
             if self.mesh.size < SMALL:
                 size = f"{1e3 * self.mesh.size:.3g} mm"
-                todo = f"The body is only {size} large: give it a Custom Size in Physics > Dimple."
+                todo = f"The body is only {size} across: give it a Custom Size in Physics > Dimple."
             raise DimpleError(
                 f"The material is so stiff or light on this mesh that a millisecond needs over {MAX_SUBSTEPS} steps. "
                 + todo

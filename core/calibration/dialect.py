@@ -133,7 +133,7 @@ def _ask_decimal(rows: Sequence[Sequence[str]], best: Dialect) -> None:
                 raise Undecided(
                     Question(
                         name="decimal",
-                        text=f"Is {cell} a number of thousands, or does its mark part off decimals?",
+                        text=f"In “{cell}”, does the mark separate thousands or decimals?",
                         candidates=(
                             Candidate(value=".", label=f"{cell} = {points:g}"),
                             Candidate(value=",", label=f"{cell} = {commas:g}"),

@@ -129,11 +129,11 @@ def _check_columns(measurement: Measurement, depth: Floats, force: Floats, answe
         raise Undecided(
             Question(
                 name="depth_column",
-                text=f"“{f}” advances evenly like a driven depth and “{d}” does not: are they exchanged? "
-                "Which is the depth?",
+                text=f"“{f}” advances evenly, like a driven depth, and “{d}” does not: are the columns swapped? "
+                "Which one is the depth?",
                 candidates=(
                     Candidate(value=str(depth_at), label=f"{d}, as the header says (a press driven by its force)"),
-                    Candidate(value=str(force_at), label=f"{f}, for they are exchanged"),
+                    Candidate(value=str(force_at), label=f"{f}: the columns are swapped"),
                 ),
             )
         )

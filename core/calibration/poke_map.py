@@ -93,7 +93,7 @@ def map_pokes(mesh: Mesh, material: Material, pokes: Pokes) -> PokeMap:
         raise DimpleError("No poke has a depth and a force greater than 0. Are the columns the right ones?")
     places, logs, counts = _at_places(pokes.places[good], pokes.forces[good], law[good], SAME * mesh.size)
     if len(places) < FEWEST:
-        raise DimpleError(f"Pokes at {len(places)} places tell no map: {FEWEST} or more are needed.")
+        raise DimpleError(f"A map needs pokes at {FEWEST} or more different places; this file has {len(places)}.")
     found = _likeliest(places, logs, counts, mesh.size)
     mean, spread = found.at(mesh.rest_positions)
     left_out, left_error = found.left_out()
@@ -164,7 +164,7 @@ def _likeliest(places: Floats, logs: Floats, counts: Floats, size: float) -> _Pr
                 process = _Process(places, logs, float(length), float(noise * math.sqrt(scale)), scale, inverse)
                 found = float(likely), process
     if found is None:
-        raise DimpleError("The pokes tell no map: their places coincide.")
+        raise DimpleError("All pokes are at almost the same place. Record them across the surface.")
     return found[1]
 
 

@@ -207,7 +207,7 @@ def _torn(stroke: _Stroke, inward: int) -> Question:
     return Question(
         name="until_mm",
         text=f"The force falls for good from {force:.4g} N at {1e3 * inward * at:.4g} mm: was the specimen torn? "
-        "Down to which depth is it fitted?",
+        "Down to which depth should it be fitted?",
         candidates=(
             Candidate(value=f"{1e3 * inward * at:.7g}", label="where the force begins to fall"),
             Candidate(value=f"{1e3 * inward * deepest:.7g}", label="the deepest row: no tear, it answers like this"),

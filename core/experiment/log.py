@@ -143,5 +143,8 @@ def _row(path: Path, number: int, cells: dict[str, str]) -> Row:
     except (KeyError, TypeError, ValueError) as error:
         raise DimpleError(f"Row {number} of {path} is damaged ({error}). Repair it or choose another file.") from None
     if row.trial != number:
-        raise DimpleError(f"Row {number} of {path} is that of trial {row.trial}: rows are missing or there twice.")
+        raise DimpleError(
+            f"Row {number} of {path} belongs to trial {row.trial}: a row is missing or repeated. "
+            "Repair the file or choose another one."
+        )
     return row

@@ -25,10 +25,15 @@ if TYPE_CHECKING:
     from .touched_body import TouchedBody
 
 FRAME_EVERY: Final = 0.015  # [s] between two frames: a little faster than Blender draws
-BLEW_UP: Final = "The simulation blew up and was put back to rest: soften the material, then arm the device again."
+BLEW_UP: Final = (
+    "The simulation blew up and was put back to rest. Lower k or K2, or raise the mass, then arm the device again."
+)
 FAILED: Final = "The body cannot run beside the device ({error}), so a local wall is rendered."
 CHANGED: Final = "What is under the fingertips has changed. Lift them and arm the device again."
-TOO_HEAVY: Final = "The body is too heavy to be simulated at the device's rate, so a local wall is rendered."
+TOO_FINE: Final = (
+    "This body is too fine to run at the device's rate, so a local wall is rendered. Simulate a proxy to feel the "
+    "model."
+)
 
 
 class BodyHost:
@@ -108,7 +113,7 @@ class BodyHost:
             touched.lift()
             contacts = ()
         elif touched.is_too_heavy:
-            self._give_up(servo, TOO_HEAVY)
+            self._give_up(servo, TOO_FINE)
             contacts = ()
         if self._changed and touched.is_inside:
             servo.end(CHANGED)

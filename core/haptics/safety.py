@@ -10,6 +10,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from enum import Enum
 
+from .servo_notes import NOT_ARMED
 from .vectors import ZERO, Vector, along, capped, dot, is_finite, length, scaled
 
 HARD_CEILING = 20.0  # [N] whatever limits a device reports
@@ -99,7 +100,7 @@ class Switch:
             case Arming.ASKED if device_on:
                 self._go(Arming.RAMP, now)
             case Arming.ASKED if now - self.since > ASK_TIME:
-                self.disarm("The device refused to arm: a fingertip was pressed, or its motors are off.")
+                self.disarm(NOT_ARMED)
             case Arming.RAMP | Arming.ON if not device_on:  # it brakes, and its ramp begins anew
                 self._go(Arming.RAMP, now)
         if self.arming is Arming.RAMP and now - self.since >= RAMP_TIME:

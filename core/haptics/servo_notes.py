@@ -2,12 +2,15 @@
 
 from . import wire
 
+NOT_ARMED = "The device did not arm: lift all fingertips, check that its motors are on, and arm it again."
 FAULTS = {
-    wire.FAULT_WATCHDOG: "The device heard nothing for 100 ms and stopped its motors. Arm it again.",
-    wire.FAULT_SENSOR: "An angle sensor of the device gives impossible readings. Check its cables.",
+    wire.FAULT_WATCHDOG: "The device received no commands in time and stopped its motors. Arm it again.",
+    wire.FAULT_SENSOR: (
+        "An angle sensor of the device gives impossible readings. Check its cables, then arm the device again."
+    ),
     wire.FAULT_SPEED: "A fingertip of the device was faster than any hand. Arm the device again.",
-    wire.FAULT_ARM_REFUSED: "The device did not arm: let go of the object and arm the device again.",
-    wire.FAULT_LINK: "The device lost too many frames on the line. Check the cable.",
+    wire.FAULT_ARM_REFUSED: NOT_ARMED,
+    wire.FAULT_LINK: "The device lost too many frames. Check the cable or the network, then arm it again.",
 }
 NO_ANSWER = "Nothing answers within 1 s. Check port, baud rate ({baud}) and power of the {name}."
 NO_STATES = "The device answers but streams no positions. Switch it off and on, then connect again."
@@ -16,4 +19,4 @@ WAS_SILENT = "The device was silent for more than 100 ms. Arm it again."
 STOOD_STILL = "Device or computer stood still for more than 100 ms, or the device's clock is wrong. Arm it again."
 TOO_FAST = "A fingertip was faster than 1.5 m/s. Arm the device again."
 BAD_FORCE = "The simulation gave forces that are not numbers. Reset it and arm the device again."
-LOSSY = "{share:.0%} of the frames are lost on the line. Check the cable."
+LOSSY = "{share:.0%} of the frames are lost on the line. Check the cable or the network, then arm the device again."

@@ -14,7 +14,7 @@ import numpy as np
 from ..base import Floats, Ints, sums_at
 
 COARSE = 1.1  # fingertip radii: longer edges press wrong (a torus by a half, a cube sideways by a quarter), and
-COARSE_SHARE = 0.05  # of the surface between such edges is enough for that, sideways by a fifth
+COARSE_SHARE = 0.05  # of the surface between such edges is enough for that
 FINE = 0.95  # fingertip radii: the longest edge that is left
 MOST = 8000  # vertices: more do not run live beside Blender's own work
 LONGER = 1.1  # times as long may edges be where that leaves too many vertices

@@ -1,5 +1,5 @@
 /* What the rings leave out, one by one and in double: springs and faces at vertices without a ring, and the cones
- * that close the holes for the volume. Source: core/body/springs.py _add_irregular, core/body/pressure.py _add_fans. */
+ * that close the holes for the volume. Source: core/body/springs.py _add_irregular, core/body/pressure.py _add_corners. */
 #include "body.h"
 
 static void dm_add_force(dm_state *b, uint32_t i, const double *f, double sign) {

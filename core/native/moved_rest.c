@@ -1,4 +1,4 @@
-/* A shape at rest that changes while the body lives, as a rig bends it. Source: core/body/model.py with_rest. */
+/* A shape at rest that changes while the body lives, as a rig bends it. Source: core/body/moved_rest.py with_rest. */
 #include "body.h"
 
 /* Let the places at rest go on at their rate for so many ticks; over a tick they stand where its substeps begin on

@@ -107,10 +107,10 @@ def plan(
             raise DimpleError(f"no proxy of up to {most:,} vertices is within {near}")
         chosen = plan_proxy(model, vertices, radius=radius, budget=budget, because=slow)
     except DimpleError as error:
-        return _full_mesh(model, cost, f"{slow}. It is simulated all the same: {error}.")
+        return _full_mesh(model, cost, f"{slow}. It is simulated anyway: {error}.")
     if chosen.cost >= cost:
         why = "no proxy within the tolerances is faster"
-        return _full_mesh(model, cost, f"{slow}. It is simulated all the same: {why}.")
+        return _full_mesh(model, cost, f"{slow}. It is simulated anyway: {why}.")
     if chosen.error > tolerance or chosen.force_error > force_tolerance:
         return replace(chosen, reason=f"{chosen.reason} A proxy within the tolerances would not run live.")
     return chosen

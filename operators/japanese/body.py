@@ -12,7 +12,7 @@ MESSAGES = {
     "Raise its mass, lower k or K2, or use a coarser mesh.": (
         "質量を増やすか、k や K2 を下げるか、もっと粗いメッシュを使ってください。"
     ),
-    "The body is only {} large: give it a Custom Size in Physics > Dimple.": (
+    "The body is only {} across: give it a Custom Size in Physics > Dimple.": (
         "物体の大きさが {} しかありません。物理演算 > Dimple で「指定した大きさ」を設定してください。"
     ),
     "The material is so stiff or light on this mesh that a millisecond needs over {} steps.": (
@@ -134,7 +134,7 @@ MESSAGES = {
     "The full mesh would run at {} real time ({})": "元のメッシュでは実時間の {} の速さです（{}）",
     "{} mm and {}": "{} mm と {}",
     "no proxy of up to {} vertices is within {}": "{} 頂点までの代理メッシュに、{} 以内のものはありません",
-    "{}. It is simulated all the same: {}.": "{}。それでもそのまま計算します。{}。",
+    "{}. It is simulated anyway: {}.": "{}。それでもそのまま計算します。{}。",
     "no proxy within the tolerances is faster": "許容差に収まる代理メッシュで、これより速いものはありません",
     "As chosen, the full mesh: {}, at {} real time.": "選択どおり元のメッシュ（{}）、実時間の {} の速さです。",
     "runs at {} real time": "は実時間の {} の速さで動き",
@@ -169,8 +169,8 @@ MESSAGES = {
     "A held vertex has a position that is not a number.": "固定した頂点の位置が数ではありません。",
     "The shape at rest has a position that is not a number.": "元の形に数でない位置があります。",
     "A step of time must be 0 s or longer (it is {}).": "時間の幅は 0 s 以上にしてください（現在 {}）。",
-    "The simulation blew up after {} s and was put back to rest: soften the material.": (
-        "計算が {} s で発散したため、元の形に戻しました。マテリアルを柔らかくしてください。"
+    "The simulation blew up after {} s and was put back to rest. Lower k or K2, or raise the mass.": (
+        "計算が {} s で発散したため、元の形に戻しました。k か K2 を下げるか、質量を増やしてください。"
     ),
     "The mesh has other vertices than when it was started. Reset it and start again.": (
         "開始したときとメッシュの頂点が違います。リセットしてもう一度始めてください。"
@@ -187,12 +187,18 @@ MESSAGES = {
     "Bodies that meet must be stepped by the same backend, with the same tick.": (
         "触れ合う物体は、同じ計算方式と同じ刻みで計算する必要があります。"
     ),
-    '"{}" passes through itself': '"{}" が自分自身と交差しています',
-    '"{}" and "{}" intersect': '"{}" と "{}" が交差しています',
-    "{} at ({}) mm, {} pairs of faces in all. Move them apart first.": (
-        "{}。位置 ({}) mm、交差する面は全部で {} 組です。先に離してください。"
+    '"{}" passes through itself at ({}) mm, {} pairs of faces in all. Repair the mesh there, or switch off Self '
+    "Contact in Physics > Dimple > Contact.": (
+        '"{}" が自分自身と交差しています。位置 ({}) mm、交差する面は全部で {} 組です。そこのメッシュを直すか、'
+        "物理演算 > Dimple > 接触で自己接触をオフにしてください。"
     ),
-    'Collider "{}" has other vertices than at the start, or one that is no number.': (
-        'コライダー "{}" の頂点が開始時と違うか、数でない頂点があります。'
+    '"{}" and "{}" intersect at ({}) mm, {} pairs of faces in all. Move them apart, or switch on Move Apart for a body '
+    "that is not pinned.": (
+        '"{}" と "{}" が交差しています。位置 ({}) mm、交差する面は全部で {} 組です。離すか、固定されていない物体の'
+        "「引き離す」をオンにしてください。"
+    ),
+    'Collider "{}" has another number of vertices than at the start, or a coordinate that is not a number. Reset, '
+    "and start again.": (
+        'コライダー "{}" の頂点の数が開始時と違うか、数でない座標があります。リセットして、始め直してください。'
     ),
 }

@@ -10,8 +10,9 @@ MESSAGES = {
     "Row {} of {} is damaged ({}). Repair it or choose another file.": (
         "{1} の {0} 行目が壊れています（{2}）。修復するか別のファイルを選んでください。"
     ),
-    "Row {} of {} is that of trial {}: rows are missing or there twice.": (
+    "Row {} of {} belongs to trial {}: a row is missing or repeated. Repair the file or choose another one.": (
         "{1} の {0} 行目は試行 {2} のものです。行が足りないか重複しています。"
+        "修復するか別のファイルを選んでください。"
     ),
     "The experiment {} cannot be read: {}.": "実験 {} を読めません: {}。",
     "{} is not an experiment: {}.": "{} は実験ではありません: {}。",
@@ -47,9 +48,9 @@ MESSAGES = {
     "{} has more answers than the experiment has trials.": "{} の回答が実験の試行より多くなっています。",
     "All trials are answered.": "すべての試行に回答しました。",
     "There is no answer {}.": "回答 {} はありません。",
-    "The simulation blew up and was put back to rest: soften the material, then arm the device again.": (
-        "計算が発散したため、元の形に戻しました。マテリアルを柔らかくしてから、デバイスの力をもう一度オンにしてくだ"
-        "さい。"
+    "The simulation blew up and was put back to rest. Lower k or K2, or raise the mass, then arm the device again.": (
+        "計算が発散したため、元の形に戻しました。k か K2 を下げるか質量を増やしてから、デバイスの力をもう一度オンに"
+        "してください。"
     ),
     "The body cannot run beside the device ({}), so a local wall is rendered.": (
         "物体をデバイスと並行して計算できないため（{}）、局所的な壁を提示します。"
@@ -57,8 +58,9 @@ MESSAGES = {
     "What is under the fingertips has changed. Lift them and arm the device again.": (
         "指先の下のものが変わりました。指を上げて、デバイスの力をもう一度オンにしてください。"
     ),
-    "The body is too heavy to be simulated at the device's rate, so a local wall is rendered.": (
-        "物体が重く、デバイスの速さで計算できないため、局所的な壁を提示します。"
+    "This body is too fine to run at the device's rate, so a local wall is rendered. Simulate a proxy to feel the "
+    "model.": (
+        "物体が細かすぎてデバイスの速さで計算できないため、局所的な壁を提示します。プロキシで計算すると感じられます。"
     ),
     "The device cannot be opened: {}.": "デバイスを開けません: {}。",
     "The servo process ended ({}). Connect and arm again.": (
@@ -106,9 +108,6 @@ MESSAGES = {
     ),
     "{} cannot be made: {}.": "{} を作れません: {}。",
     "A body beside the device keeps its shape at rest.": "デバイスと並行して計算する物体は、元の形を変えられません。",
-    "The device refused to arm: a fingertip was pressed, or its motors are off.": (
-        "デバイスが力のオンを拒みました。指先が押されているか、モーターが切れています。"
-    ),
     "The connection to {} is lost ({}). Plug it in, connect, then arm again.": (
         "{} との接続が切れました（{}）。差し込んで接続し、もう一度力をオンにしてください。"
     ),
@@ -125,20 +124,20 @@ MESSAGES = {
     "{} cannot run at {} baud ({}).": "{} は {} ボーで動きません（{}）。",
     "{} is not a serial port that can be opened ({}).": "{} は開けるシリアルポートではありません（{}）。",
     "The device disarmed itself.": "デバイスが自分で力をオフにしました。",
-    "The device heard nothing for 100 ms and stopped its motors. Arm it again.": (
-        "デバイスへの通信が 100 ms 途絶え、モーターが止まりました。もう一度力をオンにしてください。"
+    "The device received no commands in time and stopped its motors. Arm it again.": (
+        "デバイスに指令が届かず、モーターが止まりました。もう一度力をオンにしてください。"
     ),
-    "An angle sensor of the device gives impossible readings. Check its cables.": (
-        "デバイスの角度センサーがありえない値を出しています。ケーブルを確かめてください。"
+    "An angle sensor of the device gives impossible readings. Check its cables, then arm the device again.": (
+        "デバイスの角度センサーがありえない値を出しています。ケーブルを確かめ、もう一度力をオンにしてください。"
     ),
     "A fingertip of the device was faster than any hand. Arm the device again.": (
         "デバイスの指先が人の手より速く動きました。もう一度力をオンにしてください。"
     ),
-    "The device did not arm: let go of the object and arm the device again.": (
-        "デバイスの力がオンになりませんでした。物体から手を離し、もう一度オンにしてください。"
+    "The device did not arm: lift all fingertips, check that its motors are on, and arm it again.": (
+        "デバイスの力がオンになりませんでした。指先をすべて上げ、モーターを確かめてから、もう一度オンにしてください。"
     ),
-    "The device lost too many frames on the line. Check the cable.": (
-        "通信で失われたフレームが多すぎます。ケーブルを確かめてください。"
+    "The device lost too many frames. Check the cable or the network, then arm it again.": (
+        "通信で失われたフレームが多すぎます。ケーブルかネットワークを確かめ、もう一度力をオンにしてください。"
     ),
     "Nothing answers within 1 s. Check port, baud rate ({}) and power of the {}.": (
         "1 s 以内に応答がありません。ポート、ボーレート ({})、{} の電源を確かめてください。"
@@ -162,8 +161,8 @@ MESSAGES = {
     "The simulation gave forces that are not numbers. Reset it and arm the device again.": (
         "計算した力が数になりませんでした。リセットして、もう一度力をオンにしてください。"
     ),
-    "{} of the frames are lost on the line. Check the cable.": (
-        "フレームの {} が通信で失われています。ケーブルを確かめてください。"
+    "{} of the frames are lost on the line. Check the cable or the network, then arm the device again.": (
+        "フレームの {} が通信で失われています。ケーブルかネットワークを確かめ、もう一度力をオンにしてください。"
     ),
     "{} baud cannot carry the {} positions a second of the {}, {} at most. Raise the baud rate, on the device too, "
     "or use a device that is made for a lower rate (tick_hz).": (

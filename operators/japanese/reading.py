@@ -55,7 +55,7 @@ MESSAGES = {
     "column of force.": (
         "このファイルに表がありません。2 つ以上の数が並ぶ行が続いていません。深さの列と力の列が必要です。"
     ),
-    "Is {} a number of thousands, or does its mark part off decimals?": "{} の記号は桁区切りですか、小数点ですか？",
+    "In “{}”, does the mark separate thousands or decimals?": "「{}」の記号は桁区切りですか、小数点ですか？",
     "The depth falls as the force grows and was turned round.": (
         "力が増えると深さが減るため、深さの向きを逆にしました。"
     ),
@@ -81,11 +81,11 @@ MESSAGES = {
     "The force is negative where it presses and was turned round.": "押す力が負のため、力の符号を逆にしました。",
     "The force is no greater at the deepest rows than at the shallowest: these are not a press, or not the right "
     "columns.": "最も深い行の力が浅い行より大きくありません。押し込みではないか、列が違います。",
-    "“{}” advances evenly like a driven depth and “{}” does not: are they exchanged? Which is the depth?": (
+    "“{}” advances evenly, like a driven depth, and “{}” does not: are the columns swapped? Which one is the depth?": (
         "“{}” は深さのように一定に進み、“{}” は進みません。入れ替わっていませんか？深さはどちらですか？"
     ),
     "{}, as the header says (a press driven by its force)": "{}、見出しのとおり（力を制御した押し込み）",
-    "{}, for they are exchanged": "{}、入れ替わっているため",
+    "{}: the columns are swapped": "{}: 列が入れ替わっている",
     "No knee was found down to {} mm.\nOne slope says as much as two (F test p = {}): K2 equals K1 and x0 is the "
     "deepest row.": (
         "{} mm まで折れ点が見つかりません。\n傾きは一つで十分です (F 検定 p = {})。K2 は K1 と同じ、x0 は最も深い行"
@@ -200,10 +200,12 @@ MESSAGES = {
     "No poke has a depth and a force greater than 0. Are the columns the right ones?": (
         "深さと力がともに 0 より大きい記録がありません。列は正しいですか？"
     ),
-    "Pokes at {} places tell no map: {} or more are needed.": (
-        "{} か所の記録ではマップが作れません。{} か所以上必要です。"
+    "A map needs pokes at {} or more different places; this file has {}.": (
+        "マップには {} か所以上での記録が必要です。このファイルは {} か所です。"
     ),
-    "The pokes tell no map: their places coincide.": "場所が重なっているため、マップが作れません。",
+    "All pokes are at almost the same place. Record them across the surface.": (
+        "記録の場所がほとんど同じです。表面のあちこちで記録してください。"
+    ),
     "The pokes lie {} mm from the surface. Their x, y and z are places on the object as it stands in the scene, at "
     "its physical size.": (
         "押した場所が表面から {} mm 離れています。x、y、z は、シーンに置かれた物体の実物の大きさでの位置です。"
@@ -235,7 +237,7 @@ MESSAGES = {
         "押す前に力が {} N 下がっています。先端が貼り付くとこうなります。その {} 行を除きました。"
     ),
     "The touch at {} mm lies outside the depths of the file.": "接触 {} mm がファイルの深さの範囲にありません。",
-    "The force falls for good from {} N at {} mm: was the specimen torn? Down to which depth is it fitted?": (
+    "The force falls for good from {} N at {} mm: was the specimen torn? Down to which depth should it be fitted?": (
         "{1} mm の {0} N から力が下がったままです。試料が破れましたか？どの深さまで当てはめますか？"
     ),
     "where the force begins to fall": "力が下がり始めるところ",

@@ -7,12 +7,12 @@ MESSAGES = {
         'モディファイアー "{}" が押したあとで表面を動かします。その前のメッシュを狙ってください。'
     ),
     "A rig holds it: its shape at rest goes where that goes.": "リグに付いています。元の形はリグの動きに従います。",
-    "Its own {} vertices are too few for the fingertip: {} are simulated, in the same shape. Make Soft can cut the "
-    "mesh itself as fine.": (
-        "元の {} 頂点では指先に対して少なすぎるため、同じ形の {} 頂点で計算します。「柔らかくする」でメッシュそのも"
-        "のを細かく分割できます。"
+    "The mesh has only {} vertices, too few for this fingertip: {} are simulated, in the same shape. A bake needs the "
+    "mesh itself as fine: subdivide it, or let Make Soft do it.": (
+        "元の {} 頂点では指先に対して少なすぎるため、同じ形の {} 頂点で計算します。ベイクするには、メッシュそのものを"
+        "細かく分割するか、「柔らかくする」で分割してください。"
     ),
-    "The body is {} m large, over 100 times the radius of the fingertip. Set Physical Size to Custom Size in "
+    "The body is {} m across, over 100 times the radius of the fingertip. Set Physical Size to Custom Size in "
     "Physics > Dimple.": (
         "物体の大きさは {} m で、指先の半径の 100 倍を超えています。物理演算 > Dimple で実物の大きさを「指定した大"
         "きさ」にしてください。"
@@ -30,7 +30,7 @@ MESSAGES = {
     "There is no fingertip, so nothing presses: Fingertips > Add Fingertip adds one.": (
         "指先がないため、何も押しません。「指先 > 指先を追加」で追加できます。"
     ),
-    "Objects that were baked: {}": "ベイクしたオブジェクト: {} 個",
+    "Baked objects: {}": "ベイクしたオブジェクト: {} 個",
     "There was no bake on the selected objects": "選択したオブジェクトにベイクがありません",
     "The last frame ({}) must come after the first ({}).": (
         "終了フレーム ({}) は開始フレーム ({}) よりあとにしてください。"
@@ -96,16 +96,16 @@ MESSAGES = {
     "If it is known, give {}.": "分かっていれば {} を指定してください。",
     "A question of the dialog has no answer.": "ダイアログの質問に答えがありません。",
     "Give {}: {}.": "{} を指定してください: {}。",
-    "{} leaves something open: {} Calibrate with it alone, or write it more plainly.": (
-        "{} には決まらないことがあります: {} これだけでキャリブレーションするか、もっと明確に書いてください。"
+    "{} is ambiguous: {} Calibrate from this file alone to answer, or state it in its header.": (
+        "{} だけでは決まりません: {} このファイルだけでキャリブレーションして答えるか、見出しに書いてください。"
     ),
     "The comparison was stopped; nothing has changed": "比較を中止しました。何も変わっていません",
     "The object is gone, so nothing was kept.": "オブジェクトがなくなったため、何も残していません。",
     "A proxy of {} vertices: {}": "{} 頂点の代理メッシュ: {}",
     "Compared {} variants of {}": "{1} の {0} 通りを比較しました",
     'Collider "{}" is gone. Start again.': 'コライダー "{}" がなくなりました。もう一度始めてください。',
-    'Collider "{}" has no faces, or a vertex that is no number.': (
-        'コライダー "{}" に面がないか、数でない頂点があります。'
+    'Collider "{}" has no faces, or a coordinate that is not a number. Repair it, or switch Dimple Collider off.': (
+        'コライダー "{}" に面がないか、数でない座標があります。直すか、Dimple コライダーをオフにしてください。'
     ),
     "Hold Shift: force | Esc: disarm": "Shift を押している間: 力 | Esc: 力をオフ",
     "Give the participant a number or a code.": "参加者に番号かコードを付けてください。",
@@ -120,8 +120,8 @@ MESSAGES = {
     "No folder is chosen. Choose where the files go.": (
         "フォルダーが選ばれていません。ファイルの保存先を選んでください。"
     ),
-    "The folder is beside the .blend, which has no place yet. Save the file first.": (
-        "フォルダーは .blend の隣ですが、まだ保存されていません。先にファイルを保存してください。"
+    "The folder is relative to the .blend file, which is not saved yet. Save the file first.": (
+        "フォルダーは .blend からの相対パスですが、まだ保存されていません。先にファイルを保存してください。"
     ),
     "Exported {} files to {}": "{1} に {0} 個のファイルをエクスポートしました",
     '"{}" plays {}, which cannot be read: {}. Bake again, or export with Simulate Anew.': (
@@ -181,7 +181,7 @@ MESSAGES = {
     "No model constants make this body reproduce the measurement.": (
         "この物体で測定を再現するモデル定数がありません。"
     ),
-    "It was not remembered, so another time it is worked out again: {}": (
+    "The result could not be stored, so it will be computed again next time: {}": (
         "保存できなかったため、次回は計算し直します: {}"
     ),
     '"{}" has no material. Give it one: calibrate, or choose one of the presets.': (
@@ -206,7 +206,7 @@ MESSAGES = {
     '"{}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.': (
         '"{}" にはシェイプキーがあるか、メッシュを共有しているため、細かく分割しません。自分で細分化してください。'
     ),
-    '"{}" is soft: "{}", {} large. Press it with the left mouse button.': (
+    '"{}" is soft: "{}", {} across. Press it with the left mouse button.': (
         '"{}" を柔らかくしました: "{}"、大きさ {}。左マウスボタンで押せます。'
     ),
     '"{}" has no faces, so there is no surface to press. Give it depth or a bevel first.': (
@@ -229,8 +229,8 @@ MESSAGES = {
     '"{}" has a scale of 0, so it is flat or a point. Give it a scale in the sidebar.': (
         '"{}" のスケールが 0 で、平らか点になっています。サイドバーでスケールを付けてください。'
     ),
-    "The cache folder is beside the .blend, which has no place yet. Save the file first.": (
-        "キャッシュのフォルダーは .blend の隣ですが、まだ保存されていません。先にファイルを保存してください。"
+    "The cache folder is relative to the .blend file, which is not saved yet. Save the file first.": (
+        "キャッシュのフォルダーは .blend からの相対パスですが、まだ保存されていません。先に保存してください。"
     ),
     "Cannot make the cache folder {}: {}. Choose another.": (
         "キャッシュのフォルダー {} を作れません: {}。別のフォルダーを選んでください。"
@@ -247,7 +247,7 @@ MESSAGES = {
     ),
     "{} must be a number from -1e9 to 1e9.": "{}は -1e9 から 1e9 までの数にしてください。",
     "Pressed {} mm deep with up to {} N": "深さ {} mm、最大 {} N まで押しました",
-    '"{}" is {} mm large, so a press of {} mm would go through it. Press less deep.': (
+    '"{}" is {} mm across, so a press of {} mm would go through it. Press less deep.': (
         '"{}" の大きさは {} mm で、{} mm 押すと突き抜けます。もっと浅く押してください。'
     ),
     "No surface lies along the direction of the press at ({}). Choose another location.": (
@@ -272,13 +272,13 @@ MESSAGES = {
     '"{}" was edited while it was pressed, so its session has ended. The edit is kept.': (
         '"{}" が押している間に編集されたため、終了しました。編集は残っています。'
     ),
-    '"{}" is {} m large as modelled, which does not suit a fingertip of {} mm: it is pressed as an object of {} '
+    '"{}" is {} m across as modelled, which does not suit a fingertip of {} mm: it is pressed as an object of {} '
     "mm. Physical Size in Physics > Dimple changes that.": (
         '"{}" は {} m で作られていて {} mm の指先に合わないため、{} mm の物体として押します。物理演算 > Dimple の「'
         "実物の大きさ」で変えられます。"
     ),
-    "The mesh has too few vertices to hold the map: Make Soft can cut it finer first.": (
-        "マップを持つには頂点が少なすぎます。先に「柔らかくする」で細かく分割できます。"
+    "The mesh has too few vertices to hold the map. Subdivide it first.": (
+        "マップを持つには頂点が少なすぎます。先にメッシュを細かく分割してください。"
     ),
     "{} of the vertices are over four times softer or stiffer than the material, beyond what a map can say: change "
     "K1 and K2.": (

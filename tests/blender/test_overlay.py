@@ -77,7 +77,7 @@ def test_the_read_out_carries_every_number_with_its_unit(entry: Any) -> None:
     from bl_ext.user_default.dimple.addon import readout
 
     assert readout.rows(entry.frame, 1e-3) == [
-        ("Force 1", "7.40 N"), ("Depth 1", "12.00 mm"), ("Material Curve 1", "7.32 N"), ("Pressure", "0.812 kPa"),
+        ("Force 1", "7.40 N"), ("Depth 1", "12.00 mm"), ("Law 1", "7.32 N"), ("Pressure", "0.812 kPa"),
         ("Volume", "4400.0 cm³"), ("Change of Volume", "-2.22%"), ("Time", "1.250 s"), ("Rate", "3000 Hz"),
         ("Steps per Tick", "12"),
     ]  # fmt: skip

@@ -115,11 +115,12 @@ def measured(bpy: ModuleType) -> Iterator[str]:
     """Yield what the presets are called and where they come from, what an experiment says, why there is a wall."""
     from bl_ext.user_default.dimple.core.everyday import EVERYDAY
     from bl_ext.user_default.dimple.core.experiment.plan import CONSENT, STEPS
+    from bl_ext.user_default.dimple.core.haptics import body_host
     from bl_ext.user_default.dimple.core.material import PRESETS
     from bl_ext.user_default.dimple.operators import beside
 
     yield from (CONSENT, *STEPS)
-    yield from (beside.TOO_HEAVY, beside.TOO_COARSE, beside.RIGGED, beside.NO_CORE)
+    yield from (body_host.TOO_FINE, beside.TOO_COARSE, beside.RIGGED, beside.NO_CORE)
     yield from (text for preset in (*PRESETS, *EVERYDAY) for text in (preset.label, preset.provenance))
 
 
@@ -202,7 +203,7 @@ def test_a_message_with_numbers_is_recognised_and_filled_in_japanese(bpy: Module
             'メッシュを細分化してください。"Depth": 3 個の穴を、圧力の計算でのみふさぎます。',
         ),
         (
-            '"Cube" is soft: "Vinyl cube, air, 165 mm", 165 mm large. Press it with the left mouse button.',
+            '"Cube" is soft: "Vinyl cube, air, 165 mm", 165 mm across. Press it with the left mouse button.',
             '"Cube" を柔らかくしました: "Vinyl cube, air, 165 mm"、大きさ 165 mm。左マウスボタンで押せます。',
         ),
         (

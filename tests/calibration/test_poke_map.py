@@ -78,7 +78,7 @@ def test_several_pokes_at_one_place_are_one_measurement(ball: Mesh) -> None:
 
 
 def test_what_is_no_map_is_said(ball: Mesh) -> None:
-    with pytest.raises(DimpleError, match="tell no map"):
+    with pytest.raises(DimpleError, match="A map needs pokes"):
         map_pokes(ball, DEFAULT_MATERIAL, poked(0, 5))
     pokes = poked(0)
     with pytest.raises(DimpleError, match="from the surface"):

@@ -13,7 +13,7 @@ import pytest
 
 from core.base import DimpleError
 from core.haptics import touched_body
-from core.haptics.body_host import BLEW_UP, TOO_HEAVY, BodyHost
+from core.haptics.body_host import BLEW_UP, TOO_FINE, BodyHost
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
 from core.haptics.parcel import pack_changes, parcel_path, unpack_changes
 from core.haptics.remote_body import Parcels, RemoteBody
@@ -186,7 +186,7 @@ def test_a_body_that_is_too_heavy_leaves_the_device_to_the_wall() -> None:
     rig.host.touched._borrowed = 1e6
     rig.run(0.003)
     assert strongest(rig) == 0.0 and rig.host.state is BodyState.REFUSED
-    assert rig.host.joined(rig.servo.report()).note == TOO_HEAVY
+    assert rig.host.joined(rig.servo.report()).note == TOO_FINE
     assert rig.host.order(replace(rig.order, contacts=(None,)), rig.servo, rig.now).contacts == (None,)
 
 

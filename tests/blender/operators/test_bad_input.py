@@ -272,7 +272,7 @@ def test_a_press_that_would_go_through_the_body_is_refused(
 ) -> None:
     obj = add()
     before = coordinates(obj)
-    with pytest.raises(RuntimeError, match="165 mm large, so a press of 1e.09 mm would go through it"):
+    with pytest.raises(RuntimeError, match="165 mm across, so a press of 1e.09 mm would go through it"):
         bpy.ops.dimple.poke(**{**QUICK, "depth_mm": 1e9})
     assert coordinates(obj) == before
 
@@ -286,7 +286,7 @@ def test_a_size_that_is_too_large_or_a_mesh_that_is_too_small_is_called_so(
         bpy.ops.dimple.poke(**QUICK)
     obj.dimple.size_mode = "REAL"
     obj.scale = (5e-7,) * 3
-    with pytest.raises(RuntimeError, match="only 0.001 mm large: give it a Custom Size"):
+    with pytest.raises(RuntimeError, match="only 0.001 mm across: give it a Custom Size"):
         bpy.ops.dimple.play(seconds=0.01)
 
 

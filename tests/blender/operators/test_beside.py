@@ -127,13 +127,13 @@ def test_a_body_too_fine_for_the_device_is_a_wall_and_the_panel_says_so(
         time.sleep(1 / 60)
     report = connection().report
     assert report.body.name == "NONE" and not connection().beside.runs
-    assert any("cannot keep up" in note for note in device.notes(report, settings))
-    assert dict(device.rows(report, settings))["Rendered"] == "Local Wall of the Law"
+    assert any("too fine to run" in note for note in device.notes(report, settings))
+    assert dict(device.rows(report, settings))["Rendered"] == "Local Wall (Measured Law)"
     monkeypatch.undo()
     bpy.context.scene.dimple.finger_radius_mm += 0.1  # looked at anew
     report = wait(runs, bpy)
     assert dict(device.rows(report, settings))["Rendered"].startswith("Model")
-    assert not any("cannot keep up" in note for note in device.notes(report, settings))
+    assert not any("too fine to run" in note for note in device.notes(report, settings))
     assert entry.session.body is connection().beside.remote
 
 

@@ -249,7 +249,7 @@ def test_headers_that_are_exchanged_can_be_told_so_in_the_dialog(
     asked = Asked(bpy, monkeypatch, path)
     asked.answer()
     (question,) = json.loads(asked.opened[-1]["asked"])["questions"]
-    assert "are they exchanged?" in question["text"] and "--" not in question["text"]
+    assert "are the columns swapped?" in question["text"] and "--" not in question["text"]
     asked.answer("1")
     questions = json.loads(asked.opened[-1]["asked"])["questions"]
     assert [question["name"] for question in questions] == ["depth_unit", "force_unit"]

@@ -80,6 +80,6 @@ def test_a_file_that_leaves_something_open_is_named_and_nothing_is_lost(
     add()
     bpy.context.scene.dimple.calibration = "{}"
     (files / "bare.csv").write_text("".join(f"{i},{2 * i}\n" for i in range(40)))
-    with pytest.raises(RuntimeError, match="bare.csv leaves something open"):
+    with pytest.raises(RuntimeError, match="bare.csv is ambiguous"):
         bpy.ops.dimple.calibrate_together(directory=str(files), files=[TWO[0], TWO[1] | {"name": "bare.csv"}])
     assert bpy.context.scene.dimple.calibration == "{}"
