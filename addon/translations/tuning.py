@@ -107,7 +107,6 @@ WORDS = {
     "Keep the material of the selected one of two twins, and remove the copy": (
         "双子のうち選択した方のマテリアルを残し、複製を取り除きます"
     ),
-    "Select a soft body first": "先に柔らかい物体を選択してください",
     "Make the object soft first": "先にオブジェクトを柔らかくしてください",
     "The object has a twin already: use one of the two materials first": (
         "オブジェクトにはすでに双子があります。先にどちらかのマテリアルを使ってください"
