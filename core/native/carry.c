@@ -15,7 +15,7 @@ DM_INLINE void dm_carry_some(const dm_binding *of, const float *motions, float *
     for (int i = 0; i < count; i++) {
         const uint16_t *follows = of->followed + DM_FOLLOWED * (first + i);
         dm_eight sum[2] = {{0}, {0}};
-        for (int k = 0; k < DM_FOLLOWED; k++) {
+        DM_BY_FOUR for (int k = 0; k < DM_FOLLOWED; k++) {
             dm_eight motion[2];
             memcpy(motion, motions + 16 * (int64_t)follows[k], sizeof motion);
             sum[0] += motion[0] * weights[DM_FOLLOWED * i + k], sum[1] += motion[1] * weights[DM_FOLLOWED * i + k];

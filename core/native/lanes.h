@@ -14,6 +14,11 @@
 #else
 #define DM_UNROLLED
 #endif
+#if defined(__clang__) && defined(__AVX2__) /* full unrolling is 2 kB of the zip more, and no faster */
+#define DM_BY_FOUR _Pragma("clang loop unroll_count(4)")
+#else
+#define DM_BY_FOUR
+#endif
 #define DM_LANES 8
 #define DM_TINY ((dm_real)1e-30)
 
