@@ -32,7 +32,6 @@ FORCE_ERROR = 0.56, 2.27, -0.23
 NARROWEST = 0.5  # spread over radius: narrower dents have not been fitted
 MARGIN = 1.1  # bodies scatter about the fit by a tenth: a proxy is chosen to be so much better than the tolerances
 STRETCH = 2.0  # times a tolerance: a proxy that runs live and misses it by no more beats one that does not run live
-UNEVEN = 1.25  # times the steps of its mesh that a proxy takes at most: its triangles are less even
 TRIES = 5
 DENSER = 1.25  # where no proxy can be made, the factor of vertices to the next attempt
 
@@ -97,15 +96,17 @@ def plan(
     slow = f"The full mesh would run at {_times(budget / cost)} real time ({_work(model)})"
     try:
         check(model)
-        least = vertices_for(model, STRETCH * tolerance, STRETCH * force_tolerance, radius)
-        live, most = vertices_within(model, budget), most_of(model)
-        vertices = live if least <= live < wanted else wanted
-        if vertices == wanted and vertices_for(model, tolerance, force_tolerance, radius) <= most:
-            vertices = min(wanted, most)  # the largest keeps the tolerances, though without the margin
-        if vertices > most:
-            near = f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
-            raise DimpleError(f"no proxy of up to {most:,} vertices is within {near}")
-        chosen = plan_proxy(model, vertices, radius=radius, budget=budget, because=slow)
+        keeping, least = (vertices_for(model, k * tolerance, k * force_tolerance, radius) for k in (1.0, STRETCH))
+        most, near = most_of(model), f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
+        too_few = DimpleError(f"no proxy of up to {most:,} vertices is within {near}")
+        if least > most:
+            raise too_few
+        chosen = plan_proxy(model, min(wanted, most), radius=radius, budget=budget, because=slow)
+        fewer = int(chosen.vertices * budget / chosen.cost)  # they take no more steps
+        if least <= fewer < chosen.vertices:
+            chosen = plan_proxy(model, fewer, radius=radius, budget=budget, because=slow)
+        if keeping > most and chosen.cost > budget:
+            raise too_few
     except DimpleError as error:
         return _full_mesh(model, cost, f"{slow}. It is simulated anyway: {error}.")
     if chosen.cost >= cost:
@@ -203,11 +204,6 @@ def cost_of(model: Model) -> float:
     """Return the processor time [s] that a second of motion should take."""
     each = NUMPY_COST if native.why_not() else NATIVE_COST
     return each * len(model.mass) * model.substeps(TICK) / TICK
-
-
-def vertices_within(model: Model, budget: float) -> int:
-    """Return how many vertices a proxy may have to run within a budget [s] of a second."""
-    return int(len(model.mass) * budget / (cost_of(model) * UNEVEN))
 
 
 def _full_mesh(model: Model, cost: float, reason: str) -> Plan:

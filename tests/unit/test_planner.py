@@ -121,6 +121,28 @@ def test_a_proxy_that_runs_live_and_nearly_keeps_the_tolerances_beats_a_slow_one
     assert far.vertices == accurate.vertices and "real time" in far.reason, "none that runs live is near"
 
 
+def test_a_proxy_is_not_denied_vertices_for_the_many_steps_of_a_fine_mesh() -> None:
+    """Seven a tick, where the proxy takes two: counted by those, one within the tolerances would not run live."""
+    mesh = bodies.head(160, 0.2)
+    model = build_model(mesh, [bodies.GEL], held=base_vertices(mesh))
+    chosen = plan(model, radius=0.008)
+    assert model.substeps(TICK) > 2 * chosen.steps
+    assert chosen.error <= planner.TOLERANCE and chosen.force_error <= planner.FORCE_TOLERANCE
+    assert chosen.cost < planner.BUDGET and chosen.reason.endswith("% of the force.")
+
+
+def test_the_largest_proxy_that_runs_live_and_nearly_keeps_the_tolerances_beats_a_full_mesh_that_does_not(
+    round_model: Model,
+) -> None:
+    most = 1281
+    tolerance = next(t for t in np.geomspace(1e-3, 1e-5) if planner.vertices_for(round_model, t, 9.0, 0.02) > most)
+    cost = planner.plan_proxy(round_model, most, radius=0.02).cost
+    live = plan(round_model, budget=1.01 * cost, tolerance=tolerance, force_tolerance=9.0, radius=0.02)
+    assert 0.95 * most < live.vertices <= most and tolerance < live.error < 2 * tolerance
+    slow = plan(round_model, budget=NEVER_LIVE, tolerance=tolerance, force_tolerance=9.0, radius=0.02)
+    assert slow.proxy is None and "no proxy of up to" in slow.reason
+
+
 def test_a_proxy_that_misses_the_tolerances_says_so(round_model: Model) -> None:
     accurate = plan(round_model, budget=NEVER_LIVE, tolerance=1e-3, radius=0.02)
     missed = []
