@@ -157,7 +157,7 @@ def test_exchanged_headers_are_asked_about():
     depth = np.linspace(0, 22, 300)
     right = recording(depth, law(depth), noise=0.01)
     exchanged = replace(right, depth=right.force, force=right.depth)
-    with pytest.raises(Undecided, match="exchanged"):
+    with pytest.raises(Undecided, match="swapped"):
         prepare(exchanged)
     prepare(exchanged, Answers(depth_column="Depth", force_column="Force"))
 
