@@ -13,6 +13,7 @@ from pathlib import Path
 
 from studies.methods.registry import METHODS
 
+from .charts_ladder import draw_ladder
 from .charts_model import draw_cost, draw_energy, draw_literal, draw_space, draw_stiff_nylon
 from .charts_proxies import draw_proxies
 from .charts_stability import draw_stability
@@ -33,7 +34,7 @@ def main(words: Sequence[str] | None = None) -> int:
     options.out.mkdir(parents=True, exist_ok=True)
     for draw in (
         draw_work_precision, draw_stability, draw_energy, draw_literal, draw_cost, draw_space, draw_stiff_nylon,
-        draw_proxies,
+        draw_proxies, draw_ladder,
     ):  # fmt: skip
         started = time.perf_counter()
         draw(options.out, options.quick)
@@ -50,7 +51,10 @@ def keep(out: Path) -> None:
     for name in ("work_precision", "stability", "proxies"):
         for suffix in (".png", ".svg", ".csv"):
             shutil.copyfile(out / (name + suffix), KEPT / (name + suffix))
-    for name in ("stability_bounds.csv", "proxies_fit.csv", "proxies_ladder.csv", "fronts.csv"):
+    for name in (
+        "stability_bounds.csv", "proxies_fit.csv", "proxies_ladder.csv", "fronts.csv", "ladder.png", "graded.csv",
+        "quasi_static.csv",
+    ):  # fmt: skip
         shutil.copyfile(out / name, KEPT / name)
 
 

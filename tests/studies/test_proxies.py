@@ -98,7 +98,7 @@ def test_graded_seeds_lie_closer_where_the_fingertip_goes_and_farther_elsewhere(
     mesh = bodies.build(body, 12).mesh
     x, used = mesh.rest_positions, np.arange(len(mesh.rest_positions))
     at = x[x[:, 2].argmax()]
-    seeds = x[graded_seeds(mesh, np.hstack([x, 0 * x]), used, 120, at, body.radius)]
+    seeds = x[graded_seeds(mesh, np.hstack([x, 0 * x]), used, 120, at[None], body.radius)]
     nearest = np.sort(np.linalg.norm(seeds[:, None] - seeds, axis=2), axis=1)[:, 1]
     away = np.linalg.norm(seeds - at, axis=1)
     assert np.median(nearest[away > 4.5 * body.radius]) > 1.8 * np.median(nearest[away < 1.5 * body.radius])
