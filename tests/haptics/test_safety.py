@@ -42,7 +42,7 @@ def test_a_device_that_does_not_arm_is_given_up() -> None:
     switch = Switch()
     switch.arm()
     assert set(run(switch, 0, 2000, on=False)) == {0.0}
-    assert switch.arming is Arming.OFF and "refused" in switch.reason
+    assert switch.arming is Arming.OFF and "did not arm" in switch.reason
 
 
 def test_releasing_the_dead_man_switch_takes_the_force_away_and_gripping_it_begins_anew() -> None:
