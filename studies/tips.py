@@ -19,10 +19,12 @@ from core.base import DimpleError
 from core.body.estimate import bed_area, estimate
 from core.body.model import build_model
 from core.calibration.identify import Identification
-from core.calibration.indent import find_site
-from core.calibration.inversion import STEEPEST, STEEPEST_COARSE, pulled
+from core.calibration.indent import Site
+from core.calibration.inversion import STEEPEST, STEEPEST_COARSE, inverted, piece_ends, pulled
+from core.calibration.place import typical_site
 from core.material import POINT, PRESETS, Indenter, Preset
 from core.mesh.surface import Mesh
+from core.steps import result_of
 
 from .flat_bed import least_missed
 from .reconstruct import DEEPEST
@@ -84,7 +86,8 @@ def _row(preset: Preset, shape: str, mesh: Mesh, tip: Indenter) -> Row:
     label, words = preset.name[:8], f"{tip.shape} {1e3 * tip.radius:g} mm"
     started = time.process_time()
     try:
-        found = identify(mesh, preset.material, tip, find_site(mesh, tip), DEEPEST[preset.name])
+        site = typical_site(mesh, tip)  # where the product presses to identify
+        found = identify(mesh, preset.material, tip, site, DEEPEST[preset.name])
     except DimpleError as error:
         nothing = float("nan")
         return Row(
@@ -92,12 +95,17 @@ def _row(preset: Preset, shape: str, mesh: Mesh, tip: Indenter) -> Row:
             worst=nothing, worst_force=nothing, end=nothing, deepest=0.0, note=str(error),
         )  # fmt: skip
     row = _of(found, f"{label} {shape}", words, mesh, time.process_time() - started)
-    return row if row.kept or tip.shape != "sphere" else replace(row, why=_why(preset, mesh, tip, row.deepest / 1e3))
+    return row if row.kept or tip.shape != "sphere" else replace(row, why=_why(found, site, mesh, tip))
 
 
-def _why(preset: Preset, mesh: Mesh, tip: Indenter, deepest: float) -> str:
-    """Return why a round tip is not met: what freedom the bed's law wants, and how few vertices carry the force."""
-    material = replace(preset.material, indenter=tip, constants=None)
+def _why(found: Identification, site: Site, mesh: Mesh, tip: Indenter) -> str:
+    """Return why a round tip is not met, each cause in numbers.
+
+    That is what a bed without a mesh would miss, what as many presses again leave, and how few vertices
+    carry the force.
+    """
+    deepest, again = float(found.depths[-1]), _again(found, site, mesh)
+    material = replace(found.material, constants=None)
     model, first = build_model(mesh, [material]), estimate(material, mesh.size)
     steepest = max(
         STEEPEST * pulled(model, model.matching.k1 / first.kappa1) / first.kappa1,
@@ -108,10 +116,23 @@ def _why(preset: Preset, mesh: Mesh, tip: Indenter, deepest: float) -> str:
     touched = np.pi * contact**2 / float(mesh.vertex_areas.mean())
     return (
         f"on a flat bed without a mesh the best law misses {free:.2f} % RMS, and {limited:.2f} % with slopes up to "
-        f"{steepest:.0f} times the first, which the step allows; at the knee {touched:.1f} vertices touch the tip "
+        f"{steepest:.0f} times the first, which the step allows; as many presses again leave {again:.2f} %; "
+        f"at the knee {touched:.1f} vertices touch the tip "
         f"({1e3 * contact:.1f} mm of contact, {1e3 * float(np.median(mesh.rest_lengths)):.1f} mm apart), "
         f"and with each that joins the force turns; pressed to {100 * deepest / mesh.size:.0f} % of the size"
     )
+
+
+def _again(found: Identification, site: Site, mesh: Mesh) -> float:
+    """Return the RMS error [% of full scale] that is left after going on from what was found with as many presses."""
+    constants, ends = found.material.constants, piece_ends(found.material.x0, float(found.depths[-1]))
+    assert constants
+    slopes = constants.kappa1 + np.cumsum([0.0, *(more for _, more in constants.pieces)])
+    steps = inverted(mesh, found.material, replace(constants, pieces=()), site, ends, slopes, 0.0)
+    _, stations = result_of(steps)
+    wanted = np.array([found.material.law(station.depth) for station in stations])
+    missed = np.array([station.force for station in stations]) - wanted
+    return 100 * min(found.rms, float(np.sqrt((missed**2).mean()) / wanted.max()))
 
 
 def _of(found: Identification, body: str, tip: str, mesh: Mesh, seconds: float) -> Row:

@@ -31,9 +31,9 @@ SWEEPS, WORK = (5, 9), 6e7  # presses, from and to, and steps of vertices after 
 GOOD, GOOD_WORST = 0.01, 0.05  # RMS and largest error over full scale that need no better law
 TICKS = 14  # of a depth
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
-# shares of the knee where pieces end, dense where the law must jump, and of what is left beyond it; all of them shares
-# of the deepest where no knee is reached
-BEFORE = (0.06, 0.12, 0.25, 0.4, 0.55, 0.7, 0.8, 0.88, 0.94, 1.0)
+# shares of the knee where pieces end, dense where the law must jump (at the touch, for little touches there, and at the
+# knee), and of what is left beyond it; all of them shares of the deepest where no knee is reached
+BEFORE = (0.01, 0.03, 0.07, 0.15, 0.3, 0.5, 0.7, 0.85, 0.94, 1.0)
 BEYOND = (0.06, 0.14, 0.25, 0.4, 0.6, 0.8, 1.0)
 # times what the tension makes a vertex as stiff as: then a step in time is at most half as long; or, on coarse meshes,
 # times the closed form's slope, whichever is more

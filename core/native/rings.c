@@ -82,7 +82,9 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
         const dm_piece *piece = b->pieces + g * b->piece_count;
         dm_vec3 force = dm_matching_force(m, piece, b->piece_count, dm_sub(x, dm_rotated(rows, m->rest, offset)), w);
         /* the tension between displacements is that of the arms, in the springs, less that of the shape at rest */
+#ifndef DM_NO_TENSION /* bench --tension leaves it out to see what it costs */
         force = dm_sub(force, dm_rotated(rows, m->pull, none));
+#endif
         if (fitted) {
             dm_vec3 torque = dm_cross(x, force);
             part[0] += force.x, part[1] += force.y, part[2] += force.z;

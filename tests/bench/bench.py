@@ -248,6 +248,7 @@ def main(words: list[str]) -> int:
     parser.add_argument("--quick", action="store_true", help=quick)
     parser.add_argument("--json", type=Path, metavar="FILE", help="where the numbers go")
     parser.add_argument("--profile", action="store_true", help="what each part of a step costs, instead")
+    parser.add_argument("--tension", action="store_true", help="what the tension costs, instead")
     parser.add_argument("--peers", action="store_true", help="Dimple beside Bullet on the same bodies, instead")
     parser.add_argument("--enabling", action="store_true", help="what enabling costs in Blender, instead")
     parser.add_argument("--scale", action="store_true", help="many bodies, many vertices, instead")
@@ -271,6 +272,10 @@ def main(words: list[str]) -> int:
         if options.json:
             options.json.write_text(json.dumps({"machine": machine(), "cases": rows}, indent=1) + "\n")
         return 0
+    if options.tension:
+        from tests.bench import tension
+
+        return tension.main()
     if options.profile:
         from tests.bench import profile
 

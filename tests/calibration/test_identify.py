@@ -116,6 +116,14 @@ def test_between_the_depths_that_were_fitted_a_round_tip_is_off_no_more(tip):
     assert np.sqrt((missed**2).mean()) < 0.025 * wanted.max()
 
 
+@pytest.mark.parametrize("words", ["cube 10", "ball 3"])
+def test_a_round_tip_as_wide_as_the_body_is_met_from_the_touch_on(words):
+    """So little of it touches at first that the bed must jump there, within a hundredth of the knee."""
+    found = found_on(OBJECT_1, words, WIDE)
+    assert found.depths[-1] == pytest.approx(DEEPEST[OBJECT_1.name])
+    assert found.rms < 0.01 and off(found)[found.depths < 0.010].max() < 0.015
+
+
 def test_bounded_least_squares_finds_the_least_of_what_is_allowed():
     """Against every combination of values on a grid."""
     random = np.random.default_rng(2)
