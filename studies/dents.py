@@ -34,6 +34,7 @@ RATE = 500.0  # [1/s] at which a body as light and damped as these settles
 TRAVEL = 0.1  # [m/s] of the fingertip
 SETTLING, LISTENING = 0.06, 0.01  # [s] at each depth; then the mean of the reaction is taken
 FINE = 5  # subdivisions of the ball whose profile is compared
+PARTS = ("roughness", "profile", "other-tip", "forces", "turning")
 TURNS = 6  # ways a triangulation is turned under the tip
 KEPT = Path(__file__).parents[1] / "tests" / "studies" / "solid"  # dents by finite elements
 
@@ -138,12 +139,12 @@ def _label(size: int, proxy: int) -> str:
     return f"{size:,}" + (f", proxy {proxy:,}" if proxy else "")
 
 
-def profiles() -> dict[tuple[str, float], Profile]:
-    """Return the mean dents of the finite elements, neo-Hookean, by tip and depth [m]."""
+def profiles(solid: str = "neo-hookean") -> dict[tuple[str, float], Profile]:
+    """Return the mean dents of the finite elements of one law, by tip and depth [m]."""
     rows = [line.split(",") for line in (KEPT / "solid_dent.csv").read_text("utf-8").splitlines()[1:]]
     found: dict[tuple[str, float], list[list[float]]] = {}
     for body, law, tip, depth, *places in rows:
-        if (body, law) == ("ball", "neo-hookean"):
+        if (body, law) == ("ball", solid):
             found.setdefault((tip, round(1e-3 * float(depth), 6)), []).append([1e-3 * float(place) for place in places])
     dents = {}
     for case, places_of in found.items():
@@ -243,13 +244,14 @@ def add_dents(command: argparse.ArgumentParser) -> None:
     command.add_argument("--materials", nargs="+", choices=MATERIALS, default=list(MATERIALS), help="default: all")
     command.add_argument("--most", type=int, default=163842, metavar="VERTICES", help="of a mesh (default: 163842)")
     command.add_argument(
-        "--parts", nargs="+", choices=("roughness", "profile", "forces", "turning"),
-        default=("roughness", "profile", "forces", "turning"), help="what is measured (default: all)",
+        "--parts", nargs="+", choices=PARTS, default=PARTS, help="what is measured (default: all)",
     )  # fmt: skip
 
 
 def run_dents(options: argparse.Namespace) -> int:
     """Measure, print and write each part as CSV, with its pictures beside it."""
+    from . import other_tip
+
     names, sizes = options.materials, [size for size in BALLS if size <= options.most]
     try:
         options.out.mkdir(parents=True, exist_ok=True)
@@ -261,6 +263,8 @@ def run_dents(options: argparse.Namespace) -> int:
             found, shapes = profile_rows(min(FINE, BALLS[sizes[-1]]))
             write(found, options.out / "profile.csv")
             draw_profiles(shapes, options.out / "profile.png")
+        if "other-tip" in options.parts:
+            write(list(other_tip.rows(min(FINE, BALLS[sizes[-1]]))), options.out / "other_tip.csv")
         if "forces" in options.parts:
             write(list(convergence_rows(names, most=options.most)), options.out / "forces.csv")
         if "turning" in options.parts:

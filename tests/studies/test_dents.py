@@ -9,6 +9,7 @@ import pytest
 from core.material import DEFAULT_MATERIAL, PRESETS
 from core.mesh.surface import mesh_from_triangles
 from core.reduction.proxy import mean_spacing
+from studies import other_tip
 from studies.__main__ import main
 from studies.dent_shape import Profile, facet_roughness, profile, turned_onto, vertex_roughness, ways
 from studies.dents import ball, profiles, settle, solid_materials
@@ -62,6 +63,20 @@ def test_a_dent_with_a_spread_reaches_further_than_one_without_and_nearer_to_the
             shape = profile(mesh.rest_positions, one.positions, mean_spacing(mesh, 2562), within=2 * BALL_RADIUS)
             wide[spread] = shape.reach(0.1)
     assert wide[0.0] < wide[0.040] < 1.1 * solid.reach(0.1)
+
+
+def test_a_solid_fitted_through_one_tip_is_met_by_another_from_a_quarter_of_its_radius_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By the force and the dents of a tip of 10 mm; without a spread a tip of 20 mm answers up to twice too much."""
+    monkeypatch.setattr(other_tip, "SPREADS", (0, 20))
+    monkeypatch.setattr(other_tip, "LAWS", ("neo-hookean",))
+    found = [row for row in other_tip.rows(4) if (row["fitted_mm"], row["by"]) == (10, "force and dents")]
+    assert [row["spread_mm"] for row in found] == [20, 20]
+    for row in found:
+        assert all(abs(float(str(row[f"force_{mm}_mm_percent"]))) < 10 for mm in (5, 10, 15, 20))
+        assert all(float(str(row[f"dent_{mm}_mm_percent"])) < 6 for mm in (5, 10, 20))
+        assert float(str(row["volume_percent"])) < 0.1
 
 
 def test_the_kept_dent_of_the_solid_is_as_deep_as_it_was_pressed() -> None:

@@ -1,0 +1,117 @@
+"""A solid by finite elements, fitted through one tip: what the body then answers another, and how its dents compare.
+
+The body answers in proportion and is full of liquid. Its stiffness and its spread are those with which the force of one
+tip, or that and the dents under it, come nearest to the solid's.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from core.base import Floats
+from core.material import DEFAULT_MATERIAL
+from core.mesh.surface import Mesh
+from core.reduction.proxy import mean_spacing
+
+from . import dents
+from .dent_shape import Profile, profile
+from .solid_mesh import BALL_RADIUS
+
+LAWS, TIPS = ("linear", "neo-hookean"), (10, 20)  # of the solid; radii of the tips [mm]
+SPREADS = (14, 16, 18, 20, 22, 24, 26)  # [mm] that are tried
+DEPTHS, DENTED = (0.001, 0.002, 0.005, 0.010, 0.015, 0.020), (0.005, 0.010, 0.020)  # [m]
+WITHIN = 0.050  # [m] along the skin: how far dents are compared
+
+
+@dataclass(frozen=True, slots=True)
+class Pressed:
+    """A body of one spread under one tip.
+
+    force: (k,) at each depth [N], of a stiffness that is still to be fitted.
+    dents: (m,) RMS error of each dent over its depth.
+    volume: largest change, as a share.
+    """
+
+    force: Floats
+    dents: Floats
+    volume: float
+
+
+def rows(subdivisions: int) -> Iterator[dict[str, object]]:
+    """Yield what a body that was fitted through one tip answers either tip, for each law of the solid."""
+    mesh = dents.ball(subdivisions)
+    settled = {(spread, tip): _settled(mesh, spread, tip) for spread in SPREADS for tip in TIPS}
+    for law in LAWS:
+        solid, shapes = {tip: _solid_force(law, tip) for tip in TIPS}, dents.profiles(law)
+        made = {
+            (spread, tip): Pressed(
+                np.array([one.force[2] for one in some]),
+                np.array([_dent_error(mesh, one, shapes[f"ball {tip} mm", one.depth]) for one in some
+                          if one.depth in DENTED]),
+                max(abs(_volume(mesh, one.positions) / _volume(mesh, mesh.rest_positions) - 1) for one in some),
+            )
+            for (spread, tip), some in settled.items()
+        }  # fmt: skip
+        for fitted in TIPS:
+            for by in ("force", "force and dents"):
+                yield from _best(law, fitted, by, made, solid)
+
+
+def _best(
+    law: str, fitted: int, by: str, made: dict[tuple[int, int], Pressed], solid: dict[int, Floats]
+) -> Iterator[dict[str, object]]:
+    """Yield a row for each tip, of the spread that one tip's force, or that and its dents, are met best with."""
+
+    def missed(spread: int) -> float:
+        one = made[spread, fitted]
+        off = (_stiffness(one, solid[fitted]) * one.force - solid[fitted]) / solid[fitted].max()
+        return float((off**2).mean() + ((one.dents**2).mean() if by != "force" else 0.0))
+
+    spread = min(SPREADS, key=missed)
+    stiffness = _stiffness(made[spread, fitted], solid[fitted])
+    for tip in TIPS:
+        one = made[spread, tip]
+        off = stiffness * one.force / solid[tip] - 1
+        yield {
+            "solid": law, "fitted_mm": fitted, "by": by, "spread_mm": spread, "tip_mm": tip,
+            **{f"force_{1e3 * depth:g}_mm_percent": round(100 * each, 1)
+               for depth, each in zip(DEPTHS, off.tolist(), strict=True)},
+            **{f"dent_{1e3 * depth:g}_mm_percent": round(100 * each, 2)
+               for depth, each in zip(DENTED, one.dents.tolist(), strict=True)},
+            "volume_percent": round(100 * one.volume, 4),
+        }  # fmt: skip
+
+
+def _settled(mesh: Mesh, spread: int, tip: int) -> list[dents.Settled]:
+    even = replace(DEFAULT_MATERIAL, K2=DEFAULT_MATERIAL.K1, fill="liquid", density=1000, spread=1e-3 * spread)
+    return list(dents.settle(mesh, even, 1e-3 * tip, DEPTHS))
+
+
+def _stiffness(one: Pressed, solid: Floats) -> float:
+    """Return the factor by which forces come nearest to a solid's."""
+    return float(one.force @ solid / (one.force @ one.force))
+
+
+def _solid_force(law: str, tip: int) -> Floats:
+    """Return the forces (k,) [N] of the ball by finite elements, at the depths."""
+    with (dents.KEPT / "solid_force.csv").open(newline="", encoding="utf-8") as file:
+        some = [row for row in csv.DictReader(file) if (row["body"], row["law"]) == ("ball", law)]
+    curve = np.array([(row["depth_mm"], row["force_n"]) for row in some if row["tip"] == f"ball {tip} mm"], float)
+    return np.asarray(np.interp(DEPTHS, 1e-3 * curve[:, 0], curve[:, 1]))
+
+
+def _dent_error(mesh: Mesh, one: dents.Settled, true: Profile) -> float:
+    spacing = mean_spacing(mesh, len(mesh.rest_positions))
+    shape = profile(mesh.rest_positions, one.positions, spacing, within=2.2 * BALL_RADIUS)
+    way = np.linspace(0, WITHIN, 200)
+    off = np.interp(way, shape.way, shape.inward()) - np.interp(way, true.way, true.inward())
+    return float(np.sqrt((off**2).mean()) / one.depth)
+
+
+def _volume(mesh: Mesh, positions: Floats) -> float:
+    a, b, c = positions[mesh.triangles].transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
