@@ -113,7 +113,7 @@ class Device:
         self.seq = (self.seq + 1) & 0xFFFF
         self.sent[self.seq] = now
         self.sent.pop((self.seq - 6) & 0xFFFF, None)
-        words = [0x8000 + random.randint(-40, 40) for _ in range(9)]
+        words = [0x8000 + random.randint(-8, 8) for _ in range(9)]  # a 12-bit converter, at rest
         head = STATE, self.session, self.seq, self.ack, int(now * 1e6) & 0xFFFFFFFF
         self.send(struct.pack("<BBHHI9HBB", *head, *words, 0, self.mode))
         if self.mode not in (RAMP, ARMED) or not held or age > 0.025:

@@ -55,8 +55,11 @@ def network(tmp_path: Path) -> Iterator[Network]:
 
 
 def drive(device: HapticMaster, until: Callable[[ServoReport], bool], *, held: bool = True) -> ServoReport:
-    """Ask for force, press as soon as there is some, until something holds."""
-    asked, begun = -math.inf, time.perf_counter()
+    """Ask for force, press as soon as there is some, until something holds.
+
+    The wall stays where it is put: one that followed the converters' noise would give energy, and be let go.
+    """
+    asked, begun, top = -math.inf, time.perf_counter(), None
     while time.perf_counter() - begun < PATIENCE:
         if until(report := device.read()):
             return report
@@ -65,9 +68,9 @@ def drive(device: HapticMaster, until: Callable[[ServoReport], bool], *, held: b
         if report.arming is Arming.OFF and now - asked > 0.5:
             asked = now
             device.arm()
-        at = report.tips[0].position if report.tips else (0.0, 0.0, 0.0)
-        contact = replace(wall(now, k=300.0), at=(at[0], at[1], at[2] + 0.005), friction=0.0)
-        device.write([contact if report.arming in (Arming.RAMP, Arming.ON) else None, None, None])
+        if top is None and report.arming in (Arming.RAMP, Arming.ON):
+            top = (*report.tips[0].position[:2], report.tips[0].position[2] + 0.005)
+        device.write([replace(wall(now, k=300.0), at=top, friction=0.0) if top else None, None, None])
         time.sleep(1 / 60)
     unable(f"this machine cannot run a loop of 1 kHz: {report}")
 
