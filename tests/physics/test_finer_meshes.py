@@ -106,11 +106,10 @@ def test_an_identified_body_answers_the_law_on_any_mesh_and_hardly_sideways(name
     judge(name, {**MESHES, **FINER}[name](), TIP)
 
 
-@pytest.mark.slow
-def test_long_edges_here_and_there_are_cut_too() -> None:
-    """As it comes the ball answers by up to 12 % too much, and sideways by a fifth."""
-    for force, across in forces(cut_finer(sized(*remeshed(4))), FINGERTIP, cube=False):
-        assert force == pytest.approx(1.0, abs=0.05) and across < 0.05
+@pytest.mark.parametrize("seed", [4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (5, 6))])
+def test_a_ball_with_long_edges_here_and_there_answers_the_law_everywhere(seed: int) -> None:
+    """As it comes it answers by up to 12 % too much, and sideways by a fifth."""
+    judge(f"uneven ball of 2,562 ({seed}), cut finer", cut_finer(sized(*remeshed(4, seed=seed))), FINGERTIP)
 
 
 def test_a_mesh_too_coarse_for_the_fingertip_is_cut_finer_and_answers_as_well() -> None:
