@@ -1,8 +1,9 @@
 """Cut triangles whose edges are too long for a fingertip, in the shape they have.
 
 Long edges are halved, round by round, and between triangles that lie nearly in one plane edges are flipped to
-Delaunay's, so that fans and slivers become even: blunt triangles scatter the force from place to place. The vertices there were come first, bit for bit, so what is known of them is known
-of the refined surface: a new vertex has the mean of the two ends of its edge.
+Delaunay's, so that fans and slivers become even: blunt triangles scatter the force from place to place. The vertices
+there were come first, bit for bit, so what is known of them is known of the refined surface: a new vertex has the mean
+of the two ends of its edge.
 """
 
 from __future__ import annotations
