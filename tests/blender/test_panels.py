@@ -166,6 +166,14 @@ def test_while_the_background_identifies_the_panel_says_that_the_force_is_an_est
     assert ("Identifying: the force is an estimate so far" in drawn) == shown
 
 
+@pytest.mark.parametrize("shape, said", [("CUBE", True), ("EMPTY", False)])
+def test_a_mesh_as_a_fingertip_is_said_to_press_as_a_ball(bpy: ModuleType, shape: str, said: bool) -> None:
+    mesh = bpy.data.meshes.new("Knuckle") if shape == "CUBE" else None
+    bpy.context.scene.dimple.finger_1 = bpy.data.objects.new("Knuckle", mesh)
+    drawn = draw(bpy, bpy.types.DIMPLE_PT_fingertips)
+    assert (" ".join(drawn).find("presses as a ball of this radius, whatever its shape") > 0) == said
+
+
 def test_a_calibration_shows_its_constants_with_errors_and_the_just_noticeable_difference(
     bpy: ModuleType, body: Any
 ) -> None:

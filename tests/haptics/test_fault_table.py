@@ -15,7 +15,8 @@ import pytest
 from core.haptics import wire
 from core.haptics.contact_model import Contact, stiffness_cap
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
-from core.haptics.safety import LEASE, STORE_TIME
+from core.haptics.passivity import STORE_TIME
+from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState
 from core.haptics.spec import Spec

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
-from core.haptics.safety import LEASE, Passivity
+from core.haptics.passivity import Passivity
+from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState
 from core.haptics.spec import Spec, load_spec
