@@ -145,7 +145,7 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
     """The numbers of the session."""
 
-    bl_label = "Measured"
+    bl_label = "Readout"
     bl_parent_id = "DIMPLE_PT_session"
 
     @classmethod

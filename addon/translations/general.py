@@ -166,6 +166,7 @@ PANELS = {
     "Measured Objects": "測定した物体",
     "My Materials": "自分のマテリアル",
     "Measured": "測定値",
+    "Readout": "現在の値",
     "Fingertips": "指先",
     "Surroundings and Display": "周囲と表示",
     "World": "ワールド",

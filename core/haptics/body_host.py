@@ -8,6 +8,7 @@ keeps its force. A body that blows up, is too heavy or cannot be read takes all 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -86,8 +87,8 @@ class BodyHost:
         try:
             while self._changes and name != "body":
                 name, *arguments = self._changes.popleft()
-                getattr(self, f"change_{name}")(servo, *arguments)
-        except (OSError, DimpleError, AttributeError, TypeError, ValueError, RuntimeError) as error:
+                CHANGES[name](self, servo, *arguments)
+        except (OSError, DimpleError, AttributeError, LookupError, TypeError, ValueError, RuntimeError) as error:
             self._changes.clear()
             self._give_up(servo, FAILED.format(error=error))
         if not self._changes:
@@ -130,9 +131,9 @@ class BodyHost:
             self._frames.close()
         self.touched = self._frames = None
 
-    # the changes: what a parcel may ask for
+    # what a parcel may ask for: CHANGES, below
 
-    def change_body(self, servo: Servo, model: Any, surface: Any, frames: str) -> None:
+    def _change_body(self, servo: Servo, model: Any, surface: Any, frames: str) -> None:
         """Build a body; its frames go to a file. It runs once it has a state."""
         from .touched_body import TouchedBody
 
@@ -141,32 +142,32 @@ class BodyHost:
         self.touched, self.state = TouchedBody(model, surface, servo.spec.tick), BodyState.BUILT
         self._since, self._total = 0, [ZERO] * FINGERS
 
-    def change_constants(self, _servo: Servo, model: Any, surface: Any) -> None:
+    def _change_constants(self, _servo: Servo, model: Any, surface: Any) -> None:
         """Go on with the numbers of other models of the same meshes."""
         if self.touched:
             # the meshes are those it has: a pickle makes copies of them
             mine, below = self.touched.body.model, self.touched.surface
             self.touched.set_constants(replace(model, mesh=mine.mesh), replace(surface, mesh=below.mesh))
 
-    def change_state(self, _servo: Servo, positions: Any, velocities: Any) -> None:
+    def _change_state(self, _servo: Servo, positions: Any, velocities: Any) -> None:
         """Put the vertices somewhere, and run from there; no force remains."""
         if self.touched:
             self.touched.body.set_state(positions, velocities)
             self.state = BodyState.RUNS
             self._lift()
 
-    def change_place(self, _servo: Servo, origin: Vector, scale: float, turn: Any, radius: float) -> None:
+    def _change_place(self, _servo: Servo, origin: Vector, scale: float, turn: Any, radius: float) -> None:
         """Place the device in the session [m]."""
         if self.touched:
             self.touched.where = origin, scale, turn, radius
             self._lift()
 
-    def change_pins(self, _servo: Servo, pins: Any) -> None:
+    def _change_pins(self, _servo: Servo, pins: Any) -> None:
         """Lead pinned vertices (3, pinned) [m] where Blender has them now."""
         if self.touched:
             self.touched.lead(pins)
 
-    def change_end(self, _servo: Servo) -> None:
+    def _change_end(self, _servo: Servo) -> None:
         """Let go of the body."""
         self.close()
         self.state = BodyState.NONE
@@ -218,3 +219,13 @@ def read_parcel(path: Path) -> list[Change]:
         return []
     path.unlink(missing_ok=True)
     return unpack_changes(parcel)
+
+
+CHANGES: dict[str, Callable[..., None]] = {
+    "body": BodyHost._change_body,
+    "constants": BodyHost._change_constants,
+    "state": BodyHost._change_state,
+    "place": BodyHost._change_place,
+    "pins": BodyHost._change_pins,
+    "end": BodyHost._change_end,
+}

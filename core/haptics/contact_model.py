@@ -19,6 +19,8 @@ SHORTEST_SLEW = 0.001  # [s] one tick
 MOST_AHEAD = 0.005  # [s] a stamp farther in the future is not of this clock
 MOST_FORCE, MOST_STIFFNESS, FARTHEST = 1e3, 1e6, 10.0  # [N], [N/m], [m] more is an error
 UNIT = 1e-3  # how far from 1 the length of a normal may be
+# of the normal stiffness: a contact of a soft body yields sideways by 2 (1 - nu) / (2 - nu), nu = 1/2. Mindlin 1949
+SIDEWAYS = 2 / 3
 PASSIVE_SHARE = 0.8  # of the passive stiffness: the rest covers errors in the estimates of b and of the delay
 
 

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Container
 from dataclasses import dataclass, field, replace
-from typing import Final
 
 import numpy as np
 
@@ -27,12 +26,9 @@ from ..body.model import Model
 from ..material import Material
 from ..mesh.depth import Touching
 from ..session import Finger, Session
-from .contact_model import Contact
+from .contact_model import SIDEWAYS, Contact
 from .servo_messages import ServoReport
 from .vectors import Vector
-
-# of the normal stiffness: a contact of a soft body yields sideways by 2 (1 - nu) / (2 - nu), nu = 1/2. Mindlin 1949
-SIDEWAYS: Final = 2 / 3
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-from .contact_model import Contact
+from .contact_model import SIDEWAYS, Contact
 from .coupling import STIFFER, Coupling, Slopes
 from .safety import QUIET_FORCE
 from .vectors import ZERO, Vector, along, dot, scaled
@@ -29,7 +29,6 @@ LONGEST: Final = 2.0  # ticks that one counts at most: on a virtual machine time
 LEAD: Final = 16  # ticks: about a frame of Blender's
 PATIENCE: Final = 250  # ticks of an average
 SOFT_SLOPE: Final = 1.5  # times its law a body may stiffen between two ticks: too stiff is viscous, too soft active
-SIDEWAYS: Final = 2 / 3  # see contact_rendering
 GRIP: Final = 1e3  # a friction beyond every force: the model has slipped already where it slips
 
 
