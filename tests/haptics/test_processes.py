@@ -157,7 +157,7 @@ def test_a_second_opener_is_refused(emulator: Rig) -> None:
     second.open()
     report = drive(second, ready)
     assert report.link is LinkState.REFUSED and "in use" in report.note
-    assert first.read().link is LinkState.READY
+    assert drive(first, lambda report: report.link is LinkState.READY).link is LinkState.READY, "the first goes on"
     for device in (second, first):
         device.close()
 
