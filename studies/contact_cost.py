@@ -23,7 +23,7 @@ from core.world import Collider, World
 SOFT = Material(K1=600, K2=4000, x0=0.02, k=400, mass=0.15, friction=0.4)
 RADIUS, CELLS = 0.04, 29  # [m]; squares along a side of the cube that a ball is made of: 5,048 vertices
 APART, NEAR = 1.0, 2e-4  # [m] between two balls that meet nothing, and that are to be pressed together
-PRESS, AMPLITUDE = 0.023, 2e-4  # [m] by which each is led towards the other, and to and fro then
+LIGHT, PRESS, AMPLITUDE = 0.004, 0.023, 2e-4  # [m] by which each is led towards the other, and to and fro then
 LEAD, TICKS = 300, 200  # ticks of the way there, and ticks that are measured
 
 Lead = Callable[[int], float]  # by how much the pins are led at a tick [m]
@@ -33,11 +33,15 @@ def measure_cost() -> dict[str, dict[str, float]]:
     """Return what contact costs.
 
     Returns:
-        for two balls far apart, and for two of which a fifth touches: the time of a tick with contact and without [ms],
-        the ratio, both of the mean tick too, for a tick with a query costs several without; the substeps of a tick, the
-        vertices of each, and the share of them that touch.
+        for two balls far apart, for two that touch lightly, and for two of which a fifth touches: the time of a tick
+        with contact and without [ms], the ratio, both of the mean tick too, for a tick with a query costs several
+        without; the substeps of a tick, the vertices of each, and the share of them that touch.
     """
-    return {"near_nothing": _measured(APART, lambda tick: 0.0), "fifth_touching": _measured(NEAR, _press)}
+    return {
+        "near_nothing": _measured(APART, lambda tick: 0.0),
+        "lightly_touching": _measured(NEAR, lambda tick: _press(tick, LIGHT)),
+        "fifth_touching": _measured(NEAR, _press),
+    }
 
 
 def ball(cells: int = CELLS, radius: float = RADIUS) -> tuple[Floats, Ints]:
@@ -49,8 +53,8 @@ def ball(cells: int = CELLS, radius: float = RADIUS) -> tuple[Floats, Ints]:
     return radius * x / np.linalg.norm(x, axis=1)[:, None], np.array(mesh.triangles)
 
 
-def _press(tick: int) -> float:
-    return PRESS * min(tick / LEAD, 1.0) + AMPLITUDE * np.sin(0.05 * max(tick - LEAD, 0))
+def _press(tick: int, depth: float = PRESS) -> float:
+    return depth * min(tick / LEAD, 1.0) + AMPLITUDE * np.sin(0.05 * max(tick - LEAD, 0))
 
 
 def _bodies(gap: float) -> list[Session]:

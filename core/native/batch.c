@@ -24,7 +24,7 @@ DM_INLINE double dm_give_of(const dm_scene_state *s, const dm_neighbour *n) {
 static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
     uint32_t k = 0;
     for (int j = 0; j < 4; j++)
-        if (s->speed[m->at[j]][3] > 0 && s->near[m->at[j]].batch > k) k = s->near[m->at[j]].batch;
+        if (s->moving[m->at[j]].v[3] > 0 && s->near[m->at[j]].batch > k) k = s->near[m->at[j]].batch;
     while (k < s->batch_count && s->batches[k].count == DM_LANES) k++;
     for (int j = 0; j < 4; j++) s->near[m->at[j]].batch = k + 1;
     if (k == s->batch_count) {
@@ -32,11 +32,14 @@ static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
         if (!dm_has_room(s)) return;
         dm_batch *made = s->batches + s->batch_count++;
         memset(made, 0, sizeof *made);
-        for (int i = 0; i < 4 * DM_LANES; i++) made->at[i / DM_LANES][i % DM_LANES] = s->near_count;
+        for (int i = 0; i < 4 * DM_LANES; i++) made->at[i / DM_LANES][i % DM_LANES] = s->near_count * (uint32_t)sizeof(dm_record);
     }
     dm_batch *b = s->batches + k;
     uint32_t l = b->count++;
-    for (int j = 0; j < 4; j++) b->at[j][l] = m->at[j], b->weight[j][l] = (dm_real)m->weight[j];
+    for (int j = 0; j < 4; j++) {
+        b->at[j][l] = m->at[j] * (uint32_t)sizeof(dm_record);
+        b->weight[j][l] = (dm_real)m->weight[j];
+    }
     dm_set_lane3(&b->normal, l, dm_quad_of(m->normal));
     b->gap[l] = (dm_real)m->gap, b->touch[l] = (dm_real)m->touch, b->friction[l] = (dm_real)m->friction;
     b->by[l] = (dm_real)(m->share / m->give);
@@ -71,7 +74,7 @@ typedef struct { /* of one vertex of each meeting: a way, or a velocity, and 1 /
 } dm_moving;
 
 /* Gather ways or velocities of the vertices of a batch; return those between its nearest points. */
-DM_INLINE dm_vec3 dm_gather_batch(const dm_batch *b, const dm_quad *from, dm_moving *each) {
+DM_INLINE dm_vec3 dm_gather_batch(const dm_batch *b, const void *from, dm_moving *each) {
     dm_vec3 between = dm_splat3((double[3]){0, 0, 0});
     for (int j = 0; j < 4; j++) {
         each[j].of = dm_gather_quads(from, b->at[j], &each[j].give);
@@ -82,11 +85,11 @@ DM_INLINE dm_vec3 dm_gather_batch(const dm_batch *b, const dm_quad *from, dm_mov
 
 /* Change what moves by its share of an impulse. give: [1/kg] in the fourth numbers, of `each` or of others. */
 DM_INLINE void dm_scatter_batch(const dm_batch *b, const dm_moving *each, const dm_lanes *give, dm_vec3 more,
-                                dm_quad *to) {
+                                void *to) {
     for (int j = 0; j < 4; j++) {
         dm_quad made[DM_LANES];
         dm_quads_of(dm_plus(each[j].of, b->weight[j] * give[j], more), each[j].give, made);
-        DM_UNROLLED for (int l = 0; l < DM_LANES; l++) to[b->at[j][l]] = made[l];
+        DM_UNROLLED for (int l = 0; l < DM_LANES; l++) *dm_quad_at(to, b->at[j][l]) = made[l];
     }
 }
 
@@ -101,14 +104,14 @@ DM_INLINE void dm_resolve_batch(const dm_scene_state *s, dm_batch *b, const dm_m
     drag = (dm_vec3){kept * drag.x, kept * drag.y, kept * drag.z};
     dm_vec3 more = dm_plus(dm_sub(drag, b->drag), push - b->push, b->normal);
     b->push = push, b->drag = drag;
-    dm_scatter_batch(b, v, (dm_lanes[]){v[0].give, v[1].give, v[2].give, v[3].give}, more, s->speed);
+    dm_scatter_batch(b, v, (dm_lanes[]){v[0].give, v[1].give, v[2].give, v[3].give}, more, &s->moving->v);
 }
 
 /* Where meetings would go nearer than they touch within the substep: begin with them. awake: those that may move. */
 DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake) {
     dm_moving v[4], gone[4];
     dm_lanes h = dm_splat((dm_real)s->dt), none = dm_splat(0), back = dm_splat((dm_real)DM_BACK) / h;
-    dm_vec3 way = dm_gather_batch(b, s->way, gone), u = dm_gather_batch(b, s->speed, v);
+    dm_vec3 way = dm_gather_batch(b, &s->moving->x, gone), u = dm_gather_batch(b, &s->moving->v, v);
     dm_lanes towards = dm_dot(way, b->normal);
     way = dm_plus(way, -towards, b->normal), b->begin = b->gap + towards;
     b->active = awake & (dm_mask)(b->begin + h * dm_dot(u, b->normal) < b->touch);
@@ -127,12 +130,12 @@ DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake
 DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b) {
     dm_moving v[4], out[4];
     dm_lanes h = dm_splat((dm_real)s->dt);
-    dm_vec3 way = dm_gather_batch(b, s->way, out), u = dm_gather_batch(b, s->speed, v);
+    dm_vec3 way = dm_gather_batch(b, &s->moving->x, out), u = dm_gather_batch(b, &s->moving->v, v);
     dm_lanes short_of = b->touch - b->begin - dm_dot(dm_plus(way, h, u), b->normal);
     dm_mask near = b->active & (dm_mask)(short_of > dm_splat(0));
     dm_lanes by = dm_where(near, b->by * dm_splat((dm_real)DM_PART) * short_of);
     dm_scatter_batch(b, out, (dm_lanes[]){v[0].give, v[1].give, v[2].give, v[3].give},
-                     (dm_vec3){by * b->normal.x, by * b->normal.y, by * b->normal.z}, s->way);
+                     (dm_vec3){by * b->normal.x, by * b->normal.y, by * b->normal.z}, &s->moving->x);
     b->sum = dm_plus(dm_plus(b->sum, b->push, b->normal), dm_splat(1), b->drag);
     dm_lanes most = b->friction * b->push * dm_splat((dm_real)(1 - DM_ROUNDING));
     dm_mask slides = b->active & (dm_mask)(dm_dot(b->drag, b->drag) >= most * most);
@@ -155,9 +158,9 @@ static int64_t dm_resolve_meetings(dm_scene_state *s) {
     for (int sweep = 1; sweep < DM_CONTACT_SWEEPS; sweep++)
         for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
             dm_moving v[4];
-            if (dm_any_of(b->active)) dm_resolve_batch(s, b, v, dm_gather_batch(b, s->speed, v));
+            if (dm_any_of(b->active)) dm_resolve_batch(s, b, v, dm_gather_batch(b, &s->moving->v, v));
         }
-    for (uint32_t k = 0; k < s->near_count; k++) s->way[k] = (dm_quad){0, 0, 0, 0};
+    for (uint32_t k = 0; k < s->near_count; k++) s->moving[k].x = (dm_quad){0, 0, 0, 0};
     for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
         if (!dm_any_of(b->active)) continue;
         dm_part_batch(s, b);

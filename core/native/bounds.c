@@ -19,12 +19,19 @@ static void dm_link_pairs(dm_scene_state *s) {
     uint32_t start = 0;
     for (uint32_t k = 0; k < s->near_count; k++) {
         dm_tally *t = s->tally + k;
-        dm_neighbour *n = s->near + k;
-        n->first_pair = t->start = start, n->pair_count = t->count, start += t->count;
+        const dm_neighbour *n = s->near + k;
+        t->end = start, start += t->count;
         s->roam[n->vertex] = t->way < s->roam[n->vertex] ? t->way : s->roam[n->vertex];
     }
     for (uint32_t k = 0; k < 4 * s->pair_count; k++)
-        s->pairs_of[s->tally[s->pairs[k / 4].at[k % 4]].start++] = k;
+        s->pairs_of[s->tally[s->pairs[k / 4].at[k % 4]].end++] = k;
+}
+
+/* The pairs of a vertex that is near. */
+DM_INLINE const uint32_t *dm_pairs_of(const dm_scene_state *s, const dm_neighbour *n, uint32_t *count) {
+    const dm_tally *t = s->tally + (n - s->near);
+    *count = t->count;
+    return s->pairs_of + t->end - t->count;
 }
 
 /* How far a vertex is on its own side of a plane. */
@@ -40,9 +47,10 @@ static int dm_is_allowed(dm_scene_state *s, uint32_t vertex, const double *x) {
     double square = dm_inner3(way, way);
     if (!(square <= s->slack[vertex] * s->slack[vertex])) return 0;
     if (s->place[vertex] == DM_NO_VERTEX) return 1;
-    const dm_neighbour *n = s->near + s->place[vertex];
-    for (uint32_t k = 0; k < n->pair_count; k++) {
-        uint32_t which = s->pairs_of[n->first_pair + k];
+    uint32_t count;
+    const uint32_t *mine = dm_pairs_of(s, s->near + s->place[vertex], &count);
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t which = mine[k];
         dm_pair *p = s->pairs + which / 4;
         if (!p->renewed && square <= p->way * p->way) continue;
         int first = which % 4 < p->ones;
@@ -76,10 +84,11 @@ static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex
     const dm_neighbour *n = s->near + s->place[vertex];
     double from[3];
     dm_last_of(s, f, n, from);
-    const uint32_t *mine = s->pairs_of + n->first_pair;
+    uint32_t count;
+    const uint32_t *mine = dm_pairs_of(s, n, &count);
     for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
         int moved = 0;
-        for (uint32_t k = 0; k < n->pair_count; k++) {
+        for (uint32_t k = 0; k < count; k++) {
             dm_pair *p = s->pairs + mine[k] / 4;
             int first = mine[k] % 4 < p->ones;
             const dm_plane *plane = dm_plane_of(s, p);
@@ -92,7 +101,7 @@ static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex
         if (!moved) return;
         dm_shorten(begin, x, most);
     }
-    for (uint32_t k = 0; k < n->pair_count; k++) {
+    for (uint32_t k = 0; k < count; k++) {
         dm_pair *p = s->pairs + mine[k] / 4;
         int first = mine[k] % 4 < p->ones;
         const dm_plane *plane = dm_plane_of(s, p);
@@ -146,8 +155,10 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
     dm_world_of(s, f, n->vertex, x);
     dm_minus(x, s->before[n->vertex], way);
     double gone = sqrt(dm_inner3(way, way)), most = s->slack[n->vertex] - gone;
-    for (uint32_t k = 0; k < n->pair_count; k++) {
-        uint32_t which = s->pairs_of[n->first_pair + k];
+    uint32_t count;
+    const uint32_t *mine = dm_pairs_of(s, n, &count);
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t which = mine[k];
         const dm_pair *p = s->pairs + which / 4;
         const dm_plane *plane = s->planes + which / 4;
         int first = which % 4 < p->ones;
@@ -164,15 +175,15 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
 /* Set the planes anew of what has used its way, where things are now: it may go on from there in the next substep. */
 static void dm_renew_planes(dm_scene_state *s) {
     s->renewal = s->renewal < UINT32_MAX ? s->renewal + 1 : 2; /* 0: never, 1: at the query */
+    uint32_t count;
     for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
-        const dm_neighbour *n = s->near + s->held[h];
-        for (uint32_t k = 0; k < n->pair_count; k++) dm_renew_plane(s, s->pairs + s->pairs_of[n->first_pair + k] / 4);
+        const uint32_t *mine = dm_pairs_of(s, s->near + s->held[h], &count);
+        for (uint32_t k = 0; k < count; k++) dm_renew_plane(s, s->pairs + mine[k] / 4);
     }
     for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
-        const dm_neighbour *n = s->near + s->held[h];
-        for (uint32_t k = 0; k < n->pair_count; k++)
-            for (int j = 0; j < 4; j++)
-                dm_renew_bound(s, s->near + s->pairs[s->pairs_of[n->first_pair + k] / 4].at[j]);
+        const uint32_t *mine = dm_pairs_of(s, s->near + s->held[h], &count);
+        for (uint32_t k = 0; k < count; k++)
+            for (int j = 0; j < 4; j++) dm_renew_bound(s, s->near + s->pairs[mine[k] / 4].at[j]);
     }
     s->held_count = 0;
 }

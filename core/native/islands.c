@@ -27,7 +27,7 @@ static void dm_note_sag(dm_scene_state *s) {
     for (uint32_t i = 0; i < DM_LANES * s->batch_count; i++)
         for (int j = 0; j < 2; j++) {
             dm_state *b = s->surfaces[dm_sides_of(s, i)[j]].body;
-            if (b && s->batches[i / DM_LANES].active[i % DM_LANES])
+            if (b && b->sag == 0 && s->batches[i / DM_LANES].active[i % DM_LANES])
                 b->sag = sqrt(dm_inner3(b->gravity, b->gravity)) * s->dt;
         }
 }

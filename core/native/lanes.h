@@ -129,10 +129,14 @@ DM_INLINE void dm_gather8(const void *records, const uint32_t *at, dm_vec3 *x, d
     *v = (dm_vec3){DM_AFTER(low[0], high[0]), DM_AFTER(low[1], high[1]), DM_AFTER(low[2], high[2])};
 }
 
-/* the quads of eight of these: their vectors in lanes, and the fourth numbers */
-DM_INLINE dm_vec3 dm_gather_quads(const dm_quad *from, const uint32_t *at, dm_lanes *fourth) {
-    dm_lanes r0 = DM_JOINED(from[at[0]], from[at[4]]), r1 = DM_JOINED(from[at[1]], from[at[5]]);
-    dm_lanes r2 = DM_JOINED(from[at[2]], from[at[6]]), r3 = DM_JOINED(from[at[3]], from[at[7]]);
+DM_INLINE dm_quad *dm_quad_at(const void *from, uint32_t at) { return (dm_quad *)((char *)from + at); }
+
+/* the quads at eight byte offsets: their vectors in lanes, and the fourth numbers */
+DM_INLINE dm_vec3 dm_gather_quads(const void *from, const uint32_t *at, dm_lanes *fourth) {
+    dm_lanes r0 = DM_JOINED(*dm_quad_at(from, at[0]), *dm_quad_at(from, at[4]));
+    dm_lanes r1 = DM_JOINED(*dm_quad_at(from, at[1]), *dm_quad_at(from, at[5]));
+    dm_lanes r2 = DM_JOINED(*dm_quad_at(from, at[2]), *dm_quad_at(from, at[6]));
+    dm_lanes r3 = DM_JOINED(*dm_quad_at(from, at[3]), *dm_quad_at(from, at[7]));
     dm_lanes xy0 = DM_ZIP_LOW(r0, r1), xy2 = DM_ZIP_LOW(r2, r3), z0 = DM_ZIP_HIGH(r0, r1), z2 = DM_ZIP_HIGH(r2, r3);
     *fourth = DM_PAIR_HIGH(z0, z2);
     return (dm_vec3){DM_PAIR_LOW(xy0, xy2), DM_PAIR_HIGH(xy0, xy2), DM_PAIR_LOW(z0, z2)};

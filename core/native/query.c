@@ -290,8 +290,7 @@ static void dm_query(dm_scene_state *s) {
         }
     if (dm_has_room(s)) dm_link_pairs(s);
     if (dm_has_room(s)) dm_order_candidates(s);
-    s->way = dm_roomy(s, s->way, s->near_count + 1, &s->way_room, sizeof *s->way); /* the last: of empty lanes */
-    s->speed = dm_roomy(s, s->speed, s->near_count + 1, &s->speed_room, sizeof *s->speed);
+    s->moving = dm_roomy(s, s->moving, s->near_count + 1, &s->moving_room, sizeof *s->moving); /* the last: of empty lanes */
     s->looks = 1;
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_set_bounds(s, f);
     s->out->queries++, s->out->pairs = s->pair_count > s->out->pairs ? s->pair_count : s->out->pairs;

@@ -35,9 +35,10 @@ static void dm_resist_rolling(dm_scene_state *s) {
         f->load = 0, rolling++;
     }
     for (uint32_t i = 0; rolling && i < DM_LANES * s->batch_count; i++) {
-        const uint32_t *of = dm_sides_of(s, i);
         double push = (double)s->batches[i / DM_LANES].push[i % DM_LANES];
-        for (int j = 0; j < 2 && push > 0 && of[0] != of[1]; j++) {
+        if (!(push > 0)) continue;
+        const uint32_t *of = dm_sides_of(s, i);
+        for (int j = 0; j < 2 && of[0] != of[1]; j++) {
             dm_surface *f = s->surfaces + of[j];
             const dm_surface *g = s->surfaces + of[1 - j];
             f->load += push;
@@ -47,9 +48,10 @@ static void dm_resist_rolling(dm_scene_state *s) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         if (dm_rolls(f)) dm_resist_body(s, f);
     for (uint32_t i = 0; rolling > 1 && i < DM_LANES * s->batch_count; i++) {
-        const uint32_t *of = dm_sides_of(s, i);
         double push = (double)s->batches[i / DM_LANES].push[i % DM_LANES];
-        for (int j = 0; j < 2 && push > 0 && of[0] != of[1]; j++) {
+        if (!(push > 0)) continue;
+        const uint32_t *of = dm_sides_of(s, i);
+        for (int j = 0; j < 2 && of[0] != of[1]; j++) {
             const dm_surface *f = s->surfaces + of[j];
             dm_surface *g = s->surfaces + of[1 - j];
             if (!dm_rolls(f) || !dm_rolls(g) || f->load == 0) continue;

@@ -8,7 +8,7 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->searched,
                            s->balls, s->number, s->bins, s->slack, s->stale};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
-    void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->way, s->speed, s->candidates, s->sorted, s->held,
+    void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
                            s->close[0], s->close[1], s->runs, s->planes, s->tally};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);

@@ -90,9 +90,9 @@ typedef struct { /* with its vertices in the order of the caller, each side from
     dm_candidate own;
 } dm_ordered;
 
-typedef struct { /* of a vertex that is near something: the least way of its pairs [m], and how many there are */
-    double way;
-    uint32_t count, start;
+typedef struct { /* of a vertex that is near something, its pairs: the least way [m], how many, and where their list is */
+    double way, there[3]; /* there: where it was at the last look */
+    uint32_t count, end;
 } dm_tally;
 
 typedef struct { /* two that may touch: their nearest points at the last look */
@@ -102,7 +102,7 @@ typedef struct { /* two that may touch: their nearest points at the last look */
 } dm_meeting;
 
 typedef struct { /* eight meetings that have no vertex in common, and what passes between them */
-    uint32_t at[4][DM_LANES]; /* in the list of what is near; an empty lane has no weight */
+    uint32_t at[4][DM_LANES]; /* byte offsets into `moving`; an empty lane has no weight */
     dm_lanes weight[4];
     dm_vec3 normal, drag, sum;               /* sum: of the impulses since the last look [N s] */
     dm_vec3 anchor, back;                    /* where on its way it stuck last [m]; how fast it is to go back there [m/s] */
@@ -113,11 +113,10 @@ typedef struct { /* eight meetings that have no vertex in common, and what passe
     uint32_t surface[DM_LANES][2], count;
 } dm_batch;
 
-typedef struct { /* a vertex that is near something */
-    dm_quad from, last;   /* where it is at the last look and before this substep, from the origin of its body */
-    dm_record *body;      /* null: of a collider */
-    uint32_t vertex, surface, first_pair, pair_count, renewed, batch; /* batch: after the last that it is in */
-    double there[3];      /* where it was at the last look */
+typedef struct { /* a vertex that is near something: a line of the cache */
+    dm_quad from, last; /* where it is at the last look and before this substep, from the origin of its body */
+    dm_record *body;    /* null: of a collider */
+    uint32_t vertex, surface, renewed, batch; /* batch: after the last that it is in */
 } dm_neighbour;
 
 typedef struct dm_scene_state {
@@ -139,9 +138,9 @@ typedef struct dm_scene_state {
     dm_candidate *candidates;
     uint32_t sorted_room, *bins; /* room to put them in order */
     dm_ordered *sorted;
-    uint32_t batch_count, batch_room, way_room, speed_room;
+    uint32_t batch_count, batch_room, moving_room;
     dm_batch *batches; /* of the meetings, in the order in which they are taken */
-    dm_quad *way, *speed; /* of what is near: its way since the look, then by how much it is brought apart; with 1 / mass */
+    dm_record *moving; /* what is near: its way since the look, then by how much it is brought apart; its speed, 1 / mass */
     uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
     uint32_t *number;                    /* of vertices, in the order of the caller */
     int looks;                           /* normals are to be set anew */

@@ -29,7 +29,7 @@ static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double
         else zero++, off = k;
     }
     if (!zero) return 1;
-    dm_minus(s->near[p->at[0]].there, between, point);
+    dm_minus(s->tally[p->at[0]].there, between, point);
     if (zero == 1) { /* on the edge opposite corner `off`, which begins at the next corner */
         uint32_t triangle = s->close[0][p->close].parts[0];
         uint32_t edge = s->edges_of[triangle][(off + 1) % 3], own = s->near[p->at[1 + off]].vertex;
@@ -47,12 +47,12 @@ static int dm_look_at(const dm_scene_state *s, const dm_candidate *candidate, dm
     const dm_pair *p = s->pairs + candidate->pair;
     const double *x[4];
     double *w = m->weight, between[3], most = candidate->touch + s->approach;
-    for (int j = 0; j < 4; j++) x[j] = s->near[p->at[j]].there;
+    for (int j = 0; j < 4; j++) x[j] = s->tally[p->at[j]].there;
     double gap = m->gap = dm_measure_pair(x, p->ones, w, between);
     if (!(gap < most) || !(gap > 0)) return 0;
     if (p->ones == 1 ? !dm_is_nearest(s, p, w, between) : !(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return 0;
     m->give = 0, m->touch = candidate->touch, m->share = candidate->weight;
-    for (int j = 0; j < 4; j++) m->at[j] = p->at[j], m->give += w[j] * w[j] * (double)s->speed[p->at[j]][3];
+    for (int j = 0; j < 4; j++) m->at[j] = p->at[j], m->give += w[j] * w[j] * (double)s->moving[p->at[j]].v[3];
     m->friction = sqrt(dm_friction_of(s, p, 0, p->ones, w) * dm_friction_of(s, p, p->ones, 4, w));
     for (int c = 0; c < 3; c++) {
         m->normal[c] = between[c] / gap, m->point[c] = 0;
@@ -67,14 +67,14 @@ static void dm_look(dm_scene_state *s) {
     double far = 0;
     dm_sum_meetings(s);
     s->batch_count = 0, s->looks = 0;
-    memset(s->way, 0, (s->near_count + 1) * sizeof *s->way), memset(s->speed, 0, (s->near_count + 1) * sizeof *s->speed);
+    memset(s->moving, 0, (s->near_count + 1) * sizeof *s->moving);
     for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++) {
-        double way[3];
-        s->speed[n - s->near][3] = (dm_real)dm_give_of(s, n);
-        dm_world_of(s, s->surfaces + n->surface, n->vertex, n->there);
+        double way[3], *there = s->tally[n - s->near].there;
+        s->moving[n - s->near].v[3] = (dm_real)dm_give_of(s, n);
+        dm_world_of(s, s->surfaces + n->surface, n->vertex, there);
         if (n->body) n->from = n->body->x;
         n->batch = 0;
-        dm_minus(n->there, s->before[n->vertex], way);
+        dm_minus(there, s->before[n->vertex], way);
         double square = dm_inner3(way, way);
         far = square > far ? square : far;
     }
@@ -92,10 +92,11 @@ static void dm_begin_contact(dm_scene_state *s) {
     if (!dm_has_room(s)) return;
     for (uint32_t k = 0; k < s->near_count; k++) {
         dm_neighbour *n = s->near + k;
+        dm_quad *to = &s->moving[k].x;
         double way[3];
-        if (n->body) n->last = n->body->x, s->way[k] = n->last - n->from;
-        else dm_minus(s->here[n->vertex], n->there, way), s->way[k] = dm_quad_of(way);
-        dm_real square = dm_dot3(s->way[k], s->way[k]);
+        if (n->body) n->last = n->body->x, *to = n->last - n->from;
+        else dm_minus(s->here[n->vertex], s->tally[k].there, way), *to = dm_quad_of(way);
+        dm_real square = dm_dot3(*to, *to);
         far = square > far ? square : far;
     }
     if (s->looks || (double)far > DM_LOOK * DM_LOOK * s->touch * s->touch) dm_look(s), s->wakes = 1;
@@ -106,15 +107,16 @@ static void dm_resolve_touching(dm_scene_state *s) {
     if (!s->batch_count) return;
     for (uint32_t k = 0; k < s->near_count; k++) {
         const dm_neighbour *n = s->near + k;
-        dm_real give = s->speed[k][3];
+        dm_quad *to = &s->moving[k].v;
+        dm_real give = (*to)[3];
         if (!n->batch) continue; /* nothing meets it */
-        s->speed[k] = n->body ? n->body->v : dm_quad_of(s->rate[n->vertex]), s->speed[k][3] = give;
+        *to = n->body ? n->body->v : dm_quad_of(s->rate[n->vertex]), (*to)[3] = give;
     }
     int64_t touching = dm_resolve_meetings(s);
     for (uint32_t k = 0; touching && k < s->near_count; k++) {
         const dm_neighbour *n = s->near + k;
         const dm_surface *f = s->surfaces + n->surface;
-        dm_quad v = s->speed[k], out = s->way[k];
+        dm_quad v = s->moving[k].v, out = s->moving[k].x;
         v[3] = 0;
         if (!n->batch || !n->body || !(memcmp(&v, &n->body->v, sizeof v) || dm_dot3(out, out) > 0)) continue;
         dm_set_vertex(f->body, n->vertex - f->first, n->body->x + (dm_real)s->dt * (v - n->body->v) + out, v);
