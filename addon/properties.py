@@ -1,4 +1,4 @@
-"""What Blender stores: the settings of a material, a body and a scene, and the state of the running session.
+"""What Blender stores: the settings of a body and a scene, and the state of the running session.
 
 Operators read these through RNA only (`obj.dimple.to_params()`), so names and units here are the contract.
 Panels show the units of the paper (mm, N/mm); `to_params` returns SI units. What runs takes a changed setting
@@ -8,24 +8,13 @@ at its next step, and follows the keyframes of those that can be animated: const
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
-from ..operators.calibration import further_constants
-from ..operators.names import MAPS, PLACES, TIPS
+from ..operators.names import MAPS, PLACES
 from .contact import ContactSettings
 from .device import DevicePlace
+from .material_settings import DIMPLE_PG_material
 from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
 from .translations import CONTEXT
 
-_MODEL_CONSTANTS = ("kappa1", "kappa2", "d0", "membrane_scale")
-
-_MASS_FROM = (
-    ("DENSITY", "Density", "The mass follows from the density and the volume of the body"),
-    ("MASS", "Mass", "The mass of the whole body is given"),
-)
-_FILLS = (
-    ("AIR", "Air", "The enclosed air is compressed: the pressure rises and the volume falls a little"),
-    ("LIQUID", "Liquid", "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere"),
-    ("NONE", "None", "Nothing is enclosed, so there is no pressure. Suits open meshes"),
-)
 _LAW_SETS = (
     ("CONSISTENT", "Consistent", "All forces derive from one energy: they sum to zero, and the volume is preserved"),
     ("PAPER", "Paper (literal)", "Equations 1 to 8 of the paper, taken literally, with their known limits"),
@@ -64,119 +53,8 @@ _FIELDS = (
 )
 
 
-def _mark_edited(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    # constants that are changed are no longer what the source measured
-    settings.edited = bool(settings.provenance)
-
-
-def _mark_measured(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    # a preset and a calibration set the source after the constants
-    settings.edited = False
-
-
 def _is_fingertip(_settings: bpy.types.PropertyGroup, candidate: bpy.types.Object) -> bool:
     return not candidate.dimple.enabled
-
-
-def _stiffness(name: str, default: float, description: str) -> FloatProperty:
-    return FloatProperty(
-        name=name, description=description, default=default, min=0.0, soft_min=0.01, soft_max=100.0,
-        step=10, precision=3, update=_mark_edited, **KEYED,
-    )  # fmt: skip
-
-
-def _model_constant(name: str, description: str) -> FloatProperty:
-    return FloatProperty(name=name, description=description, default=0.0, min=0.0, precision=4, **FIXED)
-
-
-class DIMPLE_PG_material(bpy.types.PropertyGroup):
-    """The constants of one material, as measured on a real object."""
-
-    K1: _stiffness("Slope K1 (N/mm)", 0.61, "Force per depth of a press, up to the knee")
-    K2: _stiffness("Slope K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
-    x0: FloatProperty(
-        name="Knee x0 (mm)", description="Depth at which the slope changes from K1 to K2",
-        default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **KEYED,
-    )  # fmt: skip
-    k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the surface against stretching")
-    spread_mm: FloatProperty(
-        name="Spread (mm)", description="How far a dent reaches beyond the fingertip",
-        default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
-    )  # fmt: skip
-    mass_from: EnumProperty(
-        name="Mass From", description="How the mass of the body is given", items=_MASS_FROM, **FIXED
-    )
-    density: FloatProperty(
-        name="Density (kg/m³)", description="Mass per volume of the body; water has 1000",
-        default=100.0, min=0.0, soft_min=1.0, soft_max=5000.0, step=100, precision=1, **KEYED,
-    )  # fmt: skip
-    mass_kg: FloatProperty(
-        name="Mass (kg)", description="Mass of the whole body if it were all of this material",
-        default=0.2, min=0.0, soft_min=0.001, soft_max=100.0, step=1, precision=3, **KEYED,
-    )  # fmt: skip
-    damping_ratio: FloatProperty(
-        name="Damping Ratio", description="0 is undamped, 1 is critically damped",
-        default=0.2, min=0.0, max=2.0, soft_max=1.0, precision=2, **KEYED,
-    )  # fmt: skip
-    friction: FloatProperty(
-        name="Friction",
-        description="Coefficient of friction between the surface and fingertips or ground; 0 is frictionless",
-        default=0.5, min=0.0, soft_max=1.5, precision=2, **KEYED,
-    )  # fmt: skip
-    fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, **KEYED)
-    tip: EnumProperty(
-        name="Tip", description="What pressed the object when it was measured", items=TIPS, default="SPHERE", **FIXED
-    )
-    tip_radius_mm: FloatProperty(
-        name="Tip Radius (mm)", description="Radius of what pressed the object when it was measured",
-        default=10.0, min=0.01, soft_max=50.0, step=10, precision=2, **FIXED,
-    )  # fmt: skip
-    provenance: StringProperty(
-        name="Source", description="Where these constants were measured; empty when typed in",
-        update=_mark_measured, **FIXED,
-    )  # fmt: skip
-    edited: BoolProperty(
-        name="Edited", description="The constants were changed by hand after they had been measured", **FIXED
-    )
-    calibration: kept_text("Calibration", "The measurement behind these constants")
-    kappa1: _model_constant("Shape Matching κ1 (N/cm³)", "Identified: force per area and depth, up to the knee")
-    kappa2: _model_constant("Shape Matching κ2 (N/cm³)", "Identified: force per area and depth, beyond the knee")
-    d0: _model_constant("Knee d0 (mm)", "Identified: displacement at which shape matching changes from κ1 to κ2")
-    membrane_scale: _model_constant("Share of k", "Identified: share of k that the membrane has")
-    identification: kept_text("Identification", "How the model constants were found")
-
-    def to_params(self) -> dict[str, object]:
-        """Return the keyword arguments of `core.material.Material`, in SI units."""
-        from ..core.material import Indenter  # not at import: it needs numpy, and enabling must be quick
-
-        mass = {"density": exact(self.density)} if self.mass_from == "DENSITY" else {"mass": exact(self.mass_kg)}
-        return {
-            "K1": exact(self.K1, 1),  # [N/m]
-            "K2": exact(self.K2, 1),
-            "k": exact(self.k, 1),
-            "x0": exact(self.x0, -1),  # [m]
-            "spread": exact(self.spread_mm, -1),
-            "indenter": Indenter(shape=self.tip.lower(), radius=exact(self.tip_radius_mm, -1)),
-            **mass,
-            "damping_ratio": exact(self.damping_ratio),
-            "friction": exact(self.friction),
-            "fill": self.fill.lower(),
-            **_identified(self),
-        }
-
-
-def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
-    """Return the model constants where there are any; `operators.calibration.changed` says whether they still hold."""
-    if not all(getattr(settings, name) > 0 for name in _MODEL_CONSTANTS):
-        return {}
-    from ..core.material import ModelConstants
-
-    kappa = {"kappa1": exact(settings.kappa1, 2), "kappa2": exact(settings.kappa2, 2)}  # [N/m3]
-    constants = ModelConstants(
-        **kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale),
-        **further_constants(settings.identification),
-    )  # fmt: skip
-    return {"constants": constants}
 
 
 def _map(which: int) -> StringProperty:
