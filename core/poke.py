@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
-from .mesh.ray import Vector
 from .session import Finger
+from .vectors import Vector, along, dot, length, scaled
 
 FINGERS = 3
 WHEEL_STEP = 1.1  # a click of the wheel changes radius, depth or force by this factor
@@ -203,11 +203,6 @@ def lifted(state: PokeState, body: int) -> PokeState:
     return replace(state, tips=tips, pressing=state.pressing and tips[state.active] is not None, hover=None)
 
 
-def along(a: Vector, b: Vector, factor: float) -> Vector:
-    """Return a + factor b."""
-    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
-
-
 def _move(state: PokeState, event: PokeEvent) -> PokeState:
     state, tip = replace(state, hover=event.hit), state.tips[state.active]
     if not (state.pressing and tip):
@@ -235,13 +230,13 @@ def _pinched(state: PokeState) -> PokeState:
     across = [
         (i, other) for i, other in enumerate(state.tips)
         if other and i != state.active and other.body == tip.body and not other.leaving
-        and _dot(other.goal.outward, tip.goal.outward) < OPPOSITE
+        and dot(other.goal.outward, tip.goal.outward) < OPPOSITE
     ]  # fmt: skip
     if len(across) != 1:
         return state
     (index, other), = across
     way = along(other.goal.at, tip.goal.at, -1.0)
-    there, back = _unit(way, tip.goal.inward), _unit(along((0.0, 0.0, 0.0), way, -1.0), other.goal.inward)
+    there, back = _unit(way, tip.goal.inward), _unit(scaled(way, -1.0), other.goal.inward)
     tips = list(state.tips)
     aim = replace(tip.aim, inward=there) if tip.reached == 0 else tip.aim
     tips[state.active] = replace(tip, aim=aim, goal=replace(tip.goal, inward=there))
@@ -332,14 +327,10 @@ def _clamped(value: float, limits: tuple[float, float]) -> float:
     return min(max(value, limits[0]), limits[1])
 
 
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
 def _toward(a: Vector, b: Vector, share: float) -> Vector:
-    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])
+    return along(a, along(b, a, -1.0), share)
 
 
 def _unit(a: Vector, otherwise: Vector) -> Vector:
-    length = math.hypot(*a)
-    return (a[0] / length, a[1] / length, a[2] / length) if length > 1e-6 else otherwise
+    long = length(a)
+    return scaled(a, 1 / long) if long > 1e-6 else otherwise

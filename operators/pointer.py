@@ -10,7 +10,8 @@ import numpy as np
 from bpy_extras import view3d_utils
 
 from ..core.mesh.ray import ray_hit
-from ..core.poke import Hit, Kind, PokeEvent, Vector
+from ..core.poke import Hit, Kind, PokeEvent
+from ..core.vectors import Vector
 from .names import DEAD_MAN
 from .sessions import LiveBody
 

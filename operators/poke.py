@@ -235,8 +235,8 @@ class DIMPLE_OT_poke(bpy.types.Operator):
 
     def _show_hover(self) -> None:
         """Let the overlay draw the fingertip that would press."""
-        from ..core.poke import along
         from ..core.session import Finger
+        from ..core.vectors import along
 
         hover, active = self._state.hover, self._state.active
         for uid, body in sessions.sessions.items():

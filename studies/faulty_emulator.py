@@ -14,8 +14,8 @@ from core.haptics.emulated_line import EmulatedLine
 from core.haptics.emulator import Emulator
 from core.haptics.firmware import Firmware
 from core.haptics.spec import Spec
-from core.haptics.vectors import ZERO, Vector
 from core.haptics.watch import Watch
+from core.vectors import ZERO, Vector
 
 from .faults import ON_THE_LINE, InjectedFault
 

@@ -23,9 +23,9 @@ from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState, ServoReport
 from core.haptics.spec import Spec, load_spec
 from core.haptics.touched_body import TouchedBody
-from core.haptics.vectors import Vector
 from core.material import PRESETS
 from core.session import Session
+from core.vectors import Vector
 
 from .scenes import cube
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final
 
+from ..vectors import ZERO, Vector, scaled
 from .spec import Spec
-from .vectors import ZERO, Vector, scaled
 from .wire import ARMED, FINGERS, MODE, RAMP, DeviceState
 
 Forces = tuple[Vector, ...]

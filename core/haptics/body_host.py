@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from ..errors import DimpleError
+from ..vectors import ZERO, Vector, along, scaled
 from .mailbox import Mailbox
 from .parcel import Change, frame_size, pack_frame, parcel_path, unpack_changes
 from .safety import LEASE
 from .servo import Servo
 from .servo_messages import BodyState, Order, ServoReport
-from .vectors import ZERO, Vector, along, scaled
 from .wire import FINGERS
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
+from ..vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
 
 FADE_BEGINS, FADE_ENDS = 0.100, 0.200  # [s] age of a contact: that of a frozen simulation fades out
 LONGEST_SLEW = 0.050  # [s] a change is spread over one period of the simulation, but over no more than this

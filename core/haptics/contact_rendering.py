@@ -26,9 +26,9 @@ from ..body.model import Model
 from ..material import Material
 from ..mesh.depth import Touching
 from ..session import Finger, Session
+from ..vectors import Vector
 from .contact_model import SIDEWAYS, Contact
 from .servo_messages import ServoReport
-from .vectors import Vector
 
 
 @dataclass(frozen=True, slots=True)

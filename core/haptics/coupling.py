@@ -19,8 +19,8 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+from ..vectors import ZERO, Vector, along, capped, length, scaled
 from .safety import SPEED_TIME
-from .vectors import ZERO, Vector, along, capped, length, scaled
 
 FOLLOW: Final = 200.0  # [1/s] how fast q follows: skin on it then feels 0.2 N of a 12-bit converter's noise, not 4 N
 LAG: Final = 0.3  # of the way to its lag u goes in a tick, over how much stiffer than the cap the body is

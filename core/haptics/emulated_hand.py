@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..errors import DimpleError
-from .vectors import ZERO, Vector
+from ..vectors import ZERO, Vector
 
 STIFFNESS, DAMPING = 400.0, 4.0  # (A) [N/m], [N s/m] of a gripping finger
 Keyframe = tuple[float, float, float, float]  # time [s], place [m] in the device's frame

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..vectors import ZERO, Vector, dot, length, scaled
 from .emulated_hand import EmulatedHand
 from .spec import Spec
-from .vectors import ZERO, Vector, dot, length, scaled
 
 SUBSTEPS = 4  # per tick: with the stiffest hand and wall (2 kN/m on 0.12 kg) a step is a thirtieth of a radian
 

@@ -12,13 +12,13 @@ import math
 import random
 from typing import Final
 
+from ..vectors import ZERO, Vector
 from . import kinematics, wire
 from .emulated_hand import EmulatedHand
 from .emulated_line import EmulatedLine
 from .emulated_tip import EmulatedTip
 from .firmware import Firmware
 from .spec import Spec
-from .vectors import ZERO, Vector
 
 NOISE: Final = 4093  # readings until the noise repeats; a prime, so that joints and ticks do not fall in step
 

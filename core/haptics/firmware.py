@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from ..vectors import ZERO, Vector, length, scaled
 from . import kinematics, wire
 from .motors import Motors
 from .safety import SPEED_TIME
 from .sensors import Sensors
 from .spec import Spec, info
-from .vectors import ZERO, Vector, length, scaled
 from .watch import Watch
 
 SILENCE: Final = 1.0  # [s] without a host, after which the device falls silent too

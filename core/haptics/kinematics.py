@@ -13,8 +13,8 @@ import math
 from typing import NamedTuple
 
 from ..errors import DimpleError
+from ..vectors import Vector
 from .spec import Spec
-from .vectors import Vector
 from .wire import FULL_SCALE
 
 Rows = tuple[Vector, Vector, Vector]

@@ -7,8 +7,8 @@ from collections import deque
 from itertools import accumulate
 from typing import Final
 
+from ..vectors import ZERO, Vector, along, capped, is_finite, length
 from .spec import Spec
-from .vectors import ZERO, Vector, along, capped, is_finite, length
 
 BINS: Final = 100  # of the window
 AHEAD: Final = 10  # bins, 1 s

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .vectors import ZERO, Vector, along, dot, scaled
+from ..vectors import ZERO, Vector, along, dot, scaled
 
 PASSIVITY_DAMPING = 12.0  # [N s/m] the most the passivity controller adds: a tenth of tip mass over tick
 PASSIVITY_SPEED = 2e-3  # [m/s] slower than this is converter noise

@@ -10,9 +10,9 @@ from collections import deque
 from dataclasses import dataclass, field
 from enum import Enum
 
+from ..vectors import ZERO, Vector, along, capped, dot, is_finite, length, scaled
 from .passivity import Passivity
 from .servo_notes import NOT_ARMED
-from .vectors import ZERO, Vector, along, capped, dot, is_finite, length, scaled
 
 HARD_CEILING = 20.0  # [N] whatever limits a device reports
 QUIET_FORCE, QUIET_TIME = 0.2, 0.050  # [N], [s] arming waits for less force than this for so long: nothing may kick

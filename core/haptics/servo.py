@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from ..errors import DimpleError
+from ..vectors import ZERO, Vector, is_finite, length
 from . import kinematics, wire
 from .acting import ActingForces
 from .contact_model import FADE_BEGINS, Contact, is_sane, stiffness_cap
@@ -19,7 +20,6 @@ from .servo_finger import ServoFinger
 from .servo_messages import LinkState, Order, ServoReport, TipState
 from .servo_notes import BAD_FORCE, FAULTS, LOSSY, NO_ANSWER, NO_STATES, SILENT, STOOD_STILL, TOO_FAST, WAS_SILENT
 from .spec import Spec, check_info
-from .vectors import ZERO, Vector, is_finite, length
 
 HELLO_EVERY, HELLO_WAIT = 0.1, 1.0  # [s] between two HELLOs; without an answer for so long there is no device
 PING_EVERY = 0.25  # [s]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ..vectors import ZERO, Vector
 from . import kinematics
 from .contact_model import ContactBlend
 from .kinematics import Block
 from .safety import Guard
 from .sensors import JUMP, RAIL
 from .spec import Spec
-from .vectors import ZERO, Vector
 
 Three = tuple[int, int, int]
 Angles = tuple[float, float, float]

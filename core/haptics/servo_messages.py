@@ -6,9 +6,9 @@ import struct
 from dataclasses import dataclass
 from enum import Enum
 
+from ..vectors import ZERO, Vector
 from .contact_model import MOST_AHEAD, Contact
 from .safety import LEASE, Arming
-from .vectors import ZERO, Vector
 from .wire import FINGERS
 
 TIPS = FINGERS

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..errors import DimpleError
+from ..vectors import Vector
 from . import wire
 from .safety import (
     HARD_CEILING,
@@ -23,7 +24,6 @@ from .safety import (
     STATE_LOST,
     TOP_SPEED,
 )
-from .vectors import Vector
 
 HAPTIC_MASTER: Final = Path(__file__).with_name("haptic_master.toml")
 BITS_A_BYTE: Final = 10  # on a serial line: start, eight, stop

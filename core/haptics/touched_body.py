@@ -10,10 +10,10 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
+from ..vectors import ZERO, Vector, along, dot, scaled
 from .contact_model import SIDEWAYS, Contact
 from .coupling import STIFFER, Coupling, Slopes
 from .safety import QUIET_FORCE
-from .vectors import ZERO, Vector, along, dot, scaled
 from .wire import FINGERS
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import Floats, Ints
-
-Vector = tuple[float, float, float]
+from ..vectors import Vector
 
 
 def ray_hit(

@@ -8,7 +8,7 @@ from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import pack_order, unpack_order
 from core.haptics.spec import Spec, info, load_spec
-from core.haptics.vectors import ZERO, Vector, length
+from core.vectors import ZERO, Vector, length
 from tests.haptics.converters import adc_words
 
 SESSION = 7

@@ -3,7 +3,7 @@
 import math
 
 from core.haptics.spec import Spec
-from core.haptics.vectors import Vector
+from core.vectors import Vector
 
 
 def adc_words(spec: Spec, q: Vector) -> tuple[int, int, int]:

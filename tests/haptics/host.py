@@ -7,7 +7,7 @@ from collections.abc import Callable
 from core.haptics import kinematics, wire
 from core.haptics.emulated_hand import EmulatedHand
 from core.haptics.spec import load_spec
-from core.haptics.vectors import ZERO, Vector
+from core.vectors import ZERO, Vector
 from studies.faults import parse_fault
 from studies.faulty_emulator import FaultyEmulator, TraceRow
 

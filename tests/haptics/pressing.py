@@ -23,9 +23,9 @@ from core.haptics.process import end
 from core.haptics.remote_body import Parcels, RemoteBody
 from core.haptics.safety import Arming
 from core.haptics.servo_messages import BodyState, LinkState, ServoReport
-from core.haptics.vectors import length
 from core.material import PRESETS
 from core.solver.backend import create
+from core.vectors import length
 from studies.processes import start_emulator
 from tests.haptics.bench_device import wall
 from tests.haptics.host import SPEC

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from core.haptics.contact_model import Contact, ContactBlend, fade, force_at, is_sane, stiffness_cap
-from core.haptics.vectors import ZERO, length
+from core.vectors import ZERO, length
 from tests.haptics.bench_device import wall
 
 CAP = 1000.0

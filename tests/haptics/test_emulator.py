@@ -14,7 +14,7 @@ from core.haptics import kinematics, wire
 from core.haptics.emulated_hand import EmulatedHand, Keyframe, load_hand
 from core.haptics.emulated_line import EmulatedLine
 from core.haptics.emulated_tip import EmulatedTip
-from core.haptics.vectors import ZERO, Vector
+from core.vectors import ZERO, Vector
 from studies.faults import InjectedFault
 from studies.faulty_emulator import FaultyEmulator, FaultyLine, TraceRow
 from tests.haptics.host import BLOCKS, SPEC, Host

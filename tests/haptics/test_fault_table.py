@@ -20,7 +20,7 @@ from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState
 from core.haptics.spec import Spec
-from core.haptics.vectors import length
+from core.vectors import length
 from studies.faults import parse_fault
 from studies.faulty_emulator import FaultyEmulator, TraceRow
 from tests.haptics.bench_device import wall

@@ -9,8 +9,8 @@ import pytest
 
 from core.haptics import wire
 from core.haptics.emulated_hand import EmulatedHand
-from core.haptics.vectors import ZERO
 from core.haptics.watch import Watch
+from core.vectors import ZERO
 from tests.haptics.host import HELD, SPEC, Host, Table
 from tests.haptics.test_motors import hottest
 

@@ -8,7 +8,7 @@ import random
 import pytest
 
 from core.haptics import wire
-from core.haptics.vectors import ZERO
+from core.vectors import ZERO
 from studies.faulty_emulator import FaultyEmulator
 from tests.haptics.host import SPEC
 from tests.haptics.test_firmware import CONVERTERS

@@ -11,7 +11,7 @@ from core.errors import DimpleError
 from core.haptics import kinematics, wire
 from core.haptics.kinematics import Block, Singular, Unreachable
 from core.haptics.spec import HAPTIC_MASTER, check_info, geometry_crc, info, load_spec
-from core.haptics.vectors import Vector
+from core.vectors import Vector
 from tests.haptics.converters import adc_words
 
 SPEC = load_spec()

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from core.haptics.motors import Motors
-from core.haptics.vectors import ZERO, Vector
+from core.vectors import ZERO, Vector
 from tests.haptics.host import SPEC
 
 

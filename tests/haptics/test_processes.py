@@ -21,7 +21,7 @@ from core.haptics.device import HapticMaster
 from core.haptics.safety import Arming
 from core.haptics.servo_messages import LinkState, ServoReport
 from core.haptics.servo_notes import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS_SILENT
-from core.haptics.vectors import length
+from core.vectors import length
 from studies import haptics
 from tests.haptics.machine import NEEDS_PTY, unable
 from tests.haptics.pressing import Rig, WithModel, drive, gone, press, pressed, ready, rig

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from core.haptics.safety import Arming, BadNumbers, Guard, Limits, Switch
-from core.haptics.vectors import ZERO, length
+from core.vectors import ZERO, length
 
 LIMITS = Limits(peak=10.0, continuous=4.0)
 MS = 1e-3

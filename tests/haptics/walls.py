@@ -15,8 +15,8 @@ from core.haptics.safety import LEASE
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState
 from core.haptics.spec import Spec, load_spec
-from core.haptics.vectors import Vector
 from core.haptics.wire import RAMP
+from core.vectors import Vector
 from studies.faulty_emulator import FaultyEmulator, TraceRow
 from tests.haptics.bench_device import wall
 

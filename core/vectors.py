@@ -1,4 +1,4 @@
-"""Three numbers as a tuple: the servo process has the standard library only."""
+"""Three numbers as a tuple: for single points, and for the servo's process, which has the standard library only."""
 
 from __future__ import annotations
 
