@@ -51,8 +51,11 @@ def at_once(parts: Parts) -> Any:
     return result_of(_driven(parts, called))
 
 
-def beside(parts: Parts) -> Generator[float, None, Any]:
+def beside(parts: Parts, look_s: float = LOOK_S) -> Generator[float, None, Any]:
     """Call each part in a thread and yield the share that is done meanwhile; once closed, what it still does is lost.
+
+    Args:
+        look_s: between two looks at it [s].
 
     Returns:
         the result.
@@ -62,7 +65,7 @@ def beside(parts: Parts) -> Generator[float, None, Any]:
     def waited(call: Callable[[], Any]) -> Generator[float, None, Any]:
         future = pool.submit(call)
         while not future.done():
-            time.sleep(LOOK_S)
+            time.sleep(look_s)
             yield 0.0
         return future.result()
 

@@ -39,12 +39,13 @@ def read_model(
 def reading_model(
     scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink, identify: str = "BACKGROUND"
 ) -> Parts:
-    """Read a model in parts; see `read_model`."""
+    """Read a model in parts; see `read_model`. Blender is looked at before the first of them only."""
     from ..core.body.model import build_model
     from ..core.mesh.surface import base_vertices
 
     params, surroundings = body.dimple.to_params(), scene.dimple
     rigged = link.carried or (link.shaped and link.follows and params["pinned"] != "none")
+    name, said = body.name, advice.on_body(body, mesh, scene, link.refined)
     try:
         held = base_vertices(mesh) if params["pinned"] == "base" else None
         if params["pinned"] == "group":
@@ -65,8 +66,8 @@ def reading_model(
         )  # fmt: skip
         model: Model = yield 0.4, make
     except DimpleError as error:
-        raise DimpleError(f'"{body.name}": {error}') from error
-    notes = (*filter(None, messages), *advice.on_body(body, mesh, scene, link.refined), *advice.on_fill(model))
+        raise DimpleError(f'"{name}": {error}') from error
+    notes = (*filter(None, messages), *said, *advice.on_fill(model))
     return replace(model, notes=(*model.notes, *notes))
 
 

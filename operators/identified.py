@@ -1,4 +1,4 @@
-"""Identification by itself: what a body runs with is identified on its mesh, in slices between Blender's events.
+"""Identification by itself: what a body runs with is identified on its mesh, in a thread beside Blender.
 
 A result is kept under a name made of mesh, material and tip, in memory and in a folder of Blender's, so it is found
 once. Until it is there the body runs with the closed form; then `revision` changes, and what runs takes it over. In
@@ -8,9 +8,10 @@ the background of a command line, and for a bake, there is nobody to wait for: i
 from __future__ import annotations
 
 import contextlib
-import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,9 +31,8 @@ if TYPE_CHECKING:
 
 HEAVY = 8000  # vertices: where a larger mesh moves itself it is identified on a proxy
 PROXY = 2500  # vertices of that
-BEGUN = 1e-3  # share that is done when it is known where to press
 HOPELESS = 0.24  # of the force, at half of the depths: then the closed form is no worse
-SLICE_S, PAUSE_S = 0.012, 0.005  # of work between two events of Blender, and of leaving it alone
+LOOK_S = 0.005  # between two looks at the thread
 
 
 @dataclass(slots=True, kw_only=True)
@@ -41,20 +41,25 @@ class Job:
 
     name: what it is kept under.
     owners: the bodies and their slots that ask for it.
-    steps: of the identification.
+    begin: looks at Blender and returns what identifies in a thread.
     share: that is done.
+    found: what the thread comes to, None until it is started.
+    dropped: nobody asks for it any more.
     """
 
     name: str
     owners: set[tuple[int, int]]
-    steps: Generator[float, None, Identification]
+    begin: Callable[[Job], Callable[[], Identification]]
     share: float = 0.0
+    found: Future[Identification] | None = None
+    dropped: bool = False
 
 
 _PACKAGE = __package__.rpartition(".")[0]
 
-# what chooses the proxy of an object on a mesh, given how its model is built: `planning` adds itself
-choosing: list[Callable[[int, Mesh, Callable[[], Model]], Proxy | None]] = []
+# looks at Blender and returns what chooses the proxy of an object on a mesh, given how its model is built: `planning`
+# adds itself
+choosing: list[Callable[[int, Mesh, Callable[[], Model]], Callable[[], Proxy | None]]] = []
 revision = 0  # changes with every result of the background
 _known: dict[str, Identification | str] = {}  # or the sentence that says why there is none
 _jobs: dict[str, Job] = {}  # under way, by name
@@ -75,11 +80,11 @@ def model_constants(
     if name not in _known and (kept := cache.recall(own_folder("identified"), name)) is not None:
         _known[name] = kept
     if name not in _known:
-        job = Job(name=name, owners={owner}, steps=_steps(owner[0], mesh, material, held, deepest))
+        job = Job(name=name, owners={owner}, begin=partial(_beginning, owner[0], mesh, material, held, deepest))
         if not wait:
             _start(job)
             return None, ""
-        _work(job, float("inf"))
+        _keep(name, job.begin(job))
     found = _known[name]
     if isinstance(found, str):
         return None, f"The force is an estimate in closed form. {found}"
@@ -93,26 +98,18 @@ def progress() -> float | None:
 
 def stop() -> None:
     """Let go of what is being identified."""
+    for job in _jobs.values():
+        job.dropped = True
     _jobs.clear()
     if bpy.app.timers.is_registered(_go_on):
         bpy.app.timers.unregister(_go_on)
 
 
-def _steps(
-    uid: int, mesh: Mesh, material: Material, held: Bools | None, deepest: float
-) -> Generator[float, None, Identification]:
-    """Identify on what moves: the mesh, or its proxy."""
-    proxy = _proxy_of(uid, mesh, material, held)
-    yield BEGUN
-    if proxy:
-        mesh, held = proxy.model.mesh, proxy.model.held
-    site = typical_site(mesh, material.indenter, held=held)
-    yield BEGUN
-    return (yield from identification(mesh, material, material.indenter, site, deepest))
-
-
-def _proxy_of(uid: int, mesh: Mesh, material: Material, held: Bools | None) -> Proxy | None:
-    """Return the proxy that moves in place of the mesh of an object, None where it moves itself."""
+def _beginning(
+    uid: int, mesh: Mesh, material: Material, held: Bools | None, deepest: float, job: Job
+) -> Callable[[], Identification]:
+    """Return what identifies on what moves: the mesh, or its proxy. That is the core's alone, so a thread may call it.
+    """
     from ..core.body.model import build_model
     from ..core.mesh.surface import base_vertices
     from ..core.reduction.proxy import build_proxy
@@ -121,16 +118,36 @@ def _proxy_of(uid: int, mesh: Mesh, material: Material, held: Bools | None) -> P
         materials = [material] * (int(mesh.triangle_material.max()) + 1)
         return build_model(mesh, materials, held=base_vertices(mesh) if held is None else held)
 
-    with contextlib.suppress(DimpleError):  # no proxy of it can be made: so it takes longer
-        proxy = next((choose(uid, mesh, model) for choose in choosing), None)
-        return build_proxy(model(), PROXY) if proxy is None and len(mesh.rest_positions) > HEAVY else proxy
-    return None
+    def moving() -> tuple[Mesh, Bools | None]:
+        with contextlib.suppress(DimpleError):  # no proxy of it can be made: so it takes longer
+            proxy = next((choose() for choose in chosen), None)
+            if proxy is None and len(mesh.rest_positions) > HEAVY:
+                proxy = build_proxy(model(), PROXY)
+            if proxy:
+                return proxy.model.mesh, proxy.model.held
+        return mesh, held
+
+    def find() -> Identification:
+        on, pins = moving()
+        site = typical_site(on, material.indenter, held=pins)
+        steps = identification(on, material, material.indenter, site, deepest)
+        while not job.dropped:
+            try:
+                job.share = next(steps)
+            except StopIteration as end:
+                found: Identification = end.value
+                return found
+        raise DimpleError
+
+    chosen = [choose(uid, mesh, model) for choose in choosing]
+    return find
 
 
 def _start(job: Job) -> None:
     for other in [other for other in _jobs.values() if other.name != job.name]:
         other.owners -= job.owners
         if not other.owners:
+            other.dropped = True
             del _jobs[other.name]  # of constants that are being dragged only the last count
     if job.name in _jobs:
         _jobs[job.name].owners |= job.owners
@@ -141,33 +158,29 @@ def _start(job: Job) -> None:
 
 
 def _go_on() -> float | None:
-    """Work on what was asked for first; a timer of Blender's."""
+    """Have a thread find what was asked for first, and keep what it has found; a timer of Blender's."""
     global revision
     job = next(iter(_jobs.values()), None)
-    if job and _work(job, SLICE_S):
+    if job and job.found is None:
+        pool = ThreadPoolExecutor(1)
+        job.found = pool.submit(job.begin(job))
+        pool.shutdown(wait=False)
+    elif job and job.found and job.found.done():
+        _keep(job.name, job.found.result)
         _jobs.pop(job.name, None)
         revision += 1
-    return PAUSE_S if _jobs else None
+    return LOOK_S if _jobs else None
 
 
-def _work(job: Job, budget: float) -> bool:
-    """Work for so long [s]; tell whether that was the end, and keep what was found then."""
-    until = time.perf_counter() + budget
-    try:
-        while time.perf_counter() < until:
-            job.share = next(job.steps)
-    except StopIteration as end:
-        _keep(job.name, end.value)
-        return True
-    except DimpleError as error:
-        _known[job.name] = str(error)
-        return True
-    return False
-
-
-def _keep(name: str, found: Identification) -> None:
+def _keep(name: str, find: Callable[[], Identification]) -> None:
+    """Keep what is found, or why nothing is."""
     import numpy as np
 
+    try:
+        found = find()
+    except DimpleError as error:
+        _known[name] = str(error)
+        return
     hopeless = np.median(found.off) > HOPELESS
     _known[name] = "No constants of the model follow the measured law." if hopeless else found
     if not hopeless:

@@ -66,7 +66,7 @@ def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) ->
         made = Choice(proxy, vertices, settings.plan_reason)
     else:
         try:
-            chosen = yield 0.6, choosing(scene, obj, model)
+            chosen = yield 0.6, partial(choosing(scene, obj), model)
         except DimpleError as error:
             way_out = ""
             if settings.simulated == "PROXY":
@@ -81,34 +81,33 @@ def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) ->
     return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
 
 
-def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Proxy | None:
-    """Return the proxy on which the materials of an object are identified: the one that moves already, if any does."""
+def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Callable[[], Proxy | None]:
+    """Return what finds the proxy on which the materials of an object are identified: the one that moves already, if
+    any does.
+    """
     for known, proxy in _moving:
         if known is mesh:
-            return proxy
+            return lambda: proxy
     obj = bridge.find(uid)
-    return None if obj is None or contact.is_on(bpy.context.scene) else choose(bpy.context.scene, obj, model()).proxy
+    if obj is None or contact.is_on(bpy.context.scene):
+        return lambda: None
+    planned = choosing(bpy.context.scene, obj)
+    return lambda: planned(model()).proxy
 
 
 identified.choosing.append(_to_identify)
 
 
-def choose(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Plan:
-    """Plan how an object is simulated, by its settings."""
-    return choosing(scene, obj, model)()
-
-
-def choosing(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Callable[[], Plan]:
+def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model], Plan]:
     """Return what plans how an object is simulated, by the settings that it has now."""
     wanted, radius, budget = obj.dimple.to_plan(), scene.dimple.finger_radius_mm / 1e3, budget_of(scene, obj)
     if wanted["simulated"] == "mesh":
-        return partial(plan_full_mesh, model, budget=budget)
+        return partial(plan_full_mesh, budget=budget)
     if wanted["simulated"] == "proxy":
-        return partial(plan_proxy, model, wanted["vertices"], radius=radius, budget=budget)
+        return partial(plan_proxy, vertices=wanted["vertices"], radius=radius, budget=budget)
     return partial(
-        plan, model, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius,
-        budget=budget,
-    )  # fmt: skip
+        plan, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius, budget=budget
+    )
 
 
 def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:

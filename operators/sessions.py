@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -40,6 +40,7 @@ class LiveBody:
     settings: what the session was read from.
     seen: the settings it had when they were looked at last; the session may have refused them.
     refused: "" or why.
+    change: of a large body to other settings, under way in a thread.
     changed_at: when they were changed last, None where they were planned for [s].
     matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
     triangles: (t, 3) of the object's own vertices, outward.
@@ -63,6 +64,7 @@ class LiveBody:
     rest: Singles
     triangles: np.ndarray
     refused: str = ""
+    change: Generator[float, None, list[str]] | None = None
     changed_at: float | None = None
     painted_at: float = 0.0
     fingers: tuple[Finger | None, ...] = (None, None, None)

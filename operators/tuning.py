@@ -5,23 +5,25 @@ Weights of vertex groups are read again with any other change, and all the time 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import bpy
 
 from ..core.base import DimpleError
+from ..core.steps import Parts, at_once, beside
 from . import bridge, bridge_model, planning, timeline
 from .names import PAINTING
 from .settings import settings_of
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
-    from ..core.reduction.proxy import Proxy
     from ..core.session import Session
     from .sessions import LiveBody
     from .settings import Settings
 
 PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
+LARGE = 2000  # vertices: to change more takes most of a frame, or longer, so it is prepared in a thread
 UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned anew
 
 
@@ -30,23 +32,27 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
 
     A change that cannot be simulated is refused: the body keeps what it had, and `refused` says why.
     """
-    now = settings_of(context.scene, obj)
-    painting = obj.mode == PAINTING and body.frame.time >= body.painted_at + PAINTED_S
-    if now == body.seen and not painting:
-        return _plan_when_due(context, obj, body)
-    body.painted_at = body.frame.time
-    refused_before, body.seen, body.refused = body.refused, now, ""
-    if now == body.settings and not painting:
-        return []
+    if body.change is None:
+        now = settings_of(context.scene, obj)
+        painting = obj.mode == PAINTING and body.frame.time >= body.painted_at + PAINTED_S
+        if now == body.seen and not painting:
+            return _plan_when_due(context, obj, body)
+        body.painted_at = body.frame.time
+        refused_before, body.seen, body.refused = body.refused, now, ""
+        if now == body.settings and not painting:
+            return []
+        parts = _changing(context, obj, body, now, refused_before)
+        if len(body.session.model.mass) <= LARGE or bpy.app.background or timeline.is_playing(context):
+            messages: list[str] = at_once(parts)
+            return messages
+        body.change = beside(parts, 0.0)
     try:
-        messages = _change(context, obj, body, now)
-    except DimpleError as error:
-        body.refused = f"{error} Until then it goes on as it was."
-        return [] if refused_before else [body.refused]
-    if now != body.settings:
-        body.trail.clear()  # the chart is of one material
-    body.settings, body.changed_at = now, body.frame.time
-    return messages
+        next(body.change)
+    except StopIteration as end:
+        body.change = None
+        messages = end.value
+        return messages
+    return []
 
 
 def follow_keyframes(
@@ -69,18 +75,35 @@ def follow_keyframes(
     return now
 
 
-def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> list[str]:
+def _changing(
+    context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings, refused_before: str
+) -> Parts:
+    """Change a body in parts; return sentences for the artist. Undo may have replaced `obj` after any of them."""
+    try:
+        messages = yield from _change(context, obj, body, now)
+    except DimpleError as error:
+        body.refused = f"{error} Until then it goes on as it was."
+        return [] if refused_before else [body.refused]
+    if now != body.settings:
+        body.trail.clear()  # the chart is of one material
+    body.settings, body.changed_at = now, body.frame.time
+    return messages
+
+
+def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, now: Settings) -> Parts:
     """Change a body, or raise a DimpleError and leave it as it is."""
     session, before = body.session, body.settings
     scale = bridge.scale_of(context.scene, obj, body.link)
     slots, slots_before = (max(len(each.materials), 1) for each in (now, before))
+    again = now.plan != before.plan
     if scale == body.link.scale and slots == slots_before:
-        model = bridge_model.read_model(context.scene, obj, session.model.mesh, body.link)
-        proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)
-        session.change(model, proxy=proxy, glide=not timeline.is_playing(context))  # keyframes act as in a bake
+        glide = not timeline.is_playing(context)  # keyframes act as in a bake
+        model = yield from bridge_model.reading_model(context.scene, obj, session.model.mesh, body.link)
+        proxy, messages = yield from _proxy(body, model, again=again)
+        session.change(model, proxy=proxy, glide=glide)
         return messages
     link, model = bridge.read_body(context, obj, refined=body.link.refined)
-    proxy, messages = _proxy(context, obj, body, model, again=now.plan != before.plan)
+    proxy, messages = yield from _proxy(body, model, again=again)
     session.change(model, proxy=proxy, scale=link.scale / body.link.scale)
     _define(body, link, model)
     return messages
@@ -94,9 +117,7 @@ def _define(body: LiveBody, link: bridge.ObjectLink, model: Model) -> None:
     body.triangles = input_vertices(model.mesh)[model.mesh.triangles]
 
 
-def _proxy(
-    context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, model: Model, *, again: bool
-) -> tuple[Proxy | None, list[str]]:
+def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
     """Return what moves in place of another model, and sentences: as much of what there is as can go on."""
     from ..core.reduction.proxy import build_proxy, with_constants
 
@@ -105,12 +126,15 @@ def _proxy(
         return None, []
     if not again and old is not None:
         try:
-            if model.mesh is body.session.model.mesh:
-                return with_constants(old, model), []
-            return build_proxy(model, len(old.seeds)), []
+            if model.mesh is not body.session.model.mesh:
+                return build_proxy(model, len(old.seeds)), []
+            proxy = yield 0.8, partial(with_constants, old, model)
+            return (proxy, []) if body.session.proxy is old else (None, [])  # contact has dropped it meanwhile
         except DimpleError:  # other pins or laws: another choice is made
             pass
-    proxy, reason = planning.proxy_for(context.scene, obj, model)
+    obj = bridge.find(body.link.uid, body.name)
+    assert obj  # else the session has ended
+    proxy, reason = planning.proxy_for(bpy.context.scene, obj, model)
     return proxy, [reason] if reason else []
 
 

@@ -27,7 +27,7 @@ ROWS = 60  # of a virtual press
 RIM = 1 / 3  # of an edge: the rim of a punch holds the edges that cross it as if it were so much wider
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
-MOVING, SETTLING = 0.006, 0.014  # [s] between two depths of a flat tip, and of rest there
+MOVING, SETTLING = 0.004, 0.008  # [s] between two depths of a flat tip, and of rest there
 # [s] between two depths of a round tip, and of taking the mean of its force: friction remembers the way, so it sinks
 # as a fingertip does, in a body as damped as the material is, at least so much
 SINKING, LISTENING, LEAST_DAMPING = 0.010, 0.004, 0.2
@@ -186,11 +186,8 @@ def going_down(
         force = -float(site.inward @ forces(model, _at(model, session.body.positions()))[:, under].sum(axis=1))
     else:
         steps = max(round(SINKING / session.tick), ticks) if depth != before else 1
-        for step in range(1, steps + 1):
-            session.set_fingers([_finger(site, before + (depth - before) * step / steps, indenter.radius)])
-            session.step(session.tick)
-            if step == steps // 2:
-                yield 0.4
+        session.set_fingers([_finger(site, depth, indenter.radius)])
+        session.step(steps * session.tick)
         yield 0.7
         frame = session.step(LISTENING)
         force = -float(frame.finger_forces[0] @ site.inward) if frame.finite and len(frame.finger_forces) else math.nan

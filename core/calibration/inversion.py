@@ -29,6 +29,7 @@ from .indent import Site, Station, going_down, put_back, set_up
 DEPTHS = 24  # of a press
 SWEEPS, WORK = (5, 9), 6e7  # presses, from and to, and steps of vertices after which there are no more
 GOOD, GOOD_WORST = 0.01, 0.05  # RMS and largest error over full scale that need no better law
+NEARLY, FAILURES = 1.5, 2  # times that: where so many presses in a row come out no better, there are no more
 TICKS = 14  # of a depth
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
 # shares of the knee where pieces end, dense where the law must jump (at the touch, for little touches there, and at the
@@ -79,7 +80,7 @@ def inverted(
     Returns:
         the constants, and the press with them, which ends early where no rest was found.
     """
-    best, damped, least = None, DAMPED, np.where(ends == ends[0], LEAST, TINY) * first.kappa1
+    best, failed, damped, least = None, 0, DAMPED, np.where(ends == ends[0], LEAST, TINY) * first.kappa1
     session = set_up(mesh, replace(material, constants=replace(first, pieces=())), material.indenter, site)
     area = session.model.matching.k1 / first.kappa1
     steepest = max(STEEPEST * pulled(session.model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
@@ -89,10 +90,10 @@ def inverted(
         share = begun + (1 - begun) * sweep / sweeps, (1 - begun) / sweeps
         found = yield from _swept(session, area, material, site, ends, np.maximum(slopes, least), share)
         if best is None or found.off @ found.off < best.off @ best.off:
-            best, damped = found, damped * (1.0 if best is None else LESS)
+            best, failed, damped = found, 0, damped * (1.0 if best is None else LESS)
         else:
-            damped *= MORE
-        if not best.stations or _is_good(best, material):
+            failed, damped = failed + 1, damped * MORE
+        if not best.stations or _is_good(best, material, NEARLY if failed >= FAILURES else 1.0):
             break
         slopes = _improved(best, first.kappa1, least, steepest, damped)
     assert best
@@ -149,22 +150,21 @@ def _swept(
     return _Sweep(slopes=slopes, stations=stations, off=off, gains=gains / weighs[: len(stations), None])
 
 
-def _is_good(sweep: _Sweep, material: Material) -> bool:
-    """Tell whether a press follows the measured law as well as is asked for."""
+def _is_good(sweep: _Sweep, material: Material, times: float) -> bool:
+    """Tell whether a press follows the measured law as well as is asked for, or nearly, by so many times as much."""
     if len(sweep.stations) < DEPTHS:
         return False
     off = np.array([station.force - material.law(station.depth) for station in sweep.stations])
     off /= material.law(sweep.stations[-1].depth)
-    return bool(np.sqrt((off**2).mean()) < GOOD and np.abs(off).max() < GOOD_WORST)
+    return bool(np.sqrt((off**2).mean()) < times * GOOD and np.abs(off).max() < times * GOOD_WORST)
 
 
 def _stored(model: Model, area: Floats, ends: Floats, station: Station) -> Floats:
     """Return the energy (m,) that a body at rest stores per slope of each piece [m5]."""
     d = np.sqrt(((station.positions - model.matching.rest) ** 2).sum(axis=0))
     dent = d > UNMOVED * ends[-1]
-    d, width = d[dent, None], np.diff(ends, prepend=0.0)
-    within = np.clip(d - (ends - width), 0, width)
-    return np.asarray(area[dent] @ (within**2 / 2 + width * np.maximum(d - ends, 0)))
+    beyond = np.maximum(d[dent] - np.append(0.0, ends)[:, None], 0)
+    return -np.diff(beyond**2 @ area[dent]) / 2
 
 
 def pulled(model: Model, area: Floats) -> float:

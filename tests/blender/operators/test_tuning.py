@@ -1,5 +1,7 @@
 """Constants that are changed in the panels while a body runs act on it, and undo takes them back."""
 
+import threading
+import time
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any
@@ -125,6 +127,79 @@ def test_a_constant_that_cannot_be_is_refused_in_words_and_the_old_one_goes_on(
     vinyl.K1 = 0.61
     step(bpy)
     assert not entry.refused
+
+
+@pytest.fixture
+def windowed(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> threading.Event:
+    """A Blender that has a window, where every body is large; models are made once the event is set."""
+    from bl_ext.user_default.dimple.core.body import model
+    from bl_ext.user_default.dimple.operators import tuning
+
+    real, may_go_on = model.build_model, threading.Event()
+
+    class App:
+        background = False
+
+    class Window:
+        app = App
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(bpy, name)
+
+    def waits(*given: Any, **named: Any) -> Any:
+        assert may_go_on.wait(60)
+        return real(*given, **named)
+
+    monkeypatch.setattr(model, "build_model", waits)
+    monkeypatch.setattr(tuning, "bpy", Window())
+    monkeypatch.setattr(tuning, "LARGE", 0)
+    return may_go_on
+
+
+def settle(bpy: ModuleType, body: Any) -> list[str]:
+    """Step until no change is under way; return what was said."""
+    messages, until = [], time.monotonic() + 60
+    while body.change is not None and time.monotonic() < until:
+        messages += step(bpy)
+        time.sleep(0.001)
+    assert body.change is None
+    return messages
+
+
+def test_a_large_body_runs_on_while_its_constants_are_prepared_and_the_last_choice_holds(
+    bpy: ModuleType, entry: Any, vinyl: Any, windowed: threading.Event
+) -> None:
+    first, at = force(entry), entry.frame.time
+    for K1 in (2.0, 3.0):  # a slider that is dragged
+        vinyl.K1 = K1
+        assert step(bpy) == [] and entry.change is not None
+    assert force(entry) == pytest.approx(first, rel=0.02) and entry.frame.time > at, "it goes on as it was"
+    windowed.set()
+    assert settle(bpy, entry) == [] and entry.session.model.materials[0].K1 == pytest.approx(2000)
+    step(bpy)
+    settle(bpy, entry)
+    assert entry.session.model.materials[0].K1 == pytest.approx(3000)
+    step(bpy, 0.6)
+    assert force(entry) > 2 * first
+
+
+def test_what_a_large_body_cannot_be_is_refused_and_one_that_ends_meanwhile_is_let_go(
+    bpy: ModuleType, entry: Any, vinyl: Any, cube: Any, sessions: Any, windowed: threading.Event
+) -> None:
+    before = entry.session.model
+    windowed.set()
+    vinyl.mass_from, vinyl.mass_kg, vinyl.K2 = "MASS", 1e-9, 1e5
+    step(bpy)
+    (refused,) = settle(bpy, entry)
+    assert "Until then it goes on as it was" in refused and entry.session.model is before
+    windowed.clear()
+    vinyl.mass_kg, vinyl.K2 = 0.2, 7.23
+    step(bpy)
+    vinyl.K1 = 3.0
+    step(bpy)
+    sessions.stop_all()
+    windowed.set()
+    assert sessions.get(cube) is None
 
 
 def test_another_choice_of_what_is_simulated_is_taken_while_it_runs(bpy: ModuleType, ball: Any, sessions: Any) -> None:
