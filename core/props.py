@@ -38,6 +38,7 @@ class PropWorld(World):
         sessions, colliders, itself, apart, names: as for a World.
         masses: of the colliders [kg], None for one that is led.
         gravity: (3,) [m/s2].
+        ground: height [m] of a plane that props land on, or None; one that begins below it lies as low as it begins.
 
     Raises:
         DimpleError: a prop without mass or faces, or something passes through something else.
@@ -52,6 +53,7 @@ class PropWorld(World):
         *,
         masses: Sequence[float | None],
         gravity: Sequence[float] = (0.0, 0.0, -9.81),
+        ground: float | None = None,
         itself: Sequence[bool] | None = None,
         apart: Sequence[bool] | None = None,
         names: Sequence[str] = (),
@@ -64,6 +66,11 @@ class PropWorld(World):
         self.masses = {i: float(masses[i] or 0.0) for i in self.props}
         self.shapes = {i: _heavier(_shape(colliders[i], touching[i], self.masses[i]), sessions) for i in self.props}
         self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
+        self._friction = {i: colliders[i].friction for i in self.props}
+        lowest = {i: float(colliders[i].positions[2].min()) for i in self.props}
+        # as they are seen, for the ground needs no gap
+        self._seen = {i: replace(s, arms=colliders[i].positions.T - s.centre) for i, s in self.shapes.items()}
+        self._grounds = {i: min(ground, low) for i, low in lowest.items() if ground is not None}
         self._damping = {i: _damping(shape.mass, sessions) for i, shape in self.shapes.items()}
 
     def positions(self, index: int) -> Floats:
@@ -95,6 +102,8 @@ class PropWorld(World):
             self._at[i], self._ends[i] = self._scene.collider(i), None
             self._wait(i, tick)
             self._push(i, frame, tick)
+            if i in self._grounds:
+                rigid.land(self._seen[i], self.states[i], self._grounds[i], self._friction[i])
         return frame
 
     def _push(self, index: int, frame: SceneFrame, tick: float) -> None:

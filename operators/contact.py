@@ -152,7 +152,7 @@ def _make(
     if falling:
         world: World = PropWorld(
             running, made, masses=[_mass_of(obj) for obj in colliders], gravity=bridge_model.gravity(context.scene),
-            itself=itself, apart=apart, names=names,
+            ground=0.0 if context.scene.dimple.use_ground else None, itself=itself, apart=apart, names=names,
         )  # fmt: skip
     else:
         world = World(running, made, itself=itself, apart=apart, names=names)

@@ -8,6 +8,7 @@ import bpy
 from mathutils import Matrix
 
 from . import bridge
+from .shape_keys import curve_bags
 
 if TYPE_CHECKING:
     from .contact import LiveWorld
@@ -45,15 +46,18 @@ def note(live: LiveWorld, frame: int, poses: Poses) -> None:
 
 
 def keyframe(poses: Poses) -> None:
-    """Keyframe where props were at each frame of a bake, in place of what they had."""
+    """Keyframe where props were at each frame of a bake, in place of the keyframes they had there."""
     for uid, way in poses.items():
         obj = bridge.find(uid)
         if obj is None:
             continue
-        obj.animation_data_clear()
+        paths = ("location", _turn(obj))
+        for bag in curve_bags(obj):
+            for curve in [each for each in bag.fcurves if each.data_path in paths]:
+                bag.fcurves.remove(curve)
         for frame, matrix in way:
             obj.matrix_world = matrix
-            for path in ("location", _turn(obj)):
+            for path in paths:
                 obj.keyframe_insert(path, frame=frame)
 
 

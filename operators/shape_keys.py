@@ -44,7 +44,7 @@ def remove(obj: bpy.types.Object) -> int:
     for bag, curve in list(_curves(keys)):
         bag.fcurves.remove(curve)
     animation = keys.animation_data
-    if animation and animation.action and not any(_bags(keys)) and not (animation.drivers or animation.nla_tracks):
+    if animation and animation.action and not any(curve_bags(keys)) and not (animation.drivers or animation.nla_tracks):
         action = animation.action
         keys.animation_data_clear()
         if not action.users:
@@ -63,9 +63,9 @@ def remove(obj: bpy.types.Object) -> int:
     return len(baked)
 
 
-def _bags(keys: bpy.types.Key) -> Iterator[bpy.types.ActionChannelbag]:
-    """Yield what holds the curves of a mesh's keys, where there are any."""
-    animation = keys.animation_data
+def curve_bags(owner: bpy.types.ID) -> Iterator[bpy.types.ActionChannelbag]:
+    """Yield what holds the curves of an object or of a mesh's keys, where there are any."""
+    animation = owner.animation_data
     for layer in animation.action.layers if animation and animation.action else ():
         for strip in layer.strips:
             bag = strip.channelbag(animation.action_slot) if animation.action_slot else None
@@ -74,7 +74,7 @@ def _bags(keys: bpy.types.Key) -> Iterator[bpy.types.ActionChannelbag]:
 
 
 def _curves(keys: bpy.types.Key) -> Iterator[tuple[bpy.types.ActionChannelbag, bpy.types.FCurve]]:
-    for bag in _bags(keys):
+    for bag in curve_bags(keys):
         for curve in bag.fcurves:
             if curve.data_path.startswith(f'key_blocks["{BAKED_KEY}'):
                 yield bag, curve

@@ -86,7 +86,7 @@ MESSAGES = {
     "The mesh is a sheet and encloses no volume: its fill is off.": (
         "メッシュは一枚の面で体積を囲んでいないため、中身はなしとします。"
     ),
-    "{} holes are closed for the pressure only.": "{} 個の穴を、圧力の計算でのみふさぎます。",
+    "Holes that are closed, for the pressure only: {}.": "圧力の計算でのみふさぐ穴: {} 個。",
     "{} edges are non-manifold: they join three or more faces.": (
         "{} 本の辺が非多様体です（3 つ以上の面につながっています）。"
     ),

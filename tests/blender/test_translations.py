@@ -198,9 +198,9 @@ def test_a_message_with_numbers_is_recognised_and_filled_in_japanese(bpy: Module
     [
         (
             '"Cube": Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide '
-            'the mesh. "Depth": 3 holes are closed for the pressure only.',
+            'the mesh. "Depth": Holes that are closed, for the pressure only: 3.',
             '"Cube": すべての頂点が固定されていて動けません。「固定」を「なし」にするか、固定する頂点を減らすか、'
-            'メッシュを細分化してください。"Depth": 3 個の穴を、圧力の計算でのみふさぎます。',
+            'メッシュを細分化してください。"Depth": 圧力の計算でのみふさぐ穴: 3 個。',
         ),
         (
             '"Cube" is soft: "Vinyl cube, air, 165 mm", 165 mm across. Press it with the left mouse button.',

@@ -49,8 +49,8 @@ def vinyl(cells: int = 12, **changes: float) -> Model:
     return build_model(mesh, [material], held=base_vertices(mesh))
 
 
-def falling(session: Session, start: Floats, faces: Ints, mass: float) -> PropWorld:
-    return PropWorld([session], [Collider(np.ascontiguousarray(start.T), faces)], masses=[mass])
+def falling(session: Session, start: Floats, faces: Ints, mass: float, ground: float | None = None) -> PropWorld:
+    return PropWorld([session], [Collider(np.ascontiguousarray(start.T), faces)], masses=[mass], ground=ground)
 
 
 def led(model: Model, depth: float) -> float:
@@ -190,3 +190,31 @@ def test_a_sheet_is_a_shell_whose_centre_is_its_own() -> None:
     shape = rigid.rigid_shape(points, np.array([[0, 1, 2], [0, 2, 3]]), 3.0)
     np.testing.assert_allclose(shape.centre, [0.1, 0.05, 0])
     assert shape.inertia[2, 2] == pytest.approx(3.0 / 12 * (0.2**2 + 0.1**2), rel=1e-2)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.4])
+def test_what_falls_beside_the_body_comes_to_rest_on_the_ground(tilt: float) -> None:
+    """A block of 60 x 40 x 20 mm, flat and on an edge; it settles on a face, and its energy never grows."""
+    points, faces = block((0.06, 0.04, 0.02))
+    turned = points @ rigid.rotation(np.array([0.0, tilt, 0.1])).T + [0.3, 0.0, 0.0]
+    world = falling(Session(vinyl(4)), turned, faces, 0.2, -SIDE / 2)
+    energies = []
+    for _ in range(20):
+        world.step(0.05)
+        energies.append(rigid.energy(world.shapes[0], world.states[0], np.array([0.0, 0.0, -G])))
+    heights = (world.pose(0)[:3, :3] @ turned.T).T[:, 2] + world.pose(0)[2, 3] + SIDE / 2
+    assert np.sort(heights)[:4] == pytest.approx(0.0, abs=2e-5) and heights.min() > -1e-9, "four corners are on it"
+    assert np.linalg.norm(world.states[0].velocity) < 1e-3
+    assert np.diff(energies).max() < 0.005 * 0.2 * G * SIDE / 2, "of what it falls"
+
+
+def test_on_the_ground_it_slides_until_friction_has_taken_its_speed() -> None:
+    """v^2 / 2 mu g."""
+    speed = 1.0
+    points, faces = block((0.06, 0.06, 0.01))
+    world = falling(Session(vinyl(4)), points + [0.3, 0.0, -SIDE / 2 + 0.005], faces, 0.2, -SIDE / 2)
+    world.states[0].velocity = np.array([speed, 0.0, 0.0])
+    begun = world.states[0].centre[0]
+    world.step(0.6)
+    assert world.states[0].centre[0] - begun == pytest.approx(speed**2 / (2 * 0.5 * G), rel=0.02)
+    assert np.linalg.norm(world.states[0].velocity) < 1e-6

@@ -22,6 +22,10 @@ def weight(bpy: ModuleType, vinyl: Any, cube: Any) -> Any:
     return prop
 
 
+def curves_of(obj: Any) -> Any:
+    return obj.animation_data.action.layers[0].strips[0].channelbag(obj.animation_data.action_slot).fcurves
+
+
 def advance(bpy: ModuleType, seconds: float) -> None:
     from bl_ext.user_default.dimple.operators import live
 
@@ -74,10 +78,26 @@ def test_a_prop_without_a_mass_is_refused_in_words(bpy: ModuleType, sessions: An
 
 def test_a_bake_keyframes_where_it_falls(bpy: ModuleType, sessions: Any, weight: Any, tmp_path: Any) -> None:
     bpy.context.scene.dimple.cache_dir = str(tmp_path)
+    weight.keyframe_insert("scale", frame=1)
+    weight.keyframe_insert("location", frame=40)
     start = weight.matrix_world.translation.z
     assert bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=12) == {"FINISHED"}
     heights = []
     for frame in (1, 6, 12):
         bpy.context.scene.frame_set(frame)
         heights.append(weight.matrix_world.translation.z)
+    kept = {curve.data_path: len(curve.keyframe_points) for curve in curves_of(weight)}
+    assert kept == {"scale": 1, "location": 12, "rotation_euler": 12}, "its other keyframes stay"
     assert heights[0] == pytest.approx(start) and heights[1] < start - 0.01 and heights[2] < heights[0] - DROP
+
+
+def test_beside_the_body_it_lands_on_the_ground(bpy: ModuleType, sessions: Any, weight: Any) -> None:
+    from bl_ext.user_default.dimple.operators import live
+
+    bpy.context.scene.dimple.use_ground = True
+    weight.location = 3.0, 0.0, 0.5
+    bpy.context.view_layer.update()
+    live.start_all(bpy.context)
+    advance(bpy, 1.0)
+    assert weight.matrix_world.translation.z == pytest.approx(0.1, abs=0.01), "half its height above the ground"
+    sessions.stop_all()
