@@ -17,6 +17,7 @@ from .solid_mesh import BALL_RADIUS
 WITHIN = 0.050  # [m] of the axis, along the skin: the dent
 TURNS = 90  # places on a ring of facets
 RINGS = 60  # of them
+LEANING = 8  # rings between which a lean is linear
 NARROW = 0.8  # of the spacing: vertices so near in their way make a ring
 
 
@@ -99,6 +100,19 @@ def vertex_roughness(rest: Floats, x: Floats, spacing: float, mean: Profile | No
     way = ways(rest)
     some: Bools = way < mean.way[-1]
     return float(np.sqrt(np.mean(off_rings(mean, way[some], *on_axes(x[some])) ** 2)))
+
+
+def lean(rest: Floats, x: Floats, spacing: float) -> float:
+    """Return the RMS of the part of that distance that goes once round the axis [m]: the dent leans to a side."""
+    mean, way = profile(rest, x, spacing), ways(rest)
+    some: Bools = way < mean.way[-1]
+    way, turn = way[some], np.arctan2(rest[some, 1], rest[some, 0])
+    off = off_rings(mean, way, *on_axes(x[some]))
+    at = np.linspace(0, mean.way[-1], LEANING)
+    near = np.maximum(1 - np.abs(way[:, None] - at) / at[1], 0)  # linear between rings
+    base = np.concatenate([near * np.cos(turn)[:, None], near * np.sin(turn)[:, None]], axis=1)
+    leaning = base @ np.linalg.lstsq(base, off, rcond=None)[0]
+    return float(np.sqrt(np.mean(leaning**2)))
 
 
 def on_axes(x: Floats) -> tuple[Floats, Floats]:

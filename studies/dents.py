@@ -16,11 +16,12 @@ from core.body.estimate import estimate
 from core.body.model import Model, build_model
 from core.material import DEFAULT_MATERIAL, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
+from core.reduction.planner import plan
 from core.reduction.proxy import build_proxy, mean_spacing
 from core.session import Finger, Session
 
 from .dent_picture import draw_dents, draw_profiles
-from .dent_shape import Profile, facet_roughness, profile, turned_onto, vertex_roughness
+from .dent_shape import Profile, facet_roughness, lean, profile, turned_onto, vertex_roughness
 from .primitives import Shape, box, icosphere, remeshed, rotated, sized
 from .solid_mesh import BALL_RADIUS, BLOCK_EDGE
 
@@ -28,7 +29,7 @@ MATERIALS = {"default": DEFAULT_MATERIAL, **{preset.name: preset.material for pr
 TIP = 0.010  # [m] radius of the fingertip whose dents are drawn
 DEPTHS = (0.005, 0.010, 0.015, 0.020, 0.025)  # [m]
 BALLS = {2562: 4, 10242: 5, 40962: 6, 163842: 7}  # vertices and subdivisions
-PROXIED, PROXIES = (10242, 163842), (600, 1500, 4000)  # fine meshes, and vertices of what moves in their place
+PROXIED, PROXIES = (10242, 163842), (600, 1500)  # fine meshes, and vertices of proxies beside the one of a session
 TIPS = (0.010, 0.020)  # [m] radii of those whose forces are compared
 RATE = 500.0  # [1/s] at which a body as light and damped as these settles
 TRAVEL = 0.1  # [m/s] of the fingertip
@@ -112,20 +113,29 @@ def roughness_rows(
         }
         for size in sizes:
             mesh = ball(BALLS[size])
-            for proxy in (0, *(PROXIES if size in PROXIED else ())):
+            for proxy in sorted({0, planned(mesh, material), *(PROXIES if size in PROXIED else ())}):
                 for one in settle(mesh, material, TIP, DEPTHS, proxy=proxy):
                     row = {"material": name, "vertices": size, "proxy": proxy, **roughness(mesh, one, exact[one.depth])}
                     yield row, (name, _label(size, proxy), one.depth, mesh, one.positions)
 
 
+def planned(mesh: Mesh, material: Material) -> int:
+    """Return how many vertices a session's proxy is requested with, 0 where the full mesh runs live."""
+    return plan(build_model(mesh, [material], held=base_vertices(mesh)), radius=TIP).asked
+
+
 def roughness(mesh: Mesh, one: Settled, exact: Profile) -> dict[str, object]:
-    """Return how rough a dent on the ball is, over its depth, and how rough an exactly round one would be measured."""
+    """Return how rough a dent on the ball is, over its depth, and how rough an exactly round one would be measured.
+
+    The part of it that is a lean to one side is told too: beyond two radii a coarse surface slips aside.
+    """
     spacing = mean_spacing(mesh, len(mesh.rest_positions))
     rest, round_one = mesh.rest_positions, turned_onto(exact, mesh.rest_positions)
     return {
         "depth_mm": 1e3 * one.depth, "force_n": round(float(one.force[2]), 4),
         "vertices_percent": _percent(vertex_roughness(rest, one.positions, spacing), one.depth),
         "vertices_percent_of_round": _percent(vertex_roughness(rest, round_one, spacing), one.depth),
+        "lean_percent": _percent(lean(rest, one.positions, spacing), one.depth),
         "facets_percent": _percent(facet_roughness(rest, mesh.triangles, one.positions)[0], one.depth),
         "facets_percent_of_round": _percent(facet_roughness(rest, mesh.triangles, round_one)[0], one.depth),
     }  # fmt: skip

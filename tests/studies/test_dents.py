@@ -11,8 +11,8 @@ from core.mesh.surface import mesh_from_triangles
 from core.reduction.proxy import mean_spacing
 from studies import other_tip
 from studies.__main__ import main
-from studies.dent_shape import Profile, facet_roughness, profile, turned_onto, vertex_roughness, ways
-from studies.dents import ball, profiles, settle, solid_materials
+from studies.dent_shape import Profile, facet_roughness, lean, profile, turned_onto, vertex_roughness, ways
+from studies.dents import ball, planned, profiles, settle, solid_materials
 from studies.primitives import icosphere, rotated
 from studies.solid_mesh import BALL_RADIUS
 
@@ -33,6 +33,26 @@ def test_a_dent_is_smooth(subdivisions: int) -> None:
     for one in settle(mesh, DEFAULT_MATERIAL, 0.010, (0.005, 0.010, 0.015)):
         spacing = mean_spacing(mesh, len(mesh.rest_positions))
         assert vertex_roughness(mesh.rest_positions, one.positions, spacing) < 0.01 * one.depth
+
+
+def test_a_dent_is_as_smooth_on_the_proxy_of_a_session() -> None:
+    """Down to two radii; deeper the whole of it may lean to a side, but what is left of its roughness is as small."""
+    mesh = ball(6)
+    spacing = mean_spacing(mesh, len(mesh.rest_positions))
+    for one in settle(mesh, DEFAULT_MATERIAL, 0.010, (0.010, 0.020, 0.025), proxy=planned(mesh, DEFAULT_MATERIAL)):
+        whole = vertex_roughness(mesh.rest_positions, one.positions, spacing)
+        leaning = lean(mesh.rest_positions, one.positions, spacing) if one.depth > 0.020 else 0.0
+        assert np.sqrt(whole**2 - leaning**2) < 0.005 * one.depth
+
+
+@pytest.mark.parametrize("folds, share", [(1, 1.0), (3, 0.0)])
+def test_what_goes_once_round_the_axis_is_a_lean(folds: int, share: float) -> None:
+    mesh = ball(5)
+    rest, x = mesh.rest_positions, turned_onto(round_dent(0.010), mesh.rest_positions)
+    turn = np.arctan2(rest[:, 1], rest[:, 0])
+    x[:, 2] += 1e-4 * np.cos(folds * turn) * np.minimum(ways(rest) / 0.02, 1)
+    spacing = mean_spacing(mesh, len(x))
+    assert lean(rest, x, spacing) / vertex_roughness(rest, x, spacing) == pytest.approx(share, abs=0.1)
 
 
 def test_four_times_the_vertices_change_the_force_by_less_than_three_percent() -> None:
