@@ -4,12 +4,14 @@ import math
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import BoolProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from . import polls, sessions
+from .mesh_faults import Faults, faults, repair
 from .messages import report, say
 from .names import POKE_TOOL, Op
 from .sizing import scale_of, settle_size
+from .start import LARGE
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,6 +25,19 @@ ROUNDS, EVEN = 7, 1.001  # of cutting edges; by less than that all are as long
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
 
 
+_items: list[tuple[str, str, str]] = []  # Blender does not keep the strings of a list that a function returns
+
+
+def presets(_operator: bpy.types.Operator, _context: bpy.types.Context) -> list[tuple[str, str, str]]:
+    """Return the known objects: identifier, name and source."""
+    from ..core.everyday import EVERYDAY
+    from ..core.material import PRESETS
+
+    if not _items:
+        _items.extend((each.name, each.label, each.provenance) for each in (*PRESETS, *EVERYDAY))
+    return _items
+
+
 class DIMPLE_OT_make_soft(bpy.types.Operator):
     """Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated"""
 
@@ -30,13 +45,17 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     bl_label = "Make Soft"
     bl_options = {"REGISTER", "UNDO"}
 
-    preset: StringProperty(
-        name="Preset", description="Measured object whose constants a mesh without a material gets",
-        default="object_2_vinyl_air",
+    preset: EnumProperty(
+        name="Material", description="Known object whose constants a mesh without a material gets",
+        items=presets, default=1,
     )  # fmt: skip
     subdivide: BoolProperty(
         name="Subdivide", description="Cut edges that are longer than the fingertip is wide, which changes the mesh"
     )
+    repair: BoolProperty(
+        name="Repair", description="Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself"
+    )
+    faults: StringProperty(name="Faults", options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -51,24 +70,33 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         """Ask only where the mesh itself should be changed."""
         from . import live
 
-        self.subdivide = any(is_coarse(context, obj) for obj in live.candidates(context) if obj.type == "MESH")
-        if self.subdivide:
+        meshes = [obj for obj in live.candidates(context) if obj.type == "MESH"]
+        self.subdivide = any(is_coarse(context, obj) for obj in meshes)
+        found = [f for obj in meshes if not is_shared(obj) and any(f := faults(obj))]
+        self.faults = words(Faults(*map(sum, zip(*found, strict=True)))) if found else ""
+        self.repair = bool(found)
+        if self.subdivide or self.repair:
             return context.window_manager.invoke_props_dialog(self, width=380)
         return self.execute(context)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw what is offered, and why."""
+        """Draw the material, and what is offered, and why."""
         column = self.layout.column()
-        column.label(text="The edges are longer than the fingertip is wide.", icon="INFO")
-        column.label(text="It would show no dent. The mesh can be cut finer, in even parts.", icon="BLANK1")
+        column.prop(self, "preset")
+        if self.subdivide or not self.faults:
+            column.label(text="Where edges are longer than the fingertip is wide, no dent would show.", icon="INFO")
+            column.label(text="The mesh can be cut finer, in even parts.", icon="BLANK1")
         column.prop(self, "subdivide")
+        if self.faults:
+            column.label(text=self.faults, icon="INFO")
+        column.prop(self, "repair")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set up every selected mesh; one that cannot be pressed is said and left as it was."""
         from ..core.base import DimpleError
         from . import live
 
-        done, wrong = [], []
+        done, wrong, noted = [], [], []
         try:
             bodies = [obj for obj in live.candidates(context) if obj.type in PRESSABLE]
         except DimpleError as error:
@@ -78,20 +106,40 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
             try:
                 if obj.type != "MESH":
                     done.append(convert(context, obj))
-                done.append(make_soft(context, obj, self.preset, subdivide=self.subdivide))
+                if self.repair and not is_shared(obj) and any(mended := repair(obj)):
+                    done.append(f'"{obj.name}" was repaired. {words(mended)}')
+                sentence, notes = make_soft(context, obj, self.preset, subdivide=self.subdivide)
+                done.append(sentence)
+                noted += notes
             except DimpleError as error:
                 wrong.append(str(error))
         if not done:
             say(self, {"ERROR"}, " ".join(wrong))
             return {"CANCELLED"}
-        report(self, wrong)
+        report(self, [*wrong, *noted])
         choose_tool(context)
         say(self, {"INFO"}, " ".join(done))
         return {"FINISHED"}
 
 
-def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, subdivide: bool) -> str:
-    """Make a mesh a soft body; return a sentence on what it is now.
+def words(found: Faults) -> str:
+    """Return the faults of meshes in words."""
+    return (
+        f"Doubled vertices: {found.doubled}. Loose vertices: {found.loose}. Faces that look inward: {found.inward}."
+    )
+
+
+def is_shared(obj: bpy.types.Object) -> bool:
+    """Tell whether to change a mesh would change more than this object, or unmake its shape keys."""
+    return bool(obj.data.shape_keys) or obj.data.users > 1
+
+
+def make_soft(
+    context: bpy.types.Context, obj: bpy.types.Object, preset: str, *, subdivide: bool
+) -> tuple[str, list[str]]:
+    """Make a mesh a soft body; return a sentence on what it is now, and notes on what was found.
+
+    A large one is prepared when it is pressed first, with its progress shown.
 
     Raises:
         DimpleError: it cannot be pressed; only its material and settings may have been set.
@@ -109,16 +157,19 @@ def make_soft(context: bpy.types.Context, obj: bpy.types.Object, preset: str, *,
     settle_size(context.scene, obj)
     obj.dimple.enabled = True
     if subdivide and is_coarse(context, obj):
-        if obj.data.shape_keys or obj.data.users > 1:
+        if is_shared(obj):
             raise DimpleError(
                 f'"{obj.name}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.'
             )
         radius = context.scene.dimple.finger_radius_mm / 1e3 / scale_of(context.scene, obj)
         refine(obj, radius)
+    if len(obj.data.vertices) > LARGE:
+        return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', []
     _, model = bridge.read_body(context, obj)
     planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
-    size = f"{1e3 * model.mesh.size:.3g} mm"
-    return f'"{obj.name}" is soft: "{obj.active_material.name}", {size} across. Press it with the left mouse button.'
+    size, notes = f"{1e3 * model.mesh.size:.3g} mm", [type(note)(f'"{obj.name}": {note}') for note in model.notes]
+    said = f'"{obj.name}" is soft: "{obj.active_material.name}", {size} across. Press it with the left mouse button.'
+    return said, notes
 
 
 def convert(context: bpy.types.Context, obj: bpy.types.Object) -> str:

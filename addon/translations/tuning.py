@@ -54,17 +54,23 @@ WORDS = {
     "Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated": (
         "選択したメッシュを、すぐに押せる柔らかい物体にします。マテリアル、実物の大きさ、固定、計算の対象を決めます"
     ),
-    "Measured object whose constants a mesh without a material gets": (
-        "マテリアルのないメッシュに定数を与える、測定した物体"
+    "Known object whose constants a mesh without a material gets": (
+        "マテリアルのないメッシュに定数を与える、既知の物体"
     ),
+    "Repair": "修復",
+    "Material": "マテリアル",
+    "Weld doubled vertices, delete loose ones and turn faces outward, in the mesh itself": (
+        "重複した頂点を結合し、孤立した頂点を削除し、面を外側に向けます。メッシュ自体が変わります"
+    ),
+    "Faults": "不備",
     "Subdivide": "細分化",
     "Cut edges that are longer than the fingertip is wide, which changes the mesh": (
         "指先の幅より長い辺を分割します。メッシュが変わります"
     ),
-    "The edges are longer than the fingertip is wide.": "辺が指先の幅より長くなっています。",
-    "It would show no dent. The mesh can be cut finer, in even parts.": (
-        "へこみが見えません。メッシュを均等に細かく分割できます。"
+    "Where edges are longer than the fingertip is wide, no dent would show.": (
+        "辺が指先の幅より長いところでは、へこみが見えません。"
     ),
+    "The mesh can be cut finer, in even parts.": "メッシュを均等に細かく分割できます。",
     "Colors": "色",
     "Color the surface of what is pressed, with a scale": "押している物体の面を、目盛り付きの色で塗る",
     "Contact Pressure": "接触圧",

@@ -206,6 +206,13 @@ MESSAGES = {
     '"{}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.': (
         '"{}" にはシェイプキーがあるか、メッシュを共有しているため、細かく分割しません。自分で細分化してください。'
     ),
+    '"{}" is soft: "{}". It is prepared when you press it first.': (
+        '"{}" は柔らかくなりました: "{}"。最初に押すときに準備されます。'
+    ),
+    '"{}" was repaired.': '"{}" を修復しました。',
+    "Doubled vertices: {}. Loose vertices: {}. Faces that look inward: {}.": (
+        "重複した頂点: {}。孤立した頂点: {}。内側を向いた面: {}。"
+    ),
     '"{}" is soft: "{}", {} across. Press it with the left mouse button.': (
         '"{}" を柔らかくしました: "{}"、大きさ {}。左マウスボタンで押せます。'
     ),

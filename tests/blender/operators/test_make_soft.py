@@ -76,7 +76,7 @@ def test_it_asks_before_it_cuts_and_only_then(bpy: ModuleType, bare: Any, ball: 
     from bl_ext.user_default.dimple.operators import make_soft
 
     asked: list[Any] = []
-    operator = SimpleNamespace(subdivide=False, execute=lambda _context: {"FINISHED"})
+    operator = SimpleNamespace(subdivide=False, repair=False, faults="", execute=lambda _context: {"FINISHED"})
     invoke = make_soft.DIMPLE_OT_make_soft.invoke
     manager = SimpleNamespace(invoke_props_dialog=lambda each, width: asked.append(each) or {"RUNNING_MODAL"})
 
@@ -106,6 +106,64 @@ def test_what_cannot_be_pressed_is_said(bpy: ModuleType, add: Any) -> None:
     add(faces=[])
     with pytest.raises(RuntimeError, match="has no faces"):
         bpy.ops.dimple.make_soft()
+
+
+def broken(bpy: ModuleType) -> Any:
+    """Return a ball with a doubled vertex, a loose one, a face that looks inward and a hole."""
+    import bmesh
+
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=0.05)
+    obj, made = bpy.context.object, bmesh.new()
+    made.from_mesh(obj.data)
+    made.faces.ensure_lookup_table()
+    bmesh.ops.delete(made, geom=[made.faces[100]], context="FACES_ONLY")
+    made.faces.ensure_lookup_table()
+    made.faces[7].normal_flip()
+    face = made.faces[300]
+    bmesh.ops.split(made, geom=[face])
+    made.verts.new((0.0, 0.0, 0.3))
+    made.to_mesh(obj.data)
+    made.free()
+    return obj
+
+
+def test_a_broken_mesh_is_repaired_where_the_artist_agrees_and_what_is_left_is_said(
+    bpy: ModuleType, empty_file: ModuleType, coordinates: Bits, capfd: pytest.CaptureFixture[str]
+) -> None:
+    from bl_ext.user_default.dimple.operators import mesh_faults
+
+    obj = broken(bpy)
+    found = mesh_faults.faults(obj)
+    assert found == (3, 1, 1)
+    before = coordinates(obj)
+    bpy.ops.dimple.make_soft()
+    assert coordinates(obj) == before, "nothing is repaired unasked"
+    assert "Holes that are closed, for the pressure only: 1." in capfd.readouterr().out
+    bpy.ops.dimple.make_soft(repair=True)
+    assert len(obj.data.vertices) == 2562 and mesh_faults.faults(obj) == (0, 0, 0)
+    said = capfd.readouterr().out
+    assert "Doubled vertices: 3. Loose vertices: 1. Faces that look inward: 1." in said
+
+
+def test_whatever_is_wrong_with_a_sheet_most_of_its_faces_say_which_side_is_outward(
+    bpy: ModuleType, empty_file: ModuleType
+) -> None:
+    from bl_ext.user_default.dimple.operators import mesh_faults
+
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=10, y_subdivisions=10)
+    sheet = bpy.context.object
+    for polygon in sheet.data.polygons:
+        polygon.flip() if polygon.index in (3, 50) else None
+    sheet.data.update()
+    assert mesh_faults.repair(sheet).inward == 2
+    assert all(polygon.normal.z > 0.99 for polygon in sheet.data.polygons)
+
+
+def test_a_preset_is_chosen_by_its_name(bpy: ModuleType, bare: Any) -> None:
+    choices = bpy.ops.dimple.make_soft.get_rna_type().properties["preset"]
+    assert choices.type == "ENUM"
+    bpy.ops.dimple.make_soft(preset="object_3_vinyl_water", subdivide=True)
+    assert bare.active_material.dimple.fill == "LIQUID"
 
 
 def test_undo_takes_all_of_it_back(bpy: ModuleType, bare: Any, coordinates: Bits) -> None:
