@@ -40,14 +40,19 @@ def ticks_that_fit(done: int, spent: float, budget: float | None) -> int:
     return max(1, min(TICKS_AT_ONCE, int(done * (budget - spent) / max(spent, 1e-9))))
 
 
+def is_spent(done: int, spent: float, budget: float | None) -> bool:
+    """Tell whether one more tick would take longer than the budget; the arguments are those of `ticks_that_fit`."""
+    return budget is not None and spent * (done + 1) > budget * done
+
+
 def step_all(
     sessions: Sequence[Stepped], seconds: Sequence[float], *, budget: float | None = None
 ) -> list[Frame]:
     """Advance each session by its time [s] in whole ticks; what is left over is carried to the next call.
 
     Args:
-        budget: stop after this much wall time [s], at most a tick of each later; the simulated time of those that are
-            not done then lags behind.
+        budget: wall time [s] that only a first tick of each may exceed; the simulated time of those that are not done
+            then lags behind.
 
     Raises:
         DimpleError: a time is negative or not a number.
@@ -64,6 +69,6 @@ def step_all(
         results = step_bodies([session.body for session in going], motions)
         going = [each for each, result in zip(going, results, strict=True) if each.take(result) and each.due]
         done, spent = done + max(each.ticks for each in motions), time.perf_counter() - started
-        if budget is not None and spent > budget:
+        if is_spent(done, spent, budget):
             break
     return [session.finish(early=session in going) for session in sessions]

@@ -126,7 +126,7 @@ class Session:
         """Advance by dt [s] in whole ticks; what is left over is carried to the next call.
 
         Args:
-            budget: stop after this much wall time [s], at most a tick later; the simulated time then lags behind.
+            budget: wall time [s] that only a first tick may exceed; what is not done lags behind.
 
         Raises:
             DimpleError: dt is negative or not a number.

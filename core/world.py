@@ -13,7 +13,7 @@ import numpy as np
 
 from .apart import way_out
 from .base import DimpleError, Floats
-from .crowd import ticks_that_fit
+from .crowd import is_spent, ticks_that_fit
 from .session import Session
 from .solver.backend import create_scene
 from .solver.motion import MAX_STEPS
@@ -128,7 +128,7 @@ class World:
         """Advance all sessions by dt [s] in whole ticks; their frames show it.
 
         Args:
-            budget: stop after this much wall time [s], at most a tick later; the simulated time then lags behind.
+            budget: wall time [s] that only a first tick may exceed; what is not done lags behind.
         """
         if any(session.body is not body for session, body in zip(self.sessions, self._bodies, strict=True)):
             self._make()
@@ -147,7 +147,7 @@ class World:
                 self._place()
                 break
             spent = time.perf_counter() - started
-            early = budget is not None and spent > budget and share < whole
+            early = share < whole and is_spent(share, spent, budget)
             if early:
                 break
         self._arrive(share / whole if early else 1.0)

@@ -114,16 +114,20 @@ static void dm_search(dm_scene_state *s) {
         }
 }
 
-/* Has anything gone so far since the search that what is near now may not have been close then? */
+/* May anything that is near now not have been close at the search? Two have come nearer by no more than both their ways
+ * from any one place: here the middle of all ways, so that what goes together outdates nothing. */
 static int dm_is_outdated(const dm_scene_state *s) {
-    double left = (s->wide - s->reach) / 2;
-    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count && left > 0; f++)
-        for (uint32_t i = f->first; i < f->first + f->count; i++) {
-            double way[3];
-            dm_minus(s->before[i], s->searched[i], way);
-            if (!(dm_inner3(way, way) < left * left)) return 1;
-        }
-    return !(left > 0);
+    double left = (s->wide - s->reach) / 2, low[3] = {INFINITY, INFINITY, INFINITY}, high[3];
+    for (int c = 0; c < 3; c++) high[c] = -INFINITY;
+    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
+        for (uint32_t i = f->first; i < f->first + (f->body ? (uint32_t)f->body->n : f->count); i++)
+            for (int c = 0; c < 3; c++) {
+                double way = s->before[i][c] - s->searched[i][c];
+                low[c] = way < low[c] ? way : low[c], high[c] = way > high[c] ? way : high[c];
+            }
+    double square = 0;
+    for (int c = 0; c < 3; c++) square += (high[c] - low[c]) * (high[c] - low[c]) / 4;
+    return !(left > 0 && square < left * left);
 }
 
 /* How much two edges stick out towards each other. */

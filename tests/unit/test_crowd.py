@@ -47,8 +47,8 @@ def test_a_budget_is_that_of_all_and_none_runs_far_ahead() -> None:
     assert step_all([], []) == []
 
 
-@pytest.mark.parametrize(("cost", "ticks"), [(0.060, 1), (0.012, 3), (0.0101, 3), (0.001, 26)])
-def test_a_budget_is_exceeded_by_a_tick_at_most(cost: float, ticks: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("cost", "ticks"), [(0.060, 1), (0.012, 2), (0.0101, 2), (0.00101, 24)])
+def test_a_budget_is_exceeded_by_a_first_tick_only(cost: float, ticks: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """A tick of all takes so long [s], by a clock of its own, and there are 25 ms."""
     now, step_bodies = 0.0, crowd.step_bodies
 

@@ -20,6 +20,7 @@ import comparing
 import device
 import exporting
 import judging
+import meeting
 import opening
 import robot
 import tuning
@@ -157,11 +158,16 @@ def play() -> robot.Waits:
     bpy.ops.extensions.package_install_files(filepath="/mnt/zip", repo="user_default", enable_on_install=True)
     names = [name for name in bpy.context.preferences.addons.keys() if name.startswith("bl_ext.")]
     check("Blender's own installer takes the zip and enables it", len(names) == 1, ", ".join(names))
-    own = {"opening": lambda: opening.open_samples(OUT, check, REPORT["measured"]), "on_ball": on_ball}
+    own = {
+        "opening": lambda: opening.open_samples(OUT, check, REPORT["measured"]),
+        "meeting": lambda: meeting.meet(OUT, check, REPORT["measured"]),
+        "on_ball": on_ball,
+    }
     if unknown := ONLY - {*own, *tuning.SCENES, *ON_BALL}:
         raise robot.NotReached(f"there is no scene {sorted(unknown)}; there are {[*own, *tuning.SCENES, *ON_BALL]}")
-    if wanted("opening"):
-        yield from own["opening"]()
+    for name in ("opening", "meeting"):
+        if wanted(name):
+            yield from own[name]()
     if scenes := [scene for name, scene in tuning.SCENES.items() if wanted(name)]:
         yield from tuning.tune(scenes, OUT, check)
     if ON_BALL.keys() & ONLY or wanted("on_ball"):
