@@ -12,9 +12,7 @@ from .shapes import Point, Segment
 
 FINGERTIP = (1.0, 0.62, 0.15, 1.0)
 FORCE = (0.95, 0.2, 0.15, 1.0)
-TEXT = (1.0, 1.0, 1.0, 1.0)
-FAINT = (1.0, 1.0, 1.0, 0.35)
-BACK = (0.0, 0.0, 0.0, 0.6)  # dark enough for all colours on a light theme
+FAINT, BACK = 0.35, 0.6  # how much of what is behind they hide
 
 LINE_WIDTH = 2.0  # in units of Blender's own line width
 # all sizes below in pixels at a resolution scale of 1
@@ -41,6 +39,30 @@ def screen_of(context: bpy.types.Context) -> Screen:
     """Return the region that is being drawn; lines are as thick as the preferences say."""
     system, region = context.preferences.system, context.region
     return Screen(region.width, region.height, system.ui_scale, LINE_WIDTH * system.pixel_size)
+
+
+def ink() -> Point:
+    """Return the colour in which the theme writes over a viewport."""
+    return *bpy.context.preferences.themes[0].view_3d.space.text_hi, 1.0
+
+
+def faint() -> Point:
+    """Return the colour of thin lines behind the text."""
+    return *ink()[:3], FAINT
+
+
+def paper() -> Point:
+    """Return the colour behind numbers: black where the text is light, white where it is dark."""
+    return *_opposite(ink()), BACK
+
+
+def ghost() -> Point:
+    """Return the colour of lines in the scene: white on a dark viewport, black on a light one."""
+    return *_opposite(bpy.context.preferences.themes[0].view_3d.space.gradients.high_gradient), FAINT
+
+
+def _opposite(colour: Sequence[float]) -> Point:
+    return (0.0, 0.0, 0.0) if sum(colour[:3]) > 1.5 else (1.0, 1.0, 1.0)
 
 
 def overlays_shown(context: bpy.types.Context) -> bool:
@@ -78,15 +100,15 @@ def draw_filled(low: Point, high: Point, colour: Point) -> None:
     gpu.state.blend_set("NONE")
 
 
-def write(text: str, at: Point, scale: float, colour: Point = TEXT) -> float:
-    """Write a line and return how wide it is [px]."""
+def write(text: str, at: Point, scale: float, colour: Point | None = None) -> float:
+    """Write a line, in the colour of the theme where none is given, and return how wide it is [px]."""
     import blf
 
-    font = 0
+    font, colour = 0, colour or ink()
     blf.size(font, TEXT_SIZE * scale)
     blf.color(font, *colour)
     blf.enable(font, blf.SHADOW)
-    blf.shadow(font, 3, 0.0, 0.0, 0.0, 0.9)
+    blf.shadow(font, 3, *paper()[:3], 0.9)
     blf.position(font, at[0], at[1], 0)
     blf.draw(font, text)
     blf.disable(font, blf.SHADOW)

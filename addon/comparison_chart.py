@@ -8,9 +8,9 @@ import bpy
 
 from ..operators import calibration
 from . import canvas, shapes
-from .canvas import BACK, FAINT, FORCE, MARGIN, Screen
+from .canvas import FORCE, MARGIN, Screen
 from .readout import iface_
-from .room import free_corner
+from .room import Room, free_room
 
 SIZE = (330.0, 220.0)  # [px] of the chart, at a resolution scale of 1
 ROOM = 0.06  # decades round the points
@@ -41,10 +41,10 @@ def draw_chart(variants: Sequence[dict[str, Any]], limits: shapes.Point, corner:
     size = (SIZE[0] * scale, SIZE[1] * scale)
     (left, bottom), (right, top) = corner, (corner[0] + size[0], corner[1] + size[1])
     room = MARGIN * scale
-    canvas.draw_filled((left - room, bottom - 2 * room), (right + 2 * room, top + room), BACK)
-    canvas.draw_lines([((left, top), (left, bottom)), ((left, bottom), (right, bottom))], FAINT, screen)
+    canvas.draw_filled((left - room, bottom - 2 * room), (right + 2 * room, top + room), canvas.paper())
+    canvas.draw_lines([((left, top), (left, bottom)), ((left, bottom), (right, bottom))], canvas.faint(), screen)
     (live, near), *spots = places(variants, limits, corner, size)
-    canvas.draw_lines([((live, bottom), (live, top)), ((left, near), (right, near))], FAINT, screen)
+    canvas.draw_lines([((live, bottom), (live, top)), ((left, near), (right, near))], canvas.faint(), screen)
     canvas.write(iface_("Live"), (live + 4 * scale, top - 30 * scale), scale)
     canvas.write(f"{limits[1]:g} mm", (left + 4 * scale, near + 4 * scale), scale)
     placed = list(zip(variants, spots, strict=True))
@@ -105,13 +105,14 @@ def draw_over() -> None:
 
     screen = canvas.screen_of(context)
     limits = (planning.budget_of(context.scene, body), body.dimple.tolerance_mm)
-    draw_chart(load(body.dimple), limits, chart_corner(context.area, context.region, screen.scale), screen)
+    free = free_room(context, screen.scale)
+    if free:
+        draw_chart(load(body.dimple), limits, chart_corner(free, screen.scale), screen)
 
 
-def chart_corner(area: bpy.types.Area, region: bpy.types.Region, scale: float) -> shapes.Point:
-    """Return the lower left corner [px] of the chart: at the top, clear of the numbers of a session."""
-    left, bottom = free_corner(area, scale)
-    return left + MARGIN * scale, max(bottom, region.height - (SIZE[1] + 110.0) * scale)
+def chart_corner(free: Room, scale: float) -> shapes.Point:
+    """Return the lower left corner [px] of the chart: at the top of what is free, clear of the numbers of a session."""
+    return free.left + MARGIN * scale, max(free.bottom, free.top - (SIZE[1] + 40.0) * scale)
 
 
 def register() -> None:

@@ -7,7 +7,7 @@ import bpy
 
 from ..operators import calibration
 from . import canvas, shapes
-from .canvas import BACK, FAINT, FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
+from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
 from .room import Room
 from .shapes import Point
@@ -105,7 +105,7 @@ def draw_key(curves: Curves, corner: Point, scale: float) -> float:
     words = [(word, colour, shown) for word, colour, shown in words if shown]
     wide = sum(canvas.width(word, scale) + MARGIN * scale for word, _, _ in words)
     left, top = corner[0], corner[1] + LINE_HEIGHT * scale
-    canvas.draw_filled(corner, (left + max(wide, SIZE[0] * scale), top), BACK)
+    canvas.draw_filled(corner, (left + max(wide, SIZE[0] * scale), top), canvas.paper())
     for word, colour, _ in words:
         left += canvas.write(word, (left, corner[1] + 5 * scale), scale, colour) + MARGIN * scale
     return top
@@ -121,8 +121,8 @@ def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
     law = shapes.law_curve(*curves.law, deepest)
     ends = (shapes.round_up(deepest), shapes.round_up(max(force for _, force in [*law, *seen])))
     right, top = corner[0] + size[0], corner[1] + size[1]
-    canvas.draw_filled(corner, (right, top), BACK)
-    canvas.draw_lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], FAINT, screen)
+    canvas.draw_filled(corner, (right, top), canvas.paper())
+    canvas.draw_lines([((corner[0], top), tuple(corner)), (tuple(corner), (right, corner[1]))], canvas.faint(), screen)
     measured = shapes.into_box(curves.measured, ends, corner, size)
     canvas.draw_lines(shapes.crosses(measured, CROSS * scale), MEASURED, screen)
     for end in curves.band:

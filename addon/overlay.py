@@ -12,7 +12,7 @@ from ..operators.sessions import sessions
 from ..operators.translation import translated
 from ..operators.under_way import is_blind
 from . import canvas, dent, device, force_chart, readout, room, shapes
-from .canvas import BACK, FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, TEXT, Screen
+from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
 from .room import Room
 from .shapes import Point
@@ -71,15 +71,15 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
     Args:
         numbers: leave them and the notes out where another part of the interface shows them.
     """
-    lines = [(body.name, TEXT)]
+    lines = [(body.name, canvas.ink())]
     if entry.recorder:
         lines.append((f"● {iface_('Recording')} {entry.recorder.frames}", FORCE))
     lines += [(line, FORCE) for sentence in device.slow() for line in wrapped(sentence, 40)]
     if numbers:
         rows = readout.rows(entry.frame, entry.session.tick)
         notes = readout.sentences([*entry.session.model.notes, *filter(None, [entry.refused])], entry.frame)
-        lines += [(f"{label}: {value}", TEXT) for label, value in rows]
-        lines += [(line, TEXT) for sentence in notes for line in wrapped(translated(sentence, iface_), 60)]
+        lines += [(f"{label}: {value}", canvas.ink()) for label, value in rows]
+        lines += [(line, canvas.ink()) for sentence in notes for line in wrapped(translated(sentence, iface_), 60)]
     # what finds no room is left out, the last first
     lines = lines[: max(int((free.top - free.bottom) / (LINE_HEIGHT * scale)), 0)]
     if not lines:
@@ -87,7 +87,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
     edge, height = 4 * scale, free.bottom
     wide = max(canvas.width(line, scale) for line, _ in lines)
     high = len(lines) * LINE_HEIGHT * scale
-    canvas.draw_filled((free.left - edge, height - edge), (free.left + wide + edge, height + high), BACK)
+    canvas.draw_filled((free.left - edge, height - edge), (free.left + wide + edge, height + high), canvas.paper())
     for line, colour in reversed(lines):
         canvas.write(line, (free.left, height), scale, colour)
         height += LINE_HEIGHT * scale

@@ -5,7 +5,7 @@ from typing import Any
 import bpy
 
 from . import canvas, force_chart, shapes
-from .canvas import BACK, FAINT, FORCE, LINE_HEIGHT, MARGIN, Screen
+from .canvas import FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
 from .room import Room
 
@@ -34,9 +34,9 @@ def draw(shown: list[tuple[bpy.types.Object, Any]], free: Room, screen: Screen) 
     if not len(distance):
         return
     curve, ends = placed(distance.tolist(), depth.tolist(), (left, free.bottom), (wide, high))
-    canvas.draw_filled((left, free.bottom), (left + wide, free.bottom + high + LINE_HEIGHT * scale), BACK)
+    canvas.draw_filled((left, free.bottom), (left + wide, free.bottom + high + LINE_HEIGHT * scale), canvas.paper())
     level = free.bottom + (1 - TOP) * high
-    canvas.draw_lines([((left, level), (left + wide, level))], FAINT, screen)
+    canvas.draw_lines([((left, level), (left + wide, level))], canvas.faint(), screen)
     canvas.draw_lines(shapes.chained(curve), FORCE, screen)
     canvas.write(iface_("Profile"), (left + 4 * scale, free.bottom + high + 4 * scale), scale)
     canvas.write(f"{1e3 * ends[1]:g} mm", (left + 4 * scale, free.bottom + 5 * scale), scale)

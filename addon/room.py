@@ -51,12 +51,6 @@ def free_room(context: bpy.types.Context, scale: float) -> Room | None:
     return Room(left + margin, bottom + 2 * margin, right - margin, top - margin)
 
 
-def free_corner(area: bpy.types.Area, scale: float) -> tuple[float, float]:
-    """Return the lower left corner [px] beside Blender's own toolbar."""
-    tools = next((region for region in area.regions if region.type == "TOOLS"), None)
-    return ((tools.width if tools else 0) + MARGIN * scale, 2 * MARGIN * scale)
-
-
 def shown_in_sidebar(context: bpy.types.Context, body: bpy.types.Object) -> bool:
     """Tell whether the sidebar shows the numbers of a body already."""
     if body != context.object or not context.space_data.show_region_ui:

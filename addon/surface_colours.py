@@ -9,7 +9,7 @@ import bpy
 
 from ..operators.under_way import is_blind
 from . import canvas, colour_map, overlay, profile_chart, room, shapes
-from .canvas import BACK, LINE_HEIGHT, MARGIN, TEXT, Screen
+from .canvas import LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
 from .room import Room
 
@@ -23,7 +23,6 @@ SIGNED = {"stretch"}
 LIFT = 2e-4  # towards the viewer, as a share of the depth that is seen: the colours lie on the surface
 SHADE = 0.3  # darker where the surface turns away
 MOVED = 0.02  # of the deepest dent: nearer, an edge at rest says nothing
-REST = (1.0, 1.0, 1.0, 0.35)
 
 
 class Coloured(NamedTuple):
@@ -155,8 +154,10 @@ def draw_rest(entry: Any, screen: Screen) -> None:
     far = (moved > max(MOVED * float(moved.max()), 1e-6 * entry.session.model.mesh.size))[edges].any(axis=1)
     if not far.any():
         return
-    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    shader.uniform_float("color", REST)
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    shader.uniform_float("viewportSize", (screen.width, screen.height))
+    shader.uniform_float("lineWidth", screen.line / canvas.LINE_WIDTH)
+    shader.uniform_float("color", canvas.ghost())
     points = np.ascontiguousarray(rest / entry.link.scale, np.float32)
     batch = batch_for_shader(shader, "LINES", {"pos": points}, indices=np.ascontiguousarray(edges[far], np.int32))
     gpu.state.blend_set("ALPHA")
@@ -179,12 +180,12 @@ def draw_scale(name: str, ends: tuple[float, float], free: Room, screen: Screen)
         return free.right
     edge = 4 * scale
     top = bottom + high + 2 * LINE_HEIGHT * scale
-    canvas.draw_filled((left - edge, bottom - edge), (free.right + edge, top), BACK)
+    canvas.draw_filled((left - edge, bottom - edge), (free.right + edge, top), canvas.paper())
     draw_bar((left, bottom + 5 * scale), (LEGEND[0] * scale, high), name in SIGNED)
-    canvas.write(title, (left, bottom + high + LINE_HEIGHT * scale), scale, TEXT)
+    canvas.write(title, (left, bottom + high + LINE_HEIGHT * scale), scale)
     for share in (0.0, 0.5, 1.0):
         value = ends[0] + share * (ends[1] - ends[0])
-        canvas.write(f"{value:g}", (left + (LEGEND[0] + 6.0) * scale, bottom + share * high), scale, TEXT)
+        canvas.write(f"{value:g}", (left + (LEGEND[0] + 6.0) * scale, bottom + share * high), scale)
     return left - MARGIN * scale
 
 

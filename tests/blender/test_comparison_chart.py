@@ -33,7 +33,7 @@ def test_the_chart_leaves_the_colours_of_proxies_and_the_mesh(bpy: ModuleType, b
     gpu.init()
     found = comparison_chart.load(body.dimple)
     picture = on_screen(lambda screen: comparison_chart.draw_chart(found, (0.6, 0.5), (60.0, 60.0), screen))
-    for colour in (comparison_chart.PROXIES, canvas.FORCE, canvas.TEXT):
+    for colour in (comparison_chart.PROXIES, canvas.FORCE, canvas.ink()):
         assert (abs(picture[:, :, :3] / 255.0 - colour[:3]).max(axis=2) < 0.12).sum() > 20, colour
 
 

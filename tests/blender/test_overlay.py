@@ -190,7 +190,7 @@ def test_a_line_is_as_thick_as_the_screen_asks(overlay: ModuleType, bpy: ModuleT
     for line in (2.0, 6.0):
         screen = SimpleNamespace(**{**vars(SCREEN), "line": line})
         level = [((100.0, 200.0), (500.0, 200.0))]
-        picture = on_screen(lambda here, level=level: draw(level, overlay.TEXT, here), screen=screen)
+        picture = on_screen(lambda here, level=level: draw(level, overlay.canvas.ink(), here), screen=screen)
         seen.append((picture[:, 300, 0] > 150).sum())
     assert 2 <= seen[0] <= 3 and 6 <= seen[1] <= 7, seen
 
@@ -272,6 +272,18 @@ def test_a_body_that_is_renamed_while_pressed_is_called_by_its_new_name(
     assert "Another" in written and "Cube" not in written
 
 
+def test_numbers_are_written_as_the_theme_writes_on_what_sets_them_off(bpy: ModuleType, overlay: ModuleType) -> None:
+    space, canvas = bpy.context.preferences.themes[0].view_3d.space, overlay.canvas
+    before = tuple(space.text_hi), tuple(space.gradients.high_gradient)
+    try:
+        for light in (1.0, 0.0):
+            space.text_hi = space.gradients.high_gradient = [light] * 3
+            assert canvas.ink()[:3] == canvas.faint()[:3] == (light,) * 3
+            assert canvas.paper()[:3] == canvas.ghost()[:3] == (1 - light,) * 3
+    finally:
+        space.text_hi, space.gradients.high_gradient = before
+
+
 def test_an_arrow_points_along_the_force_and_a_stronger_one_is_longer(shapes: ModuleType) -> None:
     assert shapes.arrow((0, 0, 0), (0, 0, 0), 1) == []
     lengths = []
@@ -305,7 +317,7 @@ def test_the_chart_the_numbers_and_the_fingertip_leave_their_colours(
         pytest.skip("this Blender cannot draw without a window; 5.2 can")
     gpu.init()
     picture = drawn(overlay, entry)
-    for colour in (overlay.FINGERTIP, overlay.FORCE, overlay.force_chart.LAW, overlay.TEXT):
+    for colour in (overlay.FINGERTIP, overlay.FORCE, overlay.force_chart.LAW, overlay.canvas.ink()):
         seen = abs(picture[:, :, :3] / 255.0 - colour[:3]).max(axis=2) < 0.12
         assert seen.sum() > 20, colour
 
