@@ -32,8 +32,8 @@ class ContactSettings:
     )
     move_apart: BoolProperty(
         name="Move Apart",
-        description="Where the body intersects something at the start, it is moved out as a whole by the shortest way; "
-        "otherwise, and where it is pinned, that is refused",
+        description="Where the body intersects something at the start, it is moved out as a whole by the shortest way, "
+        "or pressed flat towards its pins; otherwise that is refused",
         default=False, **FIXED,
     )  # fmt: skip
 

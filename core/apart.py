@@ -1,4 +1,6 @@
-"""The shortest way on which a body that intersects others gets clear of them, as a whole and without turning."""
+"""How a body that intersects others gets clear of them: as a whole by the shortest way, without turning, or, where it
+is pinned, pressed flat towards its pins.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from .base import Floats, Ints
+from .base import Bools, Floats, Ints
 from .solver.backend import Body, create_scene
 from .solver.scene import Collider
 
@@ -14,6 +16,7 @@ STEPS = 64  # of the body's size: the first of a way
 HALVINGS = 7  # of the last step, to find where it gets clear
 FARTHEST = 4.0  # of the body's size
 MARGIN = 0.1  # of the mean edge: the distance that it is left with
+FLATTEST = 0.8  # of what stands out from the pins, is pressed away at most
 
 
 def way_out(body: Body, x: Floats, triangles: Ints, others: Sequence[Collider], *, backend: str) -> Floats | None:
@@ -47,6 +50,43 @@ def way_out(body: Body, x: Floats, triangles: Ints, others: Sequence[Collider], 
         if length is not None and length < least:
             least = length
             best = (length + margin if is_clear((length + margin) * direction) else length) * direction
+    return best
+
+
+def pressed_clear(
+    body: Body, held: Bools, triangles: Ints, others: Sequence[Collider], *, backend: str
+) -> Floats | None:
+    """Return where a body (3, n) [m] is clear of all others: what stands out from its pins on one side is pressed flat
+    evenly, so that nothing passes through anything there; None where that does not help.
+
+    Args:
+        held: (n,) what is pinned; it stays.
+        triangles, others, backend: as in `way_out`.
+    """
+    scene, x, speed = create_scene([body], others, itself=[False], backend=backend), body.positions(), body.velocities()
+    best, least = None, np.inf
+    margin = MARGIN * float(np.linalg.norm(x[:, triangles[:, 0]] - x[:, triangles[:, 1]], axis=0).mean())
+    for direction in (sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)):
+        out = np.maximum(direction @ x - (direction @ x[:, held]).max(initial=-np.inf), 0.0)
+        height = float(out.max())
+        if not margin < height < np.inf:
+            continue
+
+        def is_clear(way: Floats, out: Floats = out, height: float = height) -> bool:
+            share = float(np.linalg.norm(way)) / height
+            if share > FLATTEST:
+                return False
+            y = x - way[:, None] * (out / height)
+            body.set_state(y, speed)
+            return not scene.crossings().pairs and not any(
+                _is_inside(y.T, other.positions.T, other.triangles, triangles) for other in others
+            )
+
+        length = _length(is_clear, direction, height / STEPS, min(least, FLATTEST * height))
+        if length is not None and length < least:
+            least, length = length, length + margin if is_clear((length + margin) * direction) else length
+            best = x - length * direction[:, None] * (out / height)
+    body.set_state(x, speed)
     return best
 
 

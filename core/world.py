@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .apart import way_out
+from .apart import pressed_clear, way_out
 from .base import DimpleError, Floats
 from .crowd import is_spent, ticks_that_fit
 from .session import Session
@@ -51,7 +51,7 @@ class World:
         sessions: of one tick and one backend.
         colliders: where they are now.
         itself: whether each body meets itself too.
-        apart: whether each body that nothing pins is moved out of what it intersects at the start.
+        apart: whether each body is moved out of what it intersects at the start; what is pinned stays.
         names: of the bodies, then of the colliders, for messages.
 
     Raises:
@@ -95,7 +95,7 @@ class World:
                 )
             raise DimpleError(
                 f'"{first}" and "{second}" intersect at ({where}) mm, {found.pairs} pairs of faces in all. Move them '
-                "apart, or switch on Move Apart for a body that is not pinned."
+                "apart, or switch on Move Apart for a body that has room."
             )
 
     def set_colliders(self, ends: Sequence[Floats | None]) -> None:
@@ -166,27 +166,29 @@ class World:
         self._move_apart()
 
     def _move_apart(self) -> None:
-        """Move bodies out of what they intersect, each as a whole by the shortest way, where that is wanted."""
+        """Move bodies out of what they intersect, the one that goes least first, where that is wanted."""
         for _ in range(4 * len(self.sessions) + 4):
             found = self._scene.crossings()
             pair = [i for i in found.surfaces if i < len(self.sessions)]
-            may = [i for i in pair if self._apart[i] and self.sessions[i].model.free]
-            ways = [(self._way_out(i, [other for other in pair if other != i]), i) for i in may if found.pairs]
-            lengths = [np.inf if way is None else float(np.linalg.norm(way)) for way, _ in ways]
-            if found.surfaces[0] == found.surfaces[1] or min(lengths, default=np.inf) == np.inf:
+            if not found.pairs or found.surfaces[0] == found.surfaces[1]:
                 return
-            way, i = ways[int(np.argmin(lengths))]
-            body = self._bodies[i]
-            assert way is not None
-            body.set_state(body.positions() + way[:, None], body.velocities())
+            clear = [(i, self._cleared(i, [other for other in pair if other != i])) for i in pair if self._apart[i]]
+            places = [(self._bodies[i], x) for i, x in clear if x is not None]
+            if not places:
+                return
+            body, x = min(places, key=lambda each: float(np.abs(each[1] - each[0].positions()).max()))
+            body.set_state(x, body.velocities())
 
-    def _way_out(self, index: int, others: Sequence[int]) -> Floats | None:
-        """Return the shortest way (3,) [m] of a body out of some other bodies and all colliders, None without one."""
-        body, bodies = self._bodies[index], [self._bodies[i] for i in others]
+    def _cleared(self, index: int, others: Sequence[int]) -> Floats | None:
+        """Return where a body (3, n) [m] is clear of some other bodies and all colliders, None where nowhere."""
+        body, bodies, backend = self._bodies[index], [self._bodies[i] for i in others], self.sessions[0].backend
         at = [Collider(other.positions(), other.model.mesh.triangles) for other in bodies]
         at += [c._replace(positions=x) for c, x in zip(self.colliders, self._at, strict=True)]
         triangles = body.model.mesh.triangles
-        return way_out(body, body.positions().T, triangles, at, backend=self.sessions[0].backend)
+        if not body.model.free:
+            return pressed_clear(body, body.model.held, triangles, at, backend=backend)
+        way = way_out(body, body.positions().T, triangles, at, backend=backend)
+        return None if way is None else body.positions() + way[:, None]
 
     def _make(self) -> None:
         """Make what steps, of the bodies that the sessions have now."""

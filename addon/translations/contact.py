@@ -21,9 +21,9 @@ WORDS = {
     "Self Contact": "自己接触",
     "The body does not pass through itself where it folds": "折り重なったところで、物体が自分自身を突き抜けません",
     "Move Apart": "離しておく",
-    "Where the body intersects something at the start, it is moved out as a whole by the shortest way; "
-    "otherwise, and where it is pinned, that is refused": (
-        "開始時に物体が何かと交差していれば、物体全体を最短の向きに動かして離します。"
-        "オフのとき、または固定されているときは、交差があれば開始できません"
+    "Where the body intersects something at the start, it is moved out as a whole by the shortest way, "
+    "or pressed flat towards its pins; otherwise that is refused": (
+        "開始時に物体が何かと交差していれば、物体全体を最短の向きに動かして離すか、固定部分に向けて押しつぶします。"
+        "オフのときは、交差があれば開始できません"
     ),
 }

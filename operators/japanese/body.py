@@ -193,8 +193,8 @@ MESSAGES = {
         "物理演算 > Dimple > 接触で自己接触をオフにしてください。"
     ),
     '"{}" and "{}" intersect at ({}) mm, {} pairs of faces in all. Move them apart, or switch on Move Apart for a body '
-    "that is not pinned.": (
-        '"{}" と "{}" が交差しています。位置 ({}) mm、交差する面は全部で {} 組です。離すか、固定されていない物体の'
+    "that has room.": (
+        '"{}" と "{}" が交差しています。位置 ({}) mm、交差する面は全部で {} 組です。離すか、逃げ場のある物体の'
         "「引き離す」をオンにしてください。"
     ),
     'Collider "{}" has another number of vertices than at the start, or a coordinate that is not a number. Reset, '

@@ -160,10 +160,25 @@ def test_a_body_that_is_to_be_moved_apart_starts_just_clear_and_has_no_speed_fro
     world.check()
 
 
-def test_what_is_pinned_or_passes_through_itself_is_refused_though_it_is_to_be_moved_apart() -> None:
+@pytest.mark.parametrize("backend", ["native", "numpy"])
+def test_a_pinned_body_is_pressed_flat_out_of_what_it_intersects_and_its_pins_stay(backend: str) -> None:
+    points, faces = ball(1, RADIUS)
+    model = build_model(mesh_from_triangles(points + (0, 0, 0.03), faces), [SOFT], held=points[:, 2] > 0.02)
+    pinned = Session(model, backend=backend)
+    world = World([pinned], [table()], apart=[True])
+    x, rest = pinned.body.positions().T, model.mesh.rest_positions
+    assert np.abs(x[model.held] - rest[model.held]).max() < 1e-7
+    assert 0 < x[:, 2].min() < 0.003 and np.abs(x - rest).max() < 0.6 * RADIUS
+    world.step(0.02)
+    world.check()
+    world.reset()
+    world.check()
+
+
+def test_what_has_no_room_between_its_pins_and_a_collider_is_refused() -> None:
     points, faces = ball(2, RADIUS)
     mesh = mesh_from_triangles(points + (0, 0, 0.03), faces)
-    pinned = Session(build_model(mesh, [SOFT], held=points[:, 2] > 0.02))
+    pinned = Session(build_model(mesh, [SOFT], held=points[:, 2] < -0.02))
     with pytest.raises(DimpleError, match="intersect"):
         World([pinned], [table()], apart=[True])
 

@@ -82,14 +82,15 @@ def test_what_intersects_at_the_start_is_refused_and_nothing_is_changed(
     assert coordinates(obj) == before
 
 
+@pytest.mark.parametrize("pinned", ["NONE", "BASE"])
 def test_a_body_that_is_to_be_moved_apart_plays_where_it_would_be_refused(
     bpy: ModuleType, scene: Any, pushed: Callable[[], tuple[Any, Any]], coordinates: Callable[[Any], bytes],
-    shown: Shown,
+    shown: Shown, pinned: str,
 ) -> None:
     obj, cube = pushed()
     cube.animation_data_clear()
     cube.location = (0, 0, 1.9)
-    obj.dimple.pinned, obj.dimple.move_apart = "NONE", True
+    obj.dimple.pinned, obj.dimple.move_apart = pinned, True
     before = coordinates(obj)
     assert bpy.ops.dimple.play(seconds=0.1) == {"FINISHED"}
     assert shown(obj)[:, 2].max() < 0.91
