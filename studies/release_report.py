@@ -57,7 +57,7 @@ def add_release(command: argparse.ArgumentParser) -> None:
 
 
 def run_release(options: argparse.Namespace) -> int:
-    """Press, print what did not come back, and sum up."""
+    """Press, print what did not come back, and sum up; the exit code is 1 where something did not."""
     materials = [
         (name, material if options.spread is None else replace(material, spread=1e-3 * options.spread))
         for name, material in MATERIALS.items()
@@ -88,7 +88,7 @@ def run_release(options: argparse.Namespace) -> int:
             options.json.write_text(json.dumps({**total, "rows": rows}, indent=1) + "\n", encoding="utf-8")
         except OSError as error:
             raise DimpleError(f"{options.json} cannot be written: {error.strerror}.") from None
-    return 0
+    return int(not all(one.back for one in found))
 
 
 def line(one: Release) -> str:

@@ -52,7 +52,7 @@ def test_a_body_on_a_slope_holds_up_to_the_angle_of_friction(angle: float, slide
         wanted = GRAVITY * (np.sin(a) - FRICTION * np.cos(a)) * 0.4**2 / 2
         assert way == pytest.approx(wanted, rel=0.15)
     else:
-        assert abs(way) < 2e-3
+        assert abs(way) < 3e-4, "what it shears as it settles"
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
