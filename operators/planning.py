@@ -11,10 +11,11 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
+import numpy as np
 
 from ..core.base import DimpleError
-from ..core.reduction.planner import Plan, plan, plan_full_mesh, plan_proxy
-from ..core.reduction.proxy import build_proxy, with_constants
+from ..core.reduction.planner import Maker, Plan, carry_out, decide, plan_full_mesh, plan_proxy
+from ..core.reduction.proxy import build_proxy, mean_spacing, with_constants
 from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
 from . import bridge, contact, identified
@@ -41,32 +42,41 @@ _choices: dict[str, Choice] = {}
 _moving: list[tuple[Mesh, Proxy | None]] = []  # what was chosen for the last meshes, whatever their materials are
 
 
-def proxy_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> tuple[Proxy | None, str]:
+def proxy_for(
+    scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
+) -> tuple[Proxy | None, str]:
     """Return the proxy of an object, None for the full mesh, and the reason where the choice is new.
+
+    Args:
+        moving: what moves in place of this very model already.
 
     Raises:
         DimpleError: the proxy that was asked for cannot be made.
     """
-    found: tuple[Proxy | None, str] = at_once(planning_for(scene, obj, model))
+    found: tuple[Proxy | None, str] = at_once(planning_for(scene, obj, model, moving))
     return found
 
 
-def planning_for(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> Parts:
+def planning_for(
+    scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
+) -> Parts:
     """Plan an object in parts; see `proxy_for`."""
     if contact.is_on(scene) or model.rigged:  # what carries the skin of a proxy knows one shape at rest
         return None, ""
-    settings, now = obj.dimple, key(scene, obj, model)
+    settings, now, build = obj.dimple, key(scene, obj, model), partial(_proxy, moving)
     known, old = settings.plan_key == now, _choices.get(now)
     if old:
         proxy = with_constants(old.proxy, model) if old.proxy else None  # gravity and ground are its own
         made = old._replace(proxy=proxy)
     elif known:
         vertices = settings.plan_vertices
-        proxy = (yield 0.6, partial(build_proxy, model, vertices)) if vertices else None
+        proxy = (yield 0.6, partial(build, model, vertices)) if vertices else None
         made = Choice(proxy, vertices, settings.plan_reason)
     else:
         try:
-            chosen = yield 0.6, partial(choosing(scene, obj), model)
+            reason, make = choosing(scene, obj)(model)
+            settings.plan_key, settings.plan_reason = "", reason  # to be read while a proxy is made
+            chosen = yield 0.6, partial(make, build)
         except DimpleError as error:
             way_out = ""
             if settings.simulated == "PROXY":
@@ -92,22 +102,52 @@ def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Callable[[
     if obj is None or contact.is_on(bpy.context.scene):
         return lambda: None
     planned = choosing(bpy.context.scene, obj)
-    return lambda: planned(model()).proxy
+    return lambda: planned(model())[1](build_proxy).proxy
 
 
 identified.choosing.append(_to_identify)
 
 
-def choosing(scene: bpy.types.Scene, obj: bpy.types.Object) -> Callable[[Model], Plan]:
-    """Return what plans how an object is simulated, by the settings that it has now."""
+def _proxy(moving: Proxy | None, model: Model, vertices: int) -> Proxy:
+    """Return a proxy of a model; one of as many vertices that such a mesh had before only needs other constants.
+
+    Raises:
+        DimpleError: it cannot be made.
+    """
+    spacing = mean_spacing(model.mesh, vertices)
+    if moving and moving.spacing == spacing:
+        return moving
+    for mesh, proxy in [*_moving]:
+        if proxy and proxy.spacing == spacing and _are_alike(mesh, model.mesh):
+            return with_constants(proxy, model)
+    return build_proxy(model, vertices)
+
+
+def _are_alike(mesh: Mesh, other: Mesh) -> bool:
+    pairs = (mesh.rest_positions, other.rest_positions), (mesh.triangles, other.triangles)
+    return mesh is other or all(np.array_equal(*pair) for pair in pairs)
+
+
+def choosing(
+    scene: bpy.types.Scene, obj: bpy.types.Object
+) -> Callable[[Model], tuple[str, Callable[[Maker], Plan]]]:
+    """Return what decides how a model is simulated, by the settings that its object has now.
+
+    That returns why, "" where the settings say it, and what makes it; it raises a DimpleError where nothing can be
+    simulated.
+    """
     wanted, radius, budget = obj.dimple.to_plan(), scene.dimple.finger_radius_mm / 1e3, budget_of(scene, obj)
-    if wanted["simulated"] == "mesh":
-        return partial(plan_full_mesh, budget=budget)
-    if wanted["simulated"] == "proxy":
-        return partial(plan_proxy, vertices=wanted["vertices"], radius=radius, budget=budget)
-    return partial(
-        plan, tolerance=wanted["tolerance"], force_tolerance=wanted["force_tolerance"], radius=radius, budget=budget
-    )
+    tolerance, force_tolerance = wanted["tolerance"], wanted["force_tolerance"]
+
+    def by_settings(model: Model) -> tuple[str, Callable[[Maker], Plan]]:
+        if wanted["simulated"] == "mesh":
+            return "", lambda build: plan_full_mesh(model, budget=budget)
+        if wanted["simulated"] == "proxy":
+            return "", lambda build: plan_proxy(model, wanted["vertices"], radius=radius, budget=budget, build=build)
+        decided = decide(model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget)
+        return decided.reason, partial(carry_out, decided)
+
+    return by_settings
 
 
 def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
@@ -125,7 +165,7 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
         law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, law.d0, law.damping, law.tension,
         law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction,
     ):  # fmt: skip
-        number = zlib.crc32(array.tobytes(), number)
+        number = zlib.crc32(np.ascontiguousarray(array), number)
     around = (scene.dimple.finger_radius_mm, budget_of(scene, obj))
     words = (model.law_set, model.pressure.fill, *around, *obj.dimple.to_plan().values())
     return f"{zlib.crc32(repr(words).encode(), number):08x}"

@@ -147,7 +147,7 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
         return []
     body.changed_at = None
     try:
-        proxy, reason = planning.proxy_for(context.scene, obj, session.model)
+        proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy)
         if (len(proxy.seeds) if proxy else 0) != (len(session.proxy.seeds) if session.proxy else 0):
             session.change(session.model, proxy=proxy)
     except DimpleError as error:

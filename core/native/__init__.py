@@ -174,8 +174,8 @@ def small_press() -> tuple[Model, Motion]:
     model = build_model(
         mesh, [Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.1)], gravity=(0, 0, -9.81), ground=-0.05
     )
-    tip = FingertipMotion.straight((0.003, 0.001, 0.0605), (0.003, 0.001, 0.0585), ticks=10, radius=0.01)
-    return model, Motion(ticks=10, substeps=model.substeps(1e-3), tick=1e-3, fingertips=(tip,))
+    tip = FingertipMotion.straight((0.003, 0.001, 0.0605), (0.003, 0.001, 0.0585), ticks=4, radius=0.01)
+    return model, Motion(ticks=4, substeps=model.substeps(1e-3), tick=1e-3, fingertips=(tip,))
 
 
 _loaded: list[ctypes.CDLL] = []

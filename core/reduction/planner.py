@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
 
 from .. import native
@@ -36,6 +37,7 @@ TRIES = 5
 DENSER = 1.25  # where no proxy can be made, the factor of vertices to the next attempt
 
 _Result = TypeVar("_Result")
+Maker = Callable[[Model, int], Proxy]  # of a proxy
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,15 +65,45 @@ class Plan:
     reason: str
 
 
-def plan(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Decision:
+    """What is to be simulated, before it is made.
+
+    model, tolerance, force_tolerance, radius, budget: what was to be decided, see `decide`.
+    cost: of the full mesh, infinite where it is too stiff for any step.
+    keeping, least: vertices of a proxy that stays within the tolerances, and within STRETCH times them.
+    vertices: of the proxy to be made, 0 for the full mesh.
+    because: how the reason begins where the full mesh does not run live.
+    reason: a sentence for the artist.
+    """
+
+    model: Model
+    tolerance: float
+    force_tolerance: float
+    radius: float
+    budget: float
+    cost: float
+    keeping: int
+    least: int
+    vertices: int
+    because: str
+    reason: str
+
+
+def plan(model: Model, **settings: float) -> Plan:
+    """Choose between the full mesh and its proxies, and make the proxy; see `decide` and `carry_out`."""
+    return carry_out(decide(model, **settings))
+
+
+def decide(
     model: Model,
     *,
     tolerance: float = TOLERANCE,
     force_tolerance: float = FORCE_TOLERANCE,
     radius: float = 0.01,
     budget: float = BUDGET,
-) -> Plan:
-    """Choose between the full mesh and its proxies.
+) -> Decision:
+    """Choose between the full mesh and its proxies, without making one.
 
     Args:
         tolerance: allowed root-mean-square error of the surface over a dent [m].
@@ -82,37 +114,60 @@ def plan(
     Raises:
         DimpleError: the material is too stiff for the mesh, and no proxy can be made.
     """
-    wanted = vertices_for(model, tolerance / MARGIN, force_tolerance / MARGIN, radius)
+    wanted, keeping, least = (
+        vertices_for(model, k * tolerance, k * force_tolerance, radius) for k in (1 / MARGIN, 1.0, STRETCH)
+    )
+    most, because = most_of(model), "The full mesh is too stiff to simulate"
     try:
         cost = cost_of(model)
-    except DimpleError as too_stiff:  # for any step; a proxy has longer edges, so it may take longer steps
-        because = "The full mesh is too stiff to simulate"
-        try:
-            return plan_proxy(model, wanted, radius=radius, budget=budget, because=because)
-        except DimpleError as none:
-            raise too_stiff from none
+        because = f"The full mesh would run at {_times(budget / cost)} real time ({_work(model)})"
+    except DimpleError:  # for any step; a proxy has longer edges, so it may take longer steps
+        cost = math.inf
+    decided = Decision(
+        model=model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget, cost=cost,
+        keeping=keeping, least=least, vertices=0, because=because, reason="",
+    )  # fmt: skip
     if cost <= budget:
-        return _full_mesh(model, cost, f"The full mesh runs live: {_work(model)}.")
-    slow = f"The full mesh would run at {_times(budget / cost)} real time ({_work(model)})"
+        return replace(decided, reason=f"The full mesh runs live: {_work(model)}.")
     try:
         check(model)
-        keeping, least = (vertices_for(model, k * tolerance, k * force_tolerance, radius) for k in (1.0, STRETCH))
-        most, near = most_of(model), f"{1e3 * tolerance:.3g} mm and {force_tolerance:.0%}"
-        too_few = DimpleError(f"no proxy of up to {most:,} vertices is within {near}")
         if least > most:
-            raise too_few
-        chosen = plan_proxy(model, min(wanted, most), radius=radius, budget=budget, because=slow)
-        fewer = int(chosen.vertices * budget / chosen.cost)  # they take no more steps
-        if least <= fewer < chosen.vertices:
-            chosen = plan_proxy(model, fewer, radius=radius, budget=budget, because=slow)
-        if keeping > most and chosen.cost > budget:
-            raise too_few
+            raise _too_few(decided)
     except DimpleError as error:
-        return _full_mesh(model, cost, f"{slow}. It is simulated anyway: {error}.")
-    if chosen.cost >= cost:
-        why = "no proxy within the tolerances is faster"
-        return _full_mesh(model, cost, f"{slow}. It is simulated anyway: {why}.")
-    if chosen.error > tolerance or chosen.force_error > force_tolerance:
+        return replace(decided, reason=_anyway(decided, error))
+    number = min(wanted, most)
+    near = _near(*expected(model, number, radius))
+    return replace(decided, vertices=number, reason=f"{because}. A proxy of {number:,} vertices is {near}.")
+
+
+def carry_out(decided: Decision, build: Maker = build_proxy) -> Plan:
+    """Make the proxy that was decided on.
+
+    Its steps are known then, so one that does not run live may give way to one of fewer vertices; where none can be
+    made, the full mesh is simulated.
+
+    Args:
+        build: makes a proxy of a model and a number of vertices.
+
+    Raises:
+        DimpleError: the material is too stiff for the mesh, and no proxy can be made.
+    """
+    model, budget = decided.model, decided.budget
+    if not decided.vertices:
+        return _full_mesh(model, decided.cost, decided.reason)
+    make = partial(plan_proxy, model, radius=decided.radius, budget=budget, because=decided.because, build=build)
+    try:
+        chosen = make(decided.vertices)
+        fewer = int(chosen.vertices * budget / chosen.cost)  # they take no more steps
+        if decided.least <= fewer < chosen.vertices:
+            chosen = make(fewer)
+        if chosen.cost > budget and decided.keeping > most_of(model):
+            raise _too_few(decided)
+        if chosen.cost >= decided.cost:
+            raise DimpleError("no proxy within the tolerances is faster")
+    except DimpleError as error:
+        return _full_mesh(model, decided.cost, _anyway(decided, error))
+    if chosen.error > decided.tolerance or chosen.force_error > decided.force_tolerance:
         return replace(chosen, reason=f"{chosen.reason} A proxy within the tolerances would not run live.")
     return chosen
 
@@ -130,6 +185,7 @@ def plan_proxy(
     radius: float,
     budget: float = BUDGET,
     because: str = "",
+    build: Maker = build_proxy,
 ) -> Plan:
     """Return the plan that simulates a proxy of about the given number of vertices.
 
@@ -139,17 +195,18 @@ def plan_proxy(
         radius: of the fingertips [m].
         budget: processor time [s] for a second of motion.
         because: how the reason of the plan begins; "" where the artist chose.
+        build: makes a proxy of a model and a number of vertices.
 
     Raises:
         DimpleError: no such proxy can be made; the message says why.
     """
-    proxy, vertices = _first(vertices, lambda n: build_proxy(model, n))
+    proxy, vertices = _first(vertices, lambda n: build(model, n))
     cost, moved = cost_of(proxy.model), len(proxy.seeds)
-    error, force_error = expected(proxy, radius)
+    error, force_error = expected(model, vertices, radius)
     speed = "runs live" if cost <= budget else f"runs at {_times(budget / cost)} real time"
     reason = (
-        f"{because or 'As chosen'}. A proxy of {moved:,} vertices {speed}, within {1e3 * error:.2g} mm and "
-        f"{force_error:.0%} of the force."
+        f"{because or 'As chosen'}. A proxy of {moved:,} vertices {speed}, "
+        f"{_near(error, force_error)}."
     )
     return Plan(
         proxy=proxy, asked=vertices, vertices=moved, steps=proxy.model.substeps(TICK), cost=cost, error=error,
@@ -181,9 +238,9 @@ def vertices_for(model: Model, tolerance: float, force_tolerance: float, radius:
     return max(math.ceil((mean_spacing(model.mesh, 1) / spacing) ** 2), SMALLEST)
 
 
-def expected(proxy: Proxy, radius: float) -> tuple[float, float]:
+def expected(model: Model, vertices: int, radius: float) -> tuple[float, float]:
     """Return the errors of the surface [m] and of the force (a share) that a proxy should keep, by the fit."""
-    share, wide = proxy.spacing / radius, spread_of(proxy.model) / radius
+    share, wide = mean_spacing(model.mesh, vertices) / radius, spread_of(model) / radius
     return radius * _fitted(ERROR, share, wide), min(_fitted(FORCE_ERROR, share, wide), 1.0)
 
 
@@ -215,6 +272,25 @@ def _full_mesh(model: Model, cost: float, reason: str) -> Plan:
 
 def _work(model: Model) -> str:
     return f"{len(model.mass):,} vertices at {model.substeps(TICK)} steps per millisecond"
+
+
+def _near(error: float, force_error: float) -> str:
+    return f"within {1e3 * error:.2g} mm and {force_error:.0%} of the force"
+
+
+def _too_few(decided: Decision) -> DimpleError:
+    near = f"{1e3 * decided.tolerance:.3g} mm and {decided.force_tolerance:.0%}"
+    return DimpleError(f"no proxy of up to {most_of(decided.model):,} vertices is within {near}")
+
+
+def _anyway(decided: Decision, why: DimpleError) -> str:
+    """Return the reason to simulate the full mesh though it is slow.
+
+    Raises:
+        DimpleError: it is too stiff.
+    """
+    cost_of(decided.model)
+    return f"{decided.because}. It is simulated anyway: {why}."
 
 
 def _times(speed: float) -> str:

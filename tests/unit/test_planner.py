@@ -14,7 +14,7 @@ from core.mesh.surface import base_vertices
 from core.reduction import planner
 from core.reduction.benchmark import choose_presses, compare_proxies
 from core.reduction.planner import Plan, plan
-from core.reduction.proxy import build_proxy
+from core.reduction.proxy import Proxy, build_proxy
 from core.session import Finger, Session
 from studies import bodies
 from studies.scenes import BALL, ball, cube
@@ -156,6 +156,34 @@ def test_a_proxy_that_misses_the_tolerances_says_so(round_model: Model) -> None:
 def test_the_cost_counts_vertices_and_steps(round_model: Model) -> None:
     cost = planner.NUMPY_COST if native.why_not() else planner.NATIVE_COST
     assert planner.cost_of(round_model) == pytest.approx(2562 * round_model.substeps(1e-3) * cost / 1e-3)
+
+
+def test_a_plan_is_explained_before_a_proxy_is_made(round_model: Model) -> None:
+    """On a million vertices to make one takes seconds, where a plan is to be there at once."""
+    decided = planner.decide(round_model, budget=NEVER_LIVE, tolerance=1e-3, force_tolerance=0.15, radius=0.02)
+    made: list[int] = []
+
+    def build(model: Model, vertices: int) -> Proxy:
+        made.append(vertices)
+        return build_proxy(model, vertices)
+
+    chosen = planner.carry_out(decided, build)
+    assert made == [decided.vertices] == [chosen.asked] and chosen.proxy is not None
+    because, near = decided.reason.split(f". A proxy of {decided.vertices:,} vertices is ")
+    assert chosen.reason.startswith(because) and near in chosen.reason
+
+
+def test_where_no_proxy_can_be_made_the_full_mesh_is_simulated_or_its_stiffness_is_said(round_model: Model) -> None:
+    def build(model: Model, vertices: int) -> Proxy:
+        raise DimpleError("its surface is too crumpled")
+
+    decided = planner.decide(round_model, budget=NEVER_LIVE, tolerance=1e-3, force_tolerance=0.15, radius=0.02)
+    chosen = planner.carry_out(decided, build)
+    assert chosen.proxy is None and chosen.reason.endswith("simulated anyway: its surface is too crumpled.")
+    stiff = planner.decide(replace(round_model, omega_squared=1e20), tolerance=1e-3, force_tolerance=0.15, radius=0.02)
+    assert "too stiff" in stiff.reason
+    with pytest.raises(DimpleError, match="so stiff or light on this mesh"):
+        planner.carry_out(stiff, build)
 
 
 def test_stiff_nylon_runs_for_a_fraction_of_its_work(nylon: Model) -> None:

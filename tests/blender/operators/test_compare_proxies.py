@@ -176,13 +176,13 @@ def test_bodies_that_are_alike_are_planned_once(
 ) -> None:
     from bl_ext.user_default.dimple.operators import planning
 
-    planned, plan = [], planning.plan
+    planned, decide = [], planning.decide
 
     def counted(*args: Any, **named: Any) -> Any:
         planned.append(args)
-        return plan(*args, **named)
+        return decide(*args, **named)
 
-    monkeypatch.setattr(planning, "plan", counted)
+    monkeypatch.setattr(planning, "decide", counted)
     alike = [ball(f"Ball {i}", 5) for i in range(6)]
     for obj in alike:
         obj.dimple.enabled, obj.dimple.tolerance_mm, obj.dimple.tolerance_percent = True, 2.0, 20.0
@@ -193,6 +193,25 @@ def test_bodies_that_are_alike_are_planned_once(
     stop()
     assert len(planned) == for_one <= 2
     assert {obj.dimple.plan_key for obj in alike} == {alike[0].dimple.plan_key}
+
+
+def test_another_plan_with_as_many_vertices_makes_no_other_proxy(
+    bpy: ModuleType, fine: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A proxy of a million vertices takes seconds to make, and only the mesh and a number decide where it is."""
+    from bl_ext.user_default.dimple.core.reduction import planner
+    from bl_ext.user_default.dimple.operators import planning
+
+    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 10_000)
+    first = start(bpy, fine)[0].session.proxy
+    key = fine.dimple.plan_key
+    monkeypatch.setattr(planning, "build_proxy", lambda *args: 1 / 0)
+    stop()
+    bpy.context.scene.dimple.frame_budget_percent = 80.0
+    body, said = start(bpy, fine)
+    assert fine.dimple.plan_key != key and "proxy of" in said[0]
+    assert body.session.proxy.seeds is first.seeds
+    stop()
 
 
 def test_whatever_shape_matching_pulls_with_is_part_of_what_was_planned(bpy: ModuleType, ball: Any) -> None:
