@@ -31,6 +31,7 @@ from .solver.glide import Glide, may_glide
 from .solver.motion import MAX_STEPS, Motion, PinMotion
 
 MAX_FINGERS = 3
+ROW = "V12"  # bytes of a place in single precision
 
 
 class Session:
@@ -393,8 +394,8 @@ class Session:
             return x.T
         surface, still = carry(self.proxy.binding, x), self.proxy.still
         if self._still[0] is not self._pins_origin:
-            self._still = self._pins_origin, self._pins_origin[:, still].T.astype(np.float32)
-        surface[still] = self._still[1]
+            self._still = self._pins_origin, np.ascontiguousarray(self._pins_origin[:, still].T, np.float32)
+        np.put(surface.view(ROW), still, self._still[1].view(ROW))  # a quarter of the time of surface[still]
         return surface
 
     def _skin_velocities(self) -> Floats:

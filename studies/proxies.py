@@ -17,7 +17,7 @@ import numpy as np
 from core.base import TICK, DimpleError, Floats
 from core.body.model import Model
 from core.reduction.benchmark import choose_presses, outcome_of, press_variant
-from core.reduction.planner import Plan, plan, spread_of
+from core.reduction.planner import COARSE, Plan, plan, spread_of
 from core.reduction.proxy import mean_spacing, most_of
 from core.steps import result_of
 
@@ -206,8 +206,14 @@ def rows(benchmark: ProxyBenchmark) -> list[Row]:
 
 
 def fit(found: Sequence[Row]) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return the planner's ERROR and FORCE_ERROR: least squares of the logarithms."""
+    """Return the planner's ERROR and FORCE_ERROR: least squares of the logarithms, on either side of COARSE."""
     log = np.log([(row.share, row.spread, row.error, row.force_error) for row in found])
-    solved = np.linalg.lstsq(np.column_stack([np.ones(len(log)), log[:, :2]]), log[:, 2:], rcond=None)[0].T
-    ((factor, *powers), (force_factor, *force_powers)) = solved.tolist()
-    return (math.exp(factor), *powers), (math.exp(force_factor), *force_powers)
+    coarse = log[:, 0] > math.log(COARSE)
+    share, spread, error, force_error = log[~coarse].T
+    one = np.ones(len(share))
+    (factor, *powers), *_ = np.linalg.lstsq(np.column_stack([one, share, spread]), error, rcond=None)
+    (force_factor, force_power), *_ = np.linalg.lstsq(np.column_stack([one, share]), force_error, rcond=None)
+    beyond = log[coarse, 0] - math.log(COARSE)
+    more = log[coarse, 3] - (force_factor + force_power * math.log(COARSE))
+    coarse_power = float(more @ beyond / (beyond @ beyond))
+    return (math.exp(factor), *map(float, powers)), (math.exp(force_factor), float(force_power), coarse_power)

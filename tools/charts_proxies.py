@@ -15,9 +15,10 @@ from studies.proxies import COARSEST, FINEST, GROWTH, KEPT, LINE, PRESSES, Candi
 
 from .drawing import save, table, write_csv
 
-FITS = (  # field of a row, label, the planner's fit
-    ("error", "surface: error over fingertip radius", planner.ERROR),
-    ("force_error", "force: error as a share", planner.FORCE_ERROR),
+FORCE_FACTOR, FORCE_POWER, COARSE_POWER = planner.FORCE_ERROR
+FITS = (  # field of a row, label, the planner's fit: factor, power and power of the spread, and power beyond COARSE
+    ("error", "surface: error over fingertip radius", (*planner.ERROR, planner.ERROR[1])),
+    ("force_error", "force: error as a share", (FORCE_FACTOR, FORCE_POWER, 0.0, COARSE_POWER)),
 )
 
 
@@ -88,16 +89,17 @@ def write_ladders(out: Path, benchmarks: Sequence[ProxyBenchmark]) -> None:
 
 
 def draw_fit(
-    axes: Axes, known: Sequence[Row], unseen: Sequence[Row], what: str, fit: tuple[float, float, float]
+    axes: Axes, known: Sequence[Row], unseen: Sequence[Row], what: str, fit: tuple[float, float, float, float]
 ) -> None:
     """Draw the errors of proxies against their spacing, less what the spread explains, and the planner's fit."""
-    factor, power, spread_power = fit
+    factor, power, spread_power, coarse_power = fit
     for rows, marker, label in ((known, "o", "fitted bodies"), (unseen, "x", "unseen bodies")):
         less = [getattr(r, what) / r.spread**spread_power for r in rows]
         axes.loglog([r.share for r in rows], less, marker, ms=4, alpha=0.6, label=label)
-    share = np.array([FINEST, COARSEST])
-    label = f"planner: {factor:g} (h / R)^{power:g} (s / R)^{spread_power:g}, drawn for s = R"
-    axes.loglog(share, factor * share**power, "k-", label=label)
+    share = np.array([FINEST, planner.COARSE, COARSEST])
+    line = factor * share**power * np.maximum(share / planner.COARSE, 1) ** (coarse_power - power)
+    label = f"planner: {factor:g} (h / R)^{power:g} (s / R)^{spread_power:g} to {planner.COARSE:g}, drawn for s = R"
+    axes.loglog(share, line, "k-", label=label)
     axes.set_xlabel("spacing of the proxy over fingertip radius, h / R")
     axes.legend(frameon=False, fontsize=8)
 

@@ -32,13 +32,16 @@ DM_INLINE void dm_carry_some(const dm_binding *of, const float *motions, float *
     }
 }
 
-/* Return DM_INDEX, and carry nothing, where a vertex follows one that there is not. */
+/* Return DM_INDEX, and carry no more, where a vertex follows one that there is not. */
 static int32_t dm_carry_surface(const dm_binding *of, const float *motions, float *skin) {
-    int64_t i = 0;
-    uint16_t most = 0;
-    for (int64_t k = 0; k < DM_FOLLOWED * of->vertices; k++) most = of->followed[k] > most ? of->followed[k] : most;
-    if (most >= of->seeds) return DM_INDEX;
-    for (; i + DM_ABREAST < of->vertices; i += DM_ABREAST) dm_carry_some(of, motions, skin, i, DM_ABREAST, 16);
-    for (; i < of->vertices; i++) dm_carry_some(of, motions, skin, i, 1, 12);
+    for (int64_t i = 0, count; i < of->vertices; i += count) {
+        uint16_t most = 0;
+        count = i + DM_ABREAST < of->vertices ? DM_ABREAST : 1;
+        for (int64_t k = DM_FOLLOWED * i; k < DM_FOLLOWED * (i + count); k++)
+            most = of->followed[k] > most ? of->followed[k] : most;
+        if (most >= of->seeds) return DM_INDEX;
+        if (count == 1) dm_carry_some(of, motions, skin, i, 1, 12);
+        else dm_carry_some(of, motions, skin, i, DM_ABREAST, 16);
+    }
     return DM_OK;
 }

@@ -13,6 +13,7 @@ from .body import NativeError
 from .definition import fields
 
 FOLLOWED = 8  # vertices of a proxy that a vertex of its surface follows
+LINE = 16  # numbers of single precision in a line of the cache
 Shorts = npt.NDArray[np.uint16]
 
 
@@ -37,8 +38,10 @@ def carry(
         raise NativeError("an array has the wrong size")
     given = [np.ascontiguousarray(array) for array in (followed, weights, rest)]
     binding = CBinding(len(rest), len(motions), *(array.ctypes.data for array in given), tuple(centre.tolist()))
-    motions, skin = np.ascontiguousarray(motions), np.empty((len(rest), 3), np.float32)
-    code = library.dm_carry(byref(binding), motions.ctypes.data, skin.ctypes.data)
+    skin, room = np.empty((len(rest), 3), np.float32), np.empty(motions.size + LINE, np.float32)
+    begin = -(room.ctypes.data // room.itemsize) % LINE
+    room[begin : begin + motions.size] = motions.ravel()  # a motion is a line of the cache, not the halves of two
+    code = library.dm_carry(byref(binding), room[begin:].ctypes.data, skin.ctypes.data)
     if code:
         raise NativeError(library.dm_message(code).decode(), code)
     return skin

@@ -89,9 +89,11 @@ def motions_of(binding: Binding, positions: Floats) -> Singles:
     rest, u = binding.coarse.rest_positions, positions.T - binding.coarse.rest_positions
     i, j = binding.arms.T
     turned = vertex_normals(binding.coarse.triangles, positions.T) - binding.normals
-    stretched = np.einsum("ed,ec->edc", binding.spread, np.take(u, j, axis=0) - np.take(u, i, axis=0))  # by columns
+    along, stretched = np.take(u, j, axis=0) - np.take(u, i, axis=0), np.empty((len(i), 9))
+    for c in range(3):  # of the gradient, by columns
+        np.multiply(binding.spread, along[:, c, None], out=stretched[:, c::3])
     gradient = np.einsum("md,mc->mdc", binding.upright, turned)
-    gradient += np.add.reduceat(stretched.reshape(-1, 9), binding.starts).reshape(-1, 3, 3)
+    gradient += np.add.reduceat(stretched, binding.starts).reshape(-1, 3, 3)
     motions = np.zeros((len(rest), 4, 4), np.float32)
     motions[:, 0, :3] = u - np.einsum("mdc,md->mc", gradient, rest - binding.centre) / 2
     motions[:, 1:, :3], motions[:, :3, 3] = gradient / 2, rest

@@ -139,6 +139,7 @@ MESSAGES = {
     "As chosen, the full mesh: {}, at {} real time.": "選択どおり元のメッシュ（{}）、実時間の {} の速さです。",
     "runs at {} real time": "は実時間の {} の速さで動き",
     "runs live": "は実時間で動き",
+    "is to be made": "をこれから作り",
     "As chosen": "選択どおりです",
     "{} A proxy within the tolerances would not run live.": "{}許容差に収まる代理メッシュでは実時間で動きません。",
     "{}. A proxy of {} vertices {}, within {} mm and {} of the force.": (
