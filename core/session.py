@@ -393,9 +393,11 @@ class Session:
         if self.proxy is None:
             return x.T
         surface, still = carry(self.proxy.binding, x), self.proxy.still
-        if self._still[0] is not self._pins_origin:
-            self._still = self._pins_origin, np.ascontiguousarray(self._pins_origin[:, still].T, np.float32)
-        np.put(surface.view(ROW), still, self._still[1].view(ROW))  # a quarter of the time of surface[still]
+        origin, places = self._still
+        if places is None or origin is not self._pins_origin:
+            places = np.ascontiguousarray(self._pins_origin[:, still].T, np.float32)
+            self._still = self._pins_origin, places
+        np.put(surface.view(ROW), still, places.view(ROW))  # a quarter of the time of surface[still]
         return surface
 
     def _skin_velocities(self) -> Floats:
