@@ -1,7 +1,8 @@
 """Cut triangles whose edges are too long for a fingertip, in the shape they have.
 
 Long edges are halved, round by round, and between triangles that lie nearly in one plane edges are flipped to
-Delaunay's, so that fans and slivers become even: blunt triangles scatter the force from place to place. The vertices
+Delaunay's, so that fans and slivers become even: blunt triangles scatter the force from place to place. The sides of a
+narrow strip come first, for what lies across it is short then, and a vertex in its middle too many. The vertices
 there were come first, bit for bit, so what is known of them is known of the refined surface: a new vertex has the mean
 of the two ends of its edge.
 """
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Floats, Ints, sums_at
+from ..base import Bools, Floats, Ints, sums_at
 
 COARSE = 1.1  # fingertip radii: longer edges press wrong (a torus by a half, a cube sideways by a quarter), and
 COARSE_SHARE = 0.05  # of the surface between such edges is enough for that
@@ -20,6 +21,7 @@ FINE = 0.83  # fingertip radii: the longest edge that is left; uneven balls then
 MOST = 8000  # vertices: more do not run live beside Blender's own work
 LONGER = 1.1  # times as long may edges be where that leaves too many vertices
 EVEN = 0.45  # of the square of the longest edge: area of a vertex where all edges are about as long
+NARROW = 0.6  # of the longest edge: how wide a strip is at most that gets no vertex in its middle
 STEP = 0.7  # of the longest edge: what is halved in one round
 ROUNDS, FLIPS = 40, 24
 FLAT = 0.01  # below 1: cosine between the normals of triangles nearly in one plane, within 8 degrees
@@ -87,7 +89,10 @@ def _refined(positions: Floats, triangles: Ints, kinds: Ints, longest: float, mo
         triangles = _flipped(now, triangles, kinds[origin])
         edges, of_triangle = _edges(triangles, len(now))
         lengths = np.linalg.norm(now[edges[:, 0]] - now[edges[:, 1]], axis=1)
-        long = lengths > max(longest, STEP * float(lengths.max()))  # the longest first: then flips have room
+        # across a narrow strip only where nothing else is left: once its sides are cut, flips make it short
+        cut = np.where(_across_strip(now, triangles, of_triangle, lengths, longest), 0.0, lengths)
+        cut = cut if cut.max() > longest else lengths
+        long = cut > max(longest, STEP * float(cut.max()))  # the longest first: then flips have room
         if not long.any():
             break
         if len(now) + int(long.sum()) > most:
@@ -98,6 +103,19 @@ def _refined(positions: Floats, triangles: Ints, kinds: Ints, longest: float, mo
         triangles, parent = _cut(now, triangles, middle[of_triangle])
         origin = origin[parent]
     return Refinement(before=len(positions), rounds=tuple(found), triangles=triangles, origin=origin)
+
+
+def _across_strip(positions: Floats, triangles: Ints, of_triangle: Ints, lengths: Floats, longest: float) -> Bools:
+    """Return which edges (m,) lie between two triangles in one plane that are both narrower than what is to be left."""
+    areas, _ = _sizes(positions, triangles)
+    half, every = of_triangle.ravel(), np.repeat(areas, 3)
+    count = np.bincount(half, minlength=len(lengths))
+    normals = np.repeat(_unit_normals(positions, triangles), 3, axis=0)
+    mean = np.stack([sums_at(half, axis, len(lengths)) for axis in normals.T]) / np.maximum(count, 1)
+    widest = np.zeros(len(lengths))
+    np.maximum.at(widest, half, every)
+    flat = (mean**2).sum(axis=0) > 1 - FLAT / 2
+    return (count == 2) & flat & (2 * widest < NARROW * longest * lengths)
 
 
 def _sizes(positions: Floats, triangles: Ints) -> tuple[Floats, Floats]:

@@ -28,12 +28,21 @@ def cylinder() -> tuple[Floats, Ints]:
     return np.concatenate([rim, rim * (1, 1, -1)]), np.concatenate(sides + ends)
 
 
+def cone() -> tuple[Floats, Ints]:
+    """Blender's cone: its flank are strips that narrow to a point, too bent between them for flips."""
+    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    rim = 0.0825 * np.stack([np.cos(angle), np.sin(angle), -np.ones(SIDES)], axis=1)
+    i, fan = np.arange(SIDES), np.arange(1, SIDES - 1)
+    flank, lid = np.stack([i, (i + 1) % SIDES, 0 * i + SIDES], axis=1), np.stack([0 * fan, fan + 1, fan], axis=1)
+    return np.append(rim, [[0, 0, 0.0825]], axis=0), np.concatenate([flank, lid])
+
+
 def refined(positions: Floats, triangles: Ints, **how: int) -> tuple[Refinement, Mesh]:
     found = refine(positions, triangles, np.zeros(len(triangles), int), RADIUS, **how)
     return found, mesh_from_triangles(found.at_vertices(positions), found.triangles)
 
 
-@pytest.mark.parametrize("shape", [cube, cylinder])
+@pytest.mark.parametrize("shape", [cube, cylinder, cone])
 def test_a_refined_surface_has_the_same_shape_and_its_own_vertices_first(shape) -> None:
     positions, triangles = shape()
     before = mesh_from_triangles(positions, triangles)
@@ -45,14 +54,26 @@ def test_a_refined_surface_has_the_same_shape_and_its_own_vertices_first(shape) 
     assert is_coarse(positions, triangles, RADIUS) and not is_coarse(mesh.rest_positions, mesh.triangles, RADIUS)
 
 
+def evenness(mesh: Mesh, which: np.ndarray) -> np.ndarray:
+    """Return for some triangles how near they are to having equal sides: 1 where they do."""
+    corners = mesh.rest_positions[mesh.triangles[which]]
+    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    return 4 * np.sqrt(3) * mesh.triangle_areas[which] / (sides**2).sum(axis=1)
+
+
 def test_flips_make_fans_of_slivers_even() -> None:
     positions, triangles = cylinder()
     _, mesh = refined(positions, triangles)
     end = (mesh.rest_positions[mesh.triangles][:, :, 2] > 0.0825 * (1 - 1e-9)).all(axis=1)
-    areas, corners = mesh.triangle_areas[end], mesh.rest_positions[mesh.triangles[end]]
-    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    shape = 4 * np.sqrt(3) * areas / (sides**2).sum(axis=1)  # 1 where all sides are equal
-    assert np.median(shape) > 0.8 and np.average(shape > 0.5, weights=areas) > 0.9
+    shape = evenness(mesh, end)
+    assert np.median(shape) > 0.8 and np.average(shape > 0.5, weights=mesh.triangle_areas[end]) > 0.9
+
+
+def test_strips_that_narrow_to_a_point_get_no_more_vertices_than_they_need() -> None:
+    _, mesh = refined(*cone())
+    every = np.ones(len(mesh.triangles), bool)
+    assert len(mesh.rest_positions) < 1.5 * mesh.triangle_areas.sum() / (np.sqrt(3) / 2 * (0.7 * FINE * RADIUS) ** 2)
+    assert np.average(evenness(mesh, every) > 0.5, weights=mesh.triangle_areas) > 0.9
 
 
 def test_what_moves_the_vertices_carries_the_refined_surface_along_and_pins_do_not_spread() -> None:
