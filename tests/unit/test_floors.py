@@ -36,6 +36,7 @@ FLOORS = {
     "core.base": 0,
     "core.errors": 0,
     "core.steps": 0,
+    "core.vectors": 0,
     "core.material": 0,
     "core.everyday": 1,
 }
