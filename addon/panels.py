@@ -1,4 +1,4 @@
-"""The panels: Material > Dimple, Physics > Dimple, and the tab of the session in the sidebar.
+"""The panels: Physics > Dimple, and the tab of the session in the sidebar.
 
 What cannot be used now is greyed out, not hidden; a tooltip from the operator's poll says why.
 """
@@ -9,59 +9,11 @@ from ..operators import twins
 from ..operators.names import MAPS, Op
 from ..operators.sessions import identifying, sessions
 from ..operators.under_way import is_blind
-from . import calibration, device, experiment, readout
+from . import calibration, device, experiment, materials, readout, room
 from .contact import DIMPLE_PT_contact
-from .drawing import TAB, MaterialPanel, SidebarPanel, draw_notes
+from .drawing import TAB, SidebarPanel, draw_notes
 from .presets import DIMPLE_PT_material_presets
 from .tool import amounts
-
-
-def wrong_with(settings: bpy.types.PropertyGroup) -> list[str]:
-    """Return the message of the core on why the constants of a material cannot be used, if so."""
-    from ..core.base import DimpleError  # not at import: it needs numpy, and enabling must be quick
-    from ..core.material import Material
-
-    try:
-        Material(**settings.to_params())
-    except DimpleError as error:
-        return [str(error)]
-    return []
-
-
-class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):
-    """The constants of the active material."""
-
-    bl_label = "Dimple"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Show on every material of a mesh."""
-        return context.material is not None and not context.material.grease_pencil
-
-    def draw_header_preset(self, _context: bpy.types.Context) -> None:
-        """Draw the button of the presets."""
-        DIMPLE_PT_material_presets.draw_panel_header(self.layout)
-
-    def draw(self, context: bpy.types.Context) -> None:
-        """Draw the constants, then their source and what is wrong: no field moves away under the mouse."""
-        settings, layout = context.material.dimple, self.layout
-        layout.use_property_split = True
-        for names in (("K1", "K2", "x0"), ("k", "spread_mm")):
-            column = layout.column(align=True)
-            for name in names:
-                column.prop(settings, name)
-        column = layout.column(align=True)
-        column.prop(settings, "mass_from")
-        column.prop(settings, "density" if settings.mass_from == "DENSITY" else "mass_kg")
-        layout.prop(settings, "damping_ratio", slider=True)
-        layout.prop(settings, "friction", slider=True)
-        layout.prop(settings, "fill")
-        draw_notes(context, layout, wrong_with(settings), "ERROR")
-        if settings.provenance:
-            if settings.edited:
-                draw_notes(context, layout, ["The constants were edited after the measurement."], "ERROR")
-            draw_notes(context, layout, [settings.provenance], "BOOKMARKS")
 
 
 class DIMPLE_PT_body(bpy.types.Panel):
@@ -71,7 +23,6 @@ class DIMPLE_PT_body(bpy.types.Panel):
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "physics"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -111,6 +62,10 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
     """The operators of a session."""
 
     bl_label = "Dimple"
+
+    def draw_header(self, context: bpy.types.Context) -> None:
+        """Note, before what is open is drawn, that the numbers are not."""
+        room.note_readout(context.area, shown=False)
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the operators and the state of the session."""
@@ -156,6 +111,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draw the numbers with units, then the notes."""
         layout, body = self.layout, context.object
+        room.note_readout(context.area, shown=True)
         entry = sessions.get(body.session_uid) if body else None
         if entry is None:
             layout.label(text="Nothing is being pressed")
@@ -246,12 +202,12 @@ class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
 
 
 _SIDEBAR = (
-    DIMPLE_PT_session, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips, *device.SIDEBAR,
-    *experiment.SIDEBAR, DIMPLE_PT_bake, DIMPLE_PT_surroundings,
+    DIMPLE_PT_session, *materials.SIDEBAR, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips,
+    *device.SIDEBAR, *experiment.SIDEBAR, DIMPLE_PT_bake, DIMPLE_PT_surroundings,
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
 _register_properties, _unregister_properties = bpy.utils.register_classes_factory(
-    [DIMPLE_PT_material, DIMPLE_PT_body, DIMPLE_PT_contact, *calibration.PROPERTIES]
+    [*materials.PROPERTIES, DIMPLE_PT_body, DIMPLE_PT_contact, *calibration.PROPERTIES]
 )
 
 

@@ -50,6 +50,8 @@ _FIELDS = (
     ("STRETCH", "Stretch", "How much longer or shorter its edges are than at rest (%)"),
     ("SLOPE", "Slope K1", "How hard the first millimetres are, with the softness that is painted (N/mm)"),
     ("KNEE", "Knee x0", "How deep the soft part reaches, with what is painted (mm)"),
+    ("SPREAD", "Spread", "How far a dent reaches beyond the fingertip, with what is painted (mm)"),
+    ("THICKNESS", "Thickness", "How thick the surface is, with what is painted; 100 is as measured (%)"),
 )
 
 

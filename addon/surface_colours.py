@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 LEGEND = (14.0, 150.0)  # [px] of the bar, at a resolution scale of 1
 LEAST = 0.3  # of the scale: where nothing reaches that, it ends lower
-NOTHING = {"pressure": 0.1, "depth": 0.1, "stretch": 0.1, "slope": 0.01, "knee": 0.1}  # the shortest scale
+NOTHING = {"pressure": 0.1, "depth": 0.1, "stretch": 0.1, "slope": 0.01, "knee": 0.1}
+NOTHING |= {"spread": 0.1, "thickness": 1.0}  # the shortest scales
 SIGNED = {"stretch"}
 LIFT = 2e-4  # towards the viewer, as a share of the depth that is seen: the colours lie on the surface
 SHADE = 0.3  # darker where the surface turns away
@@ -209,7 +210,8 @@ def titles() -> dict[str, str]:
     """Return what each quantity is called in the language of the interface."""
     return {
         "pressure": iface_("Contact Pressure"), "depth": iface_("Depth"), "stretch": iface_("Stretch"),
-        "slope": iface_("Slope K1"), "knee": iface_("Knee x0"),
+        "slope": iface_("Slope K1"), "knee": iface_("Knee x0"), "spread": iface_("Spread"),
+        "thickness": iface_("Thickness"),
     }  # fmt: skip
 
 

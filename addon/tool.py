@@ -46,7 +46,10 @@ class DIMPLE_MT_object(bpy.types.Menu):
         """Draw the verbs."""
         layout = self.layout
         layout.operator_context = "INVOKE_REGION_WIN"
-        for verb in (Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RECORD, Op.RESET, Op.COMPARE_MATERIALS):
+        for verb in (
+            Op.MAKE_SOFT, Op.POKE, Op.PLAY, Op.RECORD, Op.RESET, Op.ADD_FINGERTIP, Op.BAKE, Op.COMPARE_MATERIALS,
+            Op.USE_MATERIAL,
+        ):  # fmt: skip
             layout.operator(verb)
 
 

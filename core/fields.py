@@ -12,6 +12,7 @@ from .reduction.cells import vertex_normals
 from .session import Session
 
 UNITS = {"pressure": "kPa", "depth": "mm", "stretch": "%", "slope": "N/mm", "knee": "mm"}
+UNITS |= {"spread": "mm", "thickness": "%"}
 REACH = 2.5  # tip radii and spreads: half the width of a profile
 
 
@@ -20,7 +21,8 @@ def field(session: Session, name: str) -> Floats:
 
     Args:
         name: "pressure", that a contact presses with, counted over the area at rest; "depth", below the surface at
-            rest; "stretch" of the edges round a vertex; "slope", K1 with the map of softness; "knee", x0 with its map.
+            rest; "stretch" of the edges round a vertex; and with what is painted "slope" K1, "knee" x0, "spread", and
+            "thickness", by which k and the mass are multiplied.
     """
     if name == "pressure":
         return pressure(session) / 1e3
@@ -28,11 +30,14 @@ def field(session: Session, name: str) -> Floats:
         return depth(session) * 1e3
     if name == "stretch":
         return 100 * stretch((session.model if session.proxy else session.bent_model()).mesh, session.skin())
-    of_material = [material.K1 if name == "slope" else material.x0 for material in session.model.materials]
-    mean, maps = _mean_of_materials(session.model.mesh, np.array(of_material)), session.model.maps
-    if name == "slope":
-        return mean / 1e3 * (maps.stiffer if maps else 1.0)
-    return mean * 1e3 * (maps.deeper if maps else 1.0)
+    model, maps = session.model, session.model.maps
+    if name == "thickness":
+        return 100 * (maps.thicker if maps else np.ones(len(model.mesh.rest_positions)))
+    unit, constant = {"slope": (1e-3, "K1"), "knee": (1e3, "x0"), "spread": (1e3, "spread")}[name]
+    mean = unit * _mean_of_materials(model.mesh, np.array([getattr(each, constant) for each in model.materials]))
+    if maps is None:
+        return mean
+    return mean * {"slope": maps.stiffer, "knee": maps.deeper, "spread": maps.wider}[name]
 
 
 def at_rest(session: Session) -> Floats:

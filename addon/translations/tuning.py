@@ -86,6 +86,15 @@ WORDS = {
     "How deep the soft part reaches, with what is painted (mm)": (
         "柔らかい部分の深さ。塗った値を含みます (mm)"
     ),
+    "How far a dent reaches beyond the fingertip, with what is painted (mm)": (
+        "くぼみが指先の外へどこまで広がるか。塗った値を含みます (mm)"
+    ),
+    "Thickness": "厚さ",
+    "How thick the surface is, with what is painted; 100 is as measured (%)": (
+        "面の厚さ。塗った値を含みます。100 は測定どおり (%)"
+    ),
+    "Material": "マテリアル",
+    "Other Constants": "その他の定数",
     "The mesh looks as it does": "メッシュの見た目のまま",
     "Shape at Rest": "元の形",
     "Draw the edges of the shape at rest where the body has left it": "物体が離れたところに、元の形の辺を描く",

@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from tests.blender.test_panels import draw
+
 SIZE = (640, 400)
 SCREEN = SimpleNamespace(width=SIZE[0], height=SIZE[1], scale=1.0, line=2.0)
 
@@ -418,10 +420,15 @@ def test_numbers_that_the_sidebar_shows_are_not_shown_twice_but_a_recording_and_
     entry.recorder = SimpleNamespace(frames=12)
     monkeypatch.setattr(haptic, "connections", [SimpleNamespace(slow=True)])
     written = lines_of(overlay, monkeypatch)
-    context = viewport(bpy, object=halves, area=SimpleNamespace(regions=[region("UI", 0, 0, 9, 9, "Dimple")]))
+    area = SimpleNamespace(regions=[region("UI", 0, 0, 9, 9, "Dimple")], as_pointer=lambda: 1)
+    context = viewport(bpy, object=halves, area=area)
     monkeypatch.setattr(overlay, "bpy", SimpleNamespace(context=context))
-    for shown in (True, False):
-        context.space_data.show_region_ui = shown
+    for sidebar, unfolded in ((True, True), (True, False), (False, True)):
+        context.space_data.show_region_ui, shown = sidebar, sidebar and unfolded
+        # as Blender draws them: the header of the session's panel always, the numbers' panel where it is unfolded
+        draw(bpy, bpy.types.DIMPLE_PT_session, object=halves, area=area)
+        if unfolded:
+            draw(bpy, bpy.types.DIMPLE_PT_readout, object=halves, area=area)
         written.clear()
         overlay.draw_numbers()
         texts = " ".join(text for text, _, _ in written)

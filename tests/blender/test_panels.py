@@ -65,7 +65,7 @@ def draw(bpy: ModuleType, panel: type, **context: Any) -> list[str]:
     """Draw a panel and return what it shows."""
     here = {name: getattr(bpy.context, name) for name in ("scene", "window_manager")}
     here |= {"object": None, "material": None, "region": SimpleNamespace(width=400)}
-    here |= {"space_data": SimpleNamespace(active_operator=None)}
+    here |= {"space_data": SimpleNamespace(active_operator=None), "area": SimpleNamespace(as_pointer=lambda: 1)}
     here["preferences"] = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))  # 0 in the background
     shown = SimpleNamespace(**{**here, **context})
     drawn: list[Any] = []

@@ -93,12 +93,12 @@ def test_every_fill_and_law_set_is_one_the_core_knows(empty_file: ModuleType, ma
 def test_a_constant_of_zero_is_reported_in_the_panel_and_a_negative_one_cannot_be_typed(
     material: Any, name: str
 ) -> None:
-    from bl_ext.user_default.dimple.addon import panels
+    from bl_ext.user_default.dimple.addon import materials
 
-    assert panels.wrong_with(material) == []
+    assert materials.wrong_with(material) == []
     setattr(material, name, -1.0)
     assert getattr(material, name) == 0.0
-    (sentence,) = panels.wrong_with(material)
+    (sentence,) = materials.wrong_with(material)
     assert "greater than 0" in sentence
 
 

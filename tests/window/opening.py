@@ -199,10 +199,6 @@ def places(area: bpy.types.Area) -> Generator[float, None, dict[str, tuple[int, 
 def fields(out: Path, check: Check) -> robot.Waits:
     """Edit the first constant of a measured material: no field may move away under the mouse."""
     area = robot.area()
-    for panel in (bpy.types.DIMPLE_PT_material, bpy.types.DIMPLE_PT_body):
-        bpy.utils.unregister_class(panel)
-        panel.bl_options = set()  # open, for the picture only
-        bpy.utils.register_class(panel)
     bpy.context.scene.render.engine = "BLENDER_WORKBENCH"  # it has no material panels and no slow preview
     area.type = "PROPERTIES"
     area.spaces.active.context = "MATERIAL"
