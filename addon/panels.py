@@ -88,6 +88,18 @@ class DIMPLE_PT_session(SidebarPanel, bpy.types.Panel):
         column.operator(Op.RESET, icon="LOOP_BACK")
         recording = entry is not None and entry.recording
         column.operator(Op.RECORD, text="Stop Recording" if recording else "Record", icon="REC", depress=recording)
+
+
+class DIMPLE_PT_state(SidebarPanel, bpy.types.Panel):
+    """What the session is doing: below the constants, so that no field moves away under the mouse."""
+
+    bl_label = ""
+    bl_parent_id = "DIMPLE_PT_session"
+    bl_options = {"HIDE_HEADER"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw the state, and how far an identification is."""
+        layout, body = self.layout, context.object
         if body is None or body.type != "MESH":
             draw_notes(context, layout, ["Select a mesh to press it."])
         elif context.window_manager.dimple.state:
@@ -202,8 +214,8 @@ class DIMPLE_PT_surroundings(SidebarPanel, bpy.types.Panel):
 
 
 _SIDEBAR = (
-    DIMPLE_PT_session, *materials.SIDEBAR, DIMPLE_PT_readout, *calibration.SIDEBAR, DIMPLE_PT_fingertips,
-    *device.SIDEBAR, *experiment.SIDEBAR, DIMPLE_PT_bake, DIMPLE_PT_surroundings,
+    DIMPLE_PT_session, *materials.SIDEBAR, DIMPLE_PT_state, DIMPLE_PT_readout, *calibration.SIDEBAR,
+    DIMPLE_PT_fingertips, *device.SIDEBAR, *experiment.SIDEBAR, DIMPLE_PT_bake, DIMPLE_PT_surroundings,
 )  # fmt: skip
 _register_sidebar, _unregister_sidebar = bpy.utils.register_classes_factory(_SIDEBAR)
 _register_properties, _unregister_properties = bpy.utils.register_classes_factory(

@@ -93,7 +93,6 @@ WORDS = {
     "How thick the surface is, with what is painted; 100 is as measured (%)": (
         "面の厚さ。塗った値を含みます。100 は測定どおり (%)"
     ),
-    "Material": "マテリアル",
     "Other Constants": "その他の定数",
     "The mesh looks as it does": "メッシュの見た目のまま",
     "Shape at Rest": "元の形",
