@@ -162,7 +162,7 @@ def test_while_the_background_identifies_the_panel_says_that_the_force_is_an_est
 
     assert identified.progress() is None
     monkeypatch.setattr(identified, "progress", lambda: share)
-    drawn = draw(bpy, bpy.types.DIMPLE_PT_session, object=body)
+    drawn = draw(bpy, bpy.types.DIMPLE_PT_state, object=body)
     assert ("Identifying: the force is an estimate so far" in drawn) == shown
 
 
