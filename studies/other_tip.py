@@ -1,8 +1,7 @@
 """A solid by finite elements, fitted through one tip: what the body then answers another, and how its dents compare.
 
-The body is full of liquid, and its bed is softer for the first millimetre: a solid's force begins with a power of the
-depth, and its dent has a long tail. Stiffness, softness and spread are those with which the force of one tip, each
-depth by its share, or that and the dents under it, come nearest to the solid's.
+The body answers in proportion and is full of liquid. Its stiffness and its spread are those with which the force of one
+tip, or that and the dents under it, come nearest to the solid's.
 """
 
 from __future__ import annotations
@@ -10,12 +9,10 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 
 from core.base import Floats
-from core.body.estimate import estimate
 from core.material import DEFAULT_MATERIAL
 from core.mesh.surface import Mesh
 from core.reduction.proxy import mean_spacing
@@ -25,16 +22,14 @@ from .dent_shape import Profile, profile
 from .solid_mesh import BALL_RADIUS
 
 LAWS, TIPS = ("linear", "neo-hookean"), (10, 20)  # of the solid; radii of the tips [mm]
-SPREADS, SOFTNESS = (12, 14, 16, 18, 20, 24), (0.2, 0.35, 0.5, 1.0)  # [mm], and of the bed's slope, that are tried
-KNEE = 0.001  # [m] displacement up to which the bed is softer
+SPREADS = (14, 16, 18, 20, 22, 24, 26)  # [mm] that are tried
 DEPTHS, DENTED = (0.001, 0.002, 0.005, 0.010, 0.015, 0.020), (0.005, 0.010, 0.020)  # [m]
 WITHIN = 0.050  # [m] along the skin: how far dents are compared
-Bed = tuple[int, float]  # its spread [mm], and its softness
 
 
 @dataclass(frozen=True, slots=True)
 class Pressed:
-    """A body of one spread and softness under one tip.
+    """A body of one spread under one tip.
 
     force: (k,) at each depth [N], of a stiffness that is still to be fitted.
     dents: (m,) RMS error of each dent over its depth.
@@ -49,18 +44,17 @@ class Pressed:
 def rows(subdivisions: int) -> Iterator[dict[str, object]]:
     """Yield what a body that was fitted through one tip answers either tip, for each law of the solid."""
     mesh = dents.ball(subdivisions)
-    beds = list(product(SPREADS, SOFTNESS))
-    settled = {(bed, tip): _settled(mesh, *bed, tip) for bed in beds for tip in TIPS}
+    settled = {(spread, tip): _settled(mesh, spread, tip) for spread in SPREADS for tip in TIPS}
     for law in LAWS:
         solid, shapes = {tip: _solid_force(law, tip) for tip in TIPS}, dents.profiles(law)
         made = {
-            (bed, tip): Pressed(
+            (spread, tip): Pressed(
                 np.array([one.force[2] for one in some]),
                 np.array([_dent_error(mesh, one, shapes[f"ball {tip} mm", one.depth]) for one in some
                           if one.depth in DENTED]),
                 max(abs(_volume(mesh, one.positions) / _volume(mesh, mesh.rest_positions) - 1) for one in some),
             )
-            for (bed, tip), some in settled.items()
+            for (spread, tip), some in settled.items()
         }  # fmt: skip
         for fitted in TIPS:
             for by in ("force", "force and dents"):
@@ -68,23 +62,22 @@ def rows(subdivisions: int) -> Iterator[dict[str, object]]:
 
 
 def _best(
-    law: str, fitted: int, by: str, made: dict[tuple[Bed, int], Pressed], solid: dict[int, Floats]
+    law: str, fitted: int, by: str, made: dict[tuple[int, int], Pressed], solid: dict[int, Floats]
 ) -> Iterator[dict[str, object]]:
-    """Yield a row for each tip, of the bed that one tip's force, or that and its dents, are met best with."""
+    """Yield a row for each tip, of the spread that one tip's force, or that and its dents, are met best with."""
 
-    def missed(bed: Bed) -> float:
-        one = made[bed, fitted]
-        off = _stiffness(one, solid[fitted]) * one.force / solid[fitted] - 1
+    def missed(spread: int) -> float:
+        one = made[spread, fitted]
+        off = (_stiffness(one, solid[fitted]) * one.force - solid[fitted]) / solid[fitted].max()
         return float((off**2).mean() + ((one.dents**2).mean() if by != "force" else 0.0))
 
-    bed = min((bed for bed, tip in made if tip == fitted), key=missed)
-    stiffness = _stiffness(made[bed, fitted], solid[fitted])
+    spread = min(SPREADS, key=missed)
+    stiffness = _stiffness(made[spread, fitted], solid[fitted])
     for tip in TIPS:
-        one = made[bed, tip]
+        one = made[spread, tip]
         off = stiffness * one.force / solid[tip] - 1
         yield {
-            "solid": law, "fitted_mm": fitted, "by": by, "spread_mm": bed[0], "softness": bed[1],
-            "tip_mm": tip,
+            "solid": law, "fitted_mm": fitted, "by": by, "spread_mm": spread, "tip_mm": tip,
             **{f"force_{1e3 * depth:g}_mm_percent": round(100 * each, 1)
                for depth, each in zip(DEPTHS, off.tolist(), strict=True)},
             **{f"dent_{1e3 * depth:g}_mm_percent": round(100 * each, 2)
@@ -93,18 +86,14 @@ def _best(
         }  # fmt: skip
 
 
-def _settled(mesh: Mesh, spread: int, softness: float, tip: int) -> list[dents.Settled]:
+def _settled(mesh: Mesh, spread: int, tip: int) -> list[dents.Settled]:
     even = replace(DEFAULT_MATERIAL, K2=DEFAULT_MATERIAL.K1, fill="liquid", density=1000, spread=1e-3 * spread)
-    constants = estimate(even, mesh.size)
-    slope = constants.kappa1
-    constants = replace(constants, kappa1=softness * slope, kappa2=slope, d0=KNEE, tension=slope * even.spread**2)
-    return list(dents.settle(mesh, replace(even, constants=constants), 1e-3 * tip, DEPTHS))
+    return list(dents.settle(mesh, even, 1e-3 * tip, DEPTHS))
 
 
 def _stiffness(one: Pressed, solid: Floats) -> float:
-    """Return the factor by which forces come nearest to a solid's, each by its share."""
-    share = one.force / solid
-    return float(share.sum() / (share @ share))
+    """Return the factor by which forces come nearest to a solid's."""
+    return float(one.force @ solid / (one.force @ one.force))
 
 
 def _solid_force(law: str, tip: int) -> Floats:
