@@ -76,6 +76,12 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         default=0.5, min=0.0, soft_max=1.5, precision=2, **KEYED,
     )  # fmt: skip
     fill: EnumProperty(name="Fill", description="What the surface encloses", items=_FILLS, **KEYED)
+    pressure_kpa: FloatProperty(
+        name="Pressure (kPa)",
+        description="How much higher the pressure inside is than outside before the body gives way: above 0 it swells, "
+        "below 0 it shrinks. The constants are those without; with the paper's laws it does nothing",
+        default=0.0, min=-100.0, max=1000.0, soft_min=-20.0, soft_max=100.0, step=10, precision=2, **KEYED,
+    )  # fmt: skip
     tip: EnumProperty(
         name="Tip", description="What pressed the object when it was measured", items=TIPS, default="SPHERE", **FIXED
     )
@@ -113,6 +119,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
             "damping_ratio": exact(self.damping_ratio),
             "friction": exact(self.friction),
             "fill": self.fill.lower(),
+            "pressure": exact(self.pressure_kpa, 1),  # [Pa]
             **_identified(self),
         }
 

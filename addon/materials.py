@@ -38,6 +38,8 @@ def draw_others(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -
     layout.prop(settings, "damping_ratio", slider=True)
     layout.prop(settings, "friction", slider=True)
     layout.prop(settings, "fill")
+    if settings.fill != "NONE":
+        layout.prop(settings, "pressure_kpa")
 
 
 class DIMPLE_PT_material(MaterialPanel, bpy.types.Panel):

@@ -65,7 +65,7 @@ class DIMPLE_OT_material_preset_add(AddPresetBase, bpy.types.Operator):
         f"dimple.{name}"
         for name in (
             "K1", "K2", "x0", "k", "spread_mm", "mass_from", "density", "mass_kg", "damping_ratio", "friction", "fill",
-            "tip", "tip_radius_mm", "calibration", "provenance", "edited",
+            "pressure_kpa", "tip", "tip_radius_mm", "calibration", "provenance", "edited",
         )
     ]  # fmt: skip
 

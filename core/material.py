@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from .base import DimpleError
 
 _LARGEST = 1e12  # in any unit: beyond it sums overflow
+_PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # of each in an SI unit
 FILLS = ("air", "liquid", "none")
+LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa]: nearly a vacuum; and no skin holds more
 TIPS = ("point", "punch", "sphere")
 
 
@@ -77,6 +79,7 @@ class Material:
         damping_ratio: of springs and shape matching; 0 undamped, 1 critically damped.
         friction: Coulomb coefficient of the skin against a fingertip and the ground.
         fill: "air", "liquid" or "none".
+        pressure: of the fill above that outside, in the shape at rest [Pa]; K1, K2 and x0 were measured without.
         constants: of the model, identified on one mesh by a simulated press; None: estimated from K1, K2 and x0.
 
     Raises:
@@ -94,21 +97,24 @@ class Material:
     damping_ratio: float = 0.2
     friction: float = 0.5
     fill: str = "air"
+    pressure: float = 0.0
     constants: ModelConstants | None = None
 
     def __post_init__(self) -> None:
         for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):
-            _require(getattr(self, name) > 0, f"{name} must be greater than 0 {unit}", getattr(self, name))
-        _require(self.spread >= 0, "The spread must not be negative", self.spread)
+            _require(getattr(self, name) > 0, f"{name} must be greater than 0 {unit}", getattr(self, name), unit)
+        _require(self.spread >= 0, "The spread must not be negative", self.spread, "mm")
         given = "both" if self.mass else "neither"
         _require((self.mass is None) != (self.density is None), "Give either a mass or a density", given)
         if self.mass is not None:
-            _require(self.mass > 0, "The mass must be greater than 0 kg", self.mass)
+            _require(self.mass > 0, "The mass must be greater than 0 kg", self.mass, "kg")
         if self.density is not None:
-            _require(self.density > 0, "The density must be greater than 0 kg/m³", self.density)
+            _require(self.density > 0, "The density must be greater than 0 kg/m³", self.density, "kg/m³")
         _require(0 <= self.damping_ratio <= 2, "The damping ratio must lie between 0 and 2", self.damping_ratio)
         _require(self.friction >= 0, "The friction must not be negative", self.friction)
         _require(self.fill in FILLS, f"The fill must be one of {', '.join(FILLS)}", self.fill)
+        in_range = LEAST_PRESSURE <= self.pressure <= MOST_PRESSURE
+        _require(in_range, "The pressure must lie between -100 kPa and 1000 kPa", self.pressure, "kPa")
 
     def law(self, depth: float) -> float:
         """Return the force [N] at a depth [m]: K(x), two-piece linear. Source: Eq. (1)."""
@@ -134,12 +140,14 @@ class Preset:
     provenance: str
 
 
-def _require(holds: bool, rule: str, value: object) -> None:
-    if isinstance(value, (int, float)) and abs(value) > _LARGEST:
+def _require(holds: bool, rule: str, value: float | str, unit: str = "") -> None:
+    """Raise where a rule does not hold, with the value (in SI units) in the unit that it is typed in."""
+    given = value if isinstance(value, str) else f"{value * _PER_UNIT.get(unit, 1):.6g} {unit}".rstrip()
+    if not isinstance(value, str) and abs(value) > _LARGEST:
         name = rule.partition(" must")[0]
-        raise DimpleError(f"{name} is out of range (it is {value:.3g}). Change it in Material > Dimple.")
+        raise DimpleError(f"{name} is out of range (it is {given}). Change it in Material > Dimple.")
     if not holds:
-        raise DimpleError(f"{rule} (it is {value}). Change it in Material > Dimple.")
+        raise DimpleError(f"{rule} (it is {given}). Change it in Material > Dimple.")
 
 
 # of a body that has no material, and of a new one in the panel: the vinyl cube, as heavy as foam

@@ -27,7 +27,7 @@ from .reduction.binding import carry
 from .reduction.proxy import Proxy
 from .solver import motion
 from .solver.backend import choose_backend, create
-from .solver.glide import Glide, may_glide
+from .solver.glide import Glide, may_glide, pumped
 from .solver.motion import MAX_STEPS, Motion, PinMotion
 
 MAX_FINGERS = 3
@@ -295,7 +295,8 @@ class Session:
             self._pins_target = self._bent = self._bent_target = None
         substeps = self.substeps * math.sqrt(before.mass.sum() / moves.mass.sum())
         self._define(model, proxy)
-        if self._glide and any(self._tips):  # in steps that are longer for it what friction holds would slip
+        # in steps that are longer for it what friction holds would slip, and a pressure that is still there blow up
+        if self._glide and (any(self._tips) or self._glide.pressure):
             self.substeps = max(self.substeps, math.ceil(substeps))
         self._pins_origin, self._shown = skin.T, None
 
@@ -308,25 +309,27 @@ class Session:
             return
         self._glide, self._faded = self._glide or Glide(len(moves.mass)), self._ticks
         self._glide.add(before, after, self.body.positions())
-        self.body.set_constants(moves, surface=model)
+        self.body.set_constants(pumped(moves, self._glide.pressure), surface=model)
 
-    def _let_slip(self) -> None:
-        """Let the body have the share of its friction that acts while it hardens under a force."""
-        if self._glide and self._glide.hardens and self.most == 1:
-            moves = replace(self._moves, friction=self._glide.friction * self._moves.friction)
-            self.body.set_constants(moves, surface=self.model)
+    def _let_slip(self, *, pump: bool = False) -> None:
+        """Let the body have the share of its friction that acts while it hardens under a force, and its pressure."""
+        slips = self._glide and self._glide.hardens and self.most == 1
+        if self._glide and (slips or pump):
+            share = self._glide.friction if slips else 1.0
+            moves = replace(self._moves, friction=share * self._moves.friction)
+            self.body.set_constants(pumped(moves, self._glide.pressure), surface=self.model)
 
     def _fade(self) -> None:
         """Let the load of what glides fade for the ticks since it did last."""
         if self._glide:
-            before = self._glide.friction
+            before, more = self._glide.friction, self._glide.pressure
             load = self._glide.fade((self._ticks - self._faded) * self.tick)
             self.body.set_load(load)
             self._faded = self._ticks
             if load is None:
                 self._end_glide()
-            elif self._glide.friction > before:  # the force is about to return
-                self._let_slip()
+            elif self._glide.friction > before or more:  # the force is about to return, or the pressure comes in
+                self._let_slip(pump=bool(more))
 
     def _end_glide(self) -> None:
         if self._glide:

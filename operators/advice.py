@@ -50,8 +50,11 @@ def on_body(
 
 
 def on_fill(model: Model) -> tuple[str, ...]:
-    """Return a sentence on which fill acts, where the materials of a closed body have several."""
-    fills = sorted({material.fill for material in model.materials})
+    """Return a sentence on which fill acts, where the materials have several, or on a pressure that does nothing."""
+    fills, inside = {(each.fill, each.pressure) for each in model.materials}, model.pressure
+    if not model.mesh.pressurable and any(pressure for _, pressure in fills):
+        return ("A pressure needs an inside: close the mesh.",)
     if len(fills) < 2 or model.law_set == "paper" or not model.mesh.pressurable:
         return ()
-    return (f"Its materials have different fills ({', '.join(fills)}): {model.pressure.fill} acts, on the most area.",)
+    kpa = inside.rest_pressure / 1e3
+    return (f"Its materials differ in fill or pressure: {inside.fill}, {kpa:g} kPa acts, on the most area.",)

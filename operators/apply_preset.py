@@ -60,7 +60,7 @@ def apply(settings: bpy.types.PropertyGroup, preset: "Preset") -> None:
     else:
         settings.mass_from, settings.density = "DENSITY", constants.density
     settings.damping_ratio, settings.friction = constants.damping_ratio, constants.friction
-    settings.fill = constants.fill.upper()
+    settings.fill, settings.pressure_kpa = constants.fill.upper(), constants.pressure / 1e3
     tip = constants.indenter
     settings.tip, settings.tip_radius_mm, settings.calibration = tip.shape.upper(), tip.radius * 1e3, ""
     settings.provenance = preset.provenance  # last: a constant that is set marks the material as edited

@@ -22,6 +22,7 @@ FILTER = ";".join(f"*{ending}" for ending in EXTENSIONS.split(";"))  # of a file
 POINTS = 160  # of the measured curve that are kept, for the chart
 SIMULATED = 40  # and of the simulated one
 BEYOND = 1.5  # knees: how deep is pressed where the depth of the measurement is not known
+_MEASURED = ("K1", "K2", "x0", "k", "spread_mm", "fill", "tip", "tip_radius_mm")  # what is identified depends on them
 SAME_MESH = 1e-3  # share by which area and volume may differ: a body may stand elsewhere, in single precision
 
 
@@ -118,8 +119,7 @@ def fingerprint(settings: Any, mesh: Mesh | None = None) -> dict[str, float | st
         settings: of the material: what was measured, with which tip.
         mesh: on which they are identified, wherever it stands; None leaves it out.
     """
-    names = ("K1", "K2", "x0", "k", "spread_mm", "fill", "tip", "tip_radius_mm")
-    found = {name: getattr(settings, name) for name in names}
+    found = {name: getattr(settings, name) for name in _MEASURED}
     if mesh is not None:
         found["vertices"] = len(mesh.rest_positions)
         found["area"], found["volume"] = float(mesh.triangle_areas.sum()), float(mesh.volume)  # [m2], [m3]
@@ -149,9 +149,14 @@ def identification(settings: Any) -> dict[str, Any]:
 
 
 def animated(material: Any) -> bool:
-    """Tell whether the constants of a material are keyframed or driven: then the closed form follows them."""
+    """Tell whether what a material is identified from is keyframed or driven: then the closed form follows it."""
     moved = material.animation_data if material else None
-    return bool(moved and (moved.action or moved.drivers))
+    if moved is None:
+        return False
+    strips = [strip for layer in moved.action.layers for strip in layer.strips] if moved.action_slot else []
+    bags = [strip.channelbag(moved.action_slot) for strip in strips]
+    curves = [*moved.drivers, *(curve for bag in bags if bag for curve in bag.fcurves)]
+    return any(curve.data_path == f"dimple.{name}" for curve in curves for name in _MEASURED)
 
 
 def further_constants(text: str) -> dict[str, Any]:

@@ -18,14 +18,19 @@ and across g^, no (c u + s w).(A + f g^ g^T)(c u + s w) exceeds the higher eigen
     [ |A g^ - (g^.A g^) g^|          a           ]
 
 The fill moves neighbours together and L moves them apart, so this is little more than the larger of f and a.
+
+Its pressure p at rest bends that: d2V/dx_i dx_j is the vector between the vertices opposite the edge ij, over 6, as a
+cross product. By Gershgorin no eigenvalue of p d2V exceeds |p| / 3 times the length of the edges round a vertex.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..base import Floats, row_parts, sums_at, sums_of_three
-from ..mesh.surface import Mesh
+from ..mesh.surface import Mesh, cap_centres
 from .pressure import Pressure, pressure_slope, volume_and_gradient
 
 
@@ -69,6 +74,9 @@ def of_body(
     Args:
         reserve: times as stiff as at rest the fill is taken to be.
     """
+    if fill.fill != "none" and fill.rest_pressure:
+        at_vertices = at_vertices + abs(fill.rest_pressure) / 3 * _edges_round(mesh)
+        fill = replace(fill, rest_pressure=max(fill.rest_pressure, 0.0))  # a body that shrinks gets as stiff again
     skin = of_edges(mesh, constants, at_vertices, inverse_mass)
     if fill.fill == "none":
         return skin
@@ -86,3 +94,14 @@ def of_body(
     across = float(np.sqrt(((root * held - met * along) ** 2).sum()))
     whole = met + reserve * pressure_slope(fill, volume) * square
     return (whole + skin) / 2 + float(np.hypot((whole - skin) / 2, across))
+
+
+def _edges_round(mesh: Mesh) -> Floats:
+    """Return the length (n,) [m] of the edges opposite each vertex, in its triangles and the cones that close holes."""
+    opposite = mesh.rest_lengths[np.take(mesh.triangle_springs, (1, 2, 0), axis=1)]
+    corners, lengths, x = mesh.triangles.ravel(), opposite.ravel(), mesh.rest_positions
+    if len(mesh.cap_edges):
+        centres, _ = cap_centres(x, mesh.cap_edges, mesh.cap_loop)
+        far = np.linalg.norm(x[mesh.cap_edges[:, ::-1]] - centres[mesh.cap_loop][:, None], axis=2)
+        corners, lengths = np.append(corners, mesh.cap_edges), np.append(lengths, far)
+    return sums_at(corners, lengths, len(x))

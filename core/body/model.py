@@ -98,7 +98,7 @@ class Model:
         if self.law_set != "paper":
             limit = min(limit, LONGEST_STEP / omega, LONGEST_CONTACT if self.free else math.inf)
         if not tick <= MAX_SUBSTEPS * limit:
-            todo = "Raise its mass, lower k or K2, or use a coarser mesh."
+            todo = "Raise its mass, lower k, K2 or the pressure, or use a coarser mesh."
             if self.mesh.size < SMALL:
                 size = f"{1e3 * self.mesh.size:.3g} mm"
                 todo = f"The body is only {size} across: give it a Custom Size in Physics > Dimple."
@@ -176,9 +176,10 @@ def build_model(
     maps = painted(*(_on_vertices(mesh, values, f"{name} map", 0.5) for name, values in named))
 
     mass = mass_on(mesh, materials) * maps.thicker
+    fill, rest_pressure = _fill(mesh, materials, law_set)
     ground, sunk = _ground(mesh, held_here, ground)
     model = assemble(
-        mesh, materials, law_set=law_set, mass=mass, held=held_here, fill=_fill(mesh, materials, law_set),
+        mesh, materials, law_set=law_set, mass=mass, held=held_here, fill=fill, rest_pressure=rest_pressure,
         gravity=gravity, ground=ground, notes=sunk,
         **(paper_constants(mesh, materials) if law_set == "paper" else constants_on(mesh, materials, maps)),
     )  # fmt: skip
@@ -202,6 +203,7 @@ def assemble(
     more: Floats,
     knees: Floats,
     fill: str,
+    rest_pressure: float,
     gravity: Sequence[float] | Floats,
     ground: float | None,
     notes: tuple[str, ...] = (),
@@ -212,6 +214,7 @@ def assemble(
         mass [kg], friction, damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
         more [N/m], knees [m]: (p, n) of further pieces of shape matching.
         stiffness, tension: (m,) along the mesh's edges [N/m].
+        rest_pressure: of the fill, in the shape at rest [Pa].
     """
     n, ends = len(mass), mesh.springs
     shape = shape_matching.build_shape_matching(
@@ -228,7 +231,7 @@ def assemble(
     shape = replace(
         shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, LOOSE_MASS * mass, mass)
     )
-    inside = pressure.build_pressure(mesh, fill)
+    inside = pressure.build_pressure(mesh, fill, rest_pressure)
     # Eq. (4) stiffens with stretch: k (2 |l| / |l0| - 1); allow for twice the rest length
     along, at = (3.0 if law_set == "paper" else 1.0) * stiffness + tension, shape_matching.stiffest(shape)
     return Model(
@@ -308,11 +311,10 @@ def _even_out(mass: Floats, stiffness: Floats, used: Bools) -> Floats:
     return wanted * (mass[used].sum() / wanted[used].sum())
 
 
-def _fill(mesh: Mesh, materials: Sequence[Material], law_set: str) -> str:
-    """Return the fill of the material with the most area."""
-    areas = sums_at(mesh.triangle_material, mesh.triangle_areas, len(materials))
-    fill = materials[int(areas.argmax())].fill
-    return "none" if law_set == "paper" else fill
+def _fill(mesh: Mesh, materials: Sequence[Material], law_set: str) -> tuple[str, float]:
+    """Return the fill of the material with the most area, and its pressure; the paper's laws have one of their own."""
+    most = materials[int(sums_at(mesh.triangle_material, mesh.triangle_areas, len(materials)).argmax())]
+    return "none" if law_set == "paper" else most.fill, most.pressure
 
 
 def _on_vertices(mesh: Mesh, values: Bools | Floats | None, name: str, default: float) -> Floats:

@@ -4,6 +4,7 @@
 
 dV/dx_i is a sixth of the sum of x_j x x_k round vertex i, so it sums to no net force and no net torque on any
 closed surface. air: p = (p_a + p_0) (V_0/V)^gamma - p_a.   liquid: p = p_0 + kappa (V_0 - V) / V_0.
+p_0, the pressure at rest, is that of the shape at rest: with it the body swells until its skin holds it.
 """
 
 from __future__ import annotations
@@ -24,22 +25,24 @@ class Pressure:
 
     fill: "air", "liquid" or "none".
     rest_volume: [m3].
+    rest_pressure: above that outside, at that volume [Pa].
     rings: of the mesh.
     cap_edges: (c, 2) border edges, and cap_loop: (c,) the hole each closes.
     """
 
     fill: str
     rest_volume: float
+    rest_pressure: float
     rings: Rings
     cap_edges: Ints
     cap_loop: Ints
 
 
-def build_pressure(mesh: Mesh, fill: str) -> Pressure:
+def build_pressure(mesh: Mesh, fill: str, rest_pressure: float = 0.0) -> Pressure:
     """Prepare the fill of a mesh; a sheet without an inside has none."""
     return Pressure(
-        fill=fill if mesh.pressurable else "none", rest_volume=mesh.volume, rings=mesh.rings,
-        cap_edges=mesh.cap_edges, cap_loop=mesh.cap_loop,
+        fill=fill if mesh.pressurable else "none", rest_volume=mesh.volume, rest_pressure=rest_pressure,
+        rings=mesh.rings, cap_edges=mesh.cap_edges, cap_loop=mesh.cap_loop,
     )  # fmt: skip
 
 
@@ -69,10 +72,10 @@ def pressure_at(law: Pressure, volume: float) -> float:
     """Return the pressure [Pa] above that outside, at a volume [m3]."""
     if law.fill == "air":
         # a body turned inside out has no volume left: hold it at a hundredth
-        squeeze = law.rest_volume / max(volume, 0.01 * law.rest_volume)
-        return float(AIR_PRESSURE * (squeeze**AIR_EXPONENT - 1))
+        squeeze = (law.rest_volume / max(volume, 0.01 * law.rest_volume)) ** AIR_EXPONENT
+        return float(AIR_PRESSURE * (squeeze - 1) + law.rest_pressure * squeeze)
     if law.fill == "liquid":
-        return LIQUID_BULK_MODULUS * (law.rest_volume - volume) / law.rest_volume
+        return LIQUID_BULK_MODULUS * (law.rest_volume - volume) / law.rest_volume + law.rest_pressure
     return 0.0
 
 
@@ -80,18 +83,21 @@ def pressure_slope(law: Pressure, volume: float) -> float:
     """Return -dp/dV [Pa/m3] at a volume."""
     if law.fill == "air":
         squeeze = law.rest_volume / max(volume, 0.01 * law.rest_volume)
-        return float(AIR_EXPONENT * AIR_PRESSURE * squeeze ** (AIR_EXPONENT + 1) / law.rest_volume)
+        whole = AIR_PRESSURE + law.rest_pressure
+        return float(AIR_EXPONENT * whole * squeeze ** (AIR_EXPONENT + 1) / law.rest_volume)
     return LIQUID_BULK_MODULUS / law.rest_volume if law.fill == "liquid" else 0.0
 
 
 def energy(law: Pressure, x: Floats) -> float:
-    """Return the work [J] stored in the fill."""
+    """Return the work [J] stored in the fill, counted from the volume at rest."""
     volume, _ = volume_and_gradient(law, x)
     if law.fill == "air":
         g, v0 = AIR_EXPONENT, law.rest_volume
-        return AIR_PRESSURE * (v0 * ((v0 / volume) ** (g - 1) - 1) / (g - 1) - (v0 - volume))
+        squeezed = v0 * ((v0 / volume) ** (g - 1) - 1) / (g - 1)
+        return AIR_PRESSURE * (squeezed - (v0 - volume)) + law.rest_pressure * squeezed
     if law.fill == "liquid":
-        return LIQUID_BULK_MODULUS * (law.rest_volume - volume) ** 2 / (2 * law.rest_volume)
+        less = law.rest_volume - volume
+        return (LIQUID_BULK_MODULUS * less / (2 * law.rest_volume) + law.rest_pressure) * less
     return 0.0
 
 

@@ -28,6 +28,7 @@ def key(mesh: Mesh, material: Material, indenter: Indenter, deepest: float, *whe
         where: what the tip is put at a place by, or finds its own by.
     """
     at_rest = asdict(replace(material, constants=None, mass=1.0, density=None, damping_ratio=1.0))
+    del at_rest["pressure"]  # the press is without
     numbers = at_rest | asdict(indenter) | {"deepest": deepest, "version": VERSION}
     digest = hashlib.sha256(json.dumps(numbers, sort_keys=True).encode())
     for array in (mesh.rest_positions, mesh.triangles, *where):

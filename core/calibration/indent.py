@@ -135,12 +135,12 @@ def press(mesh: Mesh, material: Material, indenter: Indenter, site: Site, depths
 
 
 def set_up(mesh: Mesh, material: Material, indenter: Indenter, site: Site) -> Session:
-    """Return a session of a body under a tip that just touches it."""
+    """Return a session of a body under a tip that just touches it, without a pressure: as the object was measured."""
     constants = estimate(material, mesh.size)
     mass = constants.kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
     under = _gripped(indenter, site)
     damping = 1.0 if under.any() else max(material.damping_ratio, LEAST_DAMPING)
-    light = replace(material, constants=constants, mass=mass, density=None, damping_ratio=damping)
+    light = replace(material, constants=constants, mass=mass, density=None, damping_ratio=damping, pressure=0.0)
     model = build_model(
         replace(mesh, loose=mesh.loose | under),  # pins that go down must not carry the shape at rest along
         [light] * (int(mesh.triangle_material.max()) + 1),

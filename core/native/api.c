@@ -159,6 +159,7 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
     DM_CHECK(DM_COUNT(c->materials) | DM_ARRAY(c->materials, c->laws));
     if (c->materials < materials) return DM_INDEX;
     DM_CHECK(dm_check_numbers(3 * c->materials, c->laws, 1) | dm_check_numbers(3, c->gravity, 0));
+    DM_CHECK(dm_check_numbers(1, &c->rest_pressure, 0));
     if (isnan(c->ground) || c->ground == INFINITY) return DM_NUMBER;
     double total = 0;
     for (int64_t k = 0; k < vertices; k++) total += c->mass[k];

@@ -137,7 +137,7 @@ struct dm_state {
     double (*holes)[7]; /* centre, pull of the rim, number of edges: room for one step */
 
     int32_t fill, law_set;
-    double rest_volume, rest_area, size, gravity[3], ground, volume, pressure;
+    double rest_volume, rest_area, size, gravity[3], ground, volume, pressure, rest_pressure;
     int pins_met; /* something held a pin back */
     int free, led, carried; /* the shape at rest follows the body; pins were led; and carry the shape at rest */
     int rigged, moving;     /* the shape at rest stays where it is laid; it changes in the next motion, */

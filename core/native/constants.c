@@ -172,7 +172,7 @@ static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     dm_set_springs(b, c), dm_set_matter(b, c), dm_set_pull(b);
     dm_pin(b, c->inverse_mass);
     if (c->law_set != b->law_set || c->fill != b->fill) dm_forget_pressure(b);
-    b->law_set = c->law_set, b->fill = c->fill, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
+    b->law_set = c->law_set, b->fill = c->fill, b->rest_pressure = c->rest_pressure, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
     int laid = !b->rigged && c->rigged;
     b->rigged = c->rigged != 0;
     for (int k = 0; laid && k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;

@@ -27,7 +27,8 @@ class Constants(Structure):
     _fields_ = fields(
         stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p",
         pieces="n", more="p", knees="p", drag="p",
-        laws="p", materials="n", gravity="d3", ground="d", law_set="i", fill="i", free="i", rigged="i",
+        laws="p", materials="n", gravity="d3", ground="d", rest_pressure="d", law_set="i", fill="i", free="i",
+        rigged="i",
     )  # fmt: skip
 
 
@@ -112,5 +113,5 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
         laws=arrays.double([(m.K1, m.K2, m.x0) for m in surface.materials]), materials=len(surface.materials),
         gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
         law_set=LAW_SETS[model.law_set], fill=FILLS[model.pressure.fill], free=model.free,
-        rigged=model.rigged,
+        rigged=model.rigged, rest_pressure=model.pressure.rest_pressure,
     )  # fmt: skip

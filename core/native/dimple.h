@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 14 /* changes with anything below */
+#define DM_ABI 15 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -65,8 +65,9 @@ typedef struct {
     const double *drag;         /* (vertices,) damping of shape matching [N s/m] */
     const double *laws;         /* (materials, 3) K1, K2 [N/m] and x0 [m] of Eq. (1) */
     int64_t materials;
-    double gravity[3]; /* [m/s2] */
-    double ground;     /* height of a plane [m], -INFINITY where there is none */
+    double gravity[3];    /* [m/s2] */
+    double ground;        /* height of a plane [m], -INFINITY where there is none */
+    double rest_pressure; /* of the fill in the shape at rest, above that outside [Pa] */
     int32_t law_set;
     int32_t fill;
     int32_t free;   /* the shape at rest follows the body; 0: it stays with the pins */

@@ -7,9 +7,11 @@ enum { DM_AIR_PRESSURE = 101325, DM_LIQUID_BULK_MODULUS = 2000000 }; /* [Pa], co
 static const double DM_AIR_EXPONENT = 1.4;
 
 static double dm_pressure_at(const dm_state *b) {
-    if (b->fill == DM_FILL_LIQUID) return DM_LIQUID_BULK_MODULUS * (b->rest_volume - b->volume) / b->rest_volume;
+    if (b->fill == DM_FILL_LIQUID)
+        return DM_LIQUID_BULK_MODULUS * (b->rest_volume - b->volume) / b->rest_volume + b->rest_pressure;
     double least = 0.01 * b->rest_volume; /* a body turned inside out has no volume left */
-    return DM_AIR_PRESSURE * (pow(b->rest_volume / (b->volume > least ? b->volume : least), DM_AIR_EXPONENT) - 1);
+    double squeeze = pow(b->rest_volume / (b->volume > least ? b->volume : least), DM_AIR_EXPONENT);
+    return DM_AIR_PRESSURE * (squeeze - 1) + b->rest_pressure * squeeze;
 }
 
 static void dm_fit_body(dm_state *b) {

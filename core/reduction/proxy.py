@@ -159,7 +159,7 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0),
         more=np.reshape([total(k) for k in matching.more], (-1, m)),
         knees=np.reshape([mean(knee) for knee in matching.knees], (-1, m)), fill=model.pressure.fill,
-        gravity=model.gravity, ground=model.ground,
+        rest_pressure=model.pressure.rest_pressure, gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
     if coarse.free != model.free or held.all():
         raise DimpleError("its pins are too few for a proxy of this size")

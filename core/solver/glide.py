@@ -5,6 +5,8 @@ acceleration. It is the last of three lags in a row, so it starts to fade withou
 that follow each other, while a number is dragged, add up. In the step that shows a change first it fades no farther
 than in a sixtieth of a second, however long that step is, and at full speed from the next one on.
 
+The pressure of a fill fades as a number: as a load, which does not turn with the surface, it would buckle a soft skin.
+
 Where a body hardens under a fingertip that a force pushes, friction would keep its dent as wide as it was. So friction
 fades with the load, and the force goes back a little and returns after that, as if the body were pressed anew.
 """
@@ -12,6 +14,7 @@ fades with the load, and the force goes back a little and returns after that, as
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,13 +33,14 @@ GIVES_WAY = 0.5  # of its force: what a fingertip gives way by where a body beco
 class Glide:
     """How a body of n vertices comes from one rest to another.
 
+    pressure: that its fill has more than the constants say [Pa].
     seconds: since its constants were changed last.
     hardens: its dent meets more resistance than before, and
     since: so long a fingertip gives way to that [s].
     """
 
     def __init__(self, n: int) -> None:
-        self._lags: tuple[Floats, ...] = (np.zeros((3, n)),) * 3
+        self._lags: tuple[Floats, ...] = (np.zeros(3 * n + 1),) * 3  # of the load and, last, of the pressure
         self._fresh: tuple[Floats, ...] = self._lags  # of a change that the step under way shows first
         self._rate = 1.0  # at which those fade
         self.seconds, self.since, self.hardens = 0.0, 0.0, False
@@ -44,13 +48,13 @@ class Glide:
 
     def add(self, before: Model, after: Model, x: Floats) -> None:
         """Change the constants of a body that is at x (3, n) [m]."""
-        force = _forces(before, x)
-        load = force - _forces(after, x)
+        force, ends = _forces(pumped(before, self.pressure), x), _forces(after, x)
+        more = self._keep_pressure(before, after)
+        load = force - (_forces(pumped(after, self.pressure + more), x) if self.pressure + more else ends)
         rotation, translation = pose_of(after.matching, x, _pose(after, x))
         dent = x - rotation @ after.matching.rest - translation[:, None]
-        self._settle()
-        self._fresh = (load,) * 3
-        hardening = -float((load * dent).sum()) / min(float((force * dent).sum()), -1e-30)
+        self._fresh = (np.append(load, more),) * 3
+        hardening = -float(((force - ends) * dent).sum()) / min(float((force * dent).sum()), -1e-30)
         self.seconds, to_give = 0.0, min(self._given + hardening, 1.0)
         # what gives way to an earlier change, or returns from it, goes on with that, unless this one asks for more
         if hardening > NOTICED and not (self._gives_way and to_give <= self._to_give):
@@ -71,7 +75,21 @@ class Glide:
             return None
         self._lags = _faded(self._lags, seconds)
         self._fresh = _faded(self._fresh, self._rate * seconds)
-        return self._lags[0] + self._fresh[0]
+        return (self._lags[0] + self._fresh[0])[:-1].reshape(3, -1)
+
+    @property
+    def pressure(self) -> float:
+        """Return how much more pressure [Pa] the fill has than the constants say."""
+        return float(self._lags[0][-1] + self._fresh[0][-1])
+
+    def _keep_pressure(self, before: Model, after: Model) -> float:
+        """Return how much more pressure [Pa] the fill had before; a fill that is taken out has none to keep."""
+        self._settle()
+        if after.pressure.fill == "none":
+            for lag in self._lags:
+                lag[-1] = 0.0
+            return 0.0
+        return _rest_pressure(before) - after.pressure.rest_pressure
 
     def _settle(self) -> None:
         self._lags = tuple(lag + fresh for lag, fresh in zip(self._lags, self._fresh, strict=True))
@@ -105,6 +123,16 @@ def _faded(lags: tuple[Floats, ...], seconds: float) -> tuple[Floats, ...]:
     (first, second, third), past = lags, seconds / LAG
     after = first + past * second + past**2 / 2 * third, second + past * third, third
     return tuple(math.exp(-past) * lag for lag in after)
+
+
+def _rest_pressure(model: Model) -> float:
+    return 0.0 if model.pressure.fill == "none" else model.pressure.rest_pressure
+
+
+def pumped(model: Model, more: float) -> Model:
+    """Return a model with more pressure [Pa] at rest."""
+    inside = model.pressure
+    return replace(model, pressure=replace(inside, rest_pressure=inside.rest_pressure + more)) if more else model
 
 
 def may_glide(before: Model, after: Model) -> bool:

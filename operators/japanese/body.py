@@ -9,8 +9,8 @@ MESSAGES = {
         "すべての頂点が固定されていて動けません。「固定」を「なし」にするか、固定する頂点を減らすか、メッシュを細分"
         "化してください。"
     ),
-    "Raise its mass, lower k or K2, or use a coarser mesh.": (
-        "質量を増やすか、k や K2 を下げるか、もっと粗いメッシュを使ってください。"
+    "Raise its mass, lower k, K2 or the pressure, or use a coarser mesh.": (
+        "質量を増やすか、k、K2、圧力を下げるか、もっと粗いメッシュを使ってください。"
     ),
     "The body is only {} across: give it a Custom Size in Physics > Dimple.": (
         "物体の大きさが {} しかありません。物理演算 > Dimple で「指定した大きさ」を設定してください。"
@@ -50,6 +50,7 @@ MESSAGES = {
     "The density must be greater than 0 kg/m³": "密度は 0 kg/m³ より大きくしてください",
     "The damping ratio must lie between 0 and 2": "減衰比は 0 から 2 までにしてください",
     "The friction must not be negative": "摩擦は負にできません",
+    "The pressure must lie between -100 kPa and 1000 kPa": "圧力は -100 kPa から 1000 kPa までにしてください",
     "The fill must be one of {}": "中身は {} のいずれかにしてください",
     "{} is out of range (it is {}). Change it in Material > Dimple.": (
         "{}が範囲を超えています（現在 {}）。マテリアル > Dimple で変更してください。"
@@ -60,6 +61,7 @@ MESSAGES = {
     "The spread": "広がり",
     "The damping ratio": "減衰比",
     "The friction": "摩擦",
+    "The pressure": "圧力",
     "The tension": "張力",
     "both": "両方",
     "neither": "どちらもなし",

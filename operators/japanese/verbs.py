@@ -22,8 +22,9 @@ MESSAGES = {
         "メッシュの辺は {} mm、指先の幅は {} mm です。へこみが見え、力が確かになるように、メッシュを細分化するか、"
         "もっと大きい指先を使ってください。"
     ),
-    "Its materials have different fills ({}): {} acts, on the most area.": (
-        "マテリアルの中身がそれぞれ違います ({})。面積が最も大きい{}を使います。"
+    "A pressure needs an inside: close the mesh.": "圧力には内側が必要です。メッシュを閉じてください。",
+    "Its materials differ in fill or pressure: {}, {} kPa acts, on the most area.": (
+        "マテリアルの中身か圧力がそれぞれ違います。面積が最も大きい {}、{} kPa を使います。"
     ),
     'There is no preset "{}". There are: {}.': 'プリセット "{}" はありません。あるのは {} です。',
     "The bake was cancelled; nothing has changed": "ベイクを中止しました。何も変わっていません",

@@ -211,8 +211,8 @@ def test_a_message_with_numbers_is_recognised_and_filled_in_japanese(bpy: Module
             "質量は 0 kg より大きくしてください（現在 -1）。マテリアル > Dimple で変更してください。",
         ),
         (
-            "Its materials have different fills (air, liquid): air acts, on the most area.",
-            "マテリアルの中身がそれぞれ違います (空気、液体)。面積が最も大きい空気を使います。",
+            "Its materials differ in fill or pressure: air, 7.5 kPa acts, on the most area.",
+            "マテリアルの中身か圧力がそれぞれ違います。面積が最も大きい 空気、7.5 kPa を使います。",
         ),
         ("What nobody wrote. The file is empty. Export the measurement again.",
          "What nobody wrote. ファイルが空です。測定をもう一度書き出してください。"),

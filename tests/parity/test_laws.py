@@ -170,6 +170,7 @@ def others(model: Model) -> list[Model]:
         build_model(model.mesh, [SOFT], held=base),
         build_model(model.mesh, [air], held=base, law_set="paper"),
         build_model(model.mesh, [air], held=top),
+        build_model(model.mesh, [replace(air, pressure=2e4)], held=top),
         build_model(model.mesh, [replace(SOFT, fill="none", friction=0.1)], gravity=(0, 0, -9.81)),
         build_model(model.mesh, [SOFT], law_set="paper"),
         build_model(model.mesh, [SOFT], held=base, softness=np.linspace(0, 1, len(model.mesh.source))),

@@ -36,7 +36,7 @@ def models() -> dict[str, Model]:
         made[f"{name}, pinned"] = build_model(mesh, [SOFT], held=base_vertices(mesh))
         made[f"{name}, rigged"] = build_model(mesh, [SOFT], rigged=True)
         made[f"{name}, rigged and pinned"] = build_model(mesh, [SOFT], held=base_vertices(mesh), rigged=True)
-    air = replace(SOFT, fill="air")
+    air = replace(SOFT, fill="air", pressure=5e3)
     made["air, rigged"] = build_model(made["ball, free"].mesh, [air], rigged=True)
     return made
 

@@ -42,9 +42,9 @@ def equation_4(mesh: Mesh, rng: np.random.Generator) -> Law:
     return Law(lambda x: spring_energy(law, x), lambda x: paper.spring_force(law, x))
 
 
-def fill(kind: str) -> Callable[[Mesh, np.random.Generator], Law]:
+def fill(kind: str, rest_pressure: float = 0.0) -> Callable[[Mesh, np.random.Generator], Law]:
     def law_of(mesh: Mesh, rng: np.random.Generator) -> Law:
-        law = pressure.build_pressure(mesh, kind)
+        law = pressure.build_pressure(mesh, kind, rest_pressure)
         assert law.fill == kind
         return Law(lambda x: pressure.energy(law, x), lambda x: pressure.force(law, x))
 
@@ -94,6 +94,7 @@ def fingertip(mesh: Mesh, rng: np.random.Generator) -> Law:
 
 LAWS = {
     "springs": membrane, "Eq. (4)": equation_4, "air": fill("air"), "liquid": fill("liquid"),
+    "pumped air": fill("air", 3e5), "drawn air": fill("air", -8e4), "pumped liquid": fill("liquid", 3e5),
     "pinned matching": pinned_matching, "free matching": free_matching, "fingertip": fingertip,
 }  # fmt: skip
 

@@ -251,6 +251,16 @@ def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str, mo
         assert np.sqrt(model.omega_squared) < 1.6 * highest_frequency(model)
 
 
+@pytest.mark.parametrize("pressure", [-1e5, 1e5, 1e6])
+@pytest.mark.parametrize("body", BODIES)
+def test_the_bound_holds_under_a_pressure_too(body: str, pressure: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(STIFFENS, "air", 1.0)
+    material = replace(scenes.BALL, fill="air", pressure=pressure, K1=1.0, K2=1.0, k=1.0, damping_ratio=0.0)
+    for held in (None, base_vertices(BODIES[body])):
+        model = build_model(BODIES[body], [material], held=held)
+        assert highest_frequency(model) <= np.sqrt(model.omega_squared) * (1 + 1e-6)
+
+
 @pytest.mark.parametrize("damping", [0.0, 0.2, 1.0])
 @pytest.mark.parametrize(("share", "stays"), [(0.95, True), (3.0, False)])
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")

@@ -1,17 +1,18 @@
 """What fills a body keeps its volume, or its law."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from core.base import AIR_PRESSURE
+from core.base import AIR_PRESSURE, LIQUID_BULK_MODULUS
 from core.body.model import build_model
-from core.material import PRESETS
-from core.mesh.surface import base_vertices
+from core.material import PRESETS, Material, ModelConstants
+from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
 from studies import scenes
-from tests.bodies import backends
+from tests.bodies import backends, ball, sheet
 
 SCENES = {
     "poke_ball, 42 vertices": lambda: scenes.poke_ball(1),
@@ -63,3 +64,71 @@ def test_a_swollen_body_shrinks_and_an_empty_one_does_not_care() -> None:
         session.body.set_state(1.001 * mesh.rest_positions.T)
         session.step(0.005)
         assert (np.abs(session.body.velocities()).max() > 0.01) == returns
+
+
+RADIUS = 0.08
+BALL = mesh_from_triangles(*ball(2, RADIUS))
+
+
+def pumped(pressure: float, *, bed: float, k: float, fill: str = "air", pinned: bool = False) -> Session:
+    """Return a ball that has swollen: its bed [N/m3], the springs of its skin [N/m]."""
+    constants = ModelConstants(kappa1=bed, kappa2=bed, d0=RADIUS, membrane_scale=1.0, tension=0.0)
+    material = Material(
+        K1=600, K2=600, x0=0.01, k=k, mass=0.5, damping_ratio=1.0, fill=fill, pressure=pressure, constants=constants
+    )
+    session = Session(build_model(BALL, [material], held=base_vertices(BALL) if pinned else None))
+    for _ in range(6):
+        session.step(0.25)
+    return session
+
+
+@pytest.mark.parametrize("fill", ["air", "liquid"])
+@pytest.mark.parametrize(("bed", "k"), [(4e5, 1e-3), (1e-3, 600.0), (1e5, 600.0)], ids=["bed", "skin", "both"])
+@pytest.mark.parametrize("pressure", [-5e3, 2e3, 2e4])
+def test_a_pumped_ball_swells_until_its_bed_and_its_skin_hold_the_pressure(
+    fill: str, bed: float, k: float, pressure: float
+) -> None:
+    """A bed displaced by R (s - 1) on the area at rest; a skin of k (3^1/2)(s - 1)/s across each line, 2 T / (R s)."""
+    if k == 600 and pressure < 0:
+        bed = max(bed, 4e5)  # a skin alone would buckle
+    frame = pumped(pressure, bed=bed, k=k, fill=fill).frame
+    ratio = frame.volume / frame.rest_volume
+    wider = ratio ** (1 / 3)
+    holds = (bed * RADIUS + 2 * np.sqrt(3) * k / RADIUS) * (wider - 1) / wider**2
+    assert frame.pressure == pytest.approx(holds, rel=0.03) and (ratio > 1) == (pressure > 0)
+    law = (AIR_PRESSURE + pressure) * ratio**-1.4 - AIR_PRESSURE
+    law = LIQUID_BULK_MODULUS * (1 - ratio) + pressure if fill == "liquid" else law
+    assert frame.pressure == pytest.approx(law, abs=0.002 * abs(pressure))
+
+
+def test_a_ball_answers_a_press_the_harder_the_more_it_is_pumped() -> None:
+    """By the same way from where its surface is then."""
+    answers = []
+    for pressure in (-2e4, 0.0, 2e4, 1e5):
+        session = pumped(pressure, bed=1e5, k=600, pinned=True)
+        top = session.positions()[:, 2].max() + 0.02
+        for way in (0.0, 0.015):
+            session.set_fingers([Finger((0, 0, top - way), 0.02)])
+            session.step(0.3)
+        answers.append(float(session.frame.finger_forces[0][2]))
+    assert all(b > 1.05 * a for a, b in itertools.pairwise(answers))
+
+
+@pytest.mark.parametrize("fill", ["air", "liquid"])
+def test_every_pressure_that_can_be_set_finds_a_rest(fill: str) -> None:
+    mesh, ratios = scenes.cube(6, PRESETS[1].size), []
+    for pressure in (-1e5, -1e4, 0.0, 1e4, 1e5, 1e6):
+        material = replace(PRESETS[1].material, fill=fill, pressure=pressure)
+        session = Session(build_model(mesh, [material], held=base_vertices(mesh)))
+        volumes = [session.step(0.5).volume for _ in range(3)]
+        assert session.frame.finite and volumes[2] == pytest.approx(volumes[1], rel=5e-3)
+        ratios.append(volumes[2] / session.frame.rest_volume)
+    assert ratios == sorted(ratios) and ratios[2] == pytest.approx(1, abs=1e-4)
+
+
+def test_without_an_inside_a_pressure_does_nothing() -> None:
+    material = replace(PRESETS[1].material, pressure=1e5)
+    for mesh, options in ((scenes.ball(1), {"law_set": "paper"}), (mesh_from_triangles(*sheet()), {})):
+        session = Session(build_model(mesh, [material], **options))
+        frame = session.step(0.1)
+        assert frame.pressure == 0 and np.abs(session.positions() - mesh.rest_positions).max() < 1e-6

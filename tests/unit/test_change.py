@@ -24,12 +24,13 @@ RADIUS, TIP = 0.08, 0.02
 STIFF = replace(SOFT, K1=1800, K2=6000, k=1800)
 CHANGES = [
     replace(SOFT, K1=1800), replace(SOFT, K2=9000), replace(SOFT, x0=0.004), replace(SOFT, k=3000),
-    replace(SOFT, mass=2.0), replace(SOFT, damping_ratio=1.5), replace(SOFT, friction=0.0),
+    replace(SOFT, mass=2.0), replace(SOFT, damping_ratio=1.5), replace(SOFT, friction=0.0), replace(SOFT, spread=0.03),
 ]  # fmt: skip
+MAPS = ("softness", "knee", "spread", "thickness")
 
 
-def on_its_base(mesh: Mesh, material: Material = SOFT) -> Model:
-    return build_model(mesh, [material], held=base_vertices(mesh))
+def on_its_base(mesh: Mesh, material: Material = SOFT, **maps: Any) -> Model:
+    return build_model(mesh, [material], held=base_vertices(mesh), **maps)
 
 
 def pressed(model: Model, depth: float = 0.01, **options: object) -> Session:
@@ -61,11 +62,29 @@ def test_a_changed_constant_acts_at_once_and_nothing_jumps(material: Material) -
     assert session.frame.law_forces[0] == pytest.approx(material.law(0.01), rel=1e-3)
 
 
+@pytest.mark.parametrize("name", MAPS)
+def test_a_changed_map_acts_at_once_and_nothing_jumps(name: str) -> None:
+    mesh = mesh_from_triangles(*ball(1, RADIUS))
+    painted = on_its_base(mesh, **{name: 0.3 + 0.5 * (mesh.rest_positions[mesh.source][:, 2] > 0)})
+    session = pressed(on_its_base(mesh))
+    before, first = session.positions(), force(session)
+    session.change(painted)
+    session.step(0.001)
+    assert np.abs(session.positions() - before).max() < 0.01 * 0.01, "of the depth, a tick later"
+    session.step(1.0)
+    wanted = pressed(painted)
+    wanted.step(1.0)
+    assert force(session) == pytest.approx(force(wanted), rel=0.02)
+    if name in ("softness", "spread"):  # the others matter deeper, or while it moves
+        assert force(session) != pytest.approx(first, rel=0.01)
+
+
 FRAME_S, GLIDE_S = 1 / 60, 0.5  # of a frame, and until a change has come in
 EDGE = 0.55  # radii of a fingertip: what Make Soft cuts edges to; on longer ones the skin may tremble
 COARSE, FINE = 20, 41  # cells along an edge: 2,402 and 10,088 vertices
 TUNED: dict[str, dict[str, Any]] = {
     "K1": {"K1": 1220}, "spread": {"spread": 0.03}, "fill": {"fill": "none"}, "mass": {"mass": 0.4},
+    "pressure": {"pressure": 1e4},
 }  # fmt: skip
 
 
@@ -87,7 +106,7 @@ def test_a_resting_pressed_body_glides_to_its_new_rest(
 ) -> None:
     """It moves in the first frame after the change, by less than 1 % of the depth, and ends as one pressed anew."""
     mesh, material = vinyl_on(cells)
-    tuned = replace(material, **TUNED[name], constants=material.constants if name == "mass" else None)
+    tuned = replace(material, **TUNED[name], constants=material.constants if name in ("mass", "pressure") else None)
     edge = 0.165 / cells
     radius = max(0.01, edge / EDGE)
     held, top = base_vertices(mesh), 0.165 / 2 + radius
@@ -124,6 +143,27 @@ def test_a_body_that_is_filled_while_it_is_pressed_takes_its_volume_back(backend
     np.testing.assert_array_equal(session.positions(), before)
     frame = session.step(0.5)
     assert frame.volume == pytest.approx(frame.rest_volume, rel=1e-3) and frame.pressure > 0
+
+
+@pytest.mark.parametrize("before, after", [(3e5, 0.0), (0.0, 1e5), (1e5, -5e4)])
+def test_a_pressure_that_is_let_out_in_one_frame_lets_the_body_go_to_its_rest_and_not_blow_up(
+    before: float, after: float
+) -> None:
+    mesh = cube(8, 0.165)
+    models = [build_model(mesh, [replace(PRESETS[1].material, pressure=each)], held=base_vertices(mesh))
+              for each in (before, after)]  # fmt: skip
+    session, anew = map(Session, models)
+    for _ in range(4):
+        session.step(0.25), anew.step(0.25)
+    x = session.positions()
+    session.change(models[1], glide=True)
+    session.step(FRAME_S)
+    moved = np.linalg.norm(session.positions() - x, axis=1).max()
+    for _ in range(60):
+        assert not session.step(FRAME_S).note
+    way = np.linalg.norm(session.positions() - x, axis=1).max()
+    assert 0 < moved < 0.02 * way
+    assert session.frame.volume == pytest.approx(anew.frame.volume, rel=0.01)
 
 
 def test_a_constant_that_is_changed_back_gives_the_force_back() -> None:

@@ -31,6 +31,10 @@ def test_a_constant_that_is_not_positive_nan_or_infinite_is_named(name: str, val
         ({"friction": -0.1}, "friction"),
         ({"friction": math.inf}, "friction"),
         ({"fill": "jelly"}, "air, liquid, none"),
+        ({"pressure": -1.1e5}, r"between -100 kPa and 1000 kPa .it is -110 kPa"),
+        ({"pressure": 2e6}, r"between -100 kPa and 1000 kPa .it is 2000 kPa"),
+        ({"pressure": math.nan}, "pressure must"),
+        ({"spread": -0.005}, "spread must not be negative .it is -5 mm"),
     ],
 )
 def test_a_setting_out_of_range_is_refused_with_the_rule(change: dict[str, object], words: str) -> None:
@@ -63,7 +67,15 @@ def test_the_presets_are_table_2() -> None:
         assert preset.provenance and preset.label
 
 
-@pytest.mark.parametrize("value", [1e33, math.inf])
-def test_a_number_beyond_all_measure_is_called_so(value: float) -> None:
-    with pytest.raises(DimpleError, match=r"^K1 is out of range \(it is (1e\+33|inf)\)"):
-        Material(K1=value, K2=1.0, x0=1.0, k=1.0, mass=1.0)
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("K1", 1e36, r"1e\+33 N/mm"), ("K1", math.inf, "inf N/mm"), ("k", 2e36, r"2e\+33 N/mm"),
+        ("x0", 1e30, r"1e\+33 mm"), ("mass", 1e33, r"1e\+33 kg"),
+    ],
+)  # fmt: skip
+def test_a_number_beyond_all_measure_is_called_so_in_the_unit_that_it_is_typed_in(
+    name: str, value: float, said: str
+) -> None:
+    with pytest.raises(DimpleError, match=rf"^(The )?{name} is out of range \(it is {said}\)"):
+        replace(SOFT, **{name: value})

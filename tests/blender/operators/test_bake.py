@@ -240,6 +240,24 @@ def test_keyframed_constants_are_followed_by_a_bake(
     assert hard[-1]["force_1_n"] > 2 * soft[-1]["force_1_n"]
 
 
+@pytest.mark.parametrize("simulated", ["MESH", "PROXY"])
+def test_a_keyframed_pressure_swells_a_body_in_a_bake(bpy: ModuleType, scene: Any, ball: Add, simulated: str) -> None:
+    obj = ball(subdivisions=4)
+    obj.active_material = bpy.data.materials.new("Keyed")
+    settings = obj.active_material.dimple
+    settings.damping_ratio, obj.dimple.simulated, obj.dimple.proxy_vertices = 1.0, simulated, 300
+    for frame, value in ((1, 0.0), (10, 0.0), (11, 20.0), (30, 20.0), (31, 0.0)):
+        settings.pressure_kpa = value
+        settings.keyframe_insert("pressure_kpa", frame=frame)
+    bpy.ops.dimple.bake(frame_start=1, frame_end=50)
+    volume = [row["volume_m3"] / row["rest_volume_m3"] for row in table(obj, scene)]
+    assert volume[8] == pytest.approx(1, abs=1e-3) and volume[49] == pytest.approx(1, abs=2e-3)
+    assert 1.05 < volume[29] < (1 + 20e3 / 101325) ** (1 / 1.4), "no farther than without a skin"
+    _, positions = cached(scene)
+    wide = np.ptp(positions[:, :, 0], axis=1)
+    assert wide[29] / wide[8] > 1.01 and wide[49] == pytest.approx(wide[8], rel=2e-3), "and so it is seen"
+
+
 def test_keyframed_pins_let_a_body_go(bpy: ModuleType, scene: Any, ball: Add) -> None:
     obj = ball()
     scene.dimple.use_gravity = True

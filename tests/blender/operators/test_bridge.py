@@ -52,15 +52,27 @@ def two_fills(bpy: ModuleType, obj: Any, share: int) -> Any:
 
 
 def test_of_several_fills_the_one_with_the_most_area_acts_and_a_note_says_so(bpy: ModuleType, ball: Add) -> None:
-    words = "Its materials have different fills (air, liquid): {} acts, on the most area."
+    words = "Its materials differ in fill or pressure: {}, 0 kPa acts, on the most area."
     for name, share, fill in (("Airy", 20, "air"), ("Wet", 60, "liquid")):
         model = two_fills(bpy, ball(name), share)
         assert model.pressure.fill == fill and words.format(fill) in model.notes
 
 
 def test_one_fill_or_none_that_can_act_needs_no_note(bpy: ModuleType, ball: Add, add: Add) -> None:
-    assert not any("fills" in note for note in read(bpy, ball()).notes)
+    assert not any("materials differ" in note for note in read(bpy, ball()).notes)
     sheet = add(
         [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 0, 0), (2, 1, 0)], [(0, 1, 2, 3), (1, 4, 5, 2)], "Sheet"
     )
-    assert not any("fills" in note for note in two_fills(bpy, sheet, 1).notes)
+    assert not any("materials differ" in note for note in two_fills(bpy, sheet, 1).notes)
+    sheet.active_material.dimple.pressure_kpa = 3.0
+    assert "A pressure needs an inside: close the mesh." in read(bpy, sheet).notes
+
+
+def test_of_several_pressures_the_one_on_the_most_area_acts_and_a_note_says_so(bpy: ModuleType, ball: Add) -> None:
+    obj = ball()
+    two_fills(bpy, obj, 60)
+    for each, value in zip(obj.data.materials, (3.0, 7.5), strict=True):
+        each.dimple.fill, each.dimple.pressure_kpa = "AIR", value
+    model = read(bpy, obj)
+    assert model.pressure.rest_pressure == 7500
+    assert "Its materials differ in fill or pressure: air, 7.5 kPa acts, on the most area." in model.notes

@@ -95,6 +95,7 @@ def test_after_a_change_of_what_was_measured_the_body_runs_with_constants_identi
     before = getattr(vinyl, name)
     setattr(vinyl, name, before)
     vinyl.friction = vinyl.damping_ratio = 0.3
+    vinyl.pressure_kpa = 5.0
     assert read(bpy, cube)[0].kappa1 == pytest.approx(1e6), "nothing that matters has changed"
     assert calibration.changed(vinyl) == [] and calibration.identification(vinyl)["points"] and not asked
     setattr(vinyl, name, value)
@@ -181,6 +182,16 @@ def test_a_keyframed_material_is_followed_by_the_closed_form(
 ) -> None:
     vinyl.keyframe_insert("K1", frame=1)
     assert read(bpy, cube)[0] is None and read(bpy, cube, identify="WAIT")[0] is None and not asked
+
+
+def test_a_pressure_that_is_keyframed_leaves_the_constants_that_were_identified_without(
+    bpy: ModuleType, vinyl: Any, cube: Any, asked: list[Any]
+) -> None:
+    own, _ = read(bpy, cube)
+    asked.clear()
+    vinyl.pressure_kpa = 5.0
+    vinyl.keyframe_insert("pressure_kpa", frame=1)
+    assert own is not None and read(bpy, cube)[0] == own and not asked
 
 
 def test_in_a_window_a_running_body_takes_over_what_the_background_has_found(

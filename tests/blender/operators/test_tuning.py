@@ -64,6 +64,15 @@ def of_body(name: str, value: Any) -> Callable[[ModuleType], None]:
     return lambda bpy: setattr(bpy.context.object.dimple, name, value)
 
 
+def of_map(name: str) -> Callable[[ModuleType], None]:
+    def paint(bpy: ModuleType) -> None:
+        obj = bpy.context.object
+        obj.vertex_groups.new(name="Painted").add(range(len(obj.data.vertices) // 2), 0.8, "REPLACE")
+        setattr(obj.dimple, f"{name}_group", "Painted")
+
+    return paint
+
+
 def of_scene(name: str) -> Callable[[ModuleType], None]:
     return lambda bpy: setattr(bpy.context.scene.dimple, name, True)
 
@@ -78,6 +87,12 @@ CHANGES: dict[str, tuple[Callable[[ModuleType], None], Callable[[Any], bool]]] =
     "damping": (of_material("damping_ratio", 1.0), lambda model: model.materials[0].damping_ratio == 1),
     "friction": (of_material("friction", 0.0), lambda model: not model.friction.any()),
     "fill": (of_material("fill", "NONE"), lambda model: model.pressure.fill == "none"),
+    "pressure": (of_material("pressure_kpa", 2.5), lambda model: model.pressure.rest_pressure == 2500),
+    "spread": (of_material("spread_mm", 30.0), lambda model: model.materials[0].spread == 0.03),
+    "softness map": (of_map("softness"), lambda model: np.ptp(model.maps.stiffer) > 0.1),
+    "knee map": (of_map("knee"), lambda model: np.ptp(model.maps.deeper) > 0.1),
+    "spread map": (of_map("spread"), lambda model: np.ptp(model.maps.wider) > 0.1),
+    "thickness map": (of_map("thickness"), lambda model: np.ptp(model.maps.thicker) > 0.1),
     "gravity": (of_scene("use_gravity"), lambda model: model.gravity[2] < -9),
     "ground": (of_scene("use_ground"), lambda model: model.ground is not None),
     "pins": (of_body("pinned", "NONE"), lambda model: not model.held.any()),
