@@ -5,15 +5,19 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
+import lzma
 import os
 import platform
 import re
 import shutil
+import struct
 import sys
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+from unittest import mock
 
 from .environment import ENVIRONMENTS, ROOT, Stop, provide_packages, require, say
 
@@ -183,10 +187,23 @@ def wheel_content(tag: str, library: dict[str, bytes]) -> bytes:
     }
     record = "".join(f"{name},sha256={_digest(content)},{len(content)}\n" for name, content in files.items())
     files[f"{info}/RECORD"] = f"{record}{info}/RECORD,,\n".encode()
+    return min((_zipped(files, *each) for each in ((3, 0, 0), (1, 2, 2))), key=len)  # for x86, for arm
+
+
+def _zipped(files: dict[str, bytes], lc: int, lp: int, pb: int) -> bytes:
+    """Return a zip of files, packed by LZMA with so many bits of the byte before, of the place, and of that again.
+
+    A fifth smaller, and every Python of Blender reads it.
+    """
+
+    def begun(packer: Any) -> bytes:
+        packer._comp = lzma.LZMACompressor(lzma.FORMAT_RAW, filters=[{"id": lzma.FILTER_LZMA1, **options}])
+        return struct.pack("<BBHBL", 9, 4, 5, (pb * 5 + lp) * 9 + lc, options["dict_size"])
+
+    options = {"lc": lc, "lp": lp, "pb": pb, "dict_size": 1 << 23}
     memory = io.BytesIO()
-    with zipfile.ZipFile(memory, "w") as archive:
+    with mock.patch("zipfile.LZMACompressor._init", begun), zipfile.ZipFile(memory, "w") as archive:
         for name, content in files.items():
-            # a fifth smaller, and every Python of Blender reads it
             archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content, zipfile.ZIP_LZMA)
     return memory.getvalue()
 
