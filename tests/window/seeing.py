@@ -1,4 +1,4 @@
-"""What is seen while one tunes: colours, profile, shape at rest; x0 painted; K1 keyframed; two materials."""
+"""What is seen while one tunes: colours, profile, shape at rest; x0 painted; two materials; a weight."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ Check = Callable[..., None]
 FORCE_N, PAINTED = 15.0, 0.375  # past the knee, which is painted to be three quarters as deep
 LOOP, SWELL_S = 20, 2.4  # pictures of it, and how long it takes in simulated time [s]
 LEAST_N, MOST_N = 1.0, 30.0
-KEYS = ((1, 0.3), (40, 3.0))  # frame and K1 [N/mm]
 
 
 def see(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -26,13 +25,7 @@ def see(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from colours(at, out, check)
     yield from paint_knee(at, out, check)
     yield from two_materials(at, out, check)
-    yield from keyframes(at, out, check)
     yield from weight(at, out, check)
-
-
-def leave(at: tuple[int, int]) -> robot.Waits:
-    yield from robot.key("ESC", *at)
-    yield from robot.until(lambda: tuning.body() is None, "ESC ends the poke", 30)
 
 
 def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -67,7 +60,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     robot.area().spaces.active.overlay.show_overlays = True
     settings.show_rest = settings.show_profile = False
     settings.show_field = "NONE"
-    yield from leave(at)
+    yield from tuning.leave(at)
 
 
 def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -103,7 +96,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.object.mode_set(mode="OBJECT")
     settings.show_field = "NONE"
-    yield from leave(at)
+    yield from tuning.leave(at)
     cube.dimple.knee_group = ""
 
 
@@ -130,7 +123,7 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     check("one press presses both, the softer one deeper", depths["Cube"] > 1.5 * depths["Cube B"] > 0, shown)
     yield from robot.redrawn(3)
     robot.screenshot(out / "0-two-materials.png")
-    yield from leave(here)
+    yield from tuning.leave(here)
     yield from loop(here, out)
     settings.show_field, settings.press_force_n = "NONE", FORCE_N
     view.view_distance, view.view_location, view.view_rotation = before
@@ -154,50 +147,7 @@ def loop(at: tuple[int, int], out: Path) -> robot.Waits:
         yield from robot.redrawn()
         robot.screenshot(out / f"loop-{number:02}.png")
     yield from robot.button(*at, "RELEASE")
-    yield from leave(at)
-
-
-def keyframes(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
-    """Keyframe K1, bake, and play what was baked: a fingertip that stands still meets a harder body."""
-    cube, scene = bpy.data.objects["Cube"], bpy.context.scene
-    material = cube.active_material.dimple
-    for frame, value in KEYS:
-        material.K1 = value
-        material.keyframe_insert("K1", frame=frame)
-    scene.frame_start, scene.frame_end = 1, KEYS[1][0]
-    scene.frame_set(1)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.dimple.add_fingertip()
-    tip = scene.dimple.finger_1
-    tip.keyframe_insert("location", frame=1)
-    tip.location.z -= 0.12
-    tip.keyframe_insert("location", frame=10)
-    scene.dimple.cache_dir = "/tmp"
-    bpy.context.view_layer.objects.active = cube
-    cube.select_set(True)
-    tip.select_set(False)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=KEYS[1][0])
-    yield from robot.until(lambda: any(each.type == "MESH_CACHE" for each in cube.modifiers), "it is baked", 400)
-    cache = next(each for each in cube.modifiers if each.type == "MESH_CACHE")
-    table = Path(bpy.path.abspath(cache.filepath)).with_suffix(".csv")
-    rows = np.genfromtxt(table, delimiter=",", names=True)
-    early, late = rows["force_1_n"][12], rows["force_1_n"][-1]
-    slopes = []
-    for frame in (13, KEYS[1][0]):
-        scene.frame_set(frame)
-        slopes.append(material.K1)
-    words = f"{slopes[0]:.2f} N/mm, {early:.2f} N at frame 13; {slopes[1]:.2f} N/mm, {late:.2f} N at the end"
-    check("a keyframed K1 is baked", abs(late / early / (slopes[1] / slopes[0]) - 1) < 0.15, words)
-    scene.frame_set(30)
-    yield from robot.redrawn(3)
-    robot.screenshot(out / "0-keyframes.png")
-    check("what was baked plays", dented(cube) > 0.05, f"{dented(cube):.3f} of the half height deep")
-    bpy.ops.dimple.unbake()
-    bpy.data.objects.remove(tip)
-    bpy.data.materials[cube.active_material.name].animation_data_clear()
-    scene.frame_set(1)
-    yield from robot.redrawn()
+    yield from tuning.leave(at)
 
 
 def weight(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -220,18 +170,8 @@ def weight(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     check("a weight of 1 kg rests in the cube", 0.0 < sunk < 0.5, f"{sunk * 82.5:.2f} mm deep")
     yield from robot.redrawn(3)
     robot.screenshot(out / "0-weight.png")
-    yield from leave(at)
+    yield from tuning.leave(at)
     check("and is put back when that ends", prop.matrix_basis == start)
     bpy.context.scene.dimple.show_field = "NONE"
     bpy.data.objects.remove(prop)
     yield from robot.redrawn()
-
-
-def dented(obj: bpy.types.Object) -> float:
-    """Return how far the highest face's middle lies below its rim [units of the mesh], as it is seen."""
-    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    points = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", points)
-    points = points.reshape(-1, 3)
-    middle = points[np.linalg.norm(points - (0.0, 0.0, 1.0), axis=1).argmin()]
-    return float(points[:, 2].max() - middle[2])

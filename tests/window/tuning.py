@@ -7,29 +7,31 @@ from collections.abc import Callable
 from pathlib import Path
 
 import bpy
+import clicking
 import large
+import playing
 import robot
 import seeing
 
 Check = Callable[..., None]
 Scene = Callable[[tuple[int, int], Path, Check], robot.Waits]
 FORCE_N, GENTLE_N = 15.0, 4.0  # past the knee of the soft one; short of it
-SOFT, HARD = 0.3, 3.0  # [N/mm] of K1
+SOFT, DRAGGED, HARD = 0.3, 2.0, 3.0  # [N/mm] of K1
 TIP_MM = 10.0  # of the fingertip that measured
 
 
 def tune(scenes: list[Scene], out: Path, check: Check) -> robot.Waits:
     """Take the cube from nothing to a material that was chosen by eye, and play scenes with it."""
-    settings = bpy.context.scene.dimple
     view = robot.area().spaces.active
     view.region_3d.view_distance, view.show_region_toolbar = 6.0, True
     yield from robot.redrawn()
     at = robot.on_screen((0.0, 0.0, 1.0))
     yield from robot.move(*at)
     yield from make_soft(at, out, check)
-    settings.press_by, settings.press_force_n, settings.finger_radius_mm = "FORCE", FORCE_N, TIP_MM
-    bpy.data.objects["Cube"].active_material.dimple.K1 = SOFT
-    bpy.ops.ed.undo_push(message="Soft")
+    yield from choose_force(FORCE_N, out, check)
+    yield from clicking.open_tab("Dimple", at)
+    yield from clicking.type_into((yield from clicking.in_sidebar("K1")), SOFT)
+    check("K1 is typed in the sidebar", slope() == SOFT, f"{slope()} N/mm")
     yield from robot.redrawn()
     for scene in scenes:
         yield from scene(at, out, check)
@@ -41,10 +43,9 @@ def tune(scenes: list[Scene], out: Path, check: Check) -> robot.Waits:
 
 
 def make_soft(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
-    """Say yes to the repair that is offered."""
+    """Search for Make Soft and say yes to the repair that is offered."""
     cube = bpy.data.objects["Cube"]
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.dimple.make_soft("INVOKE_DEFAULT")
+    yield from clicking.search("Make Soft", at)
     yield from robot.redrawn()
     robot.screenshot(out / "0-make-soft.png")
     check("Make Soft asks before it cuts the mesh", len(cube.data.vertices) == 8 and not cube.dimple.enabled)
@@ -55,6 +56,25 @@ def make_soft(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     chosen = tool.idname if tool else ""
     check("the bare cube is soft, cut and planned", len(cube.data.vertices) > 500 and bool(cube.dimple.plan_key))
     check("the poke is the tool of the viewport", chosen == "dimple.poke_tool", chosen)
+
+
+def choose_force(force: float, out: Path, check: Check) -> robot.Waits:
+    """Choose Force in the tool's header, and type how much."""
+    x, y = yield from clicking.in_header("press_by")
+    for place in ((x, y), (x + 3 * clicking.STEP, y), (x + 6 * clicking.STEP, y)):  # Depth, then Force, side by side
+        if bpy.context.scene.dimple.press_by != "FORCE":
+            yield from robot.click(*place)
+            yield from robot.looks(6)
+    yield from clicking.type_into((yield from clicking.in_header("press_force_n")), force)
+    settings = bpy.context.scene.dimple
+    robot.screenshot(out / "0-by-force.png")
+    ok = settings.press_by == "FORCE" and abs(settings.press_force_n - force) < 1e-4
+    check("the tool's header takes the force", ok, f"{settings.press_by}, {settings.press_force_n:.2f} N")
+
+
+def slope() -> float:
+    """Return K1 [N/mm] of the cube's material."""
+    return round(bpy.data.objects["Cube"].active_material.dimple.K1, 3)
 
 
 def body() -> object:
@@ -101,84 +121,83 @@ def press_and_undo(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 
 def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
-    """Press with the tool, and harden the material while the fingertip rests."""
-    yield from robot.move(*at)
-    yield from robot.button(*at, "PRESS")
-    yield from robot.until(lambda: body() is not None, "the tool presses", 60)
-
+    """Press with the tool, and harden the material while the fingertip rests: drag K1, then type the rest."""
+    yield from leave_resting(at)
     yield from robot.until(settled, "the fingertip rests", 400)
     soft = float(body().frame.depths[0])
     yield from robot.redrawn()
+    field = yield from clicking.in_sidebar("K1")
     robot.screenshot(out / "0-force-soft.png")
     session, seen, drawn, began = body().session, [], robot.drawn(), time.monotonic()
     finish = session.finish
 
     def noted(*given: object, **named: object) -> object:
         frame = finish(*given, **named)
-        seen.append(float(frame.depths[0]))
+        seen.append((slope(), session.model.materials[0].K1 / 1e3, 1e3 * float(frame.depths[0])))
         return frame
 
     session.finish = noted  # however it is stepped
-    bpy.data.objects["Cube"].active_material.dimple.K1 = HARD
-    bpy.ops.ed.undo_push(message="K1")
-    yield from robot.until(lambda: len(seen) > 2, "frames pass", 30)
-    check("K1 acts within two frames", abs(seen[1] - soft) > 1e-6, f"{1e3 * (seen[1] - soft):+.4f} mm")
-    yield from robot.until(lambda: len(seen) > 30 and settled(), "the fingertip rests again", 400)
+    yield from clicking.drag(field, lambda: slope() >= DRAGGED)
+    robot.screenshot(out / "0-dragged.png")
+    dragged = slope()
+    check("K1 is dragged while the fingertip rests", dragged >= DRAGGED, f"to {dragged} N/mm")
+    yield from clicking.type_into(field, HARD)
+    yield from robot.until(lambda: slope() == HARD, f"{HARD:g} is typed", 10)
+    first = next(index for index, (value, _, _) in enumerate(seen) if value != SOFT)
+    yield from robot.until(lambda: len(seen) > first + 30 and settled(), "the fingertip rests again", 400)
     del session.finish
+    value, taken, depth = seen[first + 1]
+    words = f"{SOFT} to {value}, the body has {taken:.3f} N/mm; {1e3 * soft:.4f} and {depth:.4f} mm"
+    check("K1 acts within two frames", taken > SOFT and abs(depth - 1e3 * soft) > 1e-3, words)
     hard, rate = float(body().frame.depths[0]), (robot.drawn() - drawn) / (time.monotonic() - began)
     check("a harder material is pressed less deep", hard < 0.7 * soft, f"{1e3 * soft:.2f} and {1e3 * hard:.2f} mm")
     check("and that is seen, however slow the machine is", rate > 0, f"{rate:.1f} frames a second")
     check("by the same force", resting(), f"{push():.3f} N")
-    for slope, depth in ((SOFT, soft), (HARD, hard)):
-        wanted = depth_of(FORCE_N, slope)
+    for constant, depth in ((SOFT, soft), (HARD, hard)):
+        wanted = depth_of(FORCE_N, constant)
         ratio = f"{1e3 * depth:.2f} mm for {wanted:.2f} mm by the law"
-        name = f"the depth at {slope} N/mm is that of the law within 5 %"
+        name = f"the depth at {constant} N/mm is that of the law within 5 %"
         check(name, abs(1e3 * depth / wanted - 1) < 0.05, ratio)
     yield from robot.redrawn()
     robot.screenshot(out / "0-force-hard.png")
-    yield from robot.button(*at, "RELEASE")
-    yield from robot.until(lambda: not body().frame.depths.any(), "the fingertip leaves", 60)
 
 
 def take_it_back(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Ctrl-Z over the viewport takes K1 back while the poke goes on, and nothing from before it."""
-
-    def k1() -> float:
-        return round(bpy.data.objects["Cube"].active_material.dimple.K1, 3)
-
-    yield from robot.key("Z", *at, ctrl=True)
-    yield from robot.until(lambda: k1() == SOFT, "Ctrl-Z takes K1 back", 30)
+    yield from robot.move(*at)
+    for _ in range(2):  # what was typed, and what was dragged
+        before = slope()
+        yield from robot.key("Z", *at, ctrl=True)
+        yield from robot.until(lambda before=before: slope() != before, "Ctrl-Z takes K1 back", 30)
+    check("Ctrl-Z takes back first what was typed, then what was dragged", slope() == SOFT, f"{slope()} N/mm")
     yield from robot.until(lambda: body().session.model.materials[0].K1 == 1e3 * SOFT, "and the body follows", 30)
     yield from robot.key("Z", *at, ctrl=True)
     yield from robot.looks(10)
-    check("Ctrl-Z takes back what was tuned, and only that", k1() == SOFT and body() is not None)
+    check("Ctrl-Z takes back what was tuned, and only that", slope() == SOFT and body() is not None)
     yield from robot.redrawn()
     robot.screenshot(out / "0-undone.png")
+    yield from leave(at)
+
+
+def leave(at: tuple[int, int]) -> robot.Waits:
+    """Choose the first fingertip again and leave the poke."""
+    yield from robot.move(*at)
+    yield from robot.key("ONE", *at)
     yield from robot.key("ESC", *at)
     yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
 
 
 def search(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Look for the poke with F3."""
-    yield from robot.key("F3", *at)
-    yield from robot.redrawn()
-    for letter in "poke":
-        robot.window().event_simulate(type=letter.upper(), value="PRESS", unicode=letter, x=at[0], y=at[1])
-        yield robot.TICK_S
-        robot.window().event_simulate(type=letter.upper(), value="RELEASE", x=at[0], y=at[1])
-        yield robot.TICK_S
-    yield from robot.looks(20)
+    yield from clicking.search("poke", at)
     robot.screenshot(out / "0-search.png")
-    yield from robot.key("RET", *at)
     yield from robot.until(lambda: "DIMPLE_OT_poke" in robot.modal_operators(), "F3 poke starts the poke", 30)
     check("F3 finds the poke", True)
-    yield from robot.key("ESC", *at)
-    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+    yield from leave(at)
 
 
 def leave_resting(at: tuple[int, int]) -> robot.Waits:
     """Press with the tool and choose the next finger, so that the first stays where it is."""
-    bpy.context.scene.dimple.active_finger = 1
     yield from robot.move(*at)
     yield from robot.button(*at, "PRESS")
     yield from robot.until(lambda: body() is not None and resting(), "it rests", 120)
@@ -218,8 +237,7 @@ def paint(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     robot.screenshot(out / "0-painted.png")
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.object.mode_set(mode="OBJECT")
-    yield from robot.key("ESC", *at)
-    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+    yield from leave(at)
 
 
 def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -245,8 +263,7 @@ def looks(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
         bpy.ops.preferences.reset_default_theme()
     yield from robot.redrawn()
     check("the overlay goes on in every look", body() is not None)
-    yield from robot.key("ESC", *at)
-    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+    yield from leave(at)
 
 
 def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
@@ -264,8 +281,7 @@ def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     check("a recording is seen with the sidebar closed", red[1] > red[0] + 20, f"{red[0]} and {red[1]} red pixels")
     yield from robot.key("R", *at)
     yield from robot.looks(10)
-    yield from robot.key("ESC", *at)
-    yield from robot.until(lambda: body() is None, "ESC ends the poke", 30)
+    yield from leave(at)
     yield from robot.redrawn()
     robot.screenshot(out / "0-recorded.png")
     reports = [each.message for each in bpy.context.window_manager.reports if each.message.startswith("Recorded")]
@@ -277,6 +293,7 @@ def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 SCENES: dict[str, Scene] = {
     "tuning": press_and_undo,
+    "keyframing": playing.keyframes,
     "search": search,
     "recording": record,
     "painting": paint,
