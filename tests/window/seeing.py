@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import bpy
+import clicking
 import numpy as np
 import robot
 import tuning
@@ -34,11 +35,12 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     settings.press_force_n = FORCE_N
     yield from tuning.leave_resting(at)
     yield from robot.until(tuning.settled, "it rests", 400)
+    field = yield from clicking.open_last_panel("show_field")
     yield from robot.redrawn()
     plain = robot.screenshot(out / "0-plain.png")
     settings.show_rest = settings.show_profile = True
-    for name in ("PRESSURE", "DEPTH", "STRETCH", "SLOPE", "KNEE"):
-        settings.show_field = name
+    for name in ("PRESSURE", "DEPTH", "STRETCH", "SLOPE", "KNEE", "SPREAD", "THICKNESS"):
+        yield from clicking.choose(field, lambda name=name: settings.show_field == name)
         yield from robot.redrawn(3)
         coloured = robot.screenshot(out / f"0-colours-{name.lower()}.png")
         gap = robot.differing(plain, coloured, at, robot.HALF)
