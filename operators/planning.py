@@ -158,6 +158,11 @@ def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     return scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERS)
 
 
+def around(scene: bpy.types.Scene, obj: bpy.types.Object) -> tuple[float, float]:
+    """Return what the plan depends on besides the object: the fingertip's radius [mm] and the budget."""
+    return scene.dimple.finger_radius_mm, budget_of(scene, obj)
+
+
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
     """Return a checksum of what the plan depends on: body, materials, tolerances, fingertip and budget."""
     law, number = model.matching, 0
@@ -166,6 +171,5 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
         law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction,
     ):  # fmt: skip
         number = zlib.crc32(np.ascontiguousarray(array), number)
-    around = (scene.dimple.finger_radius_mm, budget_of(scene, obj))
-    words = (model.law_set, model.pressure.fill, *around, *obj.dimple.to_plan().values())
+    words = (model.law_set, model.pressure.fill, *around(scene, obj), *obj.dimple.to_plan().values())
     return f"{zlib.crc32(repr(words).encode(), number):08x}"

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from ..core.poke import Effect, PokeEvent
     from .pointer import View
 
+_CONTACT = ("collider", "collider_friction", "is_prop", "prop_mass_kg", "self_contact")
+
 
 class DIMPLE_OT_poke(bpy.types.Operator):
     """Press the selected meshes with a fingertip: live with the mouse, or from a script at a given place"""
@@ -86,6 +88,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         self._run = modal_runs.open_run(context, "poke", "Poking: Esc leaves, Enter keeps the shape")
         context.window_manager.modal_handler_add(self)
         self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
+        self._contacts, self._typed = _contacts(context), {}
         modal_runs.show_status(context, self._run, fingertip.help_text(self._state))
         # started as a tool the button is down already
         view = pointer.view_under(context, event)
@@ -117,7 +120,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         view = pointer.view_under(context, event)
         meant = pointer.poke_event(event, view, sessions.sessions, self._shapes, pressing=self._state.pressing)
         if meant is None:
-            return {"PASS_THROUGH"} if pointer.passes(event, view, undo=self._tuned()) else {"RUNNING_MODAL"}
+            return {"PASS_THROUGH"} if pointer.passes(event, view, undo=self._tuned(context)) else {"RUNNING_MODAL"}
         if view and meant.kind is Kind.PRESS and meant.hit is None:
             meant = self._joined(context, event, view) or meant
         result = self._take(context, meant)
@@ -134,6 +137,9 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         wall, self._clock = now - self._clock, now
         asked, self._budget = live.ask(context.scene, self._run, wall)
         tool = fingertip.settings_of(context.scene)
+        for name in tool:  # typed in a panel: what wheel and keys change is no step of undo
+            if tool[name] != self._tool[name] and self._typed.setdefault(name, self._tool[name]) == tool[name]:
+                del self._typed[name]
         self._state, self._tool = fingertip.taken(self._state, self._tool, tool), tool
         modal_runs.show_status(context, self._run, fingertip.help_text(self._state))
         if self._run.paused != self._state.paused:  # the sidebar's button
@@ -216,14 +222,15 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         report(self, messages)
         return pointer.poke_event(event, view, sessions.sessions, {}, pressing=False)
 
-    def _tuned(self) -> bool:
-        """Tell whether a setting of a body was changed since the poke began, which undo may take back."""
+    def _tuned(self, context: bpy.types.Context) -> bool:
+        """Tell whether a setting was changed in a panel since the poke began, which undo may take back."""
         begun = self._settings
         chosen = [
             uid for uid, body in sessions.sessions.items()
             if uid not in begun or begun[uid]._replace(identified=0) != body.seen._replace(identified=0)
         ]  # fmt: skip
-        return bool(chosen) and not self._state.pressing
+        changed = chosen or self._typed or self._contacts != _contacts(context)
+        return bool(changed) and not self._state.pressing
 
     def _went_on(self, messages: list[str]) -> set[str] | None:
         """Report what has happened; return how the operator ends when no session is left."""
@@ -248,6 +255,13 @@ class DIMPLE_OT_poke(bpy.types.Operator):
                     fingers[active] = Finger(centre, self._state.radius)
             body.fingers = tuple(fingers)
         modal_runs.redraw()
+
+
+def _contacts(context: bpy.types.Context) -> dict[int, tuple[float, ...]]:
+    """Return what the objects of a scene say of their contact."""
+    return {
+        obj.session_uid: tuple(getattr(obj.dimple, name) for name in _CONTACT) for obj in context.scene.objects
+    }  # fmt: skip
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_poke])

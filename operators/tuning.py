@@ -33,7 +33,10 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
     A change that cannot be simulated is refused: the body keeps what it had, and `refused` says why.
     """
     if body.change is None:
-        now = settings_of(context.scene, obj)
+        now, around = settings_of(context.scene, obj), planning.around(context.scene, obj)
+        body.around = body.around or around
+        if around != body.around and body.changed_at is None:
+            body.changed_at = body.frame.time
         painting = obj.mode == PAINTING and body.frame.time >= body.painted_at + PAINTED_S
         if now == body.seen and not painting:
             return _plan_when_due(context, obj, body)
@@ -145,11 +148,21 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
         return []
     if body.recording or body.refused or any(session.fingers):
         return []
-    body.changed_at = None
+    body.changed_at, before, body.around = None, body.around, planning.around(context.scene, obj)
+    coarse = before and body.around[0] < before[0] and _is_coarse(obj, session.model, body.around[0] / 1e3)
     try:
         proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy)
         if (len(proxy.seeds) if proxy else 0) != (len(session.proxy.seeds) if session.proxy else 0):
             session.change(session.model, proxy=proxy)
     except DimpleError as error:
         return [str(error)]
-    return [reason] if reason else []
+    cut = "The mesh is coarse for this fingertip: it is cut finer when the body is started again."
+    return [*([reason] if reason else []), *([cut] if coarse else [])]
+
+
+def _is_coarse(obj: bpy.types.Object, model: Model, radius: float) -> bool:
+    """Tell whether a body would be cut finer for a fingertip of a radius [m] if it were started now."""
+    from ..core.mesh.refine import is_coarse
+
+    cut = obj.dimple.simulated == "AUTO" and model.law_set != "paper"
+    return cut and is_coarse(model.mesh.rest_positions, model.mesh.triangles, radius)

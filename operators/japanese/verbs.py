@@ -22,6 +22,9 @@ MESSAGES = {
         "メッシュの辺は {} mm、指先の幅は {} mm です。へこみが見え、力が確かになるように、メッシュを細分化するか、"
         "もっと大きい指先を使ってください。"
     ),
+    "The mesh is coarse for this fingertip: it is cut finer when the body is started again.": (
+        "この指先にはメッシュが粗すぎます。物体をもう一度開始すると細かく分割されます。"
+    ),
     "A pressure needs an inside: close the mesh.": "圧力には内側が必要です。メッシュを閉じてください。",
     "Its materials differ in fill or pressure: {}, {} kPa acts, on the most area.": (
         "マテリアルの中身か圧力がそれぞれ違います。面積が最も大きい {}、{} kPa を使います。"

@@ -246,6 +246,55 @@ def test_tuned_constants_are_planned_for_once_nothing_presses(
     assert cube.dimple.plan_key != planned
 
 
+@pytest.mark.parametrize(("name", "value"), [("finger_radius_mm", 12.0), ("frame_budget_percent", 30.0)])
+def test_another_fingertip_or_share_is_planned_for_once_nothing_presses(
+    bpy: ModuleType, entry: Any, cube: Any, name: str, value: float
+) -> None:
+    from bl_ext.user_default.dimple.operators import live
+
+    step(bpy)
+    planned = cube.dimple.plan_key
+    setattr(bpy.context.scene.dimple, name, value)
+    step(bpy, 1.5)
+    step(bpy)
+    assert cube.dimple.plan_key == planned, "not while a fingertip rests"
+    said = live.advance(bpy.context, FRAME_S) + live.advance(bpy.context, FRAME_S)
+    assert cube.dimple.plan_key != planned and not any("coarse" in each for each in said)
+
+
+def test_that_a_mesh_is_coarse_for_a_smaller_fingertip_is_said_once(bpy: ModuleType, entry: Any, cube: Any) -> None:
+    from bl_ext.user_default.dimple.operators import live
+
+    cube.dimple.simulated = "AUTO"
+    step(bpy, 0.1)
+    bpy.context.scene.dimple.finger_radius_mm = 1.0
+    step(bpy, 1.5)
+    said = [each for _ in range(4) for each in live.advance(bpy.context, FRAME_S)]
+    assert sum("cut finer when the body is started again" in each for each in said) == 1
+
+
+def test_undo_passes_for_whatever_was_changed_in_a_panel_and_not_for_the_wheel(
+    bpy: ModuleType, hand: Any, ball: Any
+) -> None:
+    obj, poke = ball(), hand("poke")
+    poke.invoke()
+    poke.ticks(2)
+    poke.send("WHEELUPMOUSE")
+    poke.ticks(2)
+    assert poke.send("Z", ctrl=True) == {"RUNNING_MODAL"}
+    changes = [(obj.dimple, "collider_friction", 0.1), (obj.dimple, "prop_mass_kg", 3.0)]
+    changes += [(bpy.context.scene.dimple, name, 3.0) for name in ("finger_radius_mm", "press_force_n")]
+    for settings, name, value in changes:
+        before = getattr(settings, name)
+        setattr(settings, name, value)
+        poke.ticks(1)
+        assert poke.send("Z", ctrl=True) == {"PASS_THROUGH"}, name
+        setattr(settings, name, before)
+        poke.ticks(1)
+        assert poke.send("Z", ctrl=True) == {"RUNNING_MODAL"}, "what was done before stays"
+    poke.send("ESC")
+
+
 def test_another_size_lifts_the_fingertip_of_a_poke(bpy: ModuleType, hand: Any, ball: Any) -> None:
     from bl_ext.user_default.dimple.operators import sessions
 
