@@ -24,6 +24,7 @@ from .environment import ENVIRONMENTS, ROOT, Stop, provide_packages, require, sa
 SOURCES = ROOT / "core" / "native"
 BUILD = ROOT / "build" / "native"
 WHEELS = ROOT / "wheels"
+SHORT = 1000  # bytes: the properties of LZMA would be most of a file
 PINS = ROOT / "requirements" / "native.txt"
 ZIG = ENVIRONMENTS / "zig"
 PACKAGE = "dimple_native"
@@ -204,7 +205,8 @@ def _zipped(files: dict[str, bytes], lc: int, lp: int, pb: int) -> bytes:
     memory = io.BytesIO()
     with mock.patch("zipfile.LZMACompressor._init", begun), zipfile.ZipFile(memory, "w") as archive:
         for name, content in files.items():
-            archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content, zipfile.ZIP_LZMA)
+            kind = zipfile.ZIP_LZMA if len(content) > SHORT else zipfile.ZIP_DEFLATED
+            archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content, kind, 9)
     return memory.getvalue()
 
 
