@@ -16,6 +16,7 @@ Found = Generator[float, None, Place]
 DIGITS = dict(zip("0123456789.", ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE",
                                   "PERIOD"), strict=True))  # fmt: skip
 STEP = 9  # [px] between two places that are hovered: a field is 20 high
+MODES = 106  # [px] from the left edge of a viewport's header to the middle of its menu of modes
 SIDE_TAB = 10  # [px] from the right edge of the sidebar to the middle of its tabs
 FAR = 60  # notches of the wheel: past the end of any sidebar
 
@@ -197,3 +198,20 @@ def choose(at: Place, chosen: Callable[[], bool], limit: int = 12) -> robot.Wait
             yield robot.TICK_S
     if not chosen():
         raise robot.NotReached("the field has no such item")
+
+
+def mode(letter: str, wanted: str) -> robot.Waits:
+    """Open the menu of modes in the header and choose by the letter that is underlined; a poke goes on meanwhile."""
+    header = header_of(robot.area(), "HEADER")
+    at = header.x + MODES, header.y + header.height // 2
+    yield from robot.click(*at)
+    yield from robot.looks(8)
+    yield from strike(letter, at)
+    yield from robot.until(lambda: bpy.context.mode == wanted, f"the menu leads to {wanted}", 10)
+    yield from robot.redrawn()
+
+
+def brush(weight: float, size: int) -> robot.Waits:
+    """Type weight, strength and size of the brush into the tool's header."""
+    for name, value in (("weight", weight), ("strength", 1.0), ("size", size)):
+        yield from type_into((yield from in_header(name)), value)

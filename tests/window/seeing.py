@@ -29,6 +29,11 @@ def see(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from weight(at, out, check)
 
 
+def show(field: tuple[int, int], name: str) -> robot.Waits:
+    """Choose by the wheel over its field what is shown in colours."""
+    yield from clicking.choose(field, lambda: bpy.context.scene.dimple.show_field == name)
+
+
 def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Show each quantity on the pressed surface."""
     settings = bpy.context.scene.dimple
@@ -40,7 +45,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     plain = robot.screenshot(out / "0-plain.png")
     settings.show_rest = settings.show_profile = True
     for name in ("PRESSURE", "DEPTH", "STRETCH", "SLOPE", "KNEE", "SPREAD", "THICKNESS"):
-        yield from clicking.choose(field, lambda name=name: settings.show_field == name)
+        yield from show(field, name)
         yield from robot.redrawn(3)
         coloured = robot.screenshot(out / f"0-colours-{name.lower()}.png")
         gap = robot.differing(plain, coloured, at, robot.HALF)
@@ -67,18 +72,15 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Paint x0 with a brush while a force rests: the press stops there."""
-    cube, settings = bpy.data.objects["Cube"], bpy.context.scene.dimple
+    cube = bpy.data.objects["Cube"]
     cube.vertex_groups.new(name="Reach").add(range(len(cube.data.vertices)), 0.5, "REPLACE")
     cube.dimple.knee_group = "Reach"
     yield from tuning.leave_resting(at)
     yield from robot.until(tuning.settled, "it rests", 400)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-    brush = bpy.context.tool_settings.weight_paint
-    brush.unified_paint_settings.weight, brush.unified_paint_settings.size = PAINTED, 100
-    brush.brush.weight, brush.brush.strength = PAINTED, 1.0
-    settings.show_field = "KNEE"
-    yield from robot.redrawn()
+    yield from show((yield from clicking.open_last_panel("show_field")), "KNEE")
+    yield from clicking.mode("W", "PAINT_WEIGHT")
+    yield from clicking.brush(PAINTED, 100)
+    robot.screenshot(out / "0-brush.png")
     for _ in range(3):
         yield from robot.move(at[0] + 60, at[1])
         yield from robot.button(at[0] + 60, at[1], "PRESS")
@@ -95,9 +97,8 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     check("the press stops within 5 % of where x0 is painted", abs(depth / wanted - 1) < 0.05, words)
     yield from robot.redrawn(3)
     robot.screenshot(out / "0-painted-knee.png")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.object.mode_set(mode="OBJECT")
-    settings.show_field = "NONE"
+    yield from clicking.mode("O", "OBJECT")
+    yield from show((yield from clicking.in_sidebar("show_field")), "NONE")
     yield from tuning.leave(at)
     cube.dimple.knee_group = ""
 
