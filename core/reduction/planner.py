@@ -35,6 +35,7 @@ COARSE = 0.8
 NARROWEST = 0.5  # spread over radius: narrower dents have not been fitted
 MARGIN = 1.2  # bodies and places scatter about the fit: with this 49 of 50 presses keep tolerances of 10 to 30 %
 STRETCH = 2.0  # times a tolerance: a proxy that runs live and misses it by no more beats one that does not run live
+NEARLY_LIVE = 1.8  # times what runs live: a full mesh that takes no more beats a proxy that misses a tolerance
 TRIES = 5
 DENSER = 1.25  # where no proxy can be made, the factor of vertices to the next attempt
 
@@ -167,9 +168,12 @@ def carry_out(decided: Decision, build: Maker = build_proxy) -> Plan:
             raise _too_few(decided)
         if chosen.cost >= decided.cost:
             raise DimpleError("no proxy within the tolerances is faster")
+        misses = chosen.error > decided.tolerance or chosen.force_error > decided.force_tolerance
+        if misses and decided.cost <= NEARLY_LIVE * budget:
+            raise DimpleError("no proxy within the tolerances runs live")
     except DimpleError as error:
         return _full_mesh(model, decided.cost, _anyway(decided, error))
-    if chosen.error > decided.tolerance or chosen.force_error > decided.force_tolerance:
+    if misses:
         return replace(chosen, reason=f"{chosen.reason} A proxy within the tolerances would not run live.")
     return chosen
 

@@ -137,6 +137,7 @@ MESSAGES = {
     "{} mm and {}": "{} mm と {}",
     "no proxy of up to {} vertices is within {}": "{} 頂点までの代理メッシュに、{} 以内のものはありません",
     "{}. It is simulated anyway: {}.": "{}。それでもそのまま計算します。{}。",
+    "no proxy within the tolerances runs live": "許容差に収まる代理メッシュで、リアルタイムで動くものはありません",
     "no proxy within the tolerances is faster": "許容差に収まる代理メッシュで、これより速いものはありません",
     "As chosen, the full mesh: {}, at {} real time.": "選択どおり元のメッシュ（{}）、実時間の {} の速さです。",
     "runs at {} real time": "は実時間の {} の速さで動き",
