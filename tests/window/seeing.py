@@ -107,8 +107,8 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Press twins of two materials by one force."""
     settings, view = bpy.context.scene.dimple, robot.area().spaces.active.region_3d
     bpy.ops.ed.undo_push(message="Before the twin")
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.dimple.compare_materials()
+    yield from clicking.search("Compare Materials", at)
+    yield from robot.until(lambda: "Cube B" in bpy.data.objects, "a twin stands beside", 30)
     twin = bpy.data.objects["Cube B"]
     twin.active_material.dimple.K1, twin.active_material.dimple.x0 = 1.83, 5.0
     before = view.view_distance, view.view_location.copy(), view.view_rotation.copy()
@@ -130,8 +130,8 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from loop(here, out)
     settings.show_field, settings.press_force_n = "NONE", FORCE_N
     view.view_distance, view.view_location, view.view_rotation = before
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.dimple.use_material()
+    yield from clicking.search("Use This Material", at)
+    yield from robot.until(lambda: "Cube B" not in bpy.data.objects, "the one that is used stays alone", 30)
     check("the one that is used stays alone", "Cube B" not in bpy.data.objects)
     yield from robot.redrawn()
 
