@@ -137,9 +137,11 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         wall, self._clock = now - self._clock, now
         asked, self._budget = live.ask(context.scene, self._run, wall)
         tool = fingertip.settings_of(context.scene)
-        for name in tool:  # typed in a panel: what wheel and keys change is no step of undo
-            if tool[name] != self._tool[name] and self._typed.setdefault(name, self._tool[name]) == tool[name]:
-                del self._typed[name]
+        undone = not any(self._run.shown)  # then what wheel and keys changed, which is no step, may have gone back too
+        for name in tool:
+            if tool[name] != self._tool[name] and (name in self._typed or not undone):  # typed in a panel, or undone
+                if self._typed.setdefault(name, self._tool[name]) == tool[name]:
+                    del self._typed[name]
         self._state, self._tool = fingertip.taken(self._state, self._tool, tool), tool
         modal_runs.show_status(context, self._run, fingertip.help_text(self._state))
         if self._run.paused != self._state.paused:  # the sidebar's button

@@ -40,6 +40,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     settings.press_force_n = FORCE_N
     yield from tuning.leave_resting(at)
     yield from robot.until(tuning.settled, "it rests", 400)
+    yield from clicking.open_tab("Dimple", at)
     field = yield from clicking.open_last_panel("show_field")
     yield from robot.redrawn()
     plain = robot.screenshot(out / "0-plain.png")

@@ -171,6 +171,8 @@ def test_undo_takes_a_constant_back_while_poking_but_nothing_from_before(
     poke.invoke()
     poke.ticks(2)
     assert poke.send("Z", ctrl=True) == {"RUNNING_MODAL"}
+    poke.send("TWO")  # no step of undo, but the next one goes back beyond it
+    poke.ticks(2)
     ball_of(bpy).active_material.dimple.K1 = 3.0
     bpy.ops.ed.undo_push(message="K1")
     poke.ticks(2)
