@@ -34,7 +34,6 @@ class Proxy:
     cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
     still: the vertices of the fine mesh that are pinned or loose.
     spacing: mean distance between seeds [m].
-    fine_spacing: mean distance between vertices of the fine mesh [m].
     binding: what carries the fine mesh along.
     """
 
@@ -43,7 +42,6 @@ class Proxy:
     cells: Ints
     still: Ints
     spacing: float
-    fine_spacing: float
     binding: Binding
 
 
@@ -78,7 +76,7 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
     coarse = _constants(model, _coarse_mesh(mesh, seeds, triangles), cells)
     return Proxy(
         model=coarse, seeds=seeds, cells=cells, still=np.flatnonzero(model.held | mesh.loose),
-        spacing=spacing, fine_spacing=mean_spacing(mesh, len(used)),
+        spacing=spacing,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
 
