@@ -106,8 +106,8 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
             try:
                 if obj.type != "MESH":
                     done.append(convert(context, obj))
-                if self.repair and not is_shared(obj) and any(mended := repair(obj)):
-                    done.append(f'"{obj.name}" was repaired. {words(mended)}')
+                if self.repair and not is_shared(obj) and any(repaired := repair(obj)):
+                    done.append(f'"{obj.name}" was repaired. {words(repaired)}')
                 sentence, notes = make_soft(context, obj, self.preset, subdivide=self.subdivide)
                 done.append(sentence)
                 noted += notes

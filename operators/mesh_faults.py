@@ -21,15 +21,15 @@ class Faults(NamedTuple):
 
 def faults(obj: bpy.types.Object) -> Faults:
     """Return the faults of a mesh; none where it is too large to be looked at in a click."""
-    return _mended(obj, keep=False) if len(obj.data.vertices) <= MOST_LOOKED_AT else Faults()
+    return _repaired(obj, keep=False) if len(obj.data.vertices) <= MOST_LOOKED_AT else Faults()
 
 
 def repair(obj: bpy.types.Object) -> Faults:
     """Weld doubled vertices, delete loose ones and turn faces outward; return what was done."""
-    return _mended(obj, keep=True)
+    return _repaired(obj, keep=True)
 
 
-def _mended(obj: bpy.types.Object, *, keep: bool) -> Faults:
+def _repaired(obj: bpy.types.Object, *, keep: bool) -> Faults:
     import bmesh
 
     mesh = bmesh.new()

@@ -127,7 +127,7 @@ def planned(mesh: Mesh, material: Material) -> int:
 def roughness(mesh: Mesh, one: Settled, exact: Profile) -> dict[str, object]:
     """Return how rough a dent on the ball is, over its depth, and how rough an exactly round one would be measured.
 
-    The part of it that is a lean to one side is told too: beyond two radii a coarse surface slips aside.
+    The part of it that is a lean to one side is given too: beyond two radii a coarse surface slips aside.
     """
     spacing = mean_spacing(mesh, len(mesh.rest_positions))
     rest, round_one = mesh.rest_positions, turned_onto(exact, mesh.rest_positions)

@@ -131,6 +131,8 @@ def land(shape: RigidShape, state: RigidState, ground: float, friction: float) -
         going = state.velocity + np.cross(inverse @ state.momentum, low[: 1 if count == 0 else None])
         arm, speed = low[going[:, 2].argmin()], going[going[:, 2].argmin()]
         if speed[2] > -SLOW:
+            if count:
+                return
             continue
         cross = np.array([[0.0, -arm[2], arm[1]], [arm[2], 0.0, -arm[0]], [-arm[1], arm[0], 0.0]])
         impulse = np.linalg.solve(np.eye(3) / shape.mass - cross @ inverse @ cross, -speed)  # it then stands still

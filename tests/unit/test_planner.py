@@ -121,6 +121,13 @@ def test_a_proxy_that_runs_live_and_nearly_keeps_the_tolerances_beats_a_slow_one
     assert far.vertices == accurate.vertices and "real time" in far.reason, "none that runs live is near"
 
 
+def test_a_mesh_is_live_where_its_cost_is_as_near_to_the_budget_as_costs_are_known(round_model: Model) -> None:
+    """The default cube, cut finer, took 1.004 of it, and was said to run at 1x real time anyway."""
+    cost = planner.cost_of(round_model)
+    for share, live in ((0.99, True), (0.93, False)):
+        assert ("runs live" in plan(round_model, budget=share * cost).reason) == live
+
+
 def test_a_full_mesh_that_nearly_runs_live_beats_a_proxy_that_misses_a_tolerance(round_model: Model) -> None:
     """A bare cone at 0.6 of real time was given a proxy that was expected to be off by a fifth of the force."""
     cost, nearly = planner.cost_of(round_model), 0.7 * planner.expected(round_model, 1281, 0.02)[1]
