@@ -14,7 +14,9 @@ extern const dm_methods dm_avx2_32, dm_avx2_64;
 #else
 #define DM_X86 0
 #endif
+#ifndef DM_NO_BASE
 extern const dm_methods dm_base_32, dm_base_64;
+#endif
 
 /* double precision is for tests: what ships does without */
 #ifdef DM_DOUBLE
@@ -47,7 +49,11 @@ static const dm_methods *dm_choose(int32_t bits, int32_t set) {
 #if DM_X86
     if (set != DM_SET_BASE && dm_has_avx2()) return DM_OF_BITS(avx2);
 #endif
+#ifdef DM_NO_BASE
+    return NULL;
+#else
     return set == DM_SET_AVX2 ? NULL : DM_OF_BITS(base);
+#endif
 }
 
 /* Numbers too small to matter cost a hundred times as much: a body coming to rest would grow slow. */
