@@ -16,7 +16,7 @@ from .names import MAPS
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
-    from ..core.material import Material
+    from ..core.material import Material, ModelConstants
     from ..core.mesh.surface import Mesh
     from .object_link import Floats, ObjectLink
 
@@ -84,17 +84,46 @@ def _material(
 
     material = body.material_slots[slot].material if body.material_slots else None
     constants = DEFAULT_MATERIAL if material is None else constants_on(mesh, material)
-    if constants.constants is not None or identify == "NO" or calibration.animated(material):
+    if constants.constants is not None or identify == "NO":
         return constants, ""
     from . import identified
 
-    deepest = calibration.deepest(material and material.dimple, constants.x0)
-    wait = identify == "WAIT" or bpy.app.background
+    owner, note = (body.session_uid, slot), ""
     pins = None if held is None else np.asarray(held) >= 0.5
-    found, note = identified.model_constants(
-        (body.session_uid, slot), mesh, constants, deepest, held=pins, wait=wait
-    )
-    return replace(constants, constants=found), note
+
+    def ask(wanted: Material) -> tuple[ModelConstants | None, str]:
+        deepest = calibration.deepest(material and material.dimple, wanted.x0)
+        wait = identify == "WAIT" or bpy.app.background
+        return identified.model_constants(owner, mesh, wanted, deepest, held=pins, wait=wait)
+
+    near = _recorded(material, mesh, constants)
+    if not calibration.animated(material):
+        found, note = ask(constants)
+        if found is not None or note:
+            return replace(constants, constants=found), note
+        near = near or identified.latest(owner, mesh)  # until it is there
+    elif near is None and (middle := calibration.middle_of_keyframes(material)):
+        near = replace(constants, **middle)
+        found, note = ask(near)
+        near = found and replace(near, constants=found)
+    return _rescaled(near, constants, mesh.size), note
+
+
+def _recorded(material: bpy.types.Material | None, mesh: Mesh, constants: Material) -> Material | None:
+    """Return what was identified on a mesh and is kept in a material, None where that says nothing of it now."""
+    from ..core.material import ModelConstants
+
+    measured = material and calibration.identified_for(material.dimple, mesh)
+    known = material and material.dimple.to_params().get("constants")
+    return replace(constants, **measured, constants=known) if measured and isinstance(known, ModelConstants) else None
+
+
+def _rescaled(near: Material | None, constants: Material, size: float) -> Material:
+    """Return constants with those of the model that follow from a material that was identified."""
+    from ..core.body.estimate import rescaled
+
+    known = near and near.constants
+    return replace(constants, constants=rescaled(known, near, constants, size)) if near and known else constants
 
 
 def constants_on(mesh: Mesh, material: bpy.types.Material) -> Material:

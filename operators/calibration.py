@@ -23,6 +23,8 @@ POINTS = 160  # of the measured curve that are kept, for the chart
 SIMULATED = 40  # and of the simulated one
 BEYOND = 1.5  # knees: how deep is pressed where the depth of the measurement is not known
 _MEASURED = ("K1", "K2", "x0", "k", "spread_mm", "fill", "tip", "tip_radius_mm")  # what is identified depends on them
+# what identified constants can be rescaled by: their names in the core, and the unit in SI
+_RESCALED = {"K1": ("K1", 1e3), "K2": ("K2", 1e3), "k": ("k", 1e3), "x0": ("x0", 1e-3), "spread_mm": ("spread", 1e-3)}
 SAME_MESH = 1e-3  # share by which area and volume may differ: a body may stand elsewhere, in single precision
 
 
@@ -148,15 +150,47 @@ def identification(settings: Any) -> dict[str, Any]:
     return {} if changed(settings) else load(settings.identification)
 
 
-def animated(material: Any) -> bool:
-    """Tell whether what a material is identified from is keyframed or driven: then the closed form follows it."""
+def animated(material: Any) -> set[str]:
+    """Return the names of what a material is identified from that are keyframed or driven."""
+    return {curve.data_path.removeprefix("dimple.") for curve in _curves(material)} & set(_MEASURED)
+
+
+def identified_for(settings: Any, mesh: Mesh) -> dict[str, float] | None:
+    """Return the measured constants that those of the model were identified for, as arguments of `Material`.
+
+    None where there are none, or where another mesh, tip or fill was pressed.
+    """
+    found = changed(settings, mesh)
+    return _in_si(load(settings.identification)["fingerprint"]) if found and set(found) <= set(_RESCALED) else None
+
+
+def middle_of_keyframes(material: Any) -> dict[str, float] | None:
+    """Return the geometric mean of the least and the greatest keyframe of each constant, as arguments of `Material`.
+
+    None where one is driven or no such number: then what is animated has no middle.
+    """
+    moved, middles = animated(material), {}
+    for curve in _curves(material):
+        name, values = curve.data_path.removeprefix("dimple."), [point.co.y for point in curve.keyframe_points]
+        if name in moved and (name not in _RESCALED or curve.driver or not values or min(values) <= 0):
+            return None
+        if name in moved:
+            middles[name] = math.sqrt(min(values) * max(values))
+    return _in_si(middles)
+
+
+def _in_si(values: dict[str, Any]) -> dict[str, float]:
+    return {core: unit * float(values[name]) for name, (core, unit) in _RESCALED.items() if name in values}
+
+
+def _curves(material: Any) -> list[Any]:
+    """Return the curves of the keyframes and drivers of a material."""
     moved = material.animation_data if material else None
     if moved is None:
-        return False
+        return []
     strips = [strip for layer in moved.action.layers for strip in layer.strips] if moved.action_slot else []
     bags = [strip.channelbag(moved.action_slot) for strip in strips]
-    curves = [*moved.drivers, *(curve for bag in bags if bag for curve in bag.fcurves)]
-    return any(curve.data_path == f"dimple.{name}" for curve in curves for name in _MEASURED)
+    return [*moved.drivers, *(curve for bag in bags if bag for curve in bag.fcurves)]
 
 
 def further_constants(text: str) -> dict[str, Any]:

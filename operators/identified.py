@@ -1,8 +1,9 @@
 """Identification by itself: what a body runs with is identified on its mesh, in a thread beside Blender.
 
 A result is kept under a name made of mesh, material and tip, in memory and in a folder of Blender's, so it is found
-once. Until it is there the body runs with the closed form; then `revision` changes, and what runs takes it over. In
-the background of a command line, and for a bake, there is nobody to wait for: it is found at once.
+once. Until it is there the body runs with what it had, rescaled, or with the closed form; then `revision` changes, and
+what runs takes it over. In the background of a command line, and for a bake, there is nobody to wait for: it is found
+at once.
 """
 
 from __future__ import annotations
@@ -55,6 +56,8 @@ class Job:
     dropped: bool = False
 
 
+Shape = tuple[int, float, float]  # vertices, area [m2] and volume [m3] of a mesh
+
 _PACKAGE = __package__.rpartition(".")[0]
 
 # looks at Blender and returns what chooses the proxy of an object on a mesh, given how its model is built: `planning`
@@ -63,6 +66,7 @@ choosing: list[Callable[[int, Mesh, Callable[[], Model]], Callable[[], Proxy | N
 revision = 0  # changes with every result of the background
 _known: dict[str, Identification | str] = {}  # or the sentence that says why there is none
 _jobs: dict[str, Job] = {}  # under way, by name
+_latest: dict[tuple[int, int], tuple[Shape, Material]] = {}  # what each body and slot had last, and on which mesh
 
 
 def model_constants(
@@ -88,7 +92,18 @@ def model_constants(
     found = _known[name]
     if isinstance(found, str):
         return None, f"The force is an estimate in closed form. {found}"
+    _latest[owner] = _shape(mesh), found.material
     return found.material.constants, ""
+
+
+def latest(owner: tuple[int, int], mesh: Mesh) -> Material | None:
+    """Return what was identified last for a body and a slot of its, None where that was on another mesh."""
+    shape, material = _latest.get(owner, (None, None))
+    return material if shape == _shape(mesh) else None
+
+
+def _shape(mesh: Mesh) -> Shape:
+    return len(mesh.rest_positions), float(mesh.triangle_areas.sum()), mesh.volume
 
 
 def progress() -> float | None:

@@ -14,6 +14,7 @@ tests/physics/test_estimate.py says how far it is off.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,6 +24,9 @@ POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
 MEMBRANE_SHARE = 0.05  # of the force at the knee: what the surface's own springs may answer
 LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they are compressed, and keep the dent
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
+AT_KNEE = 0.9  # of x0: pieces of the bed's law that begin deeper belong to K2, for a round tip's bed jumps early
+# times: how far K1 and K2, and x0 and the spread, may change before the closed form is as good as what was identified
+NEAR, NEAR_LENGTH = 8.0, 2.0
 
 
 def reach(indenter: Indenter, size: float) -> float:
@@ -84,3 +88,50 @@ def estimate(material: Material, size: float) -> ModelConstants:
         kappa1=kappa1, kappa2=max(kappa1 + root**2, kappa1 * min(material.K2 / material.K1, 1.0)), d0=knee,
         membrane_scale=min(scale, 1.0),
     )  # fmt: skip
+
+
+def rescaled(constants: ModelConstants, identified: Material, material: Material, size: float) -> ModelConstants | None:
+    """Return constants that were identified for one material, changed as the closed form changes for another.
+
+    What lies before the knee goes with K1, what is added beyond it with K2 - K1, displacements with x0. What is added
+    does not depend on x0 itself: how much of a tip is deeper than the knee is a matter of the depth beyond it.
+
+    Args:
+        identified: what they were identified for.
+        material: with other K1, K2, x0, k or spread.
+        size: longest side of the body [m].
+
+    Returns:
+        None where the two are too different for that.
+    """
+    if not _are_near(identified, material):
+        return None
+    old, new, same_knee = (
+        estimate(replace(each, constants=None), size)
+        for each in (identified, material, replace(material, x0=identified.x0))
+    )
+    first, more = new.kappa1 / old.kappa1, old.kappa2 - old.kappa1
+    beyond = (same_knee.kappa2 - same_knee.kappa1) / more if more else first
+    deeper, wider = material.x0 / identified.x0, material.spread / identified.spread if identified.spread else 1.0
+    kappa1, skin = constants.kappa1, constants.membrane_scale * new.membrane_scale / old.membrane_scale
+    tension = kappa1 * identified.spread**2 if constants.tension is None else constants.tension
+    return replace(
+        constants, kappa1=first * kappa1, kappa2=first * kappa1 + beyond * (constants.kappa2 - kappa1),
+        d0=deeper * constants.d0, membrane_scale=min(skin, 1.0), tension=first * wider**2 * tension,
+        pieces=tuple(
+            (deeper * knee, (first if knee < AT_KNEE * identified.x0 else beyond) * slope)
+            for knee, slope in constants.pieces
+        ),
+    )  # fmt: skip
+
+
+def _are_near(one: Material, other: Material) -> bool:
+    """Tell whether two materials, measured with the same tip, differ by a few times at most in what was measured."""
+    lengths = ((one.x0, other.x0), (one.spread, other.spread))
+    before, after = one.K2 - one.K1, other.K2 - other.K1
+    return (
+        (one.indenter, one.fill) == (other.indenter, other.fill)
+        and one.K1 <= NEAR * other.K1 <= NEAR**2 * one.K1
+        and all(a <= NEAR_LENGTH * b and b <= NEAR_LENGTH * a for a, b in lengths)
+        and after <= max(NEAR * before, 0.0)
+    )

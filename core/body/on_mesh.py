@@ -10,11 +10,9 @@ from ..base import MASS_FLOOR, Floats, mean_of_pairs, sums_at
 from ..material import Material
 from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh
-from .estimate import estimate
+from .estimate import AT_KNEE, estimate
 from .maps import Maps, stiffness_at_knees
 from .springs import membrane_stiffness
-
-AT_KNEE = 0.97  # of x0: pieces of the bed's law that begin deeper belong to K2
 
 
 def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[str, Floats]:

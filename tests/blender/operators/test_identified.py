@@ -177,11 +177,61 @@ def test_constants_of_another_mesh_or_size_are_not_used(
     assert other.kappa1 != own.kappa1 and len(asked) == 1
 
 
-def test_a_keyframed_material_is_followed_by_the_closed_form(
+def keyframe(settings: Any, name: str, *values: float) -> None:
+    for frame, value in enumerate(values, 1):
+        setattr(settings, name, value)
+        settings.keyframe_insert(name, frame=frame)
+
+
+def test_a_keyframed_material_is_identified_once_in_the_middle_of_its_keyframes(
     bpy: ModuleType, vinyl: Any, cube: Any, asked: list[Any]
 ) -> None:
-    vinyl.keyframe_insert("K1", frame=1)
+    keyframe(vinyl, "K1", 0.3, 1.2)
+    found = []
+    for frame in (1, 2):
+        bpy.context.scene.frame_set(frame)
+        found.append(read(bpy, cube, identify="WAIT")[0])
+    (material,) = asked
+    assert material.K1 == pytest.approx(600) and material.K2 == vinyl.to_params()["K2"]
+    assert found[1].kappa1 == pytest.approx(4 * found[0].kappa1) and len(found[0].pieces) > 5
+
+
+def test_keyframes_follow_the_constants_that_a_material_keeps(
+    bpy: ModuleType, vinyl: Any, cube: Any, asked: list[Any]
+) -> None:
+    bpy.ops.dimple.identify(depth_mm=8)
+    own, _ = read(bpy, cube)
+    asked.clear()
+    keyframe(vinyl, "K1", vinyl.K1, 2 * vinyl.K1)
+    assert read(bpy, cube)[0].kappa1 == pytest.approx(2 * own.kappa1) and not asked
+    bpy.context.scene.frame_set(1)
+    assert read(bpy, cube)[0] == own
+
+
+def test_where_another_fill_is_keyframed_the_closed_form_follows_it(
+    bpy: ModuleType, vinyl: Any, cube: Any, asked: list[Any]
+) -> None:
+    vinyl.keyframe_insert("fill", frame=1)
     assert read(bpy, cube)[0] is None and read(bpy, cube, identify="WAIT")[0] is None and not asked
+
+
+def test_a_driven_constant_is_followed_by_the_closed_form(
+    bpy: ModuleType, vinyl: Any, cube: Any, asked: list[Any]
+) -> None:
+    vinyl.driver_add("K1").driver.expression = "0.6"
+    assert read(bpy, cube, identify="WAIT")[0] is None and not asked
+
+
+def test_until_a_change_is_identified_what_was_found_before_is_rescaled(
+    bpy: ModuleType, vinyl: Any, cube: Any, window: Any, asked: list[Any]
+) -> None:
+    before, _ = read(bpy, cube, identify="WAIT")
+    vinyl.K1 *= 1.5
+    assert read(bpy, cube)[0].kappa1 == pytest.approx(1.5 * before.kappa1) and len(asked) == 1
+    idle(window)
+    assert len(asked) == 2 and read(bpy, cube)[0].kappa1 != pytest.approx(1.5 * before.kappa1, rel=1e-6)
+    cube.dimple.size_mm = 80
+    assert read(bpy, cube)[0] is None, "what was found for another size says nothing"
 
 
 def test_a_pressure_that_is_keyframed_leaves_the_constants_that_were_identified_without(
