@@ -8,6 +8,7 @@ from .base import Floats, sums_at
 from .body.model import Model, State, forces
 from .body.shape_matching import Pose, fit_pose, pose_of
 from .mesh.surface import Mesh
+from .reduction.binding import blend
 from .reduction.cells import vertex_normals
 from .session import Session
 
@@ -80,8 +81,7 @@ def pressure(session: Session) -> Floats:
     pressed = np.where(model.held, 0.0, np.maximum(outward, 0.0) / area)
     if session.proxy is None:
         return pressed
-    spread: Floats = session.proxy.binding.blend(pressed)
-    return spread
+    return blend(session.proxy.binding, pressed[:, None])[:, 0]
 
 
 def profile(session: Session, finger: int) -> tuple[Floats, Floats]:

@@ -23,7 +23,7 @@ from .fingertip import Finger as Finger
 from .frame import Frame as Frame
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
-from .reduction.binding import carry
+from .reduction.binding import blend, carry
 from .reduction.proxy import Proxy
 from .solver import motion
 from .solver.backend import choose_backend, create
@@ -406,7 +406,7 @@ class Session:
     def _skin_velocities(self) -> Floats:
         """Return how fast the vertices (n, 3) [m/s] of the mesh move, about."""
         v = self.body.velocities().T
-        return v if self.proxy is None else self.proxy.binding.blend(v)
+        return v if self.proxy is None else blend(self.proxy.binding, v)
 
     def _show(self, impulses: tuple[motion.Vector, ...], seconds: float) -> Frame:
         last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume

@@ -25,6 +25,7 @@ from .body import BEST as BEST
 from .body import Body as Body
 from .body import NativeError as NativeError
 from .body import step_many as step_many
+from .carry import Binding as Binding
 from .carry import CBinding
 from .carry import carry as carry
 from .cells import CCells
@@ -35,7 +36,7 @@ from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 15
+ABI = 16
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
@@ -48,9 +49,9 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
     "dm_step": None,  # its arguments are made once, and quicker to hand over unchecked
     "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
-    "dm_carry": (POINTER(CBinding), c_void_p, c_void_p),
+    "dm_carry": (POINTER(CBinding), c_void_p, c_void_p, c_void_p),
     "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),
-    "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_void_p, c_void_p),
+    "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
     "dm_scene_create": (
         POINTER(c_void_p),
         c_int64,

@@ -1,6 +1,7 @@
 /* The door: every argument is checked, and the best instruction set chosen. */
 #include "many.h"
 #include "methods.h"
+#include "motions.h"
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -25,7 +26,7 @@ extern const dm_methods dm_base_32, dm_base_64;
 #define DM_OF_BITS(set) (bits == 32 ? &dm_##set##_32 : NULL)
 #endif
 
-enum { DM_MAX_COUNT = 1 << 28, DM_CARRIED = 1 << 12 };
+enum { DM_MAX_COUNT = 1 << 28 };
 
 struct dm_body {
     dm_state *state;
@@ -127,17 +128,27 @@ const char *dm_message(int32_t code) {
     return code >= 0 && code <= DM_OPTION ? words[code] : "an unknown code";
 }
 
-int32_t dm_carry(const dm_binding *b, const float *motions, float *skin) {
-    if (!b || !motions || !skin || b->seeds < 1 || b->seeds > UINT16_MAX + 1) return DM_SIZE;
-    DM_CHECK(DM_COUNT(b->vertices));
-    if (b->vertices && (!b->followed || !b->weights || !b->rest)) return DM_SIZE;
-    const dm_methods *does = dm_choose(32, DM_SET_BEST); /* once: asking a processor what it is takes microseconds */
-    for (int64_t k = 0; k < b->vertices; k += DM_CARRIED) { /* checked while it is in the cache anyway */
-        int64_t count = b->vertices - k < DM_CARRIED ? b->vertices - k : DM_CARRIED, at = DM_FOLLOWED * k;
-        dm_binding part = *b;
-        part.vertices = count, part.followed += at, part.weights += at, part.rest += 3 * k;
-        DM_CHECK(does->carry(&part, motions, skin + 3 * k));
-    }
+static int32_t dm_check_starts(int64_t count, const int64_t *starts, int64_t limit) {
+    if (starts[0] != 0 || starts[count] != limit) return DM_INDEX;
+    for (int64_t k = 0; k < count; k++)
+        if (starts[k] > starts[k + 1]) return DM_INDEX;
+    return DM_OK;
+}
+
+int32_t dm_carry(const dm_binding *b, const double *positions, float *motions, float *skin) {
+    if (!b || !positions || !motions || !skin || b->seeds < 1 || b->seeds > UINT16_MAX + 1) return DM_SIZE;
+    DM_CHECK(DM_COUNT(b->vertices) | DM_COUNT(b->entries) | DM_COUNT(b->triangles) | DM_COUNT(b->arms));
+    if (!b->first || !b->followed || !b->weights || !b->places || !b->coarse_rest || !b->corners) return DM_SIZE;
+    if (!b->ends || !b->starts || !b->spread || !b->upright) return DM_SIZE;
+    DM_CHECK(dm_check_starts((b->vertices + 7) / 8, b->first, b->entries));
+    DM_CHECK(dm_check_starts(b->seeds, b->starts, b->arms));
+    DM_CHECK(dm_check_indices(3 * b->triangles, b->corners, 0, b->seeds));
+    DM_CHECK(dm_check_indices(b->arms, b->ends, 0, b->seeds));
+    uint16_t most = 0;
+    for (int64_t k = 0; k < b->entries; k++) most = b->followed[k] > most ? b->followed[k] : most;
+    if (most >= b->seeds) return DM_INDEX;
+    DM_CHECK(dm_find_motions(b, positions, motions));
+    dm_choose(32, DM_SET_BEST)->carry(b, motions, skin);
     return DM_OK;
 }
 

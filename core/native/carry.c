@@ -1,47 +1,35 @@
-/* A fine surface carried by a proxy. Source: core/reduction/binding.py. */
-#include "lanes.h"
+/* A fine surface carried by a proxy, eight vertices at once. Source: core/reduction/binding.py. */
 #include "dimple.h"
+#include "lanes.h"
 
-enum { DM_ABREAST = 8 }; /* vertices whose weights become numbers at once */
+typedef float dm_eight __attribute__((vector_size(32)));
+typedef int32_t dm_eight_int __attribute__((vector_size(32)));
+typedef uint16_t dm_eight_short __attribute__((vector_size(16)));
 
-/* Carry some vertices; rows are read and written whole where another one follows, 12 bytes wide at the end. */
-DM_INLINE void dm_carry_some(const dm_binding *of, const float *motions, float *skin, int64_t first, int count,
-                             size_t row) {
-    typedef float dm_eight __attribute__((vector_size(32)));
-    typedef float dm_four __attribute__((vector_size(16)));
-    const dm_four centre = {(float)of->centre[0], (float)of->centre[1], (float)of->centre[2], 0};
-    float weights[DM_ABREAST * DM_FOLLOWED];
-    for (int k = 0; k < count * DM_FOLLOWED; k++) weights[k] = of->weights[DM_FOLLOWED * first + k];
-    for (int i = 0; i < count; i++) {
-        const uint16_t *follows = of->followed + DM_FOLLOWED * (first + i);
-        dm_eight sum[2] = {{0}, {0}};
-        DM_BY_FOUR for (int k = 0; k < DM_FOLLOWED; k++) {
-            dm_eight motion[2];
-            memcpy(motion, motions + 16 * (int64_t)follows[k], sizeof motion);
-            sum[0] += motion[0] * weights[DM_FOLLOWED * i + k], sum[1] += motion[1] * weights[DM_FOLLOWED * i + k];
+DM_INLINE dm_eight dm_all_eight(float a) { return (dm_eight){a, a, a, a, a, a, a, a}; }
+
+static void dm_carry_surface(const dm_binding *of, const float *motions, float *skin) {
+    for (int64_t g = 0; 8 * g < of->vertices; g++) {
+        dm_eight shift[3] = {{0}}, gradient[3][3] = {{{0}}}, place[6];
+        for (int64_t k = of->first[g]; k < of->first[g + 1]; k++) {
+            const float *motion = motions + 12 * (int64_t)of->followed[k];
+            dm_eight_short share;
+            memcpy(&share, of->weights + 8 * k, sizeof share);
+            dm_eight weight = __builtin_convertvector(__builtin_convertvector(share, dm_eight_int), dm_eight);
+            DM_UNROLLED for (int c = 0; c < 3; c++) {
+                shift[c] += weight * dm_all_eight(motion[c]);
+                DM_UNROLLED for (int d = 0; d < 3; d++) gradient[d][c] += weight * dm_all_eight(motion[3 + 3 * d + c]);
+            }
         }
-        /* the shift and the columns of the gradient; beside them the middle of the seeds */
-        dm_four way[4], rest = {0};
-        memcpy(way, sum, sizeof way), memcpy(&rest, of->rest + 3 * (first + i), row);
-        dm_four lever = 2 * rest - centre - (dm_four){way[0][3], way[1][3], way[2][3], 0};
-        way[0] += way[1] * lever[0];
-        way[0] += way[2] * lever[1];
-        way[0] += way[3] * lever[2];
-        rest += way[0];
-        memcpy(skin + 3 * (first + i), &rest, row);
+        memcpy(place, of->places + 48 * g, sizeof place);
+        float to[8][3];
+        DM_UNROLLED for (int c = 0; c < 3; c++) {
+            DM_UNROLLED for (int d = 0; d < 3; d++) shift[c] += gradient[d][c] * place[3 + d];
+            shift[c] += place[c];
+            DM_UNROLLED for (int i = 0; i < 8; i++) to[i][c] = shift[c][i];
+        }
+        int64_t left = of->vertices - 8 * g;
+        if (left >= 8) memcpy(skin + 24 * g, to, sizeof to);
+        else memcpy(skin + 24 * g, to, (size_t)left * sizeof *to);
     }
-}
-
-/* Return DM_INDEX, and carry no more, where a vertex follows one that there is not. */
-static int32_t dm_carry_surface(const dm_binding *of, const float *motions, float *skin) {
-    for (int64_t i = 0, count; i < of->vertices; i += count) {
-        uint16_t most = 0;
-        count = i + DM_ABREAST < of->vertices ? DM_ABREAST : 1;
-        for (int64_t k = DM_FOLLOWED * i; k < DM_FOLLOWED * (i + count); k++)
-            most = of->followed[k] > most ? of->followed[k] : most;
-        if (most >= of->seeds) return DM_INDEX;
-        if (count == 1) dm_carry_some(of, motions, skin, i, 1, 12);
-        else dm_carry_some(of, motions, skin, i, DM_ABREAST, 16);
-    }
-    return DM_OK;
 }

@@ -1,47 +1,100 @@
-"""The call that carries a fine surface by the motion of a proxy, and its structure of dimple.h."""
+"""The call that carries a fine surface by the motion of a proxy, what it is given, and its structure of dimple.h."""
 
 from __future__ import annotations
 
 import ctypes
 from ctypes import Structure, byref
+from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from ..base import Floats, Singles
+from ..base import Floats, Ints, Singles
 from .body import NativeError
-from .definition import fields
+from .definition import Arrays, fields
 
 FOLLOWED = 8  # vertices of a proxy that a vertex of its surface follows
-LINE = 16  # numbers of single precision in a line of the cache
+EIGHT = 8  # vertices of a surface that are carried at once
 Shorts = npt.NDArray[np.uint16]
+_Values = TypeVar("_Values", Floats, Singles)
 
 
 class CBinding(Structure):
     """A fine surface that follows a proxy: dm_binding."""
 
-    _fields_ = fields(vertices="n", seeds="n", followed="p", weights="p", rest="p", centre="d3")
+    _fields_ = fields(
+        vertices="n", entries="n", first="p", followed="p", weights="p", places="p", seeds="n", coarse_rest="p",
+        triangles="n", corners="p", arms="n", ends="p", starts="p", spread="p", upright="p", centre="d3",
+    )  # fmt: skip
 
 
-def carry(
-    library: ctypes.CDLL, rest: Singles, followed: Shorts, weights: Shorts, centre: Floats, motions: Singles
-) -> Singles:
-    """Return where a surface (n, 3) [m] is.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Binding:
+    """What carries a fine surface of n vertices along with a coarse mesh of m.
+
+    Eight vertices after the other have one list of the coarse vertices that any of them follows; g are these eights.
+
+    vertices: n.
+    first: (g + 1,) where the list of each eight begins.
+    followed: (p,) the coarse vertices in all lists.
+    weights: (p, 8) the weights of their motions; those of a vertex add up to `reduction.binding.WHOLE`.
+    places: (g, 6, 8) [m] x, y and z at rest, and from where a gradient acts.
+    centre: (3,) from which shifts are measured [m].
+    coarse_rest: (m, 3) rest positions of the coarse mesh [m], and corners: (t, 3) of its triangles.
+    arms: (e, 2) directed edges of the coarse mesh, by their first end, and starts: (m + 1,) where those of each begin.
+    spread: (e, 3) the rows that turn the motion along an edge into a gradient [1/m].
+    upright: (m, 3) the rows that turn the change of a normal into a gradient.
+    """
+
+    vertices: int
+    first: Ints
+    followed: Shorts
+    weights: Shorts
+    places: Singles
+    centre: Floats
+    coarse_rest: Floats
+    corners: Ints
+    arms: Ints
+    starts: Ints
+    spread: Floats
+    upright: Floats
+
+    @property
+    def rest(self) -> Singles:
+        """Return the rest positions (n, 3) of the fine surface [m]."""
+        return in_rows(self.places[:, :3], self.vertices)
+
+
+def in_rows(eights: _Values, vertices: int) -> _Values:
+    """Return values (g, c, 8) of vertices, eight by eight, as rows (n, c)."""
+    return eights.transpose(0, 2, 1).reshape(-1, eights.shape[1])[:vertices]
+
+
+def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Singles, Singles]:
+    """Return where a surface (n, 3) [m] is, and the motions (m, 12) that carried it.
 
     Args:
-        rest: (n, 3) [m].
-        followed, weights: (n, FOLLOWED) what each vertex follows, and how much of 65535.
-        centre: (3,) from which shifts are measured [m].
-        motions: (m, 16) of that, as `reduction.binding.motions_of` returns them.
+        positions: of the coarse mesh, (3, m) [m].
     """
-    if followed.shape[1] != FOLLOWED or motions.shape[1] != 16:
+    n, m, e, t = binding.vertices, len(binding.coarse_rest), len(binding.arms), len(binding.corners)
+    eights, entries = -(-n // EIGHT), len(binding.followed)
+    shapes = {
+        "first": (eights + 1,), "weights": (entries, EIGHT), "places": (eights, 6, EIGHT), "starts": (m + 1,),
+        "spread": (e, 3), "upright": (m, 3), "corners": (t, 3), "arms": (e, 2), "centre": (3,),
+    }  # fmt: skip
+    if positions.shape != (3, m) or any(getattr(binding, name).shape != shape for name, shape in shapes.items()):
         raise NativeError("an array has the wrong size")
-    given = [np.ascontiguousarray(array) for array in (followed, weights, rest)]
-    binding = CBinding(len(rest), len(motions), *(array.ctypes.data for array in given), tuple(centre.tolist()))
-    skin, room = np.empty((len(rest), 3), np.float32), np.empty(motions.size + LINE, np.float32)
-    begin = -(room.ctypes.data // room.itemsize) % LINE
-    room[begin : begin + motions.size] = motions.ravel()  # a motion is a line of the cache, not the halves of two
-    code = library.dm_carry(byref(binding), room[begin:].ctypes.data, skin.ctypes.data)
+    skin, motions = np.empty((n, 3), np.float32), np.empty((m, 12), np.float32)
+    with Arrays() as arrays:
+        given = CBinding(
+            n, entries, arrays.index(binding.first), arrays.of(binding.followed, np.uint16),
+            arrays.of(binding.weights, np.uint16), arrays.of(binding.places, np.float32),
+            m, arrays.double(binding.coarse_rest), t, arrays.index(binding.corners),
+            e, arrays.index(binding.arms[:, 1]), arrays.index(binding.starts),
+            arrays.double(binding.spread), arrays.double(binding.upright), tuple(binding.centre.tolist()),
+        )  # fmt: skip
+        code = library.dm_carry(byref(given), arrays.double(positions), motions.ctypes.data, skin.ctypes.data)
     if code:
         raise NativeError(library.dm_message(code).decode(), code)
-    return skin
+    return skin, motions

@@ -116,18 +116,34 @@ static int64_t dm_nearest_seeds(const dm_cells *s, const double *place, int64_t 
     return count;
 }
 
-int32_t dm_follow_cells(const dm_cells *s, const int64_t *cells, int64_t width, const int64_t *around,
+/* Put a vertex and its weight into the list of its eight, which is in order; return how long that is then. */
+static int64_t dm_list(int64_t count, uint16_t *followed, uint16_t (*weights)[8], uint16_t seed, int64_t lane,
+                       uint16_t weight) {
+    int64_t at = count;
+    while (at && followed[at - 1] > seed) at--;
+    if (!at || followed[at - 1] != seed) {
+        memmove(followed + at + 1, followed + at, (size_t)(count - at) * sizeof *followed);
+        memmove(weights + at + 1, weights + at, (size_t)(count - at) * sizeof *weights);
+        followed[at] = seed, count++;
+        memset(weights + at++, 0, sizeof *weights);
+    }
+    weights[at - 1][lane] = (uint16_t)(weights[at - 1][lane] + weight);
+    return count;
+}
+
+int32_t dm_follow_cells(const dm_cells *s, const int64_t *cells, int64_t width, const int64_t *around, int64_t *first,
                         uint16_t *followed, uint16_t *weights) {
     int32_t code = dm_check_cells(s);
     if (code != DM_OK) return code;
-    if (!cells || !around || !followed || !weights || width < 1 || width > UINT16_MAX) return DM_SIZE;
+    if (!cells || !around || !first || !followed || !weights || width < 1 || width > UINT16_MAX) return DM_SIZE;
     for (int64_t i = 0; i < s->vertices; i++)
         if (cells[i] < 0 || cells[i] >= s->seeds) return DM_INDEX;
     for (int64_t k = 0; k < width * s->seeds; k++)
         if (around[k] < -1 || around[k] >= s->seeds) return DM_INDEX;
+    first[0] = 0;
     for (int64_t i = 0; i < s->vertices; i++) {
         double away[DM_FOLLOWED + 1], share[DM_FOLLOWED], total = 0;
-        int64_t near[DM_FOLLOWED + 1], left = UINT16_MAX;
+        int64_t near[DM_FOLLOWED + 1], begin = first[i / 8], length = i % 8 ? first[i / 8 + 1] - begin : 0;
         int64_t count = dm_nearest_seeds(s, s->place + 6 * i, width, around + width * cells[i], near, away);
         double bound = count ? away[count - 1] * (1 + 1e-9) : 0;
         for (int64_t k = 0; k < DM_FOLLOWED; k++) {
@@ -135,12 +151,16 @@ int32_t dm_follow_cells(const dm_cells *s, const int64_t *cells, int64_t width, 
             share[k] = (part > 0 ? part * part : 0) + (k == 0 ? 1e-30 : 0);
             total += share[k];
         }
+        uint16_t parts[DM_FOLLOWED], left = UINT16_MAX;
         for (int64_t k = 0; k < DM_FOLLOWED; k++) {
-            followed[DM_FOLLOWED * i + k] = (uint16_t)(k < count ? near[k] : 0);
-            weights[DM_FOLLOWED * i + k] = (uint16_t)(share[k] / total * UINT16_MAX);
-            left -= weights[DM_FOLLOWED * i + k];
+            parts[k] = (uint16_t)(share[k] / total * UINT16_MAX);
+            left = (uint16_t)(left - parts[k]);
         }
-        weights[DM_FOLLOWED * i] = (uint16_t)(weights[DM_FOLLOWED * i] + left); /* the sum is exact */
+        parts[0] = (uint16_t)(parts[0] + left); /* the sum is exact */
+        for (int64_t k = 0; k < DM_FOLLOWED && k < count; k++)
+            length = dm_list(length, followed + begin, (uint16_t(*)[8])weights + begin, (uint16_t)near[k], i % 8,
+                             parts[k]);
+        first[i / 8 + 1] = begin + length;
     }
     return DM_OK;
 }

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base import Bools, Floats, Ints
 from .body import NativeError
-from .carry import FOLLOWED, Shorts
+from .carry import EIGHT, FOLLOWED, Shorts
 from .definition import Arrays, fields
 
 
@@ -35,18 +35,20 @@ def grow_cells(library: ctypes.CDLL, ends: Ints, place: Floats, seeds: Ints) -> 
 
 def follow_cells(
     library: ctypes.CDLL, place: Floats, seeds: Ints, cells: Ints, around: Ints
-) -> tuple[Shorts, Shorts]:
+) -> tuple[Ints, Shorts, Shorts]:
     """Return what `reduction.binding.nearest_seeds` does.
 
     Raises:
         NativeError: a vertex or seed that does not exist.
     """
-    followed, weights = (np.empty((len(place), FOLLOWED), np.uint16) for _ in range(2))
+    eights = -(-len(place) // EIGHT)
+    first, room = np.empty(eights + 1, np.int64), EIGHT * FOLLOWED * eights
+    followed, weights = np.empty(room, np.uint16), np.empty((room, EIGHT), np.uint16)  # most of it is never touched
     with Arrays() as arrays:
         surface = _surface(arrays, np.empty((0, 2), np.int64), place, seeds)
         given = byref(surface), arrays.index(cells), around.shape[1], arrays.index(around)
-        _check(library, library.dm_follow_cells(*given, followed.ctypes.data, weights.ctypes.data))
-    return followed, weights
+        _check(library, library.dm_follow_cells(*given, *(a.ctypes.data for a in (first, followed, weights))))
+    return first, followed[: first[-1]].copy(), weights[: first[-1]].copy()
 
 
 def farthest_first(library: ctypes.CDLL, places: Floats, taken: int, least: float, most: int) -> Ints:

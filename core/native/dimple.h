@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 15 /* changes with anything below */
+#define DM_ABI 16 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -174,19 +174,28 @@ DM_API int32_t dm_step(dm_body *body, const dm_motion *motion, dm_frame *frame);
 DM_API int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *const *motions,
                             dm_frame *const *frames, int64_t workers);
 
-/* A fine surface that follows a proxy: each vertex DM_FOLLOWED of its vertices, by weights. */
+/* A fine surface that follows a proxy: eight vertices after the other, with a list of what any of them follows. */
 typedef struct {
-    int64_t vertices;         /* of the surface */
-    int64_t seeds;            /* vertices of the proxy */
-    const uint16_t *followed; /* (vertices, DM_FOLLOWED) */
-    const uint16_t *weights;  /* (vertices, DM_FOLLOWED) of 65535 */
-    const float *rest;        /* (vertices, 3) [m] */
-    double centre[3];         /* from which shifts are measured [m] */
+    int64_t vertices;          /* of the surface */
+    int64_t entries;           /* of all lists together */
+    const int64_t *first;      /* (eights + 1,) where the list of each eight vertices begins */
+    const uint16_t *followed;  /* (entries,) vertices of the proxy */
+    const uint16_t *weights;   /* (entries, 8) of 65535 */
+    const float *places;       /* (eights, 6, 8) [m]: x, y and z at rest, and from where a gradient acts */
+    int64_t seeds;             /* vertices of the proxy */
+    const double *coarse_rest; /* (seeds, 3) [m] */
+    int64_t triangles;         /* of the proxy */
+    const int64_t *corners;    /* (triangles, 3) */
+    int64_t arms;              /* directed edges of the proxy, by their first end */
+    const int64_t *ends;       /* (arms,) their other one */
+    const int64_t *starts;     /* (seeds + 1,) where those of each begin */
+    const double *spread;      /* (arms, 3) what turns the motion along an edge into a gradient [1/m] */
+    const double *upright;     /* (seeds, 3) what turns the change of a normal into a gradient */
+    double centre[3];          /* from which shifts are measured [m] */
 } dm_binding;
 
-/* Set the skin (vertices, 3) [m] by the motions (seeds, 16) of what it follows, over 65535: a shift [m] and the three
- * columns of a gradient, each with a coordinate of the seed at rest [m] behind it, the last with 0. */
-DM_API int32_t dm_carry(const dm_binding *binding, const float *motions, float *skin);
+/* Set the skin (vertices, 3) [m] of a proxy at positions (3, seeds) [m], and the motions (seeds, 12) that carry it. */
+DM_API int32_t dm_carry(const dm_binding *binding, const double *positions, float *motions, float *skin);
 
 /* Seeds on a fine surface, whose vertices have places in the space of position and normal. */
 typedef struct {
@@ -205,10 +214,11 @@ DM_API int64_t dm_farthest_first(int64_t points, const double *place, int64_t ta
 /* Set the seed (vertices,) that each vertex belongs to, the nearest of those that its neighbours belong to, -1 where
  * none spreads to; and whether its cell joins it to that seed (vertices,). */
 DM_API int32_t dm_grow_cells(const dm_cells *surface, int64_t *cells, uint8_t *joined);
-/* Set which seeds (vertices, DM_FOLLOWED) each vertex follows, with which weights of 65535: the nearest of those round
- * its cell, around (seeds, width), the rest of a row -1. */
+/* Set which seeds each vertex follows, DM_FOLLOWED of them, with which weights of 65535: the nearest of those round its
+ * cell, around (seeds, width), the rest of a row -1. They are listed as in dm_binding, in order in each list; there is
+ * room for 8 DM_FOLLOWED entries in each. */
 DM_API int32_t dm_follow_cells(const dm_cells *surface, const int64_t *cells, int64_t width, const int64_t *around,
-                               uint16_t *followed, uint16_t *weights);
+                               int64_t *first, uint16_t *followed, uint16_t *weights);
 
 /* A mesh that bodies meet and that goes where it is led. */
 typedef struct {

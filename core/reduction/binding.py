@@ -2,49 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from .. import native
 from ..base import Floats, Ints, Singles, sums_at
 from ..mesh.surface import Mesh
-from ..native.carry import FOLLOWED, Shorts
+from ..native.carry import EIGHT, FOLLOWED, Binding, Shorts, in_rows
 from .cells import vertex_normals
 
 WHOLE = 65535  # what the weights of a vertex add up to
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Binding:
-    """What carries a fine surface of n vertices along with a coarse mesh of m.
-
-    coarse: the mesh that is followed.
-    rest: (n, 3) rest positions of the fine surface [m].
-    followed: (n, k) the coarse vertices that each fine one follows.
-    weights: (n, k) the weights of their motions, sums WHOLE.
-    centre: (3,) from which shifts are measured [m].
-    arms: (e, 2) directed edges of the coarse mesh, by their first end, and starts: (m,) where those of each begin.
-    spread: (e, 3) the rows that turn the motion along an edge into a gradient [1/m].
-    upright: (m, 3) the rows that turn the change of a normal into a gradient.
-    normals: (m, 3) unit normals at rest.
-    """
-
-    coarse: Mesh
-    rest: Singles
-    followed: Shorts
-    weights: Shorts
-    centre: Floats
-    arms: Ints
-    starts: Ints
-    spread: Floats
-    upright: Floats
-    normals: Floats
-
-    def blend(self, values: Floats) -> Floats:
-        """Return the weighted mean (n, ...) of values (m, ...) of the coarse vertices that each fine one follows."""
-        columns = zip(self.followed.T, self.weights.T, strict=True)
-        return np.asarray(sum((values[follow].T * weight).T for follow, weight in columns) / WHOLE, np.float64)
+_Values = TypeVar("_Values", Floats, Singles)
 
 
 def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) -> Binding:
@@ -56,12 +25,17 @@ def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) ->
         seeds: (m,) the fine vertex at which each coarse one lies.
         cells: (n,) the coarse vertex whose cell each fine one is in.
     """
-    followed, weights = _followed(coarse, place, seeds, cells)
+    lists = _followed(coarse, place, seeds, cells)
+    centre, middle = rest.mean(axis=0), _sums_of(*lists, coarse.rest_positions)
+    places = np.zeros((len(middle), 6, EIGHT), np.float32)
+    for c in range(3):
+        at = np.append(rest[:, c], np.zeros(-len(rest) % EIGHT)).reshape(-1, EIGHT)
+        places[:, c], places[:, 3 + c] = at, 2 * at - centre[c] - middle[:, c] / WHOLE
     arms, spread, upright = _gradient(coarse)
     return Binding(
-        coarse=coarse, rest=rest.astype(np.float32), followed=followed, weights=weights, centre=rest.mean(axis=0),
-        arms=arms, starts=np.searchsorted(arms[:, 0], np.arange(len(seeds))), spread=spread, upright=upright,
-        normals=vertex_normals(coarse.triangles, coarse.rest_positions),
+        vertices=len(rest), first=lists[0], followed=lists[1], weights=lists[2], places=places, centre=centre,
+        coarse_rest=coarse.rest_positions, corners=coarse.triangles, arms=arms,
+        starts=np.searchsorted(arms[:, 0], np.arange(len(seeds) + 1)), spread=spread, upright=upright,
     )  # fmt: skip
 
 
@@ -73,45 +47,55 @@ def carry(binding: Binding, positions: Floats) -> Singles:
     that is a parabola. A vertex takes the weighted mean over its seeds, F too; the weights come and go smoothly, so
     no facet shows.
     """
-    motions = motions_of(binding, positions)
     if native.why_not():
-        return carry_numpy(binding, motions)
-    return native.carry(
-        native.library(), binding.rest, binding.followed, binding.weights, binding.centre, motions
-    )  # fmt: skip
+        return carry_numpy(binding, motions_of(binding, positions))
+    return native.carry(native.library(), binding, positions)[0]
 
 
 def motions_of(binding: Binding, positions: Floats) -> Singles:
-    """Return the motion (m, 16) of each coarse vertex: half of its shift [m], and the columns of half of its gradient.
+    """Return the motion (m, 12) of each coarse vertex, over WHOLE: what the native core does, to read.
 
-    Behind each of the first three is a coordinate of where it is at rest [m]; all of it is over WHOLE.
+    Half of its shift [m], and the columns of half of its gradient.
     """
-    rest, u = binding.coarse.rest_positions, positions.T - binding.coarse.rest_positions
+    rest, u = binding.coarse_rest, positions.T - binding.coarse_rest
     i, j = binding.arms.T
-    turned = vertex_normals(binding.coarse.triangles, positions.T) - binding.normals
+    turned = vertex_normals(binding.corners, positions.T) - vertex_normals(binding.corners, rest)
     along, stretched = np.take(u, j, axis=0) - np.take(u, i, axis=0), np.empty((len(i), 9))
     for c in range(3):  # of the gradient, by columns
         np.multiply(binding.spread, along[:, c, None], out=stretched[:, c::3])
     gradient = np.einsum("md,mc->mdc", binding.upright, turned)
-    gradient += np.add.reduceat(stretched, binding.starts).reshape(-1, 3, 3)
-    motions = np.zeros((len(rest), 4, 4), np.float32)
-    motions[:, 0, :3] = u - np.einsum("mdc,md->mc", gradient, rest - binding.centre) / 2
-    motions[:, 1:, :3], motions[:, :3, 3] = gradient / 2, rest
-    return motions.reshape(-1, 16) / np.float32(WHOLE)
+    gradient += np.add.reduceat(stretched, binding.starts[:-1]).reshape(-1, 3, 3)
+    shift = u - np.einsum("mdc,md->mc", gradient, rest - binding.centre) / 2
+    return (np.concatenate([shift, gradient.reshape(-1, 9) / 2], axis=1) / WHOLE).astype(np.float32)
 
 
 def carry_numpy(binding: Binding, motions: Singles) -> Singles:
-    """Return the surface (n, 3) [m] that some motions (m, 16) make: what the native core does, to read."""
-    mixed = np.zeros((len(binding.rest), 16), np.float32)
-    for follow, weight in zip(binding.followed.T, binding.weights.T, strict=True):
-        mixed += motions[follow] * weight.astype(np.float32)[:, None]
-    way = mixed.reshape(-1, 4, 4)
-    lever = 2 * binding.rest - binding.centre.astype(np.float32) - way[:, :3, 3]
-    return binding.rest + (way[:, 0, :3] + np.einsum("ndc,nd->nc", way[:, 1:, :3], lever))
+    """Return the surface (n, 3) [m] that some motions (m, 12) make: what the native core does, to read."""
+    way = _sums_of(binding.first, binding.followed, binding.weights, motions)
+    gradient = way[:, 3:].reshape(-1, 3, 3, EIGHT)
+    moved = binding.places[:, :3] + (way[:, :3] + np.einsum("gdci,gdi->gci", gradient, binding.places[:, 3:]))
+    return in_rows(moved, binding.vertices)
 
 
-def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[Shorts, Shorts]:
-    """Return the seeds (n, FOLLOWED) each fine vertex follows and their weights, sums WHOLE.
+def blend(binding: Binding, values: Floats) -> Floats:
+    """Return the weighted mean (n, c) of values (m, c) of the coarse vertices that each fine one follows."""
+    sums = _sums_of(binding.first, binding.followed, binding.weights, values)
+    return np.asarray(in_rows(sums, binding.vertices) / WHOLE, np.float64)
+
+
+def _sums_of(first: Ints, followed: Shorts, weights: Shorts, values: _Values) -> _Values:
+    """Return the sums (g, c, 8), by weights, of values (m, c) of the coarse vertices that each fine one follows."""
+    count = np.diff(first)
+    least, sums = count.min(initial=0), np.zeros((len(count), values.shape[1], EIGHT), values.dtype)
+    for k in range(count.max(initial=0)):
+        longer = np.flatnonzero(count > k) if k >= least else slice(None)
+        at = first[:-1][longer] + k
+        sums[longer] += np.take(values, followed[at], axis=0)[:, :, None] * weights[at][:, None].astype(values.dtype)
+    return sums
+
+
+def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[Ints, Shorts, Shorts]:
+    """Return the lists of the seeds that each fine vertex follows and of their weights, sums WHOLE.
 
     The nearest ones of two rings round its own, weighted by (1 - (d / D)^2)^2, D the distance of the first that
     is left out: a seed's weight is 0, and so is its slope, where it comes and goes.
@@ -137,14 +121,17 @@ def _two_rings(edges: Ints, m: int) -> Ints:
     return around
 
 
-def nearest_seeds(place: Floats, seeds: Ints, cells: Ints, around: Ints) -> tuple[Shorts, Shorts]:
-    """Return the nearest of the seeds round the cell of each vertex, and their weights: what the native core does.
+def nearest_seeds(place: Floats, seeds: Ints, cells: Ints, around: Ints) -> tuple[Ints, Shorts, Shorts]:
+    """List the nearest of the seeds round the cell of each vertex, and their weights: what the native core does.
 
     Args:
         around: (m, w) seeds round each cell, the rest of a row -1.
+
+    Returns:
+        first (g + 1,), followed (p,) and weights (p, 8) of a `Binding`.
     """
     n, width = len(place), around.shape[1]
-    followed, weights = np.empty((n, FOLLOWED), np.uint16), np.empty((n, FOLLOWED), np.uint16)
+    followed, weights = np.empty((n, FOLLOWED), np.int64), np.empty((n, FOLLOWED), np.uint16)
     for part in np.array_split(np.arange(n), n * width // 1_000_000 + 1):
         ring = around[cells[part]]
         distance = ((place[part, None] - place[seeds[ring]]) ** 2).sum(axis=2)
@@ -154,11 +141,17 @@ def nearest_seeds(place: Floats, seeds: Ints, cells: Ints, around: Ints) -> tupl
         bound = np.where(np.isfinite(away), away, -np.inf).max(axis=1, keepdims=True) * (1 + 1e-9)
         share = np.where(np.isfinite(away), np.maximum(1 - away / np.maximum(bound, 1e-30), 0) ** 2, 0.0)[:, :-1]
         share[:, 0] += 1e-30
-        followed[part] = np.maximum(np.take_along_axis(ring, near, axis=1)[:, :-1], 0)
+        followed[part] = np.take_along_axis(ring, near, axis=1)[:, :-1]
         parts = (share / sum(share.T)[:, None] * WHOLE).astype(np.uint16)
         parts[:, 0] += (WHOLE - parts.sum(axis=1, dtype=np.int64)).astype(np.uint16)  # the sum is exact
         weights[part] = parts
-    return followed, weights
+    eight, lane = np.divmod(np.arange(n), EIGHT)
+    there = followed >= 0
+    pairs, entry = np.unique(((eight << 16)[:, None] + followed)[there], return_inverse=True)
+    listed = np.zeros((len(pairs), EIGHT), np.uint16)
+    listed[entry, np.broadcast_to(lane[:, None], there.shape)[there]] = weights[there]
+    first = np.searchsorted(pairs, np.arange(-(-n // EIGHT) + 1) << 16)
+    return first, (pairs & 0xFFFF).astype(np.uint16), listed
 
 
 def _gradient(mesh: Mesh) -> tuple[Ints, Floats, Floats]:

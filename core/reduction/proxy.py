@@ -15,7 +15,8 @@ from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
 from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, mesh_from_triangles
-from .binding import Binding, bind
+from ..native import Binding
+from .binding import bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 from .flips import flip_edges
 

@@ -89,6 +89,19 @@ class Fuzzer:
             definition.springs, definition.constants.materials = max(definition.springs, n), n + 2
         return definition
 
+    def binding(self) -> CBinding:
+        """Return a random surface that follows a proxy, mostly one that is carried."""
+        made, n, rng = CBinding(), int(self.rng.integers(1, 8)), self.rng
+        self.fill(made, n)
+        if rng.random() < 0.9:
+            made.vertices, made.seeds, each = int(rng.integers(0, 30)), n, int(rng.integers(0, 5))
+            made.entries, made.arms = each * -(-made.vertices // 8), each * n
+            starts = each * np.arange(ROOM)
+            self.kept += [starts, followed := rng.integers(0, n, ROOM).astype(np.uint16)]
+            made.first = made.starts = starts.ctypes.data
+            made.followed = followed.ctypes.data
+        return made
+
     def motion(self) -> CMotion:
         """Return a random motion, none that is allowed but takes long."""
         motion = CMotion()
@@ -194,15 +207,15 @@ def main(seed: int) -> None:
             constants.materials = 20
             code = library.dm_set_constants(body, address(constants))
         elif name == "carry":
-            motions, skin = (fuzzer.array(a, 8) for a in ("motions", "skin"))
-            code = library.dm_carry(address(fuzzer.fill(CBinding(), 8)), motions, skin)
+            room = (fuzzer.array(a, 8) for a in ("positions", "motions", "skin"))
+            code = library.dm_carry(address(fuzzer.binding()), *room)
         elif name == "cells":
-            cells, around, joined, follows, weights = (
-                fuzzer.array(a, 6) for a in ("cells", "around", "joined", "follows", "weights")
+            cells, around, joined, *lists = (
+                fuzzer.array(a, 6) for a in ("cells", "around", "joined", "first", "followed", "weights")
             )
             surface = address(fuzzer.fill(CCells(), 6))
             width = int(fuzzer.rng.integers(-1, 9))
-            code = library.dm_follow_cells(surface, cells, width, around, follows, weights)
+            code = library.dm_follow_cells(surface, cells, width, around, *lists)
             code = max(code, library.dm_grow_cells(surface, cells, joined))
         elif name == "step":
             code = library.dm_step(body, address(fuzzer.motion()), address(CFrame()))

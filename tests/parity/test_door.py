@@ -7,6 +7,7 @@ import subprocess
 import sys
 import weakref
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,10 @@ import numpy as np
 import pytest
 
 from core import base, native
+from core.base import Floats
 from core.body import contact, proximity, touching
 from core.mesh import depth
+from core.mesh.surface import mesh_from_triangles
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
 from core.native.carry import CBinding
 from core.native.cells import CCells
@@ -24,7 +27,7 @@ from core.reduction import binding
 from core.session import MAX_FINGERS, Session
 from core.solver import bounds, motion, rolling, scene, twin_scene
 from core.solver.motion import FingertipMotion, Motion
-from tests.bodies import after
+from tests.bodies import TETRAHEDRON, after
 from tests.native_core import missing
 from tests.parity.cases import CASES, TICK, build, run
 from tools.native import SOURCES
@@ -81,7 +84,7 @@ RENAMED = {
 }  # fmt: skip
 # what only C has: how much it takes, how it searches and lays things out, and what numpy writes into a formula
 OF_C = set(
-    """ABREAST BIN_POINTS BLOCK CARRIED DEEPEST FACET_BLOCK K_X K_XQ LANES LEAF LIST_MARGIN MAX_BODIES
+    """BIN_POINTS BLOCK DEEPEST FACET_BLOCK K_X K_XQ LANES LEAF LIST_MARGIN MAX_BODIES
     MAX_COUNT MAX_NEIGHBOURS MAX_PIECES MAX_SURFACES MAX_VERTICES MAX_WORKERS MOMENTS MOST_BINS M_V M_X M_XV M_XX NEARBY
     NEARBY_SHARE PIN_BEHIND RUN WAITING WIDE WINDOW X86""".split()
 )
@@ -148,8 +151,6 @@ def test_vertices_springs_and_materials_that_do_not_exist_are_refused(array: str
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, -1.0])
 def test_constants_that_are_none_are_refused(body: native.Body, wrong: float) -> None:
-    from dataclasses import replace
-
     for name in ("mass", "inverse_mass", "friction"):
         broken = np.array(getattr(body.model, name))
         broken[7] = wrong
@@ -210,17 +211,33 @@ def test_a_null_body_is_refused_by_every_call() -> None:
     library.dm_destroy(None)
 
 
+def bound_to_four() -> native.Binding:
+    """Return what binds nine points, the first four the corners of a tetrahedron, to these corners."""
+    points = np.random.default_rng(0).normal(size=(9, 3))
+    points[:4] = TETRAHEDRON[0]
+    coarse = mesh_from_triangles(*TETRAHEDRON)
+    return binding.bind(points, coarse, np.hstack([points, 0 * points]), np.arange(4), np.arange(9) % 4)
+
+
 def test_a_binding_to_what_is_not_there_is_refused() -> None:
-    rest, motions, centre = np.zeros((3, 3), np.float32), np.zeros((4, 16), np.float32), np.zeros(3)
-    followed, weights = np.array([[0, 1, 2, 3] * 2] * 3, np.uint16), np.full((3, 8), 8191, np.uint16)
-    assert native.carry(native.library(), rest, followed, weights, centre, motions).shape == (3, 3)
-    with pytest.raises(native.NativeError, match="index"):
-        native.carry(native.library(), rest, followed, weights, centre, motions[:3])
-    for wrong in ((followed[:, :7], motions), (followed, motions[:, :12])):
+    whole, x = bound_to_four(), np.zeros((3, 4))
+    assert native.carry(native.library(), whole, x)[0].shape == (9, 3)
+
+    def code(positions: Floats, **others: Any) -> int:
+        return code_of(lambda: native.carry(native.library(), replace(whole, **others), positions))
+
+    for name in ("followed", "starts", "first", "corners", "arms"):
+        values = getattr(whole, name)
+        assert code(x, **{name: values + values.dtype.type(4)}) == INDEX, name
+    assert code(x, first=whole.first[::-1]) == code(x, starts=whole.starts[::-1]) == INDEX
+    for name in ("first", "weights", "places", "starts", "spread", "upright", "corners", "arms", "centre"):
         with pytest.raises(native.NativeError, match="size"):
-            native.carry(native.library(), rest, wrong[0], weights, centre, wrong[1])
-    assert native.library().dm_carry(ctypes.byref(CBinding()), motions.ctypes.data, rest.ctypes.data) == SIZE
-    assert native.library().dm_carry(None, motions.ctypes.data, rest.ctypes.data) == SIZE
+            native.carry(native.library(), replace(whole, **{name: getattr(whole, name)[..., :-1]}), x)
+    with pytest.raises(native.NativeError, match="size"):
+        native.carry(native.library(), whole, x[:, :3])
+    room = x.ctypes.data
+    assert native.library().dm_carry(ctypes.byref(CBinding()), room, room, room) == SIZE
+    assert native.library().dm_carry(None, room, room, room) == SIZE
 
 
 def test_cells_of_what_is_not_there_are_refused() -> None:
@@ -228,7 +245,7 @@ def test_cells_of_what_is_not_there_are_refused() -> None:
     ends, around, none = np.array([[0, 1], [1, 2], [2, 3]]), np.array([[0, 1], [1, -1]]), np.zeros(1)
     cells, joined = native.grow_cells(library, ends, place, seeds)
     assert joined.all() and cells[0] == 0 and cells[3] == 1
-    assert native.follow_cells(library, place, seeds, cells, around)[0].shape == (4, 8)
+    assert native.follow_cells(library, place, seeds, cells, around)[1].tolist() == [0, 1]
     for wrong in ((ends + 1, seeds), (ends, seeds + 1), (ends, seeds - 1)):
         with pytest.raises(native.NativeError, match="index"):
             native.grow_cells(library, wrong[0], place, wrong[1])
@@ -236,7 +253,7 @@ def test_cells_of_what_is_not_there_are_refused() -> None:
         with pytest.raises(native.NativeError, match="index"):
             native.follow_cells(library, place, seeds, *wrong)
     assert library.dm_grow_cells(ctypes.byref(CCells()), none.ctypes.data, none.ctypes.data) == SIZE
-    assert library.dm_follow_cells(None, none.ctypes.data, 1, none.ctypes.data, none.ctypes.data, None) == SIZE
+    assert library.dm_follow_cells(None, none.ctypes.data, 1, *(none.ctypes.data,) * 4) == SIZE
 
 
 def test_a_body_is_freed_with_its_object(monkeypatch: pytest.MonkeyPatch) -> None:
