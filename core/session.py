@@ -349,6 +349,7 @@ class Session:
         self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
         self._followed = self._pinned if proxy is None else np.union1d(self._pinned, proxy.still)
         self._still: tuple[Floats | None, Singles | None] = None, None  # where pins were, and the still vertices there
+        self._led_by: list[tuple[Floats, Floats]] = []  # places of all vertices, and of the pins among them
         return moves
 
     def _share(self, time: float) -> float:
@@ -360,9 +361,8 @@ class Session:
             if tip:
                 tip.origin = between(tip.origin, tip.target.position, share)
         if self._pins_target is not None:
-            self._shown, whole = None, share >= 1
-            way = self._pins_target - self._pins_origin
-            self._pins_origin = self._pins_target if whole else self._pins_origin + share * way
+            self._shown, origin, target = None, self._pins_origin, self._pins_target
+            self._pins_origin = target if share >= 1 else origin + share * (target - origin)
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
@@ -385,7 +385,15 @@ class Session:
     def _led(self, target: Floats, first: float, last: float) -> PinMotion:
         if self._pins_origin is target:  # the step before ended between two ticks
             first = last = 1.0
-        return PinMotion(self._pins_origin[:, self._pinned], target[:, self._pinned], first, last)
+        return PinMotion(self._places(self._pins_origin), self._places(target), first, last)
+
+    def _places(self, positions: Floats) -> Floats:
+        """Return where the pins (3, p) [m] are among all vertices (3, n): the same array for the same ones."""
+        found = next((places for of, places in self._led_by if of is positions), None)
+        if found is None:
+            found = np.ascontiguousarray(np.take(positions.T, self._pinned, axis=0).T)
+            self._led_by = self._led_by[-1:] + [(positions, found)]
+        return found
 
     def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""

@@ -221,6 +221,6 @@ def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
     return Meeting(
         max(part.touching for part in parts), sum(part.truncated for part in parts),
         sum(part.taken for part in parts), max(part.held_back for part in parts),
-        np.sum([part.impulses for part in parts], axis=0) / seconds, sum(part.queries for part in parts),
-        np.sum([part.moments for part in parts], axis=0) / seconds,
+        sum((part.impulses for part in parts), np.zeros(3)) / seconds, sum(part.queries for part in parts),
+        sum((part.moments for part in parts), np.zeros(3)) / seconds,
     )  # fmt: skip

@@ -6,7 +6,8 @@ For a pair at distance d (r: where it touches), with relative speed u along its 
     j = max(0, (w - u) / g)   with   w = -(d - r) / h where d > r, and 0 where it is nearer
 
 so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
-kept until what is near has moved by a part of r. The pairs are taken one after the other, ordered by their vertices.
+kept until what is near has moved by a part of r. The pairs are taken one after the other, ordered by their vertices,
+twice, and what is still too near is brought apart the second time.
 What sticks goes back to where it stuck first, so that it does not creep: an anchor, which follows where it slides.
 """
 
@@ -19,7 +20,6 @@ import numpy as np
 from ..base import Bools, Floats, Ints
 from .proximity import Pairs, Surfaces, measure
 
-SWEEPS = 2  # over what touches, for its velocities
 BACK = 0.2  # of what it has slipped, what sticks goes back in a substep
 PART = 0.6  # of what is too near, is brought apart in a substep
 ROUNDING = 1e-6  # of friction's most: what is so near it slides
@@ -55,7 +55,7 @@ class Meetings:
 
 
 def order_of(pairs: Pairs, s: Surfaces) -> Ints:
-    """Return the order (m,) in which pairs are taken: by their vertices, each side from the lowest."""
+    """Return the order (m,) in which pairs are taken: faces first, by their vertices, each side from the lowest."""
     face = pairs.ones == 1
     keys = np.where(
         face[:, None], np.column_stack([pairs.at[:, 0], np.sort(pairs.at[:, 1:], axis=1)]),
@@ -63,7 +63,7 @@ def order_of(pairs: Pairs, s: Surfaces) -> Ints:
     )  # fmt: skip
     swap = ~face & (s.of_vertex[pairs.at[:, 0]] == s.of_vertex[pairs.at[:, 3]]) & (keys[:, 2] < keys[:, 0])
     keys[swap] = keys[swap][:, [2, 3, 0, 1]]
-    order: Ints = np.lexsort((keys[:, 3], keys[:, 2], keys[:, 1], pairs.ones, keys[:, 0]))
+    order: Ints = np.lexsort((keys[:, 3], keys[:, 2], keys[:, 1], keys[:, 0], pairs.ones))
     return order
 
 
@@ -123,10 +123,8 @@ def resolve(
             _push(m, k, *active[k][1:], passed, v, inverse_mass)
         else:
             m.anchor[k] = along
-    for _ in range(1, SWEEPS):
-        for k, (_, least, back) in active.items():
-            _push(m, k, least, back, passed, v, inverse_mass)
-    for k, (begin, _, back) in active.items():
+    for k, (begin, least, back) in active.items():
+        _push(m, k, least, back, passed, v, inverse_mass)
         gap = begin + float(m.normal[k] @ (m.weights[k] @ (dt * v[m.at[k]] + out[m.at[k]])))
         by = float(m.share[k]) * PART * max(float(m.touch[k]) - gap, 0.0) / float(m.give[k])
         out[m.at[k]] += (by * m.weights[k] * inverse_mass[m.at[k]])[:, None] * m.normal[k]

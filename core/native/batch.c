@@ -5,7 +5,7 @@
 
 /* The surfaces of the i-th lane of the batches; those of an empty one are the same. */
 DM_INLINE const uint32_t *dm_sides_of(const dm_scene_state *s, uint32_t i) {
-    return s->batches[i / DM_LANES].surface[i % DM_LANES];
+    return s->sides[i / DM_LANES].surface[i % DM_LANES];
 }
 
 static int dm_any_sleeps(const dm_scene_state *s) {
@@ -25,40 +25,53 @@ static void dm_add_meeting(dm_scene_state *s, const dm_meeting *m) {
     uint32_t k = 0;
     for (int j = 0; j < 4; j++)
         if (s->moving[m->at[j]].v[3] > 0 && s->near[m->at[j]].batch > k) k = s->near[m->at[j]].batch;
-    while (k < s->batch_count && s->batches[k].count == DM_LANES) k++;
+    while (k < s->batch_count && s->sides[k].count == DM_LANES) k++;
     for (int j = 0; j < 4; j++) s->near[m->at[j]].batch = k + 1;
     if (k == s->batch_count) {
         s->batches = dm_grown(s, s->batches, k, &s->batch_room, sizeof *s->batches);
+        s->sides = dm_grown(s, s->sides, k, &s->sides_room, sizeof *s->sides);
         if (!dm_has_room(s)) return;
         dm_batch *made = s->batches + s->batch_count++;
-        memset(made, 0, sizeof *made);
+        memset(made, 0, sizeof *made), memset(s->sides + k, 0, sizeof *s->sides);
         for (int i = 0; i < 4 * DM_LANES; i++) made->at[i / DM_LANES][i % DM_LANES] = s->near_count * (uint32_t)sizeof(dm_record);
     }
     dm_batch *b = s->batches + k;
-    uint32_t l = b->count++;
+    dm_batch_sides *of = s->sides + k;
+    uint32_t l = of->count++;
     for (int j = 0; j < 4; j++) {
         b->at[j][l] = m->at[j] * (uint32_t)sizeof(dm_record);
         b->weight[j][l] = (dm_real)m->weight[j];
     }
     dm_set_lane3(&b->normal, l, dm_quad_of(m->normal));
     b->gap[l] = (dm_real)m->gap, b->touch[l] = (dm_real)m->touch, b->friction[l] = (dm_real)m->friction;
-    b->by[l] = (dm_real)(m->share / m->give);
-    memcpy(b->point[l], m->point, sizeof m->point), memcpy(b->surface[l], m->surface, sizeof m->surface);
+    b->by[l] = (dm_real)(m->share / m->give), b->give[l] = (dm_real)m->give;
+    for (int c = 0; c < 3; c++) of->point[c][l] = m->point[c];
+    memcpy(of->surface[l], m->surface, sizeof m->surface);
+}
+
+/* Are all eight lanes between the same two surfaces, in the same order? */
+DM_INLINE int dm_is_between_two(const dm_batch_sides *of) {
+    return !memcmp(of->surface, of->surface + 1, sizeof of->surface - sizeof *of->surface);
 }
 
 /* Add what the meetings passed on to what their surfaces got. */
 static void dm_sum_meetings(dm_scene_state *s) {
-    for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
-        for (uint32_t l = 0; l < b->count; l++) {
-            double impulse[3] = {b->sum.x[l], b->sum.y[l], b->sum.z[l]}, moment[3];
-            dm_cross3(b->point[l], impulse, moment);
-            for (int k = 0; k < 2; k++)
-                for (int c = 0; c < 3; c++) {
-                    dm_surface *f = s->surfaces + b->surface[l][k];
-                    f->impulse[c] += k ? -impulse[c] : impulse[c], f->moment[c] += k ? -moment[c] : moment[c];
-                }
-        }
+    dm_wide sum[6] = {{0}};
+    for (uint32_t k = 0; k < s->batch_count; k++) {
+        dm_batch *b = s->batches + k;
+        const dm_batch_sides *of = s->sides + k, *next = of + 1;
+        const dm_wide j[3] = {dm_widen(b->sum.x), dm_widen(b->sum.y), dm_widen(b->sum.z)}, *x = of->point;
+        for (int c = 0, d = 1, e = 2; c < 3; d = e, e = c++) sum[c] += j[c], sum[3 + c] += x[d] * j[e] - x[e] * j[d];
         b->sum = dm_splat3((double[3]){0, 0, 0});
+        if (k + 1 < s->batch_count && dm_is_between_two(of) && !memcmp(of->surface, next->surface, sizeof of->surface))
+            continue; /* the next is between the same two */
+        for (uint32_t l = 0; l < DM_LANES; l++)
+            for (int c = 0; c < 6; c++) {
+                dm_surface *f = s->surfaces + of->surface[l][0], *g = s->surfaces + of->surface[l][1];
+                if (c < 3) f->impulse[c] += sum[c][l], g->impulse[c] -= sum[c][l];
+                else f->moment[c - 3] += sum[c][l], g->moment[c - 3] -= sum[c][l];
+            }
+        memset(sum, 0, sizeof sum);
     }
 }
 
@@ -93,8 +106,9 @@ DM_INLINE void dm_scatter_batch(const dm_batch *b, const dm_moving *each, const 
     }
 }
 
-/* Add to the impulses so much that nothing goes nearer than it may, and slides no more than friction lets it. */
-DM_INLINE void dm_resolve_batch(const dm_scene_state *s, dm_batch *b, const dm_moving *v, dm_vec3 u) {
+/* Add to the impulses so much that nothing goes nearer than it may, and slides no more than friction lets it; return the
+ * velocity between its nearest points after that. */
+DM_INLINE dm_vec3 dm_resolve_batch(const dm_scene_state *s, dm_batch *b, dm_moving *v, dm_vec3 u) {
     dm_lanes none = dm_splat(0), by = dm_where(b->active, b->by), along = dm_dot(u, b->normal);
     dm_lanes push = dm_vmax(b->push + by * (b->least - along), none);
     dm_vec3 slide = dm_plus(dm_plus(u, dm_splat(1), b->back), -along, b->normal), drag = dm_plus(b->drag, -by, slide);
@@ -105,6 +119,7 @@ DM_INLINE void dm_resolve_batch(const dm_scene_state *s, dm_batch *b, const dm_m
     dm_vec3 more = dm_plus(dm_sub(drag, b->drag), push - b->push, b->normal);
     b->push = push, b->drag = drag;
     dm_scatter_batch(b, v, (dm_lanes[]){v[0].give, v[1].give, v[2].give, v[3].give}, more, &s->moving->v);
+    return dm_plus(u, b->give, more);
 }
 
 /* Where meetings would go nearer than they touch within the substep: begin with them. awake: those that may move. */
@@ -126,11 +141,11 @@ DM_INLINE int dm_begin_batch(const dm_scene_state *s, dm_batch *b, dm_mask awake
     return 1;
 }
 
-/* Bring apart what is nearer than it touches. */
-DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b) {
-    dm_moving v[4], out[4];
+/* Bring apart what would be nearer than it touches, at the velocities u between nearest points, and note what passed. */
+DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b, const dm_moving *v, dm_vec3 u) {
+    dm_moving out[4];
     dm_lanes h = dm_splat((dm_real)s->dt);
-    dm_vec3 way = dm_gather_batch(b, &s->moving->x, out), u = dm_gather_batch(b, &s->moving->v, v);
+    dm_vec3 way = dm_gather_batch(b, &s->moving->x, out);
     dm_lanes short_of = b->touch - b->begin - dm_dot(dm_plus(way, h, u), b->normal);
     dm_mask near = b->active & (dm_mask)(short_of > dm_splat(0));
     dm_lanes by = dm_where(near, b->by * dm_splat((dm_real)DM_PART) * short_of);
@@ -145,26 +160,25 @@ DM_INLINE void dm_part_batch(const dm_scene_state *s, dm_batch *b) {
 /* Pass on what touches in this substep; return how many do. */
 static int64_t dm_resolve_meetings(dm_scene_state *s) {
     int asleep = dm_any_sleeps(s), any = 0;
-    int64_t touching = 0;
     for (uint32_t k = 0; k < s->batch_count; k++) {
         dm_mask awake = ~(dm_mask){0};
         for (int l = 0; asleep && l < DM_LANES; l++) {
-            const uint32_t *of = s->batches[k].surface[l];
+            const uint32_t *of = s->sides[k].surface[l];
             awake[l] = dm_sleeps(s->surfaces + of[0]) || dm_sleeps(s->surfaces + of[1]) ? 0 : -1;
         }
         any |= dm_begin_batch(s, s->batches + k, awake);
     }
     if (!any) return 0;
-    for (int sweep = 1; sweep < DM_CONTACT_SWEEPS; sweep++)
-        for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
-            dm_moving v[4];
-            if (dm_any_of(b->active)) dm_resolve_batch(s, b, v, dm_gather_batch(b, &s->moving->v, v));
-        }
     for (uint32_t k = 0; k < s->near_count; k++) s->moving[k].x = (dm_quad){0, 0, 0, 0};
+    dm_mask touching = {0};
     for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
         if (!dm_any_of(b->active)) continue;
-        dm_part_batch(s, b);
-        for (int l = 0; l < DM_LANES; l++) touching -= b->active[l];
+        dm_moving v[4];
+        dm_vec3 u = dm_gather_batch(b, &s->moving->v, v);
+        dm_part_batch(s, b, v, dm_resolve_batch(s, b, v, u));
+        touching -= b->active;
     }
-    return touching;
+    int64_t count = 0;
+    for (int l = 0; l < DM_LANES; l++) count += touching[l];
+    return count;
 }

@@ -154,6 +154,7 @@ struct dm_state {
     dm_inertia moments;
     double resisted[3]; /* moment that what it touches takes out in the next substep [N m] */
     double dt, skin_travel; /* [m] the farthest a vertex may go in a step, 0 where nothing is near */
+    double way;             /* [m] the farthest that one went in the last, before contact */
 
     uint32_t (*triangles)[3], *box_start, *box_vertex;
     dm_quad (*boxes)[2];
@@ -203,7 +204,7 @@ DM_INLINE void dm_add_lane3(dm_vec3 *a, uint32_t i, const double *b, double by) 
 }
 
 DM_INLINE void dm_position(const dm_state *b, uint32_t i, double *x) {
-    for (int c = 0; c < 3; c++) x[c] = b->records[i].x[c];
+    DM_UNROLLED for (int c = 0; c < 3; c++) x[c] = b->records[i].x[c];
 }
 
 DM_INLINE void dm_velocity(const dm_state *b, uint32_t i, double *v) {

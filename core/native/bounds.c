@@ -167,7 +167,7 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
     }
     uint32_t i = n->vertex - f->first;
     dm_set_lane3(&f->before[i / DM_LANES], i, f->body->records[i].x);
-    most *= DM_ALERT;
+    most *= DM_ALERT, s->surfaces[n->surface].left = 0;
     f->bound[i / DM_LANES][i % DM_LANES] = (dm_real)(most > 0 ? most * most : -1);
     if (gone > s->stale[n->vertex]) s->due = 1;
 }
@@ -223,9 +223,13 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     s->out->truncated++, dm_note_held(s, vertex);
 }
 
-/* Hold every vertex of a body to its bounds. */
-static void dm_bound_body(dm_scene_state *s, const dm_surface *f) {
+/* Hold every vertex of a body to its bounds. None is looked at while they all together cannot have used up what was left
+ * when they were. */
+static void dm_bound_body(dm_scene_state *s, dm_surface *f) {
     const dm_state *b = f->body;
+    f->left -= b->way > f->met_way ? b->way : f->met_way;
+    if (f->left > 0 && !b->finger_count) return;
+    dm_lanes left = dm_splat(INFINITY);
     for (int64_t g = 0; g < b->groups; g++) {
         dm_vec3 way = dm_sub(b->state[g].x, f->before[g]);
         dm_lanes square = dm_dot(way, way);
@@ -234,7 +238,10 @@ static void dm_bound_body(dm_scene_state *s, const dm_surface *f) {
             for (uint32_t l = 0; l < DM_LANES; l++)
                 if (far[l] && g * DM_LANES + l < b->n) dm_bound_vertex(s, f, (uint32_t)g * DM_LANES + l);
         if (dm_any_of((dm_mask)(square > f->due[g]))) s->due = 1;
+        dm_lanes most = dm_vmax(-dm_vmax(-f->bound[g], -f->due[g]), dm_splat(0));
+        left = -dm_vmax(-left, dm_vsqrt(square) - dm_vsqrt(most));
     }
+    f->left = -dm_most_of(-left);
 }
 
 /* Move a collider on its way; where something that it presses cannot get away, it waits. */

@@ -1,5 +1,58 @@
-/* Distances of eight pairs at once, of vertices and faces or of two edges: what dm_measure_pair finds of each. */
+/* Distances of pairs, of vertices and faces or of two edges: one by one, and eight at once. Source:
+ * core/body/proximity.py. */
 #include "scene.h"
+
+DM_INLINE void dm_minus(const double *a, const double *b, double *r) {
+    for (int c = 0; c < 3; c++) r[c] = a[c] - b[c];
+}
+
+/* Find the weights of the point of a triangle nearest to p.
+ * Source: Ericson, Real-Time Collision Detection, 5.1.5. */
+static void dm_weights_on_face(const double *p, const double *a, const double *b, const double *c, double *w) {
+    double ab[3], ac[3], ap[3], bp[3], cp[3];
+    dm_minus(b, a, ab), dm_minus(c, a, ac), dm_minus(p, a, ap), dm_minus(p, b, bp), dm_minus(p, c, cp);
+    double d1 = dm_inner3(ab, ap), d2 = dm_inner3(ac, ap), d3 = dm_inner3(ab, bp), d4 = dm_inner3(ac, bp);
+    double d5 = dm_inner3(ab, cp), d6 = dm_inner3(ac, cp);
+    double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2, v, u;
+    if (d1 <= 0 && d2 <= 0) v = 0, u = 0;
+    else if (d3 >= 0 && d4 <= d3) v = 1, u = 0;
+    else if (d6 >= 0 && d5 <= d6) v = 0, u = 1;
+    else if (vc <= 0 && d1 >= 0 && d3 <= 0) v = d1 / (d1 - d3), u = 0;
+    else if (vb <= 0 && d2 >= 0 && d6 <= 0) v = 0, u = d2 / (d2 - d6);
+    else if (va <= 0 && d4 >= d3 && d5 >= d6) u = (d4 - d3) / ((d4 - d3) + (d5 - d6)), v = 1 - u;
+    else v = vb / (va + vb + vc), u = vc / (va + vb + vc);
+    w[0] = 1 - v - u, w[1] = v, w[2] = u;
+}
+
+DM_INLINE double dm_share_of(double a) { return a < 0 ? 0 : a > 1 ? 1 : a; }
+
+/* Find how far along the segments ab and cd their nearest points lie. Source: Ericson, 5.1.9. */
+static void dm_shares_on_edges(const double *a, const double *b, const double *c, const double *d, double *along) {
+    double u[3], v[3], r[3];
+    dm_minus(b, a, u), dm_minus(d, c, v), dm_minus(a, c, r);
+    double uu = dm_inner3(u, u), vv = dm_inner3(v, v), uv = dm_inner3(u, v), ur = dm_inner3(u, r), vr = dm_inner3(v, r);
+    double spread = uu * vv - uv * uv;
+    double s = spread > 1e-12 * uu * vv ? dm_share_of((uv * vr - ur * vv) / spread) : 0;
+    double t = vv > 0 ? (uv * s + vr) / vv : 0;
+    if (t < 0 || t > 1) t = dm_share_of(t), s = uu > 0 ? dm_share_of((uv * t - ur) / uu) : 0;
+    along[0] = s, along[1] = t;
+}
+
+/* Find the signed weights of the four vertices of a pair at their nearest points, the vector between these, and
+ * return its length. */
+static double dm_measure_pair(const double *const *x, uint32_t ones, double *w, double *between) {
+    if (ones == 1) {
+        double on[3];
+        dm_weights_on_face(x[0], x[1], x[2], x[3], on);
+        w[0] = 1, w[1] = -on[0], w[2] = -on[1], w[3] = -on[2];
+    } else {
+        double along[2];
+        dm_shares_on_edges(x[0], x[1], x[2], x[3], along);
+        w[0] = 1 - along[0], w[1] = along[0], w[2] = along[1] - 1, w[3] = -along[1];
+    }
+    for (int c = 0; c < 3; c++) between[c] = w[0] * x[0][c] + w[1] * x[1][c] + w[2] * x[2][c] + w[3] * x[3][c];
+    return sqrt(dm_inner3(between, between));
+}
 
 typedef int64_t dm_wide_mask __attribute__((vector_size(DM_LANES * sizeof(double))));
 
@@ -35,8 +88,26 @@ DM_INLINE dm_wide dm_wide_share(dm_wide a) {
     return dm_pick((dm_wide_mask)(a < none), none, dm_pick((dm_wide_mask)(a > one), one, a));
 }
 
-/* From the points of triangles nearest to p, to p. Source: Ericson, Real-Time Collision Detection, 5.1.5. */
-DM_INLINE dm_wide3 dm_wide_off_face(dm_wide3 p, dm_wide3 a, dm_wide3 b, dm_wide3 c) {
+#if defined(__OPTIMIZE_SIZE__)
+/* Find the vectors between the nearest points of eight pairs, and the signed weights of their vertices at x there: in the
+ * smallest of libraries one after the other, to the same bits. */
+static dm_wide3 dm_wide_measure(const double (*x)[3], const uint32_t *const *at, uint32_t ones, dm_wide *w,
+                                dm_wide_mask *inside) {
+    dm_wide3 way;
+    for (int l = 0; l < DM_LANES; l++) {
+        const double *corner[4];
+        double weight[4], between[3];
+        for (int k = 0; k < 4; k++) corner[k] = x[at[l][k]];
+        dm_measure_pair(corner, ones, weight, between);
+        way.x[l] = between[0], way.y[l] = between[1], way.z[l] = between[2], (*inside)[l] = -1;
+        for (int k = 0; k < 4; k++) w[k][l] = weight[k], (*inside)[l] &= ones == 1 || weight[k] != 0 ? -1 : 0;
+    }
+    return way;
+}
+#else
+/* From the points of triangles nearest to p, to p, and their weights. Source: Ericson, Real-Time Collision Detection,
+ * 5.1.5. */
+DM_INLINE dm_wide3 dm_wide_off_face(dm_wide3 p, dm_wide3 a, dm_wide3 b, dm_wide3 c, dm_wide *w) {
     dm_wide3 ab = dm_wide_minus(b, a), ac = dm_wide_minus(c, a);
     dm_wide3 ap = dm_wide_minus(p, a), bp = dm_wide_minus(p, b), cp = dm_wide_minus(p, c);
     dm_wide d1 = dm_wide_dot(ab, ap), d2 = dm_wide_dot(ac, ap), d3 = dm_wide_dot(ab, bp), d4 = dm_wide_dot(ac, bp);
@@ -55,12 +126,13 @@ DM_INLINE dm_wide3 dm_wide_off_face(dm_wide3 p, dm_wide3 a, dm_wide3 b, dm_wide3
     v = dm_pick(at_c, none, v), u = dm_pick(at_c, one, u);
     v = dm_pick(at_b, one, v), u = dm_pick(at_b, none, u);
     v = dm_pick(at_a, none, v), u = dm_pick(at_a, none, u);
-    return dm_wide_plus(dm_wide_plus(dm_wide_plus(p, -(one - v - u), a), -v, b), -u, c);
+    w[0] = one, w[1] = -(one - v - u), w[2] = -v, w[3] = -u;
+    return dm_wide_plus(dm_wide_plus(dm_wide_plus(p, w[1], a), w[2], b), w[3], c);
 }
 
-/* From the points of segments cd nearest to segments ab, to those of ab; inside: where both lie between the ends.
- * Source: Ericson, 5.1.9. */
-DM_INLINE dm_wide3 dm_wide_off_edge(dm_wide3 a, dm_wide3 b, dm_wide3 c, dm_wide3 d, dm_wide_mask *inside) {
+/* From the points of segments cd nearest to segments ab, to those of ab, and their weights; inside: where both lie
+ * between the ends. Source: Ericson, 5.1.9. */
+DM_INLINE dm_wide3 dm_wide_off_edge(dm_wide3 a, dm_wide3 b, dm_wide3 c, dm_wide3 d, dm_wide *w, dm_wide_mask *inside) {
     dm_wide3 u = dm_wide_minus(b, a), v = dm_wide_minus(d, c), r = dm_wide_minus(a, c);
     dm_wide uu = dm_wide_dot(u, u), vv = dm_wide_dot(v, v), uv = dm_wide_dot(u, v), none = dm_wide_of(0);
     dm_wide ur = dm_wide_dot(u, r), vr = dm_wide_dot(v, r), spread = uu * vv - uv * uv, one = dm_wide_of(1);
@@ -70,27 +142,36 @@ DM_INLINE dm_wide3 dm_wide_off_edge(dm_wide3 a, dm_wide3 b, dm_wide3 c, dm_wide3
     dm_wide back = dm_pick((dm_wide_mask)(uu > none), dm_wide_share((uv * in - ur) / uu), none);
     s = dm_pick((dm_wide_mask)(t != in), back, s), t = in;
     *inside = (dm_wide_mask)(s > none) & (dm_wide_mask)(s < one) & (dm_wide_mask)(t > none) & (dm_wide_mask)(t < one);
-    dm_wide3 from = dm_wide_plus(dm_wide_plus((dm_wide3){none, none, none}, one - s, a), s, b);
-    return dm_wide_plus(dm_wide_plus(from, t - one, c), -t, d);
+    w[0] = one - s, w[1] = s, w[2] = t - one, w[3] = -t;
+    dm_wide3 from = dm_wide_plus(dm_wide_plus((dm_wide3){none, none, none}, w[0], a), w[1], b);
+    return dm_wide_plus(dm_wide_plus(from, w[2], c), w[3], d);
 }
 
 /* written out: a loop over lanes would go through memory */
-DM_INLINE dm_wide3 dm_wide_corner(const double (*x)[3], const dm_close *const *of, int corner) {
-    const double *a = x[of[0]->at[corner]], *b = x[of[1]->at[corner]], *c = x[of[2]->at[corner]];
-    const double *d = x[of[3]->at[corner]], *e = x[of[4]->at[corner]], *f = x[of[5]->at[corner]];
-    const double *g = x[of[6]->at[corner]], *h = x[of[7]->at[corner]];
+DM_INLINE dm_wide3 dm_wide_corner(const double (*x)[3], const uint32_t *const *at, int corner) {
+    const double *a = x[at[0][corner]], *b = x[at[1][corner]], *c = x[at[2][corner]], *d = x[at[3][corner]];
+    const double *e = x[at[4][corner]], *f = x[at[5][corner]], *g = x[at[6][corner]], *h = x[at[7][corner]];
     return (dm_wide3){{a[0], b[0], c[0], d[0], e[0], f[0], g[0], h[0]},
                       {a[1], b[1], c[1], d[1], e[1], f[1], g[1], h[1]},
                       {a[2], b[2], c[2], d[2], e[2], f[2], g[2], h[2]}};
 }
 
-/* Find the vectors between the nearest points of up to eight pairs, where vertices are at x. Large, so not inlined. */
-static __attribute__((noinline)) dm_wide3 dm_wide_between(const double (*x)[3], const dm_close *close, uint32_t count,
-                                                          uint32_t ones, dm_wide_mask *inside) {
-    const dm_close *of[DM_LANES];
-    for (uint32_t l = 0; l < DM_LANES; l++) of[l] = close + (l < count ? l : count - 1);
-    dm_wide3 a = dm_wide_corner(x, of, 0), b = dm_wide_corner(x, of, 1);
-    dm_wide3 c = dm_wide_corner(x, of, 2), d = dm_wide_corner(x, of, 3);
+/* Find the vectors between the nearest points of eight pairs, and the signed weights of their vertices at x there. Large,
+ * so not inlined. */
+static __attribute__((noinline)) dm_wide3 dm_wide_measure(const double (*x)[3], const uint32_t *const *at, uint32_t ones,
+                                                          dm_wide *w, dm_wide_mask *inside) {
+    dm_wide3 a = dm_wide_corner(x, at, 0), b = dm_wide_corner(x, at, 1);
+    dm_wide3 c = dm_wide_corner(x, at, 2), d = dm_wide_corner(x, at, 3);
     *inside = (dm_wide_mask)(a.x == a.x);
-    return ones == 1 ? dm_wide_off_face(a, b, c, d) : dm_wide_off_edge(a, b, c, d, inside);
+    return ones == 1 ? dm_wide_off_face(a, b, c, d, w) : dm_wide_off_edge(a, b, c, d, w, inside);
+}
+#endif
+
+/* The same of up to eight that are close. */
+static dm_wide3 dm_wide_between(const double (*x)[3], const dm_close *close, uint32_t count, uint32_t ones,
+                                dm_wide_mask *inside) {
+    const uint32_t *at[DM_LANES];
+    dm_wide w[4];
+    for (uint32_t l = 0; l < DM_LANES; l++) at[l] = close[l < count ? l : count - 1].at;
+    return dm_wide_measure(x, at, ones, w, inside);
 }

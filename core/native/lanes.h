@@ -78,6 +78,12 @@ DM_INLINE dm_wide dm_widen(dm_lanes a) { return __builtin_convertvector(a, dm_wi
 /* always the same tree, so that a sum is the same everywhere */
 DM_INLINE double dm_sum_of(dm_wide a) { return ((a[0] + a[1]) + (a[2] + a[3])) + ((a[4] + a[5]) + (a[6] + a[7])); }
 
+DM_INLINE double dm_most_of(dm_lanes a) {
+    dm_real most = a[0];
+    for (int l = 1; l < DM_LANES; l++) most = a[l] > most ? a[l] : most;
+    return (double)most;
+}
+
 DM_INLINE dm_lanes dm_dot(dm_vec3 a, dm_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 DM_INLINE dm_vec3 dm_sub(dm_vec3 a, dm_vec3 b) { return (dm_vec3){a.x - b.x, a.y - b.y, a.z - b.z}; }

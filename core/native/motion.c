@@ -5,6 +5,7 @@ DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
     dm_lanes p = dm_splat((dm_real)pressure), dt = dm_splat((dm_real)b->dt);
     dm_real limit = (dm_real)b->skin_travel;
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
+    dm_lanes most = dm_splat(0);
     for (int64_t g = 0; g < b->groups; g++) {
         dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
@@ -22,10 +23,11 @@ DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
                 way.x *= share, way.y *= share, way.z *= share;
             }
         }
-        x.x += way.x, x.y += way.y, x.z += way.z;
+        x.x += way.x, x.y += way.y, x.z += way.z, most = dm_vmax(dm_dot(way, way), most);
         b->state[g] = (dm_group_state){x, v};
         dm_scatter8(x, v, b->records + g * DM_LANES);
     }
+    b->way = sqrt(dm_most_of(most));
 }
 
 static void dm_advance_pinned(dm_state *b, double pressure) { dm_advance(b, pressure, 0); }

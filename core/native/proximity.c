@@ -1,69 +1,16 @@
 /* Who is near whom: a vertex and a face, or two edges. Source: core/body/proximity.py. */
 #include "scene.h"
 
-DM_INLINE void dm_minus(const double *a, const double *b, double *r) {
-    for (int c = 0; c < 3; c++) r[c] = a[c] - b[c];
-}
-
-/* Find the weights of the point of a triangle nearest to p.
- * Source: Ericson, Real-Time Collision Detection, 5.1.5. */
-static void dm_weights_on_face(const double *p, const double *a, const double *b, const double *c, double *w) {
-    double ab[3], ac[3], ap[3], bp[3], cp[3];
-    dm_minus(b, a, ab), dm_minus(c, a, ac), dm_minus(p, a, ap), dm_minus(p, b, bp), dm_minus(p, c, cp);
-    double d1 = dm_inner3(ab, ap), d2 = dm_inner3(ac, ap), d3 = dm_inner3(ab, bp), d4 = dm_inner3(ac, bp);
-    double d5 = dm_inner3(ab, cp), d6 = dm_inner3(ac, cp);
-    double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2, v, u;
-    if (d1 <= 0 && d2 <= 0) v = 0, u = 0;
-    else if (d3 >= 0 && d4 <= d3) v = 1, u = 0;
-    else if (d6 >= 0 && d5 <= d6) v = 0, u = 1;
-    else if (vc <= 0 && d1 >= 0 && d3 <= 0) v = d1 / (d1 - d3), u = 0;
-    else if (vb <= 0 && d2 >= 0 && d6 <= 0) v = 0, u = d2 / (d2 - d6);
-    else if (va <= 0 && d4 >= d3 && d5 >= d6) u = (d4 - d3) / ((d4 - d3) + (d5 - d6)), v = 1 - u;
-    else v = vb / (va + vb + vc), u = vc / (va + vb + vc);
-    w[0] = 1 - v - u, w[1] = v, w[2] = u;
-}
-
-DM_INLINE double dm_share_of(double a) { return a < 0 ? 0 : a > 1 ? 1 : a; }
-
-/* Find how far along the segments ab and cd their nearest points lie. Source: Ericson, 5.1.9. */
-static void dm_shares_on_edges(const double *a, const double *b, const double *c, const double *d, double *along) {
-    double u[3], v[3], r[3];
-    dm_minus(b, a, u), dm_minus(d, c, v), dm_minus(a, c, r);
-    double uu = dm_inner3(u, u), vv = dm_inner3(v, v), uv = dm_inner3(u, v), ur = dm_inner3(u, r), vr = dm_inner3(v, r);
-    double spread = uu * vv - uv * uv;
-    double s = spread > 1e-12 * uu * vv ? dm_share_of((uv * vr - ur * vv) / spread) : 0;
-    double t = vv > 0 ? (uv * s + vr) / vv : 0;
-    if (t < 0 || t > 1) t = dm_share_of(t), s = uu > 0 ? dm_share_of((uv * t - ur) / uu) : 0;
-    along[0] = s, along[1] = t;
-}
-
-/* Find the signed weights of the four vertices of a pair at their nearest points, the vector between these, and
- * return its length. */
-static double dm_measure_pair(const double *const *x, uint32_t ones, double *w, double *between) {
-    if (ones == 1) {
-        double on[3];
-        dm_weights_on_face(x[0], x[1], x[2], x[3], on);
-        w[0] = 1, w[1] = -on[0], w[2] = -on[1], w[3] = -on[2];
-    } else {
-        double along[2];
-        dm_shares_on_edges(x[0], x[1], x[2], x[3], along);
-        w[0] = 1 - along[0], w[1] = along[0], w[2] = along[1] - 1, w[3] = -along[1];
-    }
-    for (int c = 0; c < 3; c++) between[c] = w[0] * x[0][c] + w[1] * x[1][c] + w[2] * x[2][c] + w[3] * x[3][c];
-    return sqrt(dm_inner3(between, between));
-}
-
-/* Put a vertex into the list of what is near; return where. */
-static uint32_t dm_note_near(dm_scene_state *s, const dm_surface *f, uint32_t vertex) {
-    if (s->place[vertex] != DM_NO_VERTEX) return s->place[vertex];
+/* Put a vertex into the list of what is near. */
+static void dm_note_near(dm_scene_state *s, const dm_surface *f, uint32_t vertex) {
     s->near = dm_grown(s, s->near, s->near_count, &s->near_room, sizeof *s->near);
     s->tally = dm_grown(s, s->tally, s->near_count, &s->tally_room, sizeof *s->tally);
-    if (!dm_has_room(s)) return 0;
+    if (!dm_has_room(s)) return;
     s->tally[s->near_count] = (dm_tally){.way = INFINITY};
     dm_neighbour *n = s->near + s->near_count;
     *n = (dm_neighbour){.vertex = vertex, .surface = (uint32_t)(f - s->surfaces)};
     if (f->body) n->body = f->body->records + (vertex - f->first);
-    return s->place[vertex] = s->near_count++;
+    s->place[vertex] = s->near_count++;
 }
 
 /* How much an edge sticks out in a direction: 1 where the faces beside it fall away from there, 0 where they are flat

@@ -9,7 +9,8 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
                            s->balls, s->number, s->bins, s->slack, s->stale};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
-                           s->close[0], s->close[1], s->runs, s->planes, s->tally};
+                           s->close[0], s->close[1], s->runs, s->planes, s->tally, s->sides,
+                           s->there};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);
 }
@@ -26,7 +27,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->slack = dm_alloc(n, sizeof(double))) && (s->stale = dm_alloc(n, sizeof(double)));
     whole = whole && (s->searched = dm_alloc(n, sizeof *s->searched));
     whole = whole && (s->balls = dm_alloc(t, sizeof *s->balls));
-    whole = whole && (s->number = dm_alloc(n, sizeof(uint32_t))) && (s->bins = dm_alloc(n + 1, sizeof(uint32_t)));
+    whole = whole && (s->number = dm_alloc(n, sizeof(uint32_t))) && (s->bins = dm_alloc(2 * n + 1, sizeof(uint32_t)));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
     return whole ? DM_OK : DM_MEMORY;
 }
@@ -177,7 +178,8 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     s->out = out, s->code = DM_OK, s->tick = motions->tick, s->dt = s->tick / (double)substeps;
     for (; bodies < s->surface_count && s->surfaces[bodies].body; bodies++)
         dm_begin_motion(s->surfaces[bodies].body, motions + bodies, frames + bodies);
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment);
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
+        memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment), f->left = 0;
     int finite = 1;
     for (int64_t t = 0; t < ticks && finite && s->code == DM_OK; t++) {
         double share = ticks > 1 ? first + (double)t / (double)(ticks - 1) * (last - first) : first;

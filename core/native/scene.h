@@ -16,7 +16,7 @@
 #define DM_DEEPEST 128        /* pairs of nodes that wait: twice the depth of two trees */
 #define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/body/proximity.py */
 #define DM_REACH_EDGE 0.3     /* of the mean edge: the farthest a query looks */
-#define DM_LEAST_REACH 2.0    /* of the distance at which surfaces touch */
+#define DM_LEAST_REACH 2.5    /* of the distance at which surfaces touch */
 #define DM_WIDE 3.0           /* of the reach: how far a search looks, of which several queries live */
 #define DM_REACH_TIME 1.5     /* ticks that a query is to last */
 #define DM_BOUND 0.9          /* of half the distance: what two primitives may go towards each other */
@@ -27,7 +27,6 @@
 #define DM_SLOW 1e-3          /* [m/s] below this, both sides count as equally fast */
 #define DM_ALERT 0.5          /* of the way it may go, after which a vertex gets new planes */
 #define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
-#define DM_CONTACT_SWEEPS 2   /* over what touches, for its velocities */
 #define DM_BACK 0.2           /* of what it has slipped, what sticks goes back in a substep */
 #define DM_PART 0.6           /* of what is too near, is brought apart in a substep */
 #define DM_LOOK 0.5           /* of the touching distance: when anything near has moved so far, normals are set anew */
@@ -44,6 +43,7 @@ typedef struct { /* the surface of a body, or a collider */
     double offset, edge, closest, friction;
     double low[3], high[3]; /* where it was at the last query */
     double slack, stale;    /* [m] how far any vertex may go for surfaces that are far; after what way a query is due */
+    double left, met_way;   /* [m] how far any may go before they are looked at; the farthest that contact let one go */
     double origin[3];       /* of the body at the last query */
     double impulse[3];      /* that others gave it in a call [N s] */
     double moment[3];       /* of that about the origin [N m s] */
@@ -53,7 +53,7 @@ typedef struct { /* the surface of a body, or a collider */
     dm_lanes *bound;        /* (groups,) square of how far each may go before its planes are looked at, */
     dm_lanes *due;          /* and of that after which a query is due */
     uint64_t changes;       /* of the body, at the last query */
-    uint8_t self, moving, kept; /* moving: a collider; kept: awake by something that moves */
+    uint8_t self, moving, kept, touched; /* moving: a collider; kept: awake by something that moves */
 } dm_surface;
 
 typedef struct { /* a box with the triangles in it; its first child follows it, its other one is `next` */
@@ -91,7 +91,7 @@ typedef struct { /* with its vertices in the order of the caller, each side from
 } dm_ordered;
 
 typedef struct { /* of a vertex that is near something, its pairs: the least way [m], how many, and where their list is */
-    double way, there[3]; /* there: where it was at the last look */
+    double way;
     uint32_t count, end;
 } dm_tally;
 
@@ -107,11 +107,14 @@ typedef struct { /* eight meetings that have no vertex in common, and what passe
     dm_vec3 normal, drag, sum;               /* sum: of the impulses since the last look [N s] */
     dm_vec3 anchor, back;                    /* where on its way it stuck last [m]; how fast it is to go back there [m/s] */
     dm_lanes gap, begin, touch;              /* distances: at the look, as the substep began, and at which they touch [m] */
-    dm_lanes least, push, friction, by;      /* least: speed apart [m/s]; by: share of what it does over 1 / mass */
+    dm_lanes least, push, friction, give, by; /* least: speed apart [m/s]; give: 1 / mass; by: share of what it does over it */
     dm_mask active;                          /* in this substep */
-    double point[DM_LANES][3];
-    uint32_t surface[DM_LANES][2], count;
 } dm_batch;
+
+typedef struct { /* of a batch, what a substep does not ask for: where they meet [m], whose they are, how many lanes */
+    dm_wide point[3];
+    uint32_t surface[DM_LANES][2], count;
+} dm_batch_sides;
 
 typedef struct { /* a vertex that is near something: a line of the cache */
     dm_quad from, last; /* where it is at the last look and before this substep, from the origin of its body */
@@ -138,8 +141,9 @@ typedef struct dm_scene_state {
     dm_candidate *candidates;
     uint32_t sorted_room, *bins; /* room to put them in order */
     dm_ordered *sorted;
-    uint32_t batch_count, batch_room, moving_room;
+    uint32_t batch_count, batch_room, sides_room, moving_room;
     dm_batch *batches; /* of the meetings, in the order in which they are taken */
+    dm_batch_sides *sides;
     dm_record *moving; /* what is near: its way since the look, then by how much it is brought apart; its speed, 1 / mass */
     uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
     uint32_t *number;                    /* of vertices, in the order of the caller */
@@ -152,7 +156,8 @@ typedef struct dm_scene_state {
     dm_pair *pairs;
     dm_plane *planes; /* of the pairs */
     dm_tally *tally;  /* of what is near */
-    uint32_t tally_room, plane_room;
+    double (*there)[3]; /* where that was at the last look */
+    uint32_t tally_room, plane_room, there_room;
     double touch, edge, tick, dt, reach, wide, gap, approach, fastest; /* wide: 0 where nobody has searched */
     int32_t code;
     dm_scene_frame *out;

@@ -81,7 +81,8 @@ class Scene:
         weakref.finalize(self, library.dm_scene_destroy, self._handle.value)
         self._motions = (CMotion * len(bodies))()
         self._ways = (CColliderMotion * max(len(colliders), 1))()
-        self._frames, self._out = (CFrame * len(bodies))(), CSceneFrame()
+        self._frames, self._memory = (CFrame * len(bodies))(), bytearray(ctypes.sizeof(CSceneFrame))
+        self._out = CSceneFrame.from_buffer(self._memory)
 
     def step(
         self, motions: Sequence[Motion], ways: Sequence[ColliderMotion | None], first: float, last: float
@@ -110,7 +111,7 @@ class Scene:
         count = min(len(self.bodies) + len(self._shapes), MAX_IMPULSES)
         return SceneFrame(
             tuple(frames), out.ticks, out.queries, out.pairs, out.touching, out.truncated, out.taken, out.held_back,
-            out.gap, np.array(out.impulse)[:count], np.array(out.moment)[:count],
+            out.gap, self._rows("impulse", count), self._rows("moment", count),
         )  # fmt: skip
 
     def crossings(self) -> Crossings:
@@ -134,6 +135,11 @@ class Scene:
         x = np.empty(self._shapes[index])
         self._call("dm_scene_get_collider", self._handle, index, x.ctypes.data)
         return x
+
+    def _rows(self, field: str, count: int) -> Floats:
+        """Return the first rows of vectors of the frame: far faster than from the structure."""
+        offset: int = getattr(CSceneFrame, field).offset
+        return np.frombuffer(self._memory, np.float64, 3 * count, offset).reshape(count, 3).copy()
 
     def _call(self, name: str, *values: Any) -> None:
         code = getattr(self._library, name)(*values)

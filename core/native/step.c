@@ -73,19 +73,19 @@ static void dm_drive_pins(dm_state *b, const dm_motion *m, double share) {
         uint32_t vertex = b->pinned[k], i = b->place[vertex];
         double x[3], way[3];
         dm_position(b, i, x);
-        for (int c = 0; c < 3; c++) {
+        DM_UNROLLED for (int c = 0; c < 3; c++) {
             int64_t at = c * b->pinned_count + k;
             x[c] += b->origin[c];
             way[c] = m->pins_from[at] + share * (m->pins_to[at] - m->pins_from[at]) - x[c];
         }
         if (!b->loose[vertex]) {
-            for (int c = 0; c < 3; c++) {
+            DM_UNROLLED for (int c = 0; c < 3; c++) {
                 rest[3 * used + c] = b->rest[c * b->n + vertex];
                 here[3 * used + c] = x[c], there[3 * used + c] = x[c] + way[c];
             }
             used++;
         }
-        for (int c = 0; c < 3; c++) way[c] /= m->tick;
+        DM_UNROLLED for (int c = 0; c < 3; c++) way[c] /= m->tick;
         dm_set_vertex(b, i, b->records[i].x, dm_quad_of(way));
     }
     b->carried = !b->free && !b->rigged;
@@ -118,10 +118,12 @@ static void dm_finish_pins(dm_state *b, const dm_motion *m) {
         uint32_t vertex = b->pinned[k], i = b->place[vertex];
         double x[3], local[3], behind = 0;
         dm_position(b, i, x);
-        for (int c = 0; c < 3; c++)
-            behind = fmax(behind, fabs(m->pins_to[c * b->pinned_count + k] - x[c] - b->origin[c]));
+        DM_UNROLLED for (int c = 0; c < 3; c++) {
+            double late = fabs(m->pins_to[c * b->pinned_count + k] - x[c] - b->origin[c]);
+            behind = late > behind ? late : behind;
+        }
         int there = whole && !(b->pins_met && behind > DM_PIN_BEHIND * b->size);
-        for (int c = 0; c < 3; c++) {
+        DM_UNROLLED for (int c = 0; c < 3; c++) {
             x[c] = there ? m->pins_to[c * b->pinned_count + k] : x[c] + b->origin[c];
             b->pins[c * b->n + k] = x[c], local[c] = x[c] - b->origin[c];
             if (!b->loose[vertex]) rest[3 * used + c] = b->rest[c * b->n + vertex], here[3 * used + c] = x[c];

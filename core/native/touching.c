@@ -5,7 +5,7 @@
  *     j = max(0, (w - u) / g)   with   w = -(d - r) / h where d > r, and 0 where it is nearer
  * so that after the substep h it is not nearer than r, or no nearer than before. Its nearest points and its normal are
  * kept until what is near has moved by a part of r. The pairs are taken one after the other, in an order that does not
- * depend on where they lie in memory. What sticks goes back to where it stuck first, so that it does not creep: an
+ * depend on where they lie in memory, twice, and what is still too near is brought apart the second time. What sticks goes back to where it stuck first, so that it does not creep: an
  * anchor, which follows where it slides.
  */
 #include "scene.h"
@@ -29,7 +29,7 @@ static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double
         else zero++, off = k;
     }
     if (!zero) return 1;
-    dm_minus(s->tally[p->at[0]].there, between, point);
+    dm_minus(s->there[p->at[0]], between, point);
     if (zero == 1) { /* on the edge opposite corner `off`, which begins at the next corner */
         uint32_t triangle = s->close[0][p->close].parts[0];
         uint32_t edge = s->edges_of[triangle][(off + 1) % 3], own = s->near[p->at[1 + off]].vertex;
@@ -42,24 +42,36 @@ static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double
     return 1;
 }
 
-/* Note where the nearest points of a pair are; return 0 where it cannot touch before the next look. */
-static int dm_look_at(const dm_scene_state *s, const dm_candidate *candidate, dm_meeting *m) {
+/* Note a pair whose nearest points are known, if it may touch before the next look. */
+static void dm_note_meeting(dm_scene_state *s, const dm_candidate *candidate, double gap, const double *w,
+                            const double *between) {
     const dm_pair *p = s->pairs + candidate->pair;
-    const double *x[4];
-    double *w = m->weight, between[3], most = candidate->touch + s->approach;
-    for (int j = 0; j < 4; j++) x[j] = s->tally[p->at[j]].there;
-    double gap = m->gap = dm_measure_pair(x, p->ones, w, between);
-    if (!(gap < most) || !(gap > 0)) return 0;
-    if (p->ones == 1 ? !dm_is_nearest(s, p, w, between) : !(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return 0;
-    m->give = 0, m->touch = candidate->touch, m->share = candidate->weight;
-    for (int j = 0; j < 4; j++) m->at[j] = p->at[j], m->give += w[j] * w[j] * (double)s->moving[p->at[j]].v[3];
-    m->friction = sqrt(dm_friction_of(s, p, 0, p->ones, w) * dm_friction_of(s, p, p->ones, 4, w));
+    if (!(gap < candidate->touch + s->approach) || !(gap > 0)) return;
+    if (p->ones == 1 ? !dm_is_nearest(s, p, w, between) : !(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return;
+    dm_meeting m = {.gap = gap, .touch = candidate->touch, .share = candidate->weight};
+    for (int j = 0; j < 4; j++)
+        m.at[j] = p->at[j], m.weight[j] = w[j], m.give += w[j] * w[j] * (double)s->moving[p->at[j]].v[3];
+    if (!(m.give > 0)) return;
+    m.friction = sqrt(dm_friction_of(s, p, 0, p->ones, w) * dm_friction_of(s, p, p->ones, 4, w));
     for (int c = 0; c < 3; c++) {
-        m->normal[c] = between[c] / gap, m->point[c] = 0;
-        for (uint32_t j = 0; j < p->ones; j++) m->point[c] += w[j] * x[j][c];
+        m.normal[c] = between[c] / gap;
+        for (uint32_t j = 0; j < p->ones; j++) m.point[c] += w[j] * s->there[p->at[j]][c];
     }
-    m->surface[0] = s->near[p->at[0]].surface, m->surface[1] = s->near[p->at[3]].surface;
-    return m->give > 0;
+    m.surface[0] = s->near[p->at[0]].surface, m.surface[1] = s->near[p->at[3]].surface;
+    dm_add_meeting(s, &m);
+}
+
+/* Look where the nearest points of up to eight candidates are, all of faces or all of edges. */
+static void dm_look_at(dm_scene_state *s, const dm_candidate *const *some, uint32_t count) {
+    const uint32_t *at[DM_LANES];
+    dm_wide w[4];
+    dm_wide_mask inside;
+    for (uint32_t l = 0; l < DM_LANES; l++) at[l] = s->pairs[some[l < count ? l : count - 1]->pair].at;
+    dm_wide3 way = dm_wide_measure((const double(*)[3])s->there, at, s->pairs[some[0]->pair].ones, w, &inside);
+    dm_wide gap = dm_wide_root(dm_wide_dot(way, way));
+    for (uint32_t l = 0; l < count && dm_has_room(s); l++)
+        dm_note_meeting(s, some[l], gap[l], (double[]){w[0][l], w[1][l], w[2][l], w[3][l]},
+                        (double[]){way.x[l], way.y[l], way.z[l]});
 }
 
 /* Look where the nearest points are of all pairs that may touch. */
@@ -69,7 +81,7 @@ static void dm_look(dm_scene_state *s) {
     s->batch_count = 0, s->looks = 0;
     memset(s->moving, 0, (s->near_count + 1) * sizeof *s->moving);
     for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++) {
-        double way[3], *there = s->tally[n - s->near].there;
+        double way[3], *there = s->there[n - s->near];
         s->moving[n - s->near].v[3] = (dm_real)dm_give_of(s, n);
         dm_world_of(s, s->surfaces + n->surface, n->vertex, there);
         if (n->body) n->from = n->body->x;
@@ -79,11 +91,16 @@ static void dm_look(dm_scene_state *s) {
         far = square > far ? square : far;
     }
     double travel = 2 * sqrt(far);
+    const dm_candidate *some[DM_LANES];
+    uint32_t count = 0;
     for (uint32_t k = 0; k < s->candidate_count && dm_has_room(s); k++) {
         const dm_candidate *c = s->candidates + k;
-        dm_meeting m;
-        if (c->gap - travel <= c->touch + s->approach && dm_look_at(s, c, &m)) dm_add_meeting(s, &m);
+        if (c->gap - travel > c->touch + s->approach) continue;
+        if (count == DM_LANES || (count && s->pairs[c->pair].ones != s->pairs[some[0]->pair].ones))
+            dm_look_at(s, some, count), count = 0;
+        some[count++] = c;
     }
+    if (count && dm_has_room(s)) dm_look_at(s, some, count);
 }
 
 /* Before a substep: note where everything near is, and look again where that has moved. */
@@ -95,7 +112,7 @@ static void dm_begin_contact(dm_scene_state *s) {
         dm_quad *to = &s->moving[k].x;
         double way[3];
         if (n->body) n->last = n->body->x, *to = n->last - n->from;
-        else dm_minus(s->here[n->vertex], s->tally[k].there, way), *to = dm_quad_of(way);
+        else dm_minus(s->here[n->vertex], s->there[k], way), *to = dm_quad_of(way);
         dm_real square = dm_dot3(*to, *to);
         far = square > far ? square : far;
     }
@@ -104,6 +121,7 @@ static void dm_begin_contact(dm_scene_state *s) {
 
 /* After bodies and colliders have moved: resolve what touches. */
 static void dm_resolve_touching(dm_scene_state *s) {
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->met_way = 0;
     if (!s->batch_count) return;
     for (uint32_t k = 0; k < s->near_count; k++) {
         const dm_neighbour *n = s->near + k;
@@ -115,11 +133,14 @@ static void dm_resolve_touching(dm_scene_state *s) {
     int64_t touching = dm_resolve_meetings(s);
     for (uint32_t k = 0; touching && k < s->near_count; k++) {
         const dm_neighbour *n = s->near + k;
-        const dm_surface *f = s->surfaces + n->surface;
+        dm_surface *f = s->surfaces + n->surface;
         dm_quad v = s->moving[k].v, out = s->moving[k].x;
         v[3] = 0;
         if (!n->batch || !n->body || !(memcmp(&v, &n->body->v, sizeof v) || dm_dot3(out, out) > 0)) continue;
-        dm_set_vertex(f->body, n->vertex - f->first, n->body->x + (dm_real)s->dt * (v - n->body->v) + out, v);
+        dm_quad x = n->body->x + (dm_real)s->dt * (v - n->body->v) + out, way = x - n->last;
+        double square = (double)dm_dot3(way, way);
+        if (square > f->met_way * f->met_way) f->met_way = sqrt(square);
+        dm_set_vertex(f->body, n->vertex - f->first, x, v);
     }
     s->out->touching = touching > s->out->touching ? touching : s->out->touching;
 }

@@ -21,7 +21,7 @@ from .ticks import each_tick, meet, slow_down
 from .twin import Call, Twin
 
 REACH_EDGE = 0.3  # of the mean edge: the farthest a query looks
-LEAST_REACH = 2.0  # of the distance at which surfaces touch
+LEAST_REACH = 2.5  # of the distance at which surfaces touch
 REACH_TIME = 1.5  # ticks that a query is to last
 ROAM = 0.99  # of half the reach: what is near nothing may go
 STALE = 0.8  # of the way after which something unknown might touch

@@ -78,7 +78,7 @@ def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
 # where C's constants have their twins, and those that are called otherwise there
 TWINS = base, contact, proximity, touching, bounds, motion, rolling, scene, twin_scene, binding, depth
 RENAMED = {
-    "ABI": native.ABI, "PINNED_GIVE": contact.HELD_GIVE, "CONTACT_SWEEPS": touching.SWEEPS, "SWEEPS": bounds.SWEEPS,
+    "ABI": native.ABI, "PINNED_GIVE": contact.HELD_GIVE, "SWEEPS": bounds.SWEEPS,
     "SCENE_IMPULSES": scene.MAX_IMPULSES, "ROLL_ARM": rolling.ARM, "ROLL_PART": rolling.PART, "PART": touching.PART,
     "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS,
 }  # fmt: skip

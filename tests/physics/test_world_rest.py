@@ -93,9 +93,10 @@ def test_a_body_that_slept_is_hit_as_if_it_had_been_awake() -> None:
         for tick in range(600):
             if kept_awake and tick < 300:
                 bodies[0].body.set_state(bodies[0].body.positions(), bodies[0].body.velocities())
+            world.check()  # a query at the same ticks in both: when one is, shifts a hit by some micrometres
             world.step(1e-3)
             slept += not bodies[0].moved
         assert (slept == 0) == kept_awake
         ends.append([body.body.positions() for body in bodies])
     assert np.abs(ends[0][0] - ends[0][1]).max() > 0.01
-    assert all(np.abs(a - b).max() < 2e-6 for a, b in zip(*ends, strict=True))
+    assert all(np.abs(a - b).max() < 1e-12 for a, b in zip(*ends, strict=True))

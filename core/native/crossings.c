@@ -1,0 +1,51 @@
+/* Which triangles pass through each other. Source: core/solver/crossing.py. */
+#include "scene.h"
+
+/* Does the segment ab pass through a triangle? Source: signs of volumes. */
+static int dm_passes(const double *a, const double *b, const double *const *t) {
+    double u[3], v[3], n[3], from[3], way[3], across[3];
+    dm_minus(t[1], t[0], u), dm_minus(t[2], t[0], v), dm_cross3(u, v, n);
+    dm_minus(a, t[0], from), dm_minus(b, a, way);
+    double here = dm_inner3(from, n), slope = dm_inner3(way, n);
+    if (slope == 0) return 0;
+    double share = -here / slope;
+    if (!(share >= 0 && share <= 1)) return 0;
+    for (int k = 0; k < 3; k++) {
+        double x[3], edge[3];
+        for (int c = 0; c < 3; c++) x[c] = a[c] + share * way[c] - t[k][c];
+        dm_minus(t[(k + 1) % 3], t[k], edge), dm_cross3(edge, x, across);
+        if (dm_inner3(across, n) < 0) return 0;
+    }
+    return 1;
+}
+
+static void dm_note_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+    const uint32_t *a = s->corners[i], *b = s->corners[j];
+    if (dm_share_a_vertex(a, 3, b, 3)) return;
+    const double *x[3] = {s->before[a[0]], s->before[a[1]], s->before[a[2]]};
+    const double *y[3] = {s->before[b[0]], s->before[b[1]], s->before[b[2]]};
+    for (int k = 0; k < 3; k++) {
+        if (!dm_passes(x[k], x[(k + 1) % 3], y) && !dm_passes(y[k], y[(k + 1) % 3], x)) continue;
+        dm_crossings *found = s->found;
+        if (!found->count++) {
+            found->surfaces[0] = f - s->surfaces, found->surfaces[1] = g - s->surfaces;
+            for (int c = 0; c < 3; c++)
+                found->place[c] = (x[0][c] + x[1][c] + x[2][c] + y[0][c] + y[1][c] + y[2][c]) / 6;
+        }
+        return;
+    }
+}
+
+/* Count the pairs of triangles that pass through each other, and say where the first is. */
+static void dm_scene_state_find(dm_scene_state *s, dm_crossings *found) {
+    memset(found, 0, sizeof *found);
+    s->found = found;
+    for (int64_t k = 0; k < s->surface_count; k++)
+        dm_note_surface(s, s->surfaces + k), dm_fit_boxes(s, s->surfaces + k);
+    for (int64_t i = 0; i < s->surface_count; i++)
+        for (int64_t j = i; j < s->surface_count; j++) {
+            const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
+            if (dm_may_touch(f, g)) dm_visit_pairs(s, f, g, 0, dm_note_crossing);
+        }
+    s->due = 1;
+}
