@@ -232,6 +232,11 @@ class Session:
         """Tell whether anything moved in the last step; False where the body slept all the time."""
         return self._last.moved
 
+    def wake(self) -> None:
+        """Let the body move again where it sleeps: what it rested on may be gone."""
+        if not self._glide:  # what glides does not sleep
+            self.body.set_load(None)
+
     @property
     def placed(self) -> tuple[Finger | None, ...]:
         """Return where the fingertips are: those that a force pushes are where it has pushed them."""

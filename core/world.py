@@ -191,7 +191,9 @@ class World:
         return None if way is None else body.positions() + way[:, None]
 
     def _make(self) -> None:
-        """Make what steps, of the bodies that the sessions have now."""
+        """Make what steps, of the bodies that the sessions have now; what slept may rest on something else."""
+        for session in self.sessions:
+            session.wake()
         self._bodies = [session.body for session in self.sessions]
         now = [collider._replace(positions=at) for collider, at in zip(self.colliders, self._at, strict=True)]
         self._scene = create_scene(self._bodies, now, itself=self._itself, backend=self.sessions[0].backend)

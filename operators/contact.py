@@ -62,7 +62,8 @@ def worlds_of(
     """
     if not is_on(context.scene):
         return []
-    colliders = [obj for obj in context.scene.objects if _is_collider(context.scene, obj, bodies)]
+    graph = context.evaluated_depsgraph_get()
+    colliders = [obj for obj in context.scene.objects if _is_collider(context.scene, graph, obj, bodies)]
     frictions = [(obj.session_uid, obj.dimple.collider_friction, _mass_of(obj)) for obj in colliders]
     found = []
     for scale, uids in _groups(bodies).items():
@@ -98,11 +99,14 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
     live.world.set_colliders(ends)
 
 
-def _is_collider(scene: bpy.types.Scene, obj: bpy.types.Object, bodies: Mapping[int, Any]) -> bool:
+def _is_collider(
+    scene: bpy.types.Scene, graph: bpy.types.Depsgraph, obj: bpy.types.Object, bodies: Mapping[int, Any]
+) -> bool:
     return (
         obj.dimple.collider
         and obj.type == "MESH"
         and obj.session_uid not in bodies
+        and obj.evaluated_get(graph).is_evaluated  # else it is disabled in viewports, and stands still
         and obj not in [getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)]
     )
 

@@ -136,7 +136,7 @@ def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str
 def _meet(context: bpy.types.Context) -> list[str]:
     """Bring up to date which bodies are stepped together, and where their colliders go; end all that cannot be."""
     if not contact.is_on(context.scene):
-        sessions.worlds.clear()
+        sessions.set_worlds(())
         return []
     haptic.take_back()
     bodies = {
@@ -145,7 +145,7 @@ def _meet(context: bpy.types.Context) -> list[str]:
         if (obj := bridge.find(uid, body.name))  # else its session is about to end
     }
     try:
-        sessions.worlds[:] = contact.worlds_of(context, bodies, sessions.worlds)
+        sessions.set_worlds(contact.worlds_of(context, bodies, sessions.worlds))
         for world in sessions.worlds:
             contact.lead_colliders(context, world)
     except DimpleError as error:

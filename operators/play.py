@@ -131,7 +131,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             return showing.end_changed(context.view_layer)
         for body in sessions.sessions.values():
             body.session.reset()
-            sessions.worlds.clear()
+            sessions.set_worlds(())
             props.put_back()
             body.matrix, body.rest = body.link.matrix, body.link.rest
         return live.advance(context, 0.0)

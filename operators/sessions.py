@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections import deque
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -172,6 +172,15 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     return body, messages
 
 
+def set_worlds(now: Sequence[LiveWorld]) -> None:
+    """Let sessions be stepped together in these worlds from now on; those of a world that is left wake."""
+    for left in worlds:
+        if left not in now:
+            for session in left.world.sessions:
+                session.wake()
+    worlds[:] = now
+
+
 def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     """End a session; put the rest shape back, or keep the shape that shows.
 
@@ -184,7 +193,7 @@ def stop(uid: int, *, restore: bool = True, undoing: bool = False) -> list[str]:
     body = sessions.pop(uid, None)
     if body is None:
         return []
-    worlds.clear()  # made anew of those that are left
+    set_worlds(())  # made anew of those that are left
     from . import bridge, bridge_write, cache_files, props
 
     if not sessions and restore and not undoing:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from core.base import REST_SPEED, REST_WAY, TICK, Floats
 from core.body.model import Model, build_model
@@ -51,6 +52,14 @@ class Scene:
     def stir(self) -> None:
         for body in self.bodies:
             body.body.set_state(body.body.positions(), body.body.velocities())
+
+
+def on_table(backend: str, slope: float = 0.0) -> Scene:
+    """Return a sheet on a table, which friction holds where that is a slope [rad]."""
+    turn, (points, faces), (table, squares) = Rotation.from_euler("y", slope), sheet(8, 0.1), sheet(2, 1.0)
+    lying = mesh_from_triangles(turn.apply(points + [0, 0, 0.0015]), faces)
+    body = Session(build_model(lying, [SOFT], gravity=(0.0, 0.0, -9.81)), backend=backend)
+    return Scene([body], World([body], [Collider(turn.apply(table).T.copy(), squares, 0.4)]))
 
 
 def model(*, level: int = 2, height: float = 0.0, gravity: float = -9.81) -> Model:
@@ -207,13 +216,11 @@ def test_in_a_world_too_a_change_wakes_it_in_the_next_tick(cause: str, backend: 
 
 @pytest.mark.parametrize("backend", EVERY)
 def test_what_lies_on_a_collider_falls_in_the_tick_in_which_that_is_drawn_away(backend: str) -> None:
-    points, faces = sheet(8, 0.1)
-    lying = build_model(mesh_from_triangles(points + [0, 0, 0.003], faces), [SOFT], gravity=(0.0, 0.0, -9.81))
-    body, (table, squares) = Session(lying, backend=backend), sheet(2, 1.0)
-    scene = Scene([body], World([body], [Collider(table.T.copy(), squares, 0.4)]))
+    scene = on_table(backend)
     scene.settle(awake=False)
-    scene.step(0.5)
-    assert scene.world and not body.moved
+    body = scene.bodies[0]
+    assert scene.world
+    table = scene.world.colliders[0].positions.T
     height = body.body.positions()[2].mean()
     for tick in range(50):
         scene.world.set_colliders([table - [0.0, 0.0, 0.01 * (tick + 1)]])
@@ -221,3 +228,41 @@ def test_what_lies_on_a_collider_falls_in_the_tick_in_which_that_is_drawn_away(b
         assert body.moved
     fallen = height - body.body.positions()[2].mean()
     assert fallen == pytest.approx(9.81 * 0.05**2 / 2, rel=0.1)
+
+
+TURN = 0.3  # [rad]
+REMADE: dict[str, tuple[Callable[[World], list[Collider]], float]] = {
+    "its collider is taken away": (lambda world: [], 9.81),
+    "its collider loses its friction": (lambda world: [world.colliders[0]._replace(friction=0)], 9.81 * np.sin(TURN)),
+}
+
+
+@pytest.mark.parametrize("backend", EVERY)
+@pytest.mark.parametrize("change", REMADE)
+def test_what_friction_holds_on_a_slope_goes_in_the_tick_after_it_is_no_longer_held(change: str, backend: str) -> None:
+    """A world is made anew when an object in it is changed, and the bodies in it may sleep then."""
+    scene = on_table(backend, TURN)
+    scene.settle(awake=False)
+    body = scene.bodies[0]
+    before, (colliders, rate) = body.body.positions(), REMADE[change]
+    assert scene.world
+    scene.world = World(scene.bodies, colliders(scene.world))
+    for _ in range(50):
+        scene.step(TICK)
+        assert body.moved
+    gone = np.linalg.norm((body.body.positions() - before).mean(axis=1))
+    assert gone == pytest.approx(rate * 0.05**2 / 2, rel=0.1)
+
+
+@pytest.mark.parametrize("backend", EVERY)
+def test_what_slept_in_a_world_falls_out_of_it_once_it_is_woken_from_the_state_it_was_in(backend: str) -> None:
+    scene = on_table(backend)
+    scene.settle(awake=False)
+    body = scene.bodies[0]
+    before = body.body.positions(), body.body.velocities()
+    body.wake()
+    assert np.array_equal(before, (body.body.positions(), body.body.velocities()))
+    for _ in range(50):
+        body.step(TICK)
+        assert body.moved
+    assert (before[0] - body.body.positions())[2].mean() == pytest.approx(9.81 * 0.05**2 / 2, rel=0.1)

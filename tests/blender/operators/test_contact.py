@@ -193,3 +193,38 @@ def test_undo_amid_contact_goes_on_and_resets_to_the_last_bit(
     bpy.ops.dimple.reset()
     obj = bpy.data.objects["Ball"]
     assert coordinates(obj) == before == shown(obj).tobytes() and not obj.modifiers and not bpy.data.node_groups
+
+
+def test_what_sleeps_on_a_collider_falls_once_that_is_taken_away(
+    bpy: ModuleType, sessions: Any, scene: Any, cube: Any, add: Add
+) -> None:
+    from bl_ext.user_default.dimple.operators import live
+
+    cube.location, cube.dimple.pinned = (0, 0, 1.02), "NONE"
+    scene.dimple.use_gravity, scene.dimple.use_ground = True, False
+    tables = [add([(-3, -3, z), (3, -3, z), (3, 3, z), (-3, 3, z)], [(0, 1, 2, 3)]) for z in (0, -0.05, -0.1, -0.15)]
+    for table in tables:
+        table.dimple.collider = True
+        table.select_set(False)
+    cube.select_set(True)
+
+    def lowest(seconds: float) -> float:
+        for _ in range(round(30 * seconds)):
+            live.advance(bpy.context, 1 / 30)
+        return float(body.session.positions()[:, 2].min()) / body.link.scale
+
+    live.start_all(bpy.context)
+    body = sessions.get(cube)
+    tables[0].hide_set(True)  # it still holds the cube
+    assert lowest(2) > 0
+    for take_away in (
+        lambda: setattr(tables[0], "hide_viewport", True),
+        lambda: bpy.data.objects.remove(tables[1]),
+        lambda: setattr(tables[2].dimple, "collider", False),
+        lambda: setattr(tables[3].dimple, "collider", False),  # the last: nothing is left to meet
+    ):
+        standing = lowest(3)
+        assert not body.session.moved
+        take_away()
+        assert lowest(0.1) < standing - 0.01 and body.session.moved
+    sessions.stop_all()
