@@ -15,7 +15,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.reduction.planner import Maker, Plan, carry_out, decide, plan_full_mesh, plan_proxy
-from ..core.reduction.proxy import build_proxy, mean_spacing, with_constants
+from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
 from . import bridge, contact, identified
@@ -109,16 +109,19 @@ identified.choosing.append(_to_identify)
 
 
 def _proxy(moving: Proxy | None, model: Model, vertices: int) -> Proxy:
-    """Return a proxy of a model; one of as many vertices that such a mesh had before only needs other constants.
+    """Return a proxy of a model; one of as many vertices that such a mesh, painted so, had before only needs other
+    constants.
 
     Raises:
         DimpleError: it cannot be made.
     """
     spacing = mean_spacing(model.mesh, vertices)
-    if moving and moving.spacing == spacing:
+    stiffer = painted(model)
+    if moving and moving.spacing == spacing and np.array_equal(moving.painted, stiffer):
         return moving
     for mesh, proxy in [*_moving]:
-        if proxy and proxy.spacing == spacing and _are_alike(mesh, model.mesh):
+        same = proxy and proxy.spacing == spacing and np.array_equal(proxy.painted, stiffer)
+        if proxy and same and _are_alike(mesh, model.mesh):
             return with_constants(proxy, model)
     return build_proxy(model, vertices)
 

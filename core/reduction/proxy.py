@@ -6,11 +6,12 @@ proxy has a triangle. Mass and shape-matching stiffness of a cell go to its seed
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import DimpleError, Floats, Ints, mean_of_pairs, sums_at
+from ..base import DimpleError, Floats, Ints, Singles, mean_of_pairs, sums_at
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
 from ..mesh.cotangents import cotangent_weights
@@ -23,6 +24,7 @@ from .flips import flip_edges
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
 NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
+STIFFER = 16.0  # times as stiff, as softness of 0 is beside 1: what is painted so is a spacing apart
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
@@ -33,6 +35,7 @@ class Proxy:
     model: the coarse body that is simulated, m vertices.
     seeds: (m,) the vertex of the fine mesh at which each coarse vertex lies.
     cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
+    painted: (n,) how much stiffer each vertex of the fine mesh was than most when the cells were made, see `painted`.
     still: the vertices of the fine mesh that are pinned or loose.
     spacing: mean distance between seeds [m].
     binding: what carries the fine mesh along.
@@ -41,6 +44,7 @@ class Proxy:
     model: Model
     seeds: Ints
     cells: Ints
+    painted: Singles
     still: Ints
     spacing: float
     binding: Binding
@@ -60,7 +64,9 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
         raise DimpleError(f"a proxy of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
     spacing = mean_spacing(mesh, vertices)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
-    place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
+    stiffer = painted(model)
+    shift = NORMAL_SHARE * spacing * normals + spacing / math.sqrt(3) * stiffer[:, None]  # along a diagonal: any way
+    place = np.concatenate([mesh.rest_positions, shift], axis=1)
     seeds = spread_seeds(mesh, place, used, vertices, spacing)
     for _ in range(3):
         cells = grow_cells(mesh, place, seeds)
@@ -76,10 +82,23 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
         raise DimpleError("its pieces are too small for a proxy")
     coarse = _constants(model, _coarse_mesh(mesh, seeds, triangles), cells)
     return Proxy(
-        model=coarse, seeds=seeds, cells=cells, still=np.flatnonzero(model.held | mesh.loose),
+        model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.held | mesh.loose),
         spacing=spacing,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
+
+
+def painted(model: Model) -> Singles:
+    """Return how much stiffer each vertex (n,) is, by its area, than most: powers of STIFFER, from -1 to 1.
+
+    Cells do not cross where this changes, so that a soft spot no larger than a fingertip keeps its own vertices.
+    """
+    known = ~model.mesh.loose
+    stiffness = model.matching.k1[known] / np.maximum(model.mesh.vertex_areas[known], 1e-30)
+    powers = np.log(np.maximum(stiffness, 1e-30)) / math.log(STIFFER)
+    found = np.zeros(len(known), np.float32)
+    found[known] = np.clip(np.round(powers - np.median(powers), 2), -1, 1)  # what is alike is so to the bit
+    return found
 
 
 def with_constants(proxy: Proxy, model: Model) -> Proxy:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
@@ -198,7 +199,9 @@ def test_bodies_that_are_alike_are_planned_once(
 def test_another_plan_with_as_many_vertices_makes_no_other_proxy(
     bpy: ModuleType, fine: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A proxy of a million vertices takes seconds to make, and only the mesh and a number decide where it is."""
+    """A proxy of a million vertices takes seconds to make, and only the mesh, a number and where it is stiffer decide
+    where its vertices are.
+    """
     from bl_ext.user_default.dimple.core.reduction import planner
     from bl_ext.user_default.dimple.operators import planning
 
@@ -213,6 +216,11 @@ def test_another_plan_with_as_many_vertices_makes_no_other_proxy(
     assert fine.dimple.plan_key != key and "proxy of" in said[0]
     assert body.session.proxy.seeds is first.seeds
     stop()
+    model, vertices = body.session.model, fine.dimple.plan_vertices
+    assert planning._proxy(first, model, vertices) is first
+    k1 = np.where(model.matching.rest[0] > 0, 1.0, 4.0) * model.matching.k1
+    with pytest.raises(ZeroDivisionError):  # it would be made anew
+        planning._proxy(first, replace(model, matching=replace(model.matching, k1=k1)), vertices)
 
 
 def test_whatever_shape_matching_pulls_with_is_part_of_what_was_planned(bpy: ModuleType, ball: Any) -> None:
