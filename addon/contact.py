@@ -71,5 +71,5 @@ class DIMPLE_PT_contact(bpy.types.Panel):
         row.active = settings.enabled
         row.prop(settings, "self_contact")
         row = layout.row()
-        row.active = settings.enabled and settings.pinned == "NONE"
+        row.active = settings.enabled
         row.prop(settings, "move_apart")

@@ -61,8 +61,6 @@ def planning_for(
     scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
 ) -> Parts:
     """Plan an object in parts; see `proxy_for`."""
-    if contact.is_on(scene) or model.rigged:  # what carries the skin of a proxy knows one shape at rest
-        return None, ""
     settings, now, build = obj.dimple, key(scene, obj, model), partial(_proxy, moving)
     known, old = settings.plan_key == now, _choices.get(now)
     if old:
@@ -79,7 +77,7 @@ def planning_for(
             chosen = yield 0.6, partial(make, build)
         except DimpleError as error:
             way_out = ""
-            if settings.simulated == "PROXY":
+            if settings.simulated == "PROXY" and not contact.is_on(scene):
                 way_out = " Choose another number, or Automatic, in Physics > Dimple."
             raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
         made = Choice(chosen.proxy, chosen.asked, chosen.reason)
@@ -141,10 +139,13 @@ def choosing(
     """
     wanted, radius, budget = obj.dimple.to_plan(), scene.dimple.finger_radius_mm / 1e3, budget_of(scene, obj)
     tolerance, force_tolerance = wanted["tolerance"], wanted["force_tolerance"]
+    meets = contact.is_on(scene)
 
     def by_settings(model: Model) -> tuple[str, Callable[[Maker], Plan]]:
-        if wanted["simulated"] == "mesh":
-            return "", lambda build: plan_full_mesh(model, budget=budget)
+        # what is seen is what meets; and what carries the skin of a proxy knows one shape at rest
+        because = "For contact" if meets else "For its rig" if model.rigged else ""
+        if wanted["simulated"] == "mesh" or because:
+            return "", lambda build: plan_full_mesh(model, budget=budget, because=because)
         if wanted["simulated"] == "proxy":
             return "", lambda build: plan_proxy(model, wanted["vertices"], radius=radius, budget=budget, build=build)
         decided = decide(model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget)
@@ -161,9 +162,19 @@ def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     return scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERS)
 
 
-def around(scene: bpy.types.Scene, obj: bpy.types.Object) -> tuple[float, float]:
-    """Return what the plan depends on besides the object: the fingertip's radius [mm] and the budget."""
-    return scene.dimple.finger_radius_mm, budget_of(scene, obj)
+class Around(NamedTuple):
+    """What the plan of an object depends on besides the object: the fingertip's radius [mm], the budget, and whether
+    anything meets.
+    """
+
+    radius_mm: float
+    budget: float
+    meets: bool
+
+
+def around(scene: bpy.types.Scene, obj: bpy.types.Object) -> Around:
+    """Return what the plan of an object depends on besides the object."""
+    return Around(scene.dimple.finger_radius_mm, budget_of(scene, obj), contact.is_on(scene))
 
 
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
@@ -174,5 +185,5 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
         law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction,
     ):  # fmt: skip
         number = zlib.crc32(np.ascontiguousarray(array), number)
-    words = (model.law_set, model.pressure.fill, *around(scene, obj), *obj.dimple.to_plan().values())
+    words = (model.law_set, model.pressure.fill, model.rigged, *around(scene, obj), *obj.dimple.to_plan().values())
     return f"{zlib.crc32(repr(words).encode(), number):08x}"

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..core.steps import Parts
     from .bridge import ObjectLink, Singles
     from .contact import LiveWorld
+    from .planning import Around
     from .recorder import Recorder
     from .settings import Settings
 
@@ -42,7 +43,7 @@ class LiveBody:
     refused: "" or why.
     change: of a large body to other settings, under way in a thread.
     changed_at: when they were changed last, None where they were planned for [s].
-    around: fingertip and budget that it was planned for, None before its first step.
+    around: what it was planned for besides its settings, None before its first step.
     matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
     triangles: (t, 3) of the object's own vertices, outward.
     painted_at: when weights that are painted were read last [s].
@@ -67,7 +68,7 @@ class LiveBody:
     refused: str = ""
     change: Generator[float, None, list[str]] | None = None
     changed_at: float | None = None
-    around: tuple[float, float] | None = None
+    around: Around | None = None
     painted_at: float = 0.0
     fingers: tuple[Finger | None, ...] = (None, None, None)
     poked: frozenset[int] = frozenset()

@@ -143,13 +143,17 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
 
 def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> list[str]:
     """Plan anew for constants that were tuned, once nothing presses: a proxy takes a while to make."""
-    session = body.session
-    if body.changed_at is None or body.frame.time < body.changed_at + UNTOUCHED_S:
+    session, before, around = body.session, body.around, planning.around(context.scene, obj)
+    if body.changed_at is None:
         return []
-    if body.recording or body.refused or any(session.fingers):
-        return []
-    body.changed_at, before, body.around = None, body.around, planning.around(context.scene, obj)
-    coarse = before and body.around[0] < before[0] and _is_coarse(obj, session.model, body.around[0] / 1e3)
+    if not (before and around.meets > before.meets):  # then every vertex is simulated from now on
+        if body.frame.time < body.changed_at + UNTOUCHED_S:
+            return []
+        if body.recording or body.refused or any(session.fingers):
+            return []
+    body.changed_at, body.around = None, around
+    finer = before and around.radius_mm < before.radius_mm
+    coarse = finer and _is_coarse(obj, session.model, around.radius_mm / 1e3)
     try:
         proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy)
         if (len(proxy.seeds) if proxy else 0) != (len(session.proxy.seeds) if session.proxy else 0):

@@ -179,10 +179,11 @@ def carry_out(decided: Decision, build: Maker = build_proxy) -> Plan:
     return chosen
 
 
-def plan_full_mesh(model: Model, *, budget: float = BUDGET) -> Plan:
-    """Return the plan that simulates the full mesh, whatever it costs."""
-    cost = cost_of(model)
-    return _full_mesh(model, cost, f"As chosen, the full mesh: {_work(model)}, at {_times(budget / cost)} real time.")
+def plan_full_mesh(model: Model, *, budget: float = BUDGET, because: str = "") -> Plan:
+    """Return the plan that simulates the full mesh, whatever it costs; because: "" where the artist chose."""
+    cost, because = cost_of(model), because or "As chosen"
+    reason = f"{because}, the full mesh: {_work(model)}, at {_times(budget / cost)} real time."
+    return _full_mesh(model, cost, reason)
 
 
 def plan_proxy(

@@ -101,6 +101,26 @@ def test_every_panel_draws_on_a_mesh_on_nothing_and_on_a_curve(bpy: ModuleType, 
     assert drawn == {panel.__name__ for panel in found} - waiting
 
 
+def test_move_apart_is_offered_for_a_pinned_body_too(bpy: ModuleType, body: Any) -> None:
+    class Active(Layout):
+        """A layout that notes what is greyed out."""
+
+        def row(self, **options: Any) -> "Layout":
+            return Active(self.bpy, self.drawn)
+
+        column = row
+
+        def prop(self, data: Any, name: str, **options: Any) -> None:
+            self.drawn.append(f"{name} {self.__dict__.get('active', True)}")
+
+    body.dimple.enabled, body.dimple.pinned = True, "BASE"
+    drawn: list[str] = []
+    bpy.types.DIMPLE_PT_contact.draw(
+        SimpleNamespace(layout=Active(bpy, drawn)), SimpleNamespace(object=body)
+    )
+    assert "move_apart True" in drawn and "self_contact True" in drawn and "is_prop False" in drawn
+
+
 def test_a_wrong_constant_is_reported_under_the_constants(bpy: ModuleType, body: Any) -> None:
     material = body.active_material
     before = draw(bpy, bpy.types.DIMPLE_PT_material, material=material)

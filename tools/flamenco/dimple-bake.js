@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A job type of Flamenco, Blender's render manager: bake Dimple bodies and export them, a task for each object.
+// A job type of Flamenco, Blender's render manager: bake Dimple bodies and export them, a task for each object, or for
+// each group of objects that meet.
 // Copy it into the folder `scripts` beside flamenco-manager; every worker needs Blender with Dimple installed.
 
 const JOB_TYPE = {
@@ -7,9 +8,13 @@ const JOB_TYPE = {
     description: "Simulate the Dimple bodies of a scene and export their animation",
     settings: [
         { key: "objects", type: "string", required: true,
-          eval: "__import__('json').dumps([o.name for o in C.scene.objects if o.type == 'MESH' and o.dimple.enabled])",
+          // where anything is ticked under Contact, all of them meet
+          eval: "(lambda bodies, meet: __import__('json').dumps([bodies] if meet and bodies else bodies))("
+              + "[o.name for o in C.scene.objects if o.type == 'MESH' and o.dimple.enabled], "
+              + "any(o.dimple.collider or o.dimple.enabled and o.dimple.self_contact for o in C.scene.objects))",
           evalInfo: { showLinkButton: true, description: "Every Dimple body of the scene" },
-          description: "The objects, as a JSON list of their names. Each is a task of its own" },
+          description: "The objects, as a JSON list of their names. Each is a task of its own; those that meet are one "
+                     + "task, in a list of their own: [[\"Hand\", \"Ball\"], \"Cushion\"]" },
         { key: "frames", type: "string", required: true,
           eval: "f'{C.scene.frame_start}-{C.scene.frame_end}'",
           evalInfo: { showLinkButton: true, description: "Scene frame range" },
@@ -29,17 +34,17 @@ const JOB_TYPE = {
 
 function compileJob(job) {
     const settings = job.settings;
-    for (const name of objectNames(settings.objects)) {
+    for (const names of objectNames(settings.objects)) {
         for (const [first, last] of chunks(settings.frames, settings.chunk_size)) {
-            job.addTask(bakeTask(settings, name, first, last));
+            job.addTask(bakeTask(settings, names, first, last));
         }
     }
 }
 
-function bakeTask(settings, name, first, last) {
+function bakeTask(settings, names, first, last) {
     const [begin, end] = frameRange(settings.frames);
     const whole = first === begin && last === end;
-    const task = author.Task(`bake-${name}-${first}-${last}`, "blender");
+    const task = author.Task(`bake-${names.join("-")}-${first}-${last}`, "blender");
     task.addCommand(author.Command("blender-render", {
         exe: "{blender}",
         exeArgs: "{blenderArgs}",
@@ -48,7 +53,7 @@ function bakeTask(settings, name, first, last) {
         blendfile: settings.blendfile,
         args: [
             // with "=", so that no name is taken for an option
-            `--object=${name}`,
+            ...names.map((name) => `--object=${name}`),
             `--frames=${first}-${last}`,
             `--begin=${begin}`,
             `--format=${settings.formats}`,
@@ -58,12 +63,15 @@ function bakeTask(settings, name, first, last) {
     return task;
 }
 
+// Return lists of names: the objects of each task.
 function objectNames(text) {
-    const names = JSON.parse(text);
-    if (!Array.isArray(names) || names.length === 0 || names.some((name) => typeof name !== "string")) {
+    const given = JSON.parse(text);
+    const groups = Array.isArray(given) ? given.map((each) => Array.isArray(each) ? each : [each]) : [];
+    const names = groups.flat();
+    if (names.length === 0 || groups.some((each) => each.length === 0) || names.some((name) => typeof name !== "string")) {
         throw "There is no Dimple body: switch Physics > Dimple on for the objects to bake.";
     }
-    return names;
+    return groups;
 }
 
 function frameRange(text) {

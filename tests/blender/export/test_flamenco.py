@@ -60,6 +60,32 @@ def test_what_the_submitter_evaluates_in_blender_is_right(
     assert json.loads(evaluated["objects"]) == ['Ball, "one"', "柔らかい"] and evaluated["frames"] == "3-9"
 
 
+def test_bodies_that_meet_in_play_are_one_task_and_meet_in_its_bake(
+    bpy: ModuleType, scene: Any, ball: Callable[..., Any], tmp_path: Path
+) -> None:
+    from bl_ext.user_default.dimple.operators import command_line
+
+    for name, height in (("Lower", 0.0), ("Upper", 2.05)):
+        body = ball(name)
+        body.location.z, body.dimple.enabled, body.dimple.self_contact = height, True, name == "Lower"
+        body.dimple.pinned = "BASE" if name == "Lower" else "NONE"
+    scene.dimple.use_gravity, scene.dimple.use_ground = True, False
+    blend, out = tmp_path / "meeting.blend", tmp_path / "out"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    given = {"frames": "1-7", "formats": "pc2", "output": str(out), "overwrite": True, "blendfile": str(blend)}
+    asked = {each["key"]: each for each in compiled(objects='["Ball"]', **given)["type"]["settings"]}["objects"]["eval"]
+    gaps = []
+    for objects in (eval(asked, {"C": bpy.context}), '["Lower", "Upper"]'):
+        tasks = compiled(objects=objects, **given)["tasks"]
+        for task in tasks:
+            assert command_line.run(called(task["commands"][0])[5:]) == 0
+        low, high = (read_point_cache(out / f"{name}.pc2")[2][-1] for name in ("Lower", "Upper"))
+        gaps.append((high[:, 2] + 2.05).min() - low[:, 2].max())
+    assert gaps[0] > 0 > gaps[1], "apart they pass through each other"
+    assert [task["name"] for task in tasks] == ["bake-Lower-1-7", "bake-Upper-1-7"]
+    assert compiled(objects='[["Lower", "Upper"]]', **given)["tasks"][0]["name"] == "bake-Lower-Upper-1-7"
+
+
 def test_the_tasks_of_two_bodies_bake_both_in_parts(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], ball: Callable[..., Any], tmp_path: Path
 ) -> None:
@@ -94,7 +120,11 @@ def test_the_tasks_of_two_bodies_bake_both_in_parts(
 
 @pytest.mark.parametrize(
     ("change", "sentence"),
-    [({"objects": "[]"}, "There is no Dimple body"), ({"frames": "1,5,9"}, "is no range of frames")],
+    [
+        ({"objects": "[]"}, "There is no Dimple body"),
+        ({"objects": "[[]]"}, "There is no Dimple body"),
+        ({"frames": "1,5,9"}, "is no range of frames"),
+    ],
 )
 def test_a_job_that_makes_no_sense_is_refused_when_it_is_sent(
     bpy: ModuleType, change: dict[str, str], sentence: str

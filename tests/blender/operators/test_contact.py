@@ -228,3 +228,39 @@ def test_what_sleeps_on_a_collider_falls_once_that_is_taken_away(
         take_away()
         assert lowest(0.1) < standing - 0.01 and body.session.moved
     sessions.stop_all()
+
+
+def test_what_meets_something_is_planned_with_every_vertex_and_says_so(
+    bpy: ModuleType, sessions: Any, ball: Add, add: Add, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.core.reduction import planner
+    from bl_ext.user_default.dimple.operators import live
+
+    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 2000)
+    obj = ball("Fine", 6)
+    obj.dimple.tolerance_mm, obj.dimple.tolerance_percent = 2.0, 20.0
+    other = add(name="Other")
+    other.location = (50, 0, 0)
+    other.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    full = "For contact, the full mesh: 10,242 vertices at "
+
+    def after(seconds: float) -> tuple[bool, str]:
+        for _ in range(round(30 * seconds)):
+            live.advance(bpy.context, 1 / 30)
+        return sessions.get(obj).session.proxy is None, obj.dimple.plan_reason
+
+    live.start_all(bpy.context)
+    is_full, before = after(0.1)
+    assert not is_full and "A proxy of" in before
+    other.dimple.collider = True
+    is_full, reason = after(1 / 30)
+    assert is_full and reason.startswith(full) and reason.endswith("at 0.12x real time."), "at once"
+    other.dimple.collider = False
+    assert after(2) == (False, before)
+    sessions.stop_all()
+    other.dimple.collider = True
+    live.start_all(bpy.context)
+    assert after(0.1) == (True, reason)
+    sessions.stop_all()
