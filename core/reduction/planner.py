@@ -36,6 +36,8 @@ NARROWEST = 0.5  # spread over radius: narrower dents have not been fitted
 MARGIN = 1.2  # bodies and places scatter about the fit: with this 49 of 50 presses keep tolerances of 10 to 30 %
 ESTIMATED = 1.05  # times the budget may what runs live be expected to cost: no cost is known better than that
 STRETCH = 2.0  # times a tolerance: a proxy that runs live and misses it by no more beats one that does not run live
+TOO_SLOW = 4.0  # times what runs live: where a full mesh takes more, the finest proxy that runs live beats it
+COARSEST = 0.5  # of the force: the error of a proxy may then be as large
 NEARLY_LIVE = 1.8  # times what runs live: a full mesh that takes no more beats a proxy that misses a tolerance
 TRIES = 5
 DENSER = 1.25  # where no proxy can be made, the factor of vertices to the next attempt
@@ -75,7 +77,8 @@ class Decision:
 
     model, tolerance, force_tolerance, radius, budget: what was to be decided, see `decide`.
     cost: of the full mesh, infinite where it is too stiff for any step.
-    keeping, least: vertices of a proxy that stays within the tolerances, and within STRETCH times them.
+    keeping, least: vertices of a proxy that stays within the tolerances, and of one that misses them by no more than
+        it may.
     vertices: of the proxy to be made, 0 for the full mesh.
     because: how the reason begins where the full mesh does not run live.
     reason: a sentence for the artist.
@@ -133,6 +136,9 @@ def decide(
     )  # fmt: skip
     if cost <= ESTIMATED * budget:
         return replace(decided, reason=f"The full mesh runs live: {_work(model)}.")
+    if least > most and cost > TOO_SLOW * budget:
+        least = vertices_for(model, radius, COARSEST, radius)
+    decided = replace(decided, least=least)
     try:
         check(model)
         if least > most:
@@ -174,6 +180,8 @@ def carry_out(decided: Decision, build: Maker = build_proxy) -> Plan:
             raise DimpleError("no proxy within the tolerances runs live")
     except DimpleError as error:
         return _full_mesh(model, decided.cost, _anyway(decided, error))
+    if misses and decided.keeping > most_of(model):
+        return replace(chosen, reason=f"{chosen.reason} A proxy cannot have the vertices to keep the tolerances.")
     if misses:
         return replace(chosen, reason=f"{chosen.reason} A proxy within the tolerances would not run live.")
     return chosen

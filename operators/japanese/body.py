@@ -147,6 +147,7 @@ MESSAGES = {
     "is to be made": "をこれから作り",
     "As chosen": "選択どおりです",
     "{} A proxy within the tolerances would not run live.": "{}許容差に収まる代理メッシュでは実時間で動きません。",
+    "{} A proxy cannot have the vertices to keep the tolerances.": "{}代理メッシュの頂点数では許容差に収まりません。",
     "{}. A proxy of {} vertices {}, within {} mm and {} of the force.": (
         "{}。{} 頂点の代理メッシュ{}、誤差は {} mm 以内、力の {} 以内です。"
     ),
