@@ -21,7 +21,7 @@ import bpy
 from ..core.base import DimpleError
 from ..core.calibration import cache
 from ..core.calibration.identify import Identification, identification
-from ..core.calibration.place import typical_site
+from ..core.calibration.place import measuring_site
 
 if TYPE_CHECKING:
     from ..core.base import Bools
@@ -144,7 +144,7 @@ def _beginning(
 
     def find() -> Identification:
         on, pins = moving()
-        site = typical_site(on, material.indenter, held=pins)
+        site = measuring_site(on, material, deepest, held=pins)
         steps = identification(on, material, material.indenter, site, deepest)
         while not job.dropped:
             try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.calibration.indent import Site, find_site
-from ..core.calibration.place import typical_site
+from ..core.calibration.place import measuring_site
 from ..core.material import Indenter
 from . import bridge, bridge_model, calibration
 from .names import MAPS
@@ -77,17 +77,18 @@ def set_up(
     settings, mesh = material.dimple, model.mesh
     tip = tip or Indenter(shape=settings.tip.lower(), radius=settings.tip_radius_mm / 1e3)
     held = model.held[mesh.source]
+    slot = link.slots.index(body.active_material_index) if body.active_material_index in link.slots else None
+    constants = bridge_model.constants_on(mesh, material) if slot is None else model.materials[slot]
+    measured = calibration.deepest(settings, constants.x0)
     try:
         if place == "TOP":
-            site = typical_site(mesh, tip, held=held)
+            site = measuring_site(mesh, replace(constants, indenter=tip), measured, held=held)
         else:
             above, inward = _at_cursor(context, link, mesh)
             site = find_site(mesh, tip, held=held, above=above, inward=inward)
     except DimpleError as error:
         elsewhere = " Press At: 3D Cursor puts the tip elsewhere." if place == "TOP" else ""
         raise DimpleError(f'"{body.name}": {error}{elsewhere}') from error
-    slot = link.slots.index(body.active_material_index) if body.active_material_index in link.slots else None
-    constants = bridge_model.constants_on(mesh, material) if slot is None else model.materials[slot]
     return Bench(
         link=link,
         mesh=mesh,
@@ -96,7 +97,7 @@ def set_up(
         fingerprint=calibration.fingerprint(settings, mesh),
         indenter=tip,
         site=site,
-        deepest=depth_mm / 1e3 or calibration.deepest(settings, constants.x0),
+        deepest=depth_mm / 1e3 or measured,
         notes=_notes(body),
     )
 

@@ -42,6 +42,7 @@ class Site:
     thickness: distance to the far side [m], inf where there is none.
     under: (n,) vertices under a flat punch.
     held: (n,) vertices that stay.
+    others: further places, with which a round tip is identified together: the mean of the forces is the measured one.
     """
 
     point: Floats
@@ -49,6 +50,7 @@ class Site:
     thickness: float
     under: Bools
     held: Bools
+    others: tuple[Site, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -84,7 +84,7 @@ def inverted(
     session = set_up(mesh, replace(material, constants=replace(first, pieces=())), material.indenter, site)
     area = session.model.matching.k1 / first.kappa1
     steepest = max(STEEPEST * pulled(session.model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
-    each = len(area) * session.substeps * DEPTHS * TICKS
+    each = len(area) * session.substeps * DEPTHS * TICKS * (1 + len(site.others))
     sweeps = min(max(round(WORK / each), SWEEPS[0]), SWEEPS[1])
     for sweep in range(sweeps):
         share = begun + (1 - begun) * sweep / sweeps, (1 - begun) / sweeps
@@ -128,26 +128,39 @@ def _swept(
     Args:
         share: of the whole, before and by this press.
     """
-    put_back(session, material.indenter, site)
     knees, more = np.repeat(ends[:-1, None], len(area), axis=1), np.diff(slopes)[:, None] * area
     session.change(with_bed(session.model, slopes[0] * area, knees, more))
-    depths = ends[-1] * np.arange(1, DEPTHS + 1) / DEPTHS
+    depths, sites = ends[-1] * np.arange(1, DEPTHS + 1) / DEPTHS, (site, *site.others)
+    presses = []
+    for at, each in enumerate(sites):
+        part = share[1] / len(sites)
+        presses.append((yield from as_share(_pressed(session, material, each, depths), share[0] + at * part, part)))
+    reached = min(map(len, presses))
+    forces = np.mean([[station.force for station in press[:reached]] for press in presses], axis=0)
+    stations = [replace(station, force=force) for station, force in zip(presses[0], forces.tolist(), strict=False)]
     wanted = np.array([material.law(depth) for depth in depths.tolist()])
     weighs = np.sqrt(wanted.max() * (LIGHT * wanted.max() + wanted))
-    off, stored, stations, before = wanted / weighs, [np.zeros(len(slopes))], [], 0.0
-    each = share[1] / (DEPTHS + 1)
+    off, gains = wanted / weighs, np.zeros((0, len(slopes)))
+    if reached:
+        off[:reached] = (forces - wanted[:reached]) / weighs[:reached]
+        stored = [[0 * slopes, *(_stored(session.model, area, ends, s) for s in press[:reached])] for press in presses]
+        gains = np.gradient(np.mean(stored, axis=0), np.append(0.0, depths[:reached]), axis=0)[1:]
+    return _Sweep(slopes=slopes, stations=stations, off=off, gains=gains / weighs[:reached, None])
+
+
+def _pressed(session: Session, material: Material, site: Site, depths: Floats) -> Generator[float, None, list[Station]]:
+    """Press a body from rest to each depth in turn and return where it rests, as far as it does."""
+    put_back(session, material.indenter, site)
+    stations: list[Station] = []
+    before, each = 0.0, 1 / (len(depths) + 1)
     for k, depth in enumerate(depths.tolist()):
-        steps = going_down(session, material.indenter, site, before, depth)
-        station = yield from as_share(steps, share[0] + k * each, each)
-        yield share[0] + (k + 1) * each
+        station = yield from as_share(going_down(session, material.indenter, site, before, depth), k * each, each)
+        yield (k + 1) * each
         if not station.found:
             break
-        off[k], before = (station.force - wanted[k]) / weighs[k], depth
         stations.append(station)
-        stored.append(_stored(session.model, area, ends, station))
-    at = np.append(0.0, depths[: len(stations)])
-    gains = np.gradient(np.array(stored), at, axis=0)[1:] if stations else np.zeros((0, len(slopes)))
-    return _Sweep(slopes=slopes, stations=stations, off=off, gains=gains / weighs[: len(stations), None])
+        before = depth
+    return stations
 
 
 def _is_good(sweep: _Sweep, material: Material, times: float) -> bool:

@@ -1,13 +1,21 @@
-"""Where a body is pressed to find its constants: where most presses are alike, on a broad face away from pins."""
+"""Where a body is pressed to find its constants: where most presses are alike, on a broad face away from pins.
+
+A body of thin parts, such as text, has no such face. There some places are taken together: those where the tip can go
+deep, facing the way of the most of them, from soft to stiff.
+"""
 
 from __future__ import annotations
 
+import contextlib
+from dataclasses import replace
+
 import numpy as np
 
-from ..base import Bools, DimpleError, Floats, sums_at
-from ..material import Indenter
+from ..base import Bools, DimpleError, Floats, Ints, sums_at
+from ..material import Indenter, Material
+from ..mesh.ray import ray_hit
 from ..mesh.surface import Mesh, base_vertices
-from .indent import Site, find_site
+from .indent import CLEAR, Site, find_site, go_down, put_back, set_up
 
 ASIDE = (0.37, 0.23, 0.0)  # of an edge: how far beside the middle a sphere presses
 PLACES = 300  # that are looked at, evenly over the surface
@@ -15,6 +23,12 @@ AROUND = 2.0  # radii of the tip: how far the surface counts
 MANY = 200_000  # pairs of a place and a vertex that are looked at at once
 EDGE = 0.15  # by which a place may be less even than the best, where it lies in the middle of the top
 DOWN = (0.0, 0.0, -1.0)
+UNEVEN = 0.7  # a surface that is nowhere more even is one of thin parts: forces differ from place to place
+LOOKED, COMPARED = 60, 15  # places of such a surface that are looked at, and pressed
+ROOM = 0.9  # of the depth that the tip can reach at most: so much it must at a place that counts, by the same quantile
+BARE = 0.5  # of the median evenness: less is an end or a border
+SHARES = (0.5, 0.1, 0.3, 0.7, 0.9)  # of places that answer less: those are identified together
+ALIKE = 0.9  # cosine between the normals of places that face the same way
 LITTLE = 0.45  # of what a flat place has under a tip: the corner of a cube has 0.42, and answers half of the law
 MOST = 2.5  # times that share of the law: what points and corners answer at most
 
@@ -46,6 +60,68 @@ def typical_site(mesh: Mesh, indenter: Indenter, *, held: Bools | None = None) -
         except DimpleError as why:
             error = why
     raise error
+
+
+def measuring_site(mesh: Mesh, material: Material, deepest: float, *, held: Bools | None = None) -> Site:
+    """Find where the tip of a material meets a body as it does in most places: on thin parts several places together.
+
+    Args:
+        material: its constants are ignored.
+        deepest: depth [m] to be pressed to.
+        held: as for `typical_site`.
+
+    Raises:
+        DimpleError: as `typical_site`.
+    """
+    tip = material.indenter
+    site = typical_site(mesh, tip, held=held)
+    if held is None or not np.any(held):
+        held = base_vertices(mesh)
+    coarse = float(np.median(mesh.rest_lengths)) > tip.radius  # then evenness says little
+    even = _evenness(mesh, tip, held, site.point[None], -site.inward[None])[0] >= UNEVEN
+    if tip.shape != "sphere" or coarse or even:
+        return site
+    points, normals, evenness = _candidates(mesh, tip, held)
+    sites = []
+    for index in _alike(mesh, points, normals, evenness, deepest):
+        with contextlib.suppress(DimpleError):  # a pin is near
+            place, inward = points[index].tolist(), (-normals[index]).tolist()
+            sites.append(find_site(mesh, tip, held=held, above=place, inward=inward))
+    if not sites:
+        return site
+    forces = _forces(mesh, replace(material, constants=None), sites, min(material.x0, deepest))
+    order = np.argsort(forces)
+    few = [sites[order[round(share * (len(order) - 1))]] for share in SHARES]
+    thinnest = min(each.thickness for each in few)
+    return replace(few[0], thickness=thinnest, others=tuple(few[1:]))
+
+
+def _alike(mesh: Mesh, points: Floats, normals: Floats, evenness: Floats, deepest: float) -> Ints:
+    """Return the places, of those given (m, 3), that face the way of the most where a tip can go deep."""
+    looked = np.unique(np.linspace(0, len(points) - 1, LOOKED).astype(np.int64))
+    room = np.array([min(CLEAR * _thickness(mesh, points[i], normals[i]), deepest) for i in looked])
+    kept = looked[room >= ROOM * np.quantile(room, ROOM)]
+    kept = kept[evenness[kept] >= BARE * np.median(evenness[kept])]
+    alike = normals[kept] @ normals[kept].T > ALIKE
+    kept = kept[alike[alike.sum(axis=1).argmax()]]
+    return kept[np.unique(np.linspace(0, len(kept) - 1, COMPARED).astype(np.int64))]
+
+
+def _thickness(mesh: Mesh, point: Floats, normal: Floats) -> float:
+    """Return how far [m] it is from a point of the surface to the far side."""
+    within = point - 1e-6 * mesh.size * normal
+    hit = ray_hit(tuple(within), tuple(-normal), mesh.rest_positions, mesh.triangles)
+    return hit[0] if hit else np.inf
+
+
+def _forces(mesh: Mesh, material: Material, sites: list[Site], depth: float) -> Floats:
+    """Return the force [N] on the tip at each site at a depth [m], by the closed form; inf where there is no rest."""
+    session, forces = set_up(mesh, material, material.indenter, sites[0]), []
+    for site in sites:
+        put_back(session, material.indenter, site)
+        station = go_down(session, material.indenter, site, 0.0, depth)
+        forces.append(station.force if station.found else np.inf)
+    return np.array(forces)
 
 
 def _beside(mesh: Mesh, indenter: Indenter, held: Bools, above: Floats | None, inward: Floats) -> Site:

@@ -174,6 +174,31 @@ def test_flat_text_becomes_a_body_in_one_click_and_an_undo_takes_it_back(
     assert bpy.data.objects["Text"].type == "FONT" and bpy.data.objects["Text"].data.extrude == 0
 
 
+def test_clicks_on_the_front_of_text_answer_the_law_on_the_average(
+    bpy: ModuleType, empty_file: ModuleType
+) -> None:
+    """Its strokes are as wide as the fingertip or narrower, so that each place has its own share of the law."""
+    from bl_ext.user_default.dimple.core.session import Finger, Session
+    from bl_ext.user_default.dimple.operators import bridge
+
+    bpy.ops.object.text_add()
+    bpy.ops.dimple.make_soft()
+    _, model = bridge.read_body(bpy.context, bpy.context.object, identify="WAIT")
+    session, mesh, shares = Session(model), model.mesh, []
+    corners = mesh.rest_positions[mesh.triangles]
+    front = np.flatnonzero(np.ptp(corners[:, :, 2], axis=1) + mesh.rest_positions[:, 2].max() - corners[:, 0, 2] < 1e-6)
+    reached = np.cumsum(mesh.triangle_areas[front])
+    for which in front[np.searchsorted(reached, reached[-1] * (np.arange(24) + 0.5) / 24)]:
+        at, radius, depth = corners[which].mean(axis=0), 0.010, KNEE_MM / 1e3
+        session.reset()
+        for deep in (0.0, depth):
+            session.set_fingers([Finger((*at[:2].tolist(), float(at[2]) + radius - deep), radius)])
+            session.step(0.08)
+        shares.append(session.step(0.02).finger_forces[0][2] / model.materials[0].law(depth))
+    assert np.median(np.abs(shares)) == pytest.approx(1, abs=NEAR)
+    assert np.quantile(np.abs(shares), 0.1) > 0.85 and np.quantile(np.abs(shares), 0.9) < 1.25
+
+
 def test_the_overlay_draws_the_dent_that_a_coarse_mesh_cannot_show(bpy: ModuleType, small: Any) -> None:
     from bl_ext.user_default.dimple.addon.dent import dent_of
 
