@@ -23,7 +23,7 @@ from core.steps import result_of
 
 from .bodies import BodyCase
 
-PRESSES = 24
+PRESSES, JUDGED = 24, 72  # of a body that is fitted, and of one that choices are judged by: one in 50 of 24 is luck
 SEED = 11  # of their places
 GROWTH = 2**0.25  # of the vertices from rung to rung
 FEWEST = 100  # vertices of the lowest rung

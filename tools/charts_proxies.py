@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from core.reduction import planner
 from studies import bodies, proxies
-from studies.proxies import COARSEST, FINEST, GROWTH, KEPT, LINE, PRESSES, Candidate, Choice, ProxyBenchmark, Row
+from studies.proxies import COARSEST, FINEST, GROWTH, JUDGED, KEPT, LINE, Candidate, Choice, ProxyBenchmark, Row
 
 from .drawing import save, table, write_csv
 
@@ -51,7 +51,7 @@ def draw_proxies(out: Path, quick: bool) -> None:
 
 
 def benchmark_of(body: bodies.BodyCase, quick: bool) -> ProxyBenchmark:
-    return ProxyBenchmark(body, bodies.build(body, 12 if quick else bodies.FINE), presses=4 if quick else PRESSES)
+    return ProxyBenchmark(body, bodies.build(body, 12 if quick else bodies.FINE), presses=4 if quick else JUDGED)
 
 
 def choices_of(benchmark: ProxyBenchmark, quick: bool) -> list[Choice]:
