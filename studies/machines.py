@@ -25,7 +25,7 @@ VALENCE = 6  # neighbours of a vertex, nearly everywhere
 # bytes a vertex moves in a step, each once, in single precision (core/native/body.h): slots of its springs, state in
 # and out, constants, the velocity that waits for the pressure in and out, and its record out and in
 BYTES = VALENCE * 16 + 2 * 24 + 52 + 2 * 24 + 2 * 32
-FLOPS = 317 + 6 * VALENCE  # counted for the step without a tension (design/BENCH.md); a tension adds a multiply-add
+FLOPS = 317 + 6 * VALENCE  # counted for the step without a tension; a tension adds a multiply-add
 HALO = 32  # bytes of a vertex on a cut that the other machine needs
 SUBDIVISIONS = (4, 5, 6)  # of the ball: 2,562, 10,242 and 40,962 vertices
 MILLION = 1_000_000

@@ -1,7 +1,7 @@
 """Would a quasi-static mode pay for slow presses? What each frame takes: stiffness products, against dynamic steps.
 
 A frame of an equilibrium takes conjugate-gradient iterations, each a product with the stiffness and a preconditioning;
-natively one costs about as much as a step does (9 against 10 ns a vertex, design/BENCH.md). A frame of the dynamic
+natively one costs about as much as a step does (9 against 10 ns a vertex). A frame of the dynamic
 body takes its steps, however slow the press is. `python3 dev.py core quasi-static --csv FILE`.
 
 Found (tests/studies/charts/quasi_static.csv): a frame of a sixtieth of a second takes 1.7 to 6.9 times as many products

@@ -47,5 +47,7 @@ def draw_ladder(out: Path, quick: bool) -> None:
         axes.xaxis.set_minor_formatter(NullFormatter())  # they would lie on one another
         axes.set(xlabel="vertices x steps (or products) a frame", ylabel="error of the surface over fingertip radius")
     panels.flat[0].legend(frameon=False, fontsize=7)
-    figure.suptitle("The ladder, medians over the presses of each body: lower left is better")
+    title = "The ladder, medians over the presses of each body: lower left is better"
+    crosses = "of an equilibrium the work is measured; the error is taken to be that of the dynamic proxy of its size"
+    figure.suptitle(f"{title}\n{crosses}", fontsize=10)
     save(figure, out / "ladder")

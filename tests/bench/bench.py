@@ -251,6 +251,7 @@ def main(words: list[str]) -> int:
     parser.add_argument("--tension", action="store_true", help="what the tension costs, instead")
     parser.add_argument("--peers", action="store_true", help="Dimple beside Bullet on the same bodies, instead")
     parser.add_argument("--enabling", action="store_true", help="what enabling costs in Blender, instead")
+    parser.add_argument("--show", action="store_true", help="how a press is shown, beside writing the mesh, instead")
     parser.add_argument("--scale", action="store_true", help="many bodies, many vertices, instead")
     parser.add_argument("--full", action="store_true", help="with --scale: the full million too, minutes")
     options = parser.parse_args(words)
@@ -265,6 +266,10 @@ def main(words: list[str]) -> int:
         from tests.bench import enabling
 
         return enabling.main()
+    if options.show:
+        from tests.bench import showing
+
+        return showing.main()
     if options.peers:
         from tests.bench import peers
 

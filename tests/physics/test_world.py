@@ -39,6 +39,19 @@ def momentum(body: Session) -> np.ndarray:
     return body.body.velocities() @ body.model.mass
 
 
+@pytest.mark.parametrize(("at", "gravity"), [(-0.05, -9.81), (-0.15, 9.81)], ids=["in it", "below it"])
+def test_an_open_bowl_stops_a_ball_from_within_and_from_without(at: float, gravity: float) -> None:
+    points, faces = ball(3, 0.1)
+    bowl = Collider(points.T.copy(), faces[points[faces].mean(axis=1)[:, 2] < 0.06], 0.4)
+    body = session((0, 0, at), gravity=gravity)
+    world = World([body], [bowl])
+    before = body.body.positions()[2].mean()
+    world.step(0.5)
+    far = np.linalg.norm(body.body.positions(), axis=0)
+    assert world.meeting.touching and abs(body.body.positions()[2].mean() - before) > 0.005
+    assert far.max() < 0.1 if at > -0.1 else far.min() > 0.1 * np.cos(0.1)  # the bowl is of flat faces
+
+
 def test_two_bodies_that_collide_keep_their_momentum() -> None:
     sessions = [
         session((0.003, 0, 0), gravity=0, backend="native64"),

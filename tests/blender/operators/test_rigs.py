@@ -2,14 +2,22 @@
 
 import hashlib
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.point_cache import read_point_cache
+
 Add = Callable[..., Any]
 Shown = Callable[[Any], np.ndarray]
+KINDS = {
+    "FLOAT_VECTOR": ("vector", 3, np.float32), "FLOAT2": ("vector", 2, np.float32), "FLOAT": ("value", 1, np.float32),
+    "INT32_2D": ("value", 2, np.int32), "INT16_2D": ("value", 2, np.int16), "INT": ("value", 1, np.int32),
+    "BOOLEAN": ("value", 1, bool),
+}  # fmt: skip
 
 
 def walker(bpy: ModuleType, add: Add, rings: int = 12, around: int = 12, name: str = "Walker") -> Any:
@@ -66,19 +74,22 @@ def armature(bpy: ModuleType, obj: Any, name: str) -> Any:
 
 
 def bits(obj: Any) -> str:
-    """Return a checksum of all that a mesh holds of vertices, attributes and shape keys."""
+    """Return a checksum of all that a mesh holds: topology, attributes with UV, weights, shape keys and values."""
     mesh, sums = obj.data, hashlib.sha256()
     for attribute in sorted(mesh.attributes, key=lambda each: each.name):
         sums.update(f"{attribute.name} {attribute.data_type} {attribute.domain}".encode())
-        if attribute.data_type in ("FLOAT_VECTOR", "FLOAT"):
-            field, width = ("vector", 3) if attribute.data_type == "FLOAT_VECTOR" else ("value", 1)
-            numbers = np.empty(width * len(attribute.data), np.float32)
-            attribute.data.foreach_get(field, numbers)
-            sums.update(numbers.tobytes())
+        field, width, kind = KINDS[attribute.data_type]
+        numbers = np.empty(width * len(attribute.data), kind)
+        attribute.data.foreach_get(field, numbers)
+        sums.update(numbers.tobytes())
+    sums.update(repr([tuple(each.vertices) for each in mesh.polygons]).encode())
+    weights = [[(group.group, group.weight) for group in vertex.groups] for vertex in mesh.vertices]
+    sums.update(repr((len(mesh.edges), len(mesh.loops), [each.name for each in obj.vertex_groups], weights)).encode())
     for key in mesh.shape_keys.key_blocks if mesh.shape_keys else ():
         numbers = np.empty(3 * len(key.data), np.float32)
         key.data.foreach_get("co", numbers)
-        sums.update(key.name.encode() + numbers.tobytes())
+        value = None if mesh.shape_keys.animation_data else key.value  # what is keyframed depends on the frame
+        sums.update(repr((key.name, value, key.mute)).encode() + numbers.tobytes())
     return sums.hexdigest()
 
 
@@ -295,3 +306,80 @@ def test_a_local_object_with_a_mesh_of_another_file_is_pressed(
     assert np.abs(shown(obj) - rest).max() > 1e-4 and bits(obj) == before
     bpy.ops.dimple.reset()
     assert np.array_equal(shown(obj), rest)
+
+
+def test_what_a_mesh_holds_is_all_in_its_checksum(bpy: ModuleType, scene: Any, add: Add) -> None:
+    obj = walker(bpy, add)
+    obj.data.shape_keys.animation_data_clear()
+    obj.data.uv_layers.new(name="UV")
+    seen = {bits(obj)}
+    for change in (
+        lambda: setattr(obj.data.vertices[3].co, "x", 0.7),
+        lambda: setattr(obj.data.uv_layers[0].uv[5].vector, "x", 0.123),
+        lambda: obj.vertex_groups["Calf"].add([7], 0.25, "REPLACE"),
+        lambda: setattr(obj.data.shape_keys.key_blocks["Calf"], "value", 0.111),
+        lambda: setattr(obj.data.polygons[2], "use_smooth", True),
+        lambda: obj.data.flip_normals(),
+    ):
+        change()
+        assert bits(obj) == bits(obj) not in seen
+        seen.add(bits(obj))
+
+
+def test_a_rigged_body_is_stopped_by_a_collider_and_the_bake_equals_the_play(
+    bpy: ModuleType, sessions: Any, scene: Any, add: Add, shown: Shown, simulated: Any
+) -> None:
+    """Its rig alone would take it through the wall."""
+    obj = walker(bpy, add)
+    at = 0.53
+    wall = add([(-2, at, -1), (2, at, -1), (2, at, 5), (-2, at, 5)], [(0, 1, 2, 3)], "Wall")
+    wall.dimple.collider = True
+    wall.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    before = bits(obj)
+    scene.frame_set(8)
+    assert shown(obj)[:, 1].max() > at + 0.05
+    scene.frame_set(1)
+    assert bpy.ops.dimple.play(frames=7) == {"FINISHED"}
+    assert at - 0.05 < shown(obj)[:, 1].max() < at
+    live = simulated(obj)
+    bpy.ops.dimple.reset()
+    scene.frame_set(1)
+    bpy.ops.dimple.bake(frame_start=1, frame_end=8)
+    (path,) = Path(scene.dimple.cache_dir).glob("*.pc2")
+    assert np.array_equal(read_point_cache(path)[2][-1], live)
+    bpy.ops.dimple.unbake()
+    scene.frame_set(1)
+    assert bits(obj) == before
+
+
+def test_a_press_follows_a_lattice_that_shears_the_body(
+    bpy: ModuleType, sessions: Any, scene: Any, ball: Add, shown: Shown, simulated: Any
+) -> None:
+    obj = ball(subdivisions=3)
+    lattice = bpy.data.objects.new("Cage", bpy.data.lattices.new("Cage"))
+    scene.collection.objects.link(lattice)
+    obj.modifiers.new("Lattice", "LATTICE").object = lattice
+    for corner in lattice.data.points:
+        corner.co_deform.x += 0.2 * corner.co.z
+    for frame, width in ((1, 2.5), (8, 8.0)):
+        lattice.scale = (width, 2.5, 2.5)
+        lattice.keyframe_insert("scale", frame=frame)
+    top = int(np.argmax(shown(obj)[:, 2]))
+    place = skin(bpy, obj, top)
+    fingertip(bpy, scene, {frame: place(frame, 0.2 * min(max(frame - 2, 0), 2) / 2) for frame in range(1, 9)})
+    scene.frame_set(1)
+    start, before = shown(obj), bits(obj)
+    assert bpy.ops.dimple.play(frames=7) == {"FINISHED"}
+    body, seen, live = sessions.get(obj), shown(obj), simulated(obj)
+    assert body.link.follows and [each.name for each in obj.modifiers] == ["Lattice", "Dimple Press"]
+    assert np.abs(body.rest - start).max() > 0.3, "the lattice has sheared the ball"
+    assert np.median(np.linalg.norm(seen - body.rest, axis=1)) < 0.03 and 0.1 < dent(obj, seen, top) < 0.3
+    assert bits(obj) == before
+    bpy.ops.dimple.reset()
+    scene.frame_set(1)
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=8) == {"FINISHED"}
+    (path,) = Path(scene.dimple.cache_dir).glob("*.pc2")
+    assert np.array_equal(read_point_cache(path)[2][-1], live)
+    assert bits(obj) == before
