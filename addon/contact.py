@@ -33,7 +33,8 @@ class ContactSettings:
     move_apart: BoolProperty(
         name="Move Apart",
         description="Where the body intersects something at the start, it is moved out as a whole by the shortest way, "
-        "or pressed flat towards its pins; otherwise that is refused",
+        "or pressed flat towards its pins; where it passes through itself, those faces are left out of Self Contact; "
+        "otherwise that is refused",
         default=False, **FIXED,
     )  # fmt: skip
 

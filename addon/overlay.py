@@ -77,7 +77,8 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
     lines += [(line, FORCE) for sentence in device.slow() for line in wrapped(sentence, 40)]
     if numbers:
         rows = readout.rows(entry.frame, entry.session.tick)
-        notes = readout.sentences([*entry.session.model.notes, *filter(None, [entry.refused])], entry.frame)
+        more = filter(None, [entry.session.contact_note, entry.refused])
+        notes = readout.sentences([*entry.session.model.notes, *more], entry.frame)
         lines += [(f"{label}: {value}", canvas.ink()) for label, value in rows]
         lines += [(line, canvas.ink()) for sentence in notes for line in wrapped(translated(sentence, iface_), 60)]
     # what finds no room is left out, the last first

@@ -134,7 +134,8 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
         for label, value in readout.rows(entry.frame, entry.session.tick):
             labels.label(text=label, translate=False)
             values.label(text=value, translate=False)
-        notes = [*entry.session.model.notes, *filter(None, [entry.session.backend_note, entry.refused])]
+        session = entry.session
+        notes = [*session.model.notes, *filter(None, [session.backend_note, session.contact_note, entry.refused])]
         draw_notes(context, layout, readout.sentences(notes, entry.frame))
 
 

@@ -42,6 +42,7 @@ class Session:
     body: what moves, and owns its state.
     backend: "native" (single precision), "native64" or "numpy".
     backend_note: "" or why it is numpy, for the artist.
+    contact_note: "" or what is left out of its self contact, for the artist.
     frame: what the last step showed.
     most: ticks in a motion of the step under way.
     """
@@ -51,6 +52,7 @@ class Session:
             raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
         self.tick = tick
         self.backend, self.backend_note = choose_backend(backend)
+        self.contact_note = ""
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         self._glide: Glide | None = None  # of constants that were changed
         self.substeps: int  # in a tick

@@ -17,8 +17,8 @@ from .crowd import is_spent, ticks_that_fit
 from .session import Session
 from .solver.backend import create_scene
 from .solver.motion import MAX_STEPS
+from .solver.scene import LEAVES_OUT, ColliderMotion, Crossings, SceneFrame
 from .solver.scene import Collider as Collider
-from .solver.scene import ColliderMotion, SceneFrame
 
 
 class Meeting(NamedTuple):
@@ -46,12 +46,14 @@ class World:
     """Step sessions together.
 
     most: ticks in one call.
+    notes: for each session, "" or what is left out of its self contact, for the artist.
 
     Args:
         sessions: of one tick and one backend.
         colliders: where they are now.
         itself: whether each body meets itself too.
-        apart: whether each body is moved out of what it intersects at the start; what is pinned stays.
+        apart: whether each body is moved out of what it intersects at the start; what is pinned stays. Where it passes
+            through itself, those faces are left out of self contact.
         names: of the bodies, then of the colliders, for messages.
 
     Raises:
@@ -87,11 +89,12 @@ class World:
         found = self._scene.crossings()
         if found.pairs:
             first, second = (self._names[i] for i in found.surfaces)
-            where = ", ".join(f"{1e3 * c:.1f}" for c in found.place)
+            where = _where(found)
             if first == second:
                 raise DimpleError(
                     f'"{first}" passes through itself at ({where}) mm, {found.pairs} pairs of faces in all. Repair the '
-                    "mesh there, or switch off Self Contact in Physics > Dimple > Contact."
+                    "mesh there, switch off Self Contact in Physics > Dimple > Contact, or switch on Move Apart there, "
+                    "which leaves these faces out of it."
                 )
             raise DimpleError(
                 f'"{first}" and "{second}" intersect at ({where}) mm, {found.pairs} pairs of faces in all. Move them '
@@ -196,7 +199,14 @@ class World:
             session.wake()
         self._bodies = [session.body for session in self.sessions]
         now = [collider._replace(positions=at) for collider, at in zip(self.colliders, self._at, strict=True)]
-        self._scene = create_scene(self._bodies, now, itself=self._itself, backend=self.sessions[0].backend)
+        backend, itself = self.sessions[0].backend, [int(meets) for meets in self._itself]
+        notes = [""] * len(itself)
+        for i, body in enumerate(self._bodies):
+            if itself[i] and self._apart[i]:
+                found = create_scene([body], (), itself=[True], backend=backend).crossings()
+                if found.pairs:
+                    itself[i], notes[i] = LEAVES_OUT, _left_out(found)
+        self.notes, self._scene = notes, create_scene(self._bodies, now, itself=itself, backend=backend)
 
     def _place(self) -> None:
         for i, at in enumerate(self._at):
@@ -215,6 +225,17 @@ class World:
             if end is not None:
                 self._at[i] = end if share >= 1 else self._at[i] + share * (end - self._at[i])
                 self._ends[i] = None if share >= 1 else end
+
+
+def _where(found: Crossings) -> str:
+    return ", ".join(f"{1e3 * c:.1f}" for c in found.place)
+
+
+def _left_out(found: Crossings) -> str:
+    return (
+        f"The mesh passes through itself at ({_where(found)}) mm: {found.pairs} pairs of faces, and those beside them, "
+        "are left out of Self Contact."
+    )
 
 
 def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:

@@ -123,6 +123,9 @@ def simulate(
         bodies = [_open(context, plan, obj, messages, files) for obj in plan.objects]
         together = {body.link.uid: (_object(body), body.session, body.link.scale) for body in bodies}
         worlds = contact.worlds_of(context, together)
+        for body in bodies:
+            if note := body.session.contact_note:
+                messages.append(f'"{_object(body).name}": {note}')
         poses: props.Poses = {}
         files.callback(props.put_back)
         _write(plan, bodies, plan.first)

@@ -60,6 +60,8 @@ def worlds_of(
     Raises:
         DimpleError: something passes through something else.
     """
+    for _, session, _ in bodies.values():
+        session.contact_note = ""
     if not is_on(context.scene):
         return []
     graph = context.evaluated_depsgraph_get()
@@ -75,6 +77,8 @@ def worlds_of(
         key = (scale, tuple(uids), tuple(itself), tuple(apart), tuple(frictions), sessions)
         same = next((world for world in before if world.key == key), None)
         found.append(same or _make(context, key, scale, [bodies[uid] for uid in uids], colliders, itself, apart))
+        for uid, note in zip(uids, found[-1].world.notes, strict=True):
+            bodies[uid][1].contact_note = note
     return found
 
 

@@ -19,20 +19,38 @@ static int dm_passes(const double *a, const double *b, const double *const *t) {
     return 1;
 }
 
-static void dm_note_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
-    const uint32_t *a = s->corners[i], *b = s->corners[j];
-    if (dm_share_a_vertex(a, 3, b, 3)) return;
+static int dm_triangles_cross(const dm_scene_state *s, const uint32_t *a, const uint32_t *b) {
     const double *x[3] = {s->before[a[0]], s->before[a[1]], s->before[a[2]]};
     const double *y[3] = {s->before[b[0]], s->before[b[1]], s->before[b[2]]};
-    for (int k = 0; k < 3; k++) {
-        if (!dm_passes(x[k], x[(k + 1) % 3], y) && !dm_passes(y[k], y[(k + 1) % 3], x)) continue;
-        dm_crossings *found = s->found;
-        if (!found->count++) {
-            found->surfaces[0] = f - s->surfaces, found->surfaces[1] = g - s->surfaces;
-            for (int c = 0; c < 3; c++)
-                found->place[c] = (x[0][c] + x[1][c] + x[2][c] + y[0][c] + y[1][c] + y[2][c]) / 6;
-        }
-        return;
+    int found = 0;
+    for (int k = 0; k < 3 && !found && !dm_share_a_vertex(a, 3, b, 3); k++)
+        found = dm_passes(x[k], x[(k + 1) % 3], y) || dm_passes(y[k], y[(k + 1) % 3], x);
+    return found;
+}
+
+static void dm_note_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+    const uint32_t *a = s->corners[i], *b = s->corners[j];
+    if (s->leaves_out && (dm_is_left_out(s, a, 3) || dm_is_left_out(s, b, 3))) return;
+    if (!dm_triangles_cross(s, a, b)) return;
+    dm_crossings *found = s->found;
+    if (found->count++) return;
+    found->surfaces[0] = f - s->surfaces, found->surfaces[1] = g - s->surfaces;
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++) found->place[c] += (s->before[a[k]][c] + s->before[b[k]][c]) / 6;
+}
+
+static void dm_leave_out_crossing(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t i, uint32_t j) {
+    (void)f, (void)g;
+    if (!dm_triangles_cross(s, s->corners[i], s->corners[j])) return;
+    for (int k = 0; k < 3; k++) s->left_out[s->corners[i][k]] = s->left_out[s->corners[j][k]] = 1;
+}
+
+/* Leave out of self contact the vertices of faces that pass through others of their body now, where it is to be so. */
+static void dm_leave_out(dm_scene_state *s) {
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        if (f->self != DM_LEAVES_OUT) continue;
+        dm_note_surface(s, f), dm_fit_boxes(s, f);
+        dm_visit_pairs(s, f, f, 0, dm_leave_out_crossing);
     }
 }
 
@@ -45,6 +63,7 @@ static void dm_scene_state_find(dm_scene_state *s, dm_crossings *found) {
     for (int64_t i = 0; i < s->surface_count; i++)
         for (int64_t j = i; j < s->surface_count; j++) {
             const dm_surface *f = s->surfaces + i, *g = s->surfaces + j;
+            s->leaves_out = f == g && f->self == DM_LEAVES_OUT;
             if (dm_may_touch(f, g)) dm_visit_pairs(s, f, g, 0, dm_note_crossing);
         }
     s->due = 1;

@@ -253,7 +253,8 @@ typedef struct { /* what passes through each other */
 } dm_crossings;
 
 /* Bodies and colliders that nothing passes through, stepped together; the bodies stay the caller's, outlive the scene
- * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too. */
+ * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too: 0 not, 1 it does, 2 all
+ * but those faces of it that pass through others of it now. */
 DM_API int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self,
                                int64_t colliders, const dm_collider_def *collider);
 DM_API void dm_scene_destroy(dm_scene *scene); /* null is taken */

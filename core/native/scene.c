@@ -6,7 +6,7 @@ static void dm_scene_state_destroy(dm_scene_state *s) {
         dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound), dm_free(s->surfaces[k].due);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->searched,
-                           s->balls, s->number, s->bins, s->slack, s->stale};
+                           s->balls, s->number, s->bins, s->slack, s->stale, s->left_out};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
                            s->close[0], s->close[1], s->runs, s->planes, s->tally, s->sides,
@@ -25,7 +25,7 @@ static int32_t dm_allocate_scene(dm_scene_state *s) {
     whole = whole && (s->owns = dm_alloc(t, 1)) && (s->place = dm_alloc(n, sizeof(uint32_t)));
     whole = whole && (s->nodes = dm_alloc(2 * t + s->surface_count, sizeof *s->nodes));
     whole = whole && (s->slack = dm_alloc(n, sizeof(double))) && (s->stale = dm_alloc(n, sizeof(double)));
-    whole = whole && (s->searched = dm_alloc(n, sizeof *s->searched));
+    whole = whole && (s->searched = dm_alloc(n, sizeof *s->searched)) && (s->left_out = dm_alloc(n, 1));
     whole = whole && (s->balls = dm_alloc(t, sizeof *s->balls));
     whole = whole && (s->number = dm_alloc(n, sizeof(uint32_t))) && (s->bins = dm_alloc(2 * n + 1, sizeof(uint32_t)));
     for (int64_t i = 0; whole && i < n; i++) s->place[i] = DM_NO_VERTEX;
@@ -112,6 +112,7 @@ static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_s
     s->due = 1, s->renewal = 1;
     int32_t code = dm_allocate_scene(s);
     if (code == DM_OK) code = dm_lay_surfaces(s, bodies, collider);
+    if (code == DM_OK) dm_leave_out(s);
     if (code != DM_OK) dm_scene_state_destroy(s), *made = NULL;
     return code;
 }

@@ -35,6 +35,7 @@
 #define DM_ROLL_ARM 0.005     /* of its size: arm of rolling resistance, as in core/solver/rolling.py with the two below */
 #define DM_ROLL_PART 0.1
 #define DM_ROLL_KEPT 0.0025
+#define DM_LEAVES_OUT 2       /* of `self`: a body meets itself, but for the faces that pass through others of it at the start */
 #define DM_SELF_SHARE 0.5     /* of the distance at rest: nearer, a body touches itself */
 
 typedef struct { /* the surface of a body, or a collider */
@@ -131,6 +132,7 @@ typedef struct dm_scene_state {
     double *slack, *stale;                   /* how far each vertex may go; after what way a query is due */
     double *roam;                            /* how far it may go before its planes are looked at */
     uint32_t (*corners)[3], (*edges_of)[3], (*edges)[2], (*across)[2]; /* across: of the faces beside an edge */
+    uint8_t *left_out; /* of self contact: vertices of faces that passed through others of the body at the start */
     uint8_t *owns; /* bits: a triangle stands for these of its corners, and of its edges */
     uint32_t *ring_start, *ring, *place; /* neighbours of a vertex; where it is in the list of what is near */
     dm_node *nodes;
@@ -162,6 +164,7 @@ typedef struct dm_scene_state {
     int32_t code;
     dm_scene_frame *out;
     dm_crossings *found;
+    int leaves_out; /* what is searched now is a body that leaves some of itself out */
 } dm_scene_state;
 
 /* Make room for one more; null where there is none, and the scene knows. */

@@ -52,14 +52,14 @@ class Scene:
         bodies: of one precision; they may still be given other numbers, and be put elsewhere between two calls.
         colliders: meshes that go where they are led.
         library: that runs it.
-        itself: whether each body meets itself too.
+        itself: whether each body meets itself too: as in `backend.create_scene`.
 
     Raises:
         NativeError: the library refused it.
     """
 
     def __init__(
-        self, bodies: Sequence[Body], colliders: Sequence[Collider], library: ctypes.CDLL, *, itself: Sequence[bool]
+        self, bodies: Sequence[Body], colliders: Sequence[Collider], library: ctypes.CDLL, *, itself: Sequence[int]
     ) -> None:
         self._library, self.bodies, self._handle = library, list(bodies), c_void_p()
         self._shapes = [np.shape(collider.positions) for collider in colliders]

@@ -74,13 +74,13 @@ def step_bodies(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[Frame
 
 
 def create_scene(
-    bodies: Sequence[Body], colliders: Sequence[Collider], *, itself: Sequence[bool], backend: str
+    bodies: Sequence[Body], colliders: Sequence[Collider], *, itself: Sequence[int], backend: str
 ) -> Scene:
     """Return bodies and colliders that are stepped together.
 
     Args:
         bodies: of one backend.
-        itself: whether each body meets itself too.
+        itself: whether each body meets itself too; LEAVES_OUT: but for what passes through itself now.
         backend: that the bodies have.
     """
     if backend == "numpy":

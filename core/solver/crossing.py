@@ -6,34 +6,49 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import Bools, Floats
+from ..base import Bools, Floats, Ints
 from ..body.proximity import Surfaces, near_boxes
 from .scene import Crossings
 
 
-def find_crossings(s: Surfaces, x: Floats, bodies: int, itself: Sequence[bool]) -> Crossings:
+def find_crossings(s: Surfaces, x: Floats, bodies: int, itself: Sequence[int], left_out: Bools) -> Crossings:
     """Count the pairs of triangles that pass through each other at positions x (n, 3) [m], and say where the first is.
 
     Args:
         bodies: how many of the surfaces are bodies; the others are colliders, which may pass through each other.
         itself: which bodies may not pass through themselves.
+        left_out: (n,) of which vertices that does not matter.
     """
     owner, total, first = s.of_vertex[s.corners[:, 0]], 0, ((0, 0), np.zeros(3))
     for a in range(bodies):
         for b in range(a, int(owner.max()) + 1):
             if a == b and not itself[a]:
                 continue
-            ones, others = (np.flatnonzero(owner == which) for which in (a, b))
-            i, j = near_boxes(x[s.corners[ones]], x[s.corners[others]], 1e-300)
-            i, j = ones[i], others[j]
-            apart = (s.corners[i][:, :, None] != s.corners[j][:, None]).all(axis=(1, 2)) & ((a != b) | (i < j))
-            i, j = i[apart], j[apart]
-            crossed = np.flatnonzero(_cross(x[s.corners[i]], x[s.corners[j]]))
-            if len(crossed) and not total:
-                both = x[s.corners[[i[crossed[0]], j[crossed[0]]]]]
-                first = (a, b), both.mean(axis=(0, 1))
-            total += len(crossed)
+            i, j = _crossing(s, x, a, b)
+            if a == b:
+                met = ~(left_out[s.corners[i]].any(axis=1) | left_out[s.corners[j]].any(axis=1))
+                i, j = i[met], j[met]
+            if len(i) and not total:
+                first = (a, b), x[s.corners[[i[0], j[0]]]].mean(axis=(0, 1))
+            total += len(i)
     return Crossings(total, first[0], (float(first[1][0]), float(first[1][1]), float(first[1][2])))
+
+
+def crossing_vertices(s: Surfaces, x: Floats, body: int) -> Ints:
+    """Return the vertices of the triangles of a body that pass through each other at positions x (n, 3) [m]."""
+    return np.unique(s.corners[np.concatenate(_crossing(s, x, body, body))])
+
+
+def _crossing(s: Surfaces, x: Floats, a: int, b: int) -> tuple[Ints, Ints]:
+    """Return which triangles of two surfaces pass through each other."""
+    owner = s.of_vertex[s.corners[:, 0]]
+    ones, others = (np.flatnonzero(owner == which) for which in (a, b))
+    i, j = near_boxes(x[s.corners[ones]], x[s.corners[others]], 1e-300)
+    i, j = ones[i], others[j]
+    apart = (s.corners[i][:, :, None] != s.corners[j][:, None]).all(axis=(1, 2)) & ((a != b) | (i < j))
+    i, j = i[apart], j[apart]
+    crossed = _cross(x[s.corners[i]], x[s.corners[j]])
+    return i[crossed], j[crossed]
 
 
 def _cross(t: Floats, u: Floats) -> Bools:

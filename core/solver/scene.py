@@ -8,6 +8,7 @@ from typing import NamedTuple, Protocol
 from ..base import Floats, Ints
 from .motion import Frame, Motion
 
+LEAVES_OUT = 2  # for `itself`: a body meets itself, but for the faces that pass through others of it at the start
 MAX_IMPULSES = 64  # surfaces of which a frame says what they got
 
 

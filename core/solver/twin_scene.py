@@ -12,11 +12,11 @@ from ..body.contact import Step, Touch
 from ..body.proximity import CLOSEST, OFFSET, Pairs, find_pairs, join_surfaces, touching_distance
 from . import semi_implicit
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
-from .crossing import find_crossings
+from .crossing import crossing_vertices, find_crossings
 from .islands import let_sleep, moves, woken
 from .motion import Motion
 from .rolling import Turning, resist
-from .scene import Collider, ColliderMotion, Crossings, SceneFrame
+from .scene import LEAVES_OUT, Collider, ColliderMotion, Crossings, SceneFrame
 from .ticks import each_tick, meet, slow_down
 from .twin import Call, Twin
 
@@ -30,7 +30,7 @@ STALE = 0.8  # of the way after which something unknown might touch
 class TwinScene:
     """Bodies and colliders that numpy steps; what it does is said in `native.Scene`."""
 
-    def __init__(self, bodies: Sequence[Twin], colliders: Sequence[Collider], *, itself: Sequence[bool]) -> None:
+    def __init__(self, bodies: Sequence[Twin], colliders: Sequence[Collider], *, itself: Sequence[int]) -> None:
         self._bodies, self._itself = list(bodies), list(itself)
         self._here = [np.array(collider.positions, np.float64) for collider in colliders]
         rests = [body.model.mesh.rest_positions for body in bodies] + [x.T for x in self._here]
@@ -51,11 +51,14 @@ class TwinScene:
         self._due, self._wakes, self._approach = True, True, 0.0
         self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
         self._known = [(body.model, body.positions()) for body in bodies]
+        self._left_out = np.zeros(len(s.of_vertex), bool)  # of self contact
+        for i in np.flatnonzero(np.array(self._itself) == LEAVES_OUT).tolist():
+            self._left_out[crossing_vertices(s, self._positions(), i)] = True
 
     def crossings(self) -> Crossings:
         """Return what passes through each other now."""
         self._due = True
-        return find_crossings(self._surfaces, self._positions(), len(self._bodies), self._itself)
+        return find_crossings(self._surfaces, self._positions(), len(self._bodies), self._itself, self._left_out)
 
     def set_collider(self, index: int, positions: Floats) -> None:
         """Put a collider at positions (3, m) [m] at once."""
@@ -195,6 +198,9 @@ class TwinScene:
                 else:
                     closest = float(max(self._sizes[i], self._sizes[j]))
                     found.append(find_pairs(s, x, i, j, reach=reach, closest=closest))
+                    if i == j:
+                        out = self._left_out[found[-1].at].sum(axis=1)
+                        found[-1] = _picked(found[-1], np.flatnonzero(out == 0))
                     way = free_behind(s, x, i, j, found[-1], reach)
                     slack, stale = np.minimum(slack, ROAM * way / 2), np.minimum(stale, STALE * (way - self._touch) / 2)
         pairs = _joined(found)

@@ -194,10 +194,15 @@ MESSAGES = {
     "Bodies that meet must be stepped by the same backend, with the same tick.": (
         "触れ合う物体は、同じ計算方式と同じ刻みで計算する必要があります。"
     ),
-    '"{}" passes through itself at ({}) mm, {} pairs of faces in all. Repair the mesh there, or switch off Self '
-    "Contact in Physics > Dimple > Contact.": (
+    '"{}" passes through itself at ({}) mm, {} pairs of faces in all. Repair the mesh there, switch off Self Contact '
+    "in Physics > Dimple > Contact, or switch on Move Apart there, which leaves these faces out of it.": (
         '"{}" が自分自身と交差しています。位置 ({}) mm、交差する面は全部で {} 組です。そこのメッシュを直すか、'
-        "物理演算 > Dimple > 接触で自己接触をオフにしてください。"
+        "物理演算 > Dimple > 接触で自己接触をオフにするか、そこの「離しておく」をオンにして、これらの面を自己接触から"
+        "外してください。"
+    ),
+    "The mesh passes through itself at ({}) mm: {} pairs of faces, and those beside them, are left out of Self "
+    "Contact.": (
+        "メッシュが自分自身と交差しています。位置 ({}) mm：{} 組の面と、その隣の面は自己接触から外します。"
     ),
     '"{}" and "{}" intersect at ({}) mm, {} pairs of faces in all. Move them apart, or switch on Move Apart for a body '
     "that has room.": (

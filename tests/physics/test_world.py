@@ -1,5 +1,6 @@
 """Bodies meet colliders, each other and themselves, and nothing passes through anything."""
 
+import re
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -229,3 +230,39 @@ def test_a_frame_of_a_tangle_keeps_its_budget_but_for_a_first_tick_and_time_runs
             assert done == pytest.approx(1e-3 * spent / now)
             assert spent <= max(0.02, now) + 1e-9
             assert spent >= min(0.02 - 1.001 * now, 100 * now)
+
+
+def three_balls(backend: str, *, itself: bool = True, apart: bool = True) -> World:
+    """Return a mesh of three balls: two pass through each other, and the third comes down on the first at 2 m/s."""
+    points, faces = ball(1, RADIUS)
+    n, places = len(points), [(0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (0.0, 0.0, 0.082)]
+    mesh = mesh_from_triangles(
+        np.concatenate([points + place for place in places]), np.concatenate([faces + k * n for k in range(3)])
+    )
+    body = Session(build_model(mesh, [SOFT]), backend=backend)
+    speed = np.zeros((3, 3 * n))
+    speed[2, 2 * n :] = -2.0
+    body.body.set_state(body.body.positions(), speed)
+    return World([body], itself=[itself], apart=[apart], names=["Head"])
+
+
+def test_faces_that_pass_through_others_of_a_body_at_the_start_are_left_out_of_self_contact_and_nothing_else() -> None:
+    with pytest.raises(DimpleError, match=r'"Head" passes through itself at \(.*Move Apart'):
+        three_balls("native", apart=False)
+    ends = []
+    for backend in ("native64", "numpy"):
+        world = three_balls(backend)
+        found = re.search(r"itself at \((.+), .+, .+\) mm: (\d+) pairs of faces", world.notes[0])
+        assert found and 0 < float(found[1]) < 50 and int(found[2]) > 10
+        for _ in range(5):
+            world.step(1e-3)
+            world.check()
+        ends.append(world.sessions[0].body.positions())
+    assert np.abs(ends[0] - ends[1]).max() < 1e-9
+    through = three_balls("native64", itself=False)
+    through.step(5e-3)
+    for x, passes in ((ends[0], False), (through.sessions[0].body.positions(), True)):
+        low, high = np.split(x[2], 3)[0::2]
+        assert (high.min() < low.max() - 1e-3) == passes
+    world.reset()
+    world.check()

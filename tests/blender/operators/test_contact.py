@@ -1,5 +1,6 @@
 """Objects with Dimple Collider ticked are met by running bodies, in play and in a bake alike."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
@@ -116,6 +117,30 @@ def test_two_bodies_press_each_other_flat_where_they_meet(
     middle = np.hypot(low[:, 0], low[:, 1]) < 0.3
     assert 0 < (high[:, 2] + 2.05).min() - low[middle][:, 2].max() < 0.1
     bpy.ops.dimple.reset()
+
+
+def test_a_mesh_that_passes_through_itself_is_refused_or_those_faces_are_left_out_and_that_is_said(
+    bpy: ModuleType, scene: Any, sessions: Any, coordinates: Callable[[Any], bytes]
+) -> None:
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=10, radius=1.0)
+    eye = bpy.context.object
+    eye.location = (1.2, 0, 0)
+    bpy.ops.object.transform_apply(location=True)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=10, radius=1.0)
+    obj = bpy.context.object
+    eye.select_set(True)
+    bpy.ops.object.join()
+    bpy.ops.dimple.make_soft()
+    obj.dimple.self_contact, before = True, coordinates(obj)
+    with pytest.raises(RuntimeError, match="passes through itself at .*Move Apart"):
+        bpy.ops.dimple.play(seconds=0.05)
+    assert coordinates(obj) == before
+    obj.dimple.move_apart = True
+    assert bpy.ops.dimple.play(seconds=0.05) == {"FINISHED"}
+    (live,) = sessions.sessions.values()
+    assert re.search(r"passes through itself at \(.+\) mm: \d+ pairs of faces", live.session.contact_note)
+    bpy.ops.dimple.reset()
+    assert coordinates(obj) == before
 
 
 @pytest.fixture
