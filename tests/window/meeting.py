@@ -75,7 +75,11 @@ def meet(out: Path, check: Check, measured: dict) -> robot.Waits:
     for hook in hooks:
         bpy.types.SpaceView3D.draw_handler_remove(hook, "WINDOW")
     found |= _frames_of_60(live, bodies)
-    check("and go on at 60 frames a second but for drawing", found["real_time_at_60"] > 0, _words(found))
+    # figures, not a verdict: another program on this computer takes their time too
+    share = f"{found['in_time']:.0%} by the clock, {found['in_time_by_processor']:.0%} by processor time, "
+    share += f"at {found['real_time_at_60']} of real time"
+    whole = found["real_time_at_60"] > 0 and all(body.frame.finite for body in bodies)
+    check(f"and of frames at 60 a second {share}, are done in time", whole, _words(found))
     yield from robot.key("ESC", *robot.on_screen((0.0, 0.0, 1.0)))
     yield from robot.until(lambda: not running.sessions, "ESC ends it", 60)
     for obj in (*balls, floor):
@@ -92,7 +96,7 @@ def meet(out: Path, check: Check, measured: dict) -> robot.Waits:
 def _frames_of_60(live: object, bodies: list) -> dict[str, float]:
     """Step and evaluate frames as they are where drawing takes no time; what they take [ms]: wall, processor."""
     budget = bpy.context.scene.dimple.frame_budget_percent / 100 * FRAME_S
-    spent, worked, evaluated, begun = [], [], [], bodies[0].frame.time
+    spent, worked, evaluated, whole, begun = [], [], [], [], bodies[0].frame.time
     for _ in range(FRAMES):
         began, busy = time.perf_counter(), time.process_time()
         live.advance(bpy.context, FRAME_S, budget=budget)
@@ -101,11 +105,13 @@ def _frames_of_60(live: object, bodies: list) -> dict[str, float]:
         bpy.context.view_layer.update()
         spent.append(between - began)
         evaluated.append(time.perf_counter() - between)
+        whole.append(time.process_time() - busy)  # of all threads
     return {
         "step_at_60_ms": round(1e3 * median(spent), 1), "processor_ms": round(1e3 * median(worked), 1),
         "evaluation_ms": round(1e3 * median(evaluated), 1),
         "real_time_at_60": round((bodies[0].frame.time - begun) / (FRAMES * FRAME_S), 2),
         "in_time": round(float(np.mean([a + b < FRAME_S for a, b in zip(spent, evaluated, strict=True)])), 2),
+        "in_time_by_processor": round(float(np.mean(np.array(whole) < FRAME_S)), 2),
     }  # fmt: skip
 
 
