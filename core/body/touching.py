@@ -18,11 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Bools, Floats, Ints
-from .proximity import Pairs, Surfaces, measure
+from .proximity import FLAT, Pairs, Surfaces, measure
 
 BACK = 0.2  # of what it has slipped, what sticks goes back in a substep
 PART = 0.6  # of what is too near, is brought apart in a substep
 ROUNDING = 1e-6  # of friction's most: what is so near it slides
+ON_BORDER = 1e-9  # weight of a corner below which a point of a face lies on the border opposite it
 LOOK = 0.5  # of the touching distance: when anything near has moved so far, normals are set anew
 
 
@@ -84,15 +85,21 @@ def look(
     give = (w * w * inverse_mass[pairs.at]).sum(axis=1)
     may = (gap < touch + approach) & (gap > 0) & (give > 0)
     may &= np.where(pairs.ones == 1, True, (np.abs(w) > 0).all(axis=1))
-    for row in np.flatnonzero(may & (pairs.ones == 1) & (w == 0).any(axis=1)):
-        may[row] = _is_nearest(s, x, int(pairs.part[row, 0]), w[row], x[pairs.at[row, 0]], between[row])
+    share = pairs.weight.copy()
+    for row in np.flatnonzero(may & (pairs.ones == 1) & (w[:, 1:] > -ON_BORDER).any(axis=1)):
+        vertex = int(pairs.at[row, 0])
+        if _is_nearest(s, x, int(pairs.part[row, 0]), w[row], x[vertex], between[row]):
+            share[row] = _share_of_border(s, x, vertex, between[row] / gap[row])
+        else:
+            share[row] = 0.0
+    may &= share > 0
     at, w, gap = pairs.at[may], w[may], gap[may]
     side = np.arange(4) < pairs.ones[may][:, None]
     mu = np.abs(w) * friction[at]
     return Meetings(
         at=at, weights=w, normal=between[may] / gap[:, None], point=np.einsum("mk,mkc->mc", w * side, x[at]), gap=gap,
         touch=touch[may], friction=np.sqrt((mu * side).sum(axis=1) * (mu * ~side).sum(axis=1)), give=give[may],
-        share=pairs.weight[may], anchor=np.zeros_like(at, np.float64)[:, :3],
+        share=share[may], anchor=np.zeros_like(at, np.float64)[:, :3],
     )  # fmt: skip
 
 
@@ -149,7 +156,7 @@ def _push(m: Meetings, k: int, least: float, back: Floats, passed: Floats, v: Fl
 
 def _is_nearest(s: Surfaces, x: Floats, triangle: int, w: Floats, vertex: Floats, between: Floats) -> bool:
     """Tell whether the nearest point of a face is that of the surface round it: else a face beside it has a pair."""
-    point, on = vertex - between, np.flatnonzero(w[1:] < 0)
+    point, on = vertex - between, np.flatnonzero(w[1:] < -ON_BORDER)
     corners = s.corners[triangle]
     if len(on) == 2:
         off = 3 - int(on.sum())
@@ -159,3 +166,17 @@ def _is_nearest(s: Surfaces, x: Floats, triangle: int, w: Floats, vertex: Floats
         corner = int(corners[on[0]])
         others = s.ring[s.ring_start[corner] : s.ring_start[corner + 1]]
     return not bool(((x[others] - point) @ between > 0).any())
+
+
+def _share_of_border(s: Surfaces, x: Floats, vertex: int, normal: Floats) -> float:
+    """Return how much the border of a face acts on a vertex, in the direction of a normal.
+
+    0 where the surface of the vertex runs through, from a neighbour that is nearer to one that is farther: then some
+    other pair is nearer, and this one would only stop what slides. 1 where it falls away, or rises, on both sides.
+    """
+    arms = x[s.ring[s.ring_start[vertex] : s.ring_start[vertex + 1]]] - x[vertex]
+    arms /= np.maximum(np.linalg.norm(arms, axis=1), 1e-300)[:, None]
+    slopes = arms @ normal
+    nearer = int(slopes.argmin())
+    through = min(float(slopes[(arms @ arms[nearer]).argmin()]), -float(slopes[nearer]))
+    return 1 - float(np.clip(through / FLAT, 0, 1))

@@ -31,6 +31,7 @@
 #define DM_PART 0.6           /* of what is too near, is brought apart in a substep */
 #define DM_LOOK 0.5           /* of the touching distance: when anything near has moved so far, normals are set anew */
 #define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
+#define DM_ON_BORDER 1e-9     /* weight of a corner below which a point of a face lies on the border opposite it */
 #define DM_SHARP 0.05          /* and above which it is one */
 #define DM_ROLL_ARM 0.005     /* of its size: arm of rolling resistance, as in core/solver/rolling.py with the two below */
 #define DM_ROLL_PART 0.1

@@ -25,7 +25,7 @@ static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double
     double point[3];
     int zero = 0, on = 0, off = 0;
     for (int k = 0; k < 3; k++) {
-        if (w[1 + k] < 0) on = k;
+        if (w[1 + k] < -DM_ON_BORDER) on = k;
         else zero++, off = k;
     }
     if (!zero) return 1;
@@ -42,6 +42,28 @@ static int dm_is_nearest(const dm_scene_state *s, const dm_pair *p, const double
     return 1;
 }
 
+/* How much the border of a face acts on a vertex: 0 where the surface of the vertex runs through square to what is
+ * between them, from a neighbour that is nearer to one that is farther: then some other pair is nearer, and this one would
+ * only stop what slides; 1 where it falls away, or rises, on both sides. */
+static double dm_share_of_border(const dm_scene_state *s, const dm_pair *p, const double *between, double gap) {
+    const dm_neighbour *n = s->near + p->at[0];
+    uint32_t start = s->ring_start[n->vertex], end = s->ring_start[n->vertex + 1];
+    double nearer[3] = {0}, least = 0, across = INFINITY, falls = 0;
+    for (int opposite = 0; opposite < 2; opposite++)
+        for (uint32_t k = start; k < end; k++) {
+            double x[3], arm[3];
+            dm_world_of(s, s->surfaces + n->surface, s->ring[k], x);
+            dm_minus(x, s->there[p->at[0]], arm);
+            double length = sqrt(dm_inner3(arm, arm));
+            for (int c = 0; c < 3; c++) arm[c] = length > 0 ? arm[c] / length : 0;
+            double slope = dm_inner3(arm, between) / gap, along = dm_inner3(arm, nearer);
+            if (!opposite && slope < least) least = slope, memcpy(nearer, arm, sizeof arm);
+            if (opposite && along < across) across = along, falls = slope;
+        }
+    double through = falls < -least ? falls : -least;
+    return 1 - dm_share_of(through / DM_FLAT);
+}
+
 /* Note a pair whose nearest points are known, if it may touch before the next look. */
 static void dm_note_meeting(dm_scene_state *s, const dm_candidate *candidate, double gap, const double *w,
                             const double *between) {
@@ -49,6 +71,9 @@ static void dm_note_meeting(dm_scene_state *s, const dm_candidate *candidate, do
     if (!(gap < candidate->touch + s->approach) || !(gap > 0)) return;
     if (p->ones == 1 ? !dm_is_nearest(s, p, w, between) : !(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return;
     dm_meeting m = {.gap = gap, .touch = candidate->touch, .share = candidate->weight};
+    if (p->ones == 1 && !(w[1] < -DM_ON_BORDER && w[2] < -DM_ON_BORDER && w[3] < -DM_ON_BORDER))
+        m.share = dm_share_of_border(s, p, between, gap);
+    if (!(m.share > 0)) return;
     for (int j = 0; j < 4; j++)
         m.at[j] = p->at[j], m.weight[j] = w[j], m.give += w[j] * w[j] * (double)s->moving[p->at[j]].v[3];
     if (!(m.give > 0)) return;

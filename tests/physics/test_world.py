@@ -17,6 +17,7 @@ from core.mesh.surface import mesh_from_triangles
 from core.session import Session
 from core.solver.scene import SceneFrame
 from core.world import Collider, World
+from studies.scenes import cube
 from tests.bodies import ball, sheet
 
 SOFT = Material(K1=600, K2=4000, x0=0.02, k=400, mass=0.15, friction=0.4)
@@ -94,26 +95,43 @@ def test_a_plate_that_would_press_a_body_to_nothing_waits_and_passes_neither_bod
     assert body.positions()[:, 2].min() > 0 and world.collider(1)[:, 2].min() > 0
 
 
-def test_friction_holds_a_body_on_a_slope_up_to_its_cone_and_lets_it_slide_beyond_as_coulomb_says() -> None:
-    for slope in (0.3, 0.6):
-        down = Rotation.from_euler("y", slope).apply((1, 0, 0))
-        points, faces = sheet(8, 0.1)
-        lifted = Rotation.from_euler("y", slope).apply(points + (0, 0, 1.3e-3))
-        body = Session(
-            build_model(
-                mesh_from_triangles(lifted, faces), [Material(K1=600, K2=600, x0=0.01, k=400, mass=0.1, friction=0.4)],
-                gravity=(0, 0, -9.81),
-            )
-        )  # fmt: skip
-        world = World([body], [table(slope=slope)])
-        for _ in range(200):
-            world.step(1e-3)
-        before = momentum(body) @ down / 0.1
-        for _ in range(200):
-            world.step(1e-3)
-        gained = (momentum(body) @ down / 0.1 - before) / 0.2
-        wanted = 9.81 * max(np.sin(slope) - 0.4 * np.cos(slope), 0)
-        assert abs(gained - wanted) < 0.02 * 9.81 * 0.4 * np.cos(slope), slope
+def slide(slope: float, friction: float, edge: float, *, soft: bool = False, block: bool = False) -> float:
+    """Return the acceleration [m/s2] of a sheet or a block, its edges 12.5 mm, down a flat surface of so long edges."""
+    turn, cells = Rotation.from_euler("y", slope), max(round(0.4 / edge), 2)
+    points, faces = (cube(8, 0.1).rest_positions, cube(8, 0.1).triangles) if block else sheet(8, 0.1)
+    flat, squares = sheet(cells, cells * edge)
+    points = Rotation.from_euler("z", 0.3).apply(points - (0, 0, points[:, 2].min()))
+    gap = OFFSET * (0.0125 + (edge if soft else 0.0125)) * 1.14
+    material = Material(K1=2000, K2=2000, x0=0.01, k=400, mass=0.1, friction=friction)
+    body, *base = (
+        Session(build_model(mesh_from_triangles(turn.apply(x), f), [material], held=held, gravity=(0, 0, -9.81)))
+        for x, f, held in ((points + (0, 0, gap), faces, None), (flat, squares, np.ones(len(flat), bool)))[: 1 + soft]
+    )
+    collider = Collider(turn.apply(flat).T.copy(), squares, friction)
+    world, speeds = World([body, *base], [] if soft else [collider]), []
+    for _ in range(2):
+        world.step(0.1)
+        speeds.append(float(momentum(body) @ turn.apply((1, 0, 0))) / 0.1)
+    return (speeds[1] - speeds[0]) / 0.1
+
+
+@pytest.mark.parametrize("soft", [False, True])
+@pytest.mark.parametrize("edge", [0.5, pytest.param(0.025, marks=pytest.mark.slow), 0.0125,
+                                  pytest.param(0.00625, marks=pytest.mark.slow)])  # fmt: skip
+def test_flat_on_flat_slides_as_coulomb_says_however_fine_they_are_and_without_friction_freely(
+    edge: float, soft: bool
+) -> None:
+    for block in (False, True):
+        for friction in (0.0, 0.4):
+            most = 9.81 * np.cos(0.6)
+            drag = (9.81 * np.sin(0.6) - slide(0.6, friction, edge, soft=soft, block=block)) / most
+            assert abs(drag - friction) < 0.008, (block, friction)
+
+
+@pytest.mark.parametrize("edge", [0.5, 0.0125])
+def test_friction_holds_a_body_on_a_slope_up_to_its_cone_and_lets_it_slide_beyond(edge: float) -> None:
+    assert abs(slide(np.arctan(0.98 * 0.4), 0.4, edge)) < 1e-3
+    assert slide(np.arctan(1.02 * 0.4), 0.4, edge) > 0.03
 
 
 def test_what_intersects_at_the_start_is_refused_with_its_names_and_its_place() -> None:
