@@ -26,7 +26,8 @@ def measure_laws() -> dict[str, float]:
         of friction's most; by how much a dropped ball differs between frame rates at its highest, in speed and where it
         ends [mm], [mm/s]; the momentum that two bodies that collide gain, as a share of what they exchange.
     """
-    return {"drift_mm": _drift(), "friction_error": max(_slide(slope, squares) for slope in SLOPES for squares in SQUARES), **_bounces(), "third_law": _collide()}
+    friction = max(_slide(slope, squares) for slope in SLOPES for squares in SQUARES)
+    return {"drift_mm": _drift(), "friction_error": friction, **_bounces(), "third_law": _collide()}
 
 
 def _session(
