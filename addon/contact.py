@@ -11,7 +11,7 @@ class ContactSettings:
 
     collider: BoolProperty(
         name="Dimple Collider",
-        description="Running bodies meet this object, and each other; nothing passes through anything",
+        description="Running bodies meet this object, and each other; nothing passes through them",
         default=False, **FIXED,
     )  # fmt: skip
     collider_friction: FloatProperty(
@@ -20,7 +20,9 @@ class ContactSettings:
         default=0.5, min=0.0, soft_max=1.5, precision=2, **FIXED,
     )  # fmt: skip
     is_prop: BoolProperty(
-        name="Falls", description="The collider is a prop: it falls by its weight, rests in soft bodies and rolls off",
+        name="Falls",
+        description="The collider is a prop: it falls by its weight, rests in soft bodies, and passes through other "
+        "colliders",
         default=False, **FIXED,
     )  # fmt: skip
     prop_mass_kg: FloatProperty(

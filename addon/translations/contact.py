@@ -5,16 +5,16 @@ OPERATORS: dict[str, str] = {}
 WORDS = {
     "Contact": "接触",
     "Dimple Collider": "Dimple コライダー",
-    "Running bodies meet this object, and each other; nothing passes through anything": (
-        "動いている物体がこのオブジェクトや互いにぶつかります。何も突き抜けません"
+    "Running bodies meet this object, and each other; nothing passes through them": (
+        "動いている物体がこのオブジェクトや互いにぶつかります。物体は何にも突き抜けられません"
     ),
     "Collider Friction": "コライダーの摩擦係数",
     "Coefficient of friction of this object with bodies that touch it; 0 is frictionless": (
         "このオブジェクトと、触れる物体との間の摩擦係数。0 は摩擦なしです"
     ),
     "Falls": "落ちる",
-    "The collider is a prop: it falls by its weight, rests in soft bodies and rolls off": (
-        "コライダーは小道具です。自分の重さで落ち、柔らかい物体に沈んで止まるか、転がり落ちます"
+    "The collider is a prop: it falls by its weight, rests in soft bodies, and passes through other colliders": (
+        "コライダーは小道具です。自分の重さで落ち、柔らかい物体に沈んで止まりますが、ほかのコライダーは通り抜けます"
     ),
     "Prop Mass (kg)": "小道具の質量 (kg)",
     "Mass of what falls": "落ちるものの質量",
