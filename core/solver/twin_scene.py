@@ -28,7 +28,11 @@ STALE = 0.8  # of the way after which something unknown might touch
 
 
 class TwinScene:
-    """Bodies and colliders that numpy steps; what it does is said in `native.Scene`."""
+    """Bodies and colliders that numpy steps; what it does is said in `native.Scene`.
+
+    A vertex that is held back by several planes is put onto them in another order than there, so that it ends elsewhere
+    within its bounds: from the first such tick on the two differ visibly.
+    """
 
     def __init__(self, bodies: Sequence[Twin], colliders: Sequence[Collider], *, itself: Sequence[int]) -> None:
         self._bodies, self._itself = list(bodies), list(itself)
