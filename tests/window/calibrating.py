@@ -54,7 +54,7 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
     check("a dropped file becomes a material", np.allclose(found, LAW, 0.05), text)
     yield from robot.redrawn()
     scale, view = bpy.context.preferences.system.ui_scale, robot.region()
-    left, bottom = robot.extension("addon.room").free_corner(robot.area(), scale)
+    left, bottom, *_ = robot.free_room()
     wide, high = robot.extension("addon.force_chart").SIZE
     chart = round(view.x + left + wide * scale / 2), round(view.y + bottom + high * scale / 2)
     gap = robot.differing(bare, robot.screenshot(out / "9-calibrated.png"), chart, robot.HALF)

@@ -31,7 +31,7 @@ def compare_proxies(at: tuple[int, int], body: str, out: Path, check: Check) -> 
         bpy.context.preferences.system.ui_scale,
         robot.region(),
     )
-    left, bottom = charts.chart_corner(robot.area(), view, scale)
+    left, bottom = charts.chart_corner(robot.free_room(), scale)
     chart = round(view.x + left + charts.SIZE[0] * scale / 2), round(view.y + bottom + charts.SIZE[1] * scale / 2)
     gap = robot.differing(bare, robot.screenshot(out / "9-compared.png"), chart, robot.HALF)
     found = charts.load(settings)

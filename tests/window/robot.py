@@ -203,6 +203,12 @@ def positions(name: str) -> np.ndarray:
     return flat.reshape(-1, 3)
 
 
+def free_room() -> tuple[float, float, float, float]:
+    """Return the left, lower, right and upper end of what is free of the viewport for numbers [px]."""
+    with bpy.context.temp_override(window=window(), area=area(), region=region()):
+        return extension("addon.room").free_room(bpy.context, bpy.context.preferences.system.ui_scale)
+
+
 def screenshot(path: Path) -> np.ndarray:
     """Grab the whole screen, write it as PNG and return it, (rows from the top, columns, 3) of 0..255.
 
