@@ -23,15 +23,15 @@ from .fingertip import Finger as Finger
 from .frame import Frame as Frame
 from .mesh.depth import Touching
 from .mesh.surface import input_vertices
+from .pins import Pins
 from .reduction.binding import blend, carry
 from .reduction.proxy import Proxy
 from .solver import motion
 from .solver.backend import choose_backend, create
 from .solver.glide import Glide, may_glide, pumped
-from .solver.motion import MAX_STEPS, Motion, PinMotion
+from .solver.motion import MAX_STEPS, Motion
 
 MAX_FINGERS = 3
-ROW = "V12"  # bytes of a place in single precision
 
 
 class Session:
@@ -71,9 +71,7 @@ class Session:
         self._time, self._ticks, self._work = 0.0, 0, 0.0
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
-        self._pins_origin: Floats = self.model.matching.rest  # of the mesh, not of a proxy
-        self._pins_target: Floats | None = None
-        self._pins: PinMotion | None = None  # of the motion under way
+        self._pins.rest_at(self.model.matching.rest)
         self._shown: npt.NDArray[np.float32] | None = None  # what `positions` returned, until something moves
         self._last = motion.Frame((), (0.0,) * 12, self.body.model.mesh.volume, 0.0, 0, True)
         self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
@@ -103,9 +101,9 @@ class Session:
         positions = np.asarray(positions, np.float64)
         if positions.shape != (len(self.model.mesh.source), 3):
             raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
-        if not np.isfinite(positions[self._input_of][self._followed]).all():
+        if not np.isfinite(positions[self._input_of][self._pins.followed]).all():
             raise DimpleError("A held vertex has a position that is not a number.")
-        self._pins_target = positions[self._input_of].T
+        self._pins.target = positions[self._input_of].T
 
     def set_rest(self, positions: Floats) -> None:
         """Say which shape at rest the input vertices (N, 3) [m] have at the end of the next step, as a rig bends it.
@@ -182,11 +180,11 @@ class Session:
         first = last = self._share((self._ticks + ticks) * self.tick)
         if ticks > 1:
             first = self._share((self._ticks + 1) * self.tick)
-        self._pins = None if self._pins_target is None else self._led(self._pins_target, first, last)
+        pins = self._pins.lead(first, last)
         if self._bent_target is not None and ticks:
             self._bend(self._bent_target, ticks)
         tips = tuple([tip.motion(first, last) if tip else None for tip in self._tips])
-        return Motion(ticks, substeps or self.substeps, self.tick, tips, self._pins)
+        return Motion(ticks, substeps or self.substeps, self.tick, tips, pins)
 
     def take(self, result: motion.Frame) -> bool:
         """Take what a motion came to; tell whether the step goes on."""
@@ -195,8 +193,7 @@ class Session:
         self._done += result.ticks
         if result.moved:
             self._shown = None
-        if self._pins and self._pins.last >= 1 and self._pins_target is not None:  # they have arrived
-            self._pins_origin, self._pins_target = self._pins_target, None
+        self._pins.take()
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
                 self._work += tip.take(touch, result.ticks * self.tick)
@@ -288,6 +285,7 @@ class Session:
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
         skin = scale * self.skin()
+        led = self._pins.target
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
             self._change_constants(model, moves, glide)
         else:
@@ -299,13 +297,13 @@ class Session:
             self.body.set_state(at.T, speed.T)
             for tip in filter(None, self._tips):
                 tip.scale(scale)
-            self._pins_target = self._bent = self._bent_target = None
+            led = self._bent = self._bent_target = None
         substeps = self.substeps * math.sqrt(before.mass.sum() / moves.mass.sum())
         self._define(model, proxy)
         # in steps that are longer for it what friction holds would slip, and a pressure that is still there blow up
         if self._glide and (any(self._tips) or self._glide.pressure):
             self.substeps = max(self.substeps, math.ceil(substeps))
-        self._pins_origin, self._shown = skin.T, None
+        self._pins.origin, self._pins.target, self._shown = skin.T, led, None
 
     def _change_constants(self, model: Model, moves: Model, glide: bool) -> None:
         """Give the body other constants: at once, or so that it glides to its new rest."""
@@ -352,11 +350,7 @@ class Session:
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
         self._input_of, source = input_vertices(model.mesh), model.mesh.source
         self._unwelded = len(source) == len(model.mass) and bool((source[1:] > source[:-1]).all())
-        # the vertices of the mesh whose places are prescribed
-        self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[moves.held]
-        self._followed = self._pinned if proxy is None else np.union1d(self._pinned, proxy.still)
-        self._still: tuple[Floats | None, Singles | None] = None, None  # where pins were, and the still vertices there
-        self._led_by: list[tuple[Floats, Floats]] = []  # places of all vertices, and of the pins among them
+        self._pins = Pins(model, proxy)
         return moves
 
     def _share(self, time: float) -> float:
@@ -367,9 +361,8 @@ class Session:
         for tip in self._tips:
             if tip:
                 tip.origin = between(tip.origin, tip.target.position, share)
-        if self._pins_target is not None:
-            self._shown, origin, target = None, self._pins_origin, self._pins_target
-            self._pins_origin = target if share >= 1 else origin + share * (target - origin)
+        if self._pins.move(share):
+            self._shown = None
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
@@ -389,19 +382,6 @@ class Session:
         if done == 1:
             self._bent_target = None
 
-    def _led(self, target: Floats, first: float, last: float) -> PinMotion:
-        if self._pins_origin is target:  # the step before ended between two ticks
-            first = last = 1.0
-        return PinMotion(self._places(self._pins_origin), self._places(target), first, last)
-
-    def _places(self, positions: Floats) -> Floats:
-        """Return where the pins (3, p) [m] are among all vertices (3, n): the same array for the same ones."""
-        found = next((places for of, places in self._led_by if of is positions), None)
-        if found is None:
-            found = np.ascontiguousarray(np.take(positions.T, self._pinned, axis=0).T)
-            self._led_by = self._led_by[-1:] + [(positions, found)]
-        return found
-
     def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
         return np.asarray(self._surface(), np.float64)
@@ -410,12 +390,8 @@ class Session:
         x = self.body.positions()
         if self.proxy is None:
             return x.T
-        surface, still = carry(self.proxy.binding, x), self.proxy.still
-        origin, places = self._still
-        if places is None or origin is not self._pins_origin:
-            places = np.ascontiguousarray(self._pins_origin[:, still].T, np.float32)
-            self._still = self._pins_origin, places
-        np.put(surface.view(ROW), still, places.view(ROW))  # a quarter of the time of surface[still]
+        surface = carry(self.proxy.binding, x)
+        self._pins.put_still(surface)
         return surface
 
     def _skin_velocities(self) -> Floats:

@@ -58,11 +58,14 @@ def hovered(area: bpy.types.Area, region: bpy.types.Region) -> str:
     return bpy.context.window_manager.clipboard
 
 
-def fields(area: bpy.types.Area, region: bpy.types.Region, *wanted: str) -> Generator[float, None, dict[str, Place]]:
+def fields(
+    area: bpy.types.Area, region: bpy.types.Region, *wanted: str, upwards: bool = False
+) -> Generator[float, None, dict[str, Place]]:
     """Hover over a region, a header from left to right, another down its right half, and return where fields are.
 
     Args:
         wanted: ends of data paths; stop when all are found.
+        upwards: begin at its lower end.
 
     Returns:
         The middle of each field, or of all buttons of one property; its ends are arrows that change it.
@@ -74,7 +77,7 @@ def fields(area: bpy.types.Area, region: bpy.types.Region, *wanted: str) -> Gene
     else:
         x = region.x + round(0.72 * (region.width - 2 * SIDE_TAB))
         places = [(x, y) for y in range(region.y + region.height - 4, region.y, -STEP)]
-    for place in places:
+    for place in reversed(places) if upwards else places:
         yield from robot.move(*place)
         if path := hovered(area, region):
             found.setdefault(path.rpartition(".")[2], []).append(place)
@@ -111,9 +114,9 @@ def wheel(notches: int, kind: str = "WHEELDOWNMOUSE") -> robot.Waits:
     sidebar = robot.region("UI")
     at = sidebar.x + 12, sidebar.y + sidebar.height // 2
     yield from robot.move(*at)
-    for _ in range(notches):
+    for _ in range(notches):  # at once: a picture after each takes minutes in software
         robot.window().event_simulate(type=kind, value="PRESS", x=at[0], y=at[1])
-        yield robot.TICK_S
+    yield from robot.looks(2)
 
 
 def type_into(at: Place, number: float) -> robot.Waits:
@@ -169,14 +172,14 @@ def open_last_panel(field: str) -> Found:
     yield from wheel(FAR)
     sidebar = robot.region("UI")
     yield from robot.looks(4)
-    found = yield from fields(robot.area(), sidebar, field)
+    found = yield from fields(robot.area(), sidebar, field, upwards=True)
     for y in range(sidebar.y + 8, sidebar.y + 60, STEP):
         if field in found:
             break
         yield from robot.click(sidebar.x + 60, y)
         yield from robot.looks(10)
         yield from wheel(FAR)
-        found = yield from fields(robot.area(), sidebar, field)
+        found = yield from fields(robot.area(), sidebar, field, upwards=True)
     if field not in found:
         raise robot.NotReached(f"the last panel has no {field}; there are {sorted(found)}")
     return found[field]
