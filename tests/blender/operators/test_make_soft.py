@@ -35,7 +35,7 @@ def test_a_bare_cube_is_ready_for_its_first_press(bpy: ModuleType, bare: Any) ->
     assert heights[np.hypot(*np.array([v.co.xy for v in bare.data.vertices]).T) < 0.1].min() < top - 0.02
 
 
-@pytest.mark.parametrize("K1", [0.3, 3.0])
+@pytest.mark.parametrize("K1", [pytest.param(0.3, marks=pytest.mark.slow), 3.0])
 def test_a_press_by_force_is_as_deep_as_the_law_says_on_a_vertex_and_beside_it(
     bpy: ModuleType, bare: Any, sessions: Any, K1: float
 ) -> None:
@@ -112,7 +112,7 @@ def broken(bpy: ModuleType) -> Any:
     """Return a ball with a doubled vertex, a loose one, a face that looks inward and a hole."""
     import bmesh
 
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=0.05)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=0.05)
     obj, made = bpy.context.object, bmesh.new()
     made.from_mesh(obj.data)
     made.faces.ensure_lookup_table()
@@ -140,7 +140,7 @@ def test_a_broken_mesh_is_repaired_where_the_artist_agrees_and_what_is_left_is_s
     assert coordinates(obj) == before, "nothing is repaired unasked"
     assert "Holes that are closed, for the pressure only: 1." in capfd.readouterr().out
     bpy.ops.dimple.make_soft(repair=True)
-    assert len(obj.data.vertices) == 2562 and mesh_faults.faults(obj) == (0, 0, 0)
+    assert len(obj.data.vertices) == 642 and mesh_faults.faults(obj) == (0, 0, 0)
     said = capfd.readouterr().out
     assert "Doubled vertices: 3. Loose vertices: 1. Faces that look inward: 1." in said
 
