@@ -116,7 +116,7 @@ def wheel(notches: int, kind: str = "WHEELDOWNMOUSE") -> robot.Waits:
     yield from robot.move(*at)
     for _ in range(notches):  # at once: a picture after each takes minutes in software
         robot.window().event_simulate(type=kind, value="PRESS", x=at[0], y=at[1])
-    yield from robot.looks(2)
+    yield from robot.redrawn()
 
 
 def type_into(at: Place, number: float) -> robot.Waits:

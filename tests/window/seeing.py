@@ -29,8 +29,9 @@ def see(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from weight(at, out, check)
 
 
-def show(field: tuple[int, int], name: str) -> robot.Waits:
+def show(name: str) -> robot.Waits:
     """Choose by the wheel over its field what is shown in colours."""
+    field = yield from clicking.open_last_panel("show_field")  # each time: the readout above it grows and shrinks
     yield from clicking.choose(field, lambda: bpy.context.scene.dimple.show_field == name)
 
 
@@ -41,12 +42,12 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from tuning.leave_resting(at)
     yield from robot.until(tuning.settled, "it rests", 400)
     yield from clicking.open_tab("Dimple", at)
-    field = yield from clicking.open_last_panel("show_field")
+    yield from clicking.open_last_panel("show_field")
     yield from robot.redrawn()
     plain = robot.screenshot(out / "0-plain.png")
     settings.show_rest = settings.show_profile = True
     for name in ("PRESSURE", "DEPTH", "STRETCH", "SLOPE", "KNEE", "SPREAD", "THICKNESS"):
-        yield from show(field, name)
+        yield from show(name)
         yield from robot.redrawn(3)
         coloured = robot.screenshot(out / f"0-colours-{name.lower()}.png")
         gap = robot.differing(plain, coloured, at, robot.HALF)
@@ -78,7 +79,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     cube.dimple.knee_group = "Reach"
     yield from tuning.leave_resting(at)
     yield from robot.until(tuning.settled, "it rests", 400)
-    yield from show((yield from clicking.open_last_panel("show_field")), "KNEE")
+    yield from show("KNEE")
     yield from clicking.mode("W", "PAINT_WEIGHT")
     yield from clicking.brush(PAINTED, 100)
     robot.screenshot(out / "0-brush.png")
@@ -99,7 +100,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from robot.redrawn(3)
     robot.screenshot(out / "0-painted-knee.png")
     yield from clicking.mode("O", "OBJECT")
-    yield from show((yield from clicking.in_sidebar("show_field")), "NONE")
+    yield from show("NONE")
     yield from tuning.leave(at)
     cube.dimple.knee_group = ""
 
