@@ -1,19 +1,19 @@
 """The poke as data: events of mouse, tablet or script become the fingertips of a session.
 
 Pure: `on_event(state, event)` returns a new state and what must be done; nothing here knows Blender. Points
-are in the session's space [m]. A fingertip starts where its sphere touches the surface and goes in from there:
+are in the session's space [m]:
 
     Hit (what a ray meets) -> Aim (where and which way to press) -> PokeTip (how far it is) -> session.Finger
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
+from .poke_tip import Aim, PokeTip, leaving, moved, unit
 from .session import Finger
-from .vectors import Vector, along, dot, length, scaled
+from .vectors import Vector, along, dot, scaled
 
 FINGERS = 3
 WHEEL_STEP = 1.1  # a click of the wheel changes radius, depth or force by this factor
@@ -21,7 +21,6 @@ RADIUS_RANGE = (1e-5, 10.0)  # [m]
 DEPTH_RANGE = (1e-5, 10.0)  # [m]
 FORCE_RANGE = (1e-3, 1e4)  # [N]
 OPPOSITE = -0.2  # cosine of the angle between two normals from which on two fingertips pinch
-SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
 
 
 class Kind(Enum):
@@ -75,47 +74,6 @@ class PokeEvent:
     view: Vector = (0.0, 0.0, -1.0)
     pressure: float = 1.0
     amount: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Aim:
-    """Where a fingertip touches [m] and two unit vectors: out of the surface, and inward along the press."""
-
-    at: Vector
-    outward: Vector
-    inward: Vector
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PokeTip:
-    """One fingertip of a poke.
-
-    body: the one it presses.
-    aim: where it is now.
-    goal: where a drag leads it.
-    radius: of its sphere [m].
-    wanted: depth [m] or force [N].
-    by_force: it is pushed by a force.
-    reached: of what is wanted, so far.
-    leaving: it moves out of the body.
-    """
-
-    body: int
-    aim: Aim
-    goal: Aim
-    radius: float
-    wanted: float
-    by_force: bool = False
-    reached: float = 0.0
-    leaving: bool = False
-
-    @property
-    def finger(self) -> Finger:
-        """Return where the fingertip is, for a session."""
-        touching = along(self.aim.at, self.aim.outward, self.radius)
-        if self.by_force:
-            return Finger(touching, self.radius, self.reached, self.aim.inward)
-        return Finger(along(touching, self.aim.inward, self.reached), self.radius)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -184,7 +142,9 @@ def on_event(state: PokeState, event: PokeEvent) -> Result:
 def _tick(state: PokeState, dt: float) -> Result:
     if state.paused:
         return state, ()
-    return replace(state, tips=tuple(_moved(tip, state, dt) for tip in state.tips)), (Effect.STEP,)
+    times = {"press_s": state.press_s, "release_s": state.release_s}
+    tips = tuple(tip and moved(tip, dt, amount=_amount(state, tip.by_force), **times) for tip in state.tips)
+    return replace(state, tips=tips), (Effect.STEP,)
 
 
 def fingers(state: PokeState, body: int) -> tuple[Finger | None, ...]:
@@ -236,7 +196,7 @@ def _pinched(state: PokeState) -> PokeState:
         return state
     (index, other), = across
     way = along(other.goal.at, tip.goal.at, -1.0)
-    there, back = _unit(way, tip.goal.inward), _unit(scaled(way, -1.0), other.goal.inward)
+    there, back = unit(way, tip.goal.inward), unit(scaled(way, -1.0), other.goal.inward)
     tips = list(state.tips)
     aim = replace(tip.aim, inward=there) if tip.reached == 0 else tip.aim
     tips[state.active] = replace(tip, aim=aim, goal=replace(tip.goal, inward=there))
@@ -248,7 +208,7 @@ def _release(state: PokeState) -> PokeState:
     tip = state.tips[state.active]
     if not (state.pressing and tip):
         return state
-    return replace(_with_tip(state, _leaving(tip)), pressing=False)
+    return replace(_with_tip(state, leaving(tip)), pressing=False)
 
 
 def _choose(state: PokeState, chosen: int) -> PokeState:
@@ -259,39 +219,8 @@ def _choose(state: PokeState, chosen: int) -> PokeState:
         tip = state.tips[chosen]
         if state.pressing or tip is None or tip.leaving:
             return state
-        return _with_tip(state, _leaving(tip))
+        return _with_tip(state, leaving(tip))
     return replace(state, active=chosen, pressing=False)
-
-
-def _leaving(tip: PokeTip) -> PokeTip:
-    # from what it has reached, so that release_s holds for a press cut short too
-    return replace(tip, leaving=True, wanted=tip.reached)
-
-
-def _moved(tip: PokeTip | None, state: PokeState, dt: float) -> PokeTip | None:
-    """Return a fingertip a time dt [s] later, None when it has left the surface."""
-    if tip is None:
-        return None
-    if tip.leaving:
-        reached = tip.reached - _travel(tip.wanted, state.release_s, dt)
-        if reached <= 1e-9:
-            return None
-    else:
-        most = _travel(max(tip.wanted, _amount(state, tip.by_force)), state.press_s, dt)
-        reached = tip.reached + max(-most, min(most, tip.wanted - tip.reached))
-    return replace(tip, aim=_slid(tip.aim, tip.goal, -math.expm1(-dt / SLIDE_S)), reached=reached)
-
-
-def _slid(aim: Aim, goal: Aim, share: float) -> Aim:
-    return Aim(
-        _toward(aim.at, goal.at, share),
-        _unit(_toward(aim.outward, goal.outward, share), goal.outward),
-        _unit(_toward(aim.inward, goal.inward, share), goal.inward),
-    )
-
-
-def _travel(whole: float, duration: float, dt: float) -> float:
-    return math.inf if duration <= 0 else whole * dt / duration
 
 
 def _amount(state: PokeState, by_force: bool) -> float:
@@ -325,12 +254,3 @@ def _reshaped(state: PokeState, event: PokeEvent) -> PokeState:
 
 def _clamped(value: float, limits: tuple[float, float]) -> float:
     return min(max(value, limits[0]), limits[1])
-
-
-def _toward(a: Vector, b: Vector, share: float) -> Vector:
-    return along(a, along(b, a, -1.0), share)
-
-
-def _unit(a: Vector, otherwise: Vector) -> Vector:
-    long = length(a)
-    return scaled(a, 1 / long) if long > 1e-6 else otherwise
