@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
@@ -25,6 +24,7 @@ from .mesh.depth import Touching
 from .mesh.surface import input_vertices
 from .pins import Pins
 from .reduction.binding import blend, carry
+from .reduction.kept_skin import KeptSkin
 from .reduction.proxy import Proxy
 from .solver import motion
 from .solver.backend import choose_backend, create
@@ -56,6 +56,10 @@ class Session:
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         self._glide: Glide | None = None  # of constants that were changed
         self.substeps: int  # in a tick
+        self._kept: KeptSkin | None  # what is seen of a proxy's skin
+        self._seen: Singles | None  # what `seen` returned,
+        self._seen_pins: Floats | None = None  # where pins were then,
+        self._seen_now = False  # until something moves
         moves = self._define(model, proxy)
         self.body = create(moves, surface=model, backend=self.backend)
         self.reset()
@@ -72,7 +76,8 @@ class Session:
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins.rest_at(self.model.matching.rest)
-        self._shown: npt.NDArray[np.float32] | None = None  # what `positions` returned, until something moves
+        self._shown: Singles | None = None  # what `positions` returned, until something moves
+        self._kept = self._seen = None
         self._last = motion.Frame((), (0.0,) * 12, self.body.model.mesh.volume, 0.0, 0, True)
         self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
         self.frame = self._show((), self.tick)
@@ -192,7 +197,7 @@ class Session:
         self._ticks += result.ticks
         self._done += result.ticks
         if result.moved:
-            self._shown = None
+            self._shown, self._seen_now = None, False
         self._pins.take()
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
@@ -246,7 +251,7 @@ class Session:
         """Return where the fingertips are to be at the end of the next step."""
         return tuple([tip.target if tip else None for tip in self._tips])
 
-    def positions(self) -> npt.NDArray[np.float32]:
+    def positions(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are now, to be read."""
         if self._shown is None:
             surface = self._surface()
@@ -254,6 +259,24 @@ class Session:
             self._shown = shown.astype(np.float32, copy=False)
             self._shown.setflags(write=False)
         return self._shown
+
+    def seen(self) -> Singles:
+        """Return where the input vertices (N, 3) [m] are, as near as can be seen; to be read before the next call.
+
+        It is the same array as long as nothing can be seen to move, and exact where the body sleeps.
+        """
+        if self.proxy is None:
+            return self.positions()
+        kept, led = self._kept or KeptSkin(self.proxy.binding), self._pins.origin
+        sleeps, was = not self._last.moved, self._seen if self._seen_pins is led else None
+        if was is None or not self._seen_now or (sleeps and not kept.exact):
+            carried = kept.follow(self.body.positions(), exact=sleeps)
+            if carried or was is None:
+                self._pins.put_still(kept.positions)
+                was = kept.positions.view() if self._unwelded else kept.positions[self.model.mesh.source]
+                was.setflags(write=False)
+            self._kept, self._seen, self._seen_pins, self._seen_now = kept, was, led, True
+        return was
 
     def touches(self) -> tuple[Touching | None, ...]:
         """Return how each fingertip meets the surface at rest, which a device renders."""
@@ -347,6 +370,7 @@ class Session:
         moves = proxy.model if proxy else model
         self.substeps = moves.substeps(self.tick)
         self.model, self.proxy, self._moves = model, proxy, moves
+        self._kept = self._seen = None
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
         self._input_of, source = input_vertices(model.mesh), model.mesh.source
         self._unwelded = len(source) == len(model.mass) and bool((source[1:] > source[:-1]).all())

@@ -22,6 +22,7 @@ from .object_link import ObjectLink as ObjectLink
 from .object_link import Singles as Singles
 from .object_link import check_matrix as check_matrix
 from .object_link import get_points as get_points
+from .object_link import offsets_of as offsets_of
 from .object_link import places as places
 from .object_link import to_local as to_local
 from .object_link import to_physical as to_physical

@@ -50,11 +50,12 @@ def _rest_duplicates() -> None:
 
 def show(obj: bpy.types.Object, body: sessions.LiveBody) -> None:
     """Show a session on its object, unless it shows there as it is: Blender has no work with what sleeps."""
-    from . import offset
+    from . import bridge, offset
 
-    now = body.link, body.matrix, body.rest, body.session.positions()  # each is another object where it changes
+    positions = body.session.positions() if body.recorder else body.session.seen()
+    now = body.link, body.matrix, body.rest, positions  # each is another object where it changes
     if body.shown is None or any(a is not b for a, b in zip(now, body.shown, strict=True)):
-        offset.show(obj, local_of(body) - body.rest)
+        offset.show(obj, bridge.offsets_of(*now))
         body.shown = now
 
 

@@ -26,8 +26,9 @@ from .body import Body as Body
 from .body import NativeError as NativeError
 from .body import step_many as step_many
 from .carry import Binding as Binding
-from .carry import CBinding
+from .carry import CBinding, CKept
 from .carry import carry as carry
+from .carry import carry_moved as carry_moved
 from .cells import CCells
 from .cells import farthest_first as farthest_first
 from .cells import follow_cells as follow_cells
@@ -36,7 +37,7 @@ from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 16
+ABI = 17
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
@@ -50,6 +51,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_step": None,  # its arguments are made once, and quicker to hand over unchecked
     "dm_step_many": (c_int64, c_void_p, c_void_p, c_void_p, c_int64),
     "dm_carry": (POINTER(CBinding), c_void_p, c_void_p, c_void_p),
+    "dm_carry_moved": (POINTER(CBinding), c_void_p, POINTER(CKept), c_void_p),
     "dm_grow_cells": (POINTER(CCells), c_void_p, c_void_p),
     "dm_follow_cells": (POINTER(CCells), c_void_p, c_int64, c_void_p, c_void_p, c_void_p, c_void_p),
     "dm_scene_create": (

@@ -135,8 +135,8 @@ static int32_t dm_check_starts(int64_t count, const int64_t *starts, int64_t lim
     return DM_OK;
 }
 
-int32_t dm_carry(const dm_binding *b, const double *positions, float *motions, float *skin) {
-    if (!b || !positions || !motions || !skin || b->seeds < 1 || b->seeds > UINT16_MAX + 1) return DM_SIZE;
+static int32_t dm_check_binding(const dm_binding *b) {
+    if (!b || b->seeds < 1 || b->seeds > UINT16_MAX + 1) return DM_SIZE;
     DM_CHECK(DM_COUNT(b->vertices) | DM_COUNT(b->entries) | DM_COUNT(b->triangles) | DM_COUNT(b->arms));
     if (!b->first || !b->followed || !b->weights || !b->places || !b->coarse_rest || !b->corners) return DM_SIZE;
     if (!b->ends || !b->starts || !b->spread || !b->upright) return DM_SIZE;
@@ -146,10 +146,36 @@ int32_t dm_carry(const dm_binding *b, const double *positions, float *motions, f
     DM_CHECK(dm_check_indices(b->arms, b->ends, 0, b->seeds));
     uint16_t most = 0;
     for (int64_t k = 0; k < b->entries; k++) most = b->followed[k] > most ? b->followed[k] : most;
-    if (most >= b->seeds) return DM_INDEX;
-    DM_CHECK(dm_find_motions(b, positions, motions));
-    dm_choose(32, DM_SET_BEST)->carry(b, motions, skin);
-    return DM_OK;
+    return most >= b->seeds ? DM_INDEX : DM_OK;
+}
+
+int32_t dm_carry(const dm_binding *b, const double *positions, float *motions, float *skin) {
+    if (!positions || !motions || !skin) return DM_SIZE;
+    DM_CHECK(dm_check_binding(b));
+    uint8_t *moved = malloc((size_t)b->seeds);
+    if (!moved) return DM_MEMORY;
+    memset(moved, 1, (size_t)b->seeds);
+    int32_t code = dm_find_motions(b, positions, motions);
+    if (code == DM_OK) dm_choose(32, DM_SET_BEST)->carry(b, motions, moved, skin);
+    free(moved);
+    return code;
+}
+
+int32_t dm_carry_moved(const dm_binding *b, const double *positions, dm_kept *kept, float *skin) {
+    if (!positions || !skin || !kept || !kept->lengths || !kept->motions || !kept->before)
+        return DM_SIZE;
+    if (!(kept->slack >= 0) || kept->ahead < 0) return DM_NUMBER;
+    DM_CHECK(dm_check_binding(b));
+    float *motions = malloc((size_t)b->seeds * (12 * sizeof *motions + 1));
+    if (!motions) return DM_MEMORY;
+    uint8_t *moved = (uint8_t *)(motions + 12 * b->seeds);
+    int32_t code = dm_find_motions(b, positions, motions);
+    if (code == DM_OK) {
+        dm_keep_moved(b, kept, motions, moved);
+        kept->carried = dm_choose(32, DM_SET_BEST)->carry(b, kept->motions, moved, skin);
+    }
+    free(motions);
+    return code;
 }
 
 void dm_default_body_def(dm_body_def *def) {

@@ -29,6 +29,12 @@ class CBinding(Structure):
     )  # fmt: skip
 
 
+class CKept(Structure):
+    """What a skin was carried by: dm_kept."""
+
+    _fields_ = fields(lengths="p", slack="d", ahead="n", motions="p", before="p", carried="n")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Binding:
     """What carries a fine surface of n vertices along with a coarse mesh of m.
@@ -77,6 +83,44 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
     Args:
         positions: of the coarse mesh, (3, m) [m].
     """
+    skin = np.empty((binding.vertices, 3), np.float32)
+    motions = np.empty((len(binding.coarse_rest), 12), np.float32)
+    with Arrays() as arrays:
+        given = _given(binding, positions, arrays)
+        code = library.dm_carry(byref(given), arrays.double(positions), motions.ctypes.data, skin.ctypes.data)
+    if code:
+        raise NativeError(library.dm_message(code).decode(), code)
+    return skin, motions
+
+
+def carry_moved(
+    library: ctypes.CDLL, binding: Binding, positions: Floats, lengths: Floats, slack: float, ahead: int,
+    motions: Singles, before: Singles, skin: Singles,
+) -> int:  # fmt: skip
+    """Carry again what has moved of a surface; return how many eights of its vertices that was.
+
+    Args:
+        positions: of the coarse mesh, (3, m) [m].
+        lengths: (m,) of the edges round each vertex of it [m].
+        slack: over that length, how far a motion may be from the one kept; 0: it is kept to the bit.
+        ahead: calls until there is another chance: what would then be too far is kept now.
+        motions, before: (m, 12) that carried the surface, and that were at the call before; both are brought up to
+            date.
+        skin: (n, 3) [m] where it is, brought up to date.
+    """
+    m = len(binding.coarse_rest)
+    if (lengths.shape, motions.shape, before.shape, skin.shape) != ((m,), (m, 12), (m, 12), (binding.vertices, 3)):
+        raise NativeError("an array has the wrong size")
+    with Arrays() as arrays:
+        given = _given(binding, positions, arrays)
+        kept = CKept(arrays.double(lengths), slack, ahead, motions.ctypes.data, before.ctypes.data, 0)
+        code = library.dm_carry_moved(byref(given), arrays.double(positions), byref(kept), skin.ctypes.data)
+    if code:
+        raise NativeError(library.dm_message(code).decode(), code)
+    return int(kept.carried)
+
+
+def _given(binding: Binding, positions: Floats, arrays: Arrays) -> CBinding:
     n, m, e, t = binding.vertices, len(binding.coarse_rest), len(binding.arms), len(binding.corners)
     eights, entries = -(-n // EIGHT), len(binding.followed)
     shapes = {
@@ -85,16 +129,10 @@ def carry(library: ctypes.CDLL, binding: Binding, positions: Floats) -> tuple[Si
     }  # fmt: skip
     if positions.shape != (3, m) or any(getattr(binding, name).shape != shape for name, shape in shapes.items()):
         raise NativeError("an array has the wrong size")
-    skin, motions = np.empty((n, 3), np.float32), np.empty((m, 12), np.float32)
-    with Arrays() as arrays:
-        given = CBinding(
-            n, entries, arrays.index(binding.first), arrays.of(binding.followed, np.uint16),
-            arrays.of(binding.weights, np.uint16), arrays.of(binding.places, np.float32),
-            m, arrays.double(binding.coarse_rest), t, arrays.index(binding.corners),
-            e, arrays.index(binding.arms[:, 1]), arrays.index(binding.starts),
-            arrays.double(binding.spread), arrays.double(binding.upright), tuple(binding.centre.tolist()),
-        )  # fmt: skip
-        code = library.dm_carry(byref(given), arrays.double(positions), motions.ctypes.data, skin.ctypes.data)
-    if code:
-        raise NativeError(library.dm_message(code).decode(), code)
-    return skin, motions
+    return CBinding(
+        n, entries, arrays.index(binding.first), arrays.of(binding.followed, np.uint16),
+        arrays.of(binding.weights, np.uint16), arrays.of(binding.places, np.float32),
+        m, arrays.double(binding.coarse_rest), t, arrays.index(binding.corners),
+        e, arrays.index(binding.arms[:, 1]), arrays.index(binding.starts),
+        arrays.double(binding.spread), arrays.double(binding.upright), tuple(binding.centre.tolist()),
+    )  # fmt: skip

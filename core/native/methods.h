@@ -20,7 +20,7 @@ typedef struct {
     int64_t (*pinned)(const dm_state *state);
     int (*asleep)(const dm_state *state);
     void (*step)(dm_state *state, const dm_motion *motion, dm_frame *frame);
-    void (*carry)(const dm_binding *binding, const float *motions, float *skin);
+    int64_t (*carry)(const dm_binding *binding, const float *motions, const uint8_t *moved, float *skin);
     /* null where this library has none: in double precision, but for tests */
     int32_t (*scene_create)(dm_scene_state **scene, int64_t bodies, dm_state *const *body, const uint8_t *self,
                             int64_t colliders, const dm_collider_def *collider);
