@@ -17,7 +17,8 @@ import numpy as np
 from core.base import TICK, DimpleError, Floats
 from core.body.model import Model
 from core.reduction.benchmark import choose_presses, outcome_of, press_variant
-from core.reduction.planner import COARSE, Plan, plan, spread_of
+from core.reduction.error_model import COARSE, spread_of
+from core.reduction.planner import Plan, plan
 from core.reduction.proxy import mean_spacing, most_of
 from core.steps import result_of
 

@@ -9,15 +9,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from core.reduction import planner
+from core.reduction import error_model, planner
 from studies import bodies, proxies
 from studies.proxies import COARSEST, FINEST, GROWTH, JUDGED, KEPT, LINE, Candidate, Choice, ProxyBenchmark, Row
 
 from .drawing import save, table, write_csv
 
-FORCE_FACTOR, FORCE_POWER, COARSE_POWER = planner.FORCE_ERROR
+FORCE_FACTOR, FORCE_POWER, COARSE_POWER = error_model.FORCE_ERROR
 FITS = (  # field of a row, label, the planner's fit: factor, power and power of the spread, and power beyond COARSE
-    ("error", "surface: error over fingertip radius", (*planner.ERROR, planner.ERROR[1])),
+    ("error", "surface: error over fingertip radius", (*error_model.ERROR, error_model.ERROR[1])),
     ("force_error", "force: error as a share", (FORCE_FACTOR, FORCE_POWER, 0.0, COARSE_POWER)),
 )
 
@@ -47,7 +47,7 @@ def draw_proxies(out: Path, quick: bool) -> None:
     print(choices_table(choices), flush=True)
     if known:
         again = proxies.fit(known)
-        print(f"The fit made again: {again}; the planner's: {planner.ERROR}, {planner.FORCE_ERROR}", flush=True)
+        print(f"The fit made again: {again}; the planner's: {error_model.ERROR}, {error_model.FORCE_ERROR}", flush=True)
 
 
 def benchmark_of(body: bodies.BodyCase, quick: bool) -> ProxyBenchmark:
@@ -96,9 +96,9 @@ def draw_fit(
     for rows, marker, label in ((known, "o", "fitted bodies"), (unseen, "x", "unseen bodies")):
         less = [getattr(r, what) / r.spread**spread_power for r in rows]
         axes.loglog([r.share for r in rows], less, marker, ms=4, alpha=0.6, label=label)
-    share = np.array([FINEST, planner.COARSE, COARSEST])
-    line = factor * share**power * np.maximum(share / planner.COARSE, 1) ** (coarse_power - power)
-    label = f"planner: {factor:g} (h / R)^{power:g} (s / R)^{spread_power:g} to {planner.COARSE:g}, drawn for s = R"
+    share = np.array([FINEST, error_model.COARSE, COARSEST])
+    line = factor * share**power * np.maximum(share / error_model.COARSE, 1) ** (coarse_power - power)
+    label = f"planner: {factor:g} (h / R)^{power:g} (s / R)^{spread_power:g} to {error_model.COARSE:g}, drawn for s = R"
     axes.loglog(share, line, "k-", label=label)
     axes.set_xlabel("spacing of the proxy over fingertip radius, h / R")
     axes.legend(frameon=False, fontsize=8)

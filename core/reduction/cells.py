@@ -36,28 +36,44 @@ def _face_vectors(triangles: Ints, x: Floats) -> Floats:
     return np.stack([along[c - 2] * across[c - 1] - along[c - 1] * across[c - 2] for c in range(3)])
 
 
-def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float) -> Ints:
-    """Choose seeds farthest first: on creases and borders to their spacing, then all over."""
+def spread_seeds(
+    mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float, coarser: Floats | None = None
+) -> Ints:
+    """Choose seeds farthest first: on creases and borders to their spacing, then all over.
+
+    Args:
+        spacing: of the seeds where they are the closest [m].
+        coarser: times as much as is wanted at each vertex (n,), None where they are to be even.
+    """
     creased = np.intersect1d(_creased(mesh), used)
     if len(creased) > CREASED * len(used):
         creased = creased[:0]
-    seeds, every = np.zeros(0, np.int64), -(-len(used) // MANY)
+    seeds, weights = np.zeros(0, np.int64), np.ones(len(place)) if coarser is None else coarser**-2
     choose = farthest_first if native.why_not() else partial(native.farthest_first, native.library())
-    for pool, least in ((creased, BESIDE * spacing), (used[::every], 0.0)):
+    for pool, least in ((creased, BESIDE * spacing), (_offered(used, weights), 0.0)):
         points = place[pool]
         if len(pool) and not len(seeds):  # the first is the point farthest from the middle
             seeds = pool[[int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())]]
         both = np.concatenate([seeds, pool])
-        chosen = choose(place[both], len(seeds), least**2, count - len(seeds))
+        chosen = choose(place[both], weights[both], len(seeds), least**2, count - len(seeds))
         seeds = np.concatenate([seeds, both[chosen]])
     return seeds
 
 
-def farthest_first(places: Floats, taken: int, least: float, most: int) -> Ints:
+def _offered(used: Ints, weights: Floats) -> Ints:
+    """Return the vertices that seeds are chosen from: as many to a seed wherever they are."""
+    if len(used) <= MANY or (weights == 1).all():
+        return used[:: -(-len(used) // MANY)]
+    total = np.cumsum(weights[used])
+    return used[np.unique(np.searchsorted(total, total[-1] * (np.arange(MANY) + 0.5) / MANY))]
+
+
+def farthest_first(places: Floats, weights: Floats, taken: int, least: float, most: int) -> Ints:
     """Choose points one by one, each the farthest from all chosen before: what the native core does, to read.
 
     Args:
         places: (n, 6) [m].
+        weights: (n,) by which the square of a distance of each counts.
         taken: how many of the first were chosen before.
         least: square of a distance that is too near [m2].
         most: to choose.
@@ -65,10 +81,10 @@ def farthest_first(places: Floats, taken: int, least: float, most: int) -> Ints:
     chosen: list[int] = []
     near = np.full(len(places), np.inf)
     for place in places[:taken]:
-        np.minimum(near, ((places - place) ** 2).sum(axis=1), out=near)
+        np.minimum(near, weights * ((places - place) ** 2).sum(axis=1), out=near)
     while len(near) and len(chosen) < most and near[at := int(near.argmax())] > least:
         chosen.append(at)
-        np.minimum(near, ((places - places[at]) ** 2).sum(axis=1), out=near)
+        np.minimum(near, weights * ((places - places[at]) ** 2).sum(axis=1), out=near)
     return np.array(chosen, np.int64)
 
 

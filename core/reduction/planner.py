@@ -4,35 +4,31 @@ The method is always semi-implicit Euler in native code. Within the tolerances o
 comes from having few vertices, so other methods only cost more for the same error (see studies.work_precision). What
 is left to choose is the number of vertices: as few as keep the tolerances, or as many as run live. Both come from a
 fit, and the cost from counting vertices and steps: nothing is timed, so a plan is the same whatever else the computer
-does. No law is left out to save time: what will press a body is not known.
+does. No law is left out to save time: what will press a body is not known. Where it is known, and no proxy that is even
+keeps the tolerances live, a proxy is fine there and coarse elsewhere.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from .. import native
 from ..base import TICK, DimpleError
 from ..body.model import Model
-from .proxy import SMALLEST, Proxy, build_proxy, check, mean_spacing, most_of
+from .error_model import expected, vertices_for
+from .grading import Pressed, share_of
+from .proxy import Proxy, build_proxy, check, most_of
 
 BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
 TOLERANCE = 0.5e-3  # [m] between the surfaces, over the dent
 FORCE_TOLERANCE = 0.1  # of the force: about the just-noticeable difference of a fingertip
 # both are to be kept by 49 of 50 presses
 NATIVE_COST, NUMPY_COST = 1.4e-8, 6e-7  # [s] a vertex and step: measured once (tests/bench), and kept
-# error over fingertip radius that 49 of 50 presses stay below where spacing and the spread of a dent equal this radius,
-# with the powers of spacing over radius and spread over radius; and the same of the force, with the power of spacing
-# over radius up to COARSE and beyond. Fitted to the proxies of the 30 bodies in studies.bodies.FITTED, pressed by half
-# a radius: size, pins, fill and the knee add nothing, and to the error of the force the spread adds nothing
-ERROR = 0.077, 1.78, -0.41
-FORCE_ERROR = 0.38, 1.79, 3.5
-COARSE = 0.8
-NARROWEST = 0.5  # spread over radius: narrower dents have not been fitted
 MARGIN = 1.2  # bodies and places scatter about the fit: with this 49 of 50 presses keep tolerances of 10 to 30 %
 ESTIMATED = 1.05  # times the budget may what runs live be expected to cost: no cost is known better than that
 STRETCH = 2.0  # times a tolerance: a proxy that runs live and misses it by no more beats one that does not run live
@@ -43,7 +39,7 @@ TRIES = 5
 DENSER = 1.25  # where no proxy can be made, the factor of vertices to the next attempt
 
 _Result = TypeVar("_Result")
-Maker = Callable[[Model, int], Proxy]  # of a proxy
+Maker = Callable[[Model, int, Pressed | None], Proxy]  # of a proxy
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +75,10 @@ class Decision:
     cost: of the full mesh, infinite where it is too stiff for any step.
     keeping, least: vertices of a proxy that stays within the tolerances, and of one that misses them by no more than
         it may.
+    most: vertices that a proxy may have at most.
     vertices: of the proxy to be made, 0 for the full mesh.
+    pressed: where it is fine, None where everywhere.
+    otherwise: what is to be done where this is not enough or cannot be made, None where nothing else can.
     because: how the reason begins where the full mesh does not run live.
     reason: a sentence for the artist.
     """
@@ -92,12 +91,15 @@ class Decision:
     cost: float
     keeping: int
     least: int
+    most: int
     vertices: int
+    pressed: Pressed | None
+    otherwise: Decision | None
     because: str
     reason: str
 
 
-def plan(model: Model, **settings: float) -> Plan:
+def plan(model: Model, **settings: Any) -> Plan:
     """Choose between the full mesh and its proxies, and make the proxy; see `decide` and `carry_out`."""
     return carry_out(decide(model, **settings))
 
@@ -109,6 +111,7 @@ def decide(
     force_tolerance: float = FORCE_TOLERANCE,
     radius: float = 0.01,
     budget: float = BUDGET,
+    pressed: Pressed | None = None,
 ) -> Decision:
     """Choose between the full mesh and its proxies, without making one.
 
@@ -117,14 +120,12 @@ def decide(
         force_tolerance: allowed error of the force, as a share.
         radius: of the fingertips [m].
         budget: processor time [s] for a second of motion; a full mesh within it is simulated as it is.
+        pressed: where the fingertips will press, if that is known.
 
     Raises:
         DimpleError: the material is too stiff for the mesh, and no proxy can be made.
     """
-    wanted, keeping, least = (
-        vertices_for(model, k * tolerance, k * force_tolerance, radius) for k in (1 / MARGIN, 1.0, STRETCH)
-    )
-    most, because = most_of(model), "The full mesh is too stiff to simulate"
+    because = "The full mesh is too stiff to simulate"
     try:
         cost = cost_of(model)
         because = f"The full mesh would run at {_times(budget / cost)} real time ({_work(model)})"
@@ -132,13 +133,30 @@ def decide(
         cost = math.inf
     decided = Decision(
         model=model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget, cost=cost,
-        keeping=keeping, least=least, vertices=0, because=because, reason="",
+        keeping=0, least=0, most=0, vertices=0, pressed=None, otherwise=None, because=because, reason="",
     )  # fmt: skip
     if cost <= ESTIMATED * budget:
         return replace(decided, reason=f"The full mesh runs live: {_work(model)}.")
-    if least > most and cost > TOO_SLOW * budget:
-        least = vertices_for(model, radius, COARSEST, radius)
-    decided = replace(decided, least=least)
+    even, graded = _sized(decided, None), None
+    with suppress(DimpleError):
+        graded = _sized(decided, pressed) if pressed else None
+    if graded and graded.vertices and even.keeping > even.most:
+        return replace(graded, otherwise=even)
+    return replace(even, otherwise=graded if graded and graded.vertices else None)
+
+
+def _sized(decided: Decision, pressed: Pressed | None) -> Decision:
+    """Decide how many vertices a proxy is to have that is fine everywhere, or where it is pressed."""
+    model, radius = decided.model, decided.radius
+    share = share_of(model.mesh, pressed) if pressed else 1.0
+    wanted, keeping, least = (
+        vertices_for(model, k * decided.tolerance, k * decided.force_tolerance, radius, share)
+        for k in (1 / MARGIN, 1.0, STRETCH)
+    )
+    most = most_of(model, share)
+    if least > most and decided.cost > TOO_SLOW * decided.budget:
+        least = vertices_for(model, radius, COARSEST, radius, share)
+    decided = replace(decided, keeping=keeping, least=least, most=most, pressed=pressed)
     try:
         check(model)
         if least > most:
@@ -146,7 +164,8 @@ def decide(
     except DimpleError as error:
         return replace(decided, reason=_anyway(decided, error))
     number = min(wanted, most)
-    reason = _proxys_reason(because, number, "is to be made", *expected(model, number, radius))
+    errors = expected(model, number, radius, share)
+    reason = _proxys_reason(decided.because, number, pressed, "is to be made", *errors)
     return replace(decided, vertices=number, reason=reason)
 
 
@@ -162,29 +181,45 @@ def carry_out(decided: Decision, build: Maker = build_proxy) -> Plan:
     Raises:
         DimpleError: the material is too stiff for the mesh, and no proxy can be made.
     """
+    first, other = _carried_out(decided, build), decided.otherwise
+    live = first.cost <= decided.budget and not _misses(first, decided)
+    if other is None or (first.proxy and (decided.pressed or live)):
+        return first
+    second = _carried_out(other, build)
+    return second if second.proxy or decided.pressed else first
+
+
+def _carried_out(decided: Decision, build: Maker) -> Plan:
     model, budget = decided.model, decided.budget
     if not decided.vertices:
         return _full_mesh(model, decided.cost, decided.reason)
-    make = partial(plan_proxy, model, radius=decided.radius, budget=budget, because=decided.because, build=build)
+    make = partial(
+        plan_proxy, model, radius=decided.radius, budget=budget, pressed=decided.pressed, because=decided.because,
+        build=build,
+    )  # fmt: skip
     try:
         chosen = make(decided.vertices)
         fewer = int(chosen.vertices * budget / chosen.cost)  # they take no more steps
         if decided.least <= fewer < chosen.vertices:
             chosen = make(fewer)
-        if chosen.cost > budget and decided.keeping > most_of(model):
+        if chosen.cost > budget and decided.keeping > decided.most:
             raise _too_few(decided)
         if chosen.cost >= decided.cost:
             raise DimpleError("no proxy within the tolerances is faster")
-        misses = chosen.error > decided.tolerance or chosen.force_error > decided.force_tolerance
+        misses = _misses(chosen, decided)
         if misses and decided.cost <= NEARLY_LIVE * budget:
             raise DimpleError("no proxy within the tolerances runs live")
     except DimpleError as error:
         return _full_mesh(model, decided.cost, _anyway(decided, error))
-    if misses and decided.keeping > most_of(model):
+    if misses and decided.keeping > decided.most:
         return replace(chosen, reason=f"{chosen.reason} A proxy cannot have the vertices to keep the tolerances.")
     if misses:
         return replace(chosen, reason=f"{chosen.reason} A proxy within the tolerances would not run live.")
     return chosen
+
+
+def _misses(chosen: Plan, decided: Decision) -> bool:
+    return chosen.error > decided.tolerance or chosen.force_error > decided.force_tolerance
 
 
 def plan_full_mesh(model: Model, *, budget: float = BUDGET, because: str = "") -> Plan:
@@ -200,6 +235,7 @@ def plan_proxy(
     *,
     radius: float,
     budget: float = BUDGET,
+    pressed: Pressed | None = None,
     because: str = "",
     build: Maker = build_proxy,
 ) -> Plan:
@@ -210,17 +246,19 @@ def plan_proxy(
     Args:
         radius: of the fingertips [m].
         budget: processor time [s] for a second of motion.
+        pressed: where the proxy is to be fine, None for everywhere.
         because: how the reason of the plan begins; "" where the artist chose.
         build: makes a proxy of a model and a number of vertices.
 
     Raises:
         DimpleError: no such proxy can be made; the message says why.
     """
-    proxy, vertices = _first(vertices, lambda n: build(model, n))
+    proxy, vertices = _first(vertices, lambda n: build(model, n, pressed))
     cost, moved = cost_of(proxy.model), len(proxy.seeds)
-    error, force_error = expected(model, vertices, radius)
+    share = share_of(model.mesh, pressed) if pressed else 1.0
+    error, force_error = expected(model, vertices, radius, share)
     speed = "runs live" if cost <= budget else f"runs at {_times(budget / cost)} real time"
-    reason = _proxys_reason(because or "As chosen", moved, speed, error, force_error)
+    reason = _proxys_reason(because or "As chosen", moved, pressed, speed, error, force_error)
     return Plan(
         proxy=proxy, asked=vertices, vertices=moved, steps=proxy.model.substeps(TICK), cost=cost, error=error,
         force_error=force_error, reason=reason,
@@ -242,37 +280,6 @@ def _first(vertices: int, make: Callable[[int], _Result]) -> tuple[_Result, int]
     raise why
 
 
-def vertices_for(model: Model, tolerance: float, force_tolerance: float, radius: float) -> int:
-    """Return how many vertices a proxy needs, by the fit, to meet tolerances under a fingertip of a radius [m]."""
-    (factor, power, _), (force_factor, force_power, coarse_power) = ERROR, FORCE_ERROR
-    by_skin = (tolerance / (radius * factor * _smoother(model, radius))) ** (1 / power)
-    by_force = (force_tolerance / force_factor) ** (1 / force_power)
-    if by_force > COARSE:
-        by_force = COARSE * (by_force / COARSE) ** (force_power / coarse_power)
-    spacing = radius * max(min(by_skin, by_force), 1e-6)
-    return max(math.ceil((mean_spacing(model.mesh, 1) / spacing) ** 2), SMALLEST)
-
-
-def expected(model: Model, vertices: int, radius: float) -> tuple[float, float]:
-    """Return the errors of the surface [m] and of the force (a share) that a proxy should keep, by the fit."""
-    (factor, power, _), (force_factor, force_power, coarse_power) = ERROR, FORCE_ERROR
-    share = mean_spacing(model.mesh, vertices) / radius
-    force_error = force_factor * share**force_power * max(share / COARSE, 1.0) ** (coarse_power - force_power)
-    return radius * factor * share**power * _smoother(model, radius), min(force_error, 1.0)
-
-
-def _smoother(model: Model, radius: float) -> float:
-    """Return by what the error of the surface is less where a dent is wide: the surface is smoother there."""
-    return float(max(spread_of(model) / radius, NARROWEST) ** ERROR[2])
-
-
-def spread_of(model: Model) -> float:
-    """Return how far a dent reaches beyond a fingertip [m]: the root of tension over stiffness, in the mean."""
-    # the sum of w l^2 over edges is twice the area, as the surface's own coordinates have the gradient 1
-    tension = float((model.matching.tension * model.mesh.rest_lengths**2).sum()) / 2
-    return math.sqrt(max(tension, 0.0) / max(float(model.matching.k1.sum()), 1e-30))
-
-
 def cost_of(model: Model) -> float:
     """Return the processor time [s] that a second of motion should take."""
     each = NUMPY_COST if native.why_not() else NATIVE_COST
@@ -290,16 +297,19 @@ def _work(model: Model) -> str:
     return f"{len(model.mass):,} vertices at {model.substeps(TICK)} steps per millisecond"
 
 
-def _proxys_reason(because: str, vertices: int, speed: str, error: float, force_error: float) -> str:
+def _proxys_reason(
+    because: str, vertices: int, pressed: Pressed | None, speed: str, error: float, force_error: float
+) -> str:
+    fine = ", fine near the fingertips' paths," if pressed else ""
     return (
-        f"{because}. A proxy of {vertices:,} vertices {speed}, within {1e3 * error:.2g} mm and "
+        f"{because}. A proxy of {vertices:,} vertices{fine} {speed}, within {1e3 * error:.2g} mm and "
         f"{force_error:.0%} of the force."
     )
 
 
 def _too_few(decided: Decision) -> DimpleError:
     near = f"{1e3 * decided.tolerance:.3g} mm and {decided.force_tolerance:.0%}"
-    return DimpleError(f"no proxy of up to {most_of(decided.model):,} vertices is within {near}")
+    return DimpleError(f"no proxy of up to {decided.most:,} vertices is within {near}")
 
 
 def _anyway(decided: Decision, why: DimpleError) -> str:

@@ -20,6 +20,7 @@ from ..native import Binding
 from .binding import bind
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 from .flips import flip_edges
+from .grading import Pressed, coarser, share_of
 
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
@@ -37,7 +38,8 @@ class Proxy:
     cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
     painted: (n,) how much stiffer each vertex of the fine mesh was than most when the cells were made, see `painted`.
     still: the vertices of the fine mesh that are pinned or loose.
-    spacing: mean distance between seeds [m].
+    spacing: mean distance between seeds, where they are the closest [m].
+    pressed: where fingertips are to press it, if that is known: it is coarser elsewhere.
     binding: what carries the fine mesh along.
     """
 
@@ -47,11 +49,12 @@ class Proxy:
     painted: Singles
     still: Ints
     spacing: float
+    pressed: Pressed | None
     binding: Binding
 
 
-def build_proxy(model: Model, vertices: int) -> Proxy:
-    """Make a proxy of about the given number of vertices.
+def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None) -> Proxy:
+    """Make a proxy of about the given number of vertices, fine where it is to be pressed, if that is known.
 
     Raises:
         DimpleError: no such proxy can be made; the message says why.
@@ -59,15 +62,20 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
     mesh = model.mesh
     check(model)
     used = np.flatnonzero(~mesh.loose)
-    most = most_of(model)
+    share = share_of(mesh, pressed) if pressed else 1.0
+    most = most_of(model, share)
     if not SMALLEST <= vertices <= most:
         raise DimpleError(f"a proxy of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
-    spacing = mean_spacing(mesh, vertices)
+    spacing = mean_spacing(mesh, vertices / share)
+    wanted = coarser(mesh.rest_positions, pressed) if pressed else None
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     stiffer = painted(model)
-    shift = NORMAL_SHARE * spacing * normals + spacing / math.sqrt(3) * stiffer[:, None]  # along a diagonal: any way
+    # along a diagonal: any way
+    shift = NORMAL_SHARE * spacing * normals + spacing / math.sqrt(3) * stiffer[:, None]
+    if wanted is not None:
+        shift *= wanted[:, None]
     place = np.concatenate([mesh.rest_positions, shift], axis=1)
-    seeds = spread_seeds(mesh, place, used, vertices, spacing)
+    seeds = spread_seeds(mesh, place, used, vertices, spacing, wanted)
     for _ in range(3):
         cells = grow_cells(mesh, place, seeds)
         triangles = dual(cells[mesh.triangles])
@@ -83,7 +91,7 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
     coarse = _constants(model, _coarse_mesh(mesh, seeds, triangles), cells)
     return Proxy(
         model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.held | mesh.loose),
-        spacing=spacing,
+        spacing=spacing, pressed=pressed,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
 
@@ -112,14 +120,18 @@ def with_constants(proxy: Proxy, model: Model) -> Proxy:
     return replace(proxy, model=coarse, still=np.flatnonzero(model.held | model.mesh.loose))
 
 
-def mean_spacing(mesh: Mesh, vertices: int) -> float:
+def mean_spacing(mesh: Mesh, vertices: float) -> float:
     """Return the distance [m] between vertices when the given number is spread evenly over a surface."""
     return float(np.sqrt(2 / np.sqrt(3) * mesh.triangle_areas.sum() / vertices))
 
 
-def most_of(model: Model) -> int:
-    """Return the largest number of vertices that a proxy may have."""
-    return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
+def most_of(model: Model, share: float = 1.0) -> int:
+    """Return the largest number of vertices that a proxy may have.
+
+    Args:
+        share: of the vertices of one that is everywhere as fine, see `grading.share_of`.
+    """
+    return min(int(int((~model.mesh.loose).sum()) // 2 * share), LARGEST)
 
 
 def check(model: Model) -> None:

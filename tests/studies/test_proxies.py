@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.reduction import planner
+from core.reduction import error_model, planner
 from studies import bodies, proxies
 from studies.bodies import BodyCase
 from studies.graded import graded_seeds
@@ -31,14 +31,14 @@ def rows() -> list[Row]:
 
 def test_the_planners_constants_are_those_of_the_fit(rows: list[Row]) -> None:
     assert {row.body for row in rows} == {body.name for body in bodies.FITTED}
-    for fitted, given in zip(proxies.fit(rows), (planner.ERROR, planner.FORCE_ERROR), strict=True):
+    for fitted, given in zip(proxies.fit(rows), (error_model.ERROR, error_model.FORCE_ERROR), strict=True):
         assert fitted == pytest.approx(given, rel=0.05)  # the proxies of another numpy version move them by 4 %
 
 
 def test_the_fit_scatters_by_a_fifth_for_the_surface_and_a_quarter_for_the_force(rows: list[Row]) -> None:
     """Where a proxy is finer than COARSE. A wide dent is smoother, which halves the surface's scatter."""
-    fine = [row for row in rows if row.share <= planner.COARSE]
-    (factor, power, spread_power), (force_factor, force_power, _) = planner.ERROR, planner.FORCE_ERROR
+    fine = [row for row in rows if row.share <= error_model.COARSE]
+    (factor, power, spread_power), (force_factor, force_power, _) = error_model.ERROR, error_model.FORCE_ERROR
     surface = [np.log(r.error / (factor * r.share**power * r.spread**spread_power)) for r in fine]
     force = [np.log(r.force_error / (force_factor * r.share**force_power)) for r in fine]
     for off, most in ((surface, 0.22), (force, 0.24)):

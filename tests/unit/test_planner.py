@@ -11,8 +11,9 @@ from core.base import TICK, DimpleError
 from core.body.model import Model, build_model
 from core.material import PRESETS, ModelConstants
 from core.mesh.surface import base_vertices
-from core.reduction import planner
+from core.reduction import error_model, planner
 from core.reduction.benchmark import choose_presses, compare_proxies
+from core.reduction.grading import Pressed
 from core.reduction.planner import Plan, plan
 from core.reduction.proxy import Proxy, build_proxy
 from core.session import Finger, Session
@@ -57,10 +58,10 @@ def test_a_mesh_too_slow_to_run_live_gets_a_proxy_with_a_reason(round_model: Mod
 
 
 def test_tighter_tolerances_take_more_vertices(round_model: Model) -> None:
-    needs = [planner.vertices_for(round_model, t, f, 0.02) for t, f in ((2e-3, 0.9), (1e-3, 0.9), (1e-3, 0.05))]
+    needs = [error_model.vertices_for(round_model, t, f, 0.02) for t, f in ((2e-3, 0.9), (1e-3, 0.9), (1e-3, 0.05))]
     assert needs[0] < needs[1] < needs[2]
     # and a smaller fingertip makes a smaller dent
-    assert planner.vertices_for(round_model, 1e-3, 0.1, 0.005) > planner.vertices_for(round_model, 1e-3, 0.1, 0.02)
+    assert error_model.vertices_for(round_model, 1e-3, 0.1, 0.005) > error_model.vertices_for(round_model, 1e-3, 0.1, 0.02)
 
 
 def test_the_largest_proxy_that_keeps_the_tolerances_without_a_margin_beats_a_full_mesh_that_is_not_live(
@@ -68,7 +69,7 @@ def test_the_largest_proxy_that_keeps_the_tolerances_without_a_margin_beats_a_fu
 ) -> None:
     """It missed them by a hair on a cube of 40,000 vertices, which then ran at a thirteenth of real time."""
     shares = np.arange(0.5, 0.0, -0.002)
-    share = next(f for f in shares if planner.vertices_for(round_model, 1.0, f / planner.MARGIN, 0.02) > 1281)
+    share = next(f for f in shares if error_model.vertices_for(round_model, 1.0, f / planner.MARGIN, 0.02) > 1281)
     chosen = plan(round_model, budget=NEVER_LIVE, tolerance=1.0, force_tolerance=float(share), radius=0.02)
     assert chosen.proxy is not None and 1000 < chosen.vertices <= 1281
     assert chosen.force_error == pytest.approx(share, rel=0.2)
@@ -143,7 +144,7 @@ def test_a_mesh_is_live_where_its_cost_is_as_near_to_the_budget_as_costs_are_kno
 
 def test_a_full_mesh_that_nearly_runs_live_beats_a_proxy_that_misses_a_tolerance(round_model: Model) -> None:
     """A bare cone at 0.6 of real time was given a proxy that was expected to be off by a fifth of the force."""
-    cost, nearly = planner.cost_of(round_model), 0.7 * planner.expected(round_model, 1281, 0.02)[1]
+    cost, nearly = planner.cost_of(round_model), 0.7 * error_model.expected(round_model, 1281, 0.02)[1]
     for share, full in ((0.6, True), (0.52, False)):
         chosen = plan(round_model, budget=share * cost, tolerance=1.0, force_tolerance=nearly, radius=0.02)
         assert (chosen.proxy is None) == full, chosen.reason
@@ -164,7 +165,7 @@ def test_the_largest_proxy_that_runs_live_and_nearly_keeps_the_tolerances_beats_
 ) -> None:
     monkeypatch.setattr(planner, "NEARLY_LIVE", 1.0)  # this mesh takes 1.7 times what its largest proxy does
     most = 1281
-    tolerance = next(t for t in np.geomspace(1e-3, 1e-5) if planner.vertices_for(round_model, t, 9.0, 0.02) > most)
+    tolerance = next(t for t in np.geomspace(1e-3, 1e-5) if error_model.vertices_for(round_model, t, 9.0, 0.02) > most)
     cost = planner.plan_proxy(round_model, most, radius=0.02).cost
     live = plan(round_model, budget=1.01 * cost, tolerance=tolerance, force_tolerance=9.0, radius=0.02)
     assert 0.95 * most < live.vertices <= most and tolerance < live.error < 2 * tolerance
@@ -192,7 +193,7 @@ def test_a_plan_is_explained_before_a_proxy_is_made(round_model: Model) -> None:
     decided = planner.decide(round_model, budget=NEVER_LIVE, tolerance=1e-3, force_tolerance=0.15, radius=0.02)
     made: list[int] = []
 
-    def build(model: Model, vertices: int) -> Proxy:
+    def build(model: Model, vertices: int, _pressed: Pressed | None = None) -> Proxy:
         made.append(vertices)
         return build_proxy(model, vertices)
 
@@ -204,7 +205,7 @@ def test_a_plan_is_explained_before_a_proxy_is_made(round_model: Model) -> None:
 
 
 def test_where_no_proxy_can_be_made_the_full_mesh_is_simulated_or_its_stiffness_is_said(round_model: Model) -> None:
-    def build(model: Model, vertices: int) -> Proxy:
+    def build(model: Model, vertices: int, _pressed: Pressed | None = None) -> Proxy:
         raise DimpleError("its surface is too crumpled")
 
     decided = planner.decide(round_model, budget=NEVER_LIVE, tolerance=1e-3, force_tolerance=0.15, radius=0.02)

@@ -124,13 +124,14 @@ def test_the_native_core_grows_and_follows_cells_as_numpy_does(make: Callable[[]
     library, spacing = native.library(), mean_spacing(mesh, 150)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     place = np.concatenate([mesh.rest_positions, NORMAL_SHARE * spacing * normals], axis=1)
-    seeds = spread_seeds(mesh, place, np.flatnonzero(~mesh.loose), 150, spacing)
+    seeds, rng = spread_seeds(mesh, place, np.flatnonzero(~mesh.loose), 150, spacing), np.random.default_rng(0)
     for taken, least in ((1, 0.0), (40, 0.0), (1, spacing**2)):
-        chosen = native.farthest_first(library, place, taken, least, 300)
-        assert np.array_equal(chosen, farthest_first(place, taken, least, 300)) and len(chosen)
+        for weights in (np.ones(len(place)), rng.uniform(0.02, 1, len(place))):
+            chosen = native.farthest_first(library, place, weights, taken, least, 300)
+            assert np.array_equal(chosen, farthest_first(place, weights, taken, least, 300)) and len(chosen)
     found, wanted = native.grow_cells(library, mesh.springs, place, seeds), spread_cells(mesh.springs, place, seeds)
     assert np.array_equal(found[0], wanted[0]) and np.array_equal(found[1], wanted[1])
-    cells, rng = np.maximum(wanted[0], 0), np.random.default_rng(0)
+    cells = np.maximum(wanted[0], 0)
     around = np.array([rng.permutation(len(seeds))[:30] for _ in seeds])
     around[::3, 5:] = -1
     first, followed, weights = native.follow_cells(library, place, seeds, cells, around)

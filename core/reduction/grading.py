@@ -1,0 +1,75 @@
+"""Where fingertips will press a body, and how much coarser than there its proxy may be elsewhere."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..base import Floats, Ints
+from ..mesh.surface import Mesh
+
+Vector = tuple[float, float, float]
+
+FINE = 2.0  # fingertip radii round a place that is pressed within which a proxy is as fine as anywhere
+GROWTH = 2 / 3  # of the finest spacing by which the spacing grows a radius further
+FAR = 8.0  # finest spacings: how coarse it is at most
+STEP = 0.5  # radii between two places of a path
+REACH = 4.0  # radii between the centre of a fingertip and a place of the surface that it may press
+LOOKED = 60_000  # vertices of a finer mesh that are looked at for a plan
+
+
+class Pressed(NamedTuple):
+    """Places (k) of the surface at rest [m] that fingertips of a radius [m] will press."""
+
+    places: tuple[Vector, ...]
+    radius: float
+
+
+def pressed_by(mesh: Mesh, paths: list[Floats], radius: float) -> Pressed | None:
+    """Return where fingertips whose centres go along paths (k, 3) [m] come near a surface, None where nowhere."""
+    looked = _looked(mesh)
+    points, found = mesh.rest_positions[looked], set()
+    low, high = points.min(axis=0) - REACH * radius, points.max(axis=0) + REACH * radius
+    columns = np.ascontiguousarray(points.T)
+    for path in paths:
+        dense = _resampled(path, STEP * radius)
+        for centre in dense[((dense >= low) & (dense <= high)).all(axis=1)]:
+            away = _squares(columns, centre)
+            if away[at := int(away.argmin())] <= (REACH * radius) ** 2:
+                found.add(at)
+    return Pressed(tuple(tuple(points[at].tolist()) for at in sorted(found)), radius) if found else None
+
+
+def coarser(points: Floats, pressed: Pressed) -> Floats:
+    """Return by how much (n,) the spacing of a proxy is larger at points (n, 3) [m] than where it is the finest."""
+    columns, away = np.ascontiguousarray(points.T), np.full(len(points), np.inf)
+    for place in pressed.places:
+        np.minimum(away, _squares(columns, place), out=away)
+    return np.clip(1 + GROWTH * (np.sqrt(away) / pressed.radius - FINE), 1.0, FAR)
+
+
+def share_of(mesh: Mesh, pressed: Pressed) -> float:
+    """Return how many vertices a proxy has over one that is everywhere as fine as it is where it is the finest."""
+    looked = _looked(mesh)
+    areas = mesh.vertex_areas[looked]
+    return float((areas / coarser(mesh.rest_positions[looked], pressed) ** 2).sum() / areas.sum())
+
+
+def _looked(mesh: Mesh) -> Ints:
+    used = np.flatnonzero(~mesh.loose)
+    return used[:: -(-len(used) // LOOKED)]
+
+
+def _squares(columns: Floats, place: Floats | Vector) -> Floats:
+    """Return the squares (n,) [m2] of the distances of points (3, n) from a place."""
+    x, y, z = (column - c for column, c in zip(columns, place, strict=True))
+    return x * x + y * y + z * z
+
+
+def _resampled(path: Floats, step: float) -> Floats:
+    """Return points on a path (k, 3), so close that none is farther than a step from the next."""
+    along = np.append(0.0, np.cumsum(np.sqrt((np.diff(path, axis=0) ** 2).sum(axis=1))))
+    at = np.linspace(0, along[-1], math.ceil(along[-1] / step) + 1)
+    return np.stack([np.interp(at, along, c) for c in path.T], axis=1)
