@@ -2,7 +2,7 @@
 
 from decimal import Decimal
 
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from .translations import CONTEXT
 
@@ -48,6 +48,9 @@ class ReductionSettings:
     )  # fmt: skip
     plan_key: kept_text("Plan Key", "Checksum of everything the plan depends on; a new plan is made when it differs")
     plan_vertices: IntProperty(name="Planned Vertices", description="Of the proxy; 0 is the full mesh", **FIXED)
+    plan_graded: BoolProperty(
+        name="Graded", description="The proxy is fine near the fingertips' paths and coarse elsewhere", **FIXED
+    )  # fmt: skip
     plan_reason: kept_text("Plan", "What is simulated, and why")
     comparison: kept_text("Comparison", "Cost and errors of every variant of this object")
 

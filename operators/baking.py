@@ -26,6 +26,7 @@ from . import (
     contact,
     live,
     offset,
+    paths,
     planning,
     props,
     recorder,
@@ -185,7 +186,8 @@ def _open(
     if link.shaped:
         files.enter_context(rest_shape.unbaked(obj))
         files.enter_context(offset.attached(obj))
-    proxy, reason = planning.proxy_for(context.scene, obj, model)
+    pressed = paths.pressed_along(context.scene, obj, model, link.scale)
+    proxy, reason = planning.proxy_for(context.scene, obj, model, pressed=pressed)
     session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]

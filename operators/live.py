@@ -42,8 +42,13 @@ def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
     raise DimpleError("Nothing is selected. Select a mesh to press it.")
 
 
-def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], list[str]]:
+def start_all(
+    context: bpy.types.Context, *, along: bool = False
+) -> tuple[list[LiveBody], list[str], list[str]]:
     """Start a session on every candidate.
+
+    Args:
+        along: fingertip objects go along their keyframes.
 
     Returns:
         The bodies, sentences for the artist, and what is wrong with objects that had to be left out.
@@ -51,16 +56,16 @@ def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], li
     Raises:
         DimpleError: none of them can be pressed.
     """
-    found: tuple[list[LiveBody], list[str], list[str]] = at_once(starting_all(context))
+    found: tuple[list[LiveBody], list[str], list[str]] = at_once(starting_all(context, along=along))
     return found
 
 
-def starting_all(context: bpy.types.Context) -> Parts:
+def starting_all(context: bpy.types.Context, *, along: bool = False) -> Parts:
     """Start a session on every candidate, in parts; see `start_all`."""
     bodies, messages, wrong = [], [], []
     for obj in twins.joined(candidates(context), context.scene):
         try:
-            body, notes = yield from sessions.starting(obj, context)
+            body, notes = yield from sessions.starting(obj, context, along=along)
         except DimpleError as error:
             wrong.append(str(error))
         else:

@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.reduction.grading import share_of
 from ..core.reduction.planner import Maker, Plan, carry_out, decide, plan_full_mesh, plan_proxy
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     from ..core.body.model import Model
     from ..core.mesh.surface import Mesh
+    from ..core.reduction.grading import Pressed
     from ..core.reduction.proxy import Proxy
 
 KEPT = 4  # choices: bodies that are alike are planned once
@@ -43,36 +45,46 @@ _moving: list[tuple[Mesh, Proxy | None]] = []  # what was chosen for the last me
 
 
 def proxy_for(
-    scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
+    scene: bpy.types.Scene,
+    obj: bpy.types.Object,
+    model: Model,
+    moving: Proxy | None = None,
+    pressed: Pressed | None = None,
 ) -> tuple[Proxy | None, str]:
     """Return the proxy of an object, None for the full mesh, and the reason where the choice is new.
 
     Args:
         moving: what moves in place of this very model already.
+        pressed: where the fingertips will press, if that is known.
 
     Raises:
         DimpleError: the proxy that was asked for cannot be made.
     """
-    found: tuple[Proxy | None, str] = at_once(planning_for(scene, obj, model, moving))
+    found: tuple[Proxy | None, str] = at_once(planning_for(scene, obj, model, moving, pressed))
     return found
 
 
 def planning_for(
-    scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, moving: Proxy | None = None
+    scene: bpy.types.Scene,
+    obj: bpy.types.Object,
+    model: Model,
+    moving: Proxy | None = None,
+    pressed: Pressed | None = None,
 ) -> Parts:
     """Plan an object in parts; see `proxy_for`."""
-    settings, now, build = obj.dimple, key(scene, obj, model), partial(_proxy, moving)
+    settings, now, build = obj.dimple, key(scene, obj, model, pressed), partial(_proxy, moving)
     known, old = settings.plan_key == now, _choices.get(now)
     if old:
         proxy = with_constants(old.proxy, model) if old.proxy else None  # gravity and ground are its own
         made = old._replace(proxy=proxy)
     elif known:
         vertices = settings.plan_vertices
-        proxy = (yield 0.6, partial(build, model, vertices)) if vertices else None
+        fine = pressed if settings.plan_graded else None
+        proxy = (yield 0.6, partial(build, model, vertices, fine)) if vertices else None
         made = Choice(proxy, vertices, settings.plan_reason)
     else:
         try:
-            reason, make = choosing(scene, obj)(model)
+            reason, make = choosing(scene, obj, pressed)(model)
             settings.plan_key, settings.plan_reason = "", reason  # to be read while a proxy is made
             chosen = yield 0.6, partial(make, build)
         except DimpleError as error:
@@ -86,6 +98,7 @@ def planning_for(
     while len(_choices) > KEPT:
         del _choices[next(iter(_choices))]
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
+    settings.plan_graded = bool(made.proxy and made.proxy.pressed)
     return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
 
 
@@ -94,7 +107,7 @@ def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Callable[[
     any does.
     """
     for known, proxy in _moving:
-        if known is mesh:
+        if known is mesh and not (proxy and proxy.pressed):  # one that is graded may be coarse where it is measured
             return lambda: proxy
     obj = bridge.find(uid)
     if obj is None or contact.is_on(bpy.context.scene):
@@ -106,22 +119,26 @@ def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Callable[[
 identified.choosing.append(_to_identify)
 
 
-def _proxy(moving: Proxy | None, model: Model, vertices: int) -> Proxy:
-    """Return a proxy of a model; one of as many vertices that such a mesh, painted so, had before only needs other
-    constants.
+def _proxy(moving: Proxy | None, model: Model, vertices: int, pressed: Pressed | None = None) -> Proxy:
+    """Return a proxy of a model; one of as many vertices that such a mesh, painted so and pressed there, had before
+    only needs other constants.
 
     Raises:
         DimpleError: it cannot be made.
     """
-    spacing = mean_spacing(model.mesh, vertices)
+    spacing = mean_spacing(model.mesh, vertices / (share_of(model.mesh, pressed) if pressed else 1.0))
     stiffer = painted(model)
-    if moving and moving.spacing == spacing and np.array_equal(moving.painted, stiffer):
+
+    def is_it(proxy: Proxy) -> bool:
+        same = proxy.spacing == spacing and proxy.pressed == pressed
+        return same and np.array_equal(proxy.painted, stiffer)
+
+    if moving and is_it(moving):
         return moving
     for mesh, proxy in [*_moving]:
-        same = proxy and proxy.spacing == spacing and np.array_equal(proxy.painted, stiffer)
-        if proxy and same and _are_alike(mesh, model.mesh):
+        if proxy and is_it(proxy) and _are_alike(mesh, model.mesh):
             return with_constants(proxy, model)
-    return build_proxy(model, vertices)
+    return build_proxy(model, vertices, pressed)
 
 
 def _are_alike(mesh: Mesh, other: Mesh) -> bool:
@@ -130,7 +147,7 @@ def _are_alike(mesh: Mesh, other: Mesh) -> bool:
 
 
 def choosing(
-    scene: bpy.types.Scene, obj: bpy.types.Object
+    scene: bpy.types.Scene, obj: bpy.types.Object, pressed: Pressed | None = None
 ) -> Callable[[Model], tuple[str, Callable[[Maker], Plan]]]:
     """Return what decides how a model is simulated, by the settings that its object has now.
 
@@ -148,7 +165,9 @@ def choosing(
             return "", lambda build: plan_full_mesh(model, budget=budget, because=because)
         if wanted["simulated"] == "proxy":
             return "", lambda build: plan_proxy(model, wanted["vertices"], radius=radius, budget=budget, build=build)
-        decided = decide(model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget)
+        decided = decide(
+            model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget, pressed=pressed
+        )
         return decided.reason, partial(carry_out, decided)
 
     return by_settings
@@ -177,8 +196,8 @@ def around(scene: bpy.types.Scene, obj: bpy.types.Object) -> Around:
     return Around(scene.dimple.finger_radius_mm, budget_of(scene, obj), contact.is_on(scene))
 
 
-def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
-    """Return a checksum of what the plan depends on: body, materials, tolerances, fingertip and budget."""
+def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, pressed: Pressed | None = None) -> str:
+    """Return a checksum of what the plan depends on: body, materials, tolerances, fingertips and budget."""
     law, number = model.matching, 0
     for array in (
         law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, law.d0, law.damping, law.tension,
@@ -186,4 +205,5 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
     ):  # fmt: skip
         number = zlib.crc32(np.ascontiguousarray(array), number)
     words = (model.law_set, model.pressure.fill, model.rigged, *around(scene, obj), *obj.dimple.to_plan().values())
+    words += (pressed,) if pressed else ()
     return f"{zlib.crc32(repr(words).encode(), number):08x}"

@@ -41,7 +41,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
         try:
             polls.check_numbers(self, "seconds")
-            self._report(live.start_all(context))
+            self._report(live.start_all(context, along=True))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -69,7 +69,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             if start.takes_long(context):
                 bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
                 return {"CANCELLED"}  # it is started anew when they are ready
-            self._report(live.start_all(context))
+            self._report(live.start_all(context, along=True))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -120,7 +120,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
         Wound back, it begins anew at rest.
         """
-        from . import live, props, timeline
+        from . import live, props, timeline, tuning
 
         scene, before = context.scene, self._frame
         if scene.frame_current > before:
@@ -129,12 +129,14 @@ class DIMPLE_OT_play(bpy.types.Operator):
         self._frame = scene.frame_current
         if self._frame == before and not _at_rest():
             return showing.end_changed(context.view_layer)
+        messages = []
         for body in sessions.sessions.values():
+            messages += tuning.plan_for_paths(context, body, along=True)  # keyframes may have changed
             body.session.reset()
             sessions.set_worlds(())
             props.put_back()
             body.matrix, body.rest = body.link.matrix, body.link.rest
-        return live.advance(context, 0.0)
+        return [*messages, *live.advance(context, 0.0)]
 
     def _report(self, started: tuple[list, list[str], list[str]]) -> None:
         _, messages, wrong = started

@@ -31,7 +31,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
 
         before = set(sessions.sessions)
         try:
-            self._came = yield from beside(live.starting_all(context))
+            self._came = yield from beside(live.starting_all(context, along=self.then == "play"))
         except GeneratorExit:
             for uid in set(sessions.sessions) - before:
                 sessions.stop(uid)

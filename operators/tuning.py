@@ -12,7 +12,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.steps import Parts, at_once, beside
-from . import bridge, bridge_model, planning, timeline
+from . import bridge, bridge_model, paths, planning, timeline
 from .names import PAINTING
 from .settings import settings_of
 
@@ -56,6 +56,24 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
         messages = end.value
         return messages
     return []
+
+
+def plan_for_paths(context: bpy.types.Context, body: LiveBody, *, along: bool) -> list[str]:
+    """Let a running body be fine where keyframes lead its fingertips, or everywhere alike; return sentences.
+
+    Args:
+        along: the fingertips go along their keyframes.
+    """
+    obj, session = bridge.find(body.link.uid, body.name), body.session
+    assert obj  # else the session has ended
+    pressed = paths.pressed_along(context.scene, obj, session.model, body.link.scale) if along else None
+    if pressed == body.pressed:
+        return []
+    body.pressed = pressed
+    proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy, pressed)
+    if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
+        session.change(session.model, proxy=proxy)
+    return [reason] if reason else []
 
 
 def follow_keyframes(
@@ -127,9 +145,12 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
     old = body.session.proxy
     if not again and old is None:
         return None, []
-    if not again and old is not None:
+    scaled = model.mesh is not body.session.model.mesh
+    if scaled:
+        body.pressed = None  # those were in metres of another size
+    if not again and old is not None and not (scaled and old.pressed):
         try:
-            if model.mesh is not body.session.model.mesh:
+            if scaled:
                 return build_proxy(model, len(old.seeds)), []
             proxy = yield 0.8, partial(with_constants, old, model)
             return (proxy, []) if body.session.proxy is old else (None, [])  # contact has dropped it meanwhile
@@ -137,7 +158,7 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
             pass
     obj = bridge.find(body.link.uid, body.name)
     assert obj  # else the session has ended
-    proxy, reason = planning.proxy_for(bpy.context.scene, obj, model)
+    proxy, reason = planning.proxy_for(bpy.context.scene, obj, model, pressed=body.pressed)
     return proxy, [reason] if reason else []
 
 
@@ -155,7 +176,8 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
     finer = before and around.radius_mm < before.radius_mm
     coarse = finer and _is_coarse(obj, session.model, around.radius_mm / 1e3)
     try:
-        proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy)
+        body.pressed = body.pressed and body.pressed._replace(radius=around.radius_mm / 1e3)
+        proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy, body.pressed)
         if (len(proxy.seeds) if proxy else 0) != (len(session.proxy.seeds) if session.proxy else 0):
             session.change(session.model, proxy=proxy)
     except DimpleError as error:

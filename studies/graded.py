@@ -1,15 +1,14 @@
 """What proxies would gain that are fine near fingertips, or still far from them: error against cost, press by press.
 
-A graded proxy is made for the place that a press goes to, or for all four places of a body at once, as for a path that
-is known: the spacing is the least within 1.5 fingertip radii, and grows to FAR times as much 3 radii on. An active
-region is a uniform proxy that is held beyond some radii from the press: what is asleep costs nothing.
+A graded proxy (core.reduction.grading) is made for the place that a press goes to, or for all four places of a body at
+once, as for a path that is known. An active region is a uniform proxy that is held beyond some radii from the press:
+what is asleep costs nothing.
 `python3 dev.py core graded --csv FILE`; `dev.py charts` draws it.
 
 Found on six meshes of 4,058 vertices (tests/studies/charts/graded.csv): for the same error of the surface a proxy for
-one press takes 0.08 to 0.28 of the work of a uniform one, for four places 0.18 to 0.55, and a region 0.10 to 1.57. None
-is offered: a live fingertip goes where it was not expected, and where its path is known, in Play and in a bake, the
-steps of a planned proxy are 5 to 6 ms of some 36 ms that a frame of a bake takes (40,000 vertices), and 1 of 16 ms of a
-live frame of a million. A bake would be 1.2 times as fast at the best.
+one press takes 0.07 to 0.32 of the work of a uniform one, for four places 0.26 to 0.52, and a region 0.10 to 1.57. The
+planner takes a graded one only where no even proxy keeps the tolerances live: elsewhere the steps are no longer what a
+frame takes, 5 to 6 ms of some 36 ms of a bake (40,000 vertices), and 1 of 7 to 9 ms of a live frame of a million.
 """
 
 from __future__ import annotations
@@ -20,16 +19,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 
-from core.base import TICK, DimpleError, Floats, Ints
+from core.base import TICK, DimpleError, Floats
 from core.body.model import Model
-from core.mesh.surface import Mesh
-from core.reduction import proxy as proxies
 from core.reduction.benchmark import BenchmarkPress, PressResult, choose_presses, outcome_of, press_body, press_variant
-from core.reduction.cells import spread_seeds
+from core.reduction.grading import Pressed
+from core.reduction.proxy import build_proxy
 from core.solver.backend import create
 from core.steps import result_of
 
@@ -37,7 +34,6 @@ from . import bodies
 
 CHOSEN = (3, 6, 9, 14, 18, 24)  # of bodies.FITTED
 PRESSES, SEED = 4, 3
-FAR = 3.0  # spacings: how coarse the far side is
 SIZES = {
     "uniform": (200, 283, 400, 566, 800, 1131), "graded": (100, 141, 200, 283, 400), "path": (141, 200, 283, 400, 566),
 }  # fmt: skip
@@ -56,18 +52,6 @@ class Rung:
     work: int
     error: float
     force_error: float
-
-
-def graded_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, at: Floats, radius: float) -> Ints:
-    """Choose seeds farthest first, distances over the spacing that is wanted where they end, fine near `at` (k, 3)."""
-    away = np.min([np.linalg.norm(mesh.rest_positions[used] - one, axis=1) for one in at], axis=0)
-    wanted = np.clip(1 + (FAR - 1) * (away - 1.5 * radius) / (3 * radius), 1, FAR)
-    points, chosen = place[used], [int(away.argmin())]
-    near = np.full(len(used), np.inf)
-    for _ in range(count - 1):
-        near = np.minimum(near, ((points - points[chosen[-1]]) ** 2).sum(axis=1) / wanted**2)
-        chosen.append(int(near.argmax()))
-    return used[np.array(chosen)]
 
 
 def rungs(chosen: Sequence[int] = CHOSEN, count: int = PRESSES) -> Iterator[Rung]:
@@ -90,14 +74,9 @@ def rungs(chosen: Sequence[int] = CHOSEN, count: int = PRESSES) -> Iterator[Rung
 def _measured(
     model: Model, press: BenchmarkPress, goal: PressResult, size: int, near: list[Floats], reach: float = np.inf
 ) -> dict[str, Any] | None:
-    def seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float) -> Ints:
-        if not near:
-            return spread_seeds(mesh, place, used, count, spacing)
-        return graded_seeds(mesh, place, used, count, np.array(near), press.radius)
-
+    pressed = Pressed(tuple(tuple(at.tolist()) for at in near), press.radius) if near else None
     try:
-        with patch.object(proxies, "spread_seeds", seeds):
-            made = proxies.build_proxy(model, size)
+        made = build_proxy(model, size, pressed)
     except DimpleError:
         return None
     moves, steps = made.model, made.model.substeps(TICK)

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from core.reduction import error_model, planner
+from core.reduction import error_model
 from studies import bodies, proxies
 from studies.proxies import COARSEST, FINEST, GROWTH, JUDGED, KEPT, LINE, Candidate, Choice, ProxyBenchmark, Row
 

@@ -38,6 +38,10 @@ WORDS = {
     ),
     "Planned Vertices": "計画の頂点数",
     "Of the proxy; 0 is the full mesh": "代理メッシュの頂点数。0 は元のメッシュ",
+    "Graded": "段階的",
+    "The proxy is fine near the fingertips' paths and coarse elsewhere": (
+        "代理メッシュは指先の経路の近くで細かく、ほかでは粗くなります"
+    ),
     "Plan": "計画",
     "What is simulated, and why": "何を計算するか、そしてその理由",
     "Comparison": "比較",

@@ -300,11 +300,11 @@ def _work(model: Model) -> str:
 def _proxys_reason(
     because: str, vertices: int, pressed: Pressed | None, speed: str, error: float, force_error: float
 ) -> str:
-    fine = ", fine near the fingertips' paths," if pressed else ""
-    return (
-        f"{because}. A proxy of {vertices:,} vertices{fine} {speed}, within {1e3 * error:.2g} mm and "
+    reason = (
+        f"{because}. A proxy of {vertices:,} vertices {speed}, within {1e3 * error:.2g} mm and "
         f"{force_error:.0%} of the force."
     )
+    return f"{reason} It is fine near the fingertips' paths." if pressed else reason
 
 
 def _too_few(decided: Decision) -> DimpleError:

@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.reduction import error_model, planner
+from core.reduction import error_model
 from studies import bodies, proxies
 from studies.bodies import BodyCase
-from studies.graded import graded_seeds
 from studies.proxies import KEPT, LINE, ProxyBenchmark, Row
 
 CHARTS = Path(__file__).parent / "charts"
@@ -91,14 +90,3 @@ def test_the_best_is_the_lowest_rung_on_which_49_of_50_presses_keep_the_toleranc
     near = (1.01 * rungs[-2].errors.max(), 1.01 * rungs[-2].force_errors.max())
     assert rungs[-2].meets(near) and not rungs[-2].meets((0.5 * near[0], near[1]))
     assert not benchmark.proxy(10**6).vertices, "no such proxy can be made"
-
-
-def test_graded_seeds_lie_closer_where_the_fingertip_goes_and_farther_elsewhere() -> None:
-    body = bodies.FITTED[0]
-    mesh = bodies.build(body, 12).mesh
-    x, used = mesh.rest_positions, np.arange(len(mesh.rest_positions))
-    at = x[x[:, 2].argmax()]
-    seeds = x[graded_seeds(mesh, np.hstack([x, 0 * x]), used, 120, at[None], body.radius)]
-    nearest = np.sort(np.linalg.norm(seeds[:, None] - seeds, axis=2), axis=1)[:, 1]
-    away = np.linalg.norm(seeds - at, axis=1)
-    assert np.median(nearest[away > 4.5 * body.radius]) > 1.8 * np.median(nearest[away < 1.5 * body.radius])

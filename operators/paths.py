@@ -1,0 +1,68 @@
+"""Where keyframes lead the fingertip objects of a scene, read from their curves: what they will press is then known."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ..core.reduction.grading import pressed_by
+from . import haptic, sessions
+from .shape_keys import curve_bags
+
+if TYPE_CHECKING:
+    from ..core.base import Floats
+    from ..core.body.model import Model
+    from ..core.reduction.grading import Pressed
+
+
+def pressed_along(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, scale: float) -> Pressed | None:
+    """Return where the fingertip objects will press an object, None where that is not known.
+
+    It is where they have keyframes, and nothing else moves them or the object. While a haptic device is connected, it
+    presses in their place.
+
+    Args:
+        scale: metres of the model per unit of the scene.
+    """
+    tips = sessions.fingertip_objects(scene) - {None}
+    keyed = [tip for tip in tips if any(_curves(tip))]
+    if not keyed or haptic.connections or model.free or not _stands(obj) or any(map(_is_led, tips)):
+        return None
+    paths = [scale * _path(scene, tip) for tip in sorted(tips, key=lambda tip: tip.name)]
+    return pressed_by(model.mesh, paths, scene.dimple.finger_radius_mm / 1e3)
+
+
+def _path(scene: bpy.types.Scene, tip: bpy.types.Object) -> Floats:
+    """Return the places (frames, 3) of a fingertip in the scene, frame by frame."""
+    curves = _curves(tip)
+    keys = [point.co.x for curve in curves for point in curve.keyframe_points]
+    first, last = min([scene.frame_start, *keys]), max([scene.frame_end, *keys])
+    frames = np.arange(np.floor(first), last + 1)
+    own = np.tile(tip.location, (len(frames), 1)).astype(np.float64)
+    for curve in curves:
+        own[:, curve.array_index] = [curve.evaluate(frame) for frame in frames]
+    parent = np.eye(4) if tip.parent is None else np.array(tip.parent.matrix_world @ tip.matrix_parent_inverse)
+    return (own + np.array(tip.delta_location)) @ parent[:3, :3].T + parent[:3, 3]
+
+
+def _curves(obj: bpy.types.Object) -> list[bpy.types.FCurve]:
+    """Return the curves of the keyframes of an object's place."""
+    return [curve for bag in curve_bags(obj) for curve in bag.fcurves if curve.data_path == "location"]
+
+
+def _is_led(tip: bpy.types.Object) -> bool:
+    """Tell whether a fingertip goes where its own keyframes do not say."""
+    parent = tip.parent
+    return _is_driven(tip) or bool(parent and (tip.parent_type != "OBJECT" or not _stands(parent)))
+
+
+def _stands(obj: bpy.types.Object) -> bool:
+    """Tell whether nothing moves an object but the artist."""
+    return not (_is_driven(obj) or any(curve_bags(obj)) or (obj.parent and not _stands(obj.parent)))
+
+
+def _is_driven(obj: bpy.types.Object) -> bool:
+    moved = obj.animation_data
+    return bool(obj.constraints or (moved and (moved.drivers or (moved.use_nla and moved.nla_tracks))))

@@ -1,0 +1,107 @@
+"""Where keyframes lead the fingertips is known, so a proxy may be fine there and coarse elsewhere."""
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.point_cache import read_point_cache
+
+RADIUS, LAST = 10.0, 10  # [mm], frames
+
+
+@pytest.fixture
+def keyed(bpy: ModuleType, scene: Any, ball: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A ball of 10,242 vertices, 165 mm wide, whose flank a fingertip presses; what is above 1,200 is not live."""
+    from bl_ext.user_default.dimple.core.reduction import planner
+
+    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 2000)
+    obj = ball("Fine", 6)
+    obj.dimple.tolerance_percent, scene.dimple.finger_radius_mm = 12.0, RADIUS
+    tip = bpy.data.objects.new("Tip", None)
+    scene.collection.objects.link(tip)
+    scene.dimple.finger_1 = tip
+    for frame, way in ((1, 1 + RADIUS / 82.5), (6, 1 + RADIUS / 82.5 - 5 / 82.5)):
+        tip.location = way * np.array([0.6, 0.48, 0.64])
+        tip.keyframe_insert("location", frame=frame)
+    return obj
+
+
+def bake(bpy: ModuleType, obj: Any) -> tuple[float, bytes]:
+    """Return the force on the last frame [N] and the bytes of the cache."""
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=LAST) == {"FINISHED"}
+    path = Path(obj.modifiers["Dimple"].filepath)
+    with path.with_suffix(".csv").open(newline="") as file:
+        *_, last = csv.DictReader(file)
+    data = path.read_bytes()
+    bpy.ops.dimple.unbake()
+    return max(float(value) for name, value in last.items() if name.startswith("force")), data
+
+
+def test_a_bake_is_fine_where_keyframes_lead_the_fingertip_and_has_the_force_of_the_full_mesh(
+    bpy: ModuleType, keyed: Any
+) -> None:
+    force, data = bake(bpy, keyed)
+    assert keyed.dimple.plan_graded and keyed.dimple.plan_vertices < 600
+    assert keyed.dimple.plan_reason.endswith("It is fine near the fingertips' paths.")
+    assert "runs live, within" in keyed.dimple.plan_reason
+    assert bake(bpy, keyed) == (force, data), "the same bits again"
+    keyed.dimple.plan_key = ""
+    assert bake(bpy, keyed) == (force, data), "planned again, too"
+    keyed.dimple.simulated = "MESH"
+    full, _ = bake(bpy, keyed)
+    assert full > 0.5 and force == pytest.approx(full, rel=0.12)
+
+
+def test_play_along_the_timeline_shows_the_bake_and_a_poke_is_planned_for_any_place(
+    bpy: ModuleType, scene: Any, keyed: Any, simulated: Callable[[Any], np.ndarray]
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    scene.frame_set(1)
+    bpy.ops.dimple.play(frames=LAST - 1)
+    shown, graded = simulated(keyed), sessions.get(keyed).session.proxy
+    assert graded.pressed and len(graded.seeds) < 600
+    bpy.ops.dimple.poke(depth_mm=1.0, press_s=0.01, hold_s=0.0, release_s=0.0)
+    assert not keyed.dimple.plan_graded and keyed.dimple.plan_vertices > 2000
+    bpy.ops.dimple.bake(frame_start=1, frame_end=LAST)
+    baked = read_point_cache(keyed.modifiers["Dimple"].filepath)[2][-1]
+    assert np.abs(baked - read_point_cache(keyed.modifiers["Dimple"].filepath)[2][0]).max() > 0.02
+    assert np.array_equal(np.asarray(shown, "<f4"), baked)
+
+
+def test_paths_that_change_are_planned_again_and_unknown_ones_are_not_planned_for(
+    bpy: ModuleType, scene: Any, keyed: Any
+) -> None:
+    from bl_ext.user_default.dimple.operators import bridge, paths
+
+    link, model = bridge.read_body(bpy.context, keyed, identify="NO")
+
+    def places() -> Any:
+        return paths.pressed_along(scene, keyed, model, link.scale)
+
+    tip, before = scene.dimple.finger_1, places()
+    at = np.array(before.places) / link.scale
+    assert np.abs(at @ [0.6, 0.48, 0.64] - 1).max() < 0.05, "near where it presses"
+    tip.location = (0.0, 0.0, 1.05)
+    tip.keyframe_insert("location", frame=20)
+    assert set(before.places) < set(places().places)
+    holder = bpy.data.objects.new("Holder", None)
+    tip.parent = holder
+    assert places().places, "a parent that stands"
+    holder.keyframe_insert("location", frame=1)
+    assert places() is None, "a parent that goes"
+    tip.parent = None
+    tip.constraints.new("COPY_LOCATION")
+    assert places() is None
+    tip.constraints.clear()
+    assert places() is not None
+    keyed.keyframe_insert("location", frame=1)
+    assert places() is None, "the body goes"
+    keyed.animation_data_clear()
+    tip.animation_data_clear()
+    assert places() is None, "a hand moves it"
