@@ -65,7 +65,10 @@ def starting_all(context: bpy.types.Context, *, along: bool = False) -> Parts:
     bodies, messages, wrong = [], [], []
     for obj in twins.joined(candidates(context), context.scene):
         try:
+            known = sessions.get(obj)
             body, notes = yield from sessions.starting(obj, context, along=along)
+            if known:
+                notes = tuning.plan_for_paths(context, body, along=along)
         except DimpleError as error:
             wrong.append(str(error))
         else:

@@ -8,7 +8,6 @@ import bpy
 import numpy as np
 
 from ..core.reduction.grading import pressed_by
-from . import haptic, sessions
 from .shape_keys import curve_bags
 
 if TYPE_CHECKING:
@@ -20,17 +19,16 @@ if TYPE_CHECKING:
 def pressed_along(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, scale: float) -> Pressed | None:
     """Return where the fingertip objects will press an object, None where that is not known.
 
-    It is where they have keyframes, and nothing else moves them or the object. While a haptic device is connected, it
-    presses in their place.
+    It is where they have keyframes, and nothing else moves them or the object.
 
     Args:
         scale: metres of the model per unit of the scene.
     """
-    tips = sessions.fingertip_objects(scene) - {None}
+    tips = [tip for tip in (scene.dimple.finger_1, scene.dimple.finger_2, scene.dimple.finger_3) if tip]
     keyed = [tip for tip in tips if any(_curves(tip))]
-    if not keyed or haptic.connections or model.free or not _stands(obj) or any(map(_is_led, tips)):
+    if not keyed or model.free or not _stands(obj) or any(map(_is_led, tips)):
         return None
-    paths = [scale * _path(scene, tip) for tip in sorted(tips, key=lambda tip: tip.name)]
+    paths = [scale * _path(scene, tip) for tip in tips]
     return pressed_by(model.mesh, paths, scene.dimple.finger_radius_mm / 1e3)
 
 

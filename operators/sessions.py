@@ -149,9 +149,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context, *, along: bool =
         along: its fingertips go along their keyframes.
     """
     if body := get(obj):
-        from . import tuning
-
-        return body, tuning.plan_for_paths(context, body, along=along)
+        return body, []
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
     from . import bridge, bridge_write, paths, planning, sizing, timeline

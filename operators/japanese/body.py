@@ -146,7 +146,7 @@ MESSAGES = {
     "runs live": "は実時間で動き",
     "is to be made": "をこれから作り",
     "As chosen": "選択どおりです",
-    "{} It is fine near the fingertips' paths.": "{}指先の経路の近くだけ細かくします。",
+    "It is fine near the fingertips' paths.": "指先の経路の近くだけ細かくします。",
     "{} A proxy within the tolerances would not run live.": "{}許容差に収まる代理メッシュでは実時間で動きません。",
     "{} A proxy cannot have the vertices to keep the tolerances.": "{}代理メッシュの頂点数では許容差に収まりません。",
     "{}. A proxy of {} vertices {}, within {} mm and {} of the force.": (
