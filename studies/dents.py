@@ -1,4 +1,11 @@
-"""`dev.py core dents`: how smooth settled dents are, beside finite elements, and how they converge with the mesh."""
+"""`dev.py core dents`: how smooth settled dents are, beside finite elements, and how they converge with the mesh.
+
+A dent is smooth down to two radii of the fingertip. Deeper, the places at rest of the skin below the tip lie above the
+tip's centre and pull it back round the tip: at the bottom it is farthest from them. Tension and friction keep it there,
+else it slips to some side, and the dent leans: at 2.5 radii by up to 4 % of its depth. Under a tip of 20 mm, to which
+25 mm are 1.25 radii, it does not, and with a friction of 2 it does not either (`--parts friction`). A proxy whose edges
+are longer than the tip's radius is rough at any depth.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +42,8 @@ RATE = 500.0  # [1/s] at which a body as light and damped as these settles
 TRAVEL = 0.1  # [m/s] of the fingertip
 SETTLING, LISTENING = 0.06, 0.01  # [s] at each depth; then the mean of the reaction is taken
 FINE = 5  # subdivisions of the ball whose profile is compared
-PARTS = ("roughness", "profile", "other-tip", "forces", "turning")
+FRICTIONS = (0.5, 1.0, 2.0)  # of the skin under deep dents
+PARTS = ("roughness", "friction", "profile", "other-tip", "forces", "turning")
 TURNS = 6  # ways a triangulation is turned under the tip
 KEPT = Path(__file__).parents[1] / "tests" / "studies" / "solid"  # dents by finite elements
 
@@ -107,16 +115,35 @@ def roughness_rows(
     for name in names:
         material = MATERIALS[name]
         finest = ball(BALLS[max(size for size in sizes if size <= 40962)])
-        exact = {
-            one.depth: facet_roughness(finest.rest_positions, finest.triangles, one.positions)[1]
-            for one in settle(finest, material, TIP, DEPTHS)
-        }
-        for size in sizes:
-            mesh = ball(BALLS[size])
-            for proxy in sorted({0, planned(mesh, material), *(PROXIES if size in PROXIED else ())}):
-                for one in settle(mesh, material, TIP, DEPTHS, proxy=proxy):
-                    row = {"material": name, "vertices": size, "proxy": proxy, **roughness(mesh, one, exact[one.depth])}
-                    yield row, (name, _label(size, proxy), one.depth, mesh, one.positions)
+        for radius in TIPS:
+            exact = {
+                one.depth: facet_roughness(finest.rest_positions, finest.triangles, one.positions)[1]
+                for one in settle(finest, material, radius, DEPTHS)
+            }
+            for size in sizes:
+                mesh = ball(BALLS[size])
+                for proxy in sorted({0, planned(mesh, material), *(PROXIES if size in PROXIED else ())}):
+                    for one in settle(mesh, material, radius, DEPTHS, proxy=proxy):
+                        body = {"material": name, "vertices": size, "proxy": proxy, "tip_mm": 1e3 * radius}
+                        drawn = (name, _label(size, proxy), one.depth, mesh, one.positions)
+                        yield {**body, **roughness(mesh, one, exact[one.depth])}, drawn if radius == TIP else None
+
+
+def friction_rows(names: Sequence[str], sizes: Sequence[int]) -> Iterator[dict[str, object]]:
+    """Yield rows of deep dents in skins of more and more friction, on turned balls and on the proxies of sessions."""
+    for name in names:
+        for friction in FRICTIONS:
+            material = replace(MATERIALS[name], friction=friction)
+            bodies = [(_unscaled(rotated(icosphere(4), seed=turn)), 0) for turn in range(2)]
+            bodies += [(mesh, planned(mesh, material)) for mesh in (ball(BALLS[size]) for size in sizes if size > 2562)]
+            for mesh, proxy in bodies:
+                spacing = mean_spacing(mesh, len(mesh.rest_positions))
+                for one in settle(mesh, material, TIP, DEPTHS[-2:], proxy=proxy):
+                    rough = vertex_roughness(mesh.rest_positions, one.positions, spacing)
+                    yield {
+                        "friction": friction, "proxy": proxy, "vertices_percent": _percent(rough, one.depth),
+                        **_force_row(name, "ball", len(mesh.rest_positions), TIP, one),
+                    }  # fmt: skip
 
 
 def planned(mesh: Mesh, material: Material) -> int:
@@ -127,7 +154,7 @@ def planned(mesh: Mesh, material: Material) -> int:
 def roughness(mesh: Mesh, one: Settled, exact: Profile) -> dict[str, object]:
     """Return how rough a dent on the ball is, over its depth, and how rough an exactly round one would be measured.
 
-    The part of it that is a lean to one side is given too: beyond two radii a coarse surface slips aside.
+    The part of it that is a lean to one side is given too.
     """
     spacing = mean_spacing(mesh, len(mesh.rest_positions))
     rest, round_one = mesh.rest_positions, turned_onto(exact, mesh.rest_positions)
@@ -268,7 +295,9 @@ def run_dents(options: argparse.Namespace) -> int:
         if "roughness" in options.parts:
             rows, dents = zip(*roughness_rows(names, sizes), strict=True)
             write(list(rows), options.out / "roughness.csv")
-            draw_dents(list(dents), profiles(), options.out)
+            draw_dents([dent for dent in dents if dent], profiles(), options.out)
+        if "friction" in options.parts:
+            write(list(friction_rows(names, sizes)), options.out / "friction.csv")
         if "profile" in options.parts:
             found, shapes = profile_rows(min(FINE, BALLS[sizes[-1]]))
             write(found, options.out / "profile.csv")
