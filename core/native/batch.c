@@ -169,7 +169,7 @@ static int64_t dm_resolve_meetings(dm_scene_state *s) {
         any |= dm_begin_batch(s, s->batches + k, awake);
     }
     if (!any) return 0;
-    for (uint32_t k = 0; k < s->near_count; k++) s->moving[k].x = (dm_quad){0, 0, 0, 0};
+    for (const uint32_t *k = s->met; k < s->met + s->met_count; k++) s->moving[*k].x = (dm_quad){0, 0, 0, 0};
     dm_mask touching = {0};
     for (dm_batch *b = s->batches; b < s->batches + s->batch_count; b++) {
         if (!dm_any_of(b->active)) continue;

@@ -24,7 +24,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     int whole = (b->place = dm_alloc(n, sizeof *b->place)) && (b->rank = dm_alloc(n, sizeof *b->rank));
     whole = whole && (b->pinned = dm_alloc(n, sizeof *b->pinned)) && (b->loose = dm_alloc(n, 1));
     whole = whole && (b->rest = dm_alloc(3 * n, sizeof(double))) && (b->mass = dm_alloc(n, sizeof(double)));
-    whole = whole && (b->pins = dm_alloc(3 * n, sizeof(double))) && (b->pin_room = dm_alloc(9 * n, sizeof(double)));
+    whole = whole && (b->pins = dm_alloc(3 * n, sizeof(double))) && (b->pin_room = dm_alloc(9 * size, sizeof(double)));
     whole = whole && (b->records = dm_alloc(size, sizeof(dm_record)));
     whole = whole && (b->state = dm_alloc(b->groups, sizeof(dm_group_state)));
     whole = whole && (b->matter = dm_alloc(b->groups, sizeof(dm_group_matter)));

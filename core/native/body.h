@@ -138,14 +138,15 @@ struct dm_state {
 
     int32_t fill, law_set;
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure, rest_pressure;
-    int pins_met; /* something held a pin back */
+    int pins_met;  /* something held a pin back */
+    double jumped; /* [m] the farthest that a pin was put after the last tick, to be where it was sent to the last digit */
     int free, led, carried; /* the shape at rest follows the body; pins were led; and carry the shape at rest */
     int rigged, moving;     /* the shape at rest stays where it is laid; it changes in the next motion, */
     dm_vec3 *rest_rate;     /* (groups,) so fast [m/s], */
     dm_vec3 *pull_rate;     /* and the pull of its tension with it [N/s] */
     dm_vec3 *load;          /* (groups,) what else pushes each vertex [N], */
     int loaded;             /* if anything does */
-    double *pin_room;       /* (9 n) for one tick */
+    double *pin_room;       /* (9, groups * 8) for one tick */
     double pose[12], pose_rate[12]; /* of the shape at rest with its pins, and how fast it changes */
     double turning[12];  /* the rate about the centre of the shape at rest */
     double rest_centre[3], rotation[9], translation[3], k1_total, mass_total;

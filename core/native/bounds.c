@@ -167,7 +167,7 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
     }
     uint32_t i = n->vertex - f->first;
     dm_set_lane3(&f->before[i / DM_LANES], i, f->body->records[i].x);
-    most *= DM_ALERT, s->surfaces[n->surface].left = 0;
+    most *= DM_ALERT, s->surfaces[n->surface].near_left = 0;
     f->bound[i / DM_LANES][i % DM_LANES] = (dm_real)(most > 0 ? most * most : -1);
     if (gone > s->stale[n->vertex]) s->due = 1;
 }
@@ -223,25 +223,36 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
     s->out->truncated++, dm_note_held(s, vertex);
 }
 
-/* Hold every vertex of a body to its bounds. None is looked at while they all together cannot have used up what was left
- * when they were. */
-static void dm_bound_body(dm_scene_state *s, dm_surface *f) {
+/* Hold the vertices of a group to their bounds; return how far each may go before they are looked at again. */
+DM_INLINE dm_lanes dm_bound_group(dm_scene_state *s, const dm_surface *f, int64_t g) {
     const dm_state *b = f->body;
-    f->left -= b->way > f->met_way ? b->way : f->met_way;
-    if (f->left > 0 && !b->finger_count) return;
-    dm_lanes left = dm_splat(INFINITY);
-    for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 way = dm_sub(b->state[g].x, f->before[g]);
-        dm_lanes square = dm_dot(way, way);
-        dm_mask far = (dm_mask)(square > f->bound[g]);
-        if (dm_any_of(far))
-            for (uint32_t l = 0; l < DM_LANES; l++)
-                if (far[l] && g * DM_LANES + l < b->n) dm_bound_vertex(s, f, (uint32_t)g * DM_LANES + l);
-        if (dm_any_of((dm_mask)(square > f->due[g]))) s->due = 1;
-        dm_lanes most = dm_vmax(-dm_vmax(-f->bound[g], -f->due[g]), dm_splat(0));
-        left = -dm_vmax(-left, dm_vsqrt(square) - dm_vsqrt(most));
+    dm_vec3 way = dm_sub(b->state[g].x, f->before[g]);
+    dm_lanes square = dm_dot(way, way);
+    dm_mask far = (dm_mask)(square > f->bound[g]);
+    if (dm_any_of(far))
+        for (uint32_t l = 0; l < DM_LANES; l++)
+            if (far[l] && g * DM_LANES + l < b->n) dm_bound_vertex(s, f, (uint32_t)g * DM_LANES + l);
+    if (dm_any_of((dm_mask)(square > f->due[g]))) s->due = 1;
+    dm_lanes most = dm_vmax(-dm_vmax(-f->bound[g], -f->due[g]), dm_splat(0));
+    return dm_vsqrt(most) - dm_vsqrt(square);
+}
+
+/* Hold every vertex of a body to its bounds. None is looked at while they all together cannot have used up what was left
+ * when they were; what is near something has little left, and is looked at more often. */
+static void dm_bound_body(dm_scene_state *s, dm_surface *f) {
+    double way = f->body->way > f->met_way ? f->body->way : f->met_way;
+    f->left -= way, f->near_left -= way;
+    int all = !(f->left > 0) || f->body->finger_count;
+    if (!all && f->near_left > 0) return;
+    dm_lanes left = dm_splat(-INFINITY), near_left = left; /* negative: the least is sought */
+    const uint32_t *near = f->near_groups, *end = near + f->near_group_count;
+    for (int64_t g = 0; all && g < f->body->groups; g++) {
+        if (near < end && *near == g) near_left = dm_vmax(near_left, -dm_bound_group(s, f, g)), near++;
+        else left = dm_vmax(left, -dm_bound_group(s, f, g));
     }
-    f->left = -dm_most_of(-left);
+    for (; near < end; near++) near_left = dm_vmax(near_left, -dm_bound_group(s, f, *near));
+    f->near_left = -dm_most_of(near_left);
+    if (all) f->left = -dm_most_of(left);
 }
 
 /* Move a collider on its way; where something that it presses cannot get away, it waits. */

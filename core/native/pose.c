@@ -141,15 +141,27 @@ static void dm_fit_motion(dm_state *b, const double *sums) {
     memcpy(b->moments.spin, b->drift.angular, sizeof b->moments.spin);
 }
 
-/* Fit points at rest (count, 3) to points (count, 3), all of one weight: pose is rotation by rows, then translation. */
-static void dm_fit_points(int64_t count, const double *rest, const double *points, double *pose) {
-    double from[3] = {0}, to[3] = {0}, h[9] = {0};
-    for (int64_t k = 0; k < count; k++)
-        for (int c = 0; c < 3; c++) from[c] += rest[3 * k + c], to[c] += points[3 * k + c];
-    for (int c = 0; c < 3; c++) from[c] /= (double)count, to[c] /= (double)count;
-    for (int64_t k = 0; k < count; k++, rest += 3, points += 3)
-        DM_UNROLLED for (int c = 0; c < 9; c++) h[c] += (points[c / 3] - to[c / 3]) * (rest[c % 3] - from[c % 3]);
+/* Fit points at rest to points, all of one weight: pose is rotation by rows, then translation. Both are (3, stride), with
+ * room for eight more than `count`: there they are the first, from which all are counted, so that rounding stays small. */
+static void dm_fit_points(int64_t count, int64_t stride, double *rest, double *points, double *pose) {
+    double from[3], to[3], h[9];
+    dm_wide sum[15] = {{0}};
+    for (int c = 0; c < 3; c++)
+        for (int64_t k = count; k % DM_LANES; k++)
+            rest[c * stride + k] = rest[c * stride], points[c * stride + k] = points[c * stride];
+    for (int64_t k = 0; k < count; k += DM_LANES) {
+        dm_wide p[3], q[3];
+        DM_UNROLLED for (int c = 0; c < 3; c++) {
+            memcpy(q + c, rest + c * stride + k, sizeof *q), memcpy(p + c, points + c * stride + k, sizeof *p);
+            q[c] -= rest[c * stride], p[c] -= points[c * stride];
+            sum[9 + c] += q[c], sum[12 + c] += p[c];
+        }
+        DM_UNROLLED for (int c = 0; c < 9; c++) sum[c] += p[c / 3] * q[c % 3];
+    }
+    for (int c = 0; c < 3; c++) from[c] = dm_sum_of(sum[9 + c]) / (double)count, to[c] = dm_sum_of(sum[12 + c]) / (double)count;
+    for (int c = 0; c < 9; c++) h[c] = dm_sum_of(sum[c]) - (double)count * to[c / 3] * from[c % 3];
     dm_nearest_rotation(h, pose);
+    for (int c = 0; c < 3; c++) from[c] += rest[c * stride], to[c] += points[c * stride];
     for (int c = 0; c < 3; c++) pose[9 + c] = to[c] - dm_inner3(pose + 3 * c, from);
 }
 

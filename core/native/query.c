@@ -18,7 +18,7 @@ static void dm_note_surface(dm_scene_state *s, dm_surface *f) {
             f->low[c] = x < f->low[c] ? x : f->low[c], f->high[c] = x > f->high[c] ? x : f->high[c];
         }
     }
-    f->slack = f->stale = INFINITY, f->left = 0;
+    f->slack = f->stale = INFINITY, f->left = f->near_left = 0;
     if (!f->body) return;
     if (f->self && f->body->moving) dm_note_rest(s, f);
     if (f->changes != f->body->changes) memset(f->resisting, 0, sizeof f->resisting);
@@ -149,14 +149,19 @@ static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j, uint32_t *r
     if (dm_has_room(s)) dm_free_behind(s, f, g, normal);
 }
 
-static void dm_set_bounds(dm_scene_state *s, const dm_surface *f) {
-    for (int64_t g = 0; f->body && g < f->body->groups; g++)
+static void dm_set_bounds(dm_scene_state *s, dm_surface *f) {
+    f->near_group_count = 0;
+    for (int64_t g = 0; f->body && g < f->body->groups; g++) {
+        int near = 0;
         for (int l = 0; l < DM_LANES; l++) {
             uint32_t i = f->first + (uint32_t)(g * DM_LANES + l);
             double way = s->roam[i] * DM_ALERT, due = s->stale[i];
             f->bound[g][l] = (dm_real)(way < 1e18 ? way * way : 1e36);
             f->due[g][l] = (dm_real)(due < 1e18 ? due * due : 1e36);
+            near |= s->place[i] != DM_NO_VERTEX;
         }
+        if (near) f->near_groups[f->near_group_count++] = (uint32_t)g;
+    }
 }
 
 static void dm_query(dm_scene_state *s) {
@@ -179,8 +184,9 @@ static void dm_query(dm_scene_state *s) {
     if (dm_has_room(s)) dm_order_candidates(s);
     s->moving = dm_roomy(s, s->moving, s->near_count + 1, &s->moving_room, sizeof *s->moving); /* the last: of empty lanes */
     s->there = dm_roomy(s, s->there, s->near_count, &s->there_room, sizeof *s->there);
+    s->met = dm_roomy(s, s->met, s->near_count, &s->met_room, sizeof *s->met);
     s->looks = 1;
-    for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_set_bounds(s, f);
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) dm_set_bounds(s, f);
     s->out->queries++, s->out->pairs = s->pair_count > s->out->pairs ? s->pair_count : s->out->pairs;
     s->out->gap = s->gap < s->out->gap ? s->gap : s->out->gap;
 }

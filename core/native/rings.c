@@ -41,10 +41,16 @@ DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, const dm_piece *pi
     return (dm_vec3){-(k * u.x + m->damping * w.x), -(k * u.y + m->damping * w.y), -(k * u.z + m->damping * w.z)};
 }
 
+/* The fan closes; where its triangles are odd in number, the last is turned alone. */
+DM_INLINE void dm_add_fan(dm_vec3 *arm, int64_t count, dm_vec3 *normal) {
+    arm[count] = arm[0], arm[count + 1] = (dm_vec3){dm_splat(0), dm_splat(0), dm_splat(0)};
+    for (int64_t k = 0; k < count; k += 2) dm_add_fan_normal(arm + k, normal);
+}
+
 /* Add the forces of the springs of a ring, and six times the normal of its fan. */
 DM_INLINE void dm_add_ring(const dm_state *b, const dm_slot *s, int64_t count, dm_vec3 x, dm_vec3 v, dm_vec3 *force,
                            dm_vec3 *normal) {
-    dm_vec3 arm[DM_MAX_NEIGHBOURS + 2], none = {dm_splat(0), dm_splat(0), dm_splat(0)};
+    dm_vec3 arm[DM_MAX_NEIGHBOURS + 2];
     /* each force a slot late: its root and division take as long as the next one's gather */
     dm_strain strain = dm_gather_slot(b, s, x, v, arm);
     for (int64_t k = 1; k < count; k++) {
@@ -53,9 +59,19 @@ DM_INLINE void dm_add_ring(const dm_state *b, const dm_slot *s, int64_t count, d
         strain = next;
     }
     dm_add_spring_force(s + count - 1, arm[count - 1], strain, force);
-    /* the fan closes; where its triangles are odd in number, the last is turned alone */
-    arm[count] = arm[0], arm[count + 1] = none;
-    for (int64_t k = 0; k < count; k += 2) dm_add_fan_normal(arm + k, normal);
+    dm_add_fan(arm, count, normal);
+}
+
+/* Set what comes next of a group that is pinned: it keeps its velocity. Return its part of the volume. */
+static dm_wide dm_pass_pinned(dm_state *b, int64_t g) {
+    dm_vec3 arm[DM_MAX_NEIGHBOURS + 2], none = {dm_splat(0), dm_splat(0), dm_splat(0)}, normal = none, x = b->state[g].x;
+    int64_t count = b->ring.start[g + 1] - b->ring.start[g];
+    const dm_slot *s = b->ring.slots + b->ring.start[g];
+    dm_lanes fourth;
+    for (int64_t k = 0; k < count; k++) arm[k] = dm_sub(dm_gather_quads(b->records, s[k].at, &fourth), x);
+    if (count) dm_add_fan(arm, count, &normal);
+    b->next[g] = (dm_group_next){b->state[g].v, none};
+    return dm_widen(dm_dot(x, normal));
 }
 
 /* Set what comes next of every group but for the pressure, and the volume as far as rings span it; where the shape at
@@ -71,6 +87,10 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
     dm_vec3 shifting = dm_splat3(b->turning + 9);
     for (int64_t g = 0; g < b->groups; g++) {
         const dm_group_matter *m = b->matter + g;
+        if (!fitted && !dm_any_of((dm_mask)(m->inverse_mass > dm_splat(0)))) {
+            volume += dm_pass_pinned(b, g);
+            continue;
+        }
         dm_vec3 x = b->state[g].x, v = b->state[g].v, w = v, normal = none;
         /* damping is against the shape at rest as it moves */
         if (b->carried) w = dm_sub(v, dm_rotated(turning, m->rest, shifting));

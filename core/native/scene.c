@@ -3,14 +3,15 @@
 
 static void dm_scene_state_destroy(dm_scene_state *s) {
     for (int64_t k = 0; s->surfaces && k < s->surface_count; k++)
-        dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound), dm_free(s->surfaces[k].due);
+        dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound), dm_free(s->surfaces[k].due),
+            dm_free(s->surfaces[k].near_groups);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->searched,
                            s->balls, s->number, s->bins, s->slack, s->stale, s->left_out};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
                            s->close[0], s->close[1], s->runs, s->planes, s->tally, s->sides,
-                           s->there};
+                           s->there, s->met};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);
 }
@@ -40,7 +41,8 @@ static int32_t dm_lay_body(dm_scene_state *s, dm_surface *f) {
         s->corners[f->first_triangle + k / 3][k % 3] = f->first + b->triangles[k / 3][k % 3];
     f->before = dm_alloc(b->groups, sizeof *f->before), f->bound = dm_alloc(b->groups, sizeof *f->bound);
     f->due = dm_alloc(b->groups, sizeof *f->due), f->closest = DM_CLOSEST * b->size;
-    return f->before && f->bound && f->due ? DM_OK : DM_MEMORY;
+    f->near_groups = dm_alloc(b->groups, sizeof *f->near_groups);
+    return f->before && f->bound && f->due && f->near_groups ? DM_OK : DM_MEMORY;
 }
 
 static void dm_place_collider(dm_scene_state *s, int64_t which, const double *positions) {
@@ -160,10 +162,15 @@ static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, in
     if (s->due) dm_query(s);
     dm_begin_contact(s);
     if (s->wakes) dm_wake_touched(s, motions, t, frames);
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
-        if (f->body && !f->body->asleep) dm_run_substep(f->body, frames + (f - s->surfaces));
-        else if (f->moving) dm_move_collider(s, f, share);
+    int64_t bodies = 0;
+    while (bodies < s->surface_count && s->surfaces[bodies].body) bodies++;
+    for (int64_t i = 0; i < bodies; i++) {
+        int64_t k = s->backwards ? bodies - 1 - i : i;
+        if (!s->surfaces[k].body->asleep) dm_run_substep(s->surfaces[k].body, frames + k);
     }
+    s->backwards = !s->backwards;
+    for (dm_surface *f = s->surfaces + bodies; f < s->surfaces + s->surface_count; f++)
+        if (f->moving) dm_move_collider(s, f, share);
     dm_resolve_touching(s);
     dm_resist_rolling(s);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
@@ -179,8 +186,10 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     s->out = out, s->code = DM_OK, s->tick = motions->tick, s->dt = s->tick / (double)substeps;
     for (; bodies < s->surface_count && s->surfaces[bodies].body; bodies++)
         dm_begin_motion(s->surfaces[bodies].body, motions + bodies, frames + bodies);
-    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
-        memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment), f->left = 0;
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
+        memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment);
+        if (f->body) f->left -= f->body->jumped, f->near_left -= f->body->jumped, f->body->jumped = 0;
+    }
     int finite = 1;
     for (int64_t t = 0; t < ticks && finite && s->code == DM_OK; t++) {
         double share = ticks > 1 ? first + (double)t / (double)(ticks - 1) * (last - first) : first;

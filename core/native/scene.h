@@ -45,7 +45,9 @@ typedef struct { /* the surface of a body, or a collider */
     double offset, edge, closest, friction;
     double low[3], high[3]; /* where it was at the last query */
     double slack, stale;    /* [m] how far any vertex may go for surfaces that are far; after what way a query is due */
-    double left, met_way;   /* [m] how far any may go before they are looked at; the farthest that contact let one go */
+    double left, near_left; /* [m] how far any may go before all are looked at; and before those in groups that are near, */
+    uint32_t *near_groups, near_group_count; /* which have a vertex that is near something */
+    double met_way;         /* [m] the farthest that contact let one go */
     double origin[3];       /* of the body at the last query */
     double impulse[3];      /* that others gave it in a call [N s] */
     double moment[3];       /* of that about the origin [N m s] */
@@ -149,8 +151,10 @@ typedef struct dm_scene_state {
     dm_batch_sides *sides;
     dm_record *moving; /* what is near: its way since the look, then by how much it is brought apart; its speed, 1 / mass */
     uint32_t renewal, held_count, held_room, *held; /* near ones that were held back in this substep */
+    uint32_t met_count, met_room, *met; /* near ones that meet something since the last look */
     uint32_t *number;                    /* of vertices, in the order of the caller */
     int looks;                           /* normals are to be set anew */
+    int backwards;                       /* bodies are stepped from the last to the first: it is still in the cache */
     int wakes;                           /* what is awake may have come near what sleeps */
     int due;       /* a query is */
     dm_close *close[2], waiting[2][DM_WAITING]; /* faces, and edges; what a search has not measured yet */

@@ -64,37 +64,41 @@ static void dm_substep(dm_state *b) {
     DM_TIMED(DM_ADVANCE, (b->free ? dm_advance_free : dm_advance_pinned)(b, b->fill != DM_FILL_NONE ? b->pressure : 0));
 }
 
+enum { DM_PINS_AHEAD = 8 };
+
+/* Fetch a pin that comes soon: pins lie anywhere in memory. */
+DM_INLINE void dm_fetch_pin(const dm_state *b, int64_t k) {
+    if (k >= b->pinned_count) return;
+    uint32_t i = b->place[b->pinned[k]];
+    __builtin_prefetch(b->records + i, 1);
+    for (int j = 0; j < 3; j++) __builtin_prefetch((char *)(b->state + i / DM_LANES) + 64 * j, 1);
+}
+
 /* Lead the pins of a tick: a velocity that brings them to a share of their way, and with them the shape at rest.
  * Over the tick it stands where the substeps begin on average, so that the body neither leads nor lags. */
 static void dm_drive_pins(dm_state *b, const dm_motion *m, double share) {
-    double *rest = b->pin_room, *here = rest + 3 * b->n, *there = here + 3 * b->n;
-    int64_t used = 0;
-    for (int64_t k = 0; k < b->pinned_count; k++) {
+    int64_t used = 0, count = b->pinned_count, n = b->n, stride = b->groups * DM_LANES;
+    double *rest = b->pin_room, *here = rest + 3 * stride, *there = here + 3 * stride, rate = 1 / m->tick;
+    for (int64_t k = 0; k < count; k++) {
         uint32_t vertex = b->pinned[k], i = b->place[vertex];
-        double x[3], way[3];
-        dm_position(b, i, x);
+        double v[3];
+        dm_fetch_pin(b, k + DM_PINS_AHEAD);
         DM_UNROLLED for (int c = 0; c < 3; c++) {
-            int64_t at = c * b->pinned_count + k;
-            x[c] += b->origin[c];
-            way[c] = m->pins_from[at] + share * (m->pins_to[at] - m->pins_from[at]) - x[c];
+            double from = m->pins_from[c * count + k], x = (double)b->records[i].x[c] + b->origin[c];
+            double way = from + share * (m->pins_to[c * count + k] - from) - x;
+            rest[c * stride + used] = b->rest[c * n + vertex];
+            here[c * stride + used] = x, there[c * stride + used] = x + way, v[c] = way * rate;
         }
-        if (!b->loose[vertex]) {
-            DM_UNROLLED for (int c = 0; c < 3; c++) {
-                rest[3 * used + c] = b->rest[c * b->n + vertex];
-                here[3 * used + c] = x[c], there[3 * used + c] = x[c] + way[c];
-            }
-            used++;
-        }
-        DM_UNROLLED for (int c = 0; c < 3; c++) way[c] /= m->tick;
-        dm_set_vertex(b, i, b->records[i].x, dm_quad_of(way));
+        used += !b->loose[vertex];
+        dm_set_vertex(b, i, b->records[i].x, dm_quad_of(v));
     }
     b->carried = !b->free && !b->rigged;
     if (!b->carried) return;
     double from[12], to[12], part = (1 - 1 / (double)m->substeps) / 2;
-    dm_fit_points(used, rest, here, from), dm_fit_points(used, rest, there, to);
+    dm_fit_points(used, stride, rest, here, from), dm_fit_points(used, stride, rest, there, to);
     for (int k = 0; k < 12; k++) {
         b->pose[k] = from[k] + part * (to[k] - from[k]);
-        b->pose_rate[k] = (to[k] - from[k]) / m->tick;
+        b->pose_rate[k] = (to[k] - from[k]) * rate;
     }
     dm_place_pose(b);
 }
@@ -112,27 +116,30 @@ static void dm_rest_pins(dm_state *b) {
 
 /* After the last tick: pins that have arrived are where they were sent to the last digit. */
 static void dm_finish_pins(dm_state *b, const dm_motion *m) {
-    double *rest = b->pin_room, *here = rest + 3 * b->n;
-    int64_t used = 0, whole = m->pins_last >= 1;
-    for (int64_t k = 0; k < b->pinned_count; k++) {
+    int64_t used = 0, whole = m->pins_last >= 1, count = b->pinned_count, n = b->n, stride = b->groups * DM_LANES;
+    double *rest = b->pin_room, *here = rest + 3 * stride, farthest = 0;
+    for (int64_t k = 0; k < count; k++) {
         uint32_t vertex = b->pinned[k], i = b->place[vertex];
         double x[3], local[3], behind = 0;
-        dm_position(b, i, x);
+        dm_fetch_pin(b, k + DM_PINS_AHEAD);
         DM_UNROLLED for (int c = 0; c < 3; c++) {
-            double late = fabs(m->pins_to[c * b->pinned_count + k] - x[c] - b->origin[c]);
+            x[c] = (double)b->records[i].x[c] + b->origin[c];
+            double late = fabs(m->pins_to[c * count + k] - x[c]);
             behind = late > behind ? late : behind;
         }
         int there = whole && !(b->pins_met && behind > DM_PIN_BEHIND * b->size);
         DM_UNROLLED for (int c = 0; c < 3; c++) {
-            x[c] = there ? m->pins_to[c * b->pinned_count + k] : x[c] + b->origin[c];
-            b->pins[c * b->n + k] = x[c], local[c] = x[c] - b->origin[c];
-            if (!b->loose[vertex]) rest[3 * used + c] = b->rest[c * b->n + vertex], here[3 * used + c] = x[c];
+            x[c] = there ? m->pins_to[c * count + k] : x[c];
+            b->pins[c * n + k] = x[c], local[c] = x[c] - b->origin[c];
+            rest[c * stride + used] = b->rest[c * n + vertex], here[c * stride + used] = x[c];
         }
         used += !b->loose[vertex];
-        if (there) dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
+        if (!there) continue;
+        dm_set_vertex(b, i, dm_quad_of(local), b->records[i].v);
+        farthest = behind > farthest ? behind : farthest;
     }
-    b->led = 1;
-    if (whole && !b->free && !b->rigged) dm_fit_points(used, rest, here, b->pose), dm_place_pose(b);
+    b->led = 1, b->jumped = 2 * farthest; /* of three coordinates each */
+    if (whole && !b->free && !b->rigged) dm_fit_points(used, stride, rest, here, b->pose), dm_place_pose(b);
 }
 
 /* Count positions from near the body, so that single precision does not depend on where it is. It follows in steps of

@@ -103,7 +103,7 @@ static void dm_look_at(dm_scene_state *s, const dm_candidate *const *some, uint3
 static void dm_look(dm_scene_state *s) {
     double far = 0;
     dm_sum_meetings(s);
-    s->batch_count = 0, s->looks = 0;
+    s->batch_count = s->met_count = 0, s->looks = 0;
     memset(s->moving, 0, (s->near_count + 1) * sizeof *s->moving);
     for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++) {
         double way[3], *there = s->there[n - s->near];
@@ -126,6 +126,8 @@ static void dm_look(dm_scene_state *s) {
         some[count++] = c;
     }
     if (count && dm_has_room(s)) dm_look_at(s, some, count);
+    for (uint32_t k = 0; k < s->near_count && dm_has_room(s); k++)
+        if (s->near[k].batch) s->met[s->met_count++] = k;
 }
 
 /* Before a substep: note where everything near is, and look again where that has moved. */
@@ -148,20 +150,19 @@ static void dm_begin_contact(dm_scene_state *s) {
 static void dm_resolve_touching(dm_scene_state *s) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) f->met_way = 0;
     if (!s->batch_count) return;
-    for (uint32_t k = 0; k < s->near_count; k++) {
-        const dm_neighbour *n = s->near + k;
-        dm_quad *to = &s->moving[k].v;
+    for (const uint32_t *k = s->met; k < s->met + s->met_count; k++) {
+        const dm_neighbour *n = s->near + *k;
+        dm_quad *to = &s->moving[*k].v;
         dm_real give = (*to)[3];
-        if (!n->batch) continue; /* nothing meets it */
         *to = n->body ? n->body->v : dm_quad_of(s->rate[n->vertex]), (*to)[3] = give;
     }
     int64_t touching = dm_resolve_meetings(s);
-    for (uint32_t k = 0; touching && k < s->near_count; k++) {
-        const dm_neighbour *n = s->near + k;
+    for (const uint32_t *k = s->met; touching && k < s->met + s->met_count; k++) {
+        const dm_neighbour *n = s->near + *k;
         dm_surface *f = s->surfaces + n->surface;
-        dm_quad v = s->moving[k].v, out = s->moving[k].x;
+        dm_quad v = s->moving[*k].v, out = s->moving[*k].x;
         v[3] = 0;
-        if (!n->batch || !n->body || !(memcmp(&v, &n->body->v, sizeof v) || dm_dot3(out, out) > 0)) continue;
+        if (!n->body || !(memcmp(&v, &n->body->v, sizeof v) || dm_dot3(out, out) > 0)) continue;
         dm_quad x = n->body->x + (dm_real)s->dt * (v - n->body->v) + out, way = x - n->last;
         double square = (double)dm_dot3(way, way);
         if (square > f->met_way * f->met_way) f->met_way = sqrt(square);
