@@ -241,9 +241,11 @@ def _left_out(found: Crossings) -> str:
 def _sum(parts: Sequence[SceneFrame], seconds: float) -> Meeting:
     if not parts:
         return Meeting()
+    impulses, moments = parts[0].impulses, parts[0].moments
+    for part in parts[1:]:
+        impulses, moments = impulses + part.impulses, moments + part.moments
     return Meeting(
         max(part.touching for part in parts), sum(part.truncated for part in parts),
         sum(part.taken for part in parts), max(part.held_back for part in parts),
-        sum((part.impulses for part in parts), np.zeros(3)) / seconds, sum(part.queries for part in parts),
-        sum((part.moments for part in parts), np.zeros(3)) / seconds,
+        impulses / seconds, sum(part.queries for part in parts), moments / seconds,
     )  # fmt: skip

@@ -141,8 +141,8 @@ static void dm_fit_motion(dm_state *b, const double *sums) {
     memcpy(b->moments.spin, b->drift.angular, sizeof b->moments.spin);
 }
 
-/* Fit points at rest to points, all of one weight: pose is rotation by rows, then translation. Both are (3, stride), with
- * room for eight more than `count`: there they are the first, from which all are counted, so that rounding stays small. */
+/* Fit points at rest to points, all of one weight: pose is rotation by rows, then translation. Both are (3, stride), and
+ * filled up to eights with the first one, from which all are counted, so that rounding stays small. */
 static void dm_fit_points(int64_t count, int64_t stride, double *rest, double *points, double *pose) {
     double from[3], to[3], h[9];
     dm_wide sum[15] = {{0}};
@@ -158,7 +158,8 @@ static void dm_fit_points(int64_t count, int64_t stride, double *rest, double *p
         }
         DM_UNROLLED for (int c = 0; c < 9; c++) sum[c] += p[c / 3] * q[c % 3];
     }
-    for (int c = 0; c < 3; c++) from[c] = dm_sum_of(sum[9 + c]) / (double)count, to[c] = dm_sum_of(sum[12 + c]) / (double)count;
+    for (int c = 0; c < 3; c++)
+        from[c] = dm_sum_of(sum[9 + c]) / (double)count, to[c] = dm_sum_of(sum[12 + c]) / (double)count;
     for (int c = 0; c < 9; c++) h[c] = dm_sum_of(sum[c]) - (double)count * to[c / 3] * from[c % 3];
     dm_nearest_rotation(h, pose);
     for (int c = 0; c < 3; c++) from[c] += rest[c * stride], to[c] += points[c * stride];
