@@ -17,6 +17,7 @@ GROWTH = 2 / 3  # of the finest spacing by which the spacing grows a radius furt
 FAR = 8.0  # finest spacings: how coarse it is at most
 STEP = 0.5  # radii between two places of a path
 REACH = 4.0  # radii between the centre of a fingertip and a place of the surface that it may press
+MOST = 400  # places of paths; more are all over a body, and take long to look at
 LOOKED = 60_000  # vertices of a finer mesh that are looked at for a plan
 
 
@@ -28,17 +29,23 @@ class Pressed(NamedTuple):
 
 
 def pressed_by(mesh: Mesh, paths: list[Floats], radius: float) -> Pressed | None:
-    """Return where fingertips whose centres go along paths (k, 3) [m] come near a surface, None where nowhere."""
+    """Return where fingertips whose centres go along paths (k, 3) [m] come near a surface.
+
+    None where they do so nowhere, or all over it.
+    """
     looked = _looked(mesh)
     points, found = mesh.rest_positions[looked], set()
     low, high = points.min(axis=0) - REACH * radius, points.max(axis=0) + REACH * radius
-    columns = np.ascontiguousarray(points.T)
-    for path in paths:
-        dense = _resampled(path, STEP * radius)
-        for centre in dense[((dense >= low) & (dense <= high)).all(axis=1)]:
-            away = _squares(columns, centre)
-            if away[at := int(away.argmin())] <= (REACH * radius) ** 2:
-                found.add(at)
+    columns, step = np.ascontiguousarray(points.T), STEP * radius
+    centres = np.concatenate([_resampled(path, step) for path in paths])
+    centres = centres[((centres >= low) & (centres <= high)).all(axis=1)]
+    _, apart = np.unique(np.round(centres / step), axis=0, return_index=True)  # it may go there often
+    if len(apart) > MOST:
+        return None
+    for centre in centres[apart]:
+        away = _squares(columns, centre)
+        if away[at := int(away.argmin())] <= (REACH * radius) ** 2:
+            found.add(at)
     return Pressed(tuple(tuple(points[at].tolist()) for at in sorted(found)), radius) if found else None
 
 

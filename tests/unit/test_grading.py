@@ -51,6 +51,11 @@ def test_a_path_is_near_the_surface_where_a_fingertip_can_press_it(fine: Model, 
     assert pressed_by(fine.mesh, [np.array([[1.0, 0, 0], [2.0, 0, 0]])], RADIUS) is None
     along = pressed_by(fine.mesh, [np.array([press.at, -press.at])], RADIUS)
     assert along and len(along.places) > len(places), "what goes through presses where it comes out, too"
+    often = pressed_by(fine.mesh, [np.concatenate(20 * way_of(press))], RADIUS)
+    assert often and set(near(fine, press).places) <= set(often.places) and len(often.places) < 2 * len(places) + 3
+    way = np.linspace(0, 1, 2000)[:, None]
+    scribbled = np.hstack([0.1 * np.sin(300 * way), 0.1 * np.cos(311 * way), 0.1 * np.sin(way)])
+    assert pressed_by(fine.mesh, [scribbled], RADIUS) is None, "it goes all over the head"
 
 
 def test_seeds_lie_closer_where_the_fingertip_goes_and_farther_elsewhere(fine: Model, press: BenchmarkPress) -> None:

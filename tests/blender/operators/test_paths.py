@@ -45,11 +45,16 @@ def bake(bpy: ModuleType, obj: Any) -> tuple[float, bytes]:
 def test_a_bake_is_fine_where_keyframes_lead_the_fingertip_and_has_the_force_of_the_full_mesh(
     bpy: ModuleType, keyed: Any
 ) -> None:
+    from bl_ext.user_default.dimple.operators import planning
+
     force, data = bake(bpy, keyed)
     assert keyed.dimple.plan_graded and keyed.dimple.plan_vertices < 600
     assert keyed.dimple.plan_reason.endswith("It is fine near the fingertips' paths.")
     assert "runs live, within" in keyed.dimple.plan_reason
     assert bake(bpy, keyed) == (force, data), "the same bits again"
+    planning._choices.clear()
+    planning._moving.clear()
+    assert bake(bpy, keyed) == (force, data), "made again as it is kept with the object, too"
     keyed.dimple.plan_key = ""
     assert bake(bpy, keyed) == (force, data), "planned again, too"
     keyed.dimple.simulated = "MESH"
@@ -72,6 +77,29 @@ def test_play_along_the_timeline_shows_the_bake_and_a_poke_is_planned_for_any_pl
     baked = read_point_cache(keyed.modifiers["Dimple"].filepath)[2][-1]
     assert np.abs(baked - read_point_cache(keyed.modifiers["Dimple"].filepath)[2][0]).max() > 0.02
     assert np.array_equal(np.asarray(shown, "<f4"), baked)
+
+
+def test_play_wound_back_is_fine_where_the_keyframes_lead_now(
+    bpy: ModuleType, scene: Any, keyed: Any, hand: Any, monkeypatch: pytest.MonkeyPatch, sessions: Any
+) -> None:
+    from bl_ext.user_default.dimple.operators import planning, timeline
+
+    monkeypatch.setattr(timeline, "is_playing", lambda _context: True)
+    scene.frame_set(1)
+    play, pressed = hand("play"), []
+    play.invoke()
+    for way in ((0.6, 0.48, 0.64), (-0.6, 0.48, 0.64)):
+        scene.dimple.finger_1.location = np.array(way)
+        scene.dimple.finger_1.keyframe_insert("location", frame=10)
+        for frame in (2, 1):
+            scene.frame_set(frame)
+            play.ticks(1)
+        pressed.append(np.array(sessions.get(keyed).session.proxy.pressed.places))
+    assert pressed[0][:, 0].min() > 0 > pressed[1][:, 0].min()
+    session = sessions.get(keyed).session
+    measured = planning._to_identify(keyed.session_uid, session.model.mesh, lambda: session.model)()
+    assert measured and measured.pressed is None, "a material is identified where the proxy is as fine everywhere"
+    play.send("ESC")
 
 
 def test_paths_that_change_are_planned_again_and_unknown_ones_are_not_planned_for(
