@@ -99,6 +99,26 @@ def test_a_dent_with_a_spread_reaches_further_than_one_without_and_nearer_to_the
     assert wide[0.0] < wide[0.040] < 1.1 * solid.reach(0.1)
 
 
+def test_a_half_space_answers_with_the_root_of_the_radius(monkeypatch: pytest.MonkeyPatch) -> None:
+    """F = 4/3 E* (R x^3)^(1/2) for a depth that is small beside the tip's radius."""
+    monkeypatch.setattr(other_tip, "DEPTHS", (1e-6, 4e-6))
+    radius = 1 / (1 / 0.010 + 1 / BALL_RADIUS)
+    hertz = 4 / 3 * (radius * np.array(other_tip.DEPTHS) ** 3) ** 0.5
+    assert other_tip.half_space(0.010) == pytest.approx(hertz, rel=1e-3)
+
+
+def test_with_the_spread_of_a_half_space_a_solid_fitted_through_one_tip_is_met_by_another_from_5_mm_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The force of the other tip within 10 percent, through either tip."""
+    monkeypatch.setattr(other_tip, "SPREADS", (16, 24))
+    found = [row for row in other_tip.rows(5) if row["by"] == "half space"]
+    assert len(found) == 8 and {row["spread_mm"] for row in found} == {16}
+    for row in found:
+        if row["tip_mm"] != row["fitted_mm"]:
+            assert all(abs(float(str(row[f"force_{mm}_mm_percent"]))) < 10 for mm in (5, 10, 15, 20))
+
+
 def test_a_solid_fitted_through_one_tip_is_met_by_another_from_a_quarter_of_its_radius_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
