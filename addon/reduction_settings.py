@@ -51,6 +51,7 @@ class ReductionSettings:
     plan_graded: BoolProperty(
         name="Graded", description="The proxy is fine near the fingertips' paths and coarse elsewhere", **FIXED
     )  # fmt: skip
+    plan_cells: kept_text("Plan Cells", "Which vertices move together in a large proxy: it is made sooner from them")
     plan_reason: kept_text("Plan", "What is simulated, and why")
     comparison: kept_text("Comparison", "Cost and errors of every variant of this object")
 

@@ -72,7 +72,8 @@ def planning_for(
     pressed: Pressed | None = None,
 ) -> Parts:
     """Plan an object in parts; see `proxy_for`."""
-    settings, now, build = obj.dimple, key(scene, obj, model, pressed), partial(_proxy, moving)
+    settings, now = obj.dimple, key(scene, obj, model, pressed)
+    build = partial(_proxy, moving, record=settings.plan_cells)
     known, old = settings.plan_key == now, _choices.get(now)
     if old:
         proxy = with_constants(old.proxy, model) if old.proxy else None  # gravity and ground are its own
@@ -99,6 +100,9 @@ def planning_for(
         del _choices[next(iter(_choices))]
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
     settings.plan_graded = bool(made.proxy and made.proxy.pressed)
+    record = made.proxy.record if made.proxy else ""
+    if settings.plan_cells != record:
+        settings.plan_cells = record
     return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
 
 
@@ -119,9 +123,11 @@ def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Callable[[
 identified.choosing.append(_to_identify)
 
 
-def _proxy(moving: Proxy | None, model: Model, vertices: int, pressed: Pressed | None = None) -> Proxy:
+def _proxy(
+    moving: Proxy | None, model: Model, vertices: int, pressed: Pressed | None = None, record: str = ""
+) -> Proxy:
     """Return a proxy of a model; one of as many vertices that such a mesh, painted so and pressed there, had before
-    only needs other constants.
+    only needs other constants, and of the one that the file was saved with there is a record.
 
     Raises:
         DimpleError: it cannot be made.
@@ -138,7 +144,7 @@ def _proxy(moving: Proxy | None, model: Model, vertices: int, pressed: Pressed |
     for mesh, proxy in [*_moving]:
         if proxy and is_it(proxy) and _are_alike(mesh, model.mesh):
             return with_constants(proxy, model)
-    return build_proxy(model, vertices, pressed)
+    return build_proxy(model, vertices, pressed, record)
 
 
 def _are_alike(mesh: Mesh, other: Mesh) -> bool:

@@ -36,6 +36,10 @@ WORDS = {
     "Checksum of everything the plan depends on; a new plan is made when it differs": (
         "計画の前提のチェックサム。変わると計画し直します"
     ),
+    "Plan Cells": "計画の区画",
+    "Which vertices move together in a large proxy: it is made sooner from them": (
+        "大きな代理メッシュでまとまって動く頂点。これがあれば速く作り直せます"
+    ),
     "Planned Vertices": "計画の頂点数",
     "Of the proxy; 0 is the full mesh": "代理メッシュの頂点数。0 は元のメッシュ",
     "Graded": "段階的",

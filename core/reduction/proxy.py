@@ -18,6 +18,7 @@ from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
 from .binding import bind
+from .cell_record import packed, unpacked
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 from .flips import flip_edges
 from .grading import Pressed, coarser, share_of
@@ -40,6 +41,7 @@ class Proxy:
     still: the vertices of the fine mesh that are pinned or loose.
     spacing: mean distance between seeds, where they are the closest [m].
     pressed: where fingertips are to press it, if that is known: it is coarser elsewhere.
+    record: "" or what spares the search for seeds and cells another time, see `build_proxy`.
     binding: what carries the fine mesh along.
     """
 
@@ -50,11 +52,15 @@ class Proxy:
     still: Ints
     spacing: float
     pressed: Pressed | None
+    record: str
     binding: Binding
 
 
-def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None) -> Proxy:
+def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None, record: str = "") -> Proxy:
     """Make a proxy of about the given number of vertices, fine where it is to be pressed, if that is known.
+
+    Args:
+        record: that of an earlier proxy; where it was this very one its seeds and cells are taken.
 
     Raises:
         DimpleError: no such proxy can be made; the message says why.
@@ -75,25 +81,30 @@ def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None) -> 
     if wanted is not None:
         shift *= wanted[:, None]
     place = np.concatenate([mesh.rest_positions, shift], axis=1)
-    seeds = spread_seeds(mesh, place, used, vertices, spacing, wanted)
-    for _ in range(3):
-        cells = grow_cells(mesh, place, seeds)
-        triangles = dual(cells[mesh.triangles])
-        stands = np.zeros(len(seeds), bool)
-        stands[triangles] = True
-        if stands.all():
-            break
-        seeds = seeds[stands]  # a part too small for a triangle follows what is beside it
-        if not len(seeds):
-            raise DimpleError("its pieces are too small for a proxy")
-    else:
-        raise DimpleError("its pieces are too small for a proxy")
+    known = unpacked(record, place, mesh.triangles, vertices)
+    seeds, cells = known or _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing, wanted))
+    triangles = dual(cells[mesh.triangles])
     coarse = _constants(model, _coarse_mesh(mesh, seeds, triangles), cells)
     return Proxy(
+        record=record if known else packed(place, mesh.triangles, vertices, seeds, cells),
         model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.held | mesh.loose),
         spacing=spacing, pressed=pressed,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
+
+
+def _seeds_and_cells(mesh: Mesh, place: Floats, seeds: Ints) -> tuple[Ints, Ints]:
+    """Return those seeds that have triangles between their cells, and the cells (n,)."""
+    for _ in range(3):
+        cells = grow_cells(mesh, place, seeds)
+        stands = np.zeros(len(seeds), bool)
+        stands[dual(cells[mesh.triangles])] = True
+        if stands.all():
+            return seeds, cells
+        seeds = seeds[stands]  # a part too small for a triangle follows what is beside it
+        if not len(seeds):
+            break
+    raise DimpleError("its pieces are too small for a proxy")
 
 
 def painted(model: Model) -> Singles:
