@@ -1,6 +1,6 @@
 """`dev.py core dents`: how smooth settled dents are, beside finite elements, and how they converge with the mesh.
 
-A dent is smooth down to two radii of the fingertip. Deeper, the places at rest of the skin below the tip lie above the
+A dent is smooth to about two radii of the fingertip. Deeper, the places at rest of the skin below the tip lie above the
 tip's centre and pull it back round the tip: at the bottom it is farthest from them. Tension and friction keep it there,
 else it slips to some side, and the dent leans: at 2.5 radii by some 3 % of its depth. Under a tip of 20 mm, to which
 25 mm are 1.25 radii, it does not, and with a friction of 2 it does not either (`--parts friction`). A proxy whose edges
