@@ -114,7 +114,8 @@ def bench(options: argparse.Namespace) -> int:
     if "--exports" in options.rest:
         return in_blender("tests/bench/exports.py", options.blender, BUILD / "exports")
     if "--identify" in options.rest:
-        return in_blender("tests/bench/identified.py", options.blender, BUILD / "identified")
+        words = [word for word in options.rest if word != "--identify"]
+        return in_blender("tests/bench/identified.py", options.blender, BUILD / "identified", *words)
     python = environment(options.blender)
     native_core.provide_library(python)
     variables = {"OPENBLAS_NUM_THREADS": "1"}

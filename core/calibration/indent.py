@@ -27,7 +27,7 @@ ROWS = 60  # of a virtual press
 RIM = 1 / 3  # of an edge: the rim of a punch holds the edges that cross it as if it were so much wider
 CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
 RATE = 500.0  # [1/s] at which a body with the mass and damping of a virtual press settles
-MOVING, SETTLING = 0.004, 0.008  # [s] between two depths of a flat tip, and of rest there
+MOVING, SETTLING = 0.004, 0.004  # [s] between two depths of a flat tip, and of rest there
 # [s] between two depths of a round tip, and of taking the mean of its force: friction remembers the way, so it sinks
 # as a fingertip does, in a body as damped as the material is, at least so much
 SINKING, LISTENING, LEAST_DAMPING = 0.010, 0.004, 0.2
@@ -166,9 +166,12 @@ def go_down(session: Session, indenter: Indenter, site: Site, before: float, dep
 
 
 def going_down(
-    session: Session, indenter: Indenter, site: Site, before: float, depth: float
+    session: Session, indenter: Indenter, site: Site, before: float, depth: float, hurry: float = 1.0
 ) -> Generator[float, None, Station]:
     """Go down in steps of some milliseconds each.
+
+    Args:
+        hurry: times as fast a round tip sinks and is listened to; the force is then less exact.
 
     Yields:
         the share that is done, at the least.
@@ -187,11 +190,11 @@ def going_down(
         frame = session.step(SETTLING)
         force = -float(site.inward @ forces(model, _at(model, session.body.positions()))[:, under].sum(axis=1))
     else:
-        steps = max(round(SINKING / session.tick), ticks) if depth != before else 1
+        steps = max(round(SINKING / hurry / session.tick), ticks) if depth != before else 1
         session.set_fingers([_finger(site, depth, indenter.radius)])
         session.step(steps * session.tick)
         yield 0.7
-        frame = session.step(LISTENING)
+        frame = session.step(max(round(LISTENING / hurry / session.tick), 1) * session.tick)
         force = -float(frame.finger_forces[0] @ site.inward) if frame.finite and len(frame.finger_forces) else math.nan
     x = session.body.positions()
     volume = pressure.volume(model.pressure, x) if model.pressure.fill == "none" else frame.volume
