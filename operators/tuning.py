@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .settings import Settings
 
 PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
-LARGE = 12_000  # vertices: to change more takes longer than a frame, so it is prepared in a thread
+LARGE = 1_000  # vertices: to change more would make a frame late, so it is prepared in a thread
 UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned anew
 
 

@@ -13,6 +13,7 @@ tests/physics/test_estimate.py says how far it is off.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import replace
 
@@ -34,6 +35,7 @@ def reach(indenter: Indenter, size: float) -> float:
     return max(indenter.radius, POINT_SHARE * size) if indenter.shape == "point" else indenter.radius
 
 
+@functools.lru_cache(maxsize=64)  # some milliseconds, and asked for several times with each change of constants
 def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tuple[float, float]:
     """Return the area A [m2] in F = kappa A depth, and the radius of contact [m], of an indenter on a flat surface."""
     radius = reach(indenter, size)

@@ -153,7 +153,8 @@ def _swept(
     presses = []
     for at, each in enumerate(sites):
         part = share[1] / len(sites)
-        presses.append((yield from as_share(_pressed(session, material, each, depths, hurry), share[0] + at * part, part)))
+        steps = _pressed(session, material, each, depths, hurry)
+        presses.append((yield from as_share(steps, share[0] + at * part, part)))
     reached = min(map(len, presses))
     forces = np.mean([[station.force for station in press[:reached]] for press in presses], axis=0)
     stations = [replace(station, force=force) for station, force in zip(presses[0], forces.tolist(), strict=False)]

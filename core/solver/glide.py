@@ -48,10 +48,13 @@ class Glide:
 
     def add(self, before: Model, after: Model, x: Floats) -> None:
         """Change the constants of a body that is at x (3, n) [m]."""
-        force, ends = _forces(pumped(before, self.pressure), x), _forces(after, x)
+        pose = _pose(after, x)
+        same = before.rigged == after.rigged and np.array_equal(before.held, after.held)
+        pose_before = pose if same else _pose(before, x)
+        force, ends = _forces(pumped(before, self.pressure), x, pose_before), _forces(after, x, pose)
         more = self._keep_pressure(before, after)
-        load = force - (_forces(pumped(after, self.pressure + more), x) if self.pressure + more else ends)
-        rotation, translation = pose_of(after.matching, x, _pose(after, x))
+        load = force - (_forces(pumped(after, self.pressure + more), x, pose) if self.pressure + more else ends)
+        rotation, translation = pose_of(after.matching, x, pose)
         dent = x - rotation @ after.matching.rest - translation[:, None]
         self._fresh = (np.append(load, more),) * 3
         hardening = -float(((force - ends) * dent).sum()) / min(float((force * dent).sum()), -1e-30)
@@ -148,7 +151,7 @@ def _pose(model: Model, x: Floats) -> tuple[Floats, Floats] | None:
     return fit_pose(model.mesh.rest_positions.T[:, pins], x[:, pins], np.ones(len(pins)))
 
 
-def _forces(model: Model, x: Floats) -> Floats:
+def _forces(model: Model, x: Floats, pose: tuple[Floats, Floats] | None) -> Floats:
     """Return the forces (3, n) [N] on a body at rest; of one that is free without its weight, with which it falls."""
-    found = forces(model, State(positions=x, velocities=np.zeros_like(x), pose=_pose(model, x)))
+    found = forces(model, State(positions=x, velocities=np.zeros_like(x), pose=pose))
     return found - model.mass * model.gravity[:, None] if model.free else found

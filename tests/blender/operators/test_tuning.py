@@ -204,8 +204,7 @@ def test_what_a_large_body_cannot_be_is_refused_and_one_that_ends_meanwhile_is_l
     before = entry.session.model
     windowed.set()
     vinyl.mass_from, vinyl.mass_kg, vinyl.K2 = "MASS", 1e-9, 1e5
-    step(bpy)
-    (refused,) = settle(bpy, entry)
+    (refused,) = [*step(bpy), *settle(bpy, entry)]
     assert "Until then it goes on as it was" in refused and entry.session.model is before
     windowed.clear()
     vinyl.mass_kg, vinyl.K2 = 0.2, 7.23
