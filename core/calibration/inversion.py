@@ -97,14 +97,18 @@ def inverted(
     coarse = begun > 0
     levels = ((*COARSE, 1.0),) if coarse else ((*QUICK, ROUGH), (*SLOW, 1.0))
     whole = sum(most / hurry for hurry, most, _ in levels)
+    best: _Sweep | None = None
     for hurry, most, enough in levels:
         best, failed, each = None, 0, (1 - begun) / hurry / whole
         for sweep in range(most):
             share = begun + sweep * each, each
             found = yield from _swept(session, area, material, site, ends, slopes, hurry, share)
-            before, best = best, found if best is None or found.missed < best.missed else best
-            better = best is found
-            failed, damped = (0, damped * (LESS if before else 1.0)) if better else (failed + 1, damped * MORE)
+            before = best
+            if before is None or found.missed < before.missed:
+                best, failed, damped = found, 0, damped * (LESS if before else 1.0)
+            else:
+                failed, damped = failed + 1, damped * MORE
+            assert best
             nearly = failed >= (FAILURES if coarse else 1)
             if not best.stations or _is_good(best, material, enough * (NEARLY if nearly else 1.0)):
                 break
@@ -114,6 +118,7 @@ def inverted(
                 break
         assert best
         slopes, damped, begun = best.slopes, min(damped, DAMPED), begun + most * each
+    assert best
     return bed_in_pieces(first, ends, best.slopes), best.stations
 
 

@@ -19,6 +19,7 @@ from core.calibration.indent import find_site, go_down, press, set_up
 from core.calibration.inversion import bounded
 from core.material import FINGERTIP, POINT, PRESETS, Indenter, ModelConstants
 from core.mesh.surface import base_vertices
+from core.session import Session
 from studies.assessment import assess, assessment_json, assessment_lines
 from studies.reconstruct import DEEPEST
 from studies.scenes import ball, cube
@@ -103,6 +104,21 @@ def test_a_round_fingertip_rounds_the_knee_and_ends_at_the_measured_force(preset
     assert found.simulated[-1] == pytest.approx(found.wanted[-1], rel=0.08)
     assert 0.002 < found.rms <= 0.025 and off(found).max() <= 0.08
     assert found.worst <= 1 or "round tip" in found.notes[-1]
+
+
+@pytest.mark.parametrize(("tip", "most_s"), [(FINGERTIP, 1.7), (POINT, 0.5)], ids=["round", "flat"])
+def test_little_is_pressed_to_identify_a_body(monkeypatch, tip, most_s):
+    """In simulated time; it was 3.0 s under the round tip and 0.57 s under the point when all presses were slow."""
+    simulated, step = [], Session.step
+
+    def counted(session, dt, **given):
+        simulated.append(dt)
+        return step(session, dt, **given)
+
+    monkeypatch.setattr(Session, "step", counted)
+    mesh, held = body(OBJECT_3, "ball 4")
+    found = identify(mesh, OBJECT_3.material, tip, find_site(mesh, tip, held=held), DEEPEST[OBJECT_3.name])
+    assert sum(simulated) < most_s and found.rms < 0.02
 
 
 @pytest.mark.parametrize("tip", [FINGERTIP, WIDE], ids=["10 mm", "25 mm"])
