@@ -103,7 +103,7 @@ def inverted(
         for sweep in range(most):
             share = begun + sweep * each, each
             found = yield from _swept(session, area, material, site, ends, slopes, hurry, share)
-            before = best
+            before: _Sweep | None = best
             if before is None or found.missed < before.missed:
                 best, failed, damped = found, 0, damped * (LESS if before else 1.0)
             else:
