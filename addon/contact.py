@@ -21,8 +21,8 @@ class ContactSettings:
     )  # fmt: skip
     is_prop: BoolProperty(
         name="Falls",
-        description="The collider is a prop: it falls by its weight, rests in soft bodies, and passes through other "
-        "colliders",
+        description="The collider is a prop: it falls by its weight and rests on soft bodies, other colliders, other "
+        "props and the ground",
         default=False, **FIXED,
     )  # fmt: skip
     prop_mass_kg: FloatProperty(

@@ -1,11 +1,11 @@
-"""Props: rigid meshes with a mass that fall on soft bodies, sink in by their weight, and rest or roll off.
+"""Props: rigid meshes with a mass that fall, meet soft bodies, colliders, each other and the ground, and come to rest.
 
-A prop is a collider that goes where it falls. Each tick it is led on by its own velocity, and then given its weight and
-what the bodies answered: the reaction of one tick acts in the next. That is stable while a prop is heavier than the
-skin that moves with it, so a lighter one moves as if it were that heavy, though it presses with its own weight.
+A prop is a collider that goes where it falls. To soft bodies it is one that goes at its speed; what they answer in a
+substep acts in the next one. That is stable while a prop is heavier than the skin that moves with it, so a lighter one
+moves as if it were that heavy, though it presses with its own weight.
 
 Surfaces that touch keep a distance, so what touches of a prop is its surface moved inwards by that: then the prop as it
-is seen stands on the skin.
+is seen stands on what it meets.
 """
 
 from __future__ import annotations
@@ -21,30 +21,28 @@ from .body.proximity import OFFSET
 from .session import Session
 from .solver import rigid
 from .solver.rigid import RigidShape
-from .solver.scene import Collider, SceneFrame
+from .solver.scene import Collider, Fall, Falling, SceneFrame, Way
 from .world import World
 
 LEAST_SHARE = 0.1  # of the lightest body's mass: what a prop has at least when it moves
 SETTLING = 0.05  # of the critical damping is the least that a prop has, so that it comes to rest
 THIN = 0.5  # of volume by area: the farthest that faces are moved inwards
 FLAT = 0.02  # below this share of the greatest, nothing is known of where the faces of a vertex look
-HELD = 1e-9  # [m] a prop that is farther behind its way than this was held back
 
 
 class PropWorld(World):
     """Step sessions with colliders some of which fall.
 
+    gravity: (3,) that pulls props [m/s2]; may be changed between steps, as may
+    ground: height [m] of a plane that props land on, or None; one that begins below it lies as low as it begins.
+
     Args:
         sessions, colliders, itself, apart, names: as for a World.
         masses: of the colliders [kg], None for one that is led.
-        gravity: (3,) [m/s2].
-        ground: height [m] of a plane that props land on, or None; one that begins below it lies as low as it begins.
 
     Raises:
         DimpleError: a prop without mass or faces, or something passes through something else.
     """
-
-    most = 1  # tick in one call: each moves the props
 
     def __init__(
         self,
@@ -59,19 +57,17 @@ class PropWorld(World):
         names: Sequence[str] = (),
     ) -> None:
         gap = min(map(touching_gap, sessions))
-        touching = [c if mass is None else shrunk(c, gap) for c, mass in zip(colliders, masses, strict=True)]
-        super().__init__(sessions, touching, itself=itself, apart=apart, names=names)
-        self.gravity = np.array(gravity, np.float64)
-        self.props = [i for i, mass in enumerate(masses) if mass is not None]
-        self.masses = {i: float(masses[i] or 0.0) for i in self.props}
-        self.shapes = {i: _heavier(_shape(colliders[i], touching[i], self.masses[i]), sessions) for i in self.props}
+        self.gravity, self.ground = np.array(gravity, np.float64), ground
+        self.masses = {i: float(mass) for i, mass in enumerate(masses) if mass is not None}
+        falling = {i: _falling(colliders[i], mass, gap, sessions) for i, mass in self.masses.items()}
+        self.shapes = {i: each.shape for i, each in falling.items()}
         self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
-        self._friction = {i: colliders[i].friction for i in self.props}
-        lowest = {i: float(colliders[i].positions[2].min()) for i in self.props}
-        # as they are seen, for the ground needs no gap
-        self._seen = {i: replace(s, arms=colliders[i].positions.T - s.centre) for i, s in self.shapes.items()}
-        self._grounds = {i: min(ground, low) for i, low in lowest.items() if ground is not None}
-        self._damping = {i: _damping(shape.mass, sessions) for i, shape in self.shapes.items()}
+        self._lowest = {i: float(colliders[i].positions[2].min()) for i in self.masses}
+        touching = [
+            c._replace(positions=np.ascontiguousarray(self.positions(i).T), falling=falling[i]) if i in falling else c
+            for i, c in enumerate(colliders)
+        ]
+        super().__init__(sessions, touching, itself=itself, apart=apart, names=names)
 
     def positions(self, index: int) -> Floats:
         """Return where the vertices (m, 3) [m] are of what touches of a prop."""
@@ -89,39 +85,18 @@ class PropWorld(World):
         self.states = {i: rigid.at_rest(shape) for i, shape in self.shapes.items()}
         super().reset()
 
+    def _way(self, index: int) -> Way:
+        if index not in self.states:
+            return super()._way(index)
+        pull = self.masses[index] / self.shapes[index].mass * self.gravity  # its own weight, whatever it moves as
+        ground = -math.inf if self.ground is None else min(self.ground, self._lowest[index])
+        return Fall(self.states[index], pull, ground)
+
     def _run(self, ticks: int, substeps: int, done: int, whole: int) -> SceneFrame:
-        """Run a tick: each prop goes on, and is given what the bodies answer."""
-        tick, share = self.sessions[0].tick, (done + ticks) / whole
-        for i in self.props:
-            rigid.move(self.shapes[i], self.states[i], tick)
-            here = self._scene.collider(i)
-            # all ways are of the whole step, of which so much is over at the end of this tick
-            self._at[i], self._ends[i] = here, here + (self.positions(i).T - here) / share
         frame = super()._run(ticks, substeps, done, whole)
-        for i in self.props:
-            self._at[i], self._ends[i] = self._scene.collider(i), None
-            self._wait(i, tick)
-            self._push(i, frame, tick)
-            if i in self._grounds:
-                rigid.land(self._seen[i], self.states[i], self._grounds[i], self._friction[i])
+        for i in self.states:
+            self._at[i] = np.ascontiguousarray(self.positions(i).T)
         return frame
-
-    def _push(self, index: int, frame: SceneFrame, tick: float) -> None:
-        """Give a prop its weight and what it got in a tick [s]."""
-        shape, state, row = self.shapes[index], self.states[index], len(self.sessions) + index
-        impulse, moment = frame.impulses[row], frame.moments[row]
-        weight = self.masses[index] * self.gravity  # its own, whatever it moves as
-        rigid.push(state, shape.mass, impulse + tick * weight, moment - np.cross(state.centre, impulse))
-        if impulse.any():
-            share = 1 / (1 + tick * self._damping[index] / shape.mass)
-            state.velocity, state.momentum = share * state.velocity, share * state.momentum
-
-    def _wait(self, index: int, tick: float) -> None:
-        """Let a prop that was held back be where it is, at the speed it got there."""
-        behind = self._at[index].T - self.positions(index)
-        if np.abs(behind).max() > HELD:
-            state, way = self.states[index], behind.mean(axis=0)
-            state.centre, state.velocity = state.centre + way, state.velocity + way / tick
 
 
 def touching_gap(session: Session) -> float:
@@ -129,12 +104,12 @@ def touching_gap(session: Session) -> float:
     return 2 * OFFSET * float(session.model.mesh.rest_lengths.mean())
 
 
-def shrunk(collider: Collider, by: float) -> Collider:
-    """Return a closed collider with its faces moved inwards by a distance [m], or by less where it is thin."""
+def shrunk(collider: Collider, by: float) -> tuple[Collider, float]:
+    """Return a collider with its faces moved inwards by a distance [m], and that: less if it is thin, 0 if open."""
     x, triangles = collider.positions.T, collider.triangles
     sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     if not {(a, b) for a, b in sides.tolist()} == {(b, a) for a, b in sides.tolist()}:
-        return collider  # it has no inside
+        return collider, 0.0  # it has no inside
     corners = (x - x.mean(axis=0))[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas, volume = np.linalg.norm(normals, axis=1), float(np.linalg.det(corners).sum()) / 6
@@ -146,16 +121,18 @@ def shrunk(collider: Collider, by: float) -> Collider:
         np.add.at(squares, triangles[:, k], areas[:, None, None] * normals[:, :, None] * normals[:, None, :])
         np.add.at(sums, triangles[:, k], areas[:, None] * normals)
     way = -by * np.einsum("mij,mj->mi", np.linalg.pinv(squares, rcond=FLAT, hermitian=True), sums)
-    return collider._replace(positions=np.ascontiguousarray((x + way).T))
+    return collider._replace(positions=np.ascontiguousarray((x + way).T)), by
 
 
-def _shape(seen: Collider, touching: Collider, mass: float) -> RigidShape:
+def _falling(seen: Collider, mass: float, gap: float, sessions: Sequence[Session]) -> Falling:
     shape = rigid.rigid_shape(seen.positions.T, seen.triangles, mass)
-    return replace(shape, arms=touching.positions.T - shape.centre)
+    touching, by = shrunk(seen, gap)
+    moves = _heavier(replace(shape, arms=touching.positions.T - shape.centre), sessions)
+    return Falling(moves, shape.arms, _damping(moves.mass, sessions), by or gap)
 
 
 def _heavier(shape: RigidShape, sessions: Sequence[Session]) -> RigidShape:
-    """Return a rigid body that is heavy enough to be moved tick by tick."""
+    """Return a rigid body that is heavy enough to be answered a substep later."""
     least = LEAST_SHARE * min(float(session.model.mass.sum()) for session in sessions)
     if shape.mass >= least:
         return shape

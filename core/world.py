@@ -17,7 +17,7 @@ from .crowd import is_spent, ticks_that_fit
 from .session import Session
 from .solver.backend import create_scene
 from .solver.motion import MAX_STEPS
-from .solver.scene import LEAVES_OUT, ColliderMotion, Crossings, SceneFrame
+from .solver.scene import LEAVES_OUT, ColliderMotion, Crossings, SceneFrame, Way
 from .solver.scene import Collider as Collider
 
 
@@ -45,7 +45,6 @@ class Meeting(NamedTuple):
 class World:
     """Step sessions together.
 
-    most: ticks in one call.
     notes: for each session, "" or what is left out of its self contact, for the artist.
 
     Args:
@@ -59,8 +58,6 @@ class World:
     Raises:
         DimpleError: something passes through something else, with what and where.
     """
-
-    most = MAX_STEPS
 
     def __init__(
         self,
@@ -95,6 +92,11 @@ class World:
                     f'"{first}" passes through itself at ({where}) mm, {found.pairs} pairs of faces in all. Repair the '
                     "mesh there, switch off Self Contact in Physics > Dimple > Contact, or switch on Move Apart there, "
                     "which leaves these faces out of it."
+                )
+            if min(found.surfaces) >= len(self.sessions):
+                raise DimpleError(
+                    f'What falls must be clear of other colliders: "{first}" and "{second}" intersect at ({where}) mm, '
+                    f"{found.pairs} pairs of faces in all. Move them apart."
                 )
             raise DimpleError(
                 f'"{first}" and "{second}" intersect at ({where}) mm, {found.pairs} pairs of faces in all. Move them '
@@ -139,7 +141,7 @@ class World:
         for session in self.sessions:
             session.begin(dt)
         substeps = max(session.substeps for session in self.sessions)
-        most = min([MAX_STEPS // substeps - 1, self.most, *(session.most for session in self.sessions)])
+        most = min([MAX_STEPS // substeps - 1, *(session.most for session in self.sessions)])
         whole, share, spent = min(session.due for session in self.sessions), 0, 0.0
         while share < whole:
             ticks = min(whole - share, most, ticks_that_fit(share, spent, budget))
@@ -213,11 +215,14 @@ class World:
             self._scene.set_collider(i, at)
 
     def _run(self, ticks: int, substeps: int, done: int, whole: int) -> SceneFrame:
-        ways = [
-            None if end is None else ColliderMotion(at, end) for at, end in zip(self._at, self._ends, strict=True)
-        ]
+        ways = [self._way(i) for i in range(len(self._at))]
         motions = [session.next_motion(ticks, substeps=substeps) for session in self.sessions]
         return self._scene.step(motions, ways, (done + 1) / whole, (done + ticks) / whole)
+
+    def _way(self, index: int) -> Way:
+        """Return the way of a collider in the step."""
+        end = self._ends[index]
+        return None if end is None else ColliderMotion(self._at[index], end)
 
     def _arrive(self, share: float) -> None:
         """Note where on their ways the colliders are to be now."""

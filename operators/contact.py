@@ -88,7 +88,11 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
     Raises:
         DimpleError: one is gone, or has other vertices.
     """
+    from ..core.props import PropWorld
+
     graph = context.evaluated_depsgraph_get()
+    if isinstance(live.world, PropWorld):
+        live.world.gravity, live.world.ground = _pull(context.scene)
     ends = []
     for i, name in enumerate(live.colliders):
         if i in live.props:  # it goes where it falls
@@ -129,6 +133,11 @@ def _mass_of(obj: bpy.types.Object) -> float | None:
     return obj.dimple.prop_mass_kg if obj.dimple.is_prop else None
 
 
+def _pull(scene: bpy.types.Scene) -> tuple[Floats, float | None]:
+    """Return the gravity (3,) [m/s2] and the height of the ground [m] of what falls, None where there is none."""
+    return np.array(bridge_model.gravity(scene)), 0.0 if scene.dimple.use_ground else None
+
+
 def _make(
     context: bpy.types.Context,
     key: tuple[Any, ...],
@@ -158,9 +167,10 @@ def _make(
     falling = {i: prop for i, prop in falling.items() if _mass_of(colliders[i]) is not None}
     running = [session for _, session, _ in bodies]
     if falling:
+        gravity, ground = _pull(context.scene)
         world: World = PropWorld(
-            running, made, masses=[_mass_of(obj) for obj in colliders], gravity=bridge_model.gravity(context.scene),
-            ground=0.0 if context.scene.dimple.use_ground else None, itself=itself, apart=apart, names=names,
+            running, made, masses=[_mass_of(obj) for obj in colliders], gravity=gravity, ground=ground, itself=itself,
+            apart=apart, names=names,
         )  # fmt: skip
     else:
         world = World(running, made, itself=itself, apart=apart, names=names)

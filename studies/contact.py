@@ -46,8 +46,13 @@ class Referee:
         self.faces = faces
         every = np.concatenate([f + start for f, start in zip(faces, starts, strict=False)]).astype(np.int32)
         self._mesh = ipctk.CollisionMesh(self.positions(), ipctk.edges(every), every)
-        # colliders go where they are led, through each other too
-        self._mesh.can_collide = ipctk.make_static_obstacle_filter(int(starts[self.bodies]))
+        # colliders go where they are led, through each other too; a prop is stiff
+        patches = np.arange(starts[-1])
+        patches[starts[self.bodies] :] = starts[self.bodies]
+        for i, collider in enumerate(world.colliders, self.bodies):
+            if collider.falling:
+                patches[self.parts[i]] = starts[i] + 1
+        self._mesh.can_collide = ipctk.make_vertex_patches_filter(patches.astype(np.int32))
         self._count = ipctk.has_intersections
 
     def positions(self) -> Floats:

@@ -16,6 +16,7 @@ from core.base import Bools, Floats, Ints
 from core.body.model import build_model
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
+from core.props import PropWorld
 from core.session import Session
 from core.world import Collider, World
 
@@ -159,11 +160,30 @@ def collider_ends_inside(rng: np.random.Generator) -> Played:
     return _play([ball], [(way(0.0), tip[1])], ticks=300, held=[ball[0][:, 0] < -0.03], leads=[way])
 
 
+def weights_in_bowl(rng: np.random.Generator) -> Played:
+    """Let six weights and a ball fall into an open bowl, on each other."""
+    dish = trimesh.creation.icosphere(3, 0.15)
+    dish.update_faces(dish.triangles[:, :, 2].max(axis=1) < 0.02)
+    dish.remove_unreferenced_vertices()
+    weights = [moved(_box(0.05, 0.04, 0.03), rng, (0.03 * (-1) ** k, 0.02 * (k % 3 - 1), 0.05 * k)) for k in range(6)]
+    return _let_fall([moved(icosphere(2, 0.04), rng, (0, 0, -0.08))], [_of(dish)], weights, ticks=500)
+
+
+def weights_struck(rng: np.random.Generator) -> Played:
+    """Strike a stack of three weights on a table with a fist at 5 m/s, against a ball behind it."""
+    fist, stack = icosphere(2, 0.04), [moved(_box(0.05, 0.05, 0.03), rng, (0, 0, 0.04 + 0.06 * k)) for k in range(3)]
+    strike = _along(fist[0] + (-0.2, 0, 0.041), (0.5, 0, 0), rest=0.5)
+    ball = moved(icosphere(2, 0.04), rng, (0.12, 0, 0.05))
+    played = _let_fall([ball], [grid(8, 4, 1.2, 0.6), (strike(0.0), fist[1])], stack, ticks=200)
+    played.colliders = [None, strike, *[None] * 3]
+    return played
+
+
 SCENES: dict[str, Callable[[np.random.Generator], Played]] = {
     make.__name__: make
     for make in (
         hand_squeezes_ball, balls_pressed_flat, ball_through_ring, needle, twisted_bar, two_lips, folded_sheet,
-        pile_of_twenty, fast_fist, collider_ends_inside,
+        pile_of_twenty, fast_fist, collider_ends_inside, weights_in_bowl, weights_struck,
     )
 }  # fmt: skip
 
@@ -191,6 +211,21 @@ def _play(
     return Played(
         world=world, ticks=ticks, colliders=leads or [None] * len(colliders), pins=pins or [None] * len(sessions)
     )
+
+
+def _let_fall(bodies: Sequence[Shape], led: Sequence[Shape], props: Sequence[Shape], *, ticks: int) -> Played:
+    gravity = (0.0, 0.0, -9.81)
+    sessions = [
+        Session(build_model(mesh_from_triangles(*body), [SOFT], held=np.zeros(len(body[0]), bool), gravity=gravity))
+        for body in bodies
+    ]
+    colliders = [Collider(points.T.copy(), faces, 0.4) for points, faces in (*led, *props)]
+    world = PropWorld(sessions, colliders, masses=[*[None] * len(led), *[0.2] * len(props)])
+    return Played(world=world, ticks=ticks, colliders=[None] * len(colliders), pins=[None] * len(sessions))
+
+
+def _box(*size: float) -> Shape:
+    return _of(trimesh.creation.box(size))
 
 
 def icosphere(subdivisions: int, radius: float) -> Shape:

@@ -1,5 +1,6 @@
 """Shapes that several tests press, each written out so that what is expected of it is known beforehand."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from core.base import Floats, Ints
 from core.body.model import State
 from core.session import Session
 from core.solver.backend import Body
+from core.solver.rigid import rotation
 
 Shape = tuple[Floats, Ints]
 REAL = ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")  # scans and exports as they come
@@ -42,6 +44,14 @@ def ball(subdivisions: int = 1, radius: float = 1.0) -> Shape:
 
     sphere = trimesh.creation.icosphere(subdivisions, radius)
     return np.array(sphere.vertices), np.array(sphere.faces)
+
+
+def block(size: Sequence[float], at: Sequence[float], turn: Sequence[float] = (0.0, 0.0, 0.0)) -> Shape:
+    """Return a box, turned about a vector by its length."""
+    import trimesh
+
+    box = trimesh.creation.box(size)
+    return np.array(box.vertices) @ rotation(np.array(turn)).T + at, np.array(box.faces)
 
 
 def sheet(cells: int = 4, edge: float = 1.0) -> Shape:

@@ -36,7 +36,8 @@ FLAGS = (
 NO_UNWINDING = "-fno-asynchronous-unwind-tables", "-fno-unwind-tables"  # 3 kB less; Windows' calls want them
 # fused multiply-add is a tenth of the time; without it double precision has the same bits on every machine
 FUSE = {32: "-ffp-contract=on", 64: "-ffp-contract=off"}
-ONCE = "api", "many", "cells", "seeds", "motions"  # compiled once for all instruction sets
+ONCE_SMALL = "api", "cells", "falling", "many", "seeds"  # of them, what is not run over and over
+ONCE = "api", "many", "cells", "seeds", "motions", "falling"  # compiled once for all instruction sets
 VARIANTS = {"base": (), "avx2": ("-mavx2", "-mfma")}
 SMALL = "-Os"  # of the set that only processors from before 2013 take, and of what is linked in: 50 kB less of the zip
 
@@ -137,7 +138,10 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
     zig = compiler(python)
     say(f"compiling the native core for {name}")
     folder.mkdir(parents=True, exist_ok=True)
-    words: list[list[str | Path]] = [[FUSE[64], SOURCES / f"{each}.c", "-o", folder / f"{each}.o"] for each in ONCE]
+    words: list[list[str | Path]] = [
+        [FUSE[64], *([SMALL] if each in ONCE_SMALL else ()), SOURCES / f"{each}.c", "-o", folder / f"{each}.o"]
+        for each in ONCE
+    ]
     for kind in target.sets:
         for bits in (32, 64) if DOUBLE in more else (32,):
             options: list[str | Path] = [f"-DDM_BITS={bits}", f"-DDM_SET={kind}", *VARIANTS[kind], FUSE[bits]]

@@ -13,8 +13,9 @@ WORDS = {
         "このオブジェクトと、触れる物体との間の摩擦係数。0 は摩擦なしです"
     ),
     "Falls": "落ちる",
-    "The collider is a prop: it falls by its weight, rests in soft bodies, and passes through other colliders": (
-        "コライダーは小道具です。自分の重さで落ち、柔らかい物体に沈んで止まりますが、ほかのコライダーは通り抜けます"
+    "The collider is a prop: it falls by its weight and rests on soft bodies, other colliders, other props and the "
+    "ground": (
+        "コライダーは小道具です。自分の重さで落ち、柔らかい物体、ほかのコライダー、ほかの小道具、地面の上で止まります"
     ),
     "Prop Mass (kg)": "小道具の質量 (kg)",
     "Mass of what falls": "落ちるものの質量",

@@ -154,13 +154,16 @@ def measure(x: Floats, ones: Ints) -> tuple[Floats, Floats, Floats]:
     return w, between, np.sqrt(_dot(between, between))
 
 
-def find_pairs(s: Surfaces, x: Floats, first: int, second: int, *, reach: float, closest: float) -> Pairs:
+def find_pairs(
+    s: Surfaces, x: Floats, first: int, second: int, *, reach: float, closest: float, rigid: bool = False
+) -> Pairs:
     """Find what of two surfaces, or of one, is nearer than a reach [m] at positions x (n, 3) [m].
 
     Their planes stand in the middle between the two, so that native code needs to set none before a vertex comes to it.
 
     Args:
         closest: nearer than this [m], nothing goes nearer still.
+        rigid: neither of the two gives.
     """
     low = np.maximum(_box(x, s, first)[0], _box(x, s, second)[0]) - reach
     high = np.minimum(_box(x, s, first)[1], _box(x, s, second)[1]) + reach
@@ -187,13 +190,18 @@ def find_pairs(s: Surfaces, x: Floats, first: int, second: int, *, reach: float,
     at.append(np.column_stack([s.edges[i], s.edges[j]]))
     part.append(np.column_stack([i, j]))
     ones.append(np.full(len(i), 2))
-    return _with_planes(s, x, np.concatenate(at), np.concatenate(ones), np.concatenate(part), reach, closest)
+    return _with_planes(s, x, np.concatenate(at), np.concatenate(ones), np.concatenate(part), reach, closest, rigid)
 
 
-def touching_distance(s: Surfaces, pairs: Pairs, offsets: Floats) -> Floats:
-    """Return the distance (m,) [m] at which pairs touch; a body touches itself only where it was apart at rest."""
+def touching_distance(s: Surfaces, pairs: Pairs, offsets: Floats, skins: Floats, bodies: int) -> Floats:
+    """Return the distance (m,) [m] at which pairs touch; a body touches itself only where it was apart at rest.
+
+    Args:
+        offsets, skins: (k,) that surfaces keep from soft bodies, and from what does not give [m].
+        bodies: how many of the surfaces are soft.
+    """
     a, b = s.of_vertex[pairs.at[:, 0]], s.of_vertex[pairs.at[:, 3]]
-    touch = offsets[a] + offsets[b]
+    touch = np.where((a < bodies) | (b < bodies), offsets[a] + offsets[b], skins[a] + skins[b])
     same = a == b
     touch[same] = np.minimum(touch[same], SELF_SHARE * measure(s.rest[pairs.at[same]], pairs.ones[same])[2])
     return touch
@@ -236,7 +244,7 @@ def planes_between(x: Floats, v: Floats, at: Ints, ones: Ints, closest: Floats) 
 
 
 def _with_planes(
-    s: Surfaces, x: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float
+    s: Surfaces, x: Floats, at: Ints, ones: Ints, part: Ints, reach: float, closest: float, rigid: bool
 ) -> Pairs:
     near = measure(x[at], ones)[2] < reach
     at, ones, part = at[near], ones[near], part[near]
@@ -246,8 +254,8 @@ def _with_planes(
     inside = (np.abs(planes.weights[edge]) > 0).all(axis=1)
     weight[edge] = (
         inside
-        * _sharpness(s, x, part[edge, 0], planes.first[edge], -planes.normal[edge])
-        * _sharpness(s, x, part[edge, 1], planes.second[edge], planes.normal[edge])
+        * _sharpness(s, x, part[edge, 0], planes.first[edge], -planes.normal[edge], rigid)
+        * _sharpness(s, x, part[edge, 1], planes.second[edge], planes.normal[edge], rigid)
     )
     return Pairs(
         at=at, ones=ones, part=part, normal=planes.normal, level=planes.level, keep=planes.keep, way=planes.way,
@@ -255,16 +263,22 @@ def _with_planes(
     )  # fmt: skip
 
 
-def _sharpness(s: Surfaces, x: Floats, edges: Ints, points: Floats, normals: Floats) -> Floats:
-    """Return how much edges stick out in a direction: 1 where the faces beside fall away, 0 where they are flat."""
-    least = np.ones(len(edges))
+def _sharpness(s: Surfaces, x: Floats, edges: Ints, points: Floats, normals: Floats, rigid: bool) -> Floats:
+    """Return how much edges stick out in a direction: 1 where the faces beside fall away, 0 where they are flat.
+
+    Of what is rigid and coarse, one of them may be flat: two bars that lie crosswise touch nowhere else.
+    """
+    least, most, flat = np.ones(len(edges)), np.zeros(len(edges)), np.ones(len(edges))
     for side in range(2):
         across = s.across[edges, side]
         arm = x[across] - points
         slope = -_dot(arm, normals) / np.maximum(np.sqrt(_dot(arm, arm)), 1e-300)
         sharp = np.clip((slope - FLAT) / (SHARP - FLAT), 0, 1)
+        rises = np.clip((slope + SHARP) / (SHARP - FLAT), 0, 1)
         least = np.where(across < 0, least, np.minimum(least, sharp))
-    return least
+        flat = np.where(across < 0, flat, np.minimum(flat, rises))
+        most = np.where(across < 0, 1.0, np.maximum(most, sharp))
+    return most * flat if rigid else least
 
 
 def near_boxes(a: Floats, b: Floats, reach: float) -> tuple[Ints, Ints]:

@@ -8,6 +8,14 @@ DM_INLINE const uint32_t *dm_sides_of(const dm_scene_state *s, uint32_t i) {
     return s->sides[i / DM_LANES].surface[i % DM_LANES];
 }
 
+/* How many pairs of surfaces may touch, of which some are the same, and the i-th. */
+DM_INLINE uint32_t dm_side_count(const dm_scene_state *s) { return DM_LANES * s->batch_count + s->support_count; }
+
+DM_INLINE const uint32_t *dm_both_of(const dm_scene_state *s, uint32_t i) {
+    uint32_t lanes = DM_LANES * s->batch_count;
+    return i < lanes ? dm_sides_of(s, i) : s->supports[i - lanes].surface;
+}
+
 static int dm_any_sleeps(const dm_scene_state *s) {
     int asleep = 0;
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) asleep |= dm_sleeps(f);

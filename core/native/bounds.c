@@ -150,7 +150,7 @@ static void dm_renew_plane(dm_scene_state *s, dm_pair *p) {
 static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
     const dm_surface *f = s->surfaces + n->surface;
     double x[3], way[3];
-    if (!f->body || n->renewed == s->renewal) return;
+    if (!(f->body || f->prop) || n->renewed == s->renewal) return;
     n->renewed = s->renewal;
     dm_world_of(s, f, n->vertex, x);
     dm_minus(x, s->before[n->vertex], way);
@@ -166,10 +166,14 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
         most = left < most ? left : most;
     }
     uint32_t i = n->vertex - f->first;
+    if (gone > s->stale[n->vertex]) s->due = 1;
+    if (f->prop) {
+        s->roam[n->vertex] = most, memcpy(f->prop->since[i], x, sizeof x);
+        return;
+    }
     dm_set_lane3(&f->before[i / DM_LANES], i, f->body->records[i].x);
     most *= DM_ALERT, s->surfaces[n->surface].near_left = 0;
     f->bound[i / DM_LANES][i % DM_LANES] = (dm_real)(most > 0 ? most * most : -1);
-    if (gone > s->stale[n->vertex]) s->due = 1;
 }
 
 /* Set the planes anew of what has used its way, where things are now: it may go on from there in the next substep. */

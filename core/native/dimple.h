@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 17 /* changes with anything below */
+#define DM_ABI 18 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -242,10 +242,26 @@ typedef struct {
     int64_t triangles;
     const int64_t *corners;  /* (triangles, 3) */
     double friction;         /* coefficient */
+    double mass;             /* [kg] of a prop, a rigid body that falls; 0: it is led, and the rest does not count */
+    double inverse_inertia[9]; /* about its centre, as it lies where it has not turned, by rows [1/(kg m2)] */
+    double damping;          /* while it touches a soft body [N s/m] */
+    double skin;             /* from what does not give it keeps so far [m] */
+    const double *arms;      /* (3, vertices) from its centre where it has not turned [m]: of what touches, */
+    const double *seen;      /* and of what stands on the ground */
 } dm_collider_def;
+
+typedef struct { /* where a prop is, how it moves, and what pulls it */
+    double centre[3];   /* of its mass [m] */
+    double turn[9];     /* rotation, by rows */
+    double velocity[3]; /* of its centre [m/s] */
+    double momentum[3]; /* angular, about it [kg m2/s] */
+    double gravity[3];  /* [m/s2] */
+    double ground;      /* height of a plane [m], -INFINITY where there is none */
+} dm_prop;
 
 typedef struct { /* the way of a collider: null where it rests */
     const double *from, *to; /* (3, vertices) [m] */
+    dm_prop *prop;           /* of a prop: as the call begins, and then as it ends */
 } dm_collider_motion;
 
 typedef struct {

@@ -2,20 +2,22 @@
  * Source: core/solver/islands.py. */
 #include "scene.h"
 
-DM_INLINE int dm_moves(const dm_surface *f) { return f->body ? !f->body->asleep : f->moving; }
+DM_INLINE int dm_moves(const dm_surface *f) { return f->body || f->prop ? !dm_sleeps(f) : f->moving; }
 
 /* Wake bodies that may touch something that moves before the next look, and what they may touch. */
 static void dm_wake_touched(dm_scene_state *s, const dm_motion *motions, int64_t t, dm_frame *frames) {
     s->wakes = 0;
     for (int more = dm_any_sleeps(s); more;) {
         more = 0;
-        for (uint32_t i = 0; i < DM_LANES * s->batch_count; i++)
+        for (uint32_t i = 0; i < dm_side_count(s); i++)
             for (int j = 0; j < 2; j++) {
-                const uint32_t *of = dm_sides_of(s, i);
+                const uint32_t *of = dm_both_of(s, i);
                 dm_surface *f = s->surfaces + of[j];
                 int64_t k = of[j];
                 if (!dm_sleeps(f) || !dm_moves(s->surfaces + of[1 - j])) continue;
-                dm_wake(f->body), dm_enter_tick(f->body, motions + k, t, frames + k), more = 1;
+                if (f->prop) f->prop->asleep = 0, f->prop->quiet = 0;
+                else dm_wake(f->body), dm_enter_tick(f->body, motions + k, t, frames + k);
+                more = 1;
             }
     }
 }
@@ -36,22 +38,27 @@ static void dm_note_sag(dm_scene_state *s) {
     }
 }
 
+DM_INLINE int dm_has_rested(const dm_surface *f) { return f->body ? f->body->rested : f->prop && f->prop->rested; }
+
 /* After a tick: let bodies sleep that have come to rest with all that they may touch. */
 static void dm_let_sleep(dm_scene_state *s, const dm_motion *motions) {
     int rested = 0;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
-        f->kept = (uint8_t)(f->body ? !f->body->asleep && !f->body->rested : f->moving);
-        rested |= f->body && f->body->rested;
+        f->kept = (uint8_t)(dm_moves(f) && !dm_has_rested(f));
+        rested |= dm_has_rested(f);
     }
     for (int more = rested; more;) {
         more = 0;
-        for (uint32_t i = 0; i < DM_LANES * s->batch_count; i++)
+        for (uint32_t i = 0; i < dm_side_count(s); i++)
             for (int j = 0; j < 2; j++) {
-                const uint32_t *of = dm_sides_of(s, i);
+                const uint32_t *of = dm_both_of(s, i);
                 dm_surface *f = s->surfaces + of[j];
-                if (f->body && !f->kept && s->surfaces[of[1 - j]].kept) f->kept = 1, more = 1;
+                if ((f->body || f->prop) && !f->kept && s->surfaces[of[1 - j]].kept) f->kept = 1, more = 1;
             }
     }
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
-        if (f->body && f->body->rested && !f->kept) dm_fall_asleep(f->body, motions + (f - s->surfaces));
+        if (dm_has_rested(f) && !f->kept) {
+            if (f->prop) f->prop->asleep = 1, f->prop->rested = 0;
+            else dm_fall_asleep(f->body, motions + (f - s->surfaces));
+        }
 }

@@ -19,6 +19,13 @@
 #else
 #define DM_BY_FOUR
 #endif
+#if defined(__clang__) /* what is not run over and over is compiled for its size */
+#define DM_SMALL _Pragma("clang attribute push(__attribute__((minsize)), apply_to = function)")
+#define DM_FAST _Pragma("clang attribute pop")
+#else
+#define DM_SMALL
+#define DM_FAST
+#endif
 #define DM_LANES 8
 #define DM_TINY ((dm_real)1e-30)
 

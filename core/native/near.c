@@ -3,7 +3,7 @@
 #include "scene.h"
 
 /* How much two edges stick out towards each other. */
-static double dm_weight_of_edges(const dm_scene_state *s, const dm_close *close) {
+static double dm_weight_of_edges(const dm_scene_state *s, const dm_close *close, int rigid) {
     const double *x[4];
     double w[4], between[3], point[3], other[3], back[3];
     for (int j = 0; j < 4; j++) x[j] = s->before[close->at[j]];
@@ -12,15 +12,15 @@ static double dm_weight_of_edges(const dm_scene_state *s, const dm_close *close)
         point[c] = w[0] * x[0][c] + w[1] * x[1][c], other[c] = -w[2] * x[2][c] - w[3] * x[3][c];
         between[c] = gap > 0 ? between[c] / gap : 0, back[c] = -between[c];
     }
-    double one = dm_sharpness(s, close->parts[0], point, back);
-    return one > 0 ? one * dm_sharpness(s, close->parts[1], other, between) : 0;
+    double one = dm_sharpness(s, close->parts[0], point, back, rigid);
+    return one > 0 ? one * dm_sharpness(s, close->parts[1], other, between, rigid) : 0;
 }
 
 /* Note a pair as a candidate where it may touch before the next query. */
 static void dm_note_candidate(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t pair, double gap) {
     const dm_pair *p = s->pairs + pair;
     const dm_close *close = s->close[p->ones - 1] + p->close;
-    dm_candidate made = {pair, gap, f->offset + g->offset, p->ones == 1 ? 1 : dm_weight_of_edges(s, close)};
+    dm_candidate made = {pair, gap, dm_touch_of(f, g), p->ones == 1 ? 1 : dm_weight_of_edges(s, close, !f->body && !g->body)};
     if (f == g) {
         const double *rest[4];
         double w[4], between[3];

@@ -14,9 +14,10 @@ static void dm_note_near(dm_scene_state *s, const dm_surface *f, uint32_t vertex
 }
 
 /* How much an edge sticks out in a direction: 1 where the faces beside it fall away from there, 0 where they are flat
- * or rise, and faces do what is to be done. */
-static double dm_sharpness(const dm_scene_state *s, uint32_t edge, const double *point, const double *normal) {
-    double least = 1;
+ * or rise, and faces do what is to be done. Of what is rigid and coarse, one of them may be flat: two bars that lie
+ * crosswise touch nowhere else. */
+static double dm_sharpness(const dm_scene_state *s, uint32_t edge, const double *point, const double *normal, int rigid) {
+    double least = 1, most = 0, flat = 1;
     for (int k = 0; k < 2; k++) {
         if (s->across[edge][k] == DM_NO_VERTEX) continue;
         double arm[3];
@@ -24,9 +25,12 @@ static double dm_sharpness(const dm_scene_state *s, uint32_t edge, const double 
         double length = sqrt(dm_inner3(arm, arm));
         double slope = length > 0 ? -dm_inner3(arm, normal) / length : 0;
         double sharp = dm_share_of((slope - DM_FLAT) / (DM_SHARP - DM_FLAT));
-        least = sharp < least ? sharp : least;
+        double rises = dm_share_of((slope + DM_SHARP) / (DM_SHARP - DM_FLAT));
+        least = sharp < least ? sharp : least, flat = rises < flat ? rises : flat;
+        most = sharp > most ? sharp : most;
     }
-    return least;
+    if (s->across[edge][1] == DM_NO_VERTEX) most = 1;
+    return rigid ? most * flat : least;
 }
 
 DM_INLINE const dm_surface *dm_surface_of(const dm_scene_state *s, const dm_pair *p, uint32_t corner) {

@@ -32,6 +32,10 @@ static double dm_fastest_of(const dm_scene_state *s) {
     double speed = 0;
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         double fastest = f->body ? dm_greatest_speed(f->body) : 0;
+        if (f->prop && !f->prop->asleep) {
+            const double *pull = f->prop->now.gravity;
+            fastest = dm_speed_of_prop(f->prop) + sqrt(dm_inner3(pull, pull)) * s->tick;
+        }
         for (uint32_t i = f->first; !f->body && f->moving && i < f->first + f->count; i++) {
             double way[3];
             dm_minus(s->aim[i], s->here[i], way);
@@ -95,7 +99,7 @@ static void dm_free_behind(dm_scene_state *s, const dm_surface *f, const dm_surf
         }
 }
 
-DM_INLINE int dm_may_touch(const dm_surface *f, const dm_surface *g) { return f == g ? f->self : f->body || g->body; }
+DM_INLINE int dm_may_touch(const dm_surface *f, const dm_surface *g) { return f == g ? f->self : f->body || g->body || f->prop || g->prop; }
 
 /* Find all that is close, so widely that some queries can live of it. */
 static void dm_search(dm_scene_state *s) {
@@ -151,6 +155,7 @@ static void dm_query_pair(dm_scene_state *s, uint32_t i, uint32_t j, uint32_t *r
 
 static void dm_set_bounds(dm_scene_state *s, dm_surface *f) {
     f->near_group_count = 0;
+    if (f->prop) memcpy(f->prop->since, s->before + f->first, f->count * sizeof *s->before);
     for (int64_t g = 0; f->body && g < f->body->groups; g++) {
         int near = 0;
         for (int l = 0; l < DM_LANES; l++) {
@@ -165,7 +170,7 @@ static void dm_set_bounds(dm_scene_state *s, dm_surface *f) {
 }
 
 static void dm_query(dm_scene_state *s) {
-    dm_sum_meetings(s), s->batch_count = 0;
+    dm_sum_meetings(s), s->batch_count = s->support_count = 0;
     for (int64_t i = 0; i < s->vertex_count; i++) s->place[i] = DM_NO_VERTEX;
     s->near_count = s->pair_count = s->candidate_count = s->held_count = 0, s->due = 0, s->gap = INFINITY;
     s->reach = dm_reach_of(s);

@@ -4,14 +4,14 @@
 static void dm_scene_state_destroy(dm_scene_state *s) {
     for (int64_t k = 0; s->surfaces && k < s->surface_count; k++)
         dm_free(s->surfaces[k].before), dm_free(s->surfaces[k].bound), dm_free(s->surfaces[k].due),
-            dm_free(s->surfaces[k].near_groups);
+            dm_free(s->surfaces[k].near_groups), dm_free_prop(s->surfaces[k].prop);
     void *const parts[] = {s->surfaces, s->before, s->rest, s->here, s->aim, s->rate, s->roam, s->corners, s->edges_of,
                            s->edges, s->across, s->owns, s->ring_start, s->ring, s->place, s->nodes, s->searched,
                            s->balls, s->number, s->bins, s->slack, s->stale, s->left_out};
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     void *const lists[] = {s->near, s->pairs, s->pairs_of, s->batches, s->moving, s->candidates, s->sorted, s->held,
                            s->close[0], s->close[1], s->runs, s->planes, s->tally, s->sides,
-                           s->there, s->met};
+                           s->there, s->met, s->supports};
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) dm_free(lists[k]);
     dm_free(s);
 }
@@ -54,13 +54,15 @@ static void dm_place_collider(dm_scene_state *s, int64_t which, const double *po
         }
 }
 
-static void dm_lay_collider(dm_scene_state *s, dm_surface *f, const dm_collider_def *d) {
+static int32_t dm_lay_collider(dm_scene_state *s, dm_surface *f, const dm_collider_def *d) {
     dm_place_collider(s, f - s->surfaces, d->positions);
     memcpy(s->rest[f->first], s->here[f->first], f->count * sizeof *s->rest);
     for (int64_t k = 0; k < 3 * d->triangles; k++)
         s->corners[f->first_triangle + k / 3][k % 3] = f->first + (uint32_t)d->corners[k];
     for (uint32_t k = f->first; k < f->first + f->count; k++) s->number[k] = k;
     f->friction = d->friction;
+    s->prop_count += d->mass > 0;
+    return d->mass > 0 ? dm_lay_prop(f, d) : DM_OK;
 }
 
 /* Lay the surfaces one after the other: first the bodies, then the colliders. */
@@ -70,7 +72,7 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
     for (int64_t k = 0; k < s->surface_count && code == DM_OK; k++) {
         dm_surface *f = s->surfaces + k;
         if (f->body) code = dm_lay_body(s, f);
-        else dm_lay_collider(s, f, colliders + (k - bodies));
+        else code = dm_lay_collider(s, f, colliders + (k - bodies));
         if (code == DM_OK) code = dm_order_triangles(s, f);
         if (code == DM_OK) code = dm_lay_edges(s, f);
         if (code != DM_OK || !f->triangle_count) continue;
@@ -87,7 +89,7 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
     }
     for (int64_t k = 0; k < s->surface_count; k++)
         for (int64_t j = 0; j < k; j++) {
-            double most = s->surfaces[j].offset + s->surfaces[k].offset;
+            double most = dm_touch_of(s->surfaces + j, s->surfaces + k);
             s->touch = most > s->touch ? most : s->touch;
         }
     return code == DM_OK ? dm_lay_neighbours(s) : code;
@@ -123,6 +125,9 @@ static void dm_scene_state_place(dm_scene_state *s, int64_t collider, const doub
     int64_t which = 0;
     while (s->surfaces[which].body) which++;
     dm_place_collider(s, which + collider, positions);
+    for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) /* it may stand on what has gone */
+        if (f->prop) f->prop->asleep = 0, f->prop->quiet = 0;
+    if (s->surfaces[which + collider].prop) s->surfaces[which + collider].prop->placed = 0;
     s->due = 1;
 }
 
@@ -138,6 +143,10 @@ static void dm_scene_state_read(const dm_scene_state *s, int64_t collider, doubl
 static void dm_aim_colliders(dm_scene_state *s, const dm_collider_motion *to, double share) {
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         if (f->body) continue;
+        if (f->prop) {
+            to++;
+            continue;
+        }
         f->moving = 0;
         for (uint32_t k = 0; to->to && k < f->count; k++)
             for (uint32_t c = 0; c < 3; c++) {
@@ -162,6 +171,7 @@ static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, in
     if (s->due) dm_query(s);
     dm_begin_contact(s);
     if (s->wakes) dm_wake_touched(s, motions, t, frames);
+    dm_begin_props(s);
     int64_t bodies = 0;
     while (bodies < s->surface_count && s->surfaces[bodies].body) bodies++;
     for (int64_t i = 0; i < bodies; i++) {
@@ -171,7 +181,9 @@ static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, in
     s->backwards = !s->backwards;
     for (dm_surface *f = s->surfaces + bodies; f < s->surfaces + s->surface_count; f++)
         if (f->moving) dm_move_collider(s, f, share);
+    dm_move_props(s);
     dm_resolve_touching(s);
+    dm_note_answers(s);
     dm_resist_rolling(s);
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         if (f->body && !f->body->asleep) dm_bound_body(s, f);
@@ -190,6 +202,8 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
         memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment);
         if (f->body) f->left -= f->body->jumped, f->near_left -= f->body->jumped, f->body->jumped = 0;
     }
+    for (int64_t k = bodies; k < s->surface_count; k++)
+        if (s->surfaces[k].prop && colliders[k - bodies].prop) dm_take_prop(s, s->surfaces + k, colliders[k - bodies].prop);
     int finite = 1;
     for (int64_t t = 0; t < ticks && finite && s->code == DM_OK; t++) {
         double share = ticks > 1 ? first + (double)t / (double)(ticks - 1) * (last - first) : first;
@@ -207,10 +221,14 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
             dm_end_tick(s->surfaces[k].body, motions + k, t, frames + k);
             finite = finite && frames[k].finite;
         }
+        for (const dm_surface *f = s->surfaces + bodies; f < s->surfaces + s->surface_count; f++)
+            if (f->prop && !f->prop->asleep) dm_watch_prop(f->prop, s->tick);
         if (finite) dm_let_sleep(s, motions);
         out->ticks = t + 1;
     }
     dm_sum_meetings(s);
+    for (int64_t k = bodies; k < s->surface_count; k++)
+        if (s->surfaces[k].prop && colliders[k - bodies].prop) *colliders[k - bodies].prop = s->surfaces[k].prop->now;
     for (int64_t k = 0; k < bodies; k++) dm_end_motion(s->surfaces[k].body, motions + k, frames + k);
     for (int64_t k = 0; k < s->surface_count && k < DM_SCENE_IMPULSES; k++)
         memcpy(out->impulse[k], s->surfaces[k].impulse, sizeof out->impulse[k]),

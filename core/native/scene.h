@@ -8,9 +8,9 @@
  */
 #ifndef DM_SCENE_H
 #define DM_SCENE_H
-#include "body.h"
+#include "falling.h"
+#include <stddef.h>
 
-#define DM_NO_VERTEX UINT32_MAX
 #define DM_LEAF 4             /* triangles in a leaf of a tree */
 #define DM_WAITING 64         /* pairs that a search measures together */
 #define DM_DEEPEST 128        /* pairs of nodes that wait: twice the depth of two trees */
@@ -27,20 +27,19 @@
 #define DM_SLOW 1e-3          /* [m/s] below this, both sides count as equally fast */
 #define DM_ALERT 0.5          /* of the way it may go, after which a vertex gets new planes */
 #define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
-#define DM_BACK 0.2           /* of what it has slipped, what sticks goes back in a substep */
-#define DM_PART 0.6           /* of what is too near, is brought apart in a substep */
 #define DM_LOOK 0.5           /* of the touching distance: when anything near has moved so far, normals are set anew */
 #define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
 #define DM_ON_BORDER 1e-9     /* weight of a corner below which a point of a face lies on the border opposite it */
 #define DM_SHARP 0.05          /* and above which it is one */
-#define DM_ROLL_ARM 0.005     /* of its size: arm of rolling resistance, as in core/solver/rolling.py with the two below */
-#define DM_ROLL_PART 0.1
+#define DM_ROLL_PART 0.1      /* of rolling resistance, as in core/solver/rolling.py */
 #define DM_ROLL_KEPT 0.0025
 #define DM_LEAVES_OUT 2       /* of `self`: a body meets itself, but for the faces that pass through others of it at the start */
+#define DM_HALVINGS 8         /* of the way of a prop that is held back */
 #define DM_SELF_SHARE 0.5     /* of the distance at rest: nearer, a body touches itself */
 
 typedef struct { /* the surface of a body, or a collider */
     dm_state *body; /* null: a collider */
+    dm_falling *prop; /* null: a soft body, or a collider that is led */
     uint32_t first, count, first_triangle, triangle_count, first_edge, edge_count, first_node, node_count;
     double offset, edge, closest, friction;
     double low[3], high[3]; /* where it was at the last query */
@@ -146,6 +145,8 @@ typedef struct dm_scene_state {
     dm_candidate *candidates;
     uint32_t sorted_room, *bins; /* room to put them in order */
     dm_ordered *sorted;
+    uint32_t support_count, standing, support_room, prop_count;
+    dm_support *supports; /* of the pairs without a soft body; in a substep, with those on the ground: `standing` */
     uint32_t batch_count, batch_room, sides_room, moving_room;
     dm_batch *batches; /* of the meetings, in the order in which they are taken */
     dm_batch_sides *sides;
@@ -185,7 +186,14 @@ static void *dm_grown(dm_scene_state *s, void *array, uint32_t count, uint32_t *
 
 DM_INLINE int dm_has_room(const dm_scene_state *s) { return s->code == DM_OK; }
 
-DM_INLINE int dm_sleeps(const dm_surface *f) { return f->body && f->body->asleep; }
+DM_INLINE int dm_sleeps(const dm_surface *f) { return f->body ? f->body->asleep : f->prop && f->prop->asleep; }
+
+DM_INLINE double dm_skin_of(const dm_surface *f) { return f->prop ? f->prop->skin : 0; }
+
+/* The distance at which two surfaces touch. */
+DM_INLINE double dm_touch_of(const dm_surface *f, const dm_surface *g) {
+    return f->body || g->body ? f->offset + g->offset : dm_skin_of(f) + dm_skin_of(g);
+}
 
 DM_INLINE void dm_world_of(const dm_scene_state *s, const dm_surface *f, uint32_t vertex, double *x) {
     if (!f->body) {

@@ -5,14 +5,15 @@ from __future__ import annotations
 import ctypes
 import weakref
 from collections.abc import Sequence
-from ctypes import Structure, byref, c_double, c_int64, c_uint8, c_void_p
+from ctypes import Structure, addressof, byref, c_double, c_int64, c_uint8, c_void_p
 from typing import Any
 
 import numpy as np
 
 from ..base import Floats
 from ..solver.motion import Motion
-from ..solver.scene import MAX_IMPULSES, Collider, ColliderMotion, Crossings, SceneFrame
+from ..solver.rigid import RigidState
+from ..solver.scene import MAX_IMPULSES, Collider, Crossings, Fall, SceneFrame, Way
 from .body import Body, CFrame, CMotion, NativeError
 from .definition import Arrays, fields
 
@@ -20,13 +21,22 @@ from .definition import Arrays, fields
 class ColliderDef(Structure):
     """A mesh that bodies meet: dm_collider_def."""
 
-    _fields_ = fields(vertices="n", positions="p", triangles="n", corners="p", friction="d")
+    _fields_ = fields(
+        vertices="n", positions="p", triangles="n", corners="p", friction="d", mass="d", inverse_inertia="d9",
+        damping="d", skin="d", arms="p", seen="p",
+    )  # fmt: skip
+
+
+class CProp(Structure):
+    """Where a prop is, how it moves, and what pulls it: dm_prop."""
+
+    _fields_ = fields(centre="d3", turn="d9", velocity="d3", momentum="d3", gravity="d3", ground="d")
 
 
 class CColliderMotion(Structure):
     """The way of a collider: dm_collider_motion."""
 
-    _fields_ = [("from_", c_void_p), ("to", c_void_p)]
+    _fields_ = [("from_", c_void_p), ("to", c_void_p), ("prop", c_void_p)]
 
 
 class CSceneFrame(Structure):
@@ -67,13 +77,7 @@ class Scene:
         flags = (c_uint8 * len(bodies))(*itself)
         with Arrays() as arrays:
             made = (ColliderDef * max(len(colliders), 1))(
-                *(
-                    ColliderDef(
-                        c.positions.shape[1], arrays.double(c.positions), len(c.triangles), arrays.index(c.triangles),
-                        c.friction,
-                    )  # fmt: skip
-                    for c in colliders
-                )
+                *(_collider(c, arrays) for c in colliders)
             )
             self._call(
                 "dm_scene_create", byref(self._handle), len(bodies), handles, flags, len(colliders), made
@@ -81,6 +85,7 @@ class Scene:
         weakref.finalize(self, library.dm_scene_destroy, self._handle.value)
         self._motions = (CMotion * len(bodies))()
         self._ways = (CColliderMotion * max(len(colliders), 1))()
+        self._props = (CProp * max(len(colliders), 1))()
         self._frames, self._memory = (CFrame * len(bodies))(), bytearray(ctypes.sizeof(CSceneFrame))
         self._out = CSceneFrame.from_buffer(self._memory)
         # far faster to read than the structure: impulses, then moments
@@ -88,12 +93,12 @@ class Scene:
         self._passed = passed.reshape(2, MAX_IMPULSES, 3)[:, : len(bodies) + len(self._shapes)]
 
     def step(
-        self, motions: Sequence[Motion], ways: Sequence[ColliderMotion | None], first: float, last: float
+        self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
     ) -> SceneFrame:
         """Run the ticks of motions, one for each body and equal in ticks, substeps and tick.
 
         Args:
-            ways: of the colliders, None where one rests.
+            ways: of the colliders, None where one rests; the state of one that falls is changed.
             first, last: the share of them at the end of the first tick and of the last.
 
         Raises:
@@ -101,14 +106,22 @@ class Scene:
         """
         kept = [body.pack(motion, c) for body, motion, c in zip(self.bodies, motions, self._motions, strict=True)]
         with Arrays() as arrays:
-            for way, to, shape in zip(ways, self._ways, self._shapes, strict=False):
-                if way is not None and (np.shape(way.start) != shape or np.shape(way.end) != shape):
-                    raise NativeError(f"a collider must have the shape {shape}")
-                to.from_, to.to = (None, None) if way is None else (arrays.double(way.start), arrays.double(way.end))
+            for way, to, prop, shape in zip(ways, self._ways, self._props, self._shapes, strict=False):
+                to.from_ = to.to = to.prop = None
+                if isinstance(way, Fall):
+                    _rows_of(prop)[:] = _packed(way)
+                    to.prop = addressof(prop)
+                elif way is not None:
+                    if np.shape(way.start) != shape or np.shape(way.end) != shape:
+                        raise NativeError(f"a collider must have the shape {shape}")
+                    to.from_, to.to = arrays.double(way.start), arrays.double(way.end)
             self._call(
                 "dm_scene_step", self._handle, self._motions, self._ways, first, last, self._frames, byref(self._out)
             )
         del kept
+        for way, prop in zip(ways, self._props, strict=False):
+            if isinstance(way, Fall):
+                _unpack(_rows_of(prop), way.state)
         out = self._out
         frames = [b.unpack(m, f) for b, m, f in zip(self.bodies, motions, self._frames, strict=True)]
         impulses, moments = self._passed.copy()
@@ -143,3 +156,29 @@ class Scene:
         code = getattr(self._library, name)(*values)
         if code:
             raise NativeError(f"{name}: {self._library.dm_message(code).decode()}", code)
+
+
+def _collider(c: Collider, arrays: Arrays) -> ColliderDef:
+    made = ColliderDef(
+        c.positions.shape[1], arrays.double(c.positions), len(c.triangles), arrays.index(c.triangles), c.friction
+    )
+    if c.falling:
+        shape = c.falling.shape
+        made.mass, made.damping, made.skin = shape.mass, c.falling.damping, c.falling.skin
+        made.inverse_inertia[:] = np.linalg.inv(shape.inertia).ravel().tolist()
+        made.arms, made.seen = arrays.double(shape.arms.T), arrays.double(c.falling.seen.T)
+    return made
+
+
+def _rows_of(prop: CProp) -> Floats:
+    return np.frombuffer(memoryview(prop).cast("B"), np.float64)
+
+
+def _packed(fall: Fall) -> Floats:
+    s = fall.state
+    return np.concatenate([s.centre, s.turn.ravel(), s.velocity, s.momentum, fall.gravity, [fall.ground]])
+
+
+def _unpack(row: Floats, state: RigidState) -> None:
+    state.centre, state.turn = row[:3].copy(), row[3:12].reshape(3, 3).copy()
+    state.velocity, state.momentum = row[12:15].copy(), row[15:18].copy()

@@ -11,7 +11,12 @@ static int32_t dm_check_collider(const dm_collider_def *d) {
     if (d->vertices < 1 || d->vertices > DM_MAX_VERTICES) return DM_SIZE;
     DM_CHECK(DM_COUNT(d->triangles) | DM_ARRAY(d->vertices, d->positions) | DM_ARRAY(d->triangles, d->corners));
     DM_CHECK(dm_check_indices(3 * d->triangles, d->corners, 0, d->vertices));
-    return dm_check_numbers(3 * d->vertices, d->positions, 0) | dm_check_numbers(1, &d->friction, 1);
+    DM_CHECK(dm_check_numbers(3 * d->vertices, d->positions, 0) | dm_check_numbers(1, &d->friction, 1));
+    DM_CHECK(dm_check_numbers(1, &d->mass, 1));
+    if (!(d->mass > 0)) return DM_OK;
+    DM_CHECK(DM_ARRAY(d->vertices, d->arms) | DM_ARRAY(d->vertices, d->seen));
+    DM_CHECK(dm_check_numbers(3 * d->vertices, d->arms, 0) | dm_check_numbers(3 * d->vertices, d->seen, 0));
+    return dm_check_numbers(9, d->inverse_inertia, 0) | dm_check_numbers(1, &d->damping, 1) | dm_check_numbers(1, &d->skin, 1);
 }
 
 int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self, int64_t colliders,
@@ -89,6 +94,9 @@ int32_t dm_scene_step(dm_scene *scene, const dm_motion *motions, const dm_collid
     DM_CHECK(dm_check_numbers(1, &first, 1) | dm_check_numbers(1, &last, 1));
     for (int64_t k = 0; k < scene->colliders; k++) {
         int64_t count = 3 * scene->collider_vertices[k];
+        const dm_prop *prop = colliders[k].prop;
+        if (prop) DM_CHECK(dm_check_numbers(offsetof(dm_prop, ground) / sizeof(double), prop->centre, 0));
+        if (prop && !(prop->ground < INFINITY)) return DM_NUMBER; /* nor NaN */
         if (!colliders[k].to) continue;
         if (!colliders[k].from) return DM_SIZE;
         DM_CHECK(dm_check_numbers(count, colliders[k].from, 0) | dm_check_numbers(count, colliders[k].to, 0));

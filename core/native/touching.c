@@ -76,14 +76,16 @@ static void dm_note_meeting(dm_scene_state *s, const dm_candidate *candidate, do
     if (!(m.share > 0)) return;
     for (int j = 0; j < 4; j++)
         m.at[j] = p->at[j], m.weight[j] = w[j], m.give += w[j] * w[j] * (double)s->moving[p->at[j]].v[3];
-    if (!(m.give > 0)) return;
+    m.surface[0] = s->near[p->at[0]].surface, m.surface[1] = s->near[p->at[3]].surface;
+    int soft = s->surfaces[m.surface[0]].body || s->surfaces[m.surface[1]].body;
+    if (soft && !(m.give > 0)) return;
     m.friction = sqrt(dm_friction_of(s, p, 0, p->ones, w) * dm_friction_of(s, p, p->ones, 4, w));
     for (int c = 0; c < 3; c++) {
         m.normal[c] = between[c] / gap;
         for (uint32_t j = 0; j < p->ones; j++) m.point[c] += w[j] * s->there[p->at[j]][c];
     }
-    m.surface[0] = s->near[p->at[0]].surface, m.surface[1] = s->near[p->at[3]].surface;
-    dm_add_meeting(s, &m);
+    if (soft) dm_add_meeting(s, &m);
+    else dm_add_support(s, &m);
 }
 
 /* Look where the nearest points of up to eight candidates are, all of faces or all of edges. */
@@ -103,7 +105,7 @@ static void dm_look_at(dm_scene_state *s, const dm_candidate *const *some, uint3
 static void dm_look(dm_scene_state *s) {
     double far = 0;
     dm_sum_meetings(s);
-    s->batch_count = s->met_count = 0, s->looks = 0;
+    s->batch_count = s->met_count = s->support_count = 0, s->looks = 0;
     memset(s->moving, 0, (s->near_count + 1) * sizeof *s->moving);
     for (dm_neighbour *n = s->near; n < s->near + s->near_count; n++) {
         double way[3], *there = s->there[n - s->near];

@@ -1,6 +1,8 @@
 /* The surfaces of a scene: their triangles in runs that are near in space, boxes round them, and who is beside whom. */
 #include "scene.h"
 
+DM_SMALL
+
 static int dm_by_word(const void *a, const void *b) {
     const uint64_t *p = a, *q = b;
     return p[0] != q[0] ? (p[0] < q[0] ? -1 : 1) : p[1] < q[1] ? -1 : p[1] > q[1];
@@ -81,6 +83,8 @@ static uint32_t dm_lay_tree(dm_scene_state *s, uint32_t node, uint32_t start, ui
     }
     return node;
 }
+
+DM_FAST
 
 static void dm_bound_points(const double (*x)[3], const uint32_t *at, int count, double *low, double *high) {
     for (int c = 0; c < 3; c++) {

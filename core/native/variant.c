@@ -2,25 +2,37 @@
  * the compiler sees all of it. */
 #include "methods.h"
 
+#include "lanes.h"
+
+DM_SMALL
 #include "layout.c"
 #include "irregular.c"
+DM_FAST
 #include "pose.c"
 #include "rings.c"
 #include "motion.c"
+DM_SMALL
 #include "paper.c"
+DM_FAST
 #include "contact.c"
+DM_SMALL
 #include "reach.c"
 #include "surface.c"
 #include "constants.c"
 #include "body.c"
 #include "moved_rest.c"
 #include "rest.c"
+DM_FAST
 #include "step.c"
+DM_SMALL
 #include "tree.c"
+DM_FAST
 #include "gaps.c"
 #include "proximity.c"
 #include "bounds.c"
 #include "batch.c"
+DM_SMALL
+#include "props.c"
 #include "touching.c"
 #include "rolling.c"
 #include "near.c"
@@ -28,6 +40,7 @@
 #include "crossings.c"
 #include "islands.c"
 #include "scene.c"
+DM_FAST
 #include "carry.c"
 
 #define DM_GLUE(set, bits) dm_##set##_##bits

@@ -11,18 +11,18 @@ from ..body.proximity import Surfaces, near_boxes
 from .scene import Crossings
 
 
-def find_crossings(s: Surfaces, x: Floats, bodies: int, itself: Sequence[int], left_out: Bools) -> Crossings:
+def find_crossings(s: Surfaces, x: Floats, free: Bools, itself: Sequence[int], left_out: Bools) -> Crossings:
     """Count the pairs of triangles that pass through each other at positions x (n, 3) [m], and say where the first is.
 
     Args:
-        bodies: how many of the surfaces are bodies; the others are colliders, which may pass through each other.
+        free: (k,) which surfaces are bodies and props; the others are colliders, which may pass through each other.
         itself: which bodies may not pass through themselves.
         left_out: (n,) of which vertices that does not matter.
     """
-    owner, total, first = s.of_vertex[s.corners[:, 0]], 0, ((0, 0), np.zeros(3))
-    for a in range(bodies):
-        for b in range(a, int(owner.max()) + 1):
-            if a == b and not itself[a]:
+    total, first = 0, ((0, 0), np.zeros(3))
+    for a in range(len(free)):
+        for b in range(a, len(free)):
+            if not (a < len(itself) and itself[a] if a == b else free[a] or free[b]):
                 continue
             i, j = _crossing(s, x, a, b)
             if a == b:

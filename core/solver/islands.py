@@ -2,42 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..base import Bools, Ints
-from .twin import Call, Twin
 
 
-def moves(bodies: Sequence[Twin], led: Bools) -> Bools:
-    """Return which surfaces move (k,): bodies that are awake, and colliders that are led."""
-    return np.concatenate([[not body.rest.asleep for body in bodies], led]).astype(bool)
-
-
-def woken(bodies: Sequence[Twin], led: Bools, sides: Ints) -> list[int]:
-    """Return which bodies sleep, and may be touched by something that moves, or by what that wakes.
+def woken(moving: Bools, asleep: Bools, sides: Ints, free: Bools) -> list[int]:
+    """Return which surfaces sleep, and may be touched by something that moves, or by what that wakes.
 
     Args:
-        led: which colliders are.
+        moving: (k,) which surfaces move: what is awake, and colliders that are led.
+        asleep: (k,) which sleep.
         sides: (m, 2) surfaces that may touch before the next look.
+        free: (k,) which sleep at times: bodies and props.
     """
-    reached = _reached(moves(bodies, led), sides, len(bodies))
-    return [i for i, body in enumerate(bodies) if body.rest.asleep and reached[i]]
+    found: list[int] = np.flatnonzero(asleep & _reached(moving, sides, free)).tolist()
+    return found
 
 
-def let_sleep(bodies: Sequence[Twin], calls: Sequence[Call], led: Bools, sides: Ints) -> None:
-    """Let bodies sleep that have come to rest with all that they may touch."""
-    kept = np.concatenate([[not body.rest.asleep and not body.rest.rested for body in bodies], led]).astype(bool)
-    kept = _reached(kept, sides, len(bodies))
-    for i, (body, call) in enumerate(zip(bodies, calls, strict=True)):
-        if body.rest.rested and not kept[i]:
-            body.fall_asleep(call)
+def let_sleep(moving: Bools, rested: Bools, sides: Ints, free: Bools) -> list[int]:
+    """Return which surfaces have come to rest with all that they may touch.
+
+    Args:
+        rested: (k,) which have come to rest themselves; others as in `woken`.
+    """
+    found: list[int] = np.flatnonzero(rested & ~_reached(moving & ~rested, sides, free)).tolist()
+    return found
 
 
-def _reached(found: Bools, sides: Ints, bodies: int) -> Bools:
-    """Return what is reached from some surfaces (k,), through bodies alone."""
-    sides = sides[(found[sides] | (sides < bodies)).all(axis=1)]
+def _reached(found: Bools, sides: Ints, free: Bools) -> Bools:
+    """Return what is reached from some surfaces (k,), through what is free alone."""
+    found = found.copy()
+    sides = sides[(found[sides] | free[sides]).all(axis=1)]
     while True:
         before = int(found.sum())
         found[sides[found[sides[:, 0]], 1]] = True

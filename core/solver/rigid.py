@@ -1,4 +1,4 @@
-"""A rigid body that falls and turns: six degrees of freedom, moved by forces and moments, a tick at a time.
+"""A rigid body that falls and turns: six degrees of freedom, moved by forces and moments.
 
     m dv/dt = F + m g,   dL/dt = M,   omega = R I^-1 R^T L
 
@@ -16,8 +16,6 @@ import numpy as np
 from ..base import DimpleError, Floats, Ints
 
 THIN = 1e-6  # of size times area: a mesh that encloses less is a shell
-LEVEL = 2e-4  # of the size: vertices that are no higher above the lowest lie on the ground with it
-IMPULSES, SLOW = 30, 1e-9  # at most in a tick; [m/s] what goes down no faster stands
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,52 +96,6 @@ def spin(shape: RigidShape, state: RigidState) -> Floats:
     """Return its angular velocity (3,) [rad/s]."""
     rate: Floats = state.turn @ np.linalg.solve(shape.inertia, state.turn.T @ state.momentum)
     return rate
-
-
-def push(state: RigidState, mass: float, impulse: Floats, moment: Floats) -> None:
-    """Give a rigid body an impulse [N s] and its moment about the centre [N m s], in place."""
-    state.velocity = state.velocity + impulse / mass
-    state.momentum = state.momentum + moment
-
-
-def move(shape: RigidShape, state: RigidState, seconds: float) -> None:
-    """Let a rigid body go on by itself for a time [s], in place."""
-    state.centre = state.centre + seconds * state.velocity
-    state.turn = rotation(seconds * spin(shape, state)) @ state.turn
-
-
-def land(shape: RigidShape, state: RigidState, ground: float, friction: float) -> None:
-    """Keep a rigid body above a plane z = ground [m], in place: it is lifted out, and what goes down is stopped.
-
-    Impulses act on the middle of the lowest vertices, then on one after another, each the one that goes down the
-    fastest, with the Coulomb friction that stops it from sliding at most.
-    """
-    arms = shape.arms @ state.turn.T
-    heights = arms[:, 2] + state.centre[2]
-    lowest, level = float(heights.min()), LEVEL * float(np.ptp(shape.arms, axis=0).max())
-    if lowest > ground + level:
-        return
-    state.centre = state.centre + [0.0, 0.0, max(ground - lowest, 0.0)]
-    low = arms[heights < lowest + level]
-    inverse = state.turn @ np.linalg.inv(shape.inertia) @ state.turn.T
-    low = np.vstack([low.mean(axis=0), low])
-    for count in range(IMPULSES):
-        going = state.velocity + np.cross(inverse @ state.momentum, low[: 1 if count == 0 else None])
-        arm, speed = low[going[:, 2].argmin()], going[going[:, 2].argmin()]
-        if speed[2] > -SLOW:
-            if count:
-                return
-            continue
-        cross = np.array([[0.0, -arm[2], arm[1]], [arm[2], 0.0, -arm[0]], [-arm[1], arm[0], 0.0]])
-        impulse = np.linalg.solve(np.eye(3) / shape.mass - cross @ inverse @ cross, -speed)  # it then stands still
-        most = friction * max(float(impulse[2]), 0.0)
-        aside = float(np.hypot(*impulse[:2]))
-        if impulse[2] <= 0 or aside > most:  # it slides
-            way = -speed[:2] / max(float(np.hypot(*speed[:2])), SLOW)
-            along = np.array([*(friction * way), 1.0])
-            answer = along / shape.mass + np.cross(inverse @ np.cross(arm, along), arm)
-            impulse = -speed[2] / max(float(answer[2]), 1e-3 / shape.mass) * along
-        push(state, shape.mass, impulse, np.cross(arm, impulse))
 
 
 def rotation(turn: Floats) -> Floats:

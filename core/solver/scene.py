@@ -5,11 +5,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from ..base import Floats, Ints
 from .motion import Frame, Motion
+from .rigid import RigidShape, RigidState
 
 LEAVES_OUT = 2  # for `itself`: a body meets itself, but for the faces that pass through others of it at the start
 MAX_IMPULSES = 64  # surfaces of which a frame says what they got
+
+
+class Falling(NamedTuple):
+    """A rigid body that a collider is, which falls.
+
+    shape: of what touches.
+    seen: (m, 3) its vertices from the centre as they are seen: they stand on the ground [m].
+    damping: while it touches a soft body [N s/m].
+    skin: from what does not give, it keeps so far [m].
+    """
+
+    shape: RigidShape
+    seen: Floats
+    damping: float
+    skin: float
 
 
 class Collider(NamedTuple):
@@ -18,11 +36,13 @@ class Collider(NamedTuple):
     positions: (3, m) [m].
     triangles: (t, 3) corners.
     friction: coefficient.
+    falling: what it is where it falls; None: it is led.
     """
 
     positions: Floats
     triangles: Ints
     friction: float = 0.5
+    falling: Falling | None = None
 
 
 class ColliderMotion(NamedTuple):
@@ -30,6 +50,21 @@ class ColliderMotion(NamedTuple):
 
     start: Floats
     end: Floats
+
+
+class Fall(NamedTuple):
+    """How a collider falls in a call: `state` is changed in place.
+
+    gravity: (3,) [m/s2].
+    ground: height of a plane [m], -inf where there is none.
+    """
+
+    state: RigidState
+    gravity: Floats
+    ground: float = -np.inf
+
+
+Way = ColliderMotion | Fall | None  # of a collider in a call; None where one rests
 
 
 class SceneFrame(NamedTuple):
@@ -73,7 +108,7 @@ class Scene(Protocol):
     """What either backend offers; `native.Scene` says more."""
 
     def step(
-        self, motions: Sequence[Motion], ways: Sequence[ColliderMotion | None], first: float, last: float
+        self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
     ) -> SceneFrame: ...
     def crossings(self) -> Crossings: ...
     def set_collider(self, index: int, positions: Floats) -> None: ...

@@ -6,19 +6,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import SKIN_TRAVEL, Floats, Ints
+from ..base import SKIN_TRAVEL, Bools, Floats, Ints
 from ..body import touching
 from ..body.contact import Step, Touch
 from ..body.proximity import CLOSEST, OFFSET, Pairs, find_pairs, join_surfaces, touching_distance
 from . import semi_implicit
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
 from .crossing import crossing_vertices, find_crossings
-from .islands import let_sleep, moves, woken
+from .islands import let_sleep, woken
 from .motion import Motion
 from .rolling import Turning, resist
-from .scene import LEAVES_OUT, Collider, ColliderMotion, Crossings, SceneFrame
+from .scene import LEAVES_OUT, Collider, ColliderMotion, Crossings, SceneFrame, Way
 from .ticks import each_tick, meet, slow_down
 from .twin import Call, Twin
+from .twin_props import Props, move
 
 REACH_EDGE = 0.3  # of the mean edge: the farthest a query looks
 LEAST_REACH = 2.5  # of the distance at which surfaces touch
@@ -46,9 +47,15 @@ class TwinScene:
         finest = min(edge for edge in s.edge[: len(bodies)])
         self._edge, self._offsets = finest, OFFSET * np.where(np.arange(len(rests)) < len(bodies), s.edge, finest)
         largest = np.sort(self._offsets)[::-1]
-        self._touch = max(2 * float(self._offsets[: len(bodies)].max()), float(largest[:2].sum()))
+        self._props = Props(len(bodies), colliders)
+        skins = np.sort(self._props.skins)[::-1]
+        own = float(self._offsets[: len(bodies)].max())
+        self._touch = max(2 * own, float(largest[:2].sum()), float(skins[:2].sum()))
+        self._free = np.array([prop is not None for prop in self._props.of]) | (np.arange(len(rests)) < len(bodies))
         self._rates = [np.zeros_like(x) for x in self._here]
-        self._sizes = np.array([CLOSEST * body.model.mesh.size for body in bodies] + [0.0] * len(colliders))
+        sizes = [body.model.mesh.size for body in bodies]
+        sizes += [2 * prop.radius if prop else 0.0 for prop in self._props.of[len(bodies) :]]
+        self._sizes = CLOSEST * np.array(sizes)
         self._turning: list[Turning | None] = [Turning(b.model.mesh.size) if b.model.free else None for b in bodies]
         self._turning += [None] * len(colliders)
         self._touched = np.zeros(len(self._part), bool)  # of the surfaces, in the last substep
@@ -62,19 +69,20 @@ class TwinScene:
     def crossings(self) -> Crossings:
         """Return what passes through each other now."""
         self._due = True
-        return find_crossings(self._surfaces, self._positions(), len(self._bodies), self._itself, self._left_out)
+        return find_crossings(self._surfaces, self._positions(), self._free, self._itself, self._left_out)
 
     def set_collider(self, index: int, positions: Floats) -> None:
         """Put a collider at positions (3, m) [m] at once."""
         self._here[index], self._due = np.array(positions, np.float64), True
         self._rates[index][:] = 0
+        self._props.wake(len(self._bodies) + index)
 
     def collider(self, index: int) -> Floats:
         """Return where a collider is (3, m) [m]."""
         return self._here[index].copy()
 
     def step(
-        self, motions: Sequence[Motion], ways: Sequence[ColliderMotion | None], first: float, last: float
+        self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
     ) -> SceneFrame:
         """Run the ticks of motions, one for each body."""
         self._tick, self._dt = motions[0].tick, motions[0].tick / motions[0].substeps
@@ -86,12 +94,14 @@ class TwinScene:
         self._queries = self._most_pairs = self._most_touching = self._truncated = 0
         self._taken = self._held_back = 0.0
         self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
+        self._due |= self._props.take(ways, self._here, self._rates)
         calls = [body.begin(motion) for body, motion in zip(self._bodies, motions, strict=True)]
         count, done = motions[0].ticks, 0
         while done < count and all(call.finite for call in calls):
             share = first + (done / (count - 1) * (last - first) if count > 1 else 0.0)
             self._run_tick(calls, ways, share)
             done += 1
+        self._props.leave()
         self._known = [(body.model, body.positions()) for body in self._bodies]
         frames = tuple(body.end(call) for body, call in zip(self._bodies, calls, strict=True))
         return SceneFrame(
@@ -99,17 +109,18 @@ class TwinScene:
             self._held_back, self._gap, self._impulses[:, :3], self._impulses[:, 3:],
         )  # fmt: skip
 
-    def _run_tick(self, calls: Sequence[Call], ways: Sequence[ColliderMotion | None], share: float) -> None:
+    def _run_tick(self, calls: Sequence[Call], ways: Sequence[Way], share: float) -> None:
         substeps, touches = calls[0].motion.substeps, []
         for body, call in zip(self._bodies, calls, strict=True):
             body.begin_tick(call)
             touches.append(next(each_tick(body.model, body.state, call.path, self._tick)))
-        self._aims = [None if way is None else way.start + share * (way.end - way.start) for way in ways]
+        self._aims = [
+            way.start + share * (way.end - way.start) if isinstance(way, ColliderMotion) else None for way in ways
+        ]
         for i, aim in enumerate(self._aims):
-            if aim is None or np.array_equal(aim, self._here[i]):
+            if not self._props.of[len(self._bodies) + i] and (aim is None or np.array_equal(aim, self._here[i])):
                 self._aims[i], self._rates[i][:] = None, 0
-        led = np.array([aim is not None for aim in self._aims], bool)
-        awake = bool(moves(self._bodies, led).any())
+        awake = bool(self._moving().any())
         if awake:
             self._set_approach()
             self._wakes = True
@@ -117,27 +128,53 @@ class TwinScene:
             if self._due:
                 self._query()
             self._begin_contact()
-            for i in woken(self._bodies, led, self._sides()) if self._wakes else ():
+            for i in woken(self._moving(), self._asleep(), self._sides(), self._free) if self._wakes else ():
+                if prop := self._props.of[i]:
+                    prop.asleep, prop.quiet = False, 0.0
+                    continue
                 self._bodies[i].wake(calls[i])
                 touches[i] = next(each_tick(self._bodies[i].model, self._bodies[i].state, calls[i].path, self._tick))
             self._wakes = False
+            self._props.begin(self._last, self._dt)
             with np.errstate(all="ignore"):  # the frame says when it has blown up
                 for body, call, near, turning in zip(self._bodies, calls, touches, self._turning, strict=False):
                     if not body.rest.asleep:
                         self._step_body(body, call, near, turning)
                 self._move_colliders(1 / (substeps - step))
+                self._move_props()
                 self._resolve()
                 self._bound_bodies()
         for i, (body, call) in enumerate(zip(self._bodies, calls, strict=True)):
             body.sag = float(np.linalg.norm(body.model.gravity)) * self._dt if self._touched[i] else 0.0
             body.end_tick(call)
-        if all(call.finite for call in calls) and any(body.rest.rested for body in self._bodies):
-            let_sleep(self._bodies, calls, led, self._sides())
+        for _, prop in self._props.awake:
+            prop.watch(self._tick)
+        if all(call.finite for call in calls):
+            self._let_sleep(calls)
+
+    def _let_sleep(self, calls: Sequence[Call]) -> None:
+        rested = [body.rest.rested for body in self._bodies]
+        rested += [prop is not None and prop.rested for prop in self._props.of[len(self._bodies) :]]
+        for i in let_sleep(self._moving(), np.array(rested), self._sides(), self._free) if any(rested) else ():
+            if prop := self._props.of[i]:
+                prop.asleep, prop.rested = True, False
+            else:
+                self._bodies[i].fall_asleep(calls[i])
+
+    def _asleep(self) -> Bools:
+        """Return which surfaces (k,) sleep."""
+        props = self._props.of[len(self._bodies) :]
+        return np.array([b.rest.asleep for b in self._bodies] + [p is not None and p.asleep for p in props])
+
+    def _moving(self) -> Bools:
+        """Return which surfaces (k,) move: what is awake, and colliders that are led."""
+        led = np.array([False] * len(self._bodies) + [aim is not None for aim in self._aims])
+        return np.where(self._free, ~self._asleep(), led)
 
     def _sides(self) -> Ints:
-        """Return the surfaces (m, 2) of the meetings."""
-        sides: Ints = self._surfaces.of_vertex[self._meetings.at[:, [0, 3]]]
-        return sides
+        """Return the surfaces (m, 2) of all that may touch."""
+        standing = np.array([support.surfaces for support in self._props.supports], np.int64).reshape(-1, 2)
+        return np.concatenate([self._surfaces.of_vertex[self._meetings.at[:, [0, 3]]], standing])
 
     def _step_body(self, body: Twin, call: Call, touches: Sequence[Touch], turning: Turning | None) -> None:
         """Advance a body by a substep, fingertips included."""
@@ -174,6 +211,9 @@ class TwinScene:
         for here, aim in zip(self._here, self._aims, strict=True):
             if aim is not None:
                 fastest.append(float(np.sqrt(((aim - here) ** 2).sum(axis=0).max())) / self._tick)
+        for _, prop in self._props.awake:
+            assert prop.fall
+            fastest.append(prop.speed() + float(np.linalg.norm(prop.fall.gravity)) * self._tick)
         self._fastest = max(fastest)
         least = self._touch + 3 * self._fastest * self._dt
         if not least <= self._approach <= 4 * least:
@@ -192,7 +232,7 @@ class TwinScene:
         slack, stale, found = np.full(len(x), np.inf), np.full(len(x), np.inf), []
         for i in range(count):
             for j in range(i, count):
-                if not (self._itself[i] if i == j and i < bodies else i < bodies and i != j):
+                if not (i < bodies and self._itself[i] if i == j else self._free[i] or self._free[j]):
                     continue
                 apart = -1.0 if i == j else float(np.maximum(lows[j] - highs[i], lows[i] - highs[j]).max())
                 if apart > reach:
@@ -201,7 +241,8 @@ class TwinScene:
                         stale[part] = np.minimum(stale[part], apart / 4)
                 else:
                     closest = float(max(self._sizes[i], self._sizes[j]))
-                    found.append(find_pairs(s, x, i, j, reach=reach, closest=closest))
+                    rigid = min(i, j) >= bodies
+                    found.append(find_pairs(s, x, i, j, reach=reach, closest=closest, rigid=rigid))
                     if i == j:
                         out = self._left_out[found[-1].at].sum(axis=1)
                         found[-1] = _picked(found[-1], np.flatnonzero(out == 0))
@@ -210,7 +251,7 @@ class TwinScene:
         pairs = _joined(found)
         self._bounds: Bounds = bounds_of(x, slack, pairs)
         self._stale = stale
-        self._touches = touching_distance(s, pairs, self._offsets)
+        self._touches = touching_distance(s, pairs, self._offsets, self._props.skins, bodies)
         may = (pairs.weight > 0) & (pairs.gap <= self._touches + STALE * (reach - self._touch) * 1.5)
         order = touching.order_of(pairs, s)
         order = order[may[order]]
@@ -236,6 +277,28 @@ class TwinScene:
             self._rates[i], self._here[i] = (x.T - here) / self._dt, np.ascontiguousarray(x.T)
             self._note_way(len(self._bodies) + i, x)
 
+    def _move_props(self) -> None:
+        """Resolve what props touch but soft bodies, and move them as far as all of each may go."""
+        touching = self._props.resolve(self._velocities(), self._dt, self._impulses)
+        self._most_touching = max(self._most_touching, touching)
+        for i, prop in self._props.awake:
+            part, own = self._part[i], i - len(self._bodies)
+            speed = float(np.linalg.norm(prop.state.velocity))
+            share, x, held = move(prop, self._bounds, part, self._dt)
+            if share < 1:
+                self._truncated += 1
+                self._taken += (1 - share) * prop.what.shape.mass * speed
+            whole = self._bounds.before.copy()
+            whole[part] = x
+            far = part.start + np.flatnonzero(beyond(self._bounds, whole)[part]) if share == 1 else held
+            for vertex in far:
+                if is_near(self._bounds, vertex):
+                    self._held.append(int(vertex))
+                elif share < 1:
+                    self._due = True
+            self._rates[own], self._here[own] = (x.T - self._here[own]) / self._dt, np.ascontiguousarray(x.T)
+            self._note_way(i, x)
+
     def _begin_contact(self) -> None:
         """Before a substep: note where everything is, and look again where that has moved."""
         self._last = self._positions()
@@ -250,17 +313,24 @@ class TwinScene:
         friction = np.concatenate([body.model.friction for body in bodies] + self._frictions)
         self._inverse_mass = np.concatenate([body.model.inverse_mass for body in bodies] + led)
         self._looked, self._looks, self._wakes = self._last, False, True
-        self._meetings = touching.look(
-            self._surfaces, self._candidates, self._touches, friction, self._last, self._inverse_mass, self._approach
-        )
+        soft = (self._surfaces.of_vertex[self._candidates.at] < len(bodies)).any(axis=1)
+        for which, inverse_mass in ((soft, self._inverse_mass), (~soft, np.ones_like(self._inverse_mass))):
+            met = touching.look(
+                self._surfaces, _picked(self._candidates, np.flatnonzero(which)), self._touches[which], friction,
+                self._last, inverse_mass, self._approach,
+            )  # fmt: skip
+            if which is soft:
+                self._meetings = met
+            else:
+                self._props.note(met, self._surfaces)
 
     def _resolve(self) -> None:
         meetings = self._meetings
-        sides = self._sides()
-        sleeps = ~moves(self._bodies, np.ones(len(self._here), bool))
+        sides, sleeps = self._surfaces.of_vertex[meetings.at[:, [0, 3]]], self._asleep()
         if not len(meetings.gap):
             resist(self._turning, sides, meetings.gap, self._dt, sleeps)
             self._touched = np.zeros(len(self._part), bool)
+            self._props.answer(sides, meetings.point, meetings.normal)
             return
         asleep = sleeps[sides[:, 0]] | sleeps[sides[:, 1]]
         v, out, passed, active = touching.resolve(
@@ -274,6 +344,7 @@ class TwinScene:
             state.positions[:, rows] += self._dt * (v[own].T - state.velocities[:, rows]) + out[own].T
             state.velocities[:, rows] = v[own].T
         resist(self._turning, sides, np.einsum("mc,mc->m", passed, meetings.normal), self._dt, sleeps)
+        self._props.answer(sides, meetings.point, passed)
         given = np.concatenate([passed, np.cross(meetings.point, passed)], axis=1)
         np.add.at(self._impulses, sides[:, 0], given)
         np.subtract.at(self._impulses, sides[:, 1], given)

@@ -205,6 +205,11 @@ MESSAGES = {
     "Contact.": (
         "メッシュが自分自身と交差しています。位置 ({}) mm：{} 組の面と、その隣の面は自己接触から外します。"
     ),
+    'What falls must be clear of other colliders: "{}" and "{}" intersect at ({}) mm, {} pairs of faces in all. Move '
+    "them apart.": (
+        "落ちるものは、ほかのコライダーから離れていなければなりません。「{}」と「{}」が ({}) mm で交差しています"
+        "（面の組は全部で {}）。離してください。"
+    ),
     '"{}" and "{}" intersect at ({}) mm, {} pairs of faces in all. Move them apart, or switch on Move Apart for a body '
     "that has room.": (
         '"{}" と "{}" が交差しています。位置 ({}) mm、交差する面は全部で {} 組です。離すか、逃げ場のある物体の'

@@ -15,7 +15,7 @@ from core.native.body import CFrame, CMotion
 from core.native.carry import CBinding, CKept
 from core.native.cells import CCells
 from core.native.definition import BodyDef, Constants
-from core.native.scene import CColliderMotion, CCrossings, ColliderDef, CSceneFrame
+from core.native.scene import CColliderMotion, CCrossings, ColliderDef, CProp, CSceneFrame
 
 CALLS = 4000
 BODIES = 12
@@ -175,6 +175,10 @@ class Scenes:
         for way in ways:
             if rng.random() < 0.5:
                 way.from_, way.to = self.fuzzer.array("positions", 8), self.fuzzer.array("positions", 8)
+            if rng.random() < 0.5:
+                self.fuzzer.kept.append(prop := CProp())
+                self.fuzzer.fill(prop, 1)
+                way.prop = ctypes.addressof(prop)
         frames, first, last = (CFrame * len(bodies))(), *rng.uniform(0, 1, 2).tolist()
         return int(library.dm_scene_step(handle, motions, ways, first, last, frames, address(CSceneFrame())))
 

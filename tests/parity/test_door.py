@@ -23,9 +23,10 @@ from core.native.body import CFrame, CMotion, CTouch, Fingertip
 from core.native.carry import CBinding, CKept
 from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
+from core.native.scene import CColliderMotion, ColliderDef, CProp
 from core.reduction import binding, kept_skin
 from core.session import MAX_FINGERS, Session
-from core.solver import bounds, motion, rolling, scene, twin_scene
+from core.solver import bounds, falling, motion, rolling, scene, twin_props, twin_scene
 from core.solver.motion import FingertipMotion, Motion
 from tests.bodies import TETRAHEDRON, after
 from tests.native_core import missing
@@ -39,6 +40,7 @@ STRUCTURES = {
     "dm_constants": Constants, "dm_body_def": BodyDef, "dm_fingertip": Fingertip,
     "dm_motion": CMotion, "dm_touch": CTouch, "dm_frame": CFrame, "dm_binding": CBinding, "dm_cells": CCells,
     "dm_kept": CKept,
+    "dm_collider_def": ColliderDef, "dm_prop": CProp, "dm_collider_motion": CColliderMotion,
 }  # fmt: skip
 C_TYPES = {"double": "c_double", "int64_t": "c_int64", "int32_t": "c_int32"}
 
@@ -77,7 +79,9 @@ def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
 
 
 # where C's constants have their twins, and those that are called otherwise there
-TWINS = base, contact, proximity, touching, bounds, motion, rolling, scene, twin_scene, binding, depth
+TWINS = (
+    base, contact, proximity, touching, bounds, motion, rolling, falling, scene, twin_scene, twin_props, binding, depth,
+)  # fmt: skip
 RENAMED = {
     "ABI": native.ABI, "PINNED_GIVE": contact.HELD_GIVE, "SWEEPS": bounds.SWEEPS,
     "SCENE_IMPULSES": scene.MAX_IMPULSES, "ROLL_ARM": rolling.ARM, "ROLL_PART": rolling.PART, "PART": touching.PART,

@@ -6,11 +6,13 @@ from core import native
 from core.body.model import build_model
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
+from core.props import PropWorld
+from core.session import Session
 from core.solver.motion import Motion
 from core.solver.scene import Collider, ColliderMotion
 from core.solver.twin import Twin
 from core.solver.twin_scene import TwinScene
-from tests.bodies import ball, sheet
+from tests.bodies import ball, block, sheet
 
 SOFT = Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.2)
 
@@ -94,3 +96,48 @@ def test_a_body_that_sleeps_wakes_alike_before_another_touches_it() -> None:
             assert np.abs(body.positions() - twin.positions()).max() < 1e-9
     assert slept[5] and not slept[-1]
     assert own[0].velocities()[2].mean() < -0.01
+
+
+def test_props_fall_alike_on_each_other_on_a_table_and_on_the_ground() -> None:
+    size, turns = (0.06, 0.05, 0.03), [(0.1, 0.1, 0.3), (0.1, 0.05, 1.3)]
+    boxes = [block(size, (1 + 0.01 * k, 0.003 * k, 0.026 + 0.034 * k), turn) for k, turn in enumerate(turns)]
+    boxes.append(block(size, (2.0, 0.0, 0.026), (0.2, 0.1, 0.3)))
+    points, faces = sheet(2, 0.6)
+    shapes = [(points + [1.0, 0.0, 0.0], faces), *boxes]
+    colliders = [Collider(np.ascontiguousarray(x.T), corners) for x, corners in shapes]
+    points, faces = ball(0, 0.05)
+    model = build_model(mesh_from_triangles(points, faces), [SOFT], held=points[:, 2] < 0)
+    worlds = [
+        PropWorld([Session(model, backend=backend)], colliders, masses=[None, 0.5, 0.3, 0.2], ground=0.0)
+        for backend in ("native64", "numpy")
+    ]
+    for world in worlds:
+        for state in world.states.values():
+            state.velocity = np.array([0.1, 0.0, -0.3])
+    most = 0
+    for _ in range(8):
+        found = [world.step(0.005) for world in worlds]
+        most = max(most, found[0].touching)
+        assert found[0].touching == found[1].touching and found[0].truncated == found[1].truncated
+        assert np.abs(found[0].forces - found[1].forces).max() < 1e-8
+        for one, twin in zip(*(world.states.values() for world in worlds), strict=True):
+            assert np.abs(one.centre - twin.centre).max() < 1e-10 and np.abs(one.turn - twin.turn).max() < 1e-9
+    assert most >= 4
+
+
+def test_a_prop_falls_alike_on_a_soft_body() -> None:
+    points, faces = ball(1, 0.05)
+    model = build_model(mesh_from_triangles(points, faces), [SOFT], held=points[:, 2] < 0)
+    start, corners = block((0.03, 0.03, 0.02), (0.01, 0.0, 0.0605), (0.1, 0.0, 0.2))
+    worlds = [
+        PropWorld([Session(model, backend=backend)], [Collider(start.T.copy(), corners)], masses=[0.1])
+        for backend in ("native64", "numpy")
+    ]
+    for world in worlds:
+        world.states[0].velocity = np.array([0.0, 0.0, -0.2])
+    for _ in range(4):
+        found = [world.step(0.005) for world in worlds]
+        assert np.abs(found[0].forces - found[1].forces).max() < 1e-7
+        assert np.abs(worlds[0].states[0].centre - worlds[1].states[0].centre).max() < 1e-10
+        assert np.abs(worlds[0].sessions[0].body.positions() - worlds[1].sessions[0].body.positions()).max() < 1e-9
+    assert found[0].forces[1, 2] > 0.1

@@ -56,7 +56,7 @@ def falling(session: Session, start: Floats, faces: Ints, mass: float, ground: f
 def led(model: Model, depth: float) -> float:
     """Return the force [N] with which a body answers the disc that is led to a depth [m]."""
     (start, faces), session = disc(), Session(model)
-    collider = shrunk(Collider(np.ascontiguousarray(start.T), faces), touching_gap(session))
+    collider, _ = shrunk(Collider(np.ascontiguousarray(start.T), faces), touching_gap(session))
     world, start = World([session], [collider]), collider.positions.T.copy()
     for share in np.linspace(0, 1, 21)[1:]:
         world.set_colliders([start - [0, 0, share * (ABOVE + depth)]])
@@ -111,12 +111,13 @@ def test_a_flat_weight_rests_as_deep_as_the_law_says_that_was_measured_with_a_pu
 def test_what_touches_of_a_prop_lies_inside_it_by_a_gap(size: tuple[float, float, float]) -> None:
     points, faces = block(size)
     for turned in (faces, faces[:, ::-1]):
-        inner = shrunk(Collider(np.ascontiguousarray(points.T), turned), 0.002).positions.T
-        np.testing.assert_allclose(np.ptp(inner, axis=0), np.array(size) - 0.004, atol=1e-9)
+        (inner, by), wanted = shrunk(Collider(np.ascontiguousarray(points.T), turned), 0.002), np.array(size) - 0.004
+        np.testing.assert_allclose(np.ptp(inner.positions, axis=1), wanted, atol=1e-9)
+        assert by == 0.002
     sheet = Collider(np.ascontiguousarray(points.T), faces[:-1])
-    assert shrunk(sheet, 0.002) is sheet, "what is open has no inside"
+    assert shrunk(sheet, 0.002) == (sheet, 0.0), "what is open has no inside"
     thin = Collider(np.ascontiguousarray((points * [1, 1, 0.01]).T), faces)
-    assert np.ptp(shrunk(thin, 0.002).positions[2]) > 0.4 * 0.01 * size[2], "and what is thin keeps a thickness"
+    assert np.ptp(shrunk(thin, 0.002)[0].positions[2]) > 0.4 * 0.01 * size[2], "and what is thin keeps a thickness"
 
 
 def test_what_falls_free_falls_as_newton_says_and_keeps_its_spin() -> None:
@@ -125,12 +126,11 @@ def test_what_falls_free_falls_as_newton_says_and_keeps_its_spin() -> None:
     np.testing.assert_allclose(shape.centre, [0.5, 0, 0], atol=1e-9)
     wanted = 2.0 / 12 * np.array([0.06**2 + 0.02**2, 0.1**2 + 0.02**2, 0.1**2 + 0.06**2])
     np.testing.assert_allclose(np.diag(shape.inertia), wanted, rtol=1e-2)
-    state = rigid.at_rest(shape)
-    rigid.push(state, shape.mass, np.zeros(3), shape.inertia @ [2.0, 9.0, 1.0])
-    before, momentum = rigid.energy(shape, state, np.zeros(3)), state.momentum.copy()
-    for _ in range(1000):
-        rigid.push(state, shape.mass, 1e-3 * shape.mass * np.array([0, 0, -G]), np.zeros(3))
-        rigid.move(shape, state, 1e-3)
+    world = falling(Session(vinyl(2)), points + [0.5, 0, 0], faces, 2.0)
+    state = world.states[0]
+    state.momentum = momentum = shape.inertia @ [2.0, 9.0, 1.0]
+    before = rigid.energy(shape, state, np.zeros(3))
+    world.step(1.0)
     assert state.centre[2] == pytest.approx(-G / 2, rel=2e-3)
     np.testing.assert_array_equal(state.momentum, momentum)
     state.velocity[:] = 0

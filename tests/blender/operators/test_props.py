@@ -101,3 +101,38 @@ def test_beside_the_body_it_lands_on_the_ground(bpy: ModuleType, sessions: Any, 
     advance(bpy, 1.0)
     assert weight.matrix_world.translation.z == pytest.approx(0.1, abs=0.01), "half its height above the ground"
     sessions.stop_all()
+
+
+def test_on_a_table_and_a_keyframed_tray_a_bake_is_what_was_live(
+    bpy: ModuleType, sessions: Any, weight: Any, cube: Any, tmp_path: Any
+) -> None:
+    from bl_ext.user_default.dimple.operators import live
+
+    scene = bpy.context.scene
+    scene.dimple.cache_dir = str(tmp_path)
+    weight.location = 4.0, 0.0, 0.3
+    bpy.ops.mesh.primitive_plane_add(size=2.0, location=(4.0, 0.0, 0.0))
+    tray = bpy.context.object
+    tray.dimple.collider = True
+    for frame, height in ((1, 0.0), (8, 0.0), (14, 0.3)):
+        tray.location.z = height
+        tray.keyframe_insert("location", frame=frame)
+    tray.select_set(False)
+    cube.select_set(True)
+    bpy.context.view_layer.objects.active = cube
+    scene.frame_set(1)
+    live.start_all(bpy.context)
+    heights = [weight.matrix_world.translation.z]
+    for frame in range(2, 15):
+        scene.frame_set(frame)
+        assert live.advance(bpy.context, 1 / scene.render.fps) == []
+        heights.append(weight.matrix_world.translation.z)
+    sessions.stop_all()
+    assert bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=14) == {"FINISHED"}
+    baked = []
+    for frame in range(1, 15):
+        scene.frame_set(frame)
+        baked.append(weight.matrix_world.translation.z)
+    assert baked == pytest.approx(heights, abs=1e-6)
+    assert min(heights) == pytest.approx(0.1, abs=0.01), "half its height above the tray"
+    assert heights[-1] > 0.35, "which lifts it"
