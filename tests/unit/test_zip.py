@@ -2,6 +2,7 @@
 
 import re
 import sys
+import tarfile
 import tomllib
 import zipfile
 from pathlib import Path
@@ -12,7 +13,10 @@ from tools import extension, native
 from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, READER_PINS, ROOT, WHEEL_PINS, Stop
 
 # what is read at run time beside Python
-DATA = {"LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml", "addon/poke_tool.dat"}
+DATA = {
+    "LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml", "core/native/sources.tar.xz",
+    "addon/poke_tool.dat",
+}  # fmt: skip
 # said here and not read from the manifest or the folders, so that a change of either has to be meant
 TOP = {"LICENSE", "__init__.py", "addon", "blender_manifest.toml", "core", "operators", "wheels"}
 FOLDERS = {
@@ -20,7 +24,7 @@ FOLDERS = {
     "core/experiment", "core/haptics",
     "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "operators/japanese", "wheels",
 }  # fmt: skip
-ENDINGS = {"", ".c", ".dat", ".h", ".py", ".toml", ".whl"}  # no library, object, cache, picture, table or scene
+ENDINGS = {"", ".dat", ".py", ".toml", ".whl", ".xz"}  # no library, object, cache, picture, table or scene
 WHEELS = {
     "pyserial": "any", "trimesh": "any",
     "dimple_native": "macosx_11_0_arm64 macosx_11_0_x86_64 manylinux_2_17_x86_64 win_amd64",
@@ -40,16 +44,18 @@ def pins(path: Path) -> list[str]:
 
 
 def test_the_zip_holds_the_extension_and_nothing_else(names: list[str]) -> None:
-    paths = [
-        path
-        for folder in ("addon", "operators", "core")
-        for ending in ("py", "c", "h")  # the licence: the sources of what is compiled go with it
-        for path in (ROOT / folder).rglob(f"*.{ending}")
-    ]
+    paths = [path for folder in ("addon", "operators", "core") for path in (ROOT / folder).rglob("*.py")]
     sources = {path.relative_to(ROOT).as_posix() for path in paths}
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
     wheels = {wheel.removeprefix("./") for wheel in manifest["wheels"]}
     assert set(names) == sources | {"__init__.py"} | DATA | wheels
+
+
+def test_the_sources_of_what_is_compiled_go_with_it(extension_zip: Path) -> None:
+    with zipfile.ZipFile(extension_zip) as outer, outer.open("core/native/sources.tar.xz") as packed:
+        with tarfile.open(fileobj=packed, mode="r:xz") as archive:
+            found = {name: archive.extractfile(name).read() for name in archive.getnames()}
+    assert found == {path.name: path.read_bytes() for path in native.SOURCES.glob("*.[ch]")}
 
 
 def test_the_zip_holds_these_folders_and_kinds_of_file_alone(names: list[str]) -> None:
@@ -87,7 +93,7 @@ def test_the_manifest_names_the_wheels_that_are_pinned() -> None:
 def test_the_manifest_names_a_native_core_for_each_platform_it_is_compiled_for() -> None:
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
     named = {Path(wheel).name for wheel in manifest["wheels"] if native.PACKAGE in wheel}
-    assert named == {f"{native.PACKAGE}-{manifest['version']}-py3-none-{p.tag}.whl" for p in native.PLATFORMS.values()}
+    assert named == {f"{native.PACKAGE}-{native.version()}-py3-none-{p.tag}.whl" for p in native.PLATFORMS.values()}
     assert set(native.PLATFORMS) <= set(manifest["platforms"])
 
 
