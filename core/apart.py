@@ -54,20 +54,20 @@ def way_out(body: Body, x: Floats, triangles: Ints, others: Sequence[Collider], 
 
 
 def pressed_clear(
-    body: Body, held: Bools, triangles: Ints, others: Sequence[Collider], *, backend: str
+    body: Body, pinned: Bools, triangles: Ints, others: Sequence[Collider], *, backend: str
 ) -> Floats | None:
     """Return where a body (3, n) [m] is clear of all others: what stands out from its pins on one side is pressed flat
     evenly, so that nothing passes through anything there; None where that does not help.
 
     Args:
-        held: (n,) what is pinned; it stays.
+        pinned: (n,) vertices; they stay.
         triangles, others, backend: as in `way_out`.
     """
     scene, x, speed = create_scene([body], others, itself=[False], backend=backend), body.positions(), body.velocities()
     best, least = None, np.inf
     margin = MARGIN * float(np.linalg.norm(x[:, triangles[:, 0]] - x[:, triangles[:, 1]], axis=0).mean())
     for direction in (sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)):
-        out = np.maximum(direction @ x - (direction @ x[:, held]).max(initial=-np.inf), 0.0)
+        out = np.maximum(direction @ x - (direction @ x[:, pinned]).max(initial=-np.inf), 0.0)
         height = float(out.max())
         if not margin < height < np.inf:
             continue

@@ -78,7 +78,7 @@ def pressure(session: Session) -> Floats:
     normals = vertex_normals(model.mesh.triangles, x.T)
     outward = (forces(model, state).T * normals).sum(axis=1)
     area = np.maximum(model.mesh.vertex_areas, 1e-12 * model.mesh.size**2)
-    pressed = np.where(model.held, 0.0, np.maximum(outward, 0.0) / area)
+    pressed = np.where(model.pinned, 0.0, np.maximum(outward, 0.0) / area)
     if session.proxy is None:
         return pressed
     return blend(session.proxy.binding, pressed[:, None])[:, 0]
@@ -119,8 +119,8 @@ def pose_now(model: Model, x: Floats) -> Pose:
         return pose_of(model.matching, x, None)
     if model.rigged:
         return np.eye(3), np.zeros(3)
-    held = np.flatnonzero(model.held & ~model.mesh.loose)
-    return fit_pose(model.matching.rest[:, held], x[:, held], np.ones(len(held)))
+    pinned = np.flatnonzero(model.pinned & ~model.mesh.loose)
+    return fit_pose(model.matching.rest[:, pinned], x[:, pinned], np.ones(len(pinned)))
 
 
 def _mean_of_materials(mesh: Mesh, values: Floats) -> Floats:

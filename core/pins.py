@@ -21,7 +21,7 @@ class Pins:
     """
 
     def __init__(self, model: Model, proxy: Proxy | None) -> None:
-        self._pinned = np.flatnonzero(model.held) if proxy is None else proxy.seeds[proxy.model.held]
+        self._pinned = np.flatnonzero(model.pinned) if proxy is None else proxy.seeds[proxy.model.pinned]
         self._still = proxy.still if proxy else self._pinned[:0]
         self.followed = np.union1d(self._pinned, self._still) if proxy else self._pinned
         self._places_of: list[tuple[Floats, Floats]] = []  # of all vertices, and of the pins among them

@@ -97,7 +97,7 @@ class Session:
         if not any(self._tips):
             self.substeps = self._moves.substeps(self.tick)
 
-    def set_held(self, positions: Floats) -> None:
+    def set_pins(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
 
         Raises:
@@ -107,7 +107,7 @@ class Session:
         if positions.shape != (len(self.model.mesh.source), 3):
             raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
         if not np.isfinite(positions[self._input_of][self._pins.followed]).all():
-            raise DimpleError("A held vertex has a position that is not a number.")
+            raise DimpleError("A pinned vertex has a position that is not a number.")
         self._pins.target = positions[self._input_of].T
 
     def set_rest(self, positions: Floats) -> None:

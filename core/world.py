@@ -191,7 +191,7 @@ class World:
         at += [c._replace(positions=x) for c, x in zip(self.colliders, self._at, strict=True)]
         triangles = body.model.mesh.triangles
         if not body.model.free:
-            return pressed_clear(body, body.model.held, triangles, at, backend=backend)
+            return pressed_clear(body, body.model.pinned, triangles, at, backend=backend)
         way = way_out(body, body.positions().T, triangles, at, backend=backend)
         return None if way is None else body.positions() + way[:, None]
 

@@ -47,20 +47,20 @@ def reading_model(
     rigged = link.carried or (link.shaped and link.follows and params["pinned"] != "none")
     name, said = body.name, advice.on_body(body, mesh, scene, link.refined)
     try:
-        held = base_vertices(mesh) if params["pinned"] == "base" else None
+        pinned = base_vertices(mesh) if params["pinned"] == "base" else None
         if params["pinned"] == "group":
-            held = _pins(body, params["pin_group"])
-            held = link.refined.least_at_vertices(held) if link.refined else held
+            pinned = _pins(body, params["pin_group"])
+            pinned = link.refined.least_at_vertices(pinned) if link.refined else pinned
         if params["law_set"] == "paper":  # its equations have no model constants
             identify = "NO"
-        found = [_material(body, slot, mesh, held, identify) for slot in link.slots]
+        found = [_material(body, slot, mesh, pinned, identify) for slot in link.slots]
         materials, messages = zip(*found, strict=True)
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
         maps = {name: _weights(body, group, name) for name, group in groups.items() if group}
         if link.refined:
             maps = {name: link.refined.at_vertices(weights) for name, weights in maps.items()}
         make = partial(
-            build_model, mesh, materials, law_set=params["law_set"], held=held, **maps,
+            build_model, mesh, materials, law_set=params["law_set"], pinned=pinned, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
             ground=0.0 if surroundings.use_ground else None, rigged=rigged,
         )  # fmt: skip
@@ -77,7 +77,7 @@ def gravity(scene: bpy.types.Scene) -> tuple[float, ...]:
 
 
 def _material(
-    body: bpy.types.Object, slot: int, mesh: Mesh, held: Floats | None, identify: str
+    body: bpy.types.Object, slot: int, mesh: Mesh, pinned: Floats | None, identify: str
 ) -> tuple[Material, str]:
     """Return the constants of a body's material with those of its model, where they are known, and a note."""
     from ..core.material import DEFAULT_MATERIAL
@@ -89,12 +89,12 @@ def _material(
     from . import identified
 
     owner, note = (body.session_uid, slot), ""
-    pins = None if held is None else np.asarray(held) >= 0.5
+    pins = None if pinned is None else np.asarray(pinned) >= 0.5
 
     def ask(wanted: Material) -> tuple[ModelConstants | None, str]:
         deepest = calibration.deepest(material and material.dimple, wanted.x0)
         wait = identify == "WAIT" or bpy.app.background
-        return identified.model_constants(owner, mesh, wanted, deepest, held=pins, wait=wait)
+        return identified.model_constants(owner, mesh, wanted, deepest, pinned=pins, wait=wait)
 
     near = _recorded(material, mesh, constants)
     if not calibration.animated(material):
@@ -145,7 +145,7 @@ def constants_on(mesh: Mesh, material: bpy.types.Material) -> Material:
 
 def _pins(body: bpy.types.Object, group: str) -> Floats:
     if not group:
-        raise DimpleError("it is held by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
+        raise DimpleError("it is pinned by a vertex group, but none is chosen. Choose one in Physics > Dimple.")
     weights = _weights(body, group, "pin")
     if not (weights >= 0.5).any():
         raise DimpleError(f'no vertex of the pin group "{group}" has a weight of 0.5 or more. Paint some.')

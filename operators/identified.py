@@ -70,21 +70,21 @@ _latest: dict[tuple[int, int], tuple[Shape, Material]] = {}  # what each body an
 
 
 def model_constants(
-    owner: tuple[int, int], mesh: Mesh, material: Material, deepest: float, *, held: Bools | None, wait: bool
+    owner: tuple[int, int], mesh: Mesh, material: Material, deepest: float, *, pinned: Bools | None, wait: bool
 ) -> tuple[ModelConstants | None, str]:
     """Return the model constants of a material on a mesh, None for the closed form, and a note.
 
     Args:
         owner: session_uid of the object and the slot of its material.
         deepest: depth [m] down to which they are to hold.
-        held: (N,) pinned input vertices; None where the base is.
+        pinned: (N,) input vertices; None where the base is.
         wait: find them now, however long it takes.
     """
-    name = cache.key(mesh, material, material.indenter, deepest, *(() if held is None else (held,)))
+    name = cache.key(mesh, material, material.indenter, deepest, *(() if pinned is None else (pinned,)))
     if name not in _known and (kept := cache.recall(own_folder("identified"), name)) is not None:
         _known[name] = kept
     if name not in _known:
-        job = Job(name=name, owners={owner}, begin=partial(_beginning, owner[0], mesh, material, held, deepest))
+        job = Job(name=name, owners={owner}, begin=partial(_beginning, owner[0], mesh, material, pinned, deepest))
         if not wait:
             _start(job)
             return None, ""
@@ -121,7 +121,7 @@ def stop() -> None:
 
 
 def _beginning(
-    uid: int, mesh: Mesh, material: Material, held: Bools | None, deepest: float, job: Job
+    uid: int, mesh: Mesh, material: Material, pinned: Bools | None, deepest: float, job: Job
 ) -> Callable[[], Identification]:
     """Return what identifies on what moves: the mesh, or its proxy. That is the core's alone, so a thread may call it.
     """
@@ -131,7 +131,7 @@ def _beginning(
 
     def model() -> Model:
         materials = [material] * (int(mesh.triangle_material.max()) + 1)
-        return build_model(mesh, materials, held=base_vertices(mesh) if held is None else held)
+        return build_model(mesh, materials, pinned=base_vertices(mesh) if pinned is None else pinned)
 
     def moving() -> tuple[Mesh, Bools | None]:
         with contextlib.suppress(DimpleError):  # no proxy of it can be made: so it takes longer
@@ -139,12 +139,12 @@ def _beginning(
             if proxy is None and len(mesh.rest_positions) > HEAVY:
                 proxy = build_proxy(model(), PROXY)
             if proxy:
-                return proxy.model.mesh, proxy.model.held
-        return mesh, held
+                return proxy.model.mesh, proxy.model.pinned
+        return mesh, pinned
 
     def find() -> Identification:
         on, pins = moving()
-        site = measuring_site(on, material, deepest, held=pins)
+        site = measuring_site(on, material, deepest, pinned=pins)
         steps = identification(on, material, material.indenter, site, deepest)
         while not job.dropped:
             try:

@@ -53,7 +53,7 @@ class DIMPLE_OT_identify(Working, bpy.types.Operator):
         from .identified import own_folder
 
         site, given = bench.site, (bench.mesh, bench.material, bench.indenter)
-        where = site.point, site.inward, site.under, site.held
+        where = site.point, site.inward, site.under, site.pinned
         folder, name = own_folder("identified"), cache.key(*given, bench.deepest, *where)
         self._found, self._anew = cache.recall(folder, name), None
         if self._found is None:

@@ -76,16 +76,16 @@ def set_up(
     link, model = bridge.read_body(context, body, baked=False, identify=identify)
     settings, mesh = material.dimple, model.mesh
     tip = tip or Indenter(shape=settings.tip.lower(), radius=settings.tip_radius_mm / 1e3)
-    held = model.held[mesh.source]
+    pinned = model.pinned[mesh.source]
     slot = link.slots.index(body.active_material_index) if body.active_material_index in link.slots else None
     constants = bridge_model.constants_on(mesh, material) if slot is None else model.materials[slot]
     measured = calibration.deepest(settings, constants.x0)
     try:
         if place == "TOP":
-            site = measuring_site(mesh, replace(constants, indenter=tip), measured, held=held)
+            site = measuring_site(mesh, replace(constants, indenter=tip), measured, pinned=pinned)
         else:
             above, inward = _at_cursor(context, link, mesh)
-            site = find_site(mesh, tip, held=held, above=above, inward=inward)
+            site = find_site(mesh, tip, pinned=pinned, above=above, inward=inward)
     except DimpleError as error:
         elsewhere = " Press At: 3D Cursor puts the tip elsewhere." if place == "TOP" else ""
         raise DimpleError(f'"{body.name}": {error}{elsewhere}') from error

@@ -227,7 +227,7 @@ def finish(body: LiveBody) -> list[str]:
 
 
 def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) -> None:
-    """Let what is held of a body go where its object has gone, and its shape at rest be what its rig makes of it."""
+    """Let what is pinned of a body go where its object has gone, and its shape at rest be what its rig makes of it."""
     body.matrix, body.rest = rest_shape.lead(context, obj, body.link, body.session, body.matrix, body.rest)
 
 

@@ -206,7 +206,7 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, pressed: Pr
     """Return a checksum of what the plan depends on: body, materials, tolerances, fingertips and budget."""
     law, number = model.matching, 0
     for array in (
-        law.rest, model.mesh.triangles, model.mass, model.held, law.k1, law.k2, law.d0, law.damping, law.tension,
+        law.rest, model.mesh.triangles, model.mass, model.pinned, law.k1, law.k2, law.d0, law.damping, law.tension,
         law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction,
     ):  # fmt: skip
         number = zlib.crc32(np.ascontiguousarray(array), number)

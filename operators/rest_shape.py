@@ -105,7 +105,7 @@ def lead(
         return matrix, rest
     check_matrix(obj.name, now)
     there = places(link, now, shape)
-    session.set_held(there)
+    session.set_pins(there)
     if shape is not rest or session.model.rigged:
         session.set_rest(there)
     return now, shape

@@ -53,7 +53,7 @@ class BodyCase:
 def build(body: BodyCase, fine: int = FINE) -> Model:
     """Return the model of a body."""
     mesh = body.shape(fine, body.size)
-    return build_model(mesh, [body.material], held=_PINS[body.pins](mesh))
+    return build_model(mesh, [body.material], pinned=_PINS[body.pins](mesh))
 
 
 def ball(fine: int, size: float) -> Mesh:

@@ -101,7 +101,7 @@ def judge(name: str, starts: int, share: float) -> dict[str, Any]:
             world.set_colliders([lead and lead(at) for lead in played.colliders])
             for session, lead in zip(world.sessions, played.pins, strict=True):
                 if lead:
-                    session.set_held(lead(at))
+                    session.set_pins(lead(at))
             began = time.process_time()
             meeting = world.step(session.tick if (session := world.sessions[0]) else 0.0)
             spent += time.process_time() - began

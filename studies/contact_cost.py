@@ -61,9 +61,9 @@ def _bodies(gap: float) -> list[Session]:
     points, faces = ball()
     found = []
     for side in (-1, 1):
-        held = points[:, 2] * side > 0.6 * RADIUS
+        pinned = points[:, 2] * side > 0.6 * RADIUS
         placed = points + (0, 0, side * (RADIUS + gap / 2))
-        found.append(Session(build_model(mesh_from_triangles(placed, faces), [SOFT], held=held)))
+        found.append(Session(build_model(mesh_from_triangles(placed, faces), [SOFT], pinned=pinned)))
     return found
 
 
@@ -75,7 +75,7 @@ def _measured(gap: float, lead: Lead) -> dict[str, float]:
     for tick in range(LEAD + TICKS):
         for sessions in (meeting, alone):
             for session, side in zip(sessions, (-1, 1), strict=True):
-                session.set_held(session.model.mesh.rest_positions - (0, 0, side * lead(tick)))
+                session.set_pins(session.model.mesh.rest_positions - (0, 0, side * lead(tick)))
         began = time.process_time()
         world.step(meeting[0].tick)
         between = time.process_time()

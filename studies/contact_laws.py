@@ -31,9 +31,9 @@ def measure_laws() -> dict[str, float]:
 
 
 def _session(
-    points: Floats, faces: Ints, *, held: Bools | None = None, gravity: float = -9.81, backend: str = "auto"
+    points: Floats, faces: Ints, *, pinned: Bools | None = None, gravity: float = -9.81, backend: str = "auto"
 ) -> Session:
-    model = build_model(mesh_from_triangles(points, faces), [SOFT], held=held, gravity=(0, 0, gravity))
+    model = build_model(mesh_from_triangles(points, faces), [SOFT], pinned=pinned, gravity=(0, 0, gravity))
     return Session(model, backend=backend)
 
 
@@ -50,7 +50,7 @@ def _drift() -> float:
     high = moved(icosphere(3, RADIUS), rng)[0]
     high += (0, 0, low[:, 2].max() + 1e-3 - high[:, 2].min()) - high.mean(axis=0) * (1, 1, 0)
     body = _session(high, faces)
-    world = World([_session(low, faces, held=low[:, 2] < -0.5 * RADIUS), body])
+    world = World([_session(low, faces, pinned=low[:, 2] < -0.5 * RADIUS), body])
     world.step(SETTLED)
     before, most = body.body.positions(), 0.0
     for _ in range(WATCHED):

@@ -91,7 +91,7 @@ def twisted_bar(rng: np.random.Generator) -> Played:
     """Twist a bar by one and a half turns: it buckles and meets itself."""
     bar = _bar(0.16, 0.03, 20, 4)
     points = bar[0] + rng.normal(0, 1e-5, bar[0].shape)
-    held = np.abs(points[:, 0]) > 0.079
+    pinned = np.abs(points[:, 0]) > 0.079
 
     def twist(share: float) -> Floats:
         turn = 3 * np.pi * share * (points[:, 0] > 0)
@@ -99,7 +99,7 @@ def twisted_bar(rng: np.random.Generator) -> Played:
         x, y, z = points.T
         return np.stack([x * (1 - 0.25 * share), c * y - s * z, s * y + c * z], axis=1)
 
-    return _play([(points, bar[1])], [], ticks=400, held=[held], pins=[twist], itself=True, material=SOFT)
+    return _play([(points, bar[1])], [], ticks=400, pinned=[pinned], pins=[twist], itself=True, material=SOFT)
 
 
 def two_lips(rng: np.random.Generator) -> Played:
@@ -110,18 +110,18 @@ def two_lips(rng: np.random.Generator) -> Played:
     lower = lip - (0, 0, 0.0)
     lower = np.column_stack([lower[:, 0], lower[:, 1], lower[:, 2] - 0.0122])
     upper = upper + rng.uniform(-1, 1, 3) * (JITTER, JITTER, 0)
-    leads, held = [], []
+    leads, pinned = [], []
     for points, way in ((upper, -1), (lower, 1)):
-        held.append(points[:, 2] * -way > 0.018)
+        pinned.append(points[:, 2] * -way > 0.018)
         leads.append(_there_and_back(points, (0, 0, 0.006 * way)))
-    return _play([(upper, faces), (lower, faces)], [], ticks=300, held=held, pins=leads)
+    return _play([(upper, faces), (lower, faces)], [], ticks=300, pinned=pinned, pins=leads)
 
 
 def folded_sheet(rng: np.random.Generator) -> Played:
     """Fold a sheet over onto itself by leading one edge, and press it down on the table."""
     points, faces = grid(24, 12, 0.16, 0.08)
     points = points + (0, 0, 0.004) + rng.normal(0, 1e-5, points.shape)
-    held = np.abs(points[:, 0]) > 0.0799
+    pinned = np.abs(points[:, 0]) > 0.0799
 
     def fold(share: float) -> Floats:
         x, y, z = points.T
@@ -129,7 +129,7 @@ def folded_sheet(rng: np.random.Generator) -> Played:
         return np.stack([np.where(x > 0, 0.08 * np.cos(angle), x), y, z + 0.08 * np.sin(angle) * (x > 0)], axis=1)
 
     table = grid(2, 2, 0.5, 0.5)
-    return _play([(points, faces)], [table], ticks=400, held=[held], pins=[fold], itself=True, material=SHEET)
+    return _play([(points, faces)], [table], ticks=400, pinned=[pinned], pins=[fold], itself=True, material=SHEET)
 
 
 def pile_of_twenty(rng: np.random.Generator) -> Played:
@@ -157,7 +157,7 @@ def collider_ends_inside(rng: np.random.Generator) -> Played:
     tip = icosphere(2, 0.015)
     way = _along(tip[0] + (0.06, 0, 0), (-0.06, 0, 0), rest=0.6)
     ball = moved(icosphere(3, 0.04), rng)
-    return _play([ball], [(way(0.0), tip[1])], ticks=300, held=[ball[0][:, 0] < -0.03], leads=[way])
+    return _play([ball], [(way(0.0), tip[1])], ticks=300, pinned=[ball[0][:, 0] < -0.03], leads=[way])
 
 
 def weights_in_bowl(rng: np.random.Generator) -> Played:
@@ -193,7 +193,7 @@ def _play(
     colliders: Sequence[Shape],
     *,
     ticks: int,
-    held: Sequence[Bools] = (),
+    pinned: Sequence[Bools] = (),
     leads: Sequence[Lead | None] = (),
     pins: Sequence[Lead | None] = (),
     itself: bool = True,
@@ -202,8 +202,8 @@ def _play(
     sessions = []
     for i, (points, faces) in enumerate(bodies):
         mesh = mesh_from_triangles(points, faces)
-        pinned = held[i] if held else None
-        sessions.append(Session(build_model(mesh, [material], held=pinned, gravity=(0, 0, -9.81))))
+        its = pinned[i] if pinned else None
+        sessions.append(Session(build_model(mesh, [material], pinned=its, gravity=(0, 0, -9.81))))
     world = World(
         sessions, [Collider(points.T.copy(), faces, 0.4) for points, faces in colliders],
         itself=[itself] * len(sessions),
@@ -216,7 +216,7 @@ def _play(
 def _let_fall(bodies: Sequence[Shape], led: Sequence[Shape], props: Sequence[Shape], *, ticks: int) -> Played:
     gravity = (0.0, 0.0, -9.81)
     sessions = [
-        Session(build_model(mesh_from_triangles(*body), [SOFT], held=np.zeros(len(body[0]), bool), gravity=gravity))
+        Session(build_model(mesh_from_triangles(*body), [SOFT], pinned=np.zeros(len(body[0]), bool), gravity=gravity))
         for body in bodies
     ]
     colliders = [Collider(points.T.copy(), faces, 0.4) for points, faces in (*led, *props)]

@@ -67,7 +67,7 @@ def light(mesh: Mesh, material: Material) -> Model:
     constants = estimate(material, mesh.size)
     mass = constants.kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
     still = replace(material, constants=constants, mass=mass, density=None, damping_ratio=1.0)
-    return build_model(mesh, [still], held=base_vertices(mesh))
+    return build_model(mesh, [still], pinned=base_vertices(mesh))
 
 
 def settle(
@@ -148,7 +148,7 @@ def friction_rows(names: Sequence[str], sizes: Sequence[int]) -> Iterator[dict[s
 
 def planned(mesh: Mesh, material: Material) -> int:
     """Return how many vertices a session's proxy is requested with, 0 where the full mesh runs live."""
-    return plan(build_model(mesh, [material], held=base_vertices(mesh)), radius=TIP).asked
+    return plan(build_model(mesh, [material], pinned=base_vertices(mesh)), radius=TIP).asked
 
 
 def roughness(mesh: Mesh, one: Settled, exact: Profile) -> dict[str, object]:

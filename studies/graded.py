@@ -82,7 +82,7 @@ def _measured(
     moves, steps = made.model, made.model.substeps(TICK)
     still = np.linalg.norm(moves.mesh.rest_positions - press.at, axis=1) > reach * press.radius
     if still.any():  # what is asleep costs nothing: only the others are counted
-        moves = replace(moves, held=moves.held | still, inverse_mass=np.where(still, 0.0, moves.inverse_mass))
+        moves = replace(moves, pinned=moves.pinned | still, inverse_mass=np.where(still, 0.0, moves.inverse_mass))
     *_, (_, end) = press_body(create(moves), press, substeps=steps)
     found, vertices = outcome_of(model, size, made, steps, [end], [goal]), int((~still).sum())
     if not np.isfinite(found.error):

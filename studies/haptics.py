@@ -112,7 +112,7 @@ def press(
         mesh, material = cube(cells, PRESET.size), PRESET.material
         if stiffness:
             material = replace(material, K1=stiffness, K2=stiffness)
-        session = Session(build_model(mesh, [material], held=base_vertices(mesh)))
+        session = Session(build_model(mesh, [material], pinned=base_vertices(mesh)))
         others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(loads)]
         try:
             device.open()

@@ -36,11 +36,11 @@ def run_mesh(
     rng = np.random.default_rng(SEED)
     for way in ways:
         for radius, (label, material) in zip(TIPS, materials, strict=True):
-            held: Bools | None = base_vertices(mesh) if WAYS[way][2] else None
-            model = build_model(mesh, [material], held=held)
+            pinned: Bools | None = base_vertices(mesh) if WAYS[way][2] else None
+            model = build_model(mesh, [material], pinned=pinned)
             if model.free:  # a body pinned at one vertex swings on
                 model = build_model(mesh, [material])
-            free = np.flatnonzero(~model.held)
+            free = np.flatnonzero(~model.pinned)
             if len(free):
                 place = place_at(mesh, int(rng.choice(free)))
                 yield release(model, place, way, radius, mesh=name, material=label)

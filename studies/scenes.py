@@ -122,5 +122,5 @@ def _placed(model: Model, positions: Floats) -> State:
 
 
 def _under_a_fingertip(mesh: Mesh, material: Material, *, law_set: str = "consistent") -> Session:
-    model: Model = build_model(mesh, [material], law_set=law_set, held=base_vertices(mesh))
+    model: Model = build_model(mesh, [material], law_set=law_set, pinned=base_vertices(mesh))
     return Session(model)

@@ -35,7 +35,7 @@ def add_small_tips(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Print vertices, steps, processor time of a simulated second and the largest errors, each way."""
     mesh = bodies.head(FINE, SIZE)
-    model = build_model(mesh, [bodies.GEL], held=base_vertices(mesh))
+    model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
     for radius in RADII:
         presses = choose_presses(model, radius, options.presses, seed=SEED)
         goals = [pressed(model, press) for press in presses]

@@ -163,7 +163,7 @@ def front(points: Sequence[Point]) -> dict[float, Point | None]:
 
 def _poke(name: str, label: str, mesh: Mesh, material: Material, seconds: float) -> Case:
     """Return a press without friction, which only some of the methods have."""
-    model = build_model(mesh, [replace(material, friction=0.0)], held=base_vertices(mesh))
+    model = build_model(mesh, [replace(material, friction=0.0)], pinned=base_vertices(mesh))
     return Case(name=name, label=label, model=model, start=initial_state(model), seconds=seconds, depth=mesh.size / 16)
 
 

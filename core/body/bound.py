@@ -40,7 +40,7 @@ def of_edges(mesh: Mesh, constants: Floats, at_vertices: Floats, inverse_mass: F
     Args:
         constants: (m,) of springs or dashpots along the edges, for L.
         at_vertices: (n,) for the diagonal matrix D.
-        inverse_mass: (n,) [1/kg], 0 where held.
+        inverse_mass: (n,) [1/kg], 0 where pinned.
     """
     own = at_vertices * inverse_mass
     if not len(mesh.triangles):

@@ -37,7 +37,7 @@ STIFF = 0.25  # of the radius: the bulge of a facet that is met whole
 SUNK = 0.16  # of the radius: how far a fingertip may be inside a small facet
 NEAR = 0.0625  # of the radius: farther from a fingertip than that, what is at rest stays clear of it for a tick
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
-HELD_GIVE = 0.1  # of a free vertex: what a face gives at least where held vertices carry the rest of it
+PINNED_GIVE = 0.1  # of a free vertex: what a face gives at least where pinned vertices carry the rest of it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,7 +104,7 @@ def resolve(
 
     Args:
         x, v: (3, n) positions [m] and velocities [m/s].
-        inverse_mass: (n,) [1/kg], 0 for held vertices.  friction: (n,).
+        inverse_mass: (n,) [1/kg], 0 for pinned vertices.  friction: (n,).
         step: that brought them there.
         faces: also keep the faces out.
 
@@ -174,10 +174,10 @@ def _push(
     # each contact moves its share of a vertex, m / count; the vertex then takes the mean of its shares
     mobility = weights * inverse_mass[members]
     give = np.maximum((mobility * weights * count[members]).sum(axis=1), _TINY)
-    # beside held vertices: a free one must not be flung away to move a point it hardly carries
+    # beside pinned vertices: a free one must not be flung away to move a point it hardly carries
     free = inverse_mass[members] > 0
     share = np.maximum((weights * free).sum(axis=1), _TINY)
-    give = np.where(free.all(axis=1), give, np.maximum(give, HELD_GIVE * inverse_mass[members].max(axis=1) / share))
+    give = np.where(free.all(axis=1), give, np.maximum(give, PINNED_GIVE * inverse_mass[members].max(axis=1) / share))
 
     relative = (v[:, members] * weights).sum(axis=2) - touch.velocity[:, None]
     closing = (relative * normal).sum(axis=0)

@@ -32,7 +32,7 @@ from .shape_matching import Pose, ShapeMatching
 from .springs import Springs
 
 LAW_SETS = ("consistent", "paper")
-_ALL_HELD = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
+_NONE_FREE = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
 STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0}  # times as stiff as at rest a fill becomes in a body pressed flat
@@ -47,8 +47,8 @@ class Model:
     law_set: "consistent" or "paper".
     materials: one for each index in mesh.triangle_material.
     mass: (n,) [kg].
-    inverse_mass: (n,) [1/kg], 0 where held.
-    held: (n,) pinned, or loose.
+    inverse_mass: (n,) [1/kg], 0 where pinned.
+    pinned: (n,) by the artist, or loose.
     friction: (n,) coefficient.
     springs, pressure, matching: the laws with their parameters.
     gravity: (3,) [m/s2].
@@ -65,7 +65,7 @@ class Model:
     materials: tuple[Material, ...]
     mass: Floats
     inverse_mass: Floats
-    held: Bools
+    pinned: Bools
     friction: Floats
     springs: Springs
     pressure: Pressure
@@ -81,7 +81,7 @@ class Model:
     @cached_property
     def free(self) -> bool:
         """Tell whether the shape at rest follows the body rather than the pins."""
-        pinned = self.mesh.rest_positions[self.held & ~self.mesh.loose]
+        pinned = self.mesh.rest_positions[self.pinned & ~self.mesh.loose]
         return not self.rigged and not spans_a_plane(pinned, self.mesh.size)
 
     def substeps(self, tick: float) -> int:
@@ -142,7 +142,7 @@ def build_model(
     materials: Sequence[Material],
     *,
     law_set: str = "consistent",
-    held: Bools | Floats | None = None,
+    pinned: Bools | Floats | None = None,
     softness: Floats | None = None,
     knee: Floats | None = None,
     spread: Floats | None = None,
@@ -156,7 +156,7 @@ def build_model(
     Args:
         materials: one for each index in mesh.triangle_material.
         law_set: "consistent" (the default) or "paper" (the equations literally).
-        held: (N,) input vertices that do not move by themselves (bool, or weights of which half or more holds).
+        pinned: (N,) input vertices that do not move by themselves (bool, or weights of which half or more holds).
         softness, knee, spread, thickness: what is painted on each input vertex (N,), 0.5 as measured; see `maps`.
         gravity: (3,) [m/s2].
         ground: height [m] of a plane that nothing sinks below.
@@ -171,15 +171,15 @@ def build_model(
         raise DimpleError("Gravity must be three numbers and the ground's height one.")
     if not materials or mesh.triangle_material.max() >= len(materials) or mesh.triangle_material.min() < 0:
         raise DimpleError("A face uses a material slot that is empty. Assign a material to it.")
-    held_here = mesh.loose | (_on_vertices(mesh, held, "pins", 0.0) >= 0.5)
+    pinned_here = mesh.loose | (_on_vertices(mesh, pinned, "pins", 0.0) >= 0.5)
     named = (("softness", softness), ("knee", knee), ("spread", spread), ("thickness", thickness))
     maps = painted(*(_on_vertices(mesh, values, f"{name} map", 0.5) for name, values in named))
 
     mass = mass_on(mesh, materials) * maps.thicker
     fill, rest_pressure = _fill(mesh, materials, law_set)
-    ground, sunk = _ground(mesh, held_here, ground)
+    ground, sunk = _ground(mesh, pinned_here, ground)
     model = assemble(
-        mesh, materials, law_set=law_set, mass=mass, held=held_here, fill=fill, rest_pressure=rest_pressure,
+        mesh, materials, law_set=law_set, mass=mass, pinned=pinned_here, fill=fill, rest_pressure=rest_pressure,
         gravity=gravity, ground=ground, notes=sunk,
         **(paper_constants(mesh, materials) if law_set == "paper" else constants_on(mesh, materials, maps)),
     )  # fmt: skip
@@ -192,7 +192,7 @@ def assemble(
     *,
     law_set: str,
     mass: Floats,
-    held: Bools,
+    pinned: Bools,
     friction: Floats,
     damping: Floats,
     stiffness: Floats,
@@ -225,7 +225,7 @@ def assemble(
     i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
     dashpots = 2 * mean_of_pairs(damping, ends) * np.sqrt(stiffness * reduced)
-    inverse_mass = np.where(held, 0.0, 1 / mass)
+    inverse_mass = np.where(pinned, 0.0, 1 / mass)
 
     membrane = springs.build_springs(mesh, stiffness, dashpots)
     shape = replace(
@@ -235,12 +235,12 @@ def assemble(
     # Eq. (4) stiffens with stretch: k (2 |l| / |l0| - 1); allow for twice the rest length
     along, at = (3.0 if law_set == "paper" else 1.0) * stiffness + tension, shape_matching.stiffest(shape)
     return Model(
-        mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, held=held,
+        mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, pinned=pinned,
         friction=friction, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=bound.of_body(mesh, along, at, inverse_mass, inside, STIFFENS[inside.fill]),
         decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
-        notes=mesh.notes + notes + ((_ALL_HELD,) if held.all() else ()),
+        notes=mesh.notes + notes + ((_NONE_FREE,) if pinned.all() else ()),
     )  # fmt: skip
 
 
@@ -289,9 +289,9 @@ def forces(model: Model, state: State) -> Floats:
     return f + model.mass * model.gravity[:, None]
 
 
-def _ground(mesh: Mesh, held: Bools, ground: float | None) -> tuple[float | None, tuple[str, ...]]:
+def _ground(mesh: Mesh, pinned: Bools, ground: float | None) -> tuple[float | None, tuple[str, ...]]:
     """Return the ground, lowered where a body would start below it and be flung out, and a note on that."""
-    heights = mesh.rest_positions[~held & ~mesh.loose, 2]
+    heights = mesh.rest_positions[~pinned & ~mesh.loose, 2]
     if ground is None or not len(heights) or heights.min() >= ground - SUNK * mesh.size:
         return ground, ()
     lowest = float(heights.min())

@@ -41,7 +41,7 @@ class Site:
     inward: (3,) unit vector of the way the tip goes.
     thickness: distance to the far side [m], inf where there is none.
     under: (n,) vertices under a flat punch.
-    held: (n,) vertices that stay.
+    pinned: (n,) vertices.
     others: further places, with which a round tip is identified together: the mean of the forces is the measured one.
     """
 
@@ -49,7 +49,7 @@ class Site:
     inward: Floats
     thickness: float
     under: Bools
-    held: Bools
+    pinned: Bools
     others: tuple[Site, ...] = ()
 
 
@@ -75,19 +75,19 @@ def find_site(
     mesh: Mesh,
     indenter: Indenter,
     *,
-    held: Bools | None = None,
+    pinned: Bools | None = None,
     above: Sequence[float] | None = None,
     inward: Sequence[float] = (0.0, 0.0, -1.0),
 ) -> Site:
     """Find where a tip meets a body.
 
     Args:
-        held: (N,) input vertices that stay; where they are too few to hold a body, its base stays.
+        pinned: (N,) input vertices; where they are too few to hold a body, its base stays.
         above: (3,) [m] a point on the way in; left out: over the middle of the body.
         inward: (3,) way the tip goes.
 
     Raises:
-        DimpleError: the tip misses the body, or would press what is held.
+        DimpleError: the tip misses the body, or would press what is pinned.
     """
     x = mesh.rest_positions
     way = np.asarray(inward, np.float64) / np.linalg.norm(inward)
@@ -100,8 +100,8 @@ def find_site(
     point = np.array(hit[1])
     beyond = ray_hit(tuple(point + 1e-6 * mesh.size * way), tuple(way), x, mesh.triangles)
     stay = np.zeros(len(x), bool)
-    if held is not None:
-        stay[mesh.source] = held
+    if pinned is not None:
+        stay[mesh.source] = pinned
     if np.linalg.matrix_rank(x[stay] - x[stay].mean(axis=0) if stay.any() else np.zeros((1, 3)), 1e-3 * mesh.size) < 2:
         stay[mesh.source] = base_vertices(mesh, up=tuple(-way))
     rim = RIM * float(mesh.rest_lengths.mean()) if indenter.shape == "punch" else 0.0
@@ -109,7 +109,7 @@ def find_site(
     if (under & stay).any():
         raise DimpleError("The tip stands on vertices that are pinned. Press elsewhere, or pin fewer.")
     return Site(
-        point=point, inward=way, thickness=beyond[0] if beyond else math.inf, under=under, held=stay
+        point=point, inward=way, thickness=beyond[0] if beyond else math.inf, under=under, pinned=stay
     )  # fmt: skip
 
 
@@ -146,7 +146,7 @@ def set_up(mesh: Mesh, material: Material, indenter: Indenter, site: Site) -> Se
     model = build_model(
         replace(mesh, loose=mesh.loose | under),  # pins that go down must not carry the shape at rest along
         [light] * (int(mesh.triangle_material.max()) + 1),
-        held=(site.held | under)[mesh.source],
+        pinned=(site.pinned | under)[mesh.source],
     )
     session = Session(model)
     put_back(session, indenter, site)
@@ -183,7 +183,7 @@ def going_down(
     ticks = math.ceil(abs(depth - before) / (FINGER_TRAVEL * indenter.radius))
     if under.any():
         places = model.mesh.rest_positions + depth * np.outer(under, site.inward)
-        session.set_held(places[model.mesh.source])
+        session.set_pins(places[model.mesh.source])
         if depth != before:
             session.step(max(MOVING, 2 * ticks * session.tick))
             yield 0.3

@@ -33,60 +33,60 @@ LITTLE = 0.45  # of what a flat place has under a tip: the corner of a cube has 
 MOST = 2.5  # times that share of the law: what points and corners answer at most
 
 
-def typical_site(mesh: Mesh, indenter: Indenter, *, held: Bools | None = None) -> Site:
+def typical_site(mesh: Mesh, indenter: Indenter, *, pinned: Bools | None = None) -> Site:
     """Find where a tip meets a body as it does in most places.
 
     That is the middle of the top, unless there is a hole, a point, an edge or a pin: then where the surface is the most
     even. A sphere is put a little beside it, for few presses are right on a vertex.
 
     Args:
-        held: (N,) input vertices that stay; none is the base.
+        pinned: (N,) input vertices; none is the base.
 
     Raises:
         DimpleError: as `find_site`, where it can be pressed nowhere.
     """
-    if held is None or not np.any(held):
-        held = base_vertices(mesh)
-    points, normals, evenness = _candidates(mesh, indenter, held)
+    if pinned is None or not np.any(pinned):
+        pinned = base_vertices(mesh)
+    points, normals, evenness = _candidates(mesh, indenter, pinned)
     best = int((evenness + 1e-3 * normals[:, 2]).argmax())
     tries: list[tuple[Floats | None, Floats]] = [(points[best], -normals[best])]
-    top = _evenness_at_top(mesh, indenter, held)
+    top = _evenness_at_top(mesh, indenter, pinned)
     if top >= evenness[best] - EDGE:
         tries.insert(0, (None, np.array(DOWN)))
     error = DimpleError()
     for above, inward in tries:
         try:
-            return _beside(mesh, indenter, held, above, inward)
+            return _beside(mesh, indenter, pinned, above, inward)
         except DimpleError as why:
             error = why
     raise error
 
 
-def measuring_site(mesh: Mesh, material: Material, deepest: float, *, held: Bools | None = None) -> Site:
+def measuring_site(mesh: Mesh, material: Material, deepest: float, *, pinned: Bools | None = None) -> Site:
     """Find where the tip of a material meets a body as it does in most places: on thin parts several places together.
 
     Args:
         material: its constants are ignored.
         deepest: depth [m] to be pressed to.
-        held: as for `typical_site`.
+        pinned: as for `typical_site`.
 
     Raises:
         DimpleError: as `typical_site`.
     """
     tip = material.indenter
-    site = typical_site(mesh, tip, held=held)
-    if held is None or not np.any(held):
-        held = base_vertices(mesh)
+    site = typical_site(mesh, tip, pinned=pinned)
+    if pinned is None or not np.any(pinned):
+        pinned = base_vertices(mesh)
     coarse = float(np.median(mesh.rest_lengths)) > tip.radius  # then evenness says little
-    even = _evenness(mesh, tip, held, site.point[None], -site.inward[None])[0] >= UNEVEN
+    even = _evenness(mesh, tip, pinned, site.point[None], -site.inward[None])[0] >= UNEVEN
     if tip.shape != "sphere" or coarse or even:
         return site
-    points, normals, evenness = _candidates(mesh, tip, held)
+    points, normals, evenness = _candidates(mesh, tip, pinned)
     sites = []
     for index in _alike(mesh, points, normals, evenness, deepest):
         with contextlib.suppress(DimpleError):  # a pin is near
             place, inward = points[index].tolist(), (-normals[index]).tolist()
-            sites.append(find_site(mesh, tip, held=held, above=place, inward=inward))
+            sites.append(find_site(mesh, tip, pinned=pinned, above=place, inward=inward))
     if not sites:
         return site
     forces = _forces(mesh, replace(material, constants=None), sites, min(material.x0, deepest))
@@ -124,11 +124,11 @@ def _forces(mesh: Mesh, material: Material, sites: list[Site], depth: float) -> 
     return np.array(forces)
 
 
-def _beside(mesh: Mesh, indenter: Indenter, held: Bools, above: Floats | None, inward: Floats) -> Site:
+def _beside(mesh: Mesh, indenter: Indenter, pinned: Bools, above: Floats | None, inward: Floats) -> Site:
     """Return the site at a place, for a sphere a little beside it."""
     def at(point: Floats | None) -> Site:
         return find_site(
-            mesh, indenter, held=held, above=None if point is None else point.tolist(), inward=inward.tolist()
+            mesh, indenter, pinned=pinned, above=None if point is None else point.tolist(), inward=inward.tolist()
         )  # fmt: skip
 
     site = at(above)
@@ -167,7 +167,7 @@ def bare_message(mesh: Mesh, point: Floats, outward: Floats, radius: float) -> s
     )
 
 
-def _candidates(mesh: Mesh, indenter: Indenter, held: Bools) -> tuple[Floats, Floats, Floats]:
+def _candidates(mesh: Mesh, indenter: Indenter, pinned: Bools) -> tuple[Floats, Floats, Floats]:
     """Return places (m, 3) [m] all over the surface, the normals (m, 3) there, and how even it is round them (m,)."""
     areas = np.cumsum(mesh.triangle_areas)
     which = np.unique(np.searchsorted(areas, areas[-1] * (np.arange(PLACES) + 0.5) / PLACES))
@@ -175,19 +175,19 @@ def _candidates(mesh: Mesh, indenter: Indenter, held: Bools) -> tuple[Floats, Fl
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     points = corners.mean(axis=1)
-    return points, normals, _evenness(mesh, indenter, held, points, normals)
+    return points, normals, _evenness(mesh, indenter, pinned, points, normals)
 
 
-def _evenness_at_top(mesh: Mesh, indenter: Indenter, held: Bools) -> float:
+def _evenness_at_top(mesh: Mesh, indenter: Indenter, pinned: Bools) -> float:
     """Return how even the surface is at the middle of the top, below 0 where the tip misses it."""
     try:
-        site = find_site(mesh, indenter, held=held)
+        site = find_site(mesh, indenter, pinned=pinned)
     except DimpleError:
         return -1.0
-    return float(_evenness(mesh, indenter, held, site.point[None], -site.inward[None])[0])
+    return float(_evenness(mesh, indenter, pinned, site.point[None], -site.inward[None])[0])
 
 
-def _evenness(mesh: Mesh, indenter: Indenter, held: Bools, points: Floats, normals: Floats) -> Floats:
+def _evenness(mesh: Mesh, indenter: Indenter, pinned: Bools, points: Floats, normals: Floats) -> Floats:
     """Return how even a surface is round places (m, 3) with normals (m, 3): 1 is a plane, with no pin or border near.
 
     It is the mean cosine between the normal and those within some radii of the tip, of what area there should be.
@@ -197,7 +197,7 @@ def _evenness(mesh: Mesh, indenter: Indenter, held: Bools, points: Floats, norma
     corners, across = mesh.triangles.ravel(), np.cross(b - a, c - a) / 6
     lying = np.stack([sums_at(corners, np.repeat(axis, 3), len(x)) for axis in across.T], axis=1)
     free = np.ones(len(x))
-    free[mesh.source[np.asarray(held, bool)]] = 0.0
+    free[mesh.source[np.asarray(pinned, bool)]] = 0.0
     found = np.empty(len(points))
     for part in np.array_split(np.arange(len(points)), len(x) * len(points) // MANY + 1):
         # |x - p|^2 as a product: fast, and exact enough for what is counted

@@ -108,7 +108,7 @@ class TouchedBody:
 
     def lead(self, at: Floats) -> None:
         """Lead the pinned vertices to places (3, pinned) [m], evenly over LEAD ticks."""
-        self._pins = self.body.positions()[:, self.body.model.held], at, 0
+        self._pins = self.body.positions()[:, self.body.model.pinned], at, 0
 
     def _led(self) -> PinMotion | None:
         from ..solver.motion import PinMotion

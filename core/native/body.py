@@ -107,7 +107,7 @@ class Body:
     ) -> None:
         self.library = library
         self.model, self._surface = model, surface or model
-        self._shape, self._pinned = model.matching.rest.shape, int(model.held.sum())
+        self._shape, self._pinned = model.matching.rest.shape, int(model.pinned.sum())
         self._placed: Floats | None = model.matching.rest  # where it is, while that is known
         self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
         with Arrays() as arrays:
@@ -132,7 +132,7 @@ class Body:
             raise NativeError("the model is of another mesh")
         with Arrays() as arrays:
             self._call("dm_set_constants", self._handle, byref(constants(model, surface, arrays)))
-        self.model, self._surface, self._pinned = model, surface, int(model.held.sum())
+        self.model, self._surface, self._pinned = model, surface, int(model.pinned.sum())
 
     def set_rest(self, rest: Floats, rate: Floats | None = None) -> None:
         """Give the living body another shape at rest (3, n) [m], and with it lengths and volume.

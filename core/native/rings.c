@@ -115,7 +115,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
         int64_t count = b->ring.start[g + 1] - b->ring.start[g];
         if (count) dm_add_ring(b, s, count, x, v, &force, &normal);
         if (count) volume += dm_widen(dm_dot(x, normal));
-        /* held vertices have no inverse mass: they keep the velocity they were given */
+        /* pinned vertices have no inverse mass: they keep the velocity they were given */
         dm_lanes by = dt * m->inverse_mass, fall = dm_blend((dm_mask)(by > dm_splat(0)), dt, dm_splat(0));
         b->next[g].v = (dm_vec3){
             v.x + by * force.x + fall * gravity.x,

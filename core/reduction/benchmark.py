@@ -100,13 +100,13 @@ def choose_presses(model: Model, radius: float, count: int, *, seed: int = 0) ->
     """
     mesh, rng = model.mesh, np.random.default_rng(seed)
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
-    share = np.where(~model.held & (np.abs(normals).sum(axis=1) > 0), mesh.vertex_areas, 0.0)
+    share = np.where(~model.pinned & (np.abs(normals).sum(axis=1) > 0), mesh.vertex_areas, 0.0)
     if not share.sum() > 0:
         raise DimpleError("No part of the surface is free to be pressed. Pin fewer vertices.")
     order = np.argsort(_along_curve(mesh.rest_positions), kind="stable")
     drawn = order[_strata(share[order], DRAWN * count, rng)]
-    held = mesh.rest_positions[model.held & ~mesh.loose]
-    away = np.array([_distance(held, mesh.rest_positions[v]) > BESIDE_PINS * radius for v in drawn])
+    pinned = mesh.rest_positions[model.pinned & ~mesh.loose]
+    away = np.array([_distance(pinned, mesh.rest_positions[v]) > BESIDE_PINS * radius for v in drawn])
     chosen = drawn[_strata((away if away.any() else ~away).astype(float), count, rng)]
     depth = min(DEPTH * radius, mesh.size / 8)
     places = dict.fromkeys(chosen.tolist())  # fewer where not so many are free

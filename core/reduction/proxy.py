@@ -87,7 +87,7 @@ def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None, rec
     coarse = _constants(model, _coarse_mesh(mesh, seeds, triangles), cells)
     return Proxy(
         record=record if known else packed(place, mesh.triangles, vertices, seeds, cells),
-        model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.held | mesh.loose),
+        model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.pinned | mesh.loose),
         spacing=spacing, pressed=pressed,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
@@ -128,7 +128,7 @@ def with_constants(proxy: Proxy, model: Model) -> Proxy:
     """
     check(model)
     coarse = _constants(model, proxy.model.mesh, proxy.cells)
-    return replace(proxy, model=coarse, still=np.flatnonzero(model.held | model.mesh.loose))
+    return replace(proxy, model=coarse, still=np.flatnonzero(model.pinned | model.mesh.loose))
 
 
 def mean_spacing(mesh: Mesh, vertices: float) -> float:
@@ -181,7 +181,7 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         return total(values * fine.vertex_areas) / area
 
     matching = model.matching
-    held = mean(model.held.astype(float)) >= 0.5
+    pinned = mean(model.pinned.astype(float)) >= 0.5
     damping = matching.damping / np.maximum(2 * np.sqrt(matching.k1 * model.mass), 1e-30)
     ends = cells[fine.springs].ravel()
 
@@ -194,7 +194,7 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
     k = of_surface(model.springs.stiffness, membrane_stiffness(fine, np.ones(len(fine.springs))))
     tension = of_surface(matching.tension, cotangent_weights(fine))
     coarse = assemble(
-        mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), held=held,
+        mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), pinned=pinned,
         friction=mean(model.friction), damping=mean(damping),
         stiffness=membrane_stiffness(mesh, k), tension=cotangent_weights(mesh) * tension,
         k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0),
@@ -202,6 +202,6 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         knees=np.reshape([mean(knee) for knee in matching.knees], (-1, m)), fill=model.pressure.fill,
         rest_pressure=model.pressure.rest_pressure, gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
-    if coarse.free != model.free or held.all():
+    if coarse.free != model.free or pinned.all():
         raise DimpleError("its pins are too few for a proxy of this size")
     return coarse

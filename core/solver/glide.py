@@ -49,7 +49,7 @@ class Glide:
     def add(self, before: Model, after: Model, x: Floats) -> None:
         """Change the constants of a body that is at x (3, n) [m]."""
         pose = _pose(after, x)
-        same = before.rigged == after.rigged and np.array_equal(before.held, after.held)
+        same = before.rigged == after.rigged and np.array_equal(before.pinned, after.pinned)
         pose_before = pose if same else _pose(before, x)
         force, ends = _forces(pumped(before, self.pressure), x, pose_before), _forces(after, x, pose)
         more = self._keep_pressure(before, after)
@@ -147,7 +147,7 @@ def _pose(model: Model, x: Floats) -> tuple[Floats, Floats] | None:
     """Return the pose of the shape at rest with its pins, None where it is free."""
     if model.free or model.rigged:
         return None if model.free else (np.eye(3), np.zeros(3))
-    pins = np.flatnonzero(model.held & ~model.mesh.loose)
+    pins = np.flatnonzero(model.pinned & ~model.mesh.loose)
     return fit_pose(model.mesh.rest_positions.T[:, pins], x[:, pins], np.ones(len(pins)))
 
 

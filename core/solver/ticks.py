@@ -65,7 +65,7 @@ def each_tick(model: Model, state: State, path: FingerPath, tick: float) -> Iter
 
 
 def acceleration_of(model: Model, state: State) -> Floats:
-    """Return (3, n) [m/s2]; 0 where held: held vertices keep the velocity the session gave them."""
+    """Return (3, n) [m/s2]; 0 where pinned: pinned vertices keep the velocity the session gave them."""
     return forces(model, state) * model.inverse_mass
 
 

@@ -66,7 +66,7 @@ class Twin:
             self._state.pose = None
         if model.rigged and not old.rigged:
             self._state.pose = np.eye(3), np.zeros(3)
-        self._rest_pins(model.held)
+        self._rest_pins(model.pinned)
         self._fine = surface or (model if self._fine is old else self._fine)
         self.model, self._rest = model, Rest()
         if self._moved is not None:
@@ -153,7 +153,7 @@ class Twin:
             if tip is None or tip.fresh:
                 self._sides[i] = None
         if motion.pins is None and self._led and motion.ticks:
-            self._rest_pins(self.model.held)
+            self._rest_pins(self.model.pinned)
         down = [i for i, tip in enumerate(tips) if tip is not None]
         here = {i: np.array(tips[i].start) for i in down}  # type: ignore[union-attr]
         return Call(motion=motion, down=down, here=here, impulses=np.zeros((len(tips), 3)))
@@ -223,7 +223,7 @@ class Twin:
     def _is_woken(self, motion: Motion, path: FingerPath) -> bool:
         """Tell whether a fingertip or a pin that is led elsewhere wakes the body in the tick that begins."""
         x, model = self._state.positions, self.model
-        if motion.pins and not np.array_equal(x[:, model.held], motion.pins.end):
+        if motion.pins and not np.array_equal(x[:, model.pinned], motion.pins.end):
             return True
         used = x[:, ~model.mesh.loose]
         ways = zip(path.centres[:, 0], path.centres[:, 1], path.radii, strict=True)
@@ -254,15 +254,15 @@ class Twin:
     def _lead_pins(self, motion: Motion, pins: PinMotion, share: float) -> None:
         """Give the pins of a tick the velocity that brings them to their place, and the shape at rest with them."""
         state, model = self._state, self.model
-        held = model.held
+        pinned = model.pinned
         at = pins.first + share * (pins.last - pins.first)
-        way = pins.start + at * (pins.end - pins.start) - state.positions[:, held]
-        state.velocities[:, held] = way / motion.tick
+        way = pins.start + at * (pins.end - pins.start) - state.positions[:, pinned]
+        state.velocities[:, pinned] = way / motion.tick
         if state.pose is not None and not model.rigged:
-            used = ~model.mesh.loose[held]
-            here = state.positions[:, held][:, used]
+            used = ~model.mesh.loose[pinned]
+            here = state.positions[:, pinned][:, used]
             state.pose, state.pose_rate = carried_pose(
-                model.mesh.rest_positions.T[:, held][:, used], here, here + way[:, used],
+                model.mesh.rest_positions.T[:, pinned][:, used], here, here + way[:, used],
                 tick=motion.tick, substeps=motion.substeps,
             )  # fmt: skip
 
@@ -271,15 +271,15 @@ class Twin:
         self._led = True
         if pins.last < 1:
             return
-        held = self.model.held
-        self._state.positions[:, held] = pins.end
+        pinned = self.model.pinned
+        self._state.positions[:, pinned] = pins.end
         if self._state.pose is not None and not self.model.rigged:
-            used: Ints = np.flatnonzero(~self.model.mesh.loose[held])
-            rest = self.model.mesh.rest_positions.T[:, held][:, used]
+            used: Ints = np.flatnonzero(~self.model.mesh.loose[pinned])
+            rest = self.model.mesh.rest_positions.T[:, pinned][:, used]
             self._state.pose = fit_pose(rest, pins.end[:, used], np.ones(len(used)))
 
-    def _rest_pins(self, held: Floats | np.ndarray) -> None:
-        self._state.velocities[:, held] = 0.0
+    def _rest_pins(self, pinned: Floats | np.ndarray) -> None:
+        self._state.velocities[:, pinned] = 0.0
         self._state.pose_rate, self._led = None, False
 
     def _is_finite(self, tick: float) -> bool:

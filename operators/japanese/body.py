@@ -174,7 +174,7 @@ MESSAGES = {
         "指先には、数で表した位置と 0 より大きい半径が必要です。"
     ),
     "The mesh has {} vertices: give a position for each.": "メッシュは {} 頂点です。それぞれの位置を与えてください。",
-    "A held vertex has a position that is not a number.": "固定した頂点の位置が数ではありません。",
+    "A pinned vertex has a position that is not a number.": "固定した頂点の位置が数ではありません。",
     "The shape at rest has a position that is not a number.": "元の形に数でない位置があります。",
     "A step of time must be 0 s or longer (it is {}).": "時間の幅は 0 s 以上にしてください（現在 {}）。",
     "The simulation blew up after {} s and was put back to rest. Lower k or K2, or raise the mass.": (

@@ -83,7 +83,7 @@ MESSAGES = {
     '"{}": a Custom Size of {} mm is too large. Lower it in Physics > Dimple.': (
         '"{}": 指定した大きさ {} mm は大きすぎます。物理演算 > Dimple で小さくしてください。'
     ),
-    "it is held by a vertex group, but none is chosen. Choose one in Physics > Dimple.": (
+    "it is pinned by a vertex group, but none is chosen. Choose one in Physics > Dimple.": (
         "頂点グループで固定する設定ですが、グループが選ばれていません。物理演算 > Dimple で選んでください。"
     ),
     'no vertex of the pin group "{}" has a weight of 0.5 or more. Paint some.': (

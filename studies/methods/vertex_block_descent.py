@@ -101,7 +101,7 @@ def advance(model: Model, state: State, touches: Sequence[Touch], dt: float, *, 
         g = correct_pressure(model, state, inverse)
     met = meet_faces(model, state, touches, CONTACT)
     v[:] = (x - before) / dt
-    if state.pose is None and not model.held.any():
+    if state.pose is None and not model.pinned.any():
         keep_momentum(model, state, goal, before, met, dt)
     return dt * np.array([m.reaction for m in met]).reshape(-1, 3)
 

@@ -168,9 +168,9 @@ def session_case(
 
 def scene_of(scene: str, size: int) -> tuple[Model, int, float]:
     """Return its model, how many fingertips press, and where [m] their centres are when they touch."""
-    make, material, held, fingers, _, more = SCENES[scene]
+    make, material, pinned, fingers, _, more = SCENES[scene]
     mesh = make(size)
-    model = build_model(mesh, [material], held=base_vertices(mesh) if held else None, **more)
+    model = build_model(mesh, [material], pinned=base_vertices(mesh) if pinned else None, **more)
     return model, fingers, float(mesh.rest_positions[:, 2].max()) + FINGERTIP
 
 

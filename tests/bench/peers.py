@@ -50,7 +50,7 @@ def measure(scene: str, session: Session) -> dict[str, Any]:
         costs["dimple"].append(cost)
         for name, iterations in ITERATIONS.items():
             theirs = bullet.press(
-                rest, triangles, model.held, mass, centres, scenes.FINGERTIP, tick=TICK, seen=SEEN,
+                rest, triangles, model.pinned, mass, centres, scenes.FINGERTIP, tick=TICK, seen=SEEN,
                 iterations=iterations,
             )  # fmt: skip
             costs[name].append(theirs.cost)

@@ -28,10 +28,10 @@ TURNS = 60
 
 def ratios(scene: str, size: int, libraries: list[ctypes.CDLL]) -> tuple[int, list[float], Floats]:
     """Return the number of vertices, medians [ns per vertex and step], and the ratio of each turn."""
-    make, material, held, fingers, _, more = bench.SCENES[scene]
+    make, material, pinned, fingers, _, more = bench.SCENES[scene]
     mesh = make(size)
     material = replace(material, spread=0.0)
-    model = build_model(mesh, [material], held=base_vertices(mesh) if held else None, **more)
+    model = build_model(mesh, [material], pinned=base_vertices(mesh) if pinned else None, **more)
     n, substeps, top = len(model.mass), model.substeps(bench.TICK), bench.scene_of(scene, size)[2]
     bodies = [native.Body(model, library) for library in libraries]
     for body in bodies:

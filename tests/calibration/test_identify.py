@@ -46,9 +46,9 @@ def body(preset, words):
 @functools.cache
 def identified(preset, words, tip=POINT, deepest=0.0, **changed):
     """Identify an object, with some constants changed, and return it with the shares done that were yielded."""
-    mesh, held = body(preset, words)
+    mesh, pinned = body(preset, words)
     yielded = []
-    site = find_site(mesh, tip, held=held)
+    site = find_site(mesh, tip, pinned=pinned)
     material = replace(preset.material, **changed)
     return identify(mesh, material, tip, site, deepest or DEEPEST[preset.name], progress=yielded.append), yielded
 
@@ -89,8 +89,8 @@ def test_the_identified_body_answers_the_curve_a_punch_measured(words):
 
 def test_a_press_of_its_own_answers_what_the_identification_says():
     """On other depths than those that were checked, and straight down from the touch."""
-    mesh, held = body(OBJECT_2, "cube 10")
-    material, site = found_on(OBJECT_2, "cube 10").material, find_site(mesh, POINT, held=held)
+    mesh, pinned = body(OBJECT_2, "cube 10")
+    material, site = found_on(OBJECT_2, "cube 10").material, find_site(mesh, POINT, pinned=pinned)
     for depth in (0.0051, 0.0127, 0.0203):
         station = go_down(set_up(mesh, material, POINT, site), POINT, site, 0.0, depth)
         assert station.force == pytest.approx(OBJECT_2.material.law(depth), rel=0.02)
@@ -116,17 +116,17 @@ def test_little_is_pressed_to_identify_a_body(monkeypatch, tip, most_s):
         return step(session, dt, **given)
 
     monkeypatch.setattr(Session, "step", counted)
-    mesh, held = body(OBJECT_3, "ball 4")
-    found = identify(mesh, OBJECT_3.material, tip, find_site(mesh, tip, held=held), DEEPEST[OBJECT_3.name])
+    mesh, pinned = body(OBJECT_3, "ball 4")
+    found = identify(mesh, OBJECT_3.material, tip, find_site(mesh, tip, pinned=pinned), DEEPEST[OBJECT_3.name])
     assert sum(simulated) < most_s and found.rms < 0.02
 
 
 @pytest.mark.parametrize("tip", [FINGERTIP, WIDE], ids=["10 mm", "25 mm"])
 def test_between_the_depths_that_were_fitted_a_round_tip_is_off_no_more(tip):
-    mesh, held = body(OBJECT_3, "ball 3")
+    mesh, pinned = body(OBJECT_3, "ball 3")
     found = found_on(OBJECT_3, "ball 3", tip)
     depths = found.depths[-1] * (np.arange(1, 31) - 0.37) / 30
-    stations = list(press(mesh, found.material, tip, find_site(mesh, tip, held=held), depths.tolist()))
+    stations = list(press(mesh, found.material, tip, find_site(mesh, tip, pinned=pinned), depths.tolist()))
     wanted = np.array([found.material.law(depth) for depth in depths.tolist()])
     missed = np.array([station.force for station in stations]) - wanted
     assert np.sqrt((missed**2).mean()) < 0.025 * wanted.max()
@@ -158,15 +158,15 @@ def test_bounded_least_squares_finds_the_least_of_what_is_allowed():
 
 @pytest.mark.parametrize("words", ["cube 4", "ball 2"])
 def test_a_mesh_with_one_vertex_under_the_tip_is_met_as_well(words):
-    mesh, held = body(OBJECT_3, words)
-    assert find_site(mesh, POINT, held=held).under.sum() == 1
+    mesh, pinned = body(OBJECT_3, words)
+    assert find_site(mesh, POINT, pinned=pinned).under.sum() == 1
     assert_met(found_on(OBJECT_3, words), DEEPEST[OBJECT_3.name])
 
 
 def test_the_estimate_answers_with_another_curve():
     """What identification is for: without it the same press on the same body is far outside what is allowed."""
-    mesh, held = body(OBJECT_3, "cube 10")
-    material, site = replace(OBJECT_3.material, indenter=POINT), find_site(mesh, POINT, held=held)
+    mesh, pinned = body(OBJECT_3, "cube 10")
+    material, site = replace(OBJECT_3.material, indenter=POINT), find_site(mesh, POINT, pinned=pinned)
     depths = found_on(OBJECT_3, "cube 10").depths[4::5]
     stations = list(press(mesh, material, POINT, site, depths))
     wanted = np.array([material.law(depth) for depth in depths.tolist()])
@@ -210,8 +210,8 @@ def test_a_body_that_cannot_follow_says_where_it_misses_most():
 
 def test_the_constants_become_the_model():
     """Without a tension a bed under a grip of area A answers A (kappa1 x + what each piece adds beyond its knee)."""
-    mesh, held = body(OBJECT_3, "cube 20")
-    site = find_site(mesh, POINT, held=held)
+    mesh, pinned = body(OBJECT_3, "cube 20")
+    site = find_site(mesh, POINT, pinned=pinned)
     constants = replace(CONSTANTS, membrane_scale=1e-6, tension=0.0)
     material = replace(OBJECT_3.material, fill="none", constants=constants)
     assert estimate(material, OBJECT_3.size) is constants
@@ -223,8 +223,8 @@ def test_the_constants_become_the_model():
 
 @pytest.mark.parametrize("fill", ["air", "liquid", "none"])
 def test_the_work_of_the_tip_is_the_energy_stored(fill):
-    mesh, held = body(OBJECT_3, "cube 6")
-    site = find_site(mesh, POINT, held=held)
+    mesh, pinned = body(OBJECT_3, "cube 6")
+    site = find_site(mesh, POINT, pinned=pinned)
     material = replace(OBJECT_3.material, fill=fill, constants=CONSTANTS)
     depths = np.linspace(0.004, 0.020, 33)
     stations = list(press(mesh, material, POINT, site, depths.tolist()))
@@ -244,11 +244,11 @@ def test_the_work_of_the_tip_is_the_energy_stored(fill):
 
 def test_what_another_tip_meets_follows_from_the_material():
     """Deeper is more, and in the end a wider tip meets more: a prediction, for only the point was measured."""
-    mesh, held = body(OBJECT_3, "cube 20")
+    mesh, pinned = body(OBJECT_3, "cube 20")
     material = found_on(OBJECT_3, "cube 20").material
     curves = []
     for tip in (FINGERTIP, WIDE, PUNCH):
-        site = find_site(mesh, tip, held=held)
+        site = find_site(mesh, tip, pinned=pinned)
         curves.append([station.force for station in press(mesh, material, tip, site, [0.004, 0.008, 0.012])])
     assert (np.diff(curves, axis=1) > 0).all() and curves[0][0] > 0
     assert curves[0][-1] < curves[1][-1] < curves[2][-1]
@@ -257,14 +257,14 @@ def test_what_another_tip_meets_follows_from_the_material():
 def test_a_round_tip_is_off_by_more_than_the_just_noticeable_difference_and_it_is_said():
     """It touches more as it sinks in: soft at first and round at the knee, which an error over full scale hides."""
     preset, tip = OBJECT_2, WIDE
-    mesh, held = body(preset, "cube 8")
+    mesh, pinned = body(preset, "cube 8")
     found = found_on(preset, "cube 8", tip)
     share = np.abs(found.simulated - found.wanted) / found.wanted
     assert found.rms < min(NOTICEABLE_FORCE) / 2 and max(NOTICEABLE_FORCE) < share.max()
     assert "off the most" in found.notes[-1] and "round tip" in found.notes[-1]
     assert found.off == pytest.approx(share)
     measured = calibrate(Path(__file__).parents[2] / "blend_samples" / "calibration" / f"{preset.name}.csv")
-    assessment = assess(measured, found, mesh, tip, find_site(mesh, tip, held=held))
+    assessment = assess(measured, found, mesh, tip, find_site(mesh, tip, pinned=pinned))
     record = assessment_json(assessment)
     assert record["force_off_percent"] == pytest.approx(100 * share.max())
     text = " ".join(assessment_lines(assessment))
@@ -291,8 +291,8 @@ def test_the_share_that_is_done_foretells_how_much_is_left(words, tip, deepest):
 
 
 def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
-    mesh, held = body(OBJECT_3, "cube 10")
-    material, at = OBJECT_3.material, find_site(mesh, PUNCH, held=held).point
+    mesh, pinned = body(OBJECT_3, "cube 10")
+    material, at = OBJECT_3.material, find_site(mesh, PUNCH, pinned=pinned).point
     found = found_on(OBJECT_3, "cube 10", PUNCH)
     name = cache.key(mesh, material, PUNCH, 0.012, at)
     assert cache.recall(tmp_path, name) is None
@@ -317,8 +317,8 @@ def test_an_identification_is_remembered_by_mesh_material_and_tip(tmp_path):
 
 def test_a_virtual_press_written_and_read_gives_the_material_back(tmp_path):
     preset = OBJECT_3
-    mesh, held = body(preset, "cube 10")
-    site, path = find_site(mesh, POINT, held=held), tmp_path / "virtual.csv"
+    mesh, pinned = body(preset, "cube 10")
+    site, path = find_site(mesh, POINT, pinned=pinned), tmp_path / "virtual.csv"
     curve = press_curve(mesh, found_on(preset, "cube 10").material, POINT, site, DEEPEST[preset.name])
     write_press(path, *curve, about=("a virtual press",))
     fit = calibrate(path).fit
@@ -332,7 +332,7 @@ def test_a_tip_that_cannot_press_is_refused():
     with pytest.raises(DimpleError, match="misses"):
         find_site(mesh, POINT, above=(1.0, 0.0, 0.0))
     with pytest.raises(DimpleError, match="pinned"):
-        find_site(mesh, POINT, held=mesh.rest_positions[mesh.source, 2] > 0)
+        find_site(mesh, POINT, pinned=mesh.rest_positions[mesh.source, 2] > 0)
     with pytest.raises(DimpleError, match="radius"):
         Indenter(radius=0.0)
     with pytest.raises(DimpleError, match="one of point"):
@@ -341,7 +341,7 @@ def test_a_tip_that_cannot_press_is_refused():
 
 def test_a_body_without_pinned_vertices_is_pressed_against_its_base():
     mesh = cube(6, 0.1)
-    assert np.array_equal(find_site(mesh, POINT).held[mesh.source], base_vertices(mesh))
+    assert np.array_equal(find_site(mesh, POINT).pinned[mesh.source], base_vertices(mesh))
     sideways = find_site(mesh, POINT, inward=(1.0, 0.0, 0.0))
-    assert mesh.rest_positions[sideways.held, 0].min() > 0.03
+    assert mesh.rest_positions[sideways.pinned, 0].min() > 0.03
     assert sideways.thickness == pytest.approx(0.1, rel=1e-3)

@@ -34,7 +34,7 @@ SIDES = ((-0.04, 0.0), (0.02, 0.035), (0.02, -0.035))  # [m] of the fingertips o
 def soft_cube(material: Material | None = None, cells: int = 8) -> Model:
     """Return a cube on its base, as large as Object 2."""
     mesh = cube(cells, SIZE)
-    return build_model(mesh, [material or PRESETS[1].material], held=base_vertices(mesh))
+    return build_model(mesh, [material or PRESETS[1].material], pinned=base_vertices(mesh))
 
 
 def pressing(*depths: float, hold: float = 0.4, stiffness: float | None = 400.0, damping: float = 4.0) -> EmulatedHand:
@@ -78,7 +78,7 @@ class ModelRig:
         self._dice = np.random.default_rng(self.seed)
         self.order, self.rows, self.begun = Order(), [], math.inf
         rest = self.model.matching.rest
-        self.held = True
+        self.pinned = True
         frames = Path(self._folder.name) / "frames"
         frames.write_bytes(bytes(frame_size(rest.shape[1]) + 8))
         self.send(
@@ -108,7 +108,7 @@ class ModelRig:
                 self._late, out = self._late + out, b""
             else:
                 out, self._late = self._late + out, b""
-            if self.held:
+            if self.pinned:
                 self.order = replace(self.order, held_until=self.now + LEASE, written=self.now)
             self.servo.order = self.host.order(self.order, self.servo, self.now)
             before = self.servo.answered

@@ -23,7 +23,7 @@ TURN = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))  # a quarter round z
 @pytest.fixture(scope="module")
 def session() -> Session:
     mesh = scenes.cube(6, PRESETS[1].size)
-    return Session(build_model(mesh, [MATERIAL], held=base_vertices(mesh)))
+    return Session(build_model(mesh, [MATERIAL], pinned=base_vertices(mesh)))
 
 
 def contacts(session: Session, place: Workspace, cap: float, now: float) -> tuple[Contact | None, ...]:
@@ -97,7 +97,7 @@ def drag(session: Session, rendering: ContactRendering, ways: list[float]) -> li
 def test_sideways_a_fingertip_sticks_then_slips() -> None:
     """A spring of 2/3 K1 up to half the push (friction 0.5), then no more; turned round it lets go and pulls back."""
     mesh = scenes.cube(6, PRESETS[1].size)
-    session = Session(build_model(mesh, [MATERIAL], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [MATERIAL], pinned=base_vertices(mesh)))
     _, stick, slip, back = (c.force for c in drag(session, ContactRendering(), [0.004, 0.020, 0.016]))
     push, k = MATERIAL.K1 * 0.010, 2 / 3 * MATERIAL.K1
     assert stick[0] == pytest.approx(-k * 0.004, rel=0.03)

@@ -145,7 +145,7 @@ def test_a_blender_that_stands_still_takes_nothing_away_until_the_key_lapses() -
     """The contacts are those of a body that runs: none fades after 100 ms."""
     rig = pressed(ModelRig(soft_cube(material(400)), pressing(0.010, hold=3.0)))
     before = strongest(rig)
-    rig.held = False
+    rig.pinned = False
     rig.run(0.25)
     assert strongest(rig) == pytest.approx(before, rel=0.05)
     rig.run(0.2)

@@ -110,7 +110,7 @@ DEGENERATE = {
     "tangle 1": Case(shape=lambda: tangle(1), thrown=True, ticks=2),
     "tangle 2": Case(shape=lambda: tangle(2), hold="free", thrown=True, fingers=3, ticks=2),
     "tangle 3": Case(shape=lambda: tangle(3), options={"gravity": (0, 0, -9.81)}, ticks=2),
-    "everything held": Case(shape=lambda: ball(1), options={"held": "all"}),
+    "everything pinned": Case(shape=lambda: ball(1), options={"pinned": "all"}),
 }
 SCANS = {name: Case(shape=partial(real, name), material=PRESETS[1].material, ticks=4) for name in REAL}
 CASES = WHOLE | DEGENERATE | SCANS
@@ -122,14 +122,14 @@ def build(case: Case) -> tuple[Model, Floats, Motion]:
     points, faces = case.shape()
     mesh: Mesh = mesh_from_triangles(points * SIZE / np.ptp(points, axis=0).max(), faces)
     options = dict(case.options)
-    held = base_vertices(mesh) if case.hold == "base" else None
-    if options.get("held") == "all":
-        held, _ = np.ones(len(points), bool), options.pop("held")
+    pinned = base_vertices(mesh) if case.hold == "base" else None
+    if options.get("pinned") == "all":
+        pinned, _ = np.ones(len(points), bool), options.pop("pinned")
     if "softness" in options:
         options["softness"] = rng.uniform(0, 1, len(points))
     if "ground" in options:
         options["ground"] *= SIZE
-    model = build_model(mesh, [case.material], held=held, **options)
+    model = build_model(mesh, [case.material], pinned=pinned, **options)
     velocities, free = np.zeros_like(model.matching.rest), model.inverse_mass > 0
     if case.thrown:
         velocities[:, free] = rng.normal(0, 0.1, (3, int(free.sum())))
@@ -153,7 +153,7 @@ def _fingertips(mesh: Mesh, case: Case) -> tuple[FingertipMotion, ...]:
 
 def _pins(model: Model, rng: np.random.Generator) -> PinMotion:
     """Return pins that are turned a little and shifted, and do not quite arrive."""
-    start = model.matching.rest[:, model.held]
+    start = model.matching.rest[:, model.pinned]
     turn, _ = np.linalg.qr(np.eye(3) + 0.05 * rng.normal(size=(3, 3)))
     end = turn * np.sign(np.diag(turn)) @ start + np.array([[2e-3], [0.0], [1e-3]])
     return PinMotion(start, end, 0.03, 0.9)

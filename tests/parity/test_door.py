@@ -83,7 +83,7 @@ TWINS = (
     base, contact, proximity, touching, bounds, motion, rolling, falling, scene, twin_scene, twin_props, binding, depth,
 )  # fmt: skip
 RENAMED = {
-    "ABI": native.ABI, "PINNED_GIVE": contact.HELD_GIVE, "SWEEPS": bounds.SWEEPS,
+    "ABI": native.ABI, "PINNED_GIVE": contact.PINNED_GIVE, "SWEEPS": bounds.SWEEPS,
     "SCENE_IMPULSES": scene.MAX_IMPULSES, "ROLL_ARM": rolling.ARM, "ROLL_PART": rolling.PART, "PART": touching.PART,
     "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS, "CARRY_REACH": kept_skin.REACH,
 }  # fmt: skip

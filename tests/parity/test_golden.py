@@ -3,7 +3,7 @@
 The numbers that go in are rounded to 20 bits, so that they are the same on every machine; then so are the results,
 and a hash that changes says that the arithmetic did. Change it here when that was meant.
 
-numpy has hashes for held bodies on x86-64: the same with numpy 1.26 and 2.3, with AVX-512, AVX2 and neither. It has
+numpy has hashes for pinned bodies on x86-64: the same with numpy 1.26 and 2.3, with AVX-512, AVX2 and neither. It has
 none for free bodies: their rigid fit is a product of matrices, whose order of summation OpenBLAS chooses for the
 processor (four of its kernels gave four hashes). The double-precision hashes hold on NEON too (seen under qemu).
 Single precision has none there: that core fuses otherwise than AVX2's, and no arm64 machine was at hand to take one

@@ -65,7 +65,7 @@ def test_a_fingertip_that_wanders_about_a_body_has_the_depth_numpy_finds(seed: i
     rng = np.random.default_rng(seed)
     points, faces = CASES["crumpled"].shape()
     mesh = mesh_from_triangles(points * SIZE / np.ptp(points, axis=0).max(), faces)
-    model = build_model(mesh, [SOFT], held=base_vertices(mesh))
+    model = build_model(mesh, [SOFT], pinned=base_vertices(mesh))
     bodies = [create(model, backend=backend) for backend in ("numpy", "native64")]
     here, met = np.array([0.0, 0.0, 0.8 * SIZE]), 0
     for step in range(60):
@@ -98,8 +98,8 @@ def test_a_fingertip_whose_centre_lies_on_the_skin_pushes_as_with_numpy(backend:
 
 def test_what_is_held_stays_to_the_last_digit() -> None:
     body, _ = go("liquid", "native")
-    held = body.model.held
-    np.testing.assert_array_equal(body.positions()[:, held], body.model.matching.rest[:, held])
+    pinned = body.model.pinned
+    np.testing.assert_array_equal(body.positions()[:, pinned], body.model.matching.rest[:, pinned])
 
 
 def test_pins_that_arrive_are_where_they_were_sent_to_the_last_digit() -> None:
@@ -107,9 +107,9 @@ def test_pins_that_arrive_are_where_they_were_sent_to_the_last_digit() -> None:
     assert motion.pins
     body = create(model, backend="native")
     run(body, velocities, motion._replace(pins=motion.pins._replace(last=1.0)))
-    np.testing.assert_array_equal(body.positions()[:, model.held], motion.pins.end)
+    np.testing.assert_array_equal(body.positions()[:, model.pinned], motion.pins.end)
     body.step(motion._replace(pins=None, fingertips=()))
-    np.testing.assert_array_equal(body.positions()[:, model.held], motion.pins.end)
+    np.testing.assert_array_equal(body.positions()[:, model.pinned], motion.pins.end)
 
 
 def test_a_free_body_far_from_the_origin_moves_as_one_near_it() -> None:
@@ -146,9 +146,9 @@ def test_other_constants_act_on_a_living_body_as_with_numpy(name: str, backend: 
     """Half way its material becomes three times as stiff and half as heavy; it does not jump."""
     case = CASES[name]
     model, velocities, motion = build(case)
-    pins = model.held[model.mesh.source] if not model.free else None
+    pins = model.pinned[model.mesh.source] if not model.free else None
     stiffer = replace(case.material, K1=3 * case.material.K1, k=3 * case.material.k, mass=0.1)
-    other = build_model(model.mesh, [stiffer], held=pins, **case.options)
+    other = build_model(model.mesh, [stiffer], pinned=pins, **case.options)
     ends = []
     for kind in ("numpy", backend):
         body = create(model, backend=kind)
@@ -167,13 +167,13 @@ def others(model: Model) -> list[Model]:
     base, top = (base_vertices(model.mesh, up=(0, 0, up)) for up in (1, -1))
     air = replace(SOFT, fill="air", K1=300, K2=900)
     return [
-        build_model(model.mesh, [SOFT], held=base),
-        build_model(model.mesh, [air], held=base, law_set="paper"),
-        build_model(model.mesh, [air], held=top),
-        build_model(model.mesh, [replace(air, pressure=2e4)], held=top),
+        build_model(model.mesh, [SOFT], pinned=base),
+        build_model(model.mesh, [air], pinned=base, law_set="paper"),
+        build_model(model.mesh, [air], pinned=top),
+        build_model(model.mesh, [replace(air, pressure=2e4)], pinned=top),
         build_model(model.mesh, [replace(SOFT, fill="none", friction=0.1)], gravity=(0, 0, -9.81)),
         build_model(model.mesh, [SOFT], law_set="paper"),
-        build_model(model.mesh, [SOFT], held=base, softness=np.linspace(0, 1, len(model.mesh.source))),
+        build_model(model.mesh, [SOFT], pinned=base, softness=np.linspace(0, 1, len(model.mesh.source))),
         build_model(model.mesh, [air], ground=-0.5 * SIZE),
     ]
 
@@ -209,7 +209,7 @@ def test_a_fill_that_is_taken_out_leaves_no_pressure(backend: str) -> None:
     model, velocities, motion = build(CASES["liquid"])
     body = create(model, backend=backend)
     assert abs(run(body, velocities, motion).pressure) > 50
-    body.set_constants(build_model(model.mesh, [replace(SOFT, fill="none")], held=base_vertices(model.mesh)))
+    body.set_constants(build_model(model.mesh, [replace(SOFT, fill="none")], pinned=base_vertices(model.mesh)))
     assert body.step(motion._replace(ticks=0)).pressure == 0
     assert body.step(motion).pressure == 0
 
@@ -219,11 +219,11 @@ def test_a_body_that_is_pinned_while_it_lives_stays_where_it_is(backend: str) ->
     model, velocities, motion = build(CASES["free"])
     body = create(model, backend=backend)
     run(body, velocities, motion._replace(ticks=50, fingertips=()))
-    pinned = build_model(model.mesh, [SOFT], held=base_vertices(model.mesh))
+    pinned = build_model(model.mesh, [SOFT], pinned=base_vertices(model.mesh))
     before = body.positions()
     body.set_constants(pinned)
     body.step(motion._replace(ticks=300, fingertips=()))
-    np.testing.assert_allclose(body.positions()[:, pinned.held], before[:, pinned.held], atol=1e-8)
+    np.testing.assert_allclose(body.positions()[:, pinned.pinned], before[:, pinned.pinned], atol=1e-8)
     moved = np.abs(body.positions() - before).max()
     assert moved < 0.05 * SIZE, "it swings out where it was pinned, and does not fly back to where it was at rest"
 

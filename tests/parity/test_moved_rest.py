@@ -33,9 +33,9 @@ def models() -> dict[str, Model]:
         points, faces = shape()
         mesh = mesh_from_triangles(points * SIZE / np.ptp(points, axis=0).max(), faces)
         made[f"{name}, free"] = build_model(mesh, [SOFT])
-        made[f"{name}, pinned"] = build_model(mesh, [SOFT], held=base_vertices(mesh))
+        made[f"{name}, pinned"] = build_model(mesh, [SOFT], pinned=base_vertices(mesh))
         made[f"{name}, rigged"] = build_model(mesh, [SOFT], rigged=True)
-        made[f"{name}, rigged and pinned"] = build_model(mesh, [SOFT], held=base_vertices(mesh), rigged=True)
+        made[f"{name}, rigged and pinned"] = build_model(mesh, [SOFT], pinned=base_vertices(mesh), rigged=True)
     air = replace(SOFT, fill="air", pressure=5e3)
     made["air, rigged"] = build_model(made["ball, free"].mesh, [air], rigged=True)
     return made
@@ -67,8 +67,8 @@ def moved(name: str, backend: str) -> tuple[Floats, float, list[Any]]:
     model = MODELS[name]
     rest, body, motion = model.matching.rest, create(model, backend=backend), motion_of(model, 6)
     end = bent(rest)
-    if model.held.any():
-        motion = motion._replace(pins=PinMotion(rest[:, model.held], end[:, model.held], 1 / 6, 1.0))
+    if model.pinned.any():
+        motion = motion._replace(pins=PinMotion(rest[:, model.pinned], end[:, model.pinned], 1 / 6, 1.0))
     body.set_rest(end, (end - rest) / (6 * TICK))
     frames = [body.step(motion), body.step(motion._replace(pins=None, fingertips=()))]
     body.set_rest(rest)

@@ -23,7 +23,7 @@ def centres(t: int) -> tuple[Vector | None, Vector | None]:
 @pytest.mark.parametrize("subdivisions", [2, 3])
 def test_a_body_whose_lists_hold_has_the_bits_of_one_that_is_searched_in_each_tick(subdivisions: int) -> None:
     mesh = ball(subdivisions)
-    model = build_model(mesh, [BALL], held=base_vertices(mesh))
+    model = build_model(mesh, [BALL], pinned=base_vertices(mesh))
     listed, searched = (Body(model, native.library()) for _ in range(2))
     for t in range(120):
         ways = zip(centres(t - 1), centres(t), strict=True)
@@ -42,7 +42,7 @@ def test_a_body_whose_lists_hold_has_the_bits_of_one_that_is_searched_in_each_ti
 def test_a_depth_from_the_facets_that_are_listed_is_that_from_all(radius: float) -> None:
     """Down into a cube across its edges and far below, out of its side, beside it, and back at once."""
     mesh = cube(20, 0.1)
-    model = build_model(mesh, [BALL], held=base_vertices(mesh))
+    model = build_model(mesh, [BALL], pinned=base_vertices(mesh))
     listed, searched = (Body(model, native.library()) for _ in range(2))
     listed.set_rest(model.matching.rest)
     turns = np.array([[0, 0, 0.07], [0, 0, 0.01], [0.06, 0.04, 0.03], [0.08, 0, -0.03], [0.03, 0, 0.06], [0, 0, 0.07]])

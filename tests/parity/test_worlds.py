@@ -64,7 +64,7 @@ def test_a_sheet_slides_alike_over_squares_finer_than_its_own() -> None:
 
 def test_neither_lets_a_collider_through_however_fast() -> None:
     points, faces = ball(1, 0.05)
-    model = build_model(mesh_from_triangles(points, faces), [SOFT], gravity=(0, 0, 0), held=points[:, 2] < -0.02)
+    model = build_model(mesh_from_triangles(points, faces), [SOFT], gravity=(0, 0, 0), pinned=points[:, 2] < -0.02)
     tip, tip_faces = ball(0, 0.015)
     start = (tip + (0.002, 0.001, 0.08)).T.copy()
     collider, motion = Collider(start, tip_faces, 0.5), [Motion(20, model.substeps(1e-3), 1e-3)]
@@ -106,7 +106,7 @@ def test_props_fall_alike_on_each_other_on_a_table_and_on_the_ground() -> None:
     shapes = [(points + [1.0, 0.0, 0.0], faces), *boxes]
     colliders = [Collider(np.ascontiguousarray(x.T), corners) for x, corners in shapes]
     points, faces = ball(0, 0.05)
-    model = build_model(mesh_from_triangles(points, faces), [SOFT], held=points[:, 2] < 0)
+    model = build_model(mesh_from_triangles(points, faces), [SOFT], pinned=points[:, 2] < 0)
     worlds = [
         PropWorld([Session(model, backend=backend)], colliders, masses=[None, 0.5, 0.3, 0.2], ground=0.0)
         for backend in ("native64", "numpy")
@@ -127,7 +127,7 @@ def test_props_fall_alike_on_each_other_on_a_table_and_on_the_ground() -> None:
 
 def test_a_prop_falls_alike_on_a_soft_body() -> None:
     points, faces = ball(1, 0.05)
-    model = build_model(mesh_from_triangles(points, faces), [SOFT], held=points[:, 2] < 0)
+    model = build_model(mesh_from_triangles(points, faces), [SOFT], pinned=points[:, 2] < 0)
     start, corners = block((0.03, 0.03, 0.02), (0.01, 0.0, 0.0605), (0.1, 0.0, 0.2))
     worlds = [
         PropWorld([Session(model, backend=backend)], [Collider(start.T.copy(), corners)], masses=[0.1])

@@ -119,7 +119,7 @@ def test_a_free_body_takes_the_momentum_that_the_fingertips_give(backend: str) -
 def test_no_fingertip_slips_through_a_face_larger_than_itself(preset: Preset, cells: int) -> None:
     """Press coarse cubes deep with a small fingertip: face centres, edges, corners, off-centre, sliding, sideways."""
     size, mesh = preset.size, cube(cells, preset.size)
-    model = build_model(mesh, [preset.material], held=base_vertices(mesh))
+    model = build_model(mesh, [preset.material], pinned=base_vertices(mesh))
     depth = 0.036 if size == 0.05 else 0.3 * size
     places = [
         (0, 0, 0, 0, 2),
@@ -187,7 +187,7 @@ def test_a_fingertip_does_not_part_what_it_presses() -> None:
     preset = PRESETS[1]
     mesh, tip = cube(34, preset.size), preset.material.indenter
     found = result_of(identification(mesh, preset.material, tip, typical_site(mesh, tip), 1.5 * preset.material.x0))
-    session = Session(build_model(mesh, [replace(found.material, friction=0.0)], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [replace(found.material, friction=0.0)], pinned=base_vertices(mesh)))
     for way in np.linspace(0, 0.024, 400):
         finger = Finger((0.0165, -0.0198, preset.size / 2 + tip.radius - float(way)), tip.radius)
         session.set_fingers([finger])
@@ -199,7 +199,7 @@ def test_a_fingertip_does_not_part_what_it_presses() -> None:
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_the_skin_stays_out_of_the_fingertip(backend: str) -> None:
     mesh = mesh_from_triangles(*ball(1, 0.08))
-    session = Session(build_model(mesh, [SOFT], held=base_vertices(mesh)), backend=backend)
+    session = Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)), backend=backend)
     for i in range(31):
         finger = Finger((0.0, 0.0003 * i, 0.1 - 0.0007 * i), 0.02)
         session.set_fingers([finger])
@@ -230,7 +230,7 @@ def test_the_ground_takes_a_share_of_the_fall_along_it_only() -> None:
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_fingertip_that_jumps_far_does_not_blow_the_body_up(backend: str) -> None:
     mesh = mesh_from_triangles(*ball(1, 0.08))
-    session = Session(build_model(mesh, [SOFT], held=base_vertices(mesh)), backend=backend)
+    session = Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)), backend=backend)
     rng = np.random.default_rng(0)
     for _ in range(12):
         session.set_fingers([Finger(tuple(rng.normal(0, 0.06, 3)), 0.02), Finger(tuple(rng.normal(0, 2, 3)), 0.01)])
@@ -246,7 +246,7 @@ def test_a_fingertip_that_starts_inside_does_not_blow_the_body_up(
     place: tuple[float, float, float], radius: float
 ) -> None:
     mesh = mesh_from_triangles(*ball(1, 0.08))
-    session = Session(build_model(mesh, [SOFT], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)))
     session.set_fingers([Finger(place, radius)])
     assert session.step(0.1).finite
 
@@ -256,7 +256,7 @@ def test_a_fingertip_that_starts_inside_does_not_blow_the_body_up(
 def test_a_fingertip_beside_pinned_vertices_feels_no_absurd_force(cells: int, z: float) -> None:
     preset = PRESETS[1]
     mesh = cube(cells, preset.size)
-    session = Session(build_model(mesh, [preset.material], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [preset.material], pinned=base_vertices(mesh)))
     for y in (0.0, 0.2, 0.4):
         session.reset()
         for i in range(11):

@@ -19,7 +19,7 @@ VINYL = PRESETS[1].material
 
 def body(**maps: Floats) -> Model:
     mesh = mesh_from_triangles(*ball(3, RADIUS))
-    return build_model(mesh, [VINYL], held=base_vertices(mesh), **maps)  # type: ignore[arg-type]
+    return build_model(mesh, [VINYL], pinned=base_vertices(mesh), **maps)  # type: ignore[arg-type]
 
 
 def pushed(model: Model, force: float = 5.0, **options: object) -> Session:
@@ -79,7 +79,7 @@ def test_where_nothing_is_painted_the_material_is_shown_as_measured() -> None:
 
 def test_a_proxy_shows_about_the_pressure_of_its_mesh() -> None:
     mesh = mesh_from_triangles(*ball(4, RADIUS))
-    model = build_model(mesh, [VINYL], held=base_vertices(mesh))
+    model = build_model(mesh, [VINYL], pinned=base_vertices(mesh))
     session = pushed(model, proxy=build_proxy(model, 1000))
     pressure = fields.pressure(session)
     assert len(pressure) == len(mesh.rest_positions)

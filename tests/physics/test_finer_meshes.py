@@ -77,7 +77,7 @@ def places(mesh: Mesh, tip: Indenter, *, cube: bool) -> Iterator[Site]:
 def pressed(mesh: Mesh, material: Material, site: Site) -> Floats:
     """Return the force (3,) [N] on a fingertip as large as the tip, that goes in at an even speed, on the way."""
     tip = material.indenter.radius
-    session = Session(build_model(mesh, [material], held=site.held[mesh.source]))
+    session = Session(build_model(mesh, [material], pinned=site.pinned[mesh.source]))
     for depth, seconds in ((0.0, 0.001), (DEPTH, DEPTH / SPEED)):
         x, y, z = (site.point + (depth - tip) * site.inward).tolist()
         session.set_fingers([Finger((x, y, z), tip)])

@@ -108,7 +108,7 @@ def dragged(radius: float, depth: float, speed: float, way: float, lead: float) 
     """
     mesh = cube(20, 0.165)
     material = replace(PRESETS[2].material, friction=FRICTION, damping_ratio=0.5)
-    session = Session(build_model(mesh, [material], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [material], pinned=base_vertices(mesh)))
     top, at, parts = 0.0825 + radius, -0.03, 40
 
     def put(x: float, down: float) -> None:

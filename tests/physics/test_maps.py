@@ -38,14 +38,14 @@ def depth(model: Model, force: float) -> float:
 def test_a_press_stops_where_x0_is_painted(measured: tuple[Mesh, Material], painted: float) -> None:
     mesh, material = measured
     x0, force = 2 * painted * VINYL.x0, 15.0
-    model = build_model(mesh, [material], held=base_vertices(mesh), knee=np.full(len(mesh.source), painted))
+    model = build_model(mesh, [material], pinned=base_vertices(mesh), knee=np.full(len(mesh.source), painted))
     wanted = x0 + (force - VINYL.K1 * x0) / VINYL.K2
     assert depth(model, force) == pytest.approx(wanted, rel=0.05)
 
 
 def small(**maps: Floats) -> Model:
     mesh = mesh_from_triangles(*small_ball(2, RADIUS))
-    return build_model(mesh, [VINYL], held=base_vertices(mesh), **maps)  # type: ignore[arg-type]
+    return build_model(mesh, [VINYL], pinned=base_vertices(mesh), **maps)  # type: ignore[arg-type]
 
 
 def test_each_map_multiplies_its_own_constants_and_half_changes_nothing() -> None:

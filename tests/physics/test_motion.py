@@ -42,7 +42,7 @@ def run(model: Model, state: State, seconds: float, substeps: int = 0) -> State:
 def poked(frame_rate: float, backend: str) -> list[Floats]:
     """Press a ball 20 mm, sideways too, hold, let go; return where it is each sixth of a second."""
     mesh = scenes.ball(0 if backend == "numpy" else 1)
-    model = build_model(mesh, [scenes.BALL], held=base_vertices(mesh))
+    model = build_model(mesh, [scenes.BALL], pinned=base_vertices(mesh))
     session = Session(model, backend=backend)
     start = np.array([0.0, 0.0, scenes.BALL_RADIUS + 0.02])
     session.set_fingers([Finger(tuple(start), 0.02)])
@@ -61,7 +61,7 @@ def test_an_undamped_ball_pressed_flat_and_let_go_keeps_its_energy(depth: float)
     """Its skin folds and stiffens under the press; the step was chosen for the shape at rest."""
     material = replace(scenes.BALL, damping_ratio=0.0)
     mesh = scenes.ball(4)
-    model = build_model(mesh, [material], held=base_vertices(mesh))
+    model = build_model(mesh, [material], pinned=base_vertices(mesh))
     session, top = Session(model), scenes.BALL_RADIUS + 0.02
     session.set_fingers([Finger((0.0, 0.0, top), 0.02)])
     session.step(0.001)
@@ -199,7 +199,7 @@ def test_a_spun_body_keeps_spinning_and_its_rest_shape_follows() -> None:
 def test_a_body_pressed_and_let_go_returns_to_rest(preset: Preset) -> None:
     material, size = preset.material, preset.size
     mesh = scenes.cube(2, size)
-    session = Session(build_model(mesh, [material], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [material], pinned=base_vertices(mesh)))
     top = size / 2 + 0.01
     session.set_fingers([Finger((0.2 * size, 0, top), 0.01)])
     session.step(0.001)
@@ -245,8 +245,8 @@ def highest_frequency(model: Model) -> float:
 def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(STIFFENS, fill, 1.0)  # what is kept in reserve for a body pressed flat does not count at rest
     mesh = BODIES[body]
-    for held in (None, base_vertices(mesh)):
-        model = build_model(mesh, [replace(scenes.BALL, fill=fill, K2=610.0, damping_ratio=0.0)], held=held)
+    for pinned in (None, base_vertices(mesh)):
+        model = build_model(mesh, [replace(scenes.BALL, fill=fill, K2=610.0, damping_ratio=0.0)], pinned=pinned)
         assert highest_frequency(model) <= np.sqrt(model.omega_squared) * (1 + 1e-6)
         assert np.sqrt(model.omega_squared) < 1.6 * highest_frequency(model)
 
@@ -256,8 +256,8 @@ def test_the_bound_is_never_below_the_highest_frequency(body: str, fill: str, mo
 def test_the_bound_holds_under_a_pressure_too(body: str, pressure: float, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(STIFFENS, "air", 1.0)
     material = replace(scenes.BALL, fill="air", pressure=pressure, K1=1.0, K2=1.0, k=1.0, damping_ratio=0.0)
-    for held in (None, base_vertices(BODIES[body])):
-        model = build_model(BODIES[body], [material], held=held)
+    for pinned in (None, base_vertices(BODIES[body])):
+        model = build_model(BODIES[body], [material], pinned=pinned)
         assert highest_frequency(model) <= np.sqrt(model.omega_squared) * (1 + 1e-6)
 
 

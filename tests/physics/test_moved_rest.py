@@ -84,7 +84,7 @@ def test_a_free_body_takes_the_shape_that_its_keys_give_but_stays_where_it_is() 
 @pytest.mark.parametrize("backend", ["native", "numpy"])
 def test_a_body_that_is_reset_is_as_before_it_was_bent(backend: str) -> None:
     points, _ = ball(2)
-    session = Session(model(held=base_vertices(model().mesh), rigged=True), backend=backend)
+    session = Session(model(pinned=base_vertices(model().mesh), rigged=True), backend=backend)
     fresh = Session(session.model, backend=backend)
     rest = session.positions().astype(np.float64)
     session.set_rest(1.2 * rest)

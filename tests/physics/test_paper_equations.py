@@ -73,7 +73,7 @@ def test_eq_1_the_force_inside_is_the_two_piece_law_of_the_depth(preset: object,
 def test_eq_1_the_forces_of_all_contacts_add_up() -> None:
     material = replace(PRESETS[2].material, K1=700.0, x0=0.004)
     mesh = mesh_from_triangles(*cube_triangles(4, 0.165))
-    model = build_model(mesh, [material], law_set="paper", held=mesh.rest_positions[mesh.source, 2] < -0.08)
+    model = build_model(mesh, [material], law_set="paper", pinned=mesh.rest_positions[mesh.source, 2] < -0.08)
     session = Session(model, backend="numpy")
     half, depths = 0.0825, (0.003, 0.006, 0.001)
     centres = [(0.0, 0.0, half + 0.02 - depths[0]), (half + 0.02 - depths[1], 0, 0), (0, -half - 0.02 + depths[2], 0)]

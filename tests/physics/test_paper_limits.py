@@ -69,7 +69,7 @@ def at(seen: list[Seen], depth: float) -> Seen:
 def literal() -> list[Seen]:
     """Press Object 3 by the paper's equations, 24 mm deep."""
     mesh = cube(10, OBJECT_3.size)
-    model = build_model(mesh, [OBJECT_3.material], law_set="paper", held=base_vertices(mesh))
+    model = build_model(mesh, [OBJECT_3.material], law_set="paper", pinned=base_vertices(mesh))
 
     def eq_1(state: State, depth: float) -> None:
         state.inner_force = OBJECT_3.material.law(depth)
@@ -149,7 +149,7 @@ def skin_only(size: float, k: float, cells: int = 4) -> Model:
     """Return a cube of water in a skin of springs k [N/m] and nothing else; heavy, so that large steps hold."""
     mesh = cube(cells, size)
     material = replace(OBJECT_3.material, mass=4.0, density=None, damping_ratio=0.5)
-    model = build_model(mesh, [material], held=base_vertices(mesh))
+    model = build_model(mesh, [material], pinned=base_vertices(mesh))
     stiffness = np.full(len(mesh.springs), k)
     skin = springs.build_springs(mesh, stiffness, np.sqrt(stiffness * model.mass.min() / 2))
     matching = model.matching
@@ -217,7 +217,7 @@ def test_the_constants_of_eq_10_are_those_of_the_bar_whatever_was_measured() -> 
 
 def test_a_vertex_only_contact_lets_a_fingertip_through_a_coarse_face() -> None:
     mesh = cube(5, OBJECT_3.size)  # no vertex in the middle of the top
-    model = build_model(mesh, [OBJECT_3.material], law_set="paper", held=base_vertices(mesh))
+    model = build_model(mesh, [OBJECT_3.material], law_set="paper", pinned=base_vertices(mesh))
     seen = press(model, depth=0.010, speed=0.2, radius=0.010, before=nothing)
     assert all(s.force == 0 for s in seen)
 

@@ -46,7 +46,7 @@ def disc() -> tuple[Floats, Ints]:
 def vinyl(cells: int = 12, **changes: float) -> Model:
     mesh = cube(cells, SIDE)
     material = replace(PRESETS[1].material, damping_ratio=0.5, **changes)  # type: ignore[arg-type]
-    return build_model(mesh, [material], held=base_vertices(mesh))
+    return build_model(mesh, [material], pinned=base_vertices(mesh))
 
 
 def falling(session: Session, start: Floats, faces: Ints, mass: float, ground: float | None = None) -> PropWorld:
@@ -88,7 +88,7 @@ def punched() -> Model:
     mesh, tip = cube(24, SIDE), Indenter(shape="punch", radius=DISC)
     material = replace(PRESETS[1].material, indenter=tip)
     steps = identification(mesh, material, tip, typical_site(mesh, tip), 1.3 * material.x0)
-    return build_model(mesh, [result_of(steps).material], held=base_vertices(mesh))
+    return build_model(mesh, [result_of(steps).material], pinned=base_vertices(mesh))
 
 
 @pytest.mark.parametrize("mass", [0.5, pytest.param(1.0, marks=pytest.mark.slow), 2.0])
@@ -168,7 +168,7 @@ def test_a_ball_that_lands_beside_the_middle_of_a_ball_rolls_off_it() -> None:
     from studies.scenes import ball
 
     mesh = ball(2, 0.08)
-    session = Session(build_model(mesh, [PRESETS[1].material], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [PRESETS[1].material], pinned=base_vertices(mesh)))
     small = trimesh.creation.icosphere(2, 0.02)
     world = falling(session, np.array(small.vertices) + [0.05, 0, 0.095], np.array(small.faces), 0.1)
     world.step(0.5)

@@ -23,7 +23,7 @@ Shape = tuple[Floats, Ints]
 def soft(cells: int = 3) -> Model:
     """Return a vinyl cube about the origin: where nothing touches it, it only sets how fine contact is."""
     mesh = cube(cells, SIDE)
-    return build_model(mesh, [PRESETS[1].material], held=base_vertices(mesh))
+    return build_model(mesh, [PRESETS[1].material], pinned=base_vertices(mesh))
 
 
 def table(width: float = 0.6, turn: Sequence[float] = (0.0, 0.0, 0.0)) -> Shape:

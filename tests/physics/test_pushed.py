@@ -21,7 +21,7 @@ SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.5, damping_ratio=0.5, fi
 
 def pinned(material: Material = SOFT, subdivisions: int = 2) -> Model:
     mesh = mesh_from_triangles(*ball(subdivisions, RADIUS))
-    return build_model(mesh, [material], held=base_vertices(mesh))
+    return build_model(mesh, [material], pinned=base_vertices(mesh))
 
 
 def tip(force: float | None = None, depth: float = 0.0) -> Finger:

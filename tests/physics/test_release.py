@@ -22,8 +22,8 @@ FINGERTIP = 0.015  # [m]
 def test_a_pressed_head_returns_to_rest(material: Material) -> None:
     """At eight places, 30 percent of its smallest side deep: springs alone keep a crease at one or another."""
     mesh = head(9, SIZE)
-    model, rng = build_model(mesh, [material], held=base_vertices(mesh)), np.random.default_rng(0)
-    for vertex in rng.choice(np.flatnonzero(~model.held), 8):
+    model, rng = build_model(mesh, [material], pinned=base_vertices(mesh)), np.random.default_rng(0)
+    for vertex in rng.choice(np.flatnonzero(~model.pinned), 8):
         one = release(model, place_at(mesh, int(vertex)), "press", FINGERTIP, mesh="head", material="")
         assert one.force > 1 and one.back and not one.flipped, vertex
         assert one.kinetic < 1e-9  # [J] it does not ring on

@@ -21,7 +21,7 @@ CLEAR = Finger((0.0, 0.0, TOP + 0.0225), 0.02)
 
 def model(**more: object) -> Model:
     mesh = scenes.ball(0)
-    return build_model(mesh, [scenes.BALL], held=base_vertices(mesh), **more)  # type: ignore[arg-type]
+    return build_model(mesh, [scenes.BALL], pinned=base_vertices(mesh), **more)  # type: ignore[arg-type]
 
 
 def asleep(backend: str) -> Session:
@@ -69,9 +69,9 @@ WAKES: dict[str, Callable[[Session], None]] = {
     "a fingertip comes near": lambda s: s.set_fingers([Finger((0.0, 0.0, TOP + 0.0195), 0.02)]),
     "gravity is switched on": lambda s: s.change(model(gravity=(0.0, 0.0, -9.81))),
     "a constant is changed": lambda s: s.change(build_model(
-        s.model.mesh, [replace(scenes.BALL, K1=300.0)], held=s.model.held
+        s.model.mesh, [replace(scenes.BALL, K1=300.0)], pinned=s.model.pinned
     )),
-    "what holds it moves": lambda s: s.set_held(s.model.mesh.rest_positions + [0.001, 0.0, 0.0]),
+    "what holds it moves": lambda s: s.set_pins(s.model.mesh.rest_positions + [0.001, 0.0, 0.0]),
     "its pins are let go": lambda s: s.change(build_model(s.model.mesh, [scenes.BALL])),
 }  # fmt: skip
 
@@ -88,7 +88,7 @@ def test_it_wakes_at_once(cause: str, backend: str) -> None:
 @pytest.mark.parametrize("backend", EVERY)
 def test_it_sleeps_on_while_what_holds_it_is_led_nowhere(backend: str) -> None:
     session = asleep(backend)
-    session.set_held(session.model.mesh.rest_positions)
+    session.set_pins(session.model.mesh.rest_positions)
     session.step(0.01)
     assert not session.moved
 

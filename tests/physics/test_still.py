@@ -16,7 +16,7 @@ BACKENDS = backends("native", "native64")
 def pressed(tip: float, force: float | None, *, subdivisions: int, backend: str) -> Session:
     """Return a session of a vinyl ball under a fingertip of a radius [m] that stands still, or is pushed [N]."""
     mesh = mesh_from_triangles(*ball(subdivisions, RADIUS))
-    session = Session(build_model(mesh, [PRESETS[1].material], held=base_vertices(mesh)), backend=backend)
+    session = Session(build_model(mesh, [PRESETS[1].material], pinned=base_vertices(mesh)), backend=backend)
     session.set_fingers([Finger((0.0, 0.0, RADIUS + tip), tip, force)])
     if force is None:
         session.step(0.02)

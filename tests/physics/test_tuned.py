@@ -34,7 +34,7 @@ def models(material: Material) -> tuple[Model, Model]:
     mesh = on()
     site, deepest = typical_site(mesh, material.indenter), 1.5 * material.x0
     found = result_of(identification(mesh, material, material.indenter, site, deepest)).material
-    estimated, identified = (build_model(mesh, [each], held=base_vertices(mesh)) for each in (material, found))
+    estimated, identified = (build_model(mesh, [each], pinned=base_vertices(mesh)) for each in (material, found))
     return estimated, identified
 
 

@@ -43,7 +43,7 @@ def test_the_pressure_of_a_pressed_liquid_is_its_bulk_modulus_times_what_is_miss
 def test_pressed_air_gives_way_by_the_adiabatic_law() -> None:
     preset = PRESETS[0]
     mesh = scenes.cube(4, preset.size)
-    session = Session(build_model(mesh, [preset.material], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [preset.material], pinned=base_vertices(mesh)))
     top = preset.size / 2 + 0.02
     session.set_fingers([Finger((0, 0, top), 0.02)])
     session.step(0.001)
@@ -76,7 +76,7 @@ def pumped(pressure: float, *, bed: float, k: float, fill: str = "air", pinned: 
     material = Material(
         K1=600, K2=600, x0=0.01, k=k, mass=0.5, damping_ratio=1.0, fill=fill, pressure=pressure, constants=constants
     )
-    session = Session(build_model(BALL, [material], held=base_vertices(BALL) if pinned else None))
+    session = Session(build_model(BALL, [material], pinned=base_vertices(BALL) if pinned else None))
     for _ in range(6):
         session.step(0.25)
     return session
@@ -119,7 +119,7 @@ def test_every_pressure_that_can_be_set_finds_a_rest(fill: str) -> None:
     mesh, ratios = scenes.cube(6, PRESETS[1].size), []
     for pressure in (-1e5, -1e4, 0.0, 1e4, 1e5, 1e6):
         material = replace(PRESETS[1].material, fill=fill, pressure=pressure)
-        session = Session(build_model(mesh, [material], held=base_vertices(mesh)))
+        session = Session(build_model(mesh, [material], pinned=base_vertices(mesh)))
         volumes = [session.step(0.5).volume for _ in range(3)]
         assert session.frame.finite and volumes[2] == pytest.approx(volumes[1], rel=5e-3)
         ratios.append(volumes[2] / session.frame.rest_volume)

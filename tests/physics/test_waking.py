@@ -67,14 +67,14 @@ def model(*, level: int = 2, height: float = 0.0, gravity: float = -9.81) -> Mod
     mesh = scenes.ball(level)
     if height:
         mesh = mesh_from_triangles(mesh.rest_positions + [0.003, 0.002, height], mesh.triangles)
-    held = None if height else base_vertices(mesh)
-    return build_model(mesh, [SOFT], held=held, gravity=(0.0, 0.0, gravity))
+    pinned = None if height else base_vertices(mesh)
+    return build_model(mesh, [SOFT], pinned=pinned, gravity=(0.0, 0.0, gravity))
 
 
 def changed(session: Session, *, k1: float = SOFT.K1, gravity: float = -9.81, glide: bool = False) -> None:
     before = session.model
     material = replace(SOFT, K1=k1)
-    after = build_model(before.mesh, [material], held=before.held, gravity=(0.0, 0.0, gravity))
+    after = build_model(before.mesh, [material], pinned=before.pinned, gravity=(0.0, 0.0, gravity))
     session.change(after, glide=glide)
 
 
@@ -117,7 +117,7 @@ def at_begin(change: Callable[[Session], None]) -> Callable[[Scene, float], None
 
 
 def led(session: Session, seconds: float) -> None:
-    session.set_held(session.model.mesh.rest_positions + [0.2 * seconds, 0.0, 0.0])
+    session.set_pins(session.model.mesh.rest_positions + [0.2 * seconds, 0.0, 0.0])
 
 
 def bent(session: Session, seconds: float) -> None:

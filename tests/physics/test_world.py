@@ -104,8 +104,8 @@ def slide(slope: float, friction: float, edge: float, *, soft: bool = False, blo
     gap = OFFSET * (0.0125 + (edge if soft else 0.0125)) * 1.14
     material = Material(K1=2000, K2=2000, x0=0.01, k=400, mass=0.1, friction=friction)
     body, *base = (
-        Session(build_model(mesh_from_triangles(turn.apply(x), f), [material], held=held, gravity=(0, 0, -9.81)))
-        for x, f, held in ((points + (0, 0, gap), faces, None), (flat, squares, np.ones(len(flat), bool)))[: 1 + soft]
+        Session(build_model(mesh_from_triangles(turn.apply(x), f), [material], pinned=pinned, gravity=(0, 0, -9.81)))
+        for x, f, pinned in ((points + (0, 0, gap), faces, None), (flat, squares, np.ones(len(flat), bool)))[: 1 + soft]
     )
     collider = Collider(turn.apply(flat).T.copy(), squares, friction)
     world, speeds = World([body, *base], [] if soft else [collider]), []
@@ -153,14 +153,14 @@ def test_bodies_pressed_together_keep_the_distance_at_which_they_touch_and_are_s
     for side in (-1, 1):
         points, faces = ball(3, RADIUS)
         placed = points @ Rotation.from_euler("xyz", (0.3, 0.5 * side, 0.2)).as_matrix().T
-        held = placed[:, 2] * side > 0.5 * RADIUS
+        pinned = placed[:, 2] * side > 0.5 * RADIUS
         mesh = mesh_from_triangles(placed + (0, 0, side * (RADIUS + 5e-4)), faces)
-        sessions.append(Session(build_model(mesh, [SOFT], held=held)))
+        sessions.append(Session(build_model(mesh, [SOFT], pinned=pinned)))
     rests, world = [body.model.mesh.rest_positions for body in sessions], World(sessions)
     x = np.zeros((0, 3))
     for tick in range(300):
         for body, rest, side in zip(sessions, rests, (-1, 1), strict=True):
-            body.set_held(rest - (0, 0, side * min(tick / 150, 1.0) * 0.012))
+            body.set_pins(rest - (0, 0, side * min(tick / 150, 1.0) * 0.012))
         world.step(1e-3)
         if tick == 250:
             x = np.concatenate([body.positions() for body in sessions])
@@ -195,11 +195,11 @@ def test_a_body_that_is_to_be_moved_apart_starts_just_clear_and_has_no_speed_fro
 @pytest.mark.parametrize("backend", ["native", "numpy"])
 def test_a_pinned_body_is_pressed_flat_out_of_what_it_intersects_and_its_pins_stay(backend: str) -> None:
     points, faces = ball(1, RADIUS)
-    model = build_model(mesh_from_triangles(points + (0, 0, 0.03), faces), [SOFT], held=points[:, 2] > 0.02)
+    model = build_model(mesh_from_triangles(points + (0, 0, 0.03), faces), [SOFT], pinned=points[:, 2] > 0.02)
     pinned = Session(model, backend=backend)
     world = World([pinned], [table()], apart=[True])
     x, rest = pinned.body.positions().T, model.mesh.rest_positions
-    assert np.abs(x[model.held] - rest[model.held]).max() < 1e-7
+    assert np.abs(x[model.pinned] - rest[model.pinned]).max() < 1e-7
     assert 0 < x[:, 2].min() < 0.003 and np.abs(x - rest).max() < 0.6 * RADIUS
     world.step(0.02)
     world.check()
@@ -210,7 +210,7 @@ def test_a_pinned_body_is_pressed_flat_out_of_what_it_intersects_and_its_pins_st
 def test_what_has_no_room_between_its_pins_and_a_collider_is_refused() -> None:
     points, faces = ball(2, RADIUS)
     mesh = mesh_from_triangles(points + (0, 0, 0.03), faces)
-    pinned = Session(build_model(mesh, [SOFT], held=points[:, 2] < -0.02))
+    pinned = Session(build_model(mesh, [SOFT], pinned=points[:, 2] < -0.02))
     with pytest.raises(DimpleError, match="intersect"):
         World([pinned], [table()], apart=[True])
 

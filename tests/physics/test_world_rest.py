@@ -21,8 +21,8 @@ def turned_ball(level: int, turn: tuple[float, float, float]) -> tuple[np.ndarra
     return Rotation.from_euler("xyz", turn).apply(points), faces
 
 
-def session(points: np.ndarray, faces: np.ndarray, *, held: np.ndarray | None = None) -> Session:
-    return Session(build_model(mesh_from_triangles(points, faces), [SOFT], gravity=(0, 0, -9.81), held=held))
+def session(points: np.ndarray, faces: np.ndarray, *, pinned: np.ndarray | None = None) -> Session:
+    return Session(build_model(mesh_from_triangles(points, faces), [SOFT], gravity=(0, 0, -9.81), pinned=pinned))
 
 
 def drift(world: World, body: Session) -> float:
@@ -47,18 +47,18 @@ def test_a_ball_on_a_table_stops_rocking_and_stays(turn: tuple[float, float, flo
 def test_a_ball_at_rest_on_another_drifts_less_than_a_tenth_of_a_millimetre_in_ten_seconds(off: float) -> None:
     low, faces = turned_ball(3, (0.3, 0.5, 0.2))
     high, _ = turned_ball(3, (0.1, 0.2, 0.9))
-    held = session(low, faces, held=low[:, 2] < -0.5 * RADIUS)
+    pinned = session(low, faces, pinned=low[:, 2] < -0.5 * RADIUS)
     body = session(high + (off, 0, low[:, 2].max() - high[:, 2].min() + 1e-3), faces)
-    moved = drift(World([held, body]), body)
+    moved = drift(World([pinned, body]), body)
     assert moved < 1e-4
     assert body.body.positions()[2].mean() > 1.8 * RADIUS, "it has not rolled off"
 
 
 def test_a_ball_beside_the_top_of_another_rolls_off() -> None:
     low, faces = turned_ball(3, (0.3, 0.5, 0.2))
-    held = session(low, faces, held=low[:, 2] < -0.5 * RADIUS)
+    pinned = session(low, faces, pinned=low[:, 2] < -0.5 * RADIUS)
     body = session(low + (0.008, 0, 2 * RADIUS), faces)
-    world = World([held, body])
+    world = World([pinned, body])
     world.step(2.0)
     assert body.body.positions()[2].mean() < 0
 

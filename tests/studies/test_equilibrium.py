@@ -19,7 +19,7 @@ RADII = np.array([FINGERTIP])
 
 def held_ball(subdivisions: int = 2) -> Model:
     mesh = ball(subdivisions)
-    return build_model(mesh, [BALL], held=base_vertices(mesh))
+    return build_model(mesh, [BALL], pinned=base_vertices(mesh))
 
 
 def energy(model: Model, positions: np.ndarray) -> float:
@@ -66,7 +66,7 @@ def test_an_untouched_body_is_at_rest_at_once() -> None:
 
 def test_a_stiff_cube_is_pressed_to_its_knee() -> None:
     mesh = cube(6, 0.05)
-    model = build_model(mesh, [replace(BALL, k=54_800, fill="air")], held=base_vertices(mesh))
+    model = build_model(mesh, [replace(BALL, k=54_800, fill="air")], pinned=base_vertices(mesh))
     for depth in (0.002, 0.010):
         at = spheres(model, np.array([[0, 0, 0.025 + FINGERTIP - depth]]), RADII)
         rest = equilibrium(model, at)

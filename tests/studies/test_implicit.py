@@ -42,7 +42,7 @@ def test_implicit_steps_leave_the_momentum_of_a_free_body_alone(method: str) -> 
 
 
 def test_backward_euler_at_one_step_a_millisecond_meets_the_force_of_ten_small_steps() -> None:
-    frictionless = build_model(ball(1), [replace(BALL, friction=0.0)], held=base_vertices(ball(1)))
+    frictionless = build_model(ball(1), [replace(BALL, friction=0.0)], pinned=base_vertices(ball(1)))
     forces = {}
     for method, substeps in (("semi_implicit", 10), ("backward_euler", 1)):
         state = initial_state(frictionless)

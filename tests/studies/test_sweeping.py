@@ -130,12 +130,12 @@ def hung_corner() -> Model:
     """Return a square sheet held at three corners, gravity pulling the fourth away from them."""
     corners = np.array([[0, 0, 0], [0.1, 0, 0], [0, -0.1, 0], [0.1, -0.1, 0.0]])
     mesh = mesh_from_triangles(corners, np.array([[0, 2, 1], [1, 2, 3]]))
-    held = np.array([True, True, True, False])
-    return build_model(mesh, [replace(BALL, fill="none")], held=held, gravity=(0, -9.81, 0))
+    pinned = np.array([True, True, True, False])
+    return build_model(mesh, [replace(BALL, fill="none")], pinned=pinned, gravity=(0, -9.81, 0))
 
 
 def pressed_to_rest(mesh: Mesh, material: Material) -> tuple[Model, Equilibrium]:
-    model = build_model(mesh, [replace(material, friction=0.0)], held=base_vertices(mesh))
+    model = build_model(mesh, [replace(material, friction=0.0)], pinned=base_vertices(mesh))
     top = float(mesh.rest_positions[:, 2].max()) + FINGERTIP
     rest = equilibrium(model, spheres(model, np.array([[0, 0, top - 0.01]]), np.array([FINGERTIP])), tolerance=1e-6)
     assert rest.converged

@@ -24,14 +24,14 @@ SOFT = Material(K1=610, K2=7230, x0=0.0163, k=600, mass=0.2, fill="liquid")
 LAWS = ("springs", "air", "liquid", "matching", "all")
 
 
-def body(shape: str, law: str = "all", *, held: bool = False, uneven: bool = False) -> Model:
+def body(shape: str, law: str = "all", *, pinned: bool = False, uneven: bool = False) -> Model:
     """Return a body a tenth as large as its shape, of all its laws, of one, or of all but a fill."""
     points, faces = SHAPES[shape]
     mesh = mesh_from_triangles(0.1 * points, faces)
     softness = np.random.default_rng(2).uniform(0, 1, len(points)) if uneven else None
     fill = law if law in ("air", "liquid") else "liquid" if law == "all" else "none"
-    pins = base_vertices(mesh) if held else None
-    model = build_model(mesh, [replace(SOFT, fill=fill)], held=pins, softness=softness)
+    pins = base_vertices(mesh) if pinned else None
+    model = build_model(mesh, [replace(SOFT, fill=fill)], pinned=pins, softness=softness)
     if law not in ("springs", "no fill", "all"):
         springs = model.springs
         none = replace(springs, stiffness=0 * springs.stiffness, damping=0 * springs.damping)
@@ -94,14 +94,14 @@ def fingertip(model: Model, x: Floats, depth: float) -> contact.Touch:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("held", [False, True], ids=["loose", "held"])
+@pytest.mark.parametrize("pinned", [False, True], ids=["loose", "pinned"])
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_system_is_the_derivative_of_the_step_where_the_shape_at_rest_is_pinned(
-    shape: str, law: str, held: bool
+    shape: str, law: str, pinned: bool
 ) -> None:
     """Stretched, so that nothing is left out of the springs, and in places beyond the knee of shape matching."""
-    model, rng = body(shape, law, held=held, uneven=True), np.random.default_rng(3)
+    model, rng = body(shape, law, pinned=pinned, uneven=True), np.random.default_rng(3)
     state = state_at(model, 1.6 * disturbed(model.mesh, rng, 0.003), pinned=True)
     assert (lengths(model, state.positions) > model.springs.rest_lengths).all()
     assert (np.linalg.norm(state.positions - state_at_rest(model, state), axis=0) > model.matching.d0).any()
@@ -206,10 +206,10 @@ def test_the_preconditioner_is_symmetric_positive_and_brings_the_modes_together(
     assert np.linalg.cond(half.T @ matrix @ half) < np.linalg.cond(matrix) / 5
 
 
-@pytest.mark.parametrize(("shape", "held"), [("cube", True), ("tube", False)], ids=["its base", "loose vertices"])
-def test_what_is_held_neither_moves_nor_is_moved(shape: str, held: bool) -> None:
-    model, rng = body(shape, held=held), np.random.default_rng(11)
-    state = state_at(model, disturbed(model.mesh, rng, 0.002), pinned=held)
+@pytest.mark.parametrize(("shape", "pinned"), [("cube", True), ("tube", False)], ids=["its base", "loose vertices"])
+def test_what_is_held_neither_moves_nor_is_moved(shape: str, pinned: bool) -> None:
+    model, rng = body(shape, pinned=pinned), np.random.default_rng(11)
+    state = state_at(model, disturbed(model.mesh, rng, 0.002), pinned=pinned)
     system, still = tangent(model, state, STEP), model.inverse_mass == 0
     s = rng.normal(size=state.positions.shape) * ~still
     assert still.any()

@@ -30,7 +30,7 @@ MAPS = ("softness", "knee", "spread", "thickness")
 
 
 def on_its_base(mesh: Mesh, material: Material = SOFT, **maps: Any) -> Model:
-    return build_model(mesh, [material], held=base_vertices(mesh), **maps)
+    return build_model(mesh, [material], pinned=base_vertices(mesh), **maps)
 
 
 def pressed(model: Model, depth: float = 0.01, **options: object) -> Session:
@@ -109,8 +109,8 @@ def test_a_resting_pressed_body_glides_to_its_new_rest(
     tuned = replace(material, **TUNED[name], constants=material.constants if name in ("mass", "pressure") else None)
     edge = 0.165 / cells
     radius = max(0.01, edge / EDGE)
-    held, top = base_vertices(mesh), 0.165 / 2 + radius
-    models = [build_model(mesh, [each], held=held) for each in (material, tuned)]
+    pinned, top = base_vertices(mesh), 0.165 / 2 + radius
+    models = [build_model(mesh, [each], pinned=pinned) for each in (material, tuned)]
     session, anew = map(Session, models)
     for each in (session, anew):
         for depth in (0.0, 0.0 if newtons else 0.01):
@@ -150,7 +150,7 @@ def test_a_pressure_that_is_let_out_in_one_frame_lets_the_body_go_to_its_rest_an
     before: float, after: float
 ) -> None:
     mesh = cube(8, 0.165)
-    models = [build_model(mesh, [replace(PRESETS[1].material, pressure=each)], held=base_vertices(mesh))
+    models = [build_model(mesh, [replace(PRESETS[1].material, pressure=each)], pinned=base_vertices(mesh))
               for each in (before, after)]  # fmt: skip
     session, anew = map(Session, models)
     for _ in range(4):
@@ -298,7 +298,7 @@ def test_a_body_goes_on_as_its_proxy_and_back(forth: bool) -> None:
 def test_a_body_of_another_size_keeps_its_shape_and_its_swing() -> None:
     mesh, twice = (mesh_from_triangles(*ball(1, factor * RADIUS)) for factor in (1, 2))
     session = Session(on_its_base(mesh))
-    session.body.set_state(mesh.rest_positions.T, np.where(on_its_base(mesh).held, 0.0, 0.1) * np.ones((3, 1)))
+    session.body.set_state(mesh.rest_positions.T, np.where(on_its_base(mesh).pinned, 0.0, 0.1) * np.ones((3, 1)))
     session.step(0.01)
     before, speed = session.positions(), session.body.velocities()
     session.change(on_its_base(twice), scale=2.0)
@@ -312,7 +312,7 @@ def test_pins_that_come_while_the_body_is_away_hold_it_where_it_is() -> None:
     session.step(0.1)
     before, base = session.positions(), base_vertices(mesh)[mesh.source]
     assert before[:, 2].mean() < -0.04
-    session.change(build_model(mesh, [SOFT], held=base_vertices(mesh)))
+    session.change(build_model(mesh, [SOFT], pinned=base_vertices(mesh)))
     session.step(0.5)
     np.testing.assert_allclose(session.positions()[base], before[base], atol=1e-7)
     assert np.abs(session.positions() - before).max() < 0.01 * RADIUS, "it hangs from them without a start"

@@ -34,7 +34,7 @@ def test_a_preset_with_a_source_lies_within_the_limits_it_states(preset: Preset)
 def test_a_preset_can_be_pressed_with_a_finger_and_comes_back(preset: Preset) -> None:
     radius = preset.size / 2
     mesh = mesh_from_triangles(*ball(3, radius))
-    session = Session(build_model(mesh, [preset.material], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [preset.material], pinned=base_vertices(mesh)))
     tip = min(0.01, preset.size / 5)
     session.set_fingers([Finger((0.0, 0.0, radius + tip), tip, 2.0)])
     session.step(0.6)

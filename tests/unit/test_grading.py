@@ -21,7 +21,7 @@ RADIUS = 0.004
 def fine() -> Model:
     """A head of 60,000 vertices: under a fingertip of 4 mm it would take a proxy of 25,000 to keep the tolerances."""
     mesh = bodies.head(100, 0.2)
-    return build_model(mesh, [bodies.GEL], held=base_vertices(mesh))
+    return build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
 
 
 @pytest.fixture(scope="module")

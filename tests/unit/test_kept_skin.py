@@ -21,7 +21,7 @@ RADIUS, FRAME = 0.016, 1 / 60
 @pytest.fixture(scope="module")
 def model() -> Model:
     mesh = bodies.head(50, 0.2)
-    return build_model(mesh, [bodies.GEL], held=base_vertices(mesh))
+    return build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
 
 
 @pytest.fixture(scope="module")
@@ -80,11 +80,11 @@ def test_a_slow_press_carries_some_of_the_skin_and_one_that_is_held_none(model: 
 def test_what_does_not_move_is_the_same_array_and_what_sleeps_is_seen_to_the_bit(model: Model, proxy: Proxy) -> None:
     session = Session(model, proxy=proxy)
     assert np.array_equal(session.seen(), model.mesh.rest_positions.astype(np.float32))
-    held = []
+    pinned = []
     for frame in range(100):
         press(session, min(frame, 20) * 2e-4)
-        held.append(session.seen())
-    assert held[30] is not held[0] and len({id(each) for each in held[-40:]}) <= 2
+        pinned.append(session.seen())
+    assert pinned[30] is not pinned[0] and len({id(each) for each in pinned[-40:]}) <= 2
     for _ in range(200):
         press(session, None)
         session.seen()
@@ -96,7 +96,7 @@ def test_pins_that_are_led_are_seen_where_they_are(model: Model, proxy: Proxy) -
     session.seen()
     rest = model.mesh.rest_positions
     for frame in range(10):
-        session.set_held(rest + (1e-5 * frame, 0, 0))
+        session.set_pins(rest + (1e-5 * frame, 0, 0))
         session.step(FRAME)
         assert np.array_equal(session.seen()[proxy.still], session.positions()[proxy.still])
 

@@ -26,12 +26,12 @@ def test_an_even_mesh_keeps_its_mass_where_its_area_is():
     np.testing.assert_allclose(mass, 0.2 * mesh.vertex_areas / mesh.vertex_areas.sum(), rtol=0.02)
 
 
-@pytest.mark.parametrize("held", [None, "base"])
-def test_the_body_weighs_what_its_material_says_slivers_or_not(held):
+@pytest.mark.parametrize("pinned", [None, "base"])
+def test_the_body_weighs_what_its_material_says_slivers_or_not(pinned):
     x, triangles = sliver_ball()
     mesh = mesh_from_triangles(x, triangles)
-    pins = None if held is None else x[:, 2] < x[:, 2].min() + 0.02
-    assert build_model(mesh, [SOFT], held=pins).mass.sum() == pytest.approx(0.2, rel=1e-12)
+    pins = None if pinned is None else x[:, 2] < x[:, 2].min() + 0.02
+    assert build_model(mesh, [SOFT], pinned=pins).mass.sum() == pytest.approx(0.2, rel=1e-12)
 
 
 def test_a_sliver_moves_under_two_percent_of_the_mass_and_does_not_multiply_the_steps():

@@ -27,14 +27,14 @@ EVER_LIVE, NEVER_LIVE = 1e9, 0.0  # [s] per second
 @pytest.fixture(scope="module")
 def round_model() -> Model:
     mesh = ball(4)
-    return build_model(mesh, [BALL], held=base_vertices(mesh))
+    return build_model(mesh, [BALL], pinned=base_vertices(mesh))
 
 
 @pytest.fixture(scope="module")
 def nylon() -> Model:
     """Object 1 with 10,088 vertices."""
     mesh = cube(41, NYLON.size)
-    return build_model(mesh, [NYLON.material], held=base_vertices(mesh))
+    return build_model(mesh, [NYLON.material], pinned=base_vertices(mesh))
 
 
 def work(chosen: Plan) -> int:
@@ -86,7 +86,7 @@ def test_where_no_proxy_is_accurate_enough_the_full_mesh_runs_slowly(round_model
 def test_a_full_mesh_far_from_live_gives_way_to_the_finest_live_proxy_which_says_what_it_misses() -> None:
     """A fingertip of 4 mm on a head of 60,000 vertices: in full it would run at a seventh of real time."""
     mesh = bodies.head(100, 0.2)
-    model = build_model(mesh, [bodies.GEL], held=base_vertices(mesh))
+    model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
     chosen = plan(model, radius=0.004)
     assert planner.cost_of(model) > planner.TOO_SLOW * planner.BUDGET
     assert chosen.proxy is not None and chosen.cost <= planner.BUDGET
@@ -154,7 +154,7 @@ def test_a_full_mesh_that_nearly_runs_live_beats_a_proxy_that_misses_a_tolerance
 def test_a_proxy_is_not_denied_vertices_for_the_many_steps_of_a_fine_mesh() -> None:
     """Seven a tick, where the proxy takes two: counted by those, one within the tolerances would not run live."""
     mesh = bodies.head(160, 0.2)
-    model = build_model(mesh, [bodies.GEL], held=base_vertices(mesh))
+    model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
     chosen = plan(model, radius=0.008)
     assert model.substeps(TICK) > 2 * chosen.steps
     assert chosen.error <= planner.TOLERANCE and chosen.force_error <= planner.FORCE_TOLERANCE
@@ -232,7 +232,7 @@ def test_a_membrane_as_stiff_as_the_papers_runs_on_a_proxy() -> None:
     """The literal k = 54.8 N/mm needs 196 steps per tick of 10,088 vertices: 25 times what runs live."""
     literal = ModelConstants(kappa1=8e5, kappa2=3e6, d0=0.0363, membrane_scale=1.0)
     mesh = cube(41, NYLON.size)
-    model = build_model(mesh, [replace(NYLON.material, constants=literal)], held=base_vertices(mesh))
+    model = build_model(mesh, [replace(NYLON.material, constants=literal)], pinned=base_vertices(mesh))
     assert model.substeps(TICK) > 190
     chosen = plan(model)
     assert chosen.proxy is not None
@@ -247,11 +247,11 @@ def test_a_membrane_as_stiff_as_the_papers_runs_on_a_proxy() -> None:
 
 def test_presses_are_where_the_body_is_free(round_model: Model) -> None:
     presses = choose_presses(round_model, 0.02, 20, seed=3)
-    held = round_model.mesh.rest_positions[round_model.held]
-    assert min(p.at[2] for p in presses) > held[:, 2].max()
+    pinned = round_model.mesh.rest_positions[round_model.pinned]
+    assert min(p.at[2] for p in presses) > pinned[:, 2].max()
     np.testing.assert_allclose([np.linalg.norm(p.outward) for p in presses], 1.0)
     with pytest.raises(DimpleError, match="free"):
-        choose_presses(build_model(round_model.mesh, [BALL], held=np.ones(2562)), 0.02, 1)
+        choose_presses(build_model(round_model.mesh, [BALL], pinned=np.ones(2562)), 0.02, 1)
 
 
 def test_a_comparison_gives_errors_against_the_mesh_and_why_a_proxy_is_missing(round_model: Model) -> None:

@@ -34,7 +34,7 @@ def joined_balls() -> Mesh:
 @pytest.fixture(scope="module")
 def model() -> Model:
     mesh = ball(5)
-    return build_model(mesh, [BALL], held=base_vertices(mesh))
+    return build_model(mesh, [BALL], pinned=base_vertices(mesh))
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def test_a_soft_spot_no_larger_than_a_fingertip_answers_as_on_the_mesh(
     top = mesh.rest_positions[mesh.rest_positions[:, 2].argmax()]
     spot = np.linalg.norm(mesh.rest_positions - top, axis=1) < radius
     softness = np.where(spot, 1.0, around)[mesh.source]
-    spotted = build_model(mesh, [BALL], held=base_vertices(mesh), softness=softness)
+    spotted = build_model(mesh, [BALL], pinned=base_vertices(mesh), softness=softness)
     proxy = build_proxy(spotted, vertices)
     assert pressed(spotted, proxy)[1] == pytest.approx(pressed(spotted, None)[1], rel=0.06)
     assert (spot != spot[proxy.seeds[proxy.cells]]).sum() < 0.2 * spot.sum() and not painted(model).any()
@@ -161,7 +161,7 @@ def test_mass_shape_matching_and_pins_are_conserved(model: Model, proxy: Proxy) 
     assert coarse.matching.k1.sum() == pytest.approx(model.matching.k1.sum(), rel=1e-12)
     # the pinned area, within a row of cells along its rim
     rim = 2 * np.pi * 0.08 * proxy.spacing
-    areas = [float(m.mesh.vertex_areas[m.held].sum()) for m in (model, coarse)]
+    areas = [float(m.mesh.vertex_areas[m.pinned].sum()) for m in (model, coarse)]
     assert abs(areas[0] - areas[1]) < rim < areas[0]
     assert coarse.mesh.closed and abs(coarse.mesh.volume / model.mesh.volume - 1) < 0.03
 
@@ -194,16 +194,16 @@ def test_finer_proxies_have_smaller_errors(model: Model) -> None:
 
 def test_pinned_vertices_stay_and_follow_their_object(model: Model, proxy: Proxy) -> None:
     session, _ = pressed(model, proxy)
-    held = model.held
-    assert 0 < held.sum() < len(held) / 2
-    assert np.array_equal(session.positions()[held], model.mesh.rest_positions[held].astype(np.float32))
+    pinned = model.pinned
+    assert 0 < pinned.sum() < len(pinned) / 2
+    assert np.array_equal(session.positions()[pinned], model.mesh.rest_positions[pinned].astype(np.float32))
     moved = model.mesh.rest_positions + (0.02, 0.0, 0.0)
     session.set_fingers([])
-    session.set_held(moved)
+    session.set_pins(moved)
     for _ in range(10):
         session.step(0.1)
-        session.set_held(moved)
-    np.testing.assert_allclose(session.positions()[held], moved[held], atol=1e-7)
+        session.set_pins(moved)
+    np.testing.assert_allclose(session.positions()[pinned], moved[pinned], atol=1e-7)
     np.testing.assert_allclose(session.positions(), moved, atol=1e-4)
 
 
@@ -251,7 +251,7 @@ def test_separate_parts_and_open_meshes_have_proxies() -> None:
 def test_scans_have_a_proxy_or_a_reason(name: str) -> None:
     points, faces = real(name)
     mesh = mesh_from_triangles(0.165 / np.ptp(points, axis=0).max() * points, faces)
-    model = build_model(mesh, [VINYL], held=base_vertices(mesh))
+    model = build_model(mesh, [VINYL], pinned=base_vertices(mesh))
     for vertices in (150, 600):
         try:
             proxy = build_proxy(model, vertices)
@@ -273,6 +273,6 @@ def test_laws_that_depend_on_the_mesh_have_no_proxy() -> None:
         build_proxy(build_model(mesh, [VINYL]), 800)
     pin = np.zeros(len(mesh.source), bool)
     pin[[16, 17, 30]] = True  # a corner of a cell inside a side
-    assert not build_model(mesh, [VINYL], held=pin).free
+    assert not build_model(mesh, [VINYL], pinned=pin).free
     with pytest.raises(DimpleError, match="pins"):
-        build_proxy(build_model(mesh, [VINYL], held=pin), 60)
+        build_proxy(build_model(mesh, [VINYL], pinned=pin), 60)

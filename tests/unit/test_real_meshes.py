@@ -44,9 +44,9 @@ def test_a_real_mesh_and_its_caps_close_and_have_the_volume_trimesh_finds(raw: t
 
 
 def test_a_real_mesh_can_be_pressed(mesh: Mesh) -> None:
-    session = Session(build_model(mesh, [PRESETS[1].material], held=base_vertices(mesh)))
+    session = Session(build_model(mesh, [PRESETS[1].material], pinned=base_vertices(mesh)))
     top = mesh.rest_positions[~mesh.loose][mesh.rest_positions[~mesh.loose, 2].argmax()]
     session.set_fingers([Finger((top[0], top[1], top[2] + 0.0095), 0.010)])
     frame = session.step(0.001)
     assert frame.finite and np.isfinite(session.positions()).all()
-    assert (frame.finger_forces[0, 2] > 0) == (not session.model.held.all())
+    assert (frame.finger_forces[0, 2] > 0) == (not session.model.pinned.all())

@@ -21,7 +21,7 @@ BALL = ball(1, RADIUS)
 
 def on_its_base(shape: Shape = BALL, **options: object) -> Session:
     mesh = mesh_from_triangles(*shape)
-    return Session(build_model(mesh, [SOFT], held=base_vertices(mesh), **options))  # type: ignore[arg-type]
+    return Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh), **options))  # type: ignore[arg-type]
 
 
 def above(depth: float, radius: float = 0.02, x: float = 0.0) -> Finger:
@@ -151,11 +151,11 @@ def test_time_that_is_no_time_is_refused(dt: float) -> None:
 
 def test_pins_arrive_where_they_are_sent_and_the_body_follows() -> None:
     session = on_its_base()
-    held = session.model.held
+    pinned = session.model.pinned
     shift = np.array([0.03, -0.01, 0.02])
-    session.set_held(BALL[0] + shift)
+    session.set_pins(BALL[0] + shift)
     session.step(0.1)
-    np.testing.assert_allclose(session.positions()[held], (BALL[0] + shift)[held], atol=1e-8)
+    np.testing.assert_allclose(session.positions()[pinned], (BALL[0] + shift)[pinned], atol=1e-8)
     session.step(1.0)
     np.testing.assert_allclose(session.positions(), BALL[0] + shift, atol=1e-5)
 
@@ -163,11 +163,11 @@ def test_pins_arrive_where_they_are_sent_and_the_body_follows() -> None:
 def test_pins_arrive_although_a_frame_ends_between_two_ticks() -> None:
     """At 24 frames a second the last tick of a frame ends before it: the rest of the way is gone in the next."""
     session, shift = on_its_base(), np.array([0.03, -0.01, 0.02])
-    session.set_held(BALL[0] + shift)
+    session.set_pins(BALL[0] + shift)
     for _ in range(48):
         session.step(1 / 24)
-    held = session.model.held
-    np.testing.assert_array_equal(session.positions()[held], (BALL[0] + shift).astype(np.float32)[held])
+    pinned = session.model.pinned
+    np.testing.assert_array_equal(session.positions()[pinned], (BALL[0] + shift).astype(np.float32)[pinned])
     np.testing.assert_allclose(session.positions(), BALL[0] + shift, atol=1e-6)
 
 
@@ -176,7 +176,7 @@ def test_a_body_carried_by_its_pins_neither_leads_nor_lags() -> None:
     session, speed, way = on_its_base(), 0.3, 0.0
     for _ in range(30):
         way += speed * 0.04
-        session.set_held(BALL[0] + (way, 0, 0))
+        session.set_pins(BALL[0] + (way, 0, 0))
         session.step(0.04)
     error = session.positions()[:, 0] - BALL[0][:, 0] - way
     assert np.abs(error).max() < speed * session.tick / session.substeps
@@ -190,7 +190,7 @@ def test_turned_pins_turn_the_body() -> None:
     for i in range(1, 11):
         a = angle * i / 10
         part = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
-        session.set_held(BALL[0] @ part.T)
+        session.set_pins(BALL[0] @ part.T)
         session.step(0.05)
     np.testing.assert_allclose(after(session, 1.5), BALL[0] @ turn.T, atol=1e-4)
 
@@ -198,7 +198,7 @@ def test_turned_pins_turn_the_body() -> None:
 @pytest.mark.parametrize("wrong", [np.zeros((3, 3)), np.zeros(3), np.full((42, 3), np.nan)])
 def test_pins_sent_nowhere_are_refused(wrong: np.ndarray) -> None:
     with pytest.raises(DimpleError, match="vert"):
-        on_its_base().set_held(wrong)
+        on_its_base().set_pins(wrong)
 
 
 def test_the_work_of_a_fingertip_is_its_force_along_its_way_and_little_of_it_comes_back() -> None:
@@ -222,7 +222,7 @@ def test_the_work_of_a_fingertip_is_its_force_along_its_way_and_little_of_it_com
 def test_reset_puts_everything_back() -> None:
     session = on_its_base()
     session.set_fingers([above(0.02)])
-    session.set_held(BALL[0] + 0.01)
+    session.set_pins(BALL[0] + 0.01)
     session.step(0.1)
     session.reset()
     np.testing.assert_array_equal(session.positions(), BALL[0].astype(np.float32))
@@ -233,7 +233,7 @@ def test_reset_puts_everything_back() -> None:
 @pytest.mark.parametrize("backend", ["numpy", "native"])
 def test_a_body_that_was_put_back_has_no_pressure_of_the_press_before(backend: str) -> None:
     mesh = mesh_from_triangles(*BALL)
-    session = Session(build_model(mesh, [replace(SOFT, fill="liquid")], held=base_vertices(mesh)), backend=backend)
+    session = Session(build_model(mesh, [replace(SOFT, fill="liquid")], pinned=base_vertices(mesh)), backend=backend)
     session.set_fingers([above(0.02)])
     assert session.step(0.1).pressure > 100
     session.reset()
@@ -246,7 +246,7 @@ def test_a_fingertip_keeps_the_side_by_which_it_came_in_between_two_ticks(backen
     """It is put down on a thin lens and pressed beyond its middle within the first millisecond."""
     points, faces = ball(3, RADIUS)
     mesh = mesh_from_triangles(points * (1, 1, 0.05), faces)
-    session = Session(build_model(mesh, [SOFT], held=np.ones(len(points), bool)), backend=backend)
+    session = Session(build_model(mesh, [SOFT], pinned=np.ones(len(points), bool)), backend=backend)
     thick, radius = 0.05 * RADIUS, 0.02
     session.set_fingers([Finger((0, 0, 1.02 * thick), radius)])
     assert session.step(0.0).depths == pytest.approx([radius - 0.02 * thick], abs=1e-6)
@@ -264,7 +264,7 @@ def test_a_long_step_of_a_stiff_body_takes_more_than_one_call() -> None:
 def test_what_blows_up_is_put_back_with_a_note_and_goes_on() -> None:
     for free in (True, False):
         mesh = mesh_from_triangles(*BALL)
-        session = Session(build_model(mesh, [SOFT], held=None if free else base_vertices(mesh)))
+        session = Session(build_model(mesh, [SOFT], pinned=None if free else base_vertices(mesh)))
         fling = np.where(np.arange(42) == 40, 1e30, 0.0) * np.ones((3, 1))
         session.body.set_state(mesh.rest_positions.T, fling)
         frame = session.step(0.02)

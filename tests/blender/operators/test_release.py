@@ -42,7 +42,7 @@ def test_a_pressed_suzanne_comes_back_wherever_she_is_pressed(monkey: Any, depth
     mesh, model = monkey.model.mesh, monkey.model
     assert 500 <= len(mesh.rest_positions) <= 510
     normals, rng = outward(mesh), np.random.default_rng(0)
-    for vertex in rng.choice(np.flatnonzero(~model.held & ~mesh.loose), PLACES, replace=False):
+    for vertex in rng.choice(np.flatnonzero(~model.pinned & ~mesh.loose), PLACES, replace=False):
         monkey.reset()
         deepest = 0.0
         for down, seconds in ((-0.005, 0.01), (depth, 0.25), (depth, 0.2)):
