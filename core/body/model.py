@@ -32,7 +32,7 @@ from .shape_matching import Pose, ShapeMatching
 from .springs import Springs
 
 LAW_SETS = ("consistent", "paper")
-_NONE_FREE = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
+_ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
 STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0}  # times as stiff as at rest a fill becomes in a body pressed flat
@@ -240,7 +240,7 @@ def assemble(
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=bound.of_body(mesh, along, at, inverse_mass, inside, STIFFENS[inside.fill]),
         decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
-        notes=mesh.notes + notes + ((_NONE_FREE,) if pinned.all() else ()),
+        notes=mesh.notes + notes + ((_ALL_PINS,) if pinned.all() else ()),
     )  # fmt: skip
 
 
