@@ -5,15 +5,14 @@ One that yields parts, the share that is done and a function to call, is sent wh
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Generator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any, TypeVar
 
 from .base import DimpleError
 
 Parts = Generator[tuple[float, Callable[[], Any]], Any, Any]
-LOOK_S = 0.01  # between two looks at a part that is beside
+LOOK_S = 0.01  # that is waited each time for a part that is beside
 
 _Result = TypeVar("_Result")
 
@@ -55,7 +54,7 @@ def beside(parts: Parts, look_s: float = LOOK_S) -> Generator[float, None, Any]:
     """Call each part in a thread and yield the share that is done meanwhile; once closed, what it still does is lost.
 
     Args:
-        look_s: between two looks at it [s].
+        look_s: how long to wait for it each time [s].
 
     Returns:
         the result.
@@ -64,8 +63,7 @@ def beside(parts: Parts, look_s: float = LOOK_S) -> Generator[float, None, Any]:
 
     def waited(call: Callable[[], Any]) -> Generator[float, None, Any]:
         future = pool.submit(call)
-        while not future.done():
-            time.sleep(look_s)
+        while not wait([future], look_s).done:
             yield 0.0
         return future.result()
 

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from .settings import Settings
 
 PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
-LARGE = 1_000  # vertices: to change more would make a frame late, so it is prepared in a thread
+LARGE = 12_000  # vertices: to change more takes several frames
+WAIT_S = 0.02  # that a frame waits for the change of fewer, so that it is shown in it or in the next one
 UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned anew
 
 
@@ -45,10 +46,10 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
         if now == body.settings and not painting:
             return []
         parts = _changing(context, obj, body, now, refused_before)
-        if len(body.session.model.mass) <= LARGE or bpy.app.background or timeline.is_playing(context):
+        if bpy.app.background or timeline.is_playing(context):
             messages: list[str] = at_once(parts)
             return messages
-        body.change = beside(parts, 0.0)
+        body.change = beside(parts, WAIT_S if len(body.session.model.mass) <= LARGE else 0.0)
     try:
         next(body.change)
     except StopIteration as end:
