@@ -186,7 +186,7 @@ def _open(
     if link.shaped:
         files.enter_context(rest_shape.unbaked(obj))
         files.enter_context(offset.attached(obj))
-    pressed = paths.pressed_along(context.scene, obj, model, link.scale)
+    pressed = paths.pressed_along(context.scene, obj, model, link)
     proxy, reason = planning.proxy_for(context.scene, obj, model, pressed=pressed)
     session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []

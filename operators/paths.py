@@ -14,21 +14,23 @@ if TYPE_CHECKING:
     from ..core.base import Floats
     from ..core.body.model import Model
     from ..core.reduction.grading import Pressed
+    from .object_link import ObjectLink
 
 
-def pressed_along(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, scale: float) -> Pressed | None:
+def pressed_along(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, link: ObjectLink) -> Pressed | None:
     """Return where the fingertip objects will press an object, None where that is not known.
 
     It is where they have keyframes, and nothing else moves them or the object.
-
-    Args:
-        scale: metres of the model per unit of the scene.
     """
     tips = [tip for tip in (scene.dimple.finger_1, scene.dimple.finger_2, scene.dimple.finger_3) if tip]
     keyed = [tip for tip in tips if any(_curves(tip))]
     if not keyed or model.free or not _stands(obj) or any(map(_is_led, tips)):
         return None
-    paths = [scale * _path(scene, tip) for tip in tips]
+    paths, now = [_path(scene, tip) for tip in tips], np.array(obj.matrix_world)
+    if not np.array_equal(now, link.matrix):  # the object was moved since its session began
+        way = link.matrix @ np.linalg.inv(now)
+        paths = [path @ way[:3, :3].T + way[:3, 3] for path in paths]
+    paths = [link.scale * path for path in paths]
     return pressed_by(model.mesh, paths, scene.dimple.finger_radius_mm / 1e3)
 
 

@@ -161,7 +161,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context, *, along: bool =
     size = sizing.settle_size(context.scene, obj)
     try:
         link, model = yield from bridge.reading_body(context, obj)
-        pressed = paths.pressed_along(context.scene, obj, model, link.scale) if along else None
+        pressed = paths.pressed_along(context.scene, obj, model, link) if along else None
         proxy, reason = yield from planning.planning_for(context.scene, obj, model, pressed=pressed)
         # may refuse too, so before the mesh is touched
         session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))

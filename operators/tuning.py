@@ -67,11 +67,11 @@ def plan_for_paths(context: bpy.types.Context, body: LiveBody, *, along: bool) -
     """
     obj, session = bridge.find(body.link.uid, body.name), body.session
     assert obj  # else the session has ended
-    pressed = paths.pressed_along(context.scene, obj, session.model, body.link.scale) if along else None
+    pressed = paths.pressed_along(context.scene, obj, session.model, body.link) if along else None
     if pressed == body.pressed:
         return []
-    body.pressed = pressed
     proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy, pressed)
+    body.pressed = pressed
     if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
         session.change(session.model, proxy=proxy)
     return [reason] if reason else []
@@ -154,7 +154,10 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
             if scaled:
                 return build_proxy(model, len(old.seeds)), []
             proxy = yield 0.8, partial(with_constants, old, model)
-            return (proxy, []) if body.session.proxy is old else (None, [])  # contact has dropped it meanwhile
+            now = body.session.proxy
+            if now is not old:  # contact has dropped it meanwhile, or paths have chosen another
+                proxy = now and with_constants(now, model)
+            return proxy, []
         except DimpleError:  # other pins or laws: another choice is made
             pass
     obj = bridge.find(body.link.uid, body.name)
@@ -177,9 +180,10 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
     finer = before and around.radius_mm < before.radius_mm
     coarse = finer and _is_coarse(obj, session.model, around.radius_mm / 1e3)
     try:
-        body.pressed = body.pressed and body.pressed._replace(radius=around.radius_mm / 1e3)
-        proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy, body.pressed)
-        if (len(proxy.seeds) if proxy else 0) != (len(session.proxy.seeds) if session.proxy else 0):
+        pressed = body.pressed and paths.pressed_along(context.scene, obj, session.model, body.link)
+        proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy, pressed)
+        body.pressed = pressed
+        if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
             session.change(session.model, proxy=proxy)
     except DimpleError as error:
         return [str(error)]

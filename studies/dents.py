@@ -63,7 +63,7 @@ class Settled:
 
 
 def light(mesh: Mesh, material: Material) -> Model:
-    """Return a body that settles within some ticks: light, critically damped, held at its base."""
+    """Return a body that settles within some ticks: light, critically damped, pinned at its base."""
     constants = estimate(material, mesh.size)
     mass = constants.kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
     still = replace(material, constants=constants, mass=mass, density=None, damping_ratio=1.0)

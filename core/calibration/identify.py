@@ -21,7 +21,7 @@ from ..mesh.surface import Mesh
 from ..session import Session
 from ..steps import as_share
 from .indent import CLEAR, Site, Station, going_down, set_up
-from .inversion import DEPTHS, SLOW, bed_in_pieces, inverted, piece_ends
+from .inversion import DEPTHS, SWEEPS, bed_in_pieces, inverted, piece_ends
 
 AT = 0.6  # of the knee: where the closed form is scaled to the measured force; a round tip makes it start too softly
 FARTHEST = 10.0  # times the closed form: the most it is scaled
@@ -116,7 +116,7 @@ def _all_at_once(
     ends, begun = piece_ends(material.x0, deepest), 0.0
     slopes = np.where(ends <= material.x0, first.kappa1, max(first.kappa1, first.kappa2))
     if np.median(mesh.rest_lengths) > material.indenter.radius:
-        begun = USUAL_ROUND * len(ends) / (USUAL_ROUND * len(ends) + SLOW[1] * DEPTHS)
+        begun = USUAL_ROUND * len(ends) / (USUAL_ROUND * len(ends) + SWEEPS[1] * DEPTHS)
         found, _ = yield from _found_slopes(mesh, material, first, site, ends, STEEPEST, (0.0, begun))
         slopes = np.append(found, np.full(len(ends) - len(found), found[-1]))
     return (yield from inverted(mesh, material, first, site, ends, slopes, begun))

@@ -166,12 +166,9 @@ def go_down(session: Session, indenter: Indenter, site: Site, before: float, dep
 
 
 def going_down(
-    session: Session, indenter: Indenter, site: Site, before: float, depth: float, hurry: float = 1.0
+    session: Session, indenter: Indenter, site: Site, before: float, depth: float
 ) -> Generator[float, None, Station]:
     """Go down in steps of some milliseconds each.
-
-    Args:
-        hurry: times as fast a round tip sinks and is listened to; the force is then less exact.
 
     Yields:
         the share that is done, at the least.
@@ -190,11 +187,11 @@ def going_down(
         frame = session.step(SETTLING)
         force = -float(site.inward @ forces(model, _at(model, session.body.positions()))[:, under].sum(axis=1))
     else:
-        steps = max(round(SINKING / hurry / session.tick), ticks) if depth != before else 1
+        steps = max(round(SINKING / session.tick), ticks) if depth != before else 1
         session.set_fingers([_finger(site, depth, indenter.radius)])
         session.step(steps * session.tick)
         yield 0.7
-        frame = session.step(max(round(LISTENING / hurry / session.tick), 1) * session.tick)
+        frame = session.step(LISTENING)
         force = -float(frame.finger_forces[0] @ site.inward) if frame.finite and len(frame.finger_forces) else math.nan
     x = session.body.positions()
     volume = pressure.volume(model.pressure, x) if model.pressure.fill == "none" else frame.volume

@@ -27,14 +27,10 @@ from ..steps import as_share
 from .indent import Site, Station, going_down, put_back, set_up
 
 DEPTHS = 24  # of a press
-# presses that sink so many times as fast, which costs up to 3 % of full scale: how many at the most, and times as far
-# off as is good that end them; then slow ones
-QUICK, ROUGH = (10 / 3, 4), 2.0
-SLOW, COARSE = (1.0, 5), (1.0, 9)
+SWEEPS, WORK = (5, 9), 6e7  # presses, from and to, and steps of vertices after which there are no more
 GOOD, GOOD_WORST = 0.01, 0.05  # RMS and largest error over full scale that need no better law
-NEARLY, FAILURES = 1.5, 2  # times that: where a press comes out no better; so many of those in a row are the last
-# share of what is off that the derivative would leave, and that a press has left: no more is to be had
-LEFT, STALLED = 0.9, 0.97
+NEARLY, FAILURES = 1.5, 2  # times that: where so many presses in a row come out no better, there are no more
+TICKS = 14  # of a depth
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
 # shares of the knee where pieces end, dense where the law must jump (at the touch, for little touches there, and at the
 # knee), and of what is left beyond it; all of them shares of the deepest where no knee is reached
@@ -65,11 +61,6 @@ class _Sweep:
     off: Floats
     gains: Floats
 
-    @property
-    def missed(self) -> float:
-        """Return how much is off in all."""
-        return float(np.linalg.norm(self.off))
-
 
 def inverted(
     mesh: Mesh, material: Material, first: ModelConstants, site: Site, ends: Floats, slopes: Floats, begun: float
@@ -89,35 +80,22 @@ def inverted(
     Returns:
         the constants, and the press with them, which ends early where no rest was found.
     """
-    least = np.where(ends == ends[0], LEAST, TINY) * first.kappa1
+    best, failed, damped, least = None, 0, DAMPED, np.where(ends == ends[0], LEAST, TINY) * first.kappa1
     session = set_up(mesh, replace(material, constants=replace(first, pieces=())), material.indenter, site)
     area = session.model.matching.k1 / first.kappa1
     steepest = max(STEEPEST * pulled(session.model, area), STEEPEST_COARSE * max(first.kappa1, first.kappa2))
-    slopes, damped = np.maximum(slopes, least), DAMPED
-    coarse = begun > 0
-    levels = ((*COARSE, 1.0),) if coarse else ((*QUICK, ROUGH), (*SLOW, 1.0))
-    whole = sum(most / hurry for hurry, most, _ in levels)
-    best: _Sweep | None = None
-    for hurry, most, enough in levels:
-        best, failed, each = None, 0, (1 - begun) / hurry / whole
-        for sweep in range(most):
-            share = begun + sweep * each, each
-            found = yield from _swept(session, area, material, site, ends, slopes, hurry, share)
-            before: _Sweep | None = best
-            if before is None or found.missed < before.missed:
-                best, failed, damped = found, 0, damped * (LESS if before else 1.0)
-            else:
-                failed, damped = failed + 1, damped * MORE
-            assert best
-            nearly = failed >= (FAILURES if coarse else 1)
-            if not best.stations or _is_good(best, material, enough * (NEARLY if nearly else 1.0)):
-                break
-            slopes, left = _improved(best, first.kappa1, least, steepest, damped)
-            stalled = left > LEFT and before is not None and found.missed > STALLED * before.missed
-            if not coarse and (stalled or failed >= FAILURES):
-                break
-        assert best
-        slopes, damped, begun = best.slopes, min(damped, DAMPED), begun + most * each
+    each = len(area) * session.substeps * DEPTHS * TICKS * (1 + len(site.others))
+    sweeps = min(max(round(WORK / each), SWEEPS[0]), SWEEPS[1])
+    for sweep in range(sweeps):
+        share = begun + (1 - begun) * sweep / sweeps, (1 - begun) / sweeps
+        found = yield from _swept(session, area, material, site, ends, np.maximum(slopes, least), share)
+        if best is None or found.off @ found.off < best.off @ best.off:
+            best, failed, damped = found, 0, damped * (1.0 if best is None else LESS)
+        else:
+            failed, damped = failed + 1, damped * MORE
+        if not best.stations or _is_good(best, material, NEARLY if failed >= FAILURES else 1.0):
+            break
+        slopes = _improved(best, first.kappa1, least, steepest, damped)
     assert best
     return bed_in_pieces(first, ends, best.slopes), best.stations
 
@@ -143,13 +121,11 @@ def _swept(
     site: Site,
     ends: Floats,
     slopes: Floats,
-    hurry: float,
     share: tuple[float, float],
 ) -> Generator[float, None, _Sweep]:
     """Press with a law of slopes (m,) on pieces that end at (m,).
 
     Args:
-        hurry: as for `going_down`.
         share: of the whole, before and by this press.
     """
     knees, more = np.repeat(ends[:-1, None], len(area), axis=1), np.diff(slopes)[:, None] * area
@@ -158,8 +134,7 @@ def _swept(
     presses = []
     for at, each in enumerate(sites):
         part = share[1] / len(sites)
-        steps = _pressed(session, material, each, depths, hurry)
-        presses.append((yield from as_share(steps, share[0] + at * part, part)))
+        presses.append((yield from as_share(_pressed(session, material, each, depths), share[0] + at * part, part)))
     reached = min(map(len, presses))
     forces = np.mean([[station.force for station in press[:reached]] for press in presses], axis=0)
     stations = [replace(station, force=force) for station, force in zip(presses[0], forces.tolist(), strict=False)]
@@ -173,16 +148,13 @@ def _swept(
     return _Sweep(slopes=slopes, stations=stations, off=off, gains=gains / weighs[:reached, None])
 
 
-def _pressed(
-    session: Session, material: Material, site: Site, depths: Floats, hurry: float
-) -> Generator[float, None, list[Station]]:
+def _pressed(session: Session, material: Material, site: Site, depths: Floats) -> Generator[float, None, list[Station]]:
     """Press a body from rest to each depth in turn and return where it rests, as far as it does."""
     put_back(session, material.indenter, site)
     stations: list[Station] = []
     before, each = 0.0, 1 / (len(depths) + 1)
     for k, depth in enumerate(depths.tolist()):
-        steps = going_down(session, material.indenter, site, before, depth, hurry)
-        station = yield from as_share(steps, k * each, each)
+        station = yield from as_share(going_down(session, material.indenter, site, before, depth), k * each, each)
         yield (k + 1) * each
         if not station.found:
             break
@@ -215,18 +187,12 @@ def pulled(model: Model, area: Floats) -> float:
     return float(np.median(stiffness[area > 0] / area[area > 0]))
 
 
-def _improved(
-    sweep: _Sweep, kappa1: float, least: Floats, steepest: float, damped: float
-) -> tuple[Floats, float]:
-    """Return the slopes (m,) from the least to the steepest that would make up for what a press is off, and the share
-    of it that would be left.
-    """
+def _improved(sweep: _Sweep, kappa1: float, least: Floats, steepest: float, damped: float) -> Floats:
+    """Return the slopes (m,) from the least to the steepest that would make up for what a press is off."""
     scale = kappa1 + sweep.slopes
     missed = -sweep.off[: len(sweep.stations)]
     low, high = (least - sweep.slopes) / scale, (max(steepest, kappa1) - sweep.slopes) / scale
-    more = bounded(sweep.gains * scale, missed, low, high, damped)
-    left = np.linalg.norm(sweep.gains * scale @ more - missed) / np.linalg.norm(missed)
-    return np.maximum(sweep.slopes + scale * more, least), float(left)
+    return sweep.slopes + scale * bounded(sweep.gains * scale, missed, low, high, damped)
 
 
 def bounded(matrix: Floats, wanted: Floats, low: Floats, high: Floats, damped: float) -> Floats:

@@ -11,6 +11,7 @@ import numpy as np
 from ..base import Floats, Ints
 
 SMALLEST = 20_000  # vertices: the cells of a smaller mesh are found at once
+VERSION = 1  # of how seeds and cells are found: another one finds them anew
 CHECKED = 16  # bytes of the checksum
 MOST = 1 << 16  # seeds
 
@@ -40,8 +41,10 @@ def unpacked(text: str, place: Floats, triangles: Ints, asked: int) -> tuple[Int
     m = (len(content) - 2 * len(place)) // 4
     if m < 1 or record[:CHECKED] != _checksum(place, triangles, asked, content):
         return None
-    steps = np.frombuffer(content, "<u2", len(place), 4 * m)
-    return np.frombuffer(content, "<i4", m).astype(np.int64), np.cumsum(steps, dtype=np.uint16).astype(np.int64)
+    seeds = np.frombuffer(content, "<i4", m).astype(np.int64)
+    cells = np.cumsum(np.frombuffer(content, "<u2", len(place), 4 * m), dtype=np.uint16).astype(np.int64)
+    fits = seeds.min() >= 0 and seeds.max() < len(place) and cells.max() < m
+    return (seeds, cells) if fits else None
 
 
 def _content(seeds: Ints, cells: Ints) -> bytes:
@@ -50,7 +53,7 @@ def _content(seeds: Ints, cells: Ints) -> bytes:
 
 
 def _checksum(place: Floats, triangles: Ints, asked: int, content: bytes) -> bytes:
-    checksum = blake2b(f"{asked} {place.shape} {triangles.shape}".encode(), digest_size=CHECKED)
+    checksum = blake2b(f"{VERSION} {asked} {place.shape} {triangles.shape}".encode(), digest_size=CHECKED)
     for array in (place, triangles):
         checksum.update(np.ascontiguousarray(array).data)
     checksum.update(content)

@@ -17,6 +17,7 @@ GROWTH = 2 / 3  # of the finest spacing by which the spacing grows a radius furt
 FAR = 8.0  # finest spacings: how coarse it is at most
 STEP = 0.5  # radii between two places of a path
 REACH = 4.0  # radii between the centre of a fingertip and a place of the surface that it may press
+LONGEST = 1e6  # steps of a path
 MOST = 400  # places of paths; more are all over a body, and take long to look at
 LOOKED = 60_000  # vertices of a finer mesh that are looked at for a plan
 
@@ -31,12 +32,14 @@ class Pressed(NamedTuple):
 def pressed_by(mesh: Mesh, paths: list[Floats], radius: float) -> Pressed | None:
     """Return where fingertips whose centres go along paths (k, 3) [m] come near a surface.
 
-    None where they do so nowhere, or all over it.
+    None where they do so nowhere, or all over it, or go farther than can be looked at.
     """
     looked = _looked(mesh)
     points, found = mesh.rest_positions[looked], set()
     low, high = points.min(axis=0) - REACH * radius, points.max(axis=0) + REACH * radius
     columns, step = np.ascontiguousarray(points.T), STEP * radius
+    if not all(_length(path) < LONGEST * step for path in paths):  # NaN is no less
+        return None
     centres = np.concatenate([_resampled(path, step) for path in paths])
     centres = centres[((centres >= low) & (centres <= high)).all(axis=1)]
     _, apart = np.unique(np.round(centres / step), axis=0, return_index=True)  # it may go there often
@@ -73,6 +76,12 @@ def _squares(columns: Floats, place: Floats | Vector) -> Floats:
     """Return the squares (n,) [m2] of the distances of points (3, n) from a place."""
     x, y, z = (column - c for column, c in zip(columns, place, strict=True))
     return x * x + y * y + z * z
+
+
+def _length(path: Floats) -> float:
+    """Return the length of a path (k, 3), NaN or infinite where it has a place that is no number."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(np.sqrt((np.diff(path, axis=0) ** 2).sum(axis=1)).sum() + 0 * path.sum())
 
 
 def _resampled(path: Floats, step: float) -> Floats:

@@ -63,7 +63,7 @@ def on_table(backend: str, slope: float = 0.0) -> Scene:
 
 
 def model(*, level: int = 2, height: float = 0.0, gravity: float = -9.81) -> Model:
-    """Return a ball, held at its base where it is not lifted."""
+    """Return a ball, pinned at its base where it is not lifted."""
     mesh = scenes.ball(level)
     if height:
         mesh = mesh_from_triangles(mesh.rest_positions + [0.003, 0.002, height], mesh.triangles)

@@ -134,3 +134,10 @@ def test_where_no_graded_proxy_can_be_made_the_plan_is_as_without_paths(fine: Mo
     chosen = planner.carry_out(planner.decide(fine, radius=RADIUS, pressed=there), build)
     assert chosen.proxy and chosen.proxy.pressed is None and made[0] == there
     assert chosen.reason == plan(fine, radius=RADIUS).reason
+
+
+@pytest.mark.parametrize("far", [np.nan, np.inf, 1e30, 1e9])
+def test_a_path_that_goes_farther_than_can_be_looked_at_is_none(far: float) -> None:
+    mesh = bodies.head(20, 0.2)
+    path = np.array([[0.0, 0.0, 0.1], [far, 0.0, 0.1]])
+    assert pressed_by(mesh, [path], 0.004) is None

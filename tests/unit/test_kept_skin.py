@@ -80,11 +80,11 @@ def test_a_slow_press_carries_some_of_the_skin_and_one_that_is_held_none(model: 
 def test_what_does_not_move_is_the_same_array_and_what_sleeps_is_seen_to_the_bit(model: Model, proxy: Proxy) -> None:
     session = Session(model, proxy=proxy)
     assert np.array_equal(session.seen(), model.mesh.rest_positions.astype(np.float32))
-    pinned = []
+    seen = []
     for frame in range(100):
         press(session, min(frame, 20) * 2e-4)
-        pinned.append(session.seen())
-    assert pinned[30] is not pinned[0] and len({id(each) for each in pinned[-40:]}) <= 2
+        seen.append(session.seen())
+    assert seen[30] is not seen[0] and len({id(each) for each in seen[-40:]}) <= 2
     for _ in range(200):
         press(session, None)
         session.seen()

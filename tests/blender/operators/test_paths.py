@@ -110,7 +110,7 @@ def test_paths_that_change_are_planned_again_and_unknown_ones_are_not_planned_fo
     link, model = bridge.read_body(bpy.context, keyed, identify="NO")
 
     def places() -> Any:
-        return paths.pressed_along(scene, keyed, model, link.scale)
+        return paths.pressed_along(scene, keyed, model, link)
 
     tip, before = scene.dimple.finger_1, places()
     at = np.array(before.places) / link.scale
