@@ -114,10 +114,10 @@ def provide_wheels(python: str | Path, *, must: bool = False) -> list[Path]:
 
 
 def packed_sources() -> bytes:
-    """Return an archive of the C sources, the same bytes whenever it is made."""
+    """Return an archive of the C sources and of what compiles them, the same bytes whenever it is made."""
     memory = io.BytesIO()
     with tarfile.open(fileobj=memory, mode="w", format=tarfile.USTAR_FORMAT) as archive:
-        for path in sorted(SOURCES.glob("*.[ch]")):
+        for path in (Path(__file__), *sorted(SOURCES.glob("*.[ch]"))):
             entry = tarfile.TarInfo(path.name)
             entry.size = path.stat().st_size
             with path.open("rb") as content:

@@ -55,7 +55,8 @@ def test_the_sources_of_what_is_compiled_go_with_it(extension_zip: Path) -> None
     with zipfile.ZipFile(extension_zip) as outer, outer.open("core/native/sources.tar.xz") as packed:
         with tarfile.open(fileobj=packed, mode="r:xz") as archive:
             found = {name: archive.extractfile(name).read() for name in archive.getnames()}
-    assert found == {path.name: path.read_bytes() for path in native.SOURCES.glob("*.[ch]")}
+    sources = [Path(native.__file__), *native.SOURCES.glob("*.[ch]")]
+    assert found == {path.name: path.read_bytes() for path in sources}
 
 
 def test_the_zip_holds_these_folders_and_kinds_of_file_alone(names: list[str]) -> None:
