@@ -22,7 +22,7 @@ from ..base import TICK, DimpleError
 from ..body.model import Model
 from .error_model import expected, vertices_for
 from .grading import Pressed, share_of
-from .proxy import Proxy, build_proxy, check, most_of
+from .proxy import LARGEST, Proxy, build_proxy, check, most_of
 
 BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
 TOLERANCE = 0.5e-3  # [m] between the surfaces, over the dent
@@ -138,6 +138,8 @@ def decide(
     if cost <= ESTIMATED * budget:
         return replace(decided, reason=f"The full mesh runs live: {_work(model)}.")
     even, graded = _sized(decided, None), None
+    if not (even.most == LARGEST and cost > TOO_SLOW * budget):  # a mesh that is hardly finer is the better one
+        return even
     with suppress(DimpleError):
         graded = _sized(decided, pressed) if pressed else None
     if graded and graded.vertices and even.keeping > even.most:

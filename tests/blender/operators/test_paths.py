@@ -16,9 +16,14 @@ RADIUS, LAST = 10.0, 10  # [mm], frames
 
 @pytest.fixture
 def keyed(bpy: ModuleType, scene: Any, ball: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> Any:
-    """A ball of 10,242 vertices, 165 mm wide, whose flank a fingertip presses; what is above 1,200 is not live."""
-    from bl_ext.user_default.dimple.core.reduction import planner
+    """A ball of 10,242 vertices, 165 mm wide, whose flank a fingertip presses; what is above 1,200 is not live.
 
+    It stands for a finer one: no proxy may have more than 4,000 vertices, where 8,000 are the most.
+    """
+    from bl_ext.user_default.dimple.core.reduction import planner, proxy
+
+    for module in (planner, proxy):
+        monkeypatch.setattr(module, "LARGEST", 4000)
     monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 2000)
     obj = ball("Fine", 6)
     obj.dimple.tolerance_percent, scene.dimple.finger_radius_mm = 12.0, RADIUS
