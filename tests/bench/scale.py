@@ -136,7 +136,7 @@ def million(*, full: bool) -> dict[str, Any]:
     started, spent = time.perf_counter(), time.process_time()
     mesh = mesh_from_triangles(points, triangles)
     meshed = time.perf_counter()
-    model = build_model(mesh, [bodies.GEL], held=base_vertices(mesh))
+    model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
     modelled = time.perf_counter()
     decided = decide(model, radius=RADIUS)
     planned = time.perf_counter()
