@@ -196,7 +196,7 @@ def test_clicks_on_the_front_of_text_answer_the_law_on_the_average(
             session.step(0.08)
         shares.append(session.step(0.02).finger_forces[0][2] / model.materials[0].law(depth))
     assert np.median(np.abs(shares)) == pytest.approx(1, abs=0.12)
-    # Blender 4.5 cuts the letters into other faces than 5.2: eight clicks in ten from 0.80 to 1.53, and 0.92 to 1.18
+    # Blender 4.5 cuts the text into other faces than 5.2: eight clicks in ten from 0.80 to 1.53, and 0.92 to 1.18
     assert np.quantile(np.abs(shares), 0.1) > 0.75 and np.quantile(np.abs(shares), 0.9) < 1.6
 
 
