@@ -171,7 +171,7 @@ def weights_in_bowl(rng: np.random.Generator) -> Played:
 
 def weights_struck(rng: np.random.Generator) -> Played:
     """Strike a stack of three weights on a table with a fist at 5 m/s, against a ball behind it."""
-    fist, stack = icosphere(2, 0.04), [moved(_box(0.05, 0.05, 0.03), rng, (0, 0, 0.04 + 0.06 * k)) for k in range(3)]
+    fist, stack = icosphere(2, 0.04), [moved(_box(0.05, 0.05, 0.03), rng, (0, 0, 0.04 + 0.08 * k)) for k in range(3)]
     strike = _along(fist[0] + (-0.2, 0, 0.041), (0.5, 0, 0), rest=0.5)
     ball = moved(icosphere(2, 0.04), rng, (0.12, 0, 0.05))
     played = _let_fall([ball], [grid(8, 4, 1.2, 0.6), (strike(0.0), fist[1])], stack, ticks=200)
@@ -220,7 +220,8 @@ def _let_fall(bodies: Sequence[Shape], led: Sequence[Shape], props: Sequence[Sha
         for body in bodies
     ]
     colliders = [Collider(points.T.copy(), faces, 0.4) for points, faces in (*led, *props)]
-    world = PropWorld(sessions, colliders, masses=[*[None] * len(led), *[0.2] * len(props)])
+    masses = [*[None] * len(led), *[0.2] * len(props)]
+    world = PropWorld(sessions, colliders, masses=masses, itself=[True] * len(sessions))
     return Played(world=world, ticks=ticks, colliders=[None] * len(colliders), pins=[None] * len(sessions))
 
 
