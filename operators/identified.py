@@ -9,9 +9,11 @@ at once.
 from __future__ import annotations
 
 import contextlib
+import sys
+import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -34,6 +36,8 @@ HEAVY = 8000  # vertices: where a larger mesh moves itself it is identified on a
 PROXY = 2500  # vertices of that
 HOPELESS = 0.24  # of the force, at half of the depths: then the closed form is no worse
 LOOK_S = 0.005  # between two looks at the thread
+PAUSE_S = 0.04  # before it begins: the body is given the estimate first, and a number that is dragged changes again
+TURN_S = 5e-4  # for which the thread keeps Blender's waiting each time that both want Python
 
 
 @dataclass(slots=True, kw_only=True)
@@ -42,7 +46,8 @@ class Job:
 
     name: what it is kept under.
     owners: the bodies and their slots that ask for it.
-    begin: looks at Blender and returns what identifies in a thread.
+    begin: looks at Blender and returns what identifies in a thread,
+    due: not before this time [s].
     share: that is done.
     found: what the thread comes to, None until it is started.
     dropped: nobody asks for it any more.
@@ -51,6 +56,7 @@ class Job:
     name: str
     owners: set[tuple[int, int]]
     begin: Callable[[Job], Callable[[], Identification]]
+    due: float = field(default_factory=lambda: time.monotonic() + PAUSE_S)
     share: float = 0.0
     found: Future[Identification] | None = None
     dropped: bool = False
@@ -63,6 +69,7 @@ _PACKAGE = __package__.rpartition(".")[0]
 # looks at Blender and returns what chooses the proxy of an object on a mesh, given how its model is built: `planning`
 # adds itself
 choosing: list[Callable[[int, Mesh, Callable[[], Model]], Callable[[], Proxy | None]]] = []
+_usual_turn = sys.getswitchinterval()
 revision = 0  # changes with every result of the background
 _known: dict[str, Identification | str] = {}  # or the sentence that says why there is none
 _jobs: dict[str, Job] = {}  # under way, by name
@@ -116,6 +123,7 @@ def stop() -> None:
     for job in _jobs.values():
         job.dropped = True
     _jobs.clear()
+    sys.setswitchinterval(_usual_turn)
     if bpy.app.timers.is_registered(_go_on):
         bpy.app.timers.unregister(_go_on)
 
@@ -176,7 +184,8 @@ def _go_on() -> float | None:
     """Have a thread find what was asked for first, and keep what it has found; a timer of Blender's."""
     global revision
     job = next(iter(_jobs.values()), None)
-    if job and job.found is None:
+    if job and job.found is None and time.monotonic() >= job.due:
+        sys.setswitchinterval(TURN_S)
         pool = ThreadPoolExecutor(1)
         job.found = pool.submit(job.begin(job))
         pool.shutdown(wait=False)
@@ -184,6 +193,8 @@ def _go_on() -> float | None:
         _keep(job.name, job.found.result)
         _jobs.pop(job.name, None)
         revision += 1
+    if not _jobs:
+        sys.setswitchinterval(_usual_turn)
     return LOOK_S if _jobs else None
 
 

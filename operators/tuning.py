@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 PAINTED_S = 0.2  # simulated time between two looks at weights that are being painted
 LARGE = 12_000  # vertices: to change more takes several frames
-WAIT_S = 0.02  # that a frame waits for the change of fewer, so that it is shown in it or in the next one
+WAIT_S = 0.008  # that a frame waits for the change of fewer, so that it is shown in it or soon after
 UNTOUCHED_S = 1.0  # simulated time after the last change at which a body that nothing presses is planned anew
 
 

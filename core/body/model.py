@@ -276,17 +276,27 @@ def forces(model: Model, state: State) -> Floats:
         if state.pressure:
             f += paper.pressure_force(state.pressure, model.mesh.triangles, x, float(model.mesh.triangle_areas.sum()))
     else:
-        arms = springs.around(model.mesh.rings, x)
-        f = springs.force(model.springs, x, v, arms)
-        if model.pressure.fill != "none":
-            volume, gradient = pressure.volume_and_gradient(model.pressure, x, arms)
-            state.volume = volume
-            state.pressure = pressure.pressure_at(model.pressure, volume)
-            f += state.pressure * gradient
-        f += shape_matching.force(model.matching, x, v, state.pose, state.pose_rate)
+        f, state.volume, state.pressure = law_forces(model, x, state.pose, v, state.pose_rate)
         if state.load is not None:
             f += state.load
     return f + model.mass * model.gravity[:, None]
+
+
+def law_forces(
+    model: Model, x: Floats, pose: Pose | None, v: Floats | None = None, pose_rate: Pose | None = None
+) -> tuple[Floats, float, float]:
+    """Return the forces (3, n) [N] of the consistent laws, undamped without velocities, and volume and pressure.
+
+    The last two are 0 where there is no fill.
+    """
+    arms = springs.around(model.mesh.rings, x)
+    f, volume, inner = springs.force(model.springs, x, v, arms), 0.0, 0.0
+    if model.pressure.fill != "none":
+        volume, gradient = pressure.volume_and_gradient(model.pressure, x, arms)
+        inner = pressure.pressure_at(model.pressure, volume)
+        f += inner * gradient
+    f += shape_matching.force(model.matching, x, v, pose, pose_rate)
+    return f, volume, inner
 
 
 def _ground(mesh: Mesh, pinned: Bools, ground: float | None) -> tuple[float | None, tuple[str, ...]]:

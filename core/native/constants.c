@@ -121,15 +121,15 @@ static void dm_pin(dm_state *b, const double *inverse_mass) {
     uint32_t *was = b->moved; /* both lists go up; a vertex is in either at most once */
     memcpy(was, b->pinned, (size_t)b->pinned_count * sizeof *was);
     for (int64_t k = 0; k < n; k++) {
-        int held = old < b->pinned_count && was[old] == k;
+        int pinned = old < b->pinned_count && was[old] == k;
         if (!(inverse_mass[k] > 0)) {
             const dm_record *r = b->records + b->place[k];
             for (int d = 0; d < 3; d++)
-                b->pins[d * n + count] = held ? before[d * n + old] : b->origin[d] + (double)r->x[d];
+                b->pins[d * n + count] = pinned ? before[d * n + old] : b->origin[d] + (double)r->x[d];
             b->pinned[count++] = (uint32_t)k;
             dm_set_vertex(b, b->place[k], r->x, (dm_quad){0, 0, 0, 0});
         }
-        old += held;
+        old += pinned;
     }
     b->pinned_count = count;
 }

@@ -142,17 +142,17 @@ static int64_t dm_find_contacts(dm_state *b, const dm_near *t) {
 /* What a contact gives, 1 / mass: each moves its share m / count of a vertex, which then takes the mean of them. */
 DM_INLINE dm_real dm_compliance_of(const dm_state *b, const dm_contact *h, dm_real *mobility) {
     dm_real give = 0, free = 0, most = 0;
-    int held = 0;
+    int pinned = 0;
     for (int j = 0; j < 3; j++) {
         dm_real inverse = b->inverse_mass[h->corner[j]];
         mobility[j] = h->weight[j] * inverse;
         give += mobility[j] * h->weight[j] * (dm_real)b->shares[h->corner[j]];
         free += inverse > 0 ? h->weight[j] : 0;
         most = inverse > most ? inverse : most;
-        held |= !(inverse > 0);
+        pinned |= !(inverse > 0);
     }
     give = give > DM_TINY ? give : DM_TINY;
-    if (held) { /* a free vertex must not be flung away to move a point it hardly carries */
+    if (pinned) { /* a free vertex must not be flung away to move a point it hardly carries */
         dm_real least = (dm_real)DM_PINNED_GIVE * most / (free > DM_TINY ? free : DM_TINY);
         give = give > least ? give : least;
     }

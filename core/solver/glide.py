@@ -19,7 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base import Floats
-from ..body.model import Model, State, forces
+from ..body.model import Model, law_forces
 from ..body.shape_matching import fit_pose, pose_of
 
 LAG = 0.04  # [s] so that after a sixtieth of a second a hundredth has faded
@@ -153,5 +153,5 @@ def _pose(model: Model, x: Floats) -> tuple[Floats, Floats] | None:
 
 def _forces(model: Model, x: Floats, pose: tuple[Floats, Floats] | None) -> Floats:
     """Return the forces (3, n) [N] on a body at rest; of one that is free without its weight, with which it falls."""
-    found = forces(model, State(positions=x, velocities=np.zeros_like(x), pose=pose))
-    return found - model.mass * model.gravity[:, None] if model.free else found
+    found, _, _ = law_forces(model, x, pose)
+    return found if model.free else found + model.mass * model.gravity[:, None]

@@ -27,7 +27,7 @@ Product = Callable[[Floats], Floats]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tangent:
-    """The products A s and, approximately, A^-1 r, both (3, n) -> (3, n) and 0 where held."""
+    """The products A s and, approximately, A^-1 r, both (3, n) -> (3, n) and 0 where pinned."""
 
     product: Product
     precondition: Product

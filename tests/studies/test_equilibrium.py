@@ -17,7 +17,7 @@ from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 RADII = np.array([FINGERTIP])
 
 
-def held_ball(subdivisions: int = 2) -> Model:
+def pinned_ball(subdivisions: int = 2) -> Model:
     mesh = ball(subdivisions)
     return build_model(mesh, [BALL], pinned=base_vertices(mesh))
 
@@ -32,7 +32,7 @@ def energy(model: Model, positions: np.ndarray) -> float:
 
 
 def test_the_force_on_a_fingertip_is_the_slope_of_the_energy_over_depth() -> None:
-    model = held_ball(1)
+    model = pinned_ball(1)
     found, energies = {}, {}
     for depth in (0.0099, 0.0100, 0.0101):
         at = spheres(model, np.array([[0, 0, BALL_RADIUS + FINGERTIP - depth]]), RADII)
@@ -45,7 +45,7 @@ def test_the_force_on_a_fingertip_is_the_slope_of_the_energy_over_depth() -> Non
 
 
 def test_a_deep_press_in_one_go_ends_where_a_sweep_ends() -> None:
-    model = held_ball()
+    model = pinned_ball()
     start, ways = None, []
     for depths in ([0.005, 0.010, 0.015], [0.015]):
         start = None
@@ -59,7 +59,7 @@ def test_a_deep_press_in_one_go_ends_where_a_sweep_ends() -> None:
 
 
 def test_an_untouched_body_is_at_rest_at_once() -> None:
-    rest = equilibrium(held_ball(1), [])
+    rest = equilibrium(pinned_ball(1), [])
     assert rest.converged
     assert rest.steps == 0
 

@@ -207,7 +207,7 @@ def test_the_preconditioner_is_symmetric_positive_and_brings_the_modes_together(
 
 
 @pytest.mark.parametrize(("shape", "pinned"), [("cube", True), ("tube", False)], ids=["its base", "loose vertices"])
-def test_what_is_held_neither_moves_nor_is_moved(shape: str, pinned: bool) -> None:
+def test_what_is_pinned_neither_moves_nor_is_moved(shape: str, pinned: bool) -> None:
     model, rng = body(shape, pinned=pinned), np.random.default_rng(11)
     state = state_at(model, disturbed(model.mesh, rng, 0.002), pinned=pinned)
     system, still = tangent(model, state, STEP), model.inverse_mass == 0
