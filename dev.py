@@ -61,7 +61,7 @@ def in_blender(script: str, wanted: str | None, out: Path | None, *words: str) -
 
 
 def test(options: argparse.Namespace) -> int:
-    """run the tests; paths and further options go to pytest; of a second --blender those in tests/blender"""
+    """run the tests; paths and further options go to pytest; of a second --blender what depends on Blender"""
     python, *others = [environment(wanted) for wanted in options.blender or [None]]
     native_core.provide_library(python)
     paths = [word for word in options.rest if Path(word).parts[:1] == ("tests",)]
@@ -70,7 +70,8 @@ def test(options: argparse.Namespace) -> int:
     inside = [path for path in paths if Path(path).parts[:2] == ("tests", "blender")]
     outside = [path for path in paths if path not in inside]
     own = inside if paths else BLENDERS_OWN
-    theirs = [(other, own) for other in others]
+    once = [] if "-m" in flags and not options.slow else ["-m", "not once" if options.slow else "not slow and not once"]
+    theirs = [(other, [*once, *own]) for other in others if own]
     parts = [(python, own), (python, LONG), *theirs, (python, OTHERS), (python, SANITIZED)]
     codes = []
     for some in ([(python, outside), (python, own), *theirs],) if paths else ([(python, REAL_TIME)], parts):

@@ -115,7 +115,7 @@ def test_without_a_fault_it_presses() -> None:
     assert press.presses() and press.places < NEAR / 2
 
 
-@pytest.mark.parametrize("hz", [250, 500, 2000])
+@pytest.mark.parametrize("hz", [250, pytest.param(500, marks=pytest.mark.slow), 2000])
 def test_slower_and_faster_devices_press_too(hz: int) -> None:
     """No wall is stiffer than the tick lets it be: at 250 Hz 267 N/m, so a little less than the 1.7 N."""
     spec = replace(SPEC, tick_hz=hz)

@@ -129,7 +129,7 @@ def test_no_fingertip_slips_through_a_face_larger_than_itself(preset: Preset, ce
         (0.1, 0.2, 0, 0.1, 0),
     ]
     presses = [(BACKENDS[-1], 0.002, places), (BACKENDS[-1], 0.01, places[3:4])]
-    if preset is PRESETS[1]:
+    if preset is PRESETS[1] and cells == 2:
         presses.append((BACKENDS[0], 0.01, places[3:4]))  # numpy, which takes seconds
     for backend, radius, some in presses:
         for a, b, slide_a, slide_b, axis in some:

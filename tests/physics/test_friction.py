@@ -55,7 +55,7 @@ def test_a_body_on_a_slope_holds_up_to_the_angle_of_friction(angle: float, slide
         assert abs(way) < 3e-4, "what it shears as it settles"
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", [pytest.param("numpy", marks=[SLOW] * (len(BACKENDS) > 1)), *BACKENDS[1:]])
 def test_what_friction_holds_does_not_creep(backend: str) -> None:
     """25 degrees where 26.6 is the limit: once it has settled it stays, to a thousandth of a millimetre a second."""
     session = Session(on_a_slope(25.0, 1 if backend == "numpy" else 4), backend=backend)

@@ -22,10 +22,9 @@ from tests.bodies import TETRAHEDRON, after, backends, ball, hemisphere, sheet, 
 RATES = (24.0, 30.0, 60.0, 120.0)
 EVERY = backends("numpy", "native64", "native")
 EXACT = backends("numpy", "native64")
-AT_ENDS = {RATES[0], RATES[-1]}
-AT_RATES = [  # numpy takes seconds: at the ends, and at the others where the slow tests run
-    pytest.param(rate, kind, marks=[pytest.mark.slow] * (kind == "numpy" and rate not in AT_ENDS))
-    for kind in EVERY for rate in RATES
+AT_RATES = [  # numpy takes seconds: at the highest, and at the others where the slow tests run
+    pytest.param(rate, kind, marks=[pytest.mark.slow] * (kind == "numpy" and rate != RATES[-1]))
+    for kind in EVERY for rate in RATES if (kind, rate) != ("numpy", 30.0)  # its shorter press has half a frame then
 ]  # fmt: skip
 
 
@@ -40,18 +39,18 @@ def run(model: Model, state: State, seconds: float, substeps: int = 0) -> State:
 
 @cache
 def poked(frame_rate: float, backend: str) -> list[Floats]:
-    """Press a ball 20 mm, sideways too, hold, let go; return where it is each sixth of a second."""
-    mesh = scenes.ball(0 if backend == "numpy" else 1)
+    """Press a ball 20 mm, sideways too, hold, let go; return where it is after each of these."""
+    mesh, each = scenes.ball(0 if backend == "numpy" else 1), 1 / 12 if backend == "numpy" else 1 / 6
     model = build_model(mesh, [scenes.BALL], pinned=base_vertices(mesh))
     session = Session(model, backend=backend)
     start = np.array([0.0, 0.0, scenes.BALL_RADIUS + 0.02])
     session.set_fingers([Finger(tuple(start), 0.02)])
     seen = []
-    for i in range(1, round(frame_rate / 2) + 1):
-        way = np.interp(i / frame_rate, [0, 1 / 6, 1 / 3, 1 / 2], [0, 1, 1, 0.2])
+    for i in range(1, round(3 * each * frame_rate) + 1):
+        way = np.interp(i / frame_rate, each * np.arange(4), [0, 1, 1, 0.2])
         session.set_fingers([Finger(tuple(start + way * np.array([0.005, 0, -0.02])), 0.02)])
         session.step(1 / frame_rate)
-        if i % (frame_rate / 6) == 0:
+        if i % round(each * frame_rate) == 0:
             seen.append(session.positions())
     return seen
 
@@ -90,13 +89,15 @@ def test_the_same_press_gives_the_same_motion_at_any_frame_rate(rate: float, bac
 
 @pytest.mark.parametrize(("rate", "backend"), AT_RATES)
 def test_a_body_falls_4_9_metres_in_a_second_at_any_frame_rate(rate: float, backend: str) -> None:
+    """In a third of one it is a ninth of that: numpy's."""
+    seconds = 1 / 3 if backend == "numpy" else 1.0
     light = Material(K1=10, K2=10, x0=0.1, k=1, mass=1, fill="none")
     model = build_model(mesh_from_triangles(*TETRAHEDRON), [light], gravity=(0, 0, -9.81))
     session = Session(model, backend=backend)
-    for _ in range(round(rate)):
+    for _ in range(round(seconds * rate)):
         session.step(1 / rate)
     fall = session.positions() - TETRAHEDRON[0]
-    assert fall[:, 2] == pytest.approx(-9.81 / 2, rel=2e-3)
+    assert fall[:, 2] == pytest.approx(-9.81 / 2 * seconds**2, rel=2e-3)
     np.testing.assert_allclose(fall[:, :2], 0, atol=1e-5)
 
 

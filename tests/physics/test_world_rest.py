@@ -43,7 +43,7 @@ def test_a_ball_on_a_table_stops_rocking_and_stays(turn: tuple[float, float, flo
     assert drift(World([body], [Collider(flat.T.copy(), squares, 0.4)]), body) < 1e-5
 
 
-@pytest.mark.parametrize("off", [0.0, 0.0002])
+@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.slow), 0.0002])
 def test_a_ball_at_rest_on_another_drifts_less_than_a_tenth_of_a_millimetre_in_ten_seconds(off: float) -> None:
     low, faces = turned_ball(3, (0.3, 0.5, 0.2))
     high, _ = turned_ball(3, (0.1, 0.2, 0.9))

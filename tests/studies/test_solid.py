@@ -14,7 +14,7 @@ PLANE_STRAIN = 1 / (1 - POISSON**2)  # [Pa] modulus of a half-space whose Young'
 
 
 @pytest.mark.parametrize("law", ["linear", "neo-hookean"])
-@pytest.mark.parametrize("shape, curvature", [("block", 0.0), ("ball", 1 / 0.080)])
+@pytest.mark.parametrize("shape, curvature", [pytest.param("block", 0.0, marks=pytest.mark.slow), ("ball", 1 / 0.080)])
 def test_a_ball_small_against_the_body_answers_as_hertz_says(shape: str, curvature: float, law: str) -> None:
     radius, depths = 0.002, np.array([3e-5])
     hertz = 4 / 3 * PLANE_STRAIN * (1 / radius + curvature) ** -0.5 * depths**1.5

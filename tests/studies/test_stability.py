@@ -62,7 +62,7 @@ def test_tr_bdf2_turns_a_free_body_that_backward_euler_leaves_alone() -> None:
     assert turned["tr_bdf2"] > 1e3 * turned["backward_euler"]
 
 
-@pytest.mark.parametrize("k", [6.0, 60_000.0])
+@pytest.mark.parametrize("k", [pytest.param(6.0, marks=pytest.mark.slow), 60_000.0])
 @pytest.mark.parametrize("method", UNBOUNDED)
 def test_an_implicit_or_sweeping_method_stays_finite_at_any_step(method: str, k: float) -> None:
     model = small_body(k)

@@ -47,6 +47,7 @@ def killed_at(share: float, blend: Path, out: Path) -> bool:
     return done.returncode != 0
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("count", [1, pytest.param(10, marks=pytest.mark.slow)])
 def test_an_export_that_is_killed_leaves_whole_files_or_those_from_before(
     bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: Path, count: int
@@ -97,6 +98,7 @@ def killed(bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: P
     return caches
 
 
+@pytest.mark.once
 def test_a_bake_that_is_killed_leaves_a_cache_that_can_be_read_until_the_next(bpy: ModuleType, killed: Path) -> None:
     (folder,) = killed.iterdir()
     (cache,) = folder.glob("*.pc2")

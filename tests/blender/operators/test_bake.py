@@ -211,7 +211,7 @@ def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed
         bpy.ops.dimple.bake(frame_start=5, frame_end=5)
 
 
-@pytest.mark.parametrize(("simulated", "near"), [("MESH", 0.05), ("PROXY", 0.1)])
+@pytest.mark.parametrize(("simulated", "near"), [("MESH", 0.05), pytest.param("PROXY", 0.1, marks=pytest.mark.once)])
 def test_a_bake_with_keyframed_constants_answers_as_one_that_is_identified_for_each(
     bpy: ModuleType, scene: Any, ball: Add, simulated: str, near: float
 ) -> None:

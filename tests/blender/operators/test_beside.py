@@ -61,6 +61,7 @@ def test_the_hand_gets_the_force_of_the_body_that_blender_shows(
     assert (rest.T - entry.session.skin())[:, 2].max() > 0.002, "the dent shows"
 
 
+@pytest.mark.once
 def test_a_blender_that_stalls_leaves_the_force_as_it_was(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> None:
     """For 0.2 s, over which a wall has faded: the body goes on at the device's rate."""
     pressed(bpy, port, add)
@@ -74,6 +75,7 @@ def test_a_blender_that_stalls_leaves_the_force_as_it_was(bpy: ModuleType, port:
     raise AssertionError(after)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("who", ["servo", "emulator"])
 def test_a_killed_process_leaves_the_body_with_blender(
     bpy: ModuleType, port: Any, add: Callable[..., Any], who: str
@@ -93,6 +95,7 @@ def test_a_killed_process_leaves_the_body_with_blender(
     assert np.abs(at - rest).max() < 1e-3, "nothing presses it any more"
 
 
+@pytest.mark.once
 def test_a_body_that_blows_up_beside_the_device_has_no_force_and_is_put_back_to_rest(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:
@@ -111,6 +114,7 @@ def test_a_body_that_blows_up_beside_the_device_has_no_force_and_is_put_back_to_
     assert strongest(report) == 0.0 and np.isfinite(entry.session.positions()).all()
 
 
+@pytest.mark.once
 def test_a_body_too_fine_for_the_device_is_a_wall_and_the_panel_says_so(
     bpy: ModuleType, port: Any, add: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -137,7 +141,10 @@ def test_a_body_too_fine_for_the_device_is_a_wall_and_the_panel_says_so(
     assert entry.session.body is connection().beside.remote
 
 
-@pytest.mark.parametrize("why", ["mouse", "collider", "reset"])
+ONCE = pytest.mark.once
+
+
+@pytest.mark.parametrize("why", ["mouse", pytest.param("collider", marks=ONCE), pytest.param("reset", marks=ONCE)])
 def test_what_only_blender_can_step_comes_back_to_it(
     bpy: ModuleType, port: Any, add: Callable[..., Any], why: str
 ) -> None:
@@ -166,6 +173,7 @@ def test_what_only_blender_can_step_comes_back_to_it(
         wait(runs, bpy)
 
 
+@pytest.mark.once
 def test_a_constant_that_is_changed_goes_to_the_body_that_runs(
     bpy: ModuleType, port: Any, add: Callable[..., Any]
 ) -> None:

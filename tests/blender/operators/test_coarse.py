@@ -51,7 +51,7 @@ def test_a_click_on_a_bare_primitive_answers_the_law(
         assert frame.volume == pytest.approx(frame.rest_volume, rel=0.002)
 
 
-@pytest.mark.parametrize("name", ["cube", "cone", "cylinder"])
+@pytest.mark.parametrize("name", ["cube", *(pytest.param(n, marks=pytest.mark.once) for n in ("cone", "cylinder"))])
 def test_a_liquid_keeps_its_volume_in_a_primitive_of_few_vertices(
     bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], name: str
 ) -> None:

@@ -40,6 +40,7 @@ def test_three_fingertips_press_the_session_and_get_its_force(
     assert len([finger for finger in entry.fingers if finger]) == 3  # which the overlay draws
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("who", ["servo", "emulator"])
 def test_a_killed_process_takes_the_force_and_not_the_session(
     bpy: ModuleType, port: Any, add: Callable[..., Any], who: str
@@ -101,7 +102,7 @@ def test_the_origin_is_where_the_fingertips_are(bpy: ModuleType, port: Any) -> N
     assert at == pytest.approx((0.1, 0.2, 0.3), abs=1e-5)
 
 
-@pytest.mark.parametrize("paused", [True, False], ids=["paused", "nothing runs"])
+@pytest.mark.parametrize("paused", [True, pytest.param(False, marks=pytest.mark.once)], ids=["paused", "nothing runs"])
 def test_a_servo_hears_of_blender_while_nothing_moves(
     bpy: ModuleType, port: Any, add: Callable[..., Any], paused: bool
 ) -> None:

@@ -170,7 +170,7 @@ def test_reset_disarms(bpy: ModuleType, port: Any, add: Callable[..., Any]) -> N
     wait(lambda report: report.arming.name == "OFF")
 
 
-@pytest.mark.parametrize(("above", "kicks"), [(0.040, False), (-0.040, True)])
+@pytest.mark.parametrize(("above", "kicks"), [pytest.param(0.040, False, marks=pytest.mark.once), (-0.040, True)])
 def test_a_body_put_under_the_fingertips_at_once_disarms(
     bpy: ModuleType, port: Any, add: Callable[..., Any], above: float, kicks: bool
 ) -> None:
@@ -190,7 +190,7 @@ def test_a_body_put_under_the_fingertips_at_once_disarms(
     assert any("has changed" in sentence for sentence in notes) == kicks
 
 
-@pytest.mark.parametrize("what", ["place", "radius"])
+@pytest.mark.parametrize("what", ["place", pytest.param("radius", marks=pytest.mark.once)])
 def test_another_place_or_radius_of_the_device_disarms_while_a_fingertip_presses(
     bpy: ModuleType, port: Any, add: Callable[..., Any], what: str
 ) -> None:

@@ -35,6 +35,7 @@ def test_a_bare_cube_is_ready_for_its_first_press(bpy: ModuleType, bare: Any) ->
     assert heights[np.hypot(*np.array([v.co.xy for v in bare.data.vertices]).T) < 0.1].min() < top - 0.02
 
 
+@pytest.mark.once
 @pytest.mark.parametrize("K1", [pytest.param(0.3, marks=pytest.mark.slow), 3.0])
 def test_a_press_by_force_is_as_deep_as_the_law_says_on_a_vertex_and_beside_it(
     bpy: ModuleType, bare: Any, sessions: Any, K1: float

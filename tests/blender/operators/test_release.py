@@ -35,7 +35,7 @@ def outward(mesh: Any) -> np.ndarray:
     return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
 
 
-@pytest.mark.parametrize("depth", [0.005, 0.020])
+@pytest.mark.parametrize("depth", [pytest.param(0.005, marks=pytest.mark.once), 0.020])
 def test_a_pressed_suzanne_comes_back_wherever_she_is_pressed(monkey: Any, depth: float) -> None:
     from bl_ext.user_default.dimple.core.session import Finger
 
