@@ -42,6 +42,7 @@ def test_suzanne_answers_the_law_she_was_identified_for_where_her_fingertip_pres
     assert np.sqrt(np.mean((forces - wanted) ** 2)) < 0.02 * wanted.max()
 
 
+@pytest.mark.once
 def test_a_bake_of_the_three_objects_answers_the_law_where_their_fingertips_are_deepest(
     bpy: ModuleType, empty_file: ModuleType, tmp_path: Path
 ) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 
+@pytest.mark.once
 def test_pokes_paint_a_map_that_makes_the_press_as_stiff_as_it_was_poked(
     bpy: ModuleType, ball: Callable[..., Any], tmp_path: Path
 ) -> None:
