@@ -45,9 +45,9 @@ ROWS = 1 << 15  # of an array at a time: what is worked out of them stays in the
 REST_CLEAR = 0.05  # of a fingertip's radius: nearer to the box round a body, it keeps it awake
 
 
-def row_parts(count: int) -> Iterator[slice]:
-    """Yield the slices of `count` rows that are worked through one by one."""
-    return (slice(at, at + ROWS) for at in range(0, count, ROWS))
+def row_parts(count: int, wide: int = 1) -> Iterator[slice]:
+    """Yield the slices of `count` rows, so many times as wide as others, that are worked through one by one."""
+    return (slice(at, at + ROWS // wide) for at in range(0, count, ROWS // wide))
 
 
 def mean_of_pairs(values: Floats, pairs: Ints) -> Floats:

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..base import MASS_FLOOR, Floats, mean_of_pairs, sums_at
 from ..material import Material
-from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh
 from .estimate import AT_KNEE, estimate
 from .maps import Maps, stiffness_at_knees
@@ -38,7 +37,7 @@ def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[
         "friction": at_vertices[0], "damping": at_vertices[1],
         "stiffness": membrane_stiffness(mesh, _spring_mean(mesh, k_scaled[which])) * stiffer * thicker,
         "k1": k1, "k2": k2, "d0": at_vertices[2] * maps.deeper,
-        "tension": cotangent_weights(mesh) * _spring_mean(mesh, tension) * stiffer * wider**2,
+        "tension": mesh.cotangents * _spring_mean(mesh, tension) * stiffer * wider**2,
         "more": np.reshape(more, (-1, len(k1))),
         "knees": np.reshape([maps.deeper * knee for knee in at_vertices[3:]], (-1, len(k1))),
     }  # fmt: skip

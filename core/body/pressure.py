@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import AIR_EXPONENT, AIR_PRESSURE, LIQUID_BULK_MODULUS, Floats, Ints, sums_at
+from ..base import AIR_EXPONENT, AIR_PRESSURE, LIQUID_BULK_MODULUS, Floats, Ints, row_parts, sums_at
 from ..mesh.rings import Rings
 from ..mesh.surface import Mesh, cap_centres
 from .springs import around
@@ -48,15 +48,13 @@ def build_pressure(mesh: Mesh, fill: str, rest_pressure: float = 0.0) -> Pressur
 
 def volume_and_gradient(law: Pressure, x: Floats, arms: Floats | None = None) -> tuple[float, Floats]:
     """Return the volume [m3] and its gradient (3, n) [m2] at positions (3, n)."""
-    d = around(law.rings, x) if arms is None else arms
-    n = np.empty_like(x)
-    if len(d[0]):
+    n = np.zeros_like(x)
+    for part in row_parts(x.shape[1]) if len(law.rings.neighbours) else ():
+        d = around(law.rings, x, part) if arms is None else arms[:, :, part]
         for c in range(3):
             a, b = d[(c + 1) % 3], d[(c + 2) % 3]
-            n[c] = np.einsum("sn,sn->n", a[:-1], b[1:]) - np.einsum("sn,sn->n", b[:-1], a[1:])
-            n[c] += a[-1] * b[0] - b[-1] * a[0]
-    else:
-        n[:] = 0
+            n[c, part] = np.einsum("sn,sn->n", a[:-1], b[1:]) - np.einsum("sn,sn->n", b[:-1], a[1:])
+            n[c, part] += a[-1] * b[0] - b[-1] * a[0]
     centre = x.mean(axis=1)
     _add_corners(law, n, x - centre[:, None])
     volume = float(np.einsum("cn,cn->", x - centre[:, None], n)) / 18

@@ -63,12 +63,13 @@ def membrane_stiffness(mesh: Mesh, k: Floats) -> Floats:
     return k * mesh.spring_areas / (length**2 * np.sqrt(3) / 2)
 
 
-def around(rings: Rings, x: Floats) -> Floats:
-    """Gather the vectors (3, w, n) from each vertex to the neighbours round it."""
-    vectors = np.empty((3, *rings.neighbours.shape))
+def around(rings: Rings, x: Floats, part: slice = slice(None)) -> Floats:
+    """Gather the vectors (3, w, n) from each vertex, or from those of a part, to the neighbours round it."""
+    neighbours = rings.neighbours[:, part]
+    vectors = np.empty((3, *neighbours.shape))
     for c in range(3):
-        np.take(x[c], rings.neighbours, out=vectors[c], mode="clip")  # the fast way: no check of bounds, no buffer
-        vectors[c] -= x[c]
+        np.take(x[c], neighbours, out=vectors[c], mode="clip")  # the fast way: no check of bounds, no buffer
+        vectors[c] -= x[c, part]
     return vectors
 
 

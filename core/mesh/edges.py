@@ -58,22 +58,23 @@ class Edges:
 def edges_of(triangles: Ints) -> Edges:
     """Find the edges of triangles (t, 3) with three different corners each."""
     start, end = triangles.ravel(), np.take(triangles, (1, 2, 0), axis=1).ravel()
-    n = int(triangles.max()) + 1 if len(triangles) else 1
-    keys = np.minimum(start, end) * n + np.maximum(start, end)
+    keys = np.minimum(start, end) << 32 | np.maximum(start, end)
     order = np.argsort(keys, kind="stable")
-    keys = keys[order]
-    first = np.flatnonzero(np.diff(keys, prepend=-1))
+    keys = keys.take(order)
+    new = np.ones(len(keys), bool)
+    np.not_equal(keys[1:], keys[:-1], out=new[1:])
+    first = np.flatnonzero(new)
     count = np.diff(first, append=len(keys))
     of_half = np.empty(len(keys), np.int64)
-    of_half[order] = np.repeat(np.arange(len(first)), count)
-    ways = np.where(start < end, 1, -1)[order]
-    excess = np.add.reduceat(ways, first) if len(first) else first
+    of_half[order] = np.cumsum(new) - 1
+    ways = np.where(start < end, np.int8(1), np.int8(-1)).take(order)
+    excess = np.add.reduceat(ways, first, dtype=np.int64) if len(first) else first
     pairs = first[(count == 2) & (excess == 0)]
-    one, other = order[pairs], order[pairs + 1]
+    one, other = order.take(pairs), order.take(pairs + 1)
     twin = np.full(len(keys), -1)
     twin[one], twin[other] = other, one
-    return Edges(
-        ends=np.stack([keys[first] // n, keys[first] % n], axis=1), count=count,
-        faces=np.stack([order[first], order[first + count - 1]], axis=1) // 3, excess=excess, of_half=of_half,
-        twin=twin,
-    )  # fmt: skip
+    keys, ends = keys.take(first), np.empty((len(first), 2), np.int64)
+    ends[:, 0], ends[:, 1] = keys >> 32, keys & 0xFFFFFFFF
+    faces = np.stack([order.take(first), order.take(first + count - 1)], axis=1)
+    faces //= 3
+    return Edges(ends=ends, count=count, faces=faces, excess=excess, of_half=of_half, twin=twin)

@@ -22,15 +22,15 @@ ROUNDING = 1e-9  # of the terms of a volume: a part with less is flat, and has n
 
 def connected(pairs: Ints, n: int) -> Ints:
     """Return the lowest index (n,) that each of n nodes is connected to by edges `pairs` (m, 2)."""
-    label, (a, b) = np.arange(n), pairs.T
-    while len(a):
-        first, second = label[a], label[b]
-        apart = first != second
-        a, b, first, second = a[apart], b[apart], first[apart], second[apart]
+    label, (first, second) = np.arange(n), pairs.T
+    while len(first):
         # the label of a label changes, not that of a node: so none is cut off from what it was joined to
         np.minimum.at(label, np.maximum(first, second), np.minimum(first, second))
-        while ((lowest := label[label]) != label).any():
+        while ((lowest := label.take(label)) != label).any():
             label = lowest
+        first, second = label.take(first), label.take(second)
+        apart = first != second
+        first, second = first[apart], second[apart]
     return label
 
 
@@ -70,14 +70,16 @@ def _all_apart(positions: Floats, cell: float) -> bool:
     """
     along = positions @ SLANTED
     order = np.argsort(along)
-    along, points = along[order], positions[order]
-    level = np.arange(len(points))
+    along = along[order]
+    level = np.arange(len(order))
     for step in range(1, LEVEL):
-        level = level[: np.searchsorted(level, len(points) - step)]
-        level = level[along[level + step] - along[level] <= 2 * cell]
+        level = level[: np.searchsorted(level, len(order) - step)]
+        level = near = level[along.take(level + step) - along.take(level) <= 2 * cell]
         if not len(level):
             return True
-        if (np.abs(points[level + step] - points[level]) <= cell).all(axis=1).any():
+        for axis in positions.T:
+            near = near[np.abs(axis[order.take(near + step)] - axis[order.take(near)]) <= cell]
+        if len(near):
             return False
     return False
 
@@ -124,10 +126,10 @@ def inward_parts(positions: Floats, faces: Ints, adjacency: Ints, flipped: Bools
         flipped: (t,) was turned over by `consistent_winding`; an open part without such a face is left as it is.
         volume: inside all of it, holes closed [m3].
     """
-    inward = np.zeros(len(faces), bool)
-    names, label = np.unique(connected(adjacency, len(faces)), return_inverse=True)
-    if len(names) == 1 and volume >= 0:
+    inward, lowest = np.zeros(len(faces), bool), connected(adjacency, len(faces))
+    if volume >= 0 and not lowest.any():  # one part
         return inward
+    names, label = np.unique(lowest, return_inverse=True)
     count, corners = np.bincount(label), positions[faces]
     mean = np.stack([sums_at(label, corners[:, :, c].mean(axis=1), len(names)) / count for c in range(3)], axis=1)
     a, b, c = (corners - mean[label][:, None]).transpose(1, 2, 0)

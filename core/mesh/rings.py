@@ -47,29 +47,29 @@ def ordered_rings(triangles: Ints, edges: Edges, n: int) -> Rings:
         n: number of vertices.
     """
     start, end = triangles.ravel(), np.take(triangles, (1, 2, 0), axis=1).ravel()
-    half = np.arange(len(start)).reshape(-1, 3)
-    turn = edges.twin[np.take(half, (2, 0, 1), axis=1).ravel()]  # the next half-edge round the vertex where one starts
+    # the next half-edge round the vertex where one starts
+    turn = np.take(edges.twin.reshape(-1, 3), (2, 0, 1), axis=1).ravel()
     valence = np.bincount(start, minlength=n)
     regular = (valence >= 3) & (valence <= MAX_RING)
     regular[start[turn < 0]] = False
 
     width = int(valence[regular].max()) if regular.any() else 0
-    by_corner = half.T.ravel()
-    first = np.zeros(n, np.int64)
-    first[start[by_corner[::-1]]] = by_corner[::-1]
+    half, first = np.arange(len(start)).reshape(-1, 3), np.zeros(n, np.int64)
+    for corner in (2, 1, 0):  # of several at a vertex the first face's, of its first corners
+        first[triangles[::-1, corner]] = half[::-1, corner]
     ring, springs = np.empty((width, n), np.int64), np.empty((width, n), np.int64)
     for part in row_parts(n):
         here, start_here, count = first[part], first[part], valence[part]
         for slot in range(width):
             # walk to the next neighbour; past the last stay at the first
-            ring[slot, part], springs[slot, part] = end[here], edges.of_half[here]
+            ring[slot, part], springs[slot, part] = end.take(here), edges.of_half.take(here)
             springs[slot, part][slot >= count] = -1
-            here = np.where(slot < count - 1, turn[here], start_here)
+            here = np.where(slot < count - 1, turn.take(here), start_here)
             # back at the start too early: two fans meet in this vertex
             regular[part] &= (here != start_here) | (slot >= count - 1)
     ring[:, ~regular], springs[:, ~regular] = np.flatnonzero(~regular), -1
 
-    odd = by_corner[~regular[start[by_corner]]]
+    odd = np.concatenate([half[~regular.take(triangles[:, corner]), corner] for corner in range(3)])
     apex = end[odd + np.where(odd % 3 == 2, -2, 1)]
     ends = ~regular[edges.ends]
     irregular = np.flatnonzero(ends[:, 0] | ends[:, 1])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,15 +21,20 @@ from ..base import (
     DimpleError,
     Floats,
     Ints,
+    mean_of_pairs,
     row_parts,
     sums_at,
+    sums_of_three,
 )
 from .edges import Edges, edges_of
 from .repair import connected, consistent_winding, inward_parts, weld
 from .rings import Rings, ordered_rings
 
+LEAST = 0.25  # of its cotangent weights a vertex keeps, where nearly all triangles round it are blunt
+LARGEST = 4.0  # of an edge between the long sides of slivers: more would shorten the time step and hold no better
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True)
 class Mesh:
     """A welded triangle surface at rest.
 
@@ -74,6 +80,25 @@ class Mesh:
     loose: Bools
     source: Ints
     notes: tuple[str, ...]
+
+    @cached_property
+    def cotangents(self) -> Floats:
+        """Return w (m,) of every edge: half the sum of the cotangents of the angles opposite it.
+
+        The sum over edges of w |u_i - u_j|^2 is the integral of |grad u|^2. Where angles are so blunt that w would be
+        negative it is 0, so that no energy is; the weights round such an edge are less by as much, or a surface of
+        blunt triangles would be stiffer than its area.
+        """
+        n, ends, square = len(self.rest_positions), self.springs, self.rest_lengths**2
+        cotangents = np.empty((len(self.triangles), 3))
+        for part in row_parts(len(cotangents)):  # the law of cosines: 4 A cot = b^2 + c^2 - a^2
+            sides = square[self.triangle_springs[part]]
+            area = np.maximum(2 * self.triangle_areas[part], 1e-12 * self.size**2)
+            cotangents[part] = (sums_of_three(sides)[:, None] / 2 - sides) / area[:, None]
+        total = sums_at(self.triangle_springs.ravel(), cotangents.ravel(), len(ends)) / 2
+        weights = np.clip(total, 0, LARGEST)
+        wanted, kept = (sums_at(ends.ravel(), np.repeat(w * square, 2), n) for w in (total, weights))
+        return weights * mean_of_pairs(np.clip(wanted / np.maximum(kept, 1e-30), LEAST, 1.0), ends)
 
 
 def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material: Ints | None = None) -> Mesh:
@@ -147,7 +172,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     loose = _loose(triangles, len(positions))
     if loose.any():
         notes.append(f"{int(loose.sum())} loose vertices belong to no face and stay where they are.")
-    lengths = np.linalg.norm(positions[springs[:, 0]] - positions[springs[:, 1]], axis=1)
+    lengths = np.concatenate([_lengths(positions, springs[part]) for part in row_parts(len(springs))])
     vertex_areas = sums_at(triangles.ravel(), np.repeat(areas / 3, 3), len(positions))
     return Mesh(
         rest_positions=positions, triangles=triangles, triangle_material=material, triangle_areas=areas,
@@ -201,6 +226,10 @@ def _check(positions: Floats, triangles: Ints, material: Ints) -> None:
         )
 
 
+def _lengths(positions: Floats, pairs: Ints) -> Floats:
+    return np.sqrt(sums_of_three((positions[pairs[:, 0]] - positions[pairs[:, 1]]) ** 2))
+
+
 def _loose(triangles: Ints, n: int) -> Bools:
     """Return which of n vertices belong to no face."""
     loose = np.ones(n, bool)
@@ -224,10 +253,17 @@ def _closed(positions: Floats, triangles: Ints, edges: Edges) -> tuple[Ints, Int
     """Return the cap edges (c, 2), the hole each closes (c,) and the volume inside [m3]."""
     border = edges.border
     cap_loop = _loops(border, len(positions))
-    x = positions - positions[triangles].mean(axis=(0, 1))
-    parts = [np.linalg.det(x[triangles[part]]) for part in row_parts(len(triangles))]
+    x = positions - positions[triangles[:, 0]].mean(axis=0)
+    columns = np.ascontiguousarray(x.T)
+    parts = [_spanned(*(columns.take(at, axis=1) for at in triangles[part].T)) for part in row_parts(len(triangles))]
     total = float(np.concatenate(parts).sum())
     if len(border):
         centre, _ = cap_centres(x, border, cap_loop)
-        total += float(np.linalg.det(np.stack([x[border[:, 0]], x[border[:, 1]], centre[cap_loop]], axis=1)).sum())
+        total += float(_spanned(x[border[:, 0]].T, x[border[:, 1]].T, centre[cap_loop].T).sum())
     return border, cap_loop, total / 6
+
+
+def _spanned(a: Floats, b: Floats, c: Floats) -> Floats:
+    """Return six times the volume (k,) [m3] that each a, b and c (3, k) [m] span with the origin."""
+    x, y, z = (a[k - 3] * (b[k - 2] * c[k - 1] - b[k - 1] * c[k - 2]) for k in range(3))
+    return x + y + z

@@ -22,8 +22,28 @@ static uint64_t dm_spread_bits(uint64_t a) {
     return (a | a << 2) & 0x1249249249249249;
 }
 
-/* Order points (3, n) along a Morton curve: runs of them are near in space. */
-static void dm_order_along_curve(const double *points, int64_t n, dm_keyed *keys) {
+/* Sort by key, digit by digit; those of one key stay in their order. */
+static int dm_sort_keys(dm_keyed *keys, int64_t n) {
+    enum { DM_DIGIT = 11, DM_DIGITS = 6 }; /* of bits; an even number brings them back to where they were */
+    dm_keyed *from = keys, *to = malloc((size_t)(n + 1) * sizeof *to), *other = to;
+    for (int digit = 0; to && digit < DM_DIGITS; digit++) {
+        int64_t start[1 << DM_DIGIT] = {0}, at = 0;
+        uint64_t shift = (uint64_t)(digit * DM_DIGIT), mask = (1 << DM_DIGIT) - 1;
+        for (int64_t i = 0; i < n; i++) start[from[i].key >> shift & mask]++;
+        for (uint64_t k = 0; k <= mask; k++) {
+            int64_t count = start[k];
+            start[k] = at, at += count;
+        }
+        for (int64_t i = 0; i < n; i++) other[start[from[i].key >> shift & mask]++] = from[i];
+        dm_keyed *before = from;
+        from = other, other = before;
+    }
+    free(to);
+    return to != NULL;
+}
+
+/* Order points (3, n) along a Morton curve: runs of them are near in space. Returns 0 where memory is lacking. */
+static int dm_order_along_curve(const double *points, int64_t n, dm_keyed *keys) {
     double low[3], span = 0;
     for (int c = 0; c < 3; c++) {
         double high = low[c] = points[c * n];
@@ -42,7 +62,7 @@ static void dm_order_along_curve(const double *points, int64_t n, dm_keyed *keys
         }
         keys[i] = (dm_keyed){key, (uint32_t)i};
     }
-    qsort(keys, (size_t)n, sizeof(dm_keyed), dm_by_key);
+    return dm_sort_keys(keys, n);
 }
 
 /* Order the vertices as a wave from the first meets them: all neighbours are then within two of its fronts, so that a
@@ -71,8 +91,7 @@ static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const
     int64_t n = b->n;
     dm_keyed *keys = dm_alloc(n, sizeof(dm_keyed));
     uint8_t *seen = dm_alloc(n, 1);
-    if (!keys || !seen) return dm_free(keys), dm_free(seen), DM_MEMORY;
-    dm_order_along_curve(b->rest, n, keys);
+    if (!keys || !seen || !dm_order_along_curve(b->rest, n, keys)) return dm_free(keys), dm_free(seen), DM_MEMORY;
     for (int64_t k = 0; k < n; k++) b->rank[keys[k].vertex] = (uint32_t)k;
     dm_order_by_wave(b, keys, seen, width, ring, ring_spring);
     for (int64_t from = 0; from < n; from += DM_WINDOW) {

@@ -15,11 +15,11 @@ static int32_t dm_order_triangles(dm_scene_state *s, const dm_surface *f) {
     double *middles = malloc((size_t)(3 * t + 1) * sizeof(double));
     dm_keyed *keys = malloc((size_t)(t + 1) * sizeof(dm_keyed));
     uint32_t(*sorted)[3] = malloc((size_t)(t + 1) * sizeof *sorted);
-    if (middles && keys && sorted) {
-        for (int64_t k = 0; k < t; k++)
-            for (int c = 0; c < 3; c++)
-                middles[c * t + k] = s->rest[mine[k][0]][c] + s->rest[mine[k][1]][c] + s->rest[mine[k][2]][c];
-        dm_order_along_curve(middles, t, keys);
+    int whole = middles && keys && sorted;
+    for (int64_t k = 0; whole && k < t; k++)
+        for (int c = 0; c < 3; c++)
+            middles[c * t + k] = s->rest[mine[k][0]][c] + s->rest[mine[k][1]][c] + s->rest[mine[k][2]][c];
+    if (whole && dm_order_along_curve(middles, t, keys)) {
         for (int64_t k = 0; k < t; k++) memcpy(sorted[k], mine[keys[k].vertex], sizeof *sorted);
         memcpy(mine, sorted, (size_t)t * sizeof *sorted);
     } else s->code = DM_MEMORY;

@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from .. import native
-from ..base import Floats, Ints, Singles, sums_at
+from ..base import Floats, Ints, Singles, row_parts, sums_at
 from ..mesh.surface import Mesh
 from ..native.carry import EIGHT, FOLLOWED, Binding, Shorts, in_rows
 from .cells import vertex_normals
@@ -86,11 +86,14 @@ def blend(binding: Binding, values: Floats) -> Floats:
 def _sums_of(first: Ints, followed: Shorts, weights: Shorts, values: _Values) -> _Values:
     """Return the sums (g, c, 8), by weights, of values (m, c) of the coarse vertices that each fine one follows."""
     count = np.diff(first)
-    least, sums = count.min(initial=0), np.zeros((len(count), values.shape[1], EIGHT), values.dtype)
-    for k in range(count.max(initial=0)):
-        longer = np.flatnonzero(count > k) if k >= least else slice(None)
-        at = first[:-1][longer] + k
-        sums[longer] += np.take(values, followed[at], axis=0)[:, :, None] * weights[at][:, None].astype(values.dtype)
+    sums = np.zeros((len(count), values.shape[1], EIGHT), values.dtype)
+    for part in row_parts(len(count), EIGHT):
+        least = count[part].min()
+        for k in range(count[part].max()):
+            longer = np.flatnonzero(count[part] > k) if k >= least else slice(None)
+            at = first[:-1][part][longer] + k
+            ways = np.take(values, followed[at], axis=0)[:, :, None]
+            sums[part][longer] += ways * weights[at][:, None].astype(values.dtype)
     return sums
 
 

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from .. import native
-from ..base import Bools, Floats, Ints, sums_at, sums_of_three
+from ..base import Bools, Floats, Ints, row_parts, sums_at, sums_of_three
 from ..mesh.surface import Mesh
 
 CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the proxy must have too
@@ -30,10 +30,14 @@ def vertex_normals(triangles: Ints, x: Floats) -> Floats:
 
 def _face_vectors(triangles: Ints, x: Floats) -> Floats:
     """Return the normals (3, t) of faces, as long as twice their area."""
-    first, along, across = (np.ascontiguousarray(x.T)[:, at] for at in triangles.T)
-    along -= first
-    across -= first
-    return np.stack([along[c - 2] * across[c - 1] - along[c - 1] * across[c - 2] for c in range(3)])
+    columns, vectors = np.ascontiguousarray(x.T), np.empty((3, len(triangles)))
+    for part in row_parts(len(triangles)):
+        first, along, across = (columns.take(at, axis=1) for at in triangles[part].T)
+        along -= first
+        across -= first
+        for c in range(3):
+            vectors[c, part] = along[c - 2] * across[c - 1] - along[c - 1] * across[c - 2]
+    return vectors
 
 
 def spread_seeds(

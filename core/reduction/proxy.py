@@ -14,7 +14,6 @@ import numpy as np
 from ..base import DimpleError, Floats, Ints, Singles, mean_of_pairs, sums_at
 from ..body.model import Model, assemble
 from ..body.springs import membrane_stiffness
-from ..mesh.cotangents import cotangent_weights
 from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
 from .binding import bind
@@ -192,11 +191,11 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         return mean_of_pairs(sums / np.maximum(sums_at(ends, np.repeat(weight, 2), m), 1e-30), mesh.springs)
 
     k = of_surface(model.springs.stiffness, membrane_stiffness(fine, np.ones(len(fine.springs))))
-    tension = of_surface(matching.tension, cotangent_weights(fine))
+    tension = of_surface(matching.tension, fine.cotangents)
     coarse = assemble(
         mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), pinned=pinned,
         friction=mean(model.friction), damping=mean(damping),
-        stiffness=membrane_stiffness(mesh, k), tension=cotangent_weights(mesh) * tension,
+        stiffness=membrane_stiffness(mesh, k), tension=mesh.cotangents * tension,
         k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0),
         more=np.reshape([total(k) for k in matching.more], (-1, m)),
         knees=np.reshape([mean(knee) for knee in matching.knees], (-1, m)), fill=model.pressure.fill,

@@ -11,7 +11,6 @@ from core.base import DimpleError, Floats
 from core.body.model import Model, build_model
 from core.body.shape_matching import fit_pose
 from core.material import PRESETS
-from core.mesh.cotangents import cotangent_weights
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.binding import WHOLE, carry, carry_numpy, motions_of, nearest_seeds
 from core.reduction.cells import farthest_first, grow_cells, spread_cells, spread_seeds, vertex_normals
@@ -64,7 +63,7 @@ def test_at_rest_the_surface_is_the_mesh_bit_for_bit(model: Model, proxy: Proxy)
 def test_a_proxy_has_no_blunt_edges_so_its_tension_is_that_of_its_area(model: Model, vertices: int) -> None:
     """Stretched alike in all directions a membrane stores T times its area: it was 8 to 16 % more."""
     mesh = build_proxy(model, vertices).model.mesh
-    weights = cotangent_weights(mesh)
+    weights = mesh.cotangents
     assert weights @ mesh.rest_lengths**2 == pytest.approx(2 * mesh.triangle_areas.sum(), rel=2e-3)
     assert (weights <= 0).mean() < 0.01 and mesh.closed
 
@@ -95,7 +94,7 @@ def test_blunt_triangles_are_no_stiffer_than_their_area() -> None:
     """A negative weight is left out, and what is round it is less by as much."""
     points, faces = jittered(12, shift=0.45)
     mesh = mesh_from_triangles(points, faces)
-    weights = cotangent_weights(mesh)
+    weights = mesh.cotangents
     assert (weights <= 0).mean() > 0.05 and weights.min() >= 0
     assert weights @ mesh.rest_lengths**2 == pytest.approx(2 * mesh.triangle_areas.sum(), rel=0.03)
 
