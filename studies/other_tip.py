@@ -9,6 +9,9 @@ little more while the contact is narrower than the spread, with too much more wh
 nearly in proportion to the depth where a solid's begins with its power of 1.5. So by the spread of a half space the
 other tip is met within 10 % from 5 mm on, but at 1 and 2 mm the force is 7 to 41 % off, under the fitted tip too; and
 the dents, whose tails want a larger spread the deeper they are, are 5 to 9 % of their depth off.
+
+Some of that is the straight bed's and some the constant spread's: `other_tip_identified` gives the bed all freedom that
+an identification has, `following_spread` lets the spread grow with the contact.
 """
 
 from __future__ import annotations
@@ -49,6 +52,15 @@ class Pressed:
     volume: float
 
 
+def tables(subdivisions: int) -> Iterator[tuple[str, Iterator[dict[str, object]]]]:
+    """Yield the name of each file of this part, and its rows."""
+    from . import following_spread, other_tip_identified
+
+    yield "other_tip.csv", rows(subdivisions)
+    yield "other_tip_identified.csv", other_tip_identified.rows(subdivisions)
+    yield "following_spread.csv", following_spread.rows()
+
+
 def rows(subdivisions: int) -> Iterator[dict[str, object]]:
     """Yield what a body that was fitted through one tip answers either tip, for each law of the solid."""
     mesh = dents.ball(subdivisions)
@@ -58,7 +70,7 @@ def rows(subdivisions: int) -> Iterator[dict[str, object]]:
         made = {
             (spread, tip): Pressed(
                 np.array([one.force[2] for one in some]),
-                np.array([_dent_error(mesh, one, shapes[f"ball {tip} mm", one.depth]) for one in some
+                np.array([dent_error(mesh, one, shapes[f"ball {tip} mm", one.depth]) for one in some
                           if one.depth in DENTED]),
                 max(abs(_volume(mesh, one.positions) / _volume(mesh, mesh.rest_positions) - 1) for one in some),
             )
@@ -131,7 +143,8 @@ def _solid_force(law: str, tip: int) -> Floats:
     return np.asarray(np.interp(DEPTHS, 1e-3 * curve[:, 0], curve[:, 1]))
 
 
-def _dent_error(mesh: Mesh, one: dents.Settled, true: Profile) -> float:
+def dent_error(mesh: Mesh, one: dents.Settled, true: Profile) -> float:
+    """Return the RMS error of a dent along the skin over its depth."""
     spacing = mean_spacing(mesh, len(mesh.rest_positions))
     shape = profile(mesh.rest_positions, one.positions, spacing, within=2.2 * BALL_RADIUS)
     way = np.linspace(0, WITHIN, 200)
