@@ -44,13 +44,13 @@ def _model_constant(name: str, description: str) -> FloatProperty:
 class DIMPLE_PG_material(bpy.types.PropertyGroup):
     """The constants of one material, as measured on a real object."""
 
-    K1: _stiffness("Slope K1 (N/mm)", 0.61, "Force per depth of a press, up to the knee")
-    K2: _stiffness("Slope K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
+    K1: _stiffness("K1 (N/mm)", 0.61, "Force per depth of a press, up to the knee")
+    K2: _stiffness("K2 (N/mm)", 7.23, "Force per depth of a press, beyond the knee")
     x0: FloatProperty(
         name="Knee x0 (mm)", description="Depth at which the slope changes from K1 to K2",
         default=16.3, min=0.0, soft_min=0.1, soft_max=100.0, step=10, precision=2, update=_mark_edited, **KEYED,
     )  # fmt: skip
-    k: _stiffness("Surface Spring k (N/mm)", 9.2, "Stiffness of the surface against stretching")
+    k: _stiffness("Surface k (N/mm)", 9.2, "Stiffness of the surface against stretching")
     spread_mm: FloatProperty(
         name="Spread (mm)", description="How far a dent reaches beyond the fingertip",
         default=20.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,

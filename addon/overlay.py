@@ -76,7 +76,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
         lines.append((f"● {iface_('Recording')} {entry.recorder.frames}", FORCE))
     lines += [(line, FORCE) for sentence in device.slow() for line in wrapped(sentence, 40)]
     if numbers:
-        rows = readout.rows(entry.frame, entry.session.tick)
+        rows = readout.short_rows(entry.frame, entry.session.tick)
         more = filter(None, [entry.session.contact_note, entry.refused])
         notes = readout.sentences([*entry.session.model.notes, *more], entry.frame)
         lines += [(f"{label}: {value}", canvas.ink()) for label, value in rows]

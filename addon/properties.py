@@ -132,15 +132,15 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         items=_PRESS_BY, **FIXED,
     )  # fmt: skip
     press_depth_mm: FloatProperty(
-        name="Press Depth (mm)", description="How deep a press goes, by depth",
+        name="Depth (mm)", description="How deep a press goes, by depth",
         default=15.0, min=0.01, soft_min=0.1, soft_max=200.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     press_force_n: FloatProperty(
-        name="Press Force (N)", description="How strong a press is, by force",
+        name="Force (N)", description="How strong a press is, by force",
         default=5.0, min=0.001, soft_min=0.1, soft_max=100.0, step=10, precision=2, **FIXED,
     )  # fmt: skip
     press_force_g: FloatProperty(
-        name="Press Force (g)", description="The same force, as the weight of so many grams",
+        name="Force (g)", description="The same force, as the weight of so many grams",
         min=0.1, soft_min=10.0, soft_max=10_000.0, step=1000, precision=0,
         get=lambda self: self.press_force_n / _WEIGHT_N, set=_set_grams, **FIXED,
     )  # fmt: skip
@@ -170,7 +170,7 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         default=False, **FIXED,
     )  # fmt: skip
     show_overlay: BoolProperty(
-        name="Fingertips and Forces", description="Draw fingertips, forces and numbers in the viewport",
+        name="Overlay", description="Draw fingertips, forces and numbers in the viewport",
         default=True, **FIXED,
     )  # fmt: skip
     show_field: EnumProperty(

@@ -1,4 +1,4 @@
-"""The numbers of a session with their units, the same in the sidebar and over the viewport."""
+"""The numbers of a session with their units: all of them in the sidebar, fewer over the viewport."""
 
 import math
 from collections.abc import Sequence
@@ -35,6 +35,13 @@ def rate_hz(frame: Any) -> float:
     return frame.steps / frame.cost if frame.cost > 0 else 0.0
 
 
+def short_rows(frame: Any, tick: float) -> list[tuple[str, str]]:
+    """Return the rows for the viewport, which must not be covered by more: what presses, and what it does inside."""
+    hidden = {iface_(label) for label in ("Volume", "Time", "Rate", "Steps per Tick")}
+    hidden |= {iface_("Real Time")} if not 0 < rate_hz(frame) * tick < 1 else set()
+    return [row for row in rows(frame, tick) if row[0] not in hidden]
+
+
 def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
     """Return (label, number with unit) of everything in a frame, in the language of the interface.
 
@@ -54,8 +61,8 @@ def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
     rate = rate_hz(frame)
     lines.append((iface_("Rate"), f"{rate:.0f} Hz"))
     lines.append((iface_("Steps per Tick"), f"{frame.substeps}"))
-    if 0 < rate * tick < 1:
-        lines.append((iface_("Slow Motion"), f"{rate * tick:.0%}"))
+    speed = min(rate * tick, 1.0) if rate else 1.0
+    lines.append((iface_("Real Time"), f"{speed:.0%}"))  # also at 100 %: a row that comes and goes moves the others
     return lines
 
 

@@ -84,8 +84,8 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         column = self.layout.column()
         column.prop(self, "preset")
         if self.subdivide or not self.faults:
-            column.label(text="Where edges are longer than the fingertip is wide, no dent would show.", icon="INFO")
-            column.label(text="The mesh can be cut finer, in even parts.", icon="BLANK1")
+            column.label(text="Edges are longer than the fingertip is wide.", icon="INFO")
+            column.label(text="A bake shows the dent only where the mesh is cut finer.", icon="BLANK1")
         column.prop(self, "subdivide")
         if self.faults:
             column.label(text=self.faults, icon="INFO")

@@ -25,13 +25,13 @@ OPERATORS = {
 }
 
 MATERIAL = {
-    "Slope K1 (N/mm)": "傾き K1 (N/mm)",
+    "K1 (N/mm)": "K1 (N/mm)",
     "Force per depth of a press, up to the knee": "折れ点までの、押し込み深さあたりの力",
-    "Slope K2 (N/mm)": "傾き K2 (N/mm)",
+    "K2 (N/mm)": "K2 (N/mm)",
     "Force per depth of a press, beyond the knee": "折れ点を越えた後の、押し込み深さあたりの力",
     "Knee x0 (mm)": "折れ点 x0 (mm)",
     "Depth at which the slope changes from K1 to K2": "傾きが K1 から K2 に変わる深さ",
-    "Surface Spring k (N/mm)": "表面のばね定数 k (N/mm)",
+    "Surface k (N/mm)": "表面の k (N/mm)",
     "Stiffness of the surface against stretching": "表面の伸びに対する硬さ",
     "Mass From": "質量の与え方",
     "How the mass of the body is given": "物体の質量をどのように与えるか",
@@ -142,7 +142,7 @@ SESSION = {
     ),
     "Every n Frames": "フレーム間隔",
     "Make one shape key for this many frames": "このフレーム数ごとにシェイプキーを一つ作ります",
-    "Fingertips and Forces": "指先と力",
+    "Overlay": "オーバーレイ",
     "Draw fingertips, forces and numbers in the viewport": "指先、力、数値をビューポートに描きます",
     "Chart": "グラフ",
     "Draw force against depth, with the material's curve": "深さに対する力を、マテリアルの曲線に重ねて描きます",
@@ -186,7 +186,7 @@ PANELS = {
     "Time": "時間",
     "Rate": "計算速度",
     "Steps per Tick": "刻みあたりのステップ",
-    "Slow Motion": "スローモーション",
+    "Real Time": "実時間比",
 }
 
 VERBS = {

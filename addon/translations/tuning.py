@@ -27,11 +27,9 @@ WORDS = {
     "The fingertip pushes straight into the surface with a force; the softer the body, the deeper it sinks in": (
         "指先は一定の力で面にまっすぐ押します。物体が柔らかいほど深く沈みます"
     ),
-    "Press Depth (mm)": "押す深さ (mm)",
     "How deep a press goes, by depth": "深さで押すとき、どこまで押し込むか",
-    "Press Force (N)": "押す力 (N)",
     "How strong a press is, by force": "力で押すとき、どれだけの力で押すか",
-    "Press Force (g)": "押す力 (g)",
+    "Force (g)": "力 (g)",
     "The same force, as the weight of so many grams": "同じ力を、何グラムの重さかで表します",
     "Force (N)": "力 (N)",
     "Force to press with; 0 presses to the depth": "押す力。0 は深さまで押し込みます",
@@ -73,10 +71,10 @@ WORDS = {
     "Cut edges that are longer than the fingertip is wide, which changes the mesh": (
         "指先の幅より長い辺を分割します。メッシュが変わります"
     ),
-    "Where edges are longer than the fingertip is wide, no dent would show.": (
-        "辺が指先の幅より長いところでは、へこみが見えません。"
+    "Edges are longer than the fingertip is wide.": "辺が指先の幅より長くなっています。",
+    "A bake shows the dent only where the mesh is cut finer.": (
+        "メッシュを細かく分割しないと、ベイクにはへこみが現れません。"
     ),
-    "The mesh can be cut finer, in even parts.": "メッシュを均等に細かく分割できます。",
     "Colors": "色",
     "Color the surface of what is pressed, with a scale": "押している物体の面を、目盛り付きの色で塗る",
     "Contact Pressure": "接触圧",

@@ -83,8 +83,17 @@ def test_the_read_out_carries_every_number_with_its_unit(entry: Any) -> None:
     assert readout.rows(entry.frame, 1e-3) == [
         ("Force 1", "7.40 N"), ("Depth 1", "12.00 mm"), ("Law 1", "7.32 N"), ("Pressure", "0.812 kPa"),
         ("Volume", "4400.0 cm³"), ("Change of Volume", "-2.22%"), ("Time", "1.250 s"), ("Rate", "3000 Hz"),
-        ("Steps per Tick", "12"),
+        ("Steps per Tick", "12"), ("Real Time", "100%"),
     ]  # fmt: skip
+
+
+def test_the_viewport_is_covered_by_what_presses_alone(entry: Any) -> None:
+    from bl_ext.user_default.dimple.addon import readout
+
+    labels = ["Force 1", "Depth 1", "Law 1", "Pressure", "Change of Volume"]
+    assert [label for label, _ in readout.short_rows(entry.frame, 1e-3)] == labels
+    slow = SimpleNamespace(**{**vars(entry.frame), "steps": 3})
+    assert readout.short_rows(slow, 1e-3)[-1] == ("Real Time", "27%")
 
 
 def test_a_frame_at_rest_has_no_numbers_to_divide_by(entry: Any) -> None:
@@ -95,7 +104,7 @@ def test_a_frame_at_rest_has_no_numbers_to_divide_by(entry: Any) -> None:
     )
     assert readout.rate_hz(rest) == 0 and readout.volume_change(rest) == 0
     assert [label for label, _ in readout.rows(rest, 1e-3)] == [
-        "Pressure", "Volume", "Change of Volume", "Time", "Rate", "Steps per Tick"
+        "Pressure", "Volume", "Change of Volume", "Time", "Rate", "Steps per Tick", "Real Time"
     ]  # fmt: skip
 
 
@@ -103,7 +112,7 @@ def test_a_computer_too_slow_for_real_time_says_so(entry: Any) -> None:
     from bl_ext.user_default.dimple.addon import readout
 
     slow = SimpleNamespace(**{**vars(entry.frame), "steps": 3})
-    assert ("Slow Motion", "27%") in readout.rows(slow, 1e-3)
+    assert ("Real Time", "27%") in readout.rows(slow, 1e-3)
 
 
 def test_the_curve_behind_the_chart_is_the_law_of_the_core(shapes: ModuleType, entry: Any) -> None:

@@ -15,7 +15,7 @@ Place = tuple[int, int]
 Found = Generator[float, None, Place]
 DIGITS = dict(zip("0123456789.", ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE",
                                   "PERIOD"), strict=True))  # fmt: skip
-STEP = 9  # [px] between two places that are hovered: a field is 20 high
+DOWN, ALONG = 16, 24  # [px] between two places that are hovered: a field is 20 high, one in a header 60 wide or more
 MODES = 106  # [px] from the left edge of a viewport's header to the middle of its menu of modes
 SIDE_TAB = 10  # [px] from the right edge of the sidebar to the middle of its tabs
 FAR = 60  # notches of the wheel: past the end of any sidebar
@@ -73,16 +73,17 @@ def fields(
     found: dict[str, list[Place]] = {}
     if region.height < 60:
         y = region.y + region.height // 2
-        places = [(x, y) for x in range(region.x + 4, region.x + region.width, 2 * STEP)]
+        places = [(x, y) for x in range(region.x + 4, region.x + region.width, ALONG)]
     else:
         x = region.x + round(0.72 * (region.width - 2 * SIDE_TAB))
-        places = [(x, y) for y in range(region.y + region.height - 4, region.y, -STEP)]
+        places = [(x, y) for y in range(region.y + region.height - 4, region.y, -DOWN)]
     for place in reversed(places) if upwards else places:
         yield from robot.move(*place)
-        if path := hovered(area, region):
-            found.setdefault(path.rpartition(".")[2], []).append(place)
-        elif wanted and all(name in found for name in wanted):
-            break
+        name = hovered(area, region).rpartition(".")[2]
+        if wanted and name not in wanted and all(each in found for each in wanted):
+            break  # the last of its buttons lies behind
+        if name:
+            found.setdefault(name, []).append(place)
     return {name: each[len(each) // 2] for name, each in found.items()}
 
 
@@ -110,13 +111,17 @@ def in_sidebar(name: str) -> Found:
 
 
 def wheel(notches: int, kind: str = "WHEELDOWNMOUSE") -> robot.Waits:
-    """Turn the wheel over the sidebar."""
+    """Turn the wheel over the sidebar, and wait until that has been scrolled."""
     sidebar = robot.region("UI")
     at = sidebar.x + 12, sidebar.y + sidebar.height // 2
     yield from robot.move(*at)
     for _ in range(notches):  # at once: a picture after each takes minutes in software
         robot.window().event_simulate(type=kind, value="PRESS", x=at[0], y=at[1])
     yield from robot.redrawn()
+    before = None
+    while before != (now := tuple(sidebar.view2d.region_to_view(0, 0))):
+        before = now
+        yield from robot.redrawn(1)
 
 
 def type_into(at: Place, number: float) -> robot.Waits:
@@ -173,7 +178,7 @@ def open_last_panel(field: str) -> Found:
     sidebar = robot.region("UI")
     yield from robot.looks(4)
     found = yield from fields(robot.area(), sidebar, field, upwards=True)
-    for y in range(sidebar.y + 8, sidebar.y + 60, STEP):
+    for y in range(sidebar.y + 8, sidebar.y + 60, DOWN // 2):
         if field in found:
             break
         yield from robot.click(sidebar.x + 60, y)
@@ -185,18 +190,21 @@ def open_last_panel(field: str) -> Found:
     return found[field]
 
 
-def choose(at: Place, chosen: Callable[[], bool], limit: int = 12) -> robot.Waits:
-    """Turn the wheel with Ctrl over a menu's field until it shows the wanted item, down first, then up.
+def choose(field: str, chosen: Callable[[], bool], limit: int = 12) -> robot.Waits:
+    """Turn the wheel with Ctrl over a menu's field in the last panel until it shows the wanted item: down, then up.
 
     Raises:
         NotReached: it shows that nowhere.
     """
-    yield from robot.move(*at)
-    yield from robot.move(at[0] + 1, at[1])
+    at: Place | None = None
     for kind in ("WHEELDOWNMOUSE", "WHEELUPMOUSE"):
         for _ in range(limit):
             if chosen():
                 return
+            while not at or not hovered(robot.area(), robot.region("UI")).endswith(f".{field}"):  # the readout above it grows
+                at = yield from open_last_panel(field)
+                yield from robot.move(*at)
+                yield from robot.move(at[0] + 1, at[1])
             robot.window().event_simulate(type=kind, value="PRESS", x=at[0], y=at[1], ctrl=True)
             yield robot.TICK_S
     if not chosen():

@@ -9,6 +9,8 @@ import json
 import os
 import sys
 import time
+import traceback
+from collections.abc import Generator
 from pathlib import Path
 
 import bpy
@@ -16,6 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 import calibrating
+import clicking
 import comparing
 import device
 import exporting
@@ -87,13 +90,15 @@ def open_scene() -> robot.Waits:
     yield from robot.redrawn()
 
 
-def click(name: str) -> robot.Waits:
-    """Click the button of an operator in the sidebar, found by hovering."""
-    buttons = REPORT["buttons"] = yield from robot.find_buttons()
-    places = [place for command, place in buttons.items() if command.startswith(f"bpy.ops.dimple.{name}(")]
+def click(name: str) -> clicking.Found:
+    """Click the button of an operator in the sidebar, found by hovering; return where it is."""
+    wanted = f"bpy.ops.dimple.{name}("
+    buttons = yield from robot.find_buttons(wanted)
+    places = [place for command, place in buttons.items() if command.startswith(wanted)]
     if not places:
         raise robot.NotReached(f"no button of the sidebar calls dimple.{name}; there are {sorted(buttons)}")
     yield from robot.click(*places[0])
+    return places[0]
 
 
 def start_poke() -> robot.Waits:
@@ -161,25 +166,40 @@ def play() -> robot.Waits:
     own = {
         "opening": lambda: opening.open_samples(OUT, check, REPORT["measured"]),
         "meeting": lambda: meeting.meet(OUT, check, REPORT["measured"]),
-        "on_ball": on_ball,
     }
-    if unknown := ONLY - {*own, *tuning.SCENES, *ON_BALL}:
+    if unknown := ONLY - {*own, *tuning.SCENES, *ON_BALL, "on_ball"}:
         raise robot.NotReached(f"there is no scene {sorted(unknown)}; there are {[*own, *tuning.SCENES, *ON_BALL]}")
-    for name in ("opening", "meeting"):
-        if wanted(name):
-            yield from own[name]()
-    if scenes := [scene for name, scene in tuning.SCENES.items() if wanted(name)]:
-        yield from tuning.tune(scenes, OUT, check)
-    if ON_BALL.keys() & ONLY or wanted("on_ball"):
-        yield from on_ball()
+    for name in filter(wanted, own):
+        yield from guarded(name, own[name]())
+    for name in filter(wanted, tuning.SCENES):
+        yield from guarded(name, tuning.tune(name, OUT, check))
+    yield from tuning.put_away()
+    ball = None
+    for name in ON_BALL:
+        if wanted(name) or "on_ball" in ONLY:
+            ball = ball or (yield from ready_ball())
+            if not (yield from guarded(name, ON_BALL[name](*ball))):
+                ball = None
 
 
 def wanted(name: str) -> bool:
     return not ONLY or name in ONLY
 
 
-def on_ball() -> robot.Waits:
-    """Make a ball, look at it, and play what is played on it."""
+def guarded(name: str, scene: robot.Waits) -> Generator[float, None, bool]:
+    """Play a scene; where it ends early, note that and go back to the default scene, for the next one."""
+    try:
+        yield from scene
+    except (robot.NotReached, RuntimeError, ReferenceError, AttributeError, LookupError, ValueError, OSError):
+        robot.screenshot(OUT / f"failed-{name}.png")
+        check(f"{name} reaches its end", False, traceback.format_exc())
+        yield from opening.new_file()
+        return False
+    return True
+
+
+def ready_ball() -> Generator[float, None, tuple]:
+    """Make a ball and look at it; return where it is on the screen, its positions, a picture, and what is on it."""
     yield from open_scene()
     yield from robot.show_tab("Dimple")
     at = robot.on_screen((0.0, 0.0, 0.0))
@@ -189,9 +209,7 @@ def on_ball() -> robot.Waits:
     resting = robot.screenshot(OUT / "1-rest.png")
     control = yield from compare(resting, at, "1-rest.png")
     check("two pictures of the resting ball are alike", control <= ALIKE, f"{control} pixels differ")
-    for name, scene in ON_BALL.items():
-        if wanted(name) or "on_ball" in ONLY:
-            yield from scene(at, rest, resting, before)
+    return at, rest, resting, before
 
 
 def press_twice(at: tuple[int, int], rest: np.ndarray, resting: np.ndarray, before: set[str]) -> robot.Waits:
@@ -273,13 +291,13 @@ def poke_what_is_no_mesh(at: tuple[int, int]) -> robot.Waits:
             getattr(bpy.ops.object, f"{kind}_add")(location=(2.0, 0.0, 0.0), **settings)
         other = bpy.context.object
         yield from robot.redrawn()
-        yield from robot.click(*REPORT["buttons"]["bpy.ops.dimple.poke()"])
+        button = yield from click("poke")
         yield from robot.redrawn()
         robot.screenshot(OUT / f"8-{kind}.png")
         shown = [report for report in bpy.context.window_manager.reports if other.name in report.message]
         sentence = shown[-1].message if shown else ""
         check(f"poking {kind} is refused in a sentence", not poking() and "not a mesh" in sentence, sentence)
-        yield from robot.key("ESC", *REPORT["buttons"]["bpy.ops.dimple.poke()"])  # closes the message
+        yield from robot.key("ESC", *button)  # closes the message
         yield from robot.move(*at)
         yield from robot.redrawn()
         bpy.data.objects.remove(other)
@@ -360,4 +378,5 @@ def finish(error: str) -> None:
 
 
 bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.system.viewport_aa = "FXAA"  # eight draws of each picture take seconds in software
 robot.run(play(), finish)

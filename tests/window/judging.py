@@ -87,7 +87,7 @@ def feel(body: str, out: Path, check: Callable[..., None]) -> robot.Waits:
 
 def press(command: str) -> robot.Waits:
     """Click the button of a command in the sidebar."""
-    buttons = yield from robot.find_buttons()
+    buttons = yield from robot.find_buttons(command)
     if command not in buttons:
         raise robot.NotReached(f"no button of the sidebar calls {command}; there are {sorted(buttons)}")
     yield from robot.click(*buttons[command])

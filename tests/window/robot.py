@@ -161,11 +161,15 @@ def show_tab(name: str) -> Waits:
     yield from redrawn()
 
 
-def find_buttons(step: int = 8) -> Generator[float, None, dict[str, tuple[int, int]]]:
-    """Find every operator button of the sidebar by hovering down its middle and its quarters.
+def find_buttons(wanted: str = "", step: int = 14) -> Generator[float, None, dict[str, tuple[int, int]]]:
+    """Find operator buttons of the sidebar by hovering down its middle and its quarters.
 
     No pixel or layout arithmetic, so theme, language, font and order do not matter: Blender's own
     "Copy Python Command" knows which button is under the mouse and which operator it calls.
+
+    Args:
+        wanted: how a command begins; stop when it is found.
+        step: [px]; a button is 20 high.
 
     Returns:
         The Python command of each button, such as "bpy.ops.dimple.poke()", and a window position on it.
@@ -178,7 +182,10 @@ def find_buttons(step: int = 8) -> Generator[float, None, dict[str, tuple[int, i
             with bpy.context.temp_override(window=window(), area=area(), region=sidebar):
                 if bpy.ops.ui.copy_python_command_button.poll():
                     bpy.ops.ui.copy_python_command_button()
-                    found.setdefault(bpy.context.window_manager.clipboard, (x, y))
+                    command = bpy.context.window_manager.clipboard
+                    found.setdefault(command, (x, y))
+                    if wanted and command.startswith(wanted):
+                        return found
     return found
 
 

@@ -18,25 +18,22 @@ LOOP, SWELL_S = 20, 2.4  # pictures of it, and how long it takes in simulated ti
 LEAST_N, MOST_N = 1.0, 30.0
 
 
-def see(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
-    """Look at a press in every way there is."""
+def as_measured() -> None:
+    """Give the cube the constants that it was measured with, and nothing painted."""
     cube = bpy.data.objects["Cube"]
-    cube.dimple.softness_group, cube.active_material.dimple.K1 = "", 0.61
+    cube.dimple.softness_group = cube.dimple.knee_group = ""
+    cube.active_material.dimple.K1 = 0.61
     bpy.ops.ed.undo_push(message="As measured")
-    yield from colours(at, out, check)
-    yield from paint_knee(at, out, check)
-    yield from two_materials(at, out, check)
-    yield from weight(at, out, check)
 
 
 def show(name: str) -> robot.Waits:
     """Choose by the wheel over its field what is shown in colours."""
-    field = yield from clicking.open_last_panel("show_field")  # each time: the readout above it grows and shrinks
-    yield from clicking.choose(field, lambda: bpy.context.scene.dimple.show_field == name)
+    yield from clicking.choose("show_field", lambda: bpy.context.scene.dimple.show_field == name)
 
 
 def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Show each quantity on the pressed surface."""
+    as_measured()
     settings = bpy.context.scene.dimple
     settings.press_force_n = FORCE_N
     yield from tuning.leave_resting(at)
@@ -74,6 +71,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Paint x0 with a brush while a force rests: the press stops there."""
+    as_measured()
     cube = bpy.data.objects["Cube"]
     cube.vertex_groups.new(name="Reach").add(range(len(cube.data.vertices)), 0.5, "REPLACE")
     cube.dimple.knee_group = "Reach"
@@ -102,11 +100,11 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from clicking.mode("O", "OBJECT")
     yield from show("NONE")
     yield from tuning.leave(at)
-    cube.dimple.knee_group = ""
 
 
 def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Press twins of two materials by one force."""
+    as_measured()
     settings, view = bpy.context.scene.dimple, robot.area().spaces.active.region_3d
     bpy.ops.ed.undo_push(message="Before the twin")
     yield from clicking.search("Compare Materials", at)
@@ -157,6 +155,7 @@ def loop(at: tuple[int, int], out: Path) -> robot.Waits:
 
 def weight(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Let a weight of 1 kg fall on the cube while that plays."""
+    as_measured()
     cube = bpy.data.objects["Cube"]
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.mesh.primitive_cylinder_add(radius=0.4, depth=0.3, location=(0.0, 0.0, 1.25))
@@ -166,7 +165,6 @@ def weight(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     prop.select_set(False)
     cube.select_set(True)
     bpy.context.view_layer.objects.active = cube
-    cube.active_material.dimple.K1 = 0.61
     bpy.context.scene.dimple.show_field = "PRESSURE"
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.dimple.play("INVOKE_DEFAULT")

@@ -20,22 +20,42 @@ SOFT, DRAGGED, HARD = 0.3, 2.0, 3.0  # [N/mm] of K1
 TIP_MM = 10.0  # of the fingertip that measured
 
 
-def tune(scenes: list[Scene], out: Path, check: Check) -> robot.Waits:
-    """Take the cube from nothing to a material that was chosen by eye, and play scenes with it."""
+def tune(name: str, out: Path, check: Check) -> robot.Waits:
+    """Play a scene with a soft cube that is pressed by force."""
     view = robot.area().spaces.active
     view.region_3d.view_distance, view.show_region_toolbar = 6.0, True
     yield from robot.redrawn()
     at = robot.on_screen((0.0, 0.0, 1.0))
     yield from robot.move(*at)
+    if name != "making" and not bpy.data.objects["Cube"].dimple.enabled:
+        yield from at_once()
+    yield from SCENES[name](at, out, check)
+
+
+def by_hand(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
+    """Take the cube from nothing to a material that was chosen by eye, as an artist does."""
     yield from make_soft(at, out, check)
     yield from choose_force(FORCE_N, out, check)
     yield from clicking.open_tab("Dimple", at)
     yield from clicking.type_into((yield from clicking.in_sidebar("K1")), SOFT)
     check("K1 is typed in the sidebar", slope() == SOFT, f"{slope()} N/mm")
     yield from robot.redrawn()
-    for scene in scenes:
-        yield from scene(at, out, check)
-    settings = bpy.context.scene.dimple  # the steps that were undone since have replaced the one above
+
+
+def at_once() -> robot.Waits:
+    """Leave the cube as `by_hand` leaves it, by operators."""
+    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
+        bpy.ops.dimple.make_soft(subdivide=True)
+        settings = bpy.context.scene.dimple
+        settings.press_by, settings.press_force_n = "FORCE", FORCE_N
+        bpy.data.objects["Cube"].active_material.dimple.K1 = SOFT
+        bpy.ops.ed.undo_push(message="Soft")
+    yield from robot.show_tab("Dimple")
+
+
+def put_away() -> robot.Waits:
+    """Go back to pressing by depth, with Blender's own tool."""
+    settings = bpy.context.scene.dimple  # the steps that were undone since have replaced an earlier one
     settings.press_by, settings.finger_radius_mm, settings.active_finger = "DEPTH", 10.0, 1
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.wm.tool_set_by_id(name="builtin.select_box")
@@ -61,7 +81,7 @@ def make_soft(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 def choose_force(force: float, out: Path, check: Check) -> robot.Waits:
     """Choose Force in the tool's header, and type how much."""
     x, y = yield from clicking.in_header("press_by")
-    for place in ((x, y), (x + 3 * clicking.STEP, y), (x + 6 * clicking.STEP, y)):  # Depth, then Force, side by side
+    for place in ((x, y), (x + 28, y), (x + 56, y)):  # Depth, then Force, side by side
         if bpy.context.scene.dimple.press_by != "FORCE":
             yield from robot.click(*place)
             yield from robot.looks(6)
@@ -292,12 +312,16 @@ def record(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
 
 SCENES: dict[str, Scene] = {
+    "making": by_hand,
     "tuning": press_and_undo,
     "keyframing": playing.keyframes,
     "search": search,
     "recording": record,
     "painting": paint,
-    "seeing": seeing.see,
+    "colors": seeing.colours,
+    "knee": seeing.paint_knee,
+    "twins": seeing.two_materials,
+    "weight": seeing.weight,
     "looks": looks,
     "large": large.press_large,
 }
