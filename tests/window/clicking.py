@@ -201,7 +201,8 @@ def choose(field: str, chosen: Callable[[], bool], limit: int = 12) -> robot.Wai
         for _ in range(limit):
             if chosen():
                 return
-            while not at or not hovered(robot.area(), robot.region("UI")).endswith(f".{field}"):  # the readout above it grows
+            while not at or not hovered(robot.area(), robot.region("UI")).endswith(f".{field}"):
+                # it moves where the readout above it grows
                 at = yield from open_last_panel(field)
                 yield from robot.move(*at)
                 yield from robot.move(at[0] + 1, at[1])

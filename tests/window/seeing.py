@@ -37,7 +37,7 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     settings = bpy.context.scene.dimple
     settings.press_force_n = FORCE_N
     yield from tuning.leave_resting(at)
-    yield from robot.until(tuning.settled, "it rests", 400)
+    yield from tuning.settle("it rests")
     yield from clicking.open_tab("Dimple", at)
     yield from clicking.open_last_panel("show_field")
     yield from robot.redrawn()
@@ -76,7 +76,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     cube.vertex_groups.new(name="Reach").add(range(len(cube.data.vertices)), 0.5, "REPLACE")
     cube.dimple.knee_group = "Reach"
     yield from tuning.leave_resting(at)
-    yield from robot.until(tuning.settled, "it rests", 400)
+    yield from tuning.settle("it rests")
     yield from show("KNEE")
     yield from clicking.mode("W", "PAINT_WEIGHT")
     yield from clicking.brush(PAINTED, 100)
@@ -88,7 +88,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
             yield from robot.move(at[0] + 60 - 8 * share, at[1] + 12 * (share % 3 - 1))
         yield from robot.button(at[0] - 60, at[1], "RELEASE")
     yield from robot.looks(20)
-    yield from robot.until(tuning.settled, "it rests again", 400)
+    yield from tuning.settle("it rests again")
     material = cube.active_material.dimple
     x0 = 2 * PAINTED * material.x0
     wanted = x0 + (FORCE_N - material.K1 * x0) / material.K2
@@ -120,7 +120,7 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     here = robot.on_screen((0.0, 0.0, 1.0))
     yield from tuning.leave_resting(here)
     bodies = robot.extension("operators.sessions").sessions
-    yield from robot.until(tuning.settled, "both rest", 400)
+    yield from tuning.settle("both rest")
     depths = {body.name: 1e3 * float(body.frame.depths[0]) for body in bodies.values()}
     shown = ", ".join(f"{name} {depth:.2f} mm" for name, depth in depths.items())
     check("one press presses both, the softer one deeper", depths["Cube"] > 1.5 * depths["Cube B"] > 0, shown)
@@ -142,7 +142,7 @@ def loop(at: tuple[int, int], out: Path) -> robot.Waits:
     settings.active_finger, settings.press_force_n = 1, LEAST_N
     yield from robot.move(*at)
     yield from robot.button(*at, "PRESS")
-    yield from robot.until(lambda: tuning.body() is not None and tuning.settled(), "it rests", 400)
+    yield from tuning.settle("it rests")
     for number in range(LOOP):
         settings.press_force_n = LEAST_N + (MOST_N - LEAST_N) * (0.5 - 0.5 * np.cos(2 * np.pi * number / LOOP))
         begun = tuning.body().frame.time

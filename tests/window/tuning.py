@@ -135,6 +135,15 @@ def settled() -> bool:
     return frame.time > _last["since"] + STILL_S
 
 
+def settle(what: str, also: Callable[[], bool] = lambda: True) -> robot.Waits:
+    """Wait until the fingertip rests, with the viewport put aside: to draw it takes many times what stepping does."""
+    place = robot.area()
+    place.type = "TEXT_EDITOR"
+    yield from robot.until(lambda: body() is not None and also() and settled(), what, 400)
+    place.type = "VIEW_3D"
+    yield from robot.redrawn()
+
+
 def press_and_undo(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from press_by_force(at, out, check)
     yield from take_it_back(at, out, check)
@@ -143,7 +152,7 @@ def press_and_undo(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Press with the tool, and harden the material while the fingertip rests: drag K1, then type the rest."""
     yield from leave_resting(at)
-    yield from robot.until(settled, "the fingertip rests", 400)
+    yield from settle("the fingertip rests")
     soft = float(body().frame.depths[0])
     yield from robot.redrawn()
     field = yield from clicking.in_sidebar("K1")
@@ -164,7 +173,7 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from clicking.type_into(field, HARD)
     yield from robot.until(lambda: slope() == HARD, f"{HARD:g} is typed", 10)
     first = next(index for index, (value, _, _) in enumerate(seen) if value != SOFT)
-    yield from robot.until(lambda: len(seen) > first + 30 and settled(), "the fingertip rests again", 400)
+    yield from settle("the fingertip rests again", lambda: len(seen) > first + 30)
     del session.finish
     value, taken, depth = seen[first + 1]
     words = f"{SOFT} to {value}, the body has {taken:.3f} N/mm; {1e3 * soft:.4f} and {depth:.4f} mm"
