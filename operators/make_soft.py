@@ -1,27 +1,18 @@
 """Make Soft: everything that a bare mesh needs to be pressed, in one click; what changes the mesh itself is asked."""
 
-import math
-from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from . import polls, sessions
+from .cutting import is_coarse, refine
 from .mesh_faults import Faults, faults, repair
 from .messages import report, say
 from .names import POKE_TOOL, Op
 from .sizing import scale_of, settle_size
 from .start import LARGE
 
-if TYPE_CHECKING:
-    import numpy as np
-
-# edges [fingertip radii]: up to the first a dent is the fingertip's own; up to the second a press by force is as deep
-# on a vertex as beside it, within 5 %, so it is cut that fine where so many vertices do
-SHOWN, PRESSED, LIVE = 1.1, 0.55, 8_000
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
-MOST_VERTICES = 40_000  # of a mesh that is subdivided
-ROUNDS, EVEN = 7, 1.001  # of cutting edges; by less than that all are as long
 TEXT_DEPTH = 0.15  # of the size of its characters: half of the depth that flat text gets
 
 
@@ -84,7 +75,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         column = self.layout.column()
         column.prop(self, "preset")
         if self.subdivide or not self.faults:
-            column.label(text="Edges are longer than the fingertip is wide.", icon="INFO")
+            column.label(text="Its edges or faces are wider than the fingertip.", icon="INFO")
             column.label(text="A bake shows the dent only where the mesh is cut finer.", icon="BLANK1")
         column.prop(self, "subdivide")
         if self.faults:
@@ -102,10 +93,12 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
-        for obj in bodies:
+        for chosen in bodies:
+            obj = chosen
             try:
                 if obj.type != "MESH":
-                    done.append(convert(context, obj))
+                    obj, sentence = convert(context, obj)
+                    done.append(sentence)
                 if self.repair and not is_shared(obj) and any(repaired := repair(obj)):
                     done.append(f'"{obj.name}" was repaired. {words(repaired)}')
                 sentence, notes = make_soft(context, obj, self.preset, subdivide=self.subdivide)
@@ -172,67 +165,34 @@ def make_soft(
     return said, notes
 
 
-def convert(context: bpy.types.Context, obj: bpy.types.Object) -> str:
-    """Turn a text, a curve or a metaball into the mesh that it shows, flat text with a depth; return a sentence on it.
+def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.types.Object, str]:
+    """Turn a text, a curve or a metaball into the mesh that it shows, flat text with a depth.
+
+    Returns:
+        The mesh object, which takes the place of a metaball, and a sentence on it.
 
     Raises:
         DimpleError: it shows no faces; it was left as it was.
     """
     from ..core.base import DimpleError
 
-    given = ""
+    given, name, replaced = "", obj.name, obj.type == "META"
     if obj.type == "FONT" and not obj.data.extrude and not obj.data.bevel_depth:  # flat characters are all rim
         obj.data.extrude, given = TEXT_DEPTH * obj.data.size, "given a depth and "
     shown = obj.evaluated_get(context.evaluated_depsgraph_get())
     faces = len(shown.to_mesh().polygons)
     shown.to_mesh_clear()
     if not faces:
+        if given:
+            obj.data.extrude = 0.0
         raise DimpleError(
-            f'"{obj.name}" has no faces, so there is no surface to press. Give it depth or a bevel first.'
+            f'"{name}" has no faces, so there is no surface to press. Give it depth or a bevel first.'
         )
     with context.temp_override(object=obj, active_object=obj, selected_objects=[obj], selected_editable_objects=[obj]):
         bpy.ops.object.convert(target="MESH")
-    return f'"{obj.name}" was {given}converted to a mesh.'
-
-
-def is_coarse(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
-    """Tell whether the edges of a mesh are longer than the fingertip is wide, at the size it has or will get."""
-    import numpy as np
-
-    lengths, scale = edge_lengths(obj.data), scale_of(context.scene, obj)
-    return bool(len(lengths)) and float(np.median(lengths)) * scale > 2 * context.scene.dimple.finger_radius_mm / 1e3
-
-
-def edge_lengths(mesh: bpy.types.Mesh) -> "np.ndarray":
-    """Return the length (e,) of every edge in units of the mesh."""
-    import numpy as np
-
-    points, ends = np.empty(3 * len(mesh.vertices), np.float32), np.empty(2 * len(mesh.edges), np.int32)
-    mesh.vertices.foreach_get("co", points)
-    mesh.edges.foreach_get("vertices", ends)
-    pairs = points.reshape(-1, 3)[ends.reshape(-1, 2)]
-    return np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=1)
-
-
-def refine(obj: bpy.types.Object, radius: float) -> None:
-    """Cut the edges of a mesh in even parts until none is too long for a fingertip of a radius [units of the mesh]."""
-    import bmesh
-
-    made = bmesh.new()
-    try:
-        made.from_mesh(obj.data)
-        area = sum(face.calc_area() for face in made.faces)
-        longest = max(PRESSED * radius, min(SHOWN * radius, (area / LIVE) ** 0.5), (area / MOST_VERTICES) ** 0.5)
-        for _ in range(ROUNDS):
-            long = [edge for edge in made.edges if edge.calc_length() > EVEN * longest]
-            cuts = math.ceil(min((edge.calc_length() for edge in long), default=0.0) / longest) - 1
-            if not long or len(made.verts) + cuts * len(long) > MOST_VERTICES:
-                break
-            bmesh.ops.subdivide_edges(made, edges=long, cuts=cuts, use_grid_fill=True)
-        made.to_mesh(obj.data)
-    finally:
-        made.free()
-    obj.data.update()
+    made = context.view_layer.objects.active if replaced else obj  # Blender removes a metaball
+    made.name = name
+    return made, f'"{made.name}" was {given}converted to a mesh.'
 
 
 def choose_tool(context: bpy.types.Context) -> None:

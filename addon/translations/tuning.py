@@ -71,7 +71,7 @@ WORDS = {
     "Cut edges that are longer than the fingertip is wide, which changes the mesh": (
         "指先の幅より長い辺を分割します。メッシュが変わります"
     ),
-    "Edges are longer than the fingertip is wide.": "辺が指先の幅より長くなっています。",
+    "Its edges or faces are wider than the fingertip.": "辺または面が指先の幅より大きくなっています。",
     "A bake shows the dent only where the mesh is cut finer.": (
         "メッシュを細かく分割しないと、ベイクにはへこみが現れません。"
     ),

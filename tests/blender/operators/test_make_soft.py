@@ -94,6 +94,44 @@ def test_it_asks_before_it_cuts_and_only_then(bpy: ModuleType, bare: Any, ball: 
     assert invoke(operator, context(), None) == {"FINISHED"} and len(asked) == 1 and not operator.subdivide
 
 
+def test_a_cylinder_is_cut_where_its_faces_are_wide_and_its_edges_short(
+    bpy: ModuleType, empty_file: ModuleType
+) -> None:
+    from bl_ext.user_default.dimple.operators import cutting
+
+    bpy.ops.mesh.primitive_cylinder_add()
+    cylinder = bpy.context.object
+    volume = sum(face.area * face.center.dot(face.normal) for face in cylinder.data.polygons)
+    assert cutting.is_coarse(bpy.context, cylinder)
+    bpy.ops.dimple.make_soft(subdivide=True)
+    mesh, units_m = cylinder.data, 0.165 / 2
+    ends = [[mesh.vertices[i].co for i in edge.vertices] for edge in mesh.edges]
+    longest, shortest = (each((a - b).length for a, b in ends) * units_m for each in (max, min))
+    assert longest < 0.9 * TIP and shortest > 0.2 * TIP and mesh.uv_layers
+    top = [loop for face in mesh.polygons if face.normal.z > 0.99 for loop in face.loop_indices]
+    spots = np.array([mesh.vertices[mesh.loops[loop].vertex_index].co.xy for loop in top])
+    picture = np.array([mesh.uv_layers[0].data[loop].uv for loop in top])
+    assert picture == pytest.approx(0.25 + 0.24 * spots, abs=1e-4), "the picture on the top is where it was"
+    assert sum(face.area * face.center.dot(face.normal) for face in mesh.polygons) == pytest.approx(volume, rel=1e-5)
+    bpy.ops.dimple.poke(depth_mm=8.0, press_s=0.1, hold_s=0.1, release_s=0.0, keep=True)
+    assert min(v.co.z for v in mesh.vertices if v.co.z > 0.5) < 1.0 - 0.9 * 0.008 / units_m, "the top shows the dent"
+
+
+def test_a_metaball_becomes_a_body_under_its_own_name(bpy: ModuleType, empty_file: ModuleType) -> None:
+    bpy.ops.object.metaball_add()
+    name = bpy.context.object.name
+    assert bpy.ops.dimple.make_soft() == {"FINISHED"}
+    assert bpy.context.object.name == name and bpy.context.object.type == "MESH" and bpy.context.object.dimple.enabled
+
+
+def test_a_text_without_characters_is_refused_and_stays_flat(bpy: ModuleType, empty_file: ModuleType) -> None:
+    bpy.ops.object.text_add()
+    bpy.context.object.data.body = ""
+    with pytest.raises(RuntimeError, match="has no faces"):
+        bpy.ops.dimple.make_soft()
+    assert bpy.context.object.type == "FONT" and bpy.context.object.data.extrude == 0.0
+
+
 def test_what_the_artist_has_set_is_left_as_it_is(bpy: ModuleType, ball: Any) -> None:
     obj = ball(subdivisions=4)
     obj.active_material = bpy.data.materials.new("Own")
