@@ -190,9 +190,10 @@ def guarded(name: str, scene: robot.Waits) -> Generator[float, None, bool]:
     """Play a scene; where it ends early, note that and go back to the default scene, for the next one."""
     try:
         yield from scene
-    except (robot.NotReached, RuntimeError, ReferenceError, AttributeError, LookupError, ValueError, OSError):
+    except (robot.NotReached, RuntimeError, ReferenceError, AttributeError, LookupError, ValueError, OSError) as error:
         robot.screenshot(OUT / f"failed-{name}.png")
-        check(f"{name} reaches its end", False, traceback.format_exc())
+        places = [f"{each.name}, line {each.lineno}" for each in traceback.extract_tb(error.__traceback__)[1:]]
+        check(f"{name} reaches its end", False, f"{error!r} in {', '.join(places)}")
         yield from opening.new_file()
         return False
     return True
