@@ -232,6 +232,31 @@ class World:
                 self._ends[i] = None if share >= 1 else end
 
 
+def drop_proxies(
+    sessions: Sequence[Session], colliders: Sequence[Collider], apart: Sequence[bool], names: Sequence[str]
+) -> list[str]:
+    """Simulate bodies in full whose proxies intersect something, for their meshes may not; return a note for each.
+
+    Those that are to be moved apart keep their proxies.
+
+    Args:
+        colliders, apart, names: as for a World.
+    """
+    notes = [""] * len(sessions)
+    while any(session.proxy for session in sessions):
+        bodies = [session.body for session in sessions]
+        found = create_scene(bodies, colliders, itself=[0] * len(bodies), backend=sessions[0].backend).crossings()
+        pair = [i for i in found.surfaces if i < len(sessions)] if found.pairs else []
+        proxied = [i for i in pair if sessions[i].proxy]
+        if not proxied or any(apart[i] for i in pair):
+            break
+        for i in proxied:
+            sessions[i].change(sessions[i].model, proxy=None)
+            other = names[next(j for j in found.surfaces if j != i)]
+            notes[i] = f'Its proxy would intersect "{other}" at the start, so the full mesh is simulated.'
+    return notes
+
+
 def _where(found: Crossings) -> str:
     return ", ".join(f"{1e3 * c:.1f}" for c in found.place)
 

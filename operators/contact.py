@@ -46,7 +46,7 @@ class LiveWorld:
 
 
 def is_on(scene: bpy.types.Scene) -> bool:
-    """Tell whether anything in a scene is ticked: then bodies are simulated in full, without a proxy."""
+    """Tell whether anything in a scene is ticked: then bodies meet."""
     return any(obj.dimple.collider or (obj.dimple.enabled and obj.dimple.self_contact) for obj in scene.objects)
 
 
@@ -73,7 +73,7 @@ def worlds_of(
         apart = [bool(bodies[uid][0].dimple.move_apart) for uid in uids]
         if not colliders and not any(itself) and len(uids) < 2:
             continue
-        sessions = tuple(id(bodies[uid][1]) for uid in uids)
+        sessions = _moving([bodies[uid][1] for uid in uids])
         key = (scale, tuple(uids), tuple(itself), tuple(apart), tuple(frictions), sessions)
         same = next((world for world in before if world.key == key), None)
         found.append(same or _make(context, key, scale, [bodies[uid] for uid in uids], colliders, itself, apart))
@@ -128,6 +128,11 @@ def _groups(bodies: Mapping[int, tuple[bpy.types.Object, Session, float]]) -> di
     return groups
 
 
+def _moving(sessions: Sequence[Session]) -> tuple[tuple[int, int], ...]:
+    """Return what sessions and meshes move: in the place of another mesh one may intersect something."""
+    return tuple((id(session), id(session.body.model.mesh)) for session in sessions)
+
+
 def _mass_of(obj: bpy.types.Object) -> float | None:
     """Return the mass of an object that falls [kg], None where it is led."""
     return obj.dimple.prop_mass_kg if obj.dimple.is_prop else None
@@ -148,7 +153,7 @@ def _make(
     apart: Sequence[bool],
 ) -> LiveWorld:
     from ..core.props import PropWorld
-    from ..core.world import Collider, World
+    from ..core.world import Collider, World, drop_proxies
 
     graph, made = context.evaluated_depsgraph_get(), []
     for obj in colliders:
@@ -159,13 +164,14 @@ def _make(
                 "Dimple Collider off."
             )
         made.append(Collider(points.T.copy(), triangles, obj.dimple.collider_friction))
-    for _, session, _ in bodies:
-        if session.proxy is not None:  # what is seen must not pass through anything, so that is what is simulated
+    for (_, session, _), meets in zip(bodies, itself, strict=True):
+        if meets and session.proxy is not None:  # its cells may bridge a fold
             session.change(session.model, proxy=None)
     names = [obj.name for obj, _, _ in bodies] + [obj.name for obj in colliders]
     falling = {i: (obj.session_uid, obj.name, obj.matrix_world.copy()) for i, obj in enumerate(colliders)}
     falling = {i: prop for i, prop in falling.items() if _mass_of(colliders[i]) is not None}
     running = [session for _, session, _ in bodies]
+    notes = drop_proxies(running, made, apart, names)
     if falling:
         gravity, ground = _pull(context.scene)
         world: World = PropWorld(
@@ -174,6 +180,8 @@ def _make(
         )  # fmt: skip
     else:
         world = World(running, made, itself=itself, apart=apart, names=names)
+    world.notes = [" ".join(filter(None, each)) for each in zip(notes, world.notes, strict=True)]
+    key = (*key[:-1], _moving(running))
     uids = tuple(obj.session_uid for obj, _, _ in bodies)
     names = [obj.name for obj in colliders]
     return LiveWorld(key=key, uids=uids, scale=scale, colliders=tuple(names), props=falling, world=world)

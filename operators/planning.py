@@ -16,6 +16,7 @@ import numpy as np
 from ..core.base import DimpleError
 from ..core.reduction.grading import share_of
 from ..core.reduction.planner import Maker, Plan, carry_out, decide, plan_full_mesh, plan_proxy
+from ..core.reduction.protrusion import in_contact
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from ..core.reduction.grading import Pressed
     from ..core.reduction.proxy import Proxy
 
+CONTACT = 2.0  # times a step alone: with a fifth of the vertices touching (dev.py contact)
 KEPT = 4  # choices: bodies that are alike are planned once
 
 
@@ -90,7 +92,7 @@ def planning_for(
             chosen = yield 0.6, partial(make, build)
         except DimpleError as error:
             way_out = ""
-            if settings.simulated == "PROXY" and not contact.is_on(scene):
+            if settings.simulated == "PROXY" and not settings.self_contact:
                 way_out = " Choose another number, or Automatic, in Physics > Dimple."
             raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
         made = Choice(chosen.proxy, chosen.asked, chosen.reason)
@@ -114,7 +116,7 @@ def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Callable[[
         if known is mesh and not (proxy and proxy.pressed):  # one that is graded may be coarse where it is measured
             return lambda: proxy
     obj = bridge.find(uid)
-    if obj is None or contact.is_on(bpy.context.scene):
+    if obj is None:
         return lambda: None
     planned = choosing(bpy.context.scene, obj)
     return lambda: planned(model())[1](build_proxy).proxy
@@ -162,44 +164,53 @@ def choosing(
     """
     wanted, radius, budget = obj.dimple.to_plan(), scene.dimple.finger_radius_mm / 1e3, budget_of(scene, obj)
     tolerance, force_tolerance = wanted["tolerance"], wanted["force_tolerance"]
-    meets = contact.is_on(scene)
+    meets, itself = contact.is_on(scene), obj.dimple.self_contact
+    pressed = None if meets else pressed  # others may touch it anywhere
 
     def by_settings(model: Model) -> tuple[str, Callable[[Maker], Plan]]:
-        # what is seen is what meets; and what carries the skin of a proxy knows one shape at rest
-        because = "For contact" if meets else "For its rig" if model.rigged else ""
+        # cells may bridge a fold; and what carries the skin of a proxy knows one shape at rest
+        because = "For self contact" if itself else "For its rig" if model.rigged else ""
         if wanted["simulated"] == "mesh" or because:
             return "", lambda build: plan_full_mesh(model, budget=budget, because=because)
+
+        def met(chosen: Plan) -> Plan:
+            return in_contact(model.mesh, chosen) if meets else chosen
+
         if wanted["simulated"] == "proxy":
-            return "", lambda build: plan_proxy(model, wanted["vertices"], radius=radius, budget=budget, build=build)
+            vertices = wanted["vertices"]
+            return "", lambda build: met(plan_proxy(model, vertices, radius=radius, budget=budget, build=build))
         decided = decide(
             model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget, pressed=pressed
         )
-        return decided.reason, partial(carry_out, decided)
+        return decided.reason, lambda build: met(carry_out(decided, build))
 
     return by_settings
 
 
 def budget_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
-    """Return the processor time [s] per second for one object: at rest the others cost nothing, and no more than
-    MAX_FINGERS are pressed at a time.
+    """Return the processor time [s] per second for the steps of one object, contact apart: at rest the others cost
+    nothing, and no more than MAX_FINGERS are pressed at a time.
     """
     bodies = 1 + sum(each != obj and each.type == "MESH" and each.dimple.enabled for each in scene.objects)
-    return scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERS)
+    share = scene.dimple.frame_budget_percent / 100 / min(bodies, MAX_FINGERS)
+    return share / CONTACT if contact.is_on(scene) else share
 
 
 class Around(NamedTuple):
-    """What the plan of an object depends on besides the object: the fingertip's radius [mm], the budget, and whether
-    anything meets.
+    """What the plan of an object depends on besides its model: the fingertip's radius [mm], the budget, and whether
+    anything meets, and it itself.
     """
 
     radius_mm: float
     budget: float
     meets: bool
+    itself: bool
 
 
 def around(scene: bpy.types.Scene, obj: bpy.types.Object) -> Around:
-    """Return what the plan of an object depends on besides the object."""
-    return Around(scene.dimple.finger_radius_mm, budget_of(scene, obj), contact.is_on(scene))
+    """Return what the plan of an object depends on besides its model."""
+    budget = budget_of(scene, obj)
+    return Around(scene.dimple.finger_radius_mm, budget, contact.is_on(scene), obj.dimple.self_contact)
 
 
 def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, pressed: Pressed | None = None) -> str:

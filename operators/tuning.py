@@ -12,7 +12,7 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.steps import Parts, at_once, beside
-from . import bridge, bridge_model, paths, planning, timeline
+from . import bridge, bridge_model, paths, planning, sessions, timeline
 from .names import PAINTING
 from .settings import settings_of
 
@@ -171,10 +171,11 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
     session, before, around = body.session, body.around, planning.around(context.scene, obj)
     if body.changed_at is None:
         return []
-    if not (before and around.meets > before.meets):  # then every vertex is simulated from now on
+    if not (before and around.itself > before.itself):  # then every vertex is simulated from now on
         if body.frame.time < body.changed_at + UNTOUCHED_S:
             return []
-        if body.recording or body.refused or any(session.fingers):
+        touches = any(body.link.uid in each.uids and each.world.meeting.touching for each in sessions.worlds)
+        if body.recording or body.refused or touches or any(session.fingers):
             return []
     body.changed_at, body.around = None, around
     finer = before and around.radius_mm < before.radius_mm

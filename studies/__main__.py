@@ -24,6 +24,7 @@ COMMANDS = {
     "experiment": ("simulate or analyse the sensory comparison of chapter 5", ".experiment", "add_experiment"),
     "graded": ("measure what proxies gain that are fine near one fingertip", ".graded", "add_graded"),
     "small-tips": ("press with small fingertips on proxies fine near them", ".small_tips", "add_small_tips"),
+    "meeting": ("let bodies meet by their proxies and in full", ".meeting", "add_meeting"),
     "quasi-static": ("count what slow presses take without inertia", ".quasi_static", "add_quasi_static"),
     "machines": ("compute what a graphics processor or many machines would bring", ".machines", "add_machines"),
     "haptics": ("press with an emulated device and print what it rendered", ".haptics", "add_haptics"),

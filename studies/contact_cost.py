@@ -39,8 +39,8 @@ def measure_cost() -> dict[str, dict[str, float]]:
     """
     return {
         "near_nothing": _measured(APART, lambda tick: 0.0),
-        "lightly_touching": _measured(NEAR, lambda tick: _press(tick, LIGHT)),
-        "fifth_touching": _measured(NEAR, _press),
+        "lightly_touching": _measured(NEAR, lambda tick: press(tick, LIGHT)),
+        "fifth_touching": _measured(NEAR, press),
     }
 
 
@@ -53,11 +53,19 @@ def ball(cells: int = CELLS, radius: float = RADIUS) -> tuple[Floats, Ints]:
     return radius * x / np.linalg.norm(x, axis=1)[:, None], np.array(mesh.triangles)
 
 
-def _press(tick: int, depth: float = PRESS) -> float:
+def press(tick: int, depth: float = PRESS) -> float:
+    """Return by how much the pins are led at a tick [m]: on their way, then to and fro."""
     return depth * min(tick / LEAD, 1.0) + AMPLITUDE * np.sin(0.05 * max(tick - LEAD, 0))
 
 
-def _bodies(gap: float) -> list[Session]:
+def lead_together(sessions: list[Session], depth: float) -> None:
+    """Lead two balls towards each other, each by a depth [m] from where it began."""
+    for session, side in zip(sessions, (-1, 1), strict=True):
+        session.set_pins(session.model.mesh.rest_positions - (0, 0, side * depth))
+
+
+def bodies(gap: float) -> list[Session]:
+    """Return two balls a distance apart [m], each pinned on its far side."""
     points, faces = ball()
     found = []
     for side in (-1, 1):
@@ -68,14 +76,13 @@ def _bodies(gap: float) -> list[Session]:
 
 
 def _measured(gap: float, lead: Lead) -> dict[str, float]:
-    meeting, alone = _bodies(gap), _bodies(gap)
+    meeting, alone = bodies(gap), bodies(gap)
     floor = Collider(np.array([[-1.0, 1, 0], [0, 0, 1], [-2, -2, -2]]), np.array([[0, 1, 2]]))
     world, spent, free = World(meeting, [floor], itself=[False, False]), [], []
     substeps = max(session.substeps for session in meeting)
     for tick in range(LEAD + TICKS):
         for sessions in (meeting, alone):
-            for session, side in zip(sessions, (-1, 1), strict=True):
-                session.set_pins(session.model.mesh.rest_positions - (0, 0, side * lead(tick)))
+            lead_together(sessions, lead(tick))
         began = time.process_time()
         world.step(meeting[0].tick)
         between = time.process_time()

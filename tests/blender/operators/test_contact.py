@@ -255,13 +255,13 @@ def test_what_sleeps_on_a_collider_falls_once_that_is_taken_away(
     sessions.stop_all()
 
 
-def test_what_meets_something_is_planned_with_every_vertex_and_says_so(
+def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_vertex_where_it_meets_itself(
     bpy: ModuleType, sessions: Any, ball: Add, add: Add, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from bl_ext.user_default.dimple.core.reduction import planner
     from bl_ext.user_default.dimple.operators import live
 
-    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 2000)
+    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 25_000)
     obj = ball("Fine", 6)
     obj.dimple.tolerance_mm, obj.dimple.tolerance_percent = 2.0, 20.0
     other = add(name="Other")
@@ -269,7 +269,6 @@ def test_what_meets_something_is_planned_with_every_vertex_and_says_so(
     other.select_set(False)
     obj.select_set(True)
     bpy.context.view_layer.objects.active = obj
-    full = "For contact, the full mesh: 10,242 vertices at "
 
     def after(seconds: float) -> tuple[bool, str]:
         for _ in range(round(30 * seconds)):
@@ -278,14 +277,19 @@ def test_what_meets_something_is_planned_with_every_vertex_and_says_so(
 
     live.start_all(bpy.context)
     is_full, before = after(0.1)
-    assert not is_full and "A proxy of" in before
+    assert is_full and before.startswith("The full mesh runs live")
     other.dimple.collider = True
-    is_full, reason = after(1 / 30)
-    assert is_full and reason.startswith(full) and reason.endswith("at 0.12x real time."), "at once"
-    other.dimple.collider = False
-    assert after(2) == (False, before)
+    assert after(1 / 30)[0], "it goes on as it is at first"
+    is_full, reason = after(2)
+    assert not is_full and reason.startswith("The full mesh would run at 0.73x real time")
+    assert reason.endswith("In contact it is the proxy that touches; the mesh shown stays clear.")
+    obj.dimple.self_contact = True
+    is_full, itself = after(1 / 30)
+    assert is_full and itself.startswith("For self contact, the full mesh: 10,242 vertices at "), "at once"
+    obj.dimple.self_contact = other.dimple.collider = False
+    assert after(2) == (True, before)
     sessions.stop_all()
     other.dimple.collider = True
     live.start_all(bpy.context)
-    assert after(0.1) == (True, reason)
+    assert after(0.1) == (False, reason)
     sessions.stop_all()
