@@ -1,7 +1,9 @@
 """Judge the guarantee: nothing passes through anything. `python3 dev.py contact [--quick] [--json FILE] [SCENE...]`
 
 The referee is the PyPI package ipctk (development only), which looks for intersections after every tick; a winding
-number tells whether something has been swallowed.
+number tells whether something has been swallowed. What touches of a weight is its surface moved inwards by the distance
+that is kept, and that is what the referee sees; how deep the weight as it is seen reaches into others, or they into it,
+is measured at the end of each start.
 """
 
 from __future__ import annotations
@@ -17,6 +19,8 @@ from typing import Any
 import numpy as np
 
 from core.base import Floats, Ints
+from core.body.contact import nearest_on_triangles
+from core.props import PropWorld
 from core.session import Session
 
 from .contact_cost import measure_cost
@@ -77,6 +81,31 @@ class Referee:
         return found
 
 
+    def overlap(self) -> float:
+        """Return how deep [m] a weight as it is seen reaches into a closed surface, or another into it, at most."""
+        world, x = self._world, self.positions()
+        shapes = [x[part] for part in self.parts]
+        weights = []
+        for i, collider in enumerate(world.colliders):
+            if isinstance(world, PropWorld) and collider.falling:
+                state = world.states[i]
+                shapes[self.bodies + i] = collider.falling.seen @ state.turn.T + state.centre
+                weights.append(self.bodies + i)
+        pairs = [pair for i in weights for j in range(len(shapes)) if i != j for pair in ((i, j), (j, i))]
+        return max((depth(shapes[i], shapes[j], self.faces[j]) for i, j in pairs), default=0.0)
+
+
+def depth(points: Floats, x: Floats, faces: Ints) -> float:
+    """Return how deep [m] the deepest of points (p, 3) lies inside a surface, 0 where it is open."""
+    if not _closed(faces):
+        return 0.0
+    most, corners = 0.0, x[faces].transpose(2, 0, 1)
+    for point in points[np.abs(winding(points, x, faces)) > 0.5]:
+        nearest = np.einsum("ctk,tk->ct", corners, nearest_on_triangles(corners, point))
+        most = max(most, float(np.linalg.norm(nearest - point[:, None], axis=0).min()))
+    return most
+
+
 def winding(points: Floats, x: Floats, faces: Ints) -> Floats:
     """Return the winding number (p,) of a surface round points (p, 3). Source: van Oosterom and Strackee 1983."""
     a, b, c = (x[faces[:, k]] - points[:, None] for k in range(3))
@@ -92,6 +121,7 @@ def judge(name: str, starts: int, share: float) -> dict[str, Any]:
     """Play a scene from several starts and return what came of it."""
     found = dict.fromkeys(("intersections", "swallowed"), 0)
     finite, taken, truncated, spent, alone, ticks, held_back, touching = True, 0.0, 0, 0.0, 0.0, 0, 0.0, 0
+    overlap = 0.0
     for start in range(starts):
         played = SCENES[name](np.random.default_rng(start))
         referee, world = Referee(played), played.world
@@ -110,12 +140,13 @@ def judge(name: str, starts: int, share: float) -> dict[str, Any]:
             finite = finite and all(session.frame.finite for session in world.sessions)
             found["intersections"] += referee.intersects()
         found["swallowed"] += referee.swallowed()
+        overlap = max(overlap, referee.overlap())
         ticks += count
         alone += _alone(world.sessions, count)
     return {
         "name": name, "starts": starts, "ticks": ticks, **found, "finite": finite,
         "cost_ratio": round(spent / max(alone, 1e-9), 2), "momentum_taken": taken, "truncated": truncated,
-        "held_back_mm": 1e3 * held_back, "touching": touching,
+        "held_back_mm": 1e3 * held_back, "touching": touching, "overlap_mm": 1e3 * overlap,
     }  # fmt: skip
 
 
@@ -148,14 +179,17 @@ def main(words: list[str]) -> int:
         print(MISSING, file=sys.stderr)
         return 1
     rows = []
-    print("scene                 starts  ticks  intersections  swallowed  finite  cost  taken [N s]  held back [mm]")
+    print(
+        "scene                 starts  ticks  intersections  swallowed  finite  cost  taken [N s]  held back [mm]"
+        "  weights overlap [mm]"
+    )
     for name in options.scenes or SCENES:
         row = judge(name, QUICK_STARTS if options.quick else STARTS, QUICK_SHARE)
         rows.append(row)
         print(
             f"{name:21} {row['starts']:6} {row['ticks']:6} {row['intersections']:14} {row['swallowed']:10}"
             f"  {'yes' if row['finite'] else 'NO':6} {row['cost_ratio']:5.2f} {row['momentum_taken']:11.3g}"
-            f" {row['held_back_mm']:14.2f}",
+            f" {row['held_back_mm']:14.2f} {row['overlap_mm']:20.3f}",
             flush=True,
         )
     found: dict[str, Any] = {"scenes": rows}
