@@ -10,7 +10,6 @@ from core.mesh.surface import Mesh, base_vertices, cap_centres, mesh_from_triang
 from core.session import Finger, Session
 from tests.bodies import REAL, real
 
-
 ROUNDING = 1e-12  # of size times area: a volume below it is none
 
 
