@@ -48,19 +48,24 @@ def _path(scene: bpy.types.Scene, tip: bpy.types.Object) -> Floats:
 
 
 def _curves(obj: bpy.types.Object) -> list[bpy.types.FCurve]:
-    """Return the curves of the keyframes of an object's place."""
-    return [curve for bag in curve_bags(obj) for curve in bag.fcurves if curve.data_path == "location"]
+    """Return the curves that move an object; those that are muted do not."""
+    curves = (curve for bag in curve_bags(obj) for curve in bag.fcurves)
+    return [curve for curve in curves if curve.data_path == "location" and not curve.mute]
 
 
 def _is_led(tip: bpy.types.Object) -> bool:
     """Tell whether a fingertip goes where its own keyframes do not say."""
-    parent = tip.parent
-    return _is_driven(tip) or bool(parent and (tip.parent_type != "OBJECT" or not _stands(parent)))
+    return _is_driven(tip) or _is_carried(tip)
 
 
 def _stands(obj: bpy.types.Object) -> bool:
     """Tell whether nothing moves an object but the artist."""
-    return not (_is_driven(obj) or any(curve_bags(obj)) or (obj.parent and not _stands(obj.parent)))
+    return not (_is_driven(obj) or any(curve_bags(obj)) or _is_carried(obj))
+
+
+def _is_carried(obj: bpy.types.Object) -> bool:
+    """Tell whether the parent of an object may move it: one that is animated, or a bone or a vertex of any."""
+    return bool(obj.parent and (obj.parent_type != "OBJECT" or not _stands(obj.parent)))
 
 
 def _is_driven(obj: bpy.types.Object) -> bool:

@@ -138,3 +138,44 @@ def test_paths_that_change_are_planned_again_and_unknown_ones_are_not_planned_fo
     keyed.animation_data_clear()
     tip.animation_data_clear()
     assert places() is None, "a hand moves it"
+
+
+def test_a_muted_curve_does_not_lead_the_fingertip(bpy: ModuleType, scene: Any, keyed: Any) -> None:
+    from bl_ext.user_default.dimple.operators import bridge, paths, shape_keys
+
+    link, model = bridge.read_body(bpy.context, keyed, identify="NO")
+    tip = scene.dimple.finger_1
+    (curves,) = (bag.fcurves for bag in shape_keys.curve_bags(tip))
+    before = paths.pressed_along(scene, keyed, model, link)
+    curves[2].mute = True
+    tip.location.z = -0.64 * (1 + RADIUS / 82.5)
+    pressed = paths.pressed_along(scene, keyed, model, link)
+    heights = [np.array(found.places)[:, 2] for found in (before, pressed)]
+    assert heights[0].min() > 0 > heights[1].max(), "it stays at the height that it has"
+    scene.frame_set(6)
+    assert tip.location.z < 0, "as in Blender"
+    for curve in curves:
+        curve.mute = True
+    assert paths.pressed_along(scene, keyed, model, link) is None, "a hand moves it"
+
+
+def test_what_a_bone_carries_is_not_planned_for_however_far_up(bpy: ModuleType, scene: Any, keyed: Any) -> None:
+    """A bone may be led by its own constraints, of which its armature has none."""
+    from bl_ext.user_default.dimple.operators import bridge, paths
+
+    link, model = bridge.read_body(bpy.context, keyed, identify="NO")
+    tip, rig = scene.dimple.finger_1, bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones.new("Bone").tail = (0.0, 0.0, 1.0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    holder = bpy.data.objects.new("Holder", None)
+    scene.collection.objects.link(holder)
+    holder.parent = rig
+    for led in (tip, keyed):
+        led.parent = holder
+        assert paths.pressed_along(scene, keyed, model, link) is not None, "an armature that stands"
+        holder.parent_type, holder.parent_bone = "BONE", "Bone"
+        assert paths.pressed_along(scene, keyed, model, link) is None
+        led.parent, holder.parent_type = None, "OBJECT"
