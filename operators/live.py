@@ -43,6 +43,11 @@ def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
     raise DimpleError("Nothing is selected. Select a mesh to press it.")
 
 
+def by_keyframes() -> bool:
+    """Tell whether what plays goes along the keyframes of the fingertips: those of a haptic device go anywhere."""
+    return haptic.get() is None
+
+
 def start_all(
     context: bpy.types.Context, *, along: bool = False
 ) -> tuple[list[LiveBody], list[str], list[str]]:
@@ -69,7 +74,7 @@ def starting_all(context: bpy.types.Context, *, along: bool = False) -> Parts:
             known = sessions.get(obj)
             body, notes = yield from sessions.starting(obj, context, along=along)
             if known:
-                notes = tuning.plan_for_paths(context, body, along=along)
+                notes = yield from tuning.planning_for_paths(context, body, along=along)
         except DimpleError as error:
             wrong.append(str(error))
         else:

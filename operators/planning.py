@@ -75,7 +75,7 @@ def planning_for(
 ) -> Parts:
     """Plan an object in parts; see `proxy_for`."""
     settings, now = obj.dimple, key(scene, obj, model, pressed)
-    build = partial(_proxy, moving, record=settings.plan_cells)
+    build = partial(_proxy, moving, records=(settings.plan_cells, settings.plan_cells_graded))
     known, old = settings.plan_key == now, _choices.get(now)
     if old:
         proxy = with_constants(old.proxy, model) if old.proxy else None  # gravity and ground are its own
@@ -102,9 +102,11 @@ def planning_for(
         del _choices[next(iter(_choices))]
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
     settings.plan_graded = bool(made.proxy and made.proxy.pressed)
+    # a poke and a play by keyframes keep one each
+    name = "plan_cells_graded" if (made.proxy.pressed if made.proxy else pressed) else "plan_cells"
     record = made.proxy.record if made.proxy else ""
-    if settings.plan_cells != record:
-        settings.plan_cells = record
+    if getattr(settings, name) != record:
+        setattr(settings, name, record)
     return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
 
 
@@ -126,10 +128,18 @@ identified.choosing.append(_to_identify)
 
 
 def _proxy(
-    moving: Proxy | None, model: Model, vertices: int, pressed: Pressed | None = None, record: str = ""
+    moving: Proxy | None,
+    model: Model,
+    vertices: int,
+    pressed: Pressed | None = None,
+    *,
+    records: tuple[str, str],
 ) -> Proxy:
     """Return a proxy of a model; one of as many vertices that such a mesh, painted so and pressed there, had before
-    only needs other constants, and of the one that the file was saved with there is a record.
+    only needs other constants, and of those that the file was saved with there are records.
+
+    Args:
+        records: of the even and of the graded one.
 
     Raises:
         DimpleError: it cannot be made.
@@ -146,7 +156,7 @@ def _proxy(
     for mesh, proxy in [*_moving]:
         if proxy and is_it(proxy) and _are_alike(mesh, model.mesh):
             return with_constants(proxy, model)
-    return build_proxy(model, vertices, pressed, record)
+    return build_proxy(model, vertices, pressed, records[bool(pressed)])
 
 
 def _are_alike(mesh: Mesh, other: Mesh) -> bool:

@@ -41,7 +41,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
         try:
             polls.check_numbers(self, "seconds")
-            self._report(live.start_all(context, along=_along()))
+            self._report(live.start_all(context, along=live.by_keyframes()))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -66,10 +66,10 @@ class DIMPLE_OT_play(bpy.types.Operator):
             modal_runs.pause(context, run, not run.paused)
             return {"FINISHED"}
         try:
-            if start.takes_long(context):
+            if start.takes_long(context, along=live.by_keyframes()):
                 bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
                 return {"CANCELLED"}  # it is started anew when they are ready
-            self._report(live.start_all(context, along=_along()))
+            self._report(live.start_all(context, along=live.by_keyframes()))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -131,7 +131,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
             return showing.end_changed(context.view_layer)
         messages = []
         for body in sessions.sessions.values():
-            messages += tuning.plan_for_paths(context, body, along=_along())  # keyframes may have changed
+            messages += tuning.plan_for_paths(context, body, along=live.by_keyframes())  # keyframes may have changed
             body.session.reset()
             sessions.set_worlds(())
             props.put_back()
@@ -148,13 +148,6 @@ class DIMPLE_OT_play(bpy.types.Operator):
 def _at_rest() -> bool:
     """Tell whether no time has run yet."""
     return not any(body.frame.time for body in sessions.sessions.values())
-
-
-def _along() -> bool:
-    """Tell whether fingertips go along their keyframes: those of a haptic device go anywhere."""
-    from . import haptic
-
-    return haptic.get() is None
 
 
 class DIMPLE_OT_reset(bpy.types.Operator):

@@ -18,6 +18,7 @@ from .settings import settings_of
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
+    from ..core.reduction.grading import Pressed
     from ..core.session import Session
     from .sessions import LiveBody
     from .settings import Settings
@@ -65,13 +66,29 @@ def plan_for_paths(context: bpy.types.Context, body: LiveBody, *, along: bool) -
     Args:
         along: the fingertips go along their keyframes.
     """
-    obj, session = bridge.find(body.link.uid, body.name), body.session
+    messages: list[str] = at_once(planning_for_paths(context, body, along=along))
+    return messages
+
+
+def pressed_now(context: bpy.types.Context, body: LiveBody, *, along: bool) -> Pressed | None:
+    """Return where keyframes lead the fingertips on a running body, None where it is pressed anywhere."""
+    obj = bridge.find(body.link.uid, body.name)
     assert obj  # else the session has ended
-    pressed = paths.pressed_along(context.scene, obj, session.model, body.link) if along else None
-    if pressed == body.pressed:
+    return paths.pressed_along(context.scene, obj, body.session.model, body.link) if along else None
+
+
+def planning_for_paths(context: bpy.types.Context, body: LiveBody, *, along: bool) -> Parts:
+    """Plan a running body in parts; see `plan_for_paths`. Closed, nothing was changed."""
+    obj, session, before = bridge.find(body.link.uid, body.name), body.session, body.pressed
+    pressed = pressed_now(context, body, along=along)
+    if pressed == before:
         return []
-    proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy, pressed)
-    body.pressed = pressed
+    body.pressed = pressed  # whatever comes of it: what cannot be planned is not planned again and again
+    try:
+        proxy, reason = yield from planning.planning_for(context.scene, obj, session.model, session.proxy, pressed)
+    except GeneratorExit:
+        body.pressed = before
+        raise
     if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
         session.change(session.model, proxy=proxy)
     return [reason] if reason else []

@@ -40,6 +40,8 @@ WORDS = {
     "Which vertices move together in a large proxy: it is made sooner from them": (
         "大きな代理メッシュでまとまって動く頂点。これがあれば速く作り直せます"
     ),
+    "Plan Cells, Graded": "計画の区画（段階的）",
+    "The same of one that is fine near the fingertips' paths": "指先の軌道の近くで細かいものについての同じもの",
     "Planned Vertices": "計画の頂点数",
     "Of the proxy; 0 is the full mesh": "代理メッシュの頂点数。0 は元のメッシュ",
     "Graded": "段階的",

@@ -86,3 +86,49 @@ def test_a_record_that_is_damaged_or_of_another_mesh_is_not_used(
     fine.dimple.proxy_vertices = 280
     proxy_of(bpy, fine)
     assert searched[-1] == 280
+
+
+def test_undo_before_the_first_press_takes_the_record_along_and_redo_brings_it_back(
+    bpy: ModuleType, fine: Any, searched: list[int]
+) -> None:
+    bpy.ops.ed.undo_push(message="Before")
+    first = proxy_of(bpy, fine)
+    record = fine.dimple.plan_cells
+    bpy.ops.ed.undo_push(message="Pressed")
+    bpy.ops.ed.undo()
+    assert bpy.data.objects["Fine"].dimple.plan_cells == "" != record
+    bpy.ops.ed.redo()
+    assert bpy.data.objects["Fine"].dimple.plan_cells == record
+    searched.clear()
+    assert np.array_equal(proxy_of(bpy, bpy.data.objects["Fine"]).seeds, first.seeds) and searched == []
+    bpy.ops.ed.undo()
+    again = proxy_of(bpy, bpy.data.objects["Fine"])
+    assert searched and np.array_equal(again.seeds, first.seeds)
+    assert bpy.data.objects["Fine"].dimple.plan_cells == record
+
+
+def test_a_linked_body_keeps_the_record_of_its_library_and_an_override_of_it_is_pressed_by_it(
+    bpy: ModuleType, fine: Any, searched: list[int], tmp_path: Path
+) -> None:
+    from bl_ext.user_default.dimple.core.errors import DimpleError
+
+    first = proxy_of(bpy, fine)
+    record, path = fine.dimple.plan_cells, str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {fine})
+    with bpy.data.libraries.load(path, link=True) as (there, wanted):
+        wanted.objects = there.objects
+    linked = wanted.objects[0]
+    bpy.context.collection.objects.link(linked)
+    assert linked.library and linked.dimple.plan_cells == record
+    with pytest.raises(DimpleError, match="linked"):
+        proxy_of(bpy, linked)
+    searched.clear()
+    override = linked.override_create()
+    bpy.context.collection.objects.link(override)
+    try:
+        pressed = proxy_of(bpy, override)
+    except DimpleError as error:
+        print("OVERRIDE", error)
+        raise
+    assert np.array_equal(pressed.seeds, first.seeds) and searched == []
+    assert linked.dimple.plan_cells == override.dimple.plan_cells == record

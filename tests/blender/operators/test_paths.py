@@ -179,3 +179,58 @@ def test_what_a_bone_carries_is_not_planned_for_however_far_up(bpy: ModuleType, 
         holder.parent_type, holder.parent_bone = "BONE", "Bone"
         assert paths.pressed_along(scene, keyed, model, link) is None
         led.parent, holder.parent_type = None, "OBJECT"
+
+
+def test_a_play_by_keyframes_and_a_poke_each_keep_what_is_dear_to_find_of_their_proxy(
+    bpy: ModuleType, scene: Any, keyed: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.core.reduction import cell_record, proxy
+    from bl_ext.user_default.dimple.operators import planning, sessions
+
+    searched, spread = [], proxy.spread_seeds
+    monkeypatch.setattr(cell_record, "SMALLEST", 100)
+    monkeypatch.setattr(proxy, "spread_seeds", lambda *given: searched.append(given[3]) or spread(*given))
+    scene.frame_set(1)
+
+    def in_turn() -> list[int]:
+        """Play and poke as if nothing had run before; return how many vertices each moved."""
+        moved = []
+        for run in (
+            lambda: bpy.ops.dimple.play(frames=1),
+            lambda: bpy.ops.dimple.poke(depth_mm=1.0, press_s=0.01, hold_s=0.0, release_s=0.0),
+        ):
+            planning._choices.clear()
+            planning._moving.clear()
+            run()
+            moved.append(keyed.dimple.plan_vertices)
+            sessions.stop_all()
+        return moved
+
+    moved = in_turn()
+    assert len(searched) >= 2 and moved[0] < 600 < 2000 < moved[1]
+    searched.clear()
+    assert in_turn() == moved and searched == []
+
+
+def test_a_body_that_runs_gets_ready_for_its_paths_between_events_and_esc_leaves_it_as_it_was(
+    bpy: ModuleType, scene: Any, keyed: Any, hand: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import sessions, start, working
+
+    monkeypatch.setattr(start, "LARGE", len(keyed.data.vertices) - 1)
+    monkeypatch.setattr(working, "SLICE_S", 0.001)
+    scene.frame_set(1)
+    body = sessions.start(keyed, bpy.context)[0]
+    even, run = body.session.proxy, hand("start")
+    run.operator.then = "play"
+    run.operator._finished = lambda context: {"FINISHED"}
+    assert start.takes_long(run.context, along=True) and not start.takes_long(run.context)
+    assert run.invoke() == {"RUNNING_MODAL"}
+    assert run.ticks(1) == {"RUNNING_MODAL"} and run.send("ESC") == {"CANCELLED"}
+    assert body.session.proxy is even and body.pressed is None and sessions.get(keyed) is body
+    run.invoke()
+    while run.ticks(1) == {"RUNNING_MODAL"}:
+        pass
+    assert body.session.proxy.pressed and len(body.session.proxy.seeds) < 600
+    assert not start.takes_long(run.context, along=True) and start.takes_long(run.context), "a poke goes anywhere"
+    sessions.stop_all()
