@@ -133,7 +133,7 @@ def _proxy(
     vertices: int,
     pressed: Pressed | None = None,
     *,
-    records: tuple[str, str],
+    records: tuple[str, str] = ("", ""),
 ) -> Proxy:
     """Return a proxy of a model; one of as many vertices that such a mesh, painted so and pressed there, had before
     only needs other constants, and of those that the file was saved with there are records.

@@ -31,7 +31,8 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
 
         before = set(sessions.sessions)
         try:
-            self._came = yield from beside(live.starting_all(context, along=self.then == "play" and live.by_keyframes()))
+            along = self.then == "play" and live.by_keyframes()
+            self._came = yield from beside(live.starting_all(context, along=along))
         except GeneratorExit:
             for uid in set(sessions.sessions) - before:
                 sessions.stop(uid)
