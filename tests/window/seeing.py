@@ -116,6 +116,7 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     across = np.arctan2(*reversed(twin.matrix_world.translation.xy))
     view.view_rotation = Euler((0.7, 0.0, float(across))).to_quaternion()  # side by side, seen from above
     settings.show_field = "DEPTH"
+    robot.area().spaces.active.show_region_ui = False  # both are seen whole
     yield from robot.redrawn()
     here = robot.on_screen((0.0, 0.0, 1.0))
     yield from tuning.leave_resting(here)
@@ -130,6 +131,7 @@ def two_materials(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from loop(here, out)
     settings.show_field, settings.press_force_n = "NONE", FORCE_N
     view.view_distance, view.view_location, view.view_rotation = before
+    robot.area().spaces.active.show_region_ui = True
     yield from clicking.search("Use This Material", at)
     yield from robot.until(lambda: "Cube B" not in bpy.data.objects, "the one that is used stays alone", 30)
     check("the one that is used stays alone", "Cube B" not in bpy.data.objects)
@@ -147,7 +149,7 @@ def loop(at: tuple[int, int], out: Path) -> robot.Waits:
         settings.press_force_n = LEAST_N + (MOST_N - LEAST_N) * (0.5 - 0.5 * np.cos(2 * np.pi * number / LOOP))
         begun = tuning.body().frame.time
         yield from robot.until(lambda begun=begun: tuning.body().frame.time > begun + SWELL_S / LOOP, "it goes on", 60)
-        yield from robot.redrawn()
+        yield from robot.redrawn(1)
         robot.screenshot(out / f"loop-{number:02}.png")
     yield from robot.button(*at, "RELEASE")
     yield from tuning.leave(at)
