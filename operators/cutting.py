@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from .sizing import scale_of
+from .sizing import scales_of
 
 if TYPE_CHECKING:
     import bmesh
@@ -18,6 +18,7 @@ MOST_VERTICES = 40_000  # of a mesh that is subdivided
 ROUNDS, EVEN = 7, 1.001  # of cutting edges; by less than that all are as long
 # of the longest edge: between new vertices, from those to the rim of their face, from its corners to its plane
 APART, RIM, FLAT = 0.85, 0.5, 0.01
+ROUNDING = 1e-5  # of a place that was made real and back
 
 
 def is_coarse(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
@@ -27,32 +28,40 @@ def is_coarse(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
     """
     import numpy as np
 
-    lengths, areas = edge_lengths(obj.data), np.empty(len(obj.data.polygons), np.float32)
-    if not len(areas):
+    faces, scales = obj.data.polygons, np.array(scales_of(context.scene, obj))
+    if not len(faces):
         return False
-    obj.data.polygons.foreach_get("area", areas)
-    wide = 2 * context.scene.dimple.finger_radius_mm / 1e3 / scale_of(context.scene, obj)
+    areas, normals = np.empty(len(faces), np.float32), np.empty(3 * len(faces), np.float32)
+    faces.foreach_get("area", areas)
+    faces.foreach_get("normal", normals)
+    across = np.roll(scales, 1) * np.roll(scales, 2)  # how much larger a face across each axis is [m2]
+    areas = areas * np.linalg.norm(normals.reshape(-1, 3) * across, axis=1)
+    lengths, wide = edge_lengths(obj.data, scales), 2 * context.scene.dimple.finger_radius_mm / 1e3
     return float(np.median(lengths)) > wide or 2 * float(areas[areas > wide**2].sum()) > float(areas.sum())
 
 
-def edge_lengths(mesh: bpy.types.Mesh) -> "np.ndarray":
-    """Return the length (e,) of every edge in units of the mesh."""
+def edge_lengths(mesh: bpy.types.Mesh, scales: "np.ndarray") -> "np.ndarray":
+    """Return the length (e,) of every edge [m], with metres per unit along each axis (3,)."""
     import numpy as np
 
     points, ends = np.empty(3 * len(mesh.vertices), np.float32), np.empty(2 * len(mesh.edges), np.int32)
     mesh.vertices.foreach_get("co", points)
     mesh.edges.foreach_get("vertices", ends)
-    pairs = points.reshape(-1, 3)[ends.reshape(-1, 2)]
+    pairs = (scales * points.reshape(-1, 3))[ends.reshape(-1, 2)]
     return np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=1)
 
 
-def refine(obj: bpy.types.Object, radius: float) -> None:
-    """Cut the edges of a mesh in even parts until none is too long for a fingertip of a radius [units of the mesh]."""
+def refine(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
+    """Cut the edges of a mesh in even parts until none is too long for the fingertip, at the size the body has."""
     import bmesh
+    from mathutils import Matrix
 
-    made = bmesh.new()
+    made, radius = bmesh.new(), scene.dimple.finger_radius_mm / 1e3
+    real = Matrix.Diagonal((*scales_of(scene, obj), 1.0))
     try:
         made.from_mesh(obj.data)
+        before = [vertex.co.copy() for vertex in made.verts]
+        made.transform(real)
         area = sum(face.calc_area() for face in made.faces)
         longest = max(PRESSED * radius, min(SHOWN * radius, (area / LIVE) ** 0.5), (area / MOST_VERTICES) ** 0.5)
         for _ in range(ROUNDS):
@@ -62,6 +71,10 @@ def refine(obj: bpy.types.Object, radius: float) -> None:
                 break
             bmesh.ops.subdivide_edges(made, edges=long, cuts=cuts, use_grid_fill=True)
         fill_faces(made, longest)
+        made.transform(real.inverted())
+        for vertex, place in zip(made.verts, before, strict=False):  # new ones come after those there were
+            if (vertex.co - place).length < ROUNDING * place.length:
+                vertex.co = place  # bit for bit
         made.to_mesh(obj.data)
     finally:
         made.free()

@@ -9,7 +9,7 @@ from .cutting import is_coarse, refine
 from .mesh_faults import Faults, faults, repair
 from .messages import report, say
 from .names import POKE_TOOL, Op
-from .sizing import scale_of, settle_size
+from .sizing import settle_size
 from .start import LARGE
 
 PRESSABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT"}  # what is no mesh is converted to one
@@ -62,7 +62,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         from . import live
 
         meshes = [obj for obj in live.candidates(context) if obj.type == "MESH"]
-        self.subdivide = any(is_coarse(context, obj) for obj in meshes)
+        self.subdivide = any(is_coarse(context, obj) for obj in meshes if not is_shared(obj))
         found = [f for obj in meshes if not is_shared(obj) and any(f := faults(obj))]
         self.faults = words(Faults(*map(sum, zip(*found, strict=True)))) if found else ""
         self.repair = bool(found)
@@ -148,21 +148,19 @@ def make_soft(
         with context.temp_override(object=obj, active_object=obj):
             bpy.ops.dimple.apply_preset(preset=preset)
     settle_size(context.scene, obj)
-    obj.dimple.enabled = True
+    obj.dimple.enabled, uncut = True, []
     if subdivide and is_coarse(context, obj):
         if is_shared(obj):
-            raise DimpleError(
-                f'"{obj.name}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.'
-            )
-        radius = context.scene.dimple.finger_radius_mm / 1e3 / scale_of(context.scene, obj)
-        refine(obj, radius)
+            uncut = [f'"{obj.name}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.']
+        else:
+            refine(context.scene, obj)
     if len(obj.data.vertices) > LARGE:
-        return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', []
+        return f'"{obj.name}" is soft: "{obj.active_material.name}". It is prepared when you press it first.', uncut
     _, model = bridge.read_body(context, obj)
     planning.proxy_for(context.scene, obj, model)  # so that the first press begins at once
     size, notes = f"{1e3 * model.mesh.size:.3g} mm", [type(note)(f'"{obj.name}": {note}') for note in model.notes]
     said = f'"{obj.name}" is soft: "{obj.active_material.name}", {size} across. Press it with the left mouse button.'
-    return said, notes
+    return said, [*uncut, *notes]
 
 
 def convert(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[bpy.types.Object, str]:

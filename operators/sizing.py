@@ -32,10 +32,11 @@ def _as_modelled(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
     return float(max(obj.dimensions)) * scene.unit_settings.scale_length
 
 
-def scale_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> float:
-    """Return metres of the real object per unit of its mesh, along the axis that is scaled least."""
+def scales_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> tuple[float, float, float]:
+    """Return metres of the real object per unit of its mesh, along each axis of the mesh."""
     settings, largest = obj.dimple, max(obj.dimensions)
     per_unit = scene.unit_settings.scale_length
     if (settings.size_mode == "CUSTOM" or is_unsuited(scene, obj)) and largest > 0:
         per_unit = settings.size_mm / 1e3 / largest
-    return per_unit * min(map(abs, obj.matrix_world.to_scale()))
+    x, y, z = (per_unit * abs(each) for each in obj.matrix_world.to_scale())
+    return x, y, z

@@ -117,6 +117,31 @@ def test_a_cylinder_is_cut_where_its_faces_are_wide_and_its_edges_short(
     assert min(v.co.z for v in mesh.vertices if v.co.z > 0.5) < 1.0 - 0.9 * 0.008 / units_m, "the top shows the dent"
 
 
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 3.0), (1.0, 0.05, 1.0), (-1.0, -2.0, -0.5)])
+def test_a_cube_that_is_scaled_unevenly_is_cut_at_the_size_it_has(
+    bpy: ModuleType, bare: Any, scale: tuple[float, float, float], capfd: pytest.CaptureFixture[str]
+) -> None:
+    bare.scale = scale
+    bpy.context.view_layer.update()
+    bpy.ops.dimple.make_soft(subdivide=True)
+    assert "too few" not in capfd.readouterr().out
+    corners = {tuple(vertex.co) for vertex in bare.data.vertices[:8]}
+    assert corners == {(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)}, "no vertex there was has moved"
+    units_m = 0.165 / max(bare.dimensions)
+    points = np.array([vertex.co for vertex in bare.data.vertices]) * np.abs(scale) * units_m
+    ends = np.array([edge.vertices for edge in bare.data.edges])
+    assert np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1).max() < 0.56 * TIP
+
+
+def test_a_linked_duplicate_becomes_soft_and_is_not_cut(
+    bpy: ModuleType, bare: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    other = bare.copy()
+    bpy.context.collection.objects.link(other)
+    assert bpy.ops.dimple.make_soft(subdivide=True) == {"FINISHED"}
+    assert bare.dimple.enabled and len(bare.data.vertices) == 8 and "shares its mesh" in capfd.readouterr().out
+
+
 def test_a_metaball_becomes_a_body_under_its_own_name(bpy: ModuleType, empty_file: ModuleType) -> None:
     bpy.ops.object.metaball_add()
     name = bpy.context.object.name
