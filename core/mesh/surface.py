@@ -253,17 +253,10 @@ def _closed(positions: Floats, triangles: Ints, edges: Edges) -> tuple[Ints, Int
     """Return the cap edges (c, 2), the hole each closes (c,) and the volume inside [m3]."""
     border = edges.border
     cap_loop = _loops(border, len(positions))
-    x = positions - positions[triangles[:, 0]].mean(axis=0)
-    columns = np.ascontiguousarray(x.T)
-    parts = [_spanned(*(columns.take(at, axis=1) for at in triangles[part].T)) for part in row_parts(len(triangles))]
+    x = positions - positions[triangles].mean(axis=(0, 1))
+    parts = [np.linalg.det(x[triangles[part]]) for part in row_parts(len(triangles))]
     total = float(np.concatenate(parts).sum())
     if len(border):
         centre, _ = cap_centres(x, border, cap_loop)
-        total += float(_spanned(x[border[:, 0]].T, x[border[:, 1]].T, centre[cap_loop].T).sum())
+        total += float(np.linalg.det(np.stack([x[border[:, 0]], x[border[:, 1]], centre[cap_loop]], axis=1)).sum())
     return border, cap_loop, total / 6
-
-
-def _spanned(a: Floats, b: Floats, c: Floats) -> Floats:
-    """Return six times the volume (k,) [m3] that each a, b and c (3, k) [m] span with the origin."""
-    x, y, z = (a[k - 3] * (b[k - 2] * c[k - 1] - b[k - 1] * c[k - 2]) for k in range(3))
-    return x + y + z
