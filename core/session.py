@@ -21,11 +21,9 @@ from .fingertip import NOWHERE, FingerOnItsWay, between, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
 from .mesh.depth import Touching
-from .mesh.surface import input_vertices
 from .pins import Pins
-from .reduction.binding import blend, carry
-from .reduction.kept_skin import KeptSkin
 from .reduction.proxy import Proxy
+from .skin import Skin
 from .solver import motion
 from .solver.backend import choose_backend, create
 from .solver.glide import Glide, may_glide, pumped
@@ -56,10 +54,6 @@ class Session:
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         self._glide: Glide | None = None  # of constants that were changed
         self.substeps: int  # in a tick
-        self._kept: KeptSkin | None  # what is seen of a proxy's skin
-        self._seen: Singles | None  # what `seen` returned,
-        self._seen_pins: Floats | None = None  # where pins were then,
-        self._seen_now = False  # until something moves
         moves = self._define(model, proxy)
         self.body = create(moves, surface=model, backend=self.backend)
         self.reset()
@@ -76,8 +70,7 @@ class Session:
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins.rest_at(self.model.matching.rest)
-        self._shown: Singles | None = None  # what `positions` returned, until something moves
-        self._kept = self._seen = None
+        self._skin.reset()
         self._last = motion.Frame((), (0.0,) * 12, self.body.model.mesh.volume, 0.0, 0, True)
         self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
         self.frame = self._show((), self.tick)
@@ -106,9 +99,9 @@ class Session:
         positions = np.asarray(positions, np.float64)
         if positions.shape != (len(self.model.mesh.source), 3):
             raise DimpleError(f"The mesh has {len(self.model.mesh.source)} vertices: give a position for each.")
-        if not np.isfinite(positions[self._input_of][self._pins.followed]).all():
+        if not np.isfinite(positions[self._skin.input_of][self._pins.followed]).all():
             raise DimpleError("A pinned vertex has a position that is not a number.")
-        self._pins.target = positions[self._input_of].T
+        self._pins.target = positions[self._skin.input_of].T
 
     def set_rest(self, positions: Floats) -> None:
         """Say which shape at rest the input vertices (N, 3) [m] have at the end of the next step, as a rig bends it.
@@ -126,7 +119,7 @@ class Session:
             raise DimpleError("The shape at rest has a position that is not a number.")
         if self.proxy is not None:
             self.change(self.model)
-        self._bent_target = positions[self._input_of].T
+        self._bent_target = positions[self._skin.input_of].T
 
     def step(self, dt: float, *, budget: float | None = None) -> Frame:
         """Advance by dt [s] in whole ticks; what is left over is carried to the next call.
@@ -197,7 +190,7 @@ class Session:
         self._ticks += result.ticks
         self._done += result.ticks
         if result.moved:
-            self._shown, self._seen_now = None, False
+            self._skin.body_moved()
         self._pins.take()
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
@@ -253,30 +246,14 @@ class Session:
 
     def positions(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are now, to be read."""
-        if self._shown is None:
-            surface = self._surface()
-            shown = surface if self._unwelded else surface[self.model.mesh.source]
-            self._shown = shown.astype(np.float32, copy=False)
-            self._shown.setflags(write=False)
-        return self._shown
+        return self._skin.positions(self.body)
 
     def seen(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are, as near as can be seen; to be read before the next call.
 
         It is the same array as long as nothing can be seen to move, and exact where the body sleeps.
         """
-        if self.proxy is None:
-            return self.positions()
-        kept, led = self._kept or KeptSkin(self.proxy.binding), self._pins.origin
-        sleeps, was = not self._last.moved, self._seen if self._seen_pins is led else None
-        if was is None or not self._seen_now or (sleeps and not kept.exact):
-            carried = kept.follow(self.body.positions(), exact=sleeps)
-            if carried or was is None:
-                self._pins.put_still(kept.positions)
-                was = kept.positions.view() if self._unwelded else kept.positions[self.model.mesh.source]
-                was.setflags(write=False)
-            self._kept, self._seen, self._seen_pins, self._seen_now = kept, was, led, True
-        return was
+        return self._skin.seen(self.body, exact=not self._last.moved)
 
     def touches(self) -> tuple[Touching | None, ...]:
         """Return how each fingertip meets the surface at rest, which a device renders."""
@@ -313,7 +290,7 @@ class Session:
             self._change_constants(model, moves, glide)
         else:
             self._glide = None
-            at, speed = skin, scale * self._skin_velocities()
+            at, speed = skin, scale * self._skin.velocities(self.body)
             if proxy:
                 at, speed = at[proxy.seeds], speed[proxy.seeds]
             self.body = create(moves, surface=model, backend=self.backend)
@@ -326,7 +303,7 @@ class Session:
         # in steps that are longer for it what friction holds would slip, and a pressure that is still there blow up
         if self._glide and (any(self._tips) or self._glide.pressure):
             self.substeps = max(self.substeps, math.ceil(substeps))
-        self._pins.origin, self._pins.target, self._shown = skin.T, led, None
+        self._pins.origin, self._pins.target = skin.T, led
 
     def _change_constants(self, model: Model, moves: Model, glide: bool) -> None:
         """Give the body other constants: at once, or so that it glides to its new rest."""
@@ -370,11 +347,9 @@ class Session:
         moves = proxy.model if proxy else model
         self.substeps = moves.substeps(self.tick)
         self.model, self.proxy, self._moves = model, proxy, moves
-        self._kept = self._seen = None
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
-        self._input_of, source = input_vertices(model.mesh), model.mesh.source
-        self._unwelded = len(source) == len(model.mass) and bool((source[1:] > source[:-1]).all())
         self._pins = Pins(model, proxy)
+        self._skin = Skin(model, proxy, self._pins)
         return moves
 
     def _share(self, time: float) -> float:
@@ -386,7 +361,7 @@ class Session:
             if tip:
                 tip.origin = between(tip.origin, tip.target.position, share)
         if self._pins.move(share):
-            self._shown = None
+            self._skin.pins_moved()
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
@@ -408,20 +383,7 @@ class Session:
 
     def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
-        return np.asarray(self._surface(), np.float64)
-
-    def _surface(self) -> Floats | Singles:
-        x = self.body.positions()
-        if self.proxy is None:
-            return x.T
-        surface = carry(self.proxy.binding, x)
-        self._pins.put_still(surface)
-        return surface
-
-    def _skin_velocities(self) -> Floats:
-        """Return how fast the vertices (n, 3) [m/s] of the mesh move, about."""
-        v = self.body.velocities().T
-        return v if self.proxy is None else blend(self.proxy.binding, v)
+        return np.asarray(self._skin.surface(self.body), np.float64)
 
     def _show(self, impulses: tuple[motion.Vector, ...], seconds: float) -> Frame:
         last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume

@@ -1,0 +1,88 @@
+"""What a session shows: the surface of its body, or what its proxy carries, kept until something moves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .base import Floats, Singles
+from .body.model import Model
+from .mesh.surface import input_vertices
+from .pins import Pins
+from .reduction.binding import blend, carry
+from .reduction.kept_skin import KeptSkin
+from .reduction.proxy import Proxy
+from .solver.backend import Body
+
+
+class Skin:
+    """The surface of a body; its pins may put vertices of it that nothing carries.
+
+    input_of: the input vertex (n,) that each vertex of the mesh was.
+    """
+
+    def __init__(self, model: Model, proxy: Proxy | None, pins: Pins) -> None:
+        self._proxy, self._pins, self._source = proxy, pins, model.mesh.source
+        self.input_of = input_vertices(model.mesh)
+        self._unwelded = len(self._source) == len(model.mass) and bool((self._source[1:] > self._source[:-1]).all())
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all that was shown."""
+        self._shown: Singles | None = None  # what `positions` returned, until something moves
+        self._kept: KeptSkin | None = None
+        self._seen: Singles | None = None  # what `seen` returned,
+        self._seen_pins: Floats | None = None  # where pins were then,
+        self._seen_now = False  # until the body moves
+
+    def body_moved(self) -> None:
+        """Look at the body again when it is asked for next."""
+        self._shown, self._seen_now = None, False
+
+    def pins_moved(self) -> None:
+        """Look at the pins again when they are asked for next."""
+        self._shown = None
+
+    def positions(self, body: Body) -> Singles:
+        """Return where the input vertices (N, 3) [m] are, to be read."""
+        if self._shown is None:
+            self._shown = self._of_input(np.asarray(self.surface(body), np.float32))
+            self._shown.setflags(write=False)
+        return self._shown
+
+    def seen(self, body: Body, *, exact: bool) -> Singles:
+        """Return where the input vertices (N, 3) [m] are, as near as can be seen; to be read before the next call.
+
+        It is the same array as long as nothing can be seen to move.
+
+        Args:
+            exact: to the bit.
+        """
+        if self._proxy is None:
+            return self.positions(body)
+        kept, led = self._kept or KeptSkin(self._proxy.binding), self._pins.origin
+        seen = self._seen if self._seen_pins is led else None
+        if seen is None or not self._seen_now or (exact and not kept.exact):
+            carried = kept.follow(body.positions(), exact=exact)
+            if carried or seen is None:
+                self._pins.put_still(kept.positions)
+                seen = self._of_input(kept.positions).view()
+                seen.setflags(write=False)
+            self._kept, self._seen, self._seen_pins, self._seen_now = kept, seen, led, True
+        return seen
+
+    def surface(self, body: Body) -> Floats | Singles:
+        """Return where the vertices (n, 3) [m] of the mesh are."""
+        x = body.positions()
+        if self._proxy is None:
+            return x.T
+        surface = carry(self._proxy.binding, x)
+        self._pins.put_still(surface)
+        return surface
+
+    def velocities(self, body: Body) -> Floats:
+        """Return how fast the vertices (n, 3) [m/s] of the mesh move, about."""
+        v = body.velocities().T
+        return v if self._proxy is None else blend(self._proxy.binding, v)
+
+    def _of_input(self, surface: Singles) -> Singles:
+        return surface if self._unwelded else surface[self._source]
