@@ -40,7 +40,7 @@ static double dm_add_fans(dm_state *b) {
 }
 
 /* at: (n, 3) by vertex in memory; null: where the body is. */
-static void dm_place_at(const dm_state *b, const double *at, uint32_t i, double *x) {
+DM_INLINE void dm_place_at(const dm_state *b, const double *at, uint32_t i, double *x) {
     if (at) memcpy(x, at + 3 * i, 3 * sizeof *x);
     else dm_position(b, i, x);
 }
