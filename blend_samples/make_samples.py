@@ -70,7 +70,7 @@ def suzanne() -> None:
     scene.cursor.location = head.matrix_world @ place
     bpy.ops.dimple.identify(place="CURSOR")  # where it is pressed: elsewhere on a head the force differs by a tenth
     scene.cursor.location = Vector()
-    frame(centre=(0.0, 0.0, 0.11), distance=0.55)
+    frame(centre=(0.0, 0.0, 0.11), distance=0.52)
     save(HERE / "suzanne.blend")
 
 

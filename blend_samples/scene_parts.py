@@ -38,7 +38,7 @@ def look(*, distance: float, aim: Sequence[float], elevation: float, floor: bool
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     camera.location = aim + distance * direction
     camera.rotation_euler = (-direction).to_track_quat("-Z", "Y").to_euler()
-    camera.data.clip_start = 0.01
+    camera.data.clip_start, camera.data.display_size = 0.01, 0.02 * distance
     light = bpy.data.objects.new("Key", bpy.data.lights.new("Key", "AREA"))
     light.data.energy, light.data.size = 9.0 * distance**2, 0.5 * distance
     light.location = aim + distance * Vector((-0.9, -0.35, 0.75))
