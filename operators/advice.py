@@ -34,7 +34,7 @@ def on_body(
         notes.append(Note(
             f"The mesh has only {refined.before:,} vertices, too few for this fingertip: "
             f"{len(mesh.rest_positions):,} are simulated, in the same shape. A bake needs the mesh itself as fine: "
-            "subdivide it, or let Make Soft do it."
+            "subdivide it, or tick Subdivide in Make Soft."
         ))  # fmt: skip
     if radius < size / 100:
         notes.append(

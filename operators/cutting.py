@@ -40,6 +40,21 @@ def is_coarse(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
     return float(np.median(lengths)) > wide or 2 * float(areas[areas > wide**2].sum()) > float(areas.sum())
 
 
+def is_simulated_finer(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:
+    """Tell whether what is simulated of a body is cut finer than its mesh, which a bake does not show."""
+    import numpy as np
+
+    from ..core.mesh.refine import is_coarse as presses_wrong
+
+    mesh = obj.data
+    mesh.calc_loop_triangles()
+    points, corners = np.empty(3 * len(mesh.vertices), np.float32), np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.vertices.foreach_get("co", points)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    real = np.array(scales_of(scene, obj)) * points.reshape(-1, 3)
+    return presses_wrong(real, corners.reshape(-1, 3), scene.dimple.finger_radius_mm / 1e3)
+
+
 def edge_lengths(mesh: bpy.types.Mesh, scales: "np.ndarray") -> "np.ndarray":
     """Return the length (e,) of every edge [m], with metres per unit along each axis (3,)."""
     import numpy as np

@@ -5,7 +5,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from . import polls, sessions
-from .cutting import is_coarse, refine
+from .cutting import is_coarse, is_simulated_finer, refine
 from .mesh_faults import Faults, faults, repair
 from .messages import report, say
 from .names import POKE_TOOL, Op
@@ -149,7 +149,7 @@ def make_soft(
             bpy.ops.dimple.apply_preset(preset=preset)
     settle_size(context.scene, obj)
     obj.dimple.enabled, uncut = True, []
-    if subdivide and is_coarse(context, obj):
+    if subdivide and is_simulated_finer(context.scene, obj):  # at the size that the material may just have given it
         if is_shared(obj):
             uncut = [f'"{obj.name}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.']
         else:

@@ -8,9 +8,9 @@ MESSAGES = {
     ),
     "A rig holds it: its shape at rest goes where that goes.": "リグに付いています。元の形はリグの動きに従います。",
     "The mesh has only {} vertices, too few for this fingertip: {} are simulated, in the same shape. A bake needs the "
-    "mesh itself as fine: subdivide it, or let Make Soft do it.": (
+    "mesh itself as fine: subdivide it, or tick Subdivide in Make Soft.": (
         "元の {} 頂点では指先に対して少なすぎるため、同じ形の {} 頂点で計算します。ベイクするには、メッシュそのものを"
-        "細かく分割するか、「柔らかくする」で分割してください。"
+        "細かく分割するか、「柔らかくする」の「細分化」をオンにしてください。"
     ),
     "The body is {} m across, over 100 times the radius of the fingertip. Set Physical Size to Custom Size in "
     "Physics > Dimple.": (

@@ -71,6 +71,22 @@ def test_the_mesh_is_cut_only_when_asked_and_keeps_its_shape(
     assert np.abs(numbers).max(axis=1) == pytest.approx(np.ones(len(numbers)))
 
 
+@pytest.mark.parametrize(("primitive", "size"), [("uv_sphere", 0.3), ("uv_sphere", 1.0), ("torus", 1.0)])
+def test_a_mesh_is_cut_when_asked_wherever_its_simulation_would_be(
+    bpy: ModuleType, empty_file: ModuleType, primitive: str, size: float, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """A ball of 0.6 m is asked for at that size, and then the material makes it one of 165 mm."""
+    getattr(bpy.ops.mesh, f"primitive_{primitive}_add")()
+    body = bpy.context.object
+    body.scale = (size, size, size)
+    bpy.context.view_layer.update()
+    before = len(body.data.vertices)
+    bpy.ops.dimple.make_soft()
+    assert "A bake needs the mesh itself as fine" in capfd.readouterr().out and len(body.data.vertices) == before
+    bpy.ops.dimple.make_soft(subdivide=True)
+    assert "A bake needs the mesh itself as fine" not in capfd.readouterr().out and len(body.data.vertices) > 3 * before
+
+
 def test_it_asks_before_it_cuts_and_only_then(bpy: ModuleType, bare: Any, ball: Any) -> None:
     from types import SimpleNamespace
 
@@ -202,7 +218,7 @@ def test_a_broken_mesh_is_repaired_where_the_artist_agrees_and_what_is_left_is_s
     before = coordinates(obj)
     bpy.ops.dimple.make_soft()
     assert coordinates(obj) == before, "nothing is repaired unasked"
-    assert "Holes that are closed, for the pressure only: 1." in capfd.readouterr().out
+    assert "Holes closed for the pressure only: 1." in capfd.readouterr().out
     bpy.ops.dimple.make_soft(repair=True)
     assert len(obj.data.vertices) == 642 and mesh_faults.faults(obj) == (0, 0, 0)
     said = capfd.readouterr().out
