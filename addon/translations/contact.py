@@ -21,7 +21,7 @@ WORDS = {
     "Mass of what falls": "落ちるものの質量",
     "Self Contact": "自己接触",
     "The body does not pass through itself where it folds": "折り重なったところで、物体が自分自身を突き抜けません",
-    "Move Apart": "離しておく",
+    "Move Apart": "引き離す",
     "Where the body intersects something at the start, it is moved out as a whole by the shortest way, "
     "or pressed flat towards its pins; where it passes through itself, those faces are left out of Self Contact; "
     "otherwise that is refused": (

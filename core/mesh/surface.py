@@ -164,7 +164,7 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
     if not pressurable:
         notes.append("The mesh is a sheet and encloses no volume: its fill is off.")
     elif len(border):
-        notes.append(f"Holes that are closed, for the pressure only: {int(cap_loop.max()) + 1}.")
+        notes.append(f"Holes closed for the pressure only: {int(cap_loop.max()) + 1}.")
 
     springs, beside = edges.ends, edges.count > 2
     if beside.any():

@@ -88,7 +88,7 @@ MESSAGES = {
     "The mesh is a sheet and encloses no volume: its fill is off.": (
         "メッシュは一枚の面で体積を囲んでいないため、中身はなしとします。"
     ),
-    "Holes that are closed, for the pressure only: {}.": "圧力の計算でのみふさぐ穴: {} 個。",
+    "Holes closed for the pressure only: {}.": "圧力の計算でのみふさぐ穴: {} 個。",
     "{} edges are non-manifold: they join three or more faces.": (
         "{} 本の辺が非多様体です（3 つ以上の面につながっています）。"
     ),
@@ -207,7 +207,7 @@ MESSAGES = {
     '"{}" passes through itself at ({}) mm, {} pairs of faces in all. Repair the mesh there, switch off Self Contact '
     "in Physics > Dimple > Contact, or switch on Move Apart there, which leaves these faces out of it.": (
         '"{}" が自分自身と交差しています。位置 ({}) mm、交差する面は全部で {} 組です。そこのメッシュを直すか、'
-        "物理演算 > Dimple > 接触で自己接触をオフにするか、そこの「離しておく」をオンにして、これらの面を自己接触から"
+        "物理演算 > Dimple > 接触で自己接触をオフにするか、そこの「引き離す」をオンにして、これらの面を自己接触から"
         "外してください。"
     ),
     "The mesh passes through itself at ({}) mm: {} pairs of faces, and those beside them, are left out of Self "

@@ -89,7 +89,7 @@ def drawn_texts() -> Iterator[str]:
     root = Path(dimple.__file__).parent
     for path in [*root.glob("addon/*.py"), *root.glob("operators/*.py")]:
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "PAUSED":
+            if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") in ("PAUSED", "PAUSED_POKE"):
                 yield from (part.value for part in ast.walk(node.value) if isinstance(part, ast.Constant))
             if not isinstance(node, ast.Call):
                 continue
@@ -198,7 +198,7 @@ def test_a_message_with_numbers_is_recognised_and_filled_in_japanese(bpy: Module
     [
         (
             '"Cube": Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide '
-            'the mesh. "Depth": Holes that are closed, for the pressure only: 3.',
+            'the mesh. "Depth": Holes closed for the pressure only: 3.',
             '"Cube": すべての頂点が固定されていて動けません。「固定」を「なし」にするか、固定する頂点を減らすか、'
             'メッシュを細分化してください。"Depth": 圧力の計算でのみふさぐ穴: 3 個。',
         ),

@@ -133,7 +133,7 @@ def test_the_cap_of_a_hemisphere_makes_its_volume_that_of_the_closed_one(segment
     points, faces = hemisphere(segments)
     floor = np.array([(0, s + 1, s) for s in range(1, segments - 1)])  # a fan over the open end
     mesh = mesh_from_triangles(points, faces)
-    assert not mesh.closed and mesh.pressurable and notes_say(mesh, "Holes that are closed, for the pressure only: 1.")
+    assert not mesh.closed and mesh.pressurable and notes_say(mesh, "Holes closed for the pressure only: 1.")
     assert mesh.volume == pytest.approx(signed_volume(points, np.concatenate([faces, floor])))
     assert len(mesh.cap_edges) == segments and set(mesh.cap_loop) == {0}
 
