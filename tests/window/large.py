@@ -11,6 +11,7 @@ import robot
 
 Check = Callable[..., None]
 SUBDIVISIONS = 8  # 163,842 vertices
+DENT_M = 4e-3  # that is seen
 OLDEST_S = 2.0  # that a picture may be while the mesh gets ready, drawn in software
 
 
@@ -45,7 +46,7 @@ def press_large(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     yield from robot.move(*at)
     yield from robot.button(*at, "PRESS")
     body = running.get(large)
-    yield from robot.until(lambda: body.frame.depths.any(), "it is pressed", 120)
+    yield from robot.until(lambda: body.frame.depths.any() and body.frame.depths[0] > DENT_M, "it is pressed", 200)
     yield from robot.redrawn()
     robot.screenshot(out / "0-large.png")
     yield from robot.button(*at, "RELEASE")

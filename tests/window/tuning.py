@@ -121,6 +121,7 @@ def resting() -> bool:
     return abs(push() - bpy.context.scene.dimple.press_force_n) < 0.01 * bpy.context.scene.dimple.press_force_n
 
 
+ACTS_S, LESS_MM = 0.1, 0.1  # [s] of the body's time in which a harder K1 lifts the fingertip by so much, at least
 STILL_S = 1.0  # [s] of the body's time; longer than a change takes to come in
 _last = {"depth": -1.0, "since": -1.0}
 
@@ -162,7 +163,7 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
 
     def noted(*given: object, **named: object) -> object:
         frame = finish(*given, **named)
-        seen.append((slope(), session.model.materials[0].K1 / 1e3, 1e3 * float(frame.depths[0])))
+        seen.append((slope(), session.model.materials[0].K1 / 1e3, 1e3 * float(frame.depths[0]), frame.time))
         return frame
 
     session.finish = noted  # however it is stepped
@@ -172,12 +173,15 @@ def press_by_force(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     check("K1 is dragged while the fingertip rests", dragged >= DRAGGED, f"to {dragged} N/mm")
     yield from clicking.type_into(field, HARD)
     yield from robot.until(lambda: slope() == HARD, f"{HARD:g} is typed", 10)
-    first = next(index for index, (value, _, _) in enumerate(seen) if value != SOFT)
+    first = next(index for index, (value, *_) in enumerate(seen) if value != SOFT)
     yield from settle("the fingertip rests again", lambda: len(seen) > first + 30)
     del session.finish
-    value, taken, depth = seen[first + 1]
-    words = f"{SOFT} to {value}, the body has {taken:.3f} N/mm; {1e3 * soft:.4f} and {depth:.4f} mm"
-    check("K1 acts within two frames", taken > SOFT and abs(depth - 1e3 * soft) > 1e-3, words)
+    value, taken, _, begun = seen[first + 1]
+    check("the body has K1 within two frames", taken > SOFT, f"{SOFT} to {value}, the body has {taken:.3f} N/mm")
+    # a frame on a slow machine is a few milliseconds of the body's time
+    depth, after = next((depth, t - begun) for _, _, depth, t in seen[first + 1 :] if t >= begun + ACTS_S)
+    words = f"{1e3 * soft:.4f} and {depth:.4f} mm after {1e3 * after:.0f} ms"
+    check("and acts by it within a tenth of a second", depth < 1e3 * soft - LESS_MM, words)
     hard, rate = float(body().frame.depths[0]), (robot.drawn() - drawn) / (time.monotonic() - began)
     check("a harder material is pressed less deep", hard < 0.7 * soft, f"{1e3 * soft:.2f} and {1e3 * hard:.2f} mm")
     check("and that is seen, however slow the machine is", rate > 0, f"{rate:.1f} frames a second")
@@ -243,6 +247,7 @@ def paint(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     cube.dimple.softness_group = "Soft"
     bpy.context.scene.dimple.press_force_n = GENTLE_N
     yield from leave_resting(at)
+    yield from settle("it rests, identified")
     before = float(body().frame.depths[0])
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
