@@ -7,7 +7,8 @@ from typing import Any
 
 import bpy
 
-from ..operators.messages import wrapped
+from ..operators.messages import Note, wrapped
+from ..operators.modal_runs import runs
 from ..operators.sessions import sessions
 from ..operators.translation import translated
 from ..operators.under_way import is_blind
@@ -74,11 +75,14 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
     lines = [(body.name, canvas.ink())]
     if entry.recorder:
         lines.append((f"● {iface_('Recording')} {entry.recorder.frames}", FORCE))
+    if any(run.paused for run in runs):
+        lines.append((iface_("Paused"), FORCE))
     lines += [(line, FORCE) for sentence in device.slow() for line in wrapped(sentence, 40)]
     if numbers:
         rows = readout.short_rows(entry.frame, entry.session.tick)
+        warnings = [each for each in entry.session.model.notes if not isinstance(each, Note)]  # the sidebar has all
         more = filter(None, [entry.session.contact_note, entry.refused])
-        notes = readout.sentences([*entry.session.model.notes, *more], entry.frame)
+        notes = readout.sentences([*warnings, *more], entry.frame)
         lines += [(f"{label}: {value}", canvas.ink()) for label, value in rows]
         lines += [(line, canvas.ink()) for sentence in notes for line in wrapped(translated(sentence, iface_), 60)]
     # what finds no room is left out, the last first

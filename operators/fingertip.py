@@ -46,12 +46,17 @@ def taken(state: PokeState, before: Settings, now: Settings) -> PokeState:
     return state if state.pressing else replace(state, active=active)
 
 
-def help_text(state: PokeState) -> str:
-    """Return what the keys do, for the status bar."""
+def help_text(state: PokeState, *, recording: bool = False) -> str:
+    """Return what the keys do now, for the status bar."""
     if state.by_force:
         amount, text = f"{state.force:.3g} N", polls.tip_("Left drag: press with {} | Ctrl wheel: force | F: by depth")
     else:
         amount = f"{1e3 * state.depth:.3g} mm"
         text = polls.tip_("Left drag: press {} deep | Ctrl wheel: depth | F: by force")
-    keys = polls.tip_("Wheel: radius | 1 2 3: finger | Space: pause | R: record | Enter: keep | Esc: leave")
-    return f"{text.format(amount)} | {keys}"
+    keys = (
+        polls.tip_("Wheel: radius | 1 2 3: finger"),
+        polls.tip_("Space: go on") if state.paused else polls.tip_("Space: pause"),
+        polls.tip_("R: stop recording") if recording else polls.tip_("R: record"),
+        polls.tip_("Enter: keep | Esc: leave"),
+    )
+    return " | ".join((text.format(amount), *keys))

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 
 import bpy
 
-PAUSED = "Paused: Space or Play goes on, Esc ends and puts the rest shape back"
+PAUSED = "Paused: Play goes on, Esc ends and puts the rest shape back"
+PAUSED_POKE = "Paused: Space or Play goes on, Esc ends and puts the rest shape back"
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -65,7 +66,8 @@ def open_run(context: bpy.types.Context, kind: str, state: str, *, interval: flo
 def pause(context: bpy.types.Context, run: ModalRun, paused: bool) -> None:
     """Let time stand still, or go on, and say so."""
     run.paused = paused
-    context.window_manager.dimple.state = PAUSED if paused else run.state
+    said = PAUSED_POKE if run.kind == "poke" else PAUSED
+    context.window_manager.dimple.state = said if paused else run.state
     redraw()
 
 

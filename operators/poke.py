@@ -89,7 +89,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         context.window_manager.modal_handler_add(self)
         self._settings = {uid: body.settings for uid, body in sessions.sessions.items()}
         self._contacts, self._typed = _contacts(context), {}
-        modal_runs.show_status(context, self._run, fingertip.help_text(self._state))
+        modal_runs.show_status(context, self._run, self._help(context))
         # started as a tool the button is down already
         view = pointer.view_under(context, event)
         if view and event.type == "LEFTMOUSE" and event.value in pointer.DOWN:
@@ -143,7 +143,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
                 if self._typed.setdefault(name, self._tool[name]) == tool[name]:
                     del self._typed[name]
         self._state, self._tool = fingertip.taken(self._state, self._tool, tool), tool
-        modal_runs.show_status(context, self._run, fingertip.help_text(self._state))
+        modal_runs.show_status(context, self._run, self._help(context))
         if self._run.paused != self._state.paused:  # the sidebar's button
             self._take(context, PokeEvent(kind=Kind.PAUSE))
         if self._state.paused and (ended := self._went_on(showing.end_changed(context.view_layer))):
@@ -170,7 +170,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
             self._shapes = {uid: body.session.positions() for uid, body in sessions.sessions.items()}
         if event.kind in (Kind.RADIUS, Kind.AMOUNT, Kind.BY_FORCE, Kind.FINGER):
             self._tool = fingertip.store(context.scene, self._state)
-            modal_runs.show_status(context, self._run, fingertip.help_text(self._state))
+            modal_runs.show_status(context, self._run, self._help(context))
         for effect in effects:
             if result := self._do(context, effect, event.amount):
                 return result
@@ -233,6 +233,14 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         ]  # fmt: skip
         changed = chosen or self._typed or self._contacts != _contacts(context)
         return bool(changed) and not self._state.pressing
+
+    def _help(self, context: bpy.types.Context) -> str:
+        """Return what the keys do now, for the status bar."""
+        from . import fingertip
+
+        if context.mode != "OBJECT":
+            return polls.tip_("The fingertips stay where they are | Esc: leave the poke")
+        return fingertip.help_text(self._state, recording=any(body.recorder for body in sessions.sessions.values()))
 
     def _went_on(self, messages: list[str]) -> set[str] | None:
         """Report what has happened; return how the operator ends when no session is left."""

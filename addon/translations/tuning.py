@@ -39,8 +39,15 @@ WORDS = {
     "Left drag: press {} deep | Ctrl wheel: depth | F: by force": (
         "左ドラッグ: {} 押し込む | Ctrl+ホイール: 深さ | F: 力で押す"
     ),
-    "Wheel: radius | 1 2 3: finger | Space: pause | R: record | Enter: keep | Esc: leave": (
-        "ホイール: 半径 | 1 2 3: 指 | Space: 一時停止 | R: 記録 | Enter: 形を残す | Esc: 終了"
+    "Wheel: radius | 1 2 3: finger": "ホイール: 半径 | 1 2 3: 指",
+    "Space: pause": "Space: 一時停止",
+    "Space: go on": "Space: 続ける",
+    "R: record": "R: 記録",
+    "R: stop recording": "R: 記録を止める",
+    "The fingertips stay where they are | Esc: leave the poke": "指先はそのまま止まります | Esc: 押すのを終える",
+    "Enter: keep | Esc: leave": "Enter: 形を残す | Esc: 終了",
+    "Paused: Play goes on, Esc ends and puts the rest shape back": (
+        "一時停止中です。再生で続け、Esc で終えて元の形に戻します"
     ),
     "Paused: Space or Play goes on, Esc ends and puts the rest shape back": (
         "一時停止中です。Space または再生で続け、Esc で終えて元の形に戻します"
@@ -52,6 +59,7 @@ WORDS = {
         "オブジェクトは別のファイルからリンクされています。先にローカル化してください"
     ),
     "Recording": "記録中",
+    "Paused": "一時停止中",
     "A fingertip presses as a ball of this radius, whatever its shape.": (
         "指先は、どのような形でも、この半径の球として押します。"
     ),

@@ -285,6 +285,18 @@ def test_a_body_that_is_renamed_while_pressed_is_called_by_its_new_name(
     assert "Another" in written and "Cube" not in written
 
 
+def test_over_the_viewport_stand_warnings_and_no_notes(
+    overlay: ModuleType, entry: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators.messages import Note
+
+    entry.session.model.notes += (Note("It is simulated finer."),)
+    written = lines_of(overlay, monkeypatch)
+    overlay.draw_rows(SimpleNamespace(name="Ball"), entry, overlay.Room(0.0, 0.0, *SIZE), 1.0)
+    texts = [text for text, _, _ in written]
+    assert "An open mesh." in texts and "It is simulated finer." not in texts
+
+
 def test_numbers_are_written_as_the_theme_writes_on_what_sets_them_off(bpy: ModuleType, overlay: ModuleType) -> None:
     space, canvas = bpy.context.preferences.themes[0].view_3d.space, overlay.canvas
     before = tuple(space.text_hi), tuple(space.gradients.high_gradient)
@@ -429,6 +441,7 @@ def test_numbers_that_the_sidebar_shows_are_not_shown_twice_but_a_recording_and_
 
     (entry,) = sessions.sessions.values()
     entry.recorder = SimpleNamespace(frames=12)
+    monkeypatch.setattr(overlay, "runs", [SimpleNamespace(paused=True)])
     monkeypatch.setattr(haptic, "connections", [SimpleNamespace(slow=True)])
     written = lines_of(overlay, monkeypatch)
     area = SimpleNamespace(regions=[region("UI", 0, 0, 9, 9, "Dimple")], as_pointer=lambda: 1)
@@ -443,5 +456,6 @@ def test_numbers_that_the_sidebar_shows_are_not_shown_twice_but_a_recording_and_
         written.clear()
         overlay.draw_numbers()
         texts = " ".join(text for text, _, _ in written)
-        assert ("Pressure" in texts) != shown and "Recording 12" in texts and "Blender draws too slowly" in texts
+        always = "Paused", "Recording 12", "Blender draws too slowly"
+        assert ("Pressure" in texts) != shown and all(each in texts for each in always)
     entry.recorder = None

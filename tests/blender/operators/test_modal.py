@@ -109,14 +109,16 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
     paused = body.frame.time
     poke.ticks(3)
     assert body.frame.time == paused and not body.running
-    assert bpy.context.window_manager.dimple.state.startswith("Paused")
+    assert bpy.context.window_manager.dimple.state.startswith("Paused") and "Space: go on" in poke.context.said
     poke.send("SPACE")
     assert bpy.context.window_manager.dimple.state.startswith("Poking")
     poke.send("R")
     assert body.recording and body.running
     poke.ticks(30)
+    assert "Space: pause" in poke.context.said and "R: stop recording" in poke.context.said
     poke.send("R")
-    assert not body.recording
+    poke.ticks(1)
+    assert not body.recording and "R: record |" in poke.context.said
     said = [text for _, text in poke.reports]
     assert "Recording" in said and said[-1].startswith('Recorded '), "by its own operator, for that is what is shown"
     poke.send("ESC")
