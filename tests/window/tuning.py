@@ -15,7 +15,7 @@ import seeing
 
 Check = Callable[..., None]
 Scene = Callable[[tuple[int, int], Path, Check], robot.Waits]
-FORCE_N, GENTLE_N = 15.0, 4.0  # past the knee of the soft one; short of it
+FORCE_N, GENTLE_N = 15.0, 2.0  # past the knee of the soft one; short of it
 SOFT, DRAGGED, HARD = 0.3, 2.0, 3.0  # [N/mm] of K1
 TIP_MM = 10.0  # of the fingertip that measured
 
