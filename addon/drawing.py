@@ -7,7 +7,7 @@ from ..operators.translation import translated
 from . import readout
 
 TAB = "Dimple"
-CHARACTER = 7.5  # [px] mean width of a character of a note, at a resolution scale of 1
+CHARACTER = 6.5  # [px] mean width of a character of a note, at most, at a resolution scale of 1
 FRAME = 80.0  # [px] width of the icon and borders beside it
 
 

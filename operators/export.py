@@ -12,7 +12,7 @@ from .names import EXPORTS, Op
 from .translation import translated
 from .working import Working
 
-CHARACTER = 11.0  # [px] of a line of the dialog for each character, its icon and borders included
+CHARACTER = 8.5  # [px] of a line of the dialog for each character, its icon and borders included
 _ASKED = ("formats", "source", "frame_start", "frame_end", "step", "key_error", "normals", "overwrite")
 _SOURCES = (
     ("PLAYED", "Bake or Recording", "What the objects play; those that play nothing are simulated"),
@@ -99,7 +99,10 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         """Draw the settings, and how large the files will be and how long they will take."""
         layout = self.layout
         layout.use_property_split = True
-        layout.column().prop(self, "formats")
+        column = layout.column()
+        column.use_property_split = False  # beside a label their names would be cut off
+        column.label(text="Formats")
+        column.prop(self, "formats")
         for name in _ASKED[1:]:
             row = layout.row()
             row.active = name != "step" or not self.key_error  # with few shape keys every frame counts

@@ -49,7 +49,12 @@ def wrapped(sentence: str, width: int) -> list[str]:
 
 
 def _words(sentence: str) -> list[str]:
-    words = [word + " " for word in sentence.split()]
+    words: list[str] = []
+    for word in sentence.split():
+        if words and words[-1][-2:-1].isdigit() and " " not in words[-1][:-1] and _columns(word) == len(word):
+            words[-1] += word + " "  # a number and its unit
+        else:
+            words.append(word + " ")
     return [piece for word in words for piece in (word if _columns(word) > len(word) else [word])]
 
 

@@ -351,7 +351,7 @@ def play_on(rest: np.ndarray) -> robot.Waits:
     yield from click("play")
     yield from robot.until(lambda: moved(rest) > 0.01, "the free ball falls", 60)
     check("a click on its button plays: the free ball falls", "DIMPLE_OT_play" in robot.modal_operators())
-    yield from robot.redrawn()
+    yield from robot.redrawn(6)  # Blender moves the panels to their new places
     robot.screenshot(OUT / "11-playing.png")
 
 
