@@ -130,12 +130,13 @@ def read() -> list[str]:
     gap = time.perf_counter() - connection.read_at if connection.read_at else 0.0
     before, connection.report, connection.read_at = connection.report, connection.device.read(), time.perf_counter()
     report = connection.report
-    if gap > SLOW_S and report.arming is not Arming.OFF and not connection.slow:
+    armed = report.link is LinkState.READY and report.arming is not Arming.OFF
+    if gap > SLOW_S and armed and not connection.slow:
         connection.slow, connection.note = True, (
             f"Blender draws only {1 / gap:.1f} frames a second, so the dead-man key lapses and there is no force. "
             "Simulate a proxy, or draw less."
         )
-    elif gap < SLOW_S / 2:
+    elif gap < SLOW_S / 2 or not armed:
         connection.slow = False
     ended = report.link is not before.link and report.link in (LinkState.LOST, LinkState.REFUSED)
     if ended or (report.arming is not before.arming and report.arming is Arming.OFF and report.note):

@@ -250,3 +250,7 @@ def test_a_blender_that_draws_too_slowly_for_the_dead_man_key_is_said_once(
         said.append(haptic.read())
     assert [bool(each) for each in said] == [False, False, True, False, False, True]
     assert said[2][0].startswith("Blender draws only 2.0 frames a second, so the dead-man key lapses")
+    assert haptic.get().slow
+    report.link, clock.now = LinkState.LOST, clock.now + 0.4
+    haptic.read()
+    assert not haptic.get().slow, "of a device that is lost, only that is said"
