@@ -196,7 +196,7 @@ def main(words: list[str]) -> int:
     if not options.scenes:
         found["cost"] = measure_cost()
         for case, cost in found["cost"].items():
-            print(f"{case:21}", ", ".join(f"{name} {value}" for name, value in cost.items()))
+            print(f"{case:22}", ", ".join(f"{name} {value}" for name, value in cost.items()))
         found["laws"] = measure_laws()
         print("laws                 ", ", ".join(f"{name} {value:.3g}" for name, value in found["laws"].items()))
     if options.json:
