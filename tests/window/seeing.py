@@ -19,10 +19,10 @@ LEAST_N, MOST_N = 1.0, 30.0
 
 
 def as_measured() -> None:
-    """Give the cube the constants that it was measured with, and nothing painted."""
+    """Give the cube the constants that it was measured with, and nothing painted, and the fingertip its force."""
     cube = bpy.data.objects["Cube"]
     cube.dimple.softness_group = cube.dimple.knee_group = ""
-    cube.active_material.dimple.K1 = 0.61
+    cube.active_material.dimple.K1, bpy.context.scene.dimple.press_force_n = 0.61, FORCE_N
     bpy.ops.ed.undo_push(message="As measured")
 
 
@@ -35,7 +35,6 @@ def colours(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     """Show each quantity on the pressed surface."""
     as_measured()
     settings = bpy.context.scene.dimple
-    settings.press_force_n = FORCE_N
     yield from tuning.leave_resting(at)
     yield from tuning.settle("it rests")
     yield from clicking.open_tab("Dimple", at)
