@@ -41,7 +41,7 @@ def is_coarse(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
 
 
 def is_simulated_finer(scene: bpy.types.Scene, obj: bpy.types.Object) -> bool:
-    """Tell whether what is simulated of a body is cut finer than its mesh, which a bake does not show."""
+    """Tell whether a mesh is simulated finer than it is, where that is left to Dimple; a bake does not show it."""
     import numpy as np
 
     from ..core.mesh.refine import is_coarse as presses_wrong

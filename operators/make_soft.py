@@ -62,7 +62,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         from . import live
 
         meshes = [obj for obj in live.candidates(context) if obj.type == "MESH"]
-        self.subdivide = any(is_coarse(context, obj) for obj in meshes if not is_shared(obj))
+        self.subdivide = any(_should_be_cut(context, obj) for obj in meshes if not is_shared(obj))
         found = [f for obj in meshes if not is_shared(obj) and any(f := faults(obj))]
         self.faults = words(Faults(*map(sum, zip(*found, strict=True)))) if found else ""
         self.repair = bool(found)
@@ -75,7 +75,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
         column = self.layout.column()
         column.prop(self, "preset")
         if self.subdivide or not self.faults:
-            column.label(text="Its edges or faces are wider than the fingertip.", icon="INFO")
+            column.label(text="The mesh is coarse for the fingertip.", icon="INFO")
             column.label(text="A bake shows the dent only where the mesh is cut finer.", icon="BLANK1")
         column.prop(self, "subdivide")
         if self.faults:
@@ -120,6 +120,11 @@ def words(found: Faults) -> str:
     return (
         f"Doubled vertices: {found.doubled}. Loose vertices: {found.loose}. Faces that look inward: {found.inward}."
     )
+
+
+def _should_be_cut(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
+    """Tell whether to offer a cut; of a body that is soft already also where only its bake is coarser than a press."""
+    return is_coarse(context, obj) or obj.dimple.enabled and is_simulated_finer(context.scene, obj)
 
 
 def is_shared(obj: bpy.types.Object) -> bool:

@@ -79,7 +79,7 @@ WORDS = {
     "Cut edges that are longer than the fingertip is wide, which changes the mesh": (
         "指先の幅より長い辺を分割します。メッシュが変わります"
     ),
-    "Its edges or faces are wider than the fingertip.": "辺または面が指先の幅より大きくなっています。",
+    "The mesh is coarse for the fingertip.": "メッシュが指先に対して粗くなっています。",
     "A bake shows the dent only where the mesh is cut finer.": (
         "メッシュを細かく分割しないと、ベイクにはへこみが現れません。"
     ),
