@@ -208,7 +208,9 @@ class World:
                 found = create_scene([body], (), itself=[True], backend=backend).crossings()
                 if found.pairs:
                     itself[i], notes[i] = LEAVES_OUT, _left_out(found)
-        self.notes, self._scene = notes, create_scene(self._bodies, now, itself=itself, backend=backend)
+        offsets = [session.proxy.offset if session.proxy else 0.0 for session in self.sessions]
+        self._scene = create_scene(self._bodies, now, itself=itself, backend=backend, offsets=offsets)
+        self.notes = notes
 
     def _place(self) -> None:
         for i, at in enumerate(self._at):

@@ -14,9 +14,9 @@ import bpy
 import numpy as np
 
 from ..core.base import DimpleError
+from ..core.reduction.contact import in_contact
 from ..core.reduction.grading import share_of
 from ..core.reduction.planner import Maker, Plan, carry_out, decide, plan_full_mesh, plan_proxy
-from ..core.reduction.protrusion import in_contact
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
@@ -184,7 +184,7 @@ def choosing(
             return "", lambda build: plan_full_mesh(model, budget=budget, because=because)
 
         def met(chosen: Plan) -> Plan:
-            return in_contact(model.mesh, chosen) if meets else chosen
+            return in_contact(chosen) if meets else chosen
 
         if wanted["simulated"] == "proxy":
             vertices = wanted["vertices"]

@@ -17,9 +17,9 @@ from core.base import Floats
 from core.body.model import build_model
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.props import PropWorld
+from core.reduction.contact import in_contact
 from core.reduction.planner import BUDGET, Plan, decide, plan_full_mesh
 from core.reduction.planner import carry_out as make
-from core.reduction.protrusion import in_contact
 from core.session import Session
 from core.world import Collider, World
 
@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
             continue
         mesh = MESHES[name]()
         model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
-        planned = in_contact(mesh, make(decide(model, budget=BUDGET / CONTACT)))
+        planned = in_contact(make(decide(model, budget=BUDGET / CONTACT)))
         print(f"{name}, {len(model.mass):,} vertices. {planned.reason}", flush=True)
         for plan in (planned, plan_full_mesh(model))[: 1 + options.full]:
             for scene in ("plate", "ball", "weight"):

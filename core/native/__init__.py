@@ -37,7 +37,7 @@ from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 18
+ABI = 19
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 
@@ -59,6 +59,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
         c_int64,
         POINTER(c_void_p),
         POINTER(c_uint8),
+        POINTER(c_double),
         c_int64,
         POINTER(ColliderDef),
     ),

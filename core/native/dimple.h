@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 18 /* changes with anything below */
+#define DM_ABI 19 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -285,9 +285,10 @@ typedef struct { /* what passes through each other */
 
 /* Bodies and colliders that nothing passes through, stepped together; the bodies stay the caller's, outlive the scene
  * and are all of one precision and instruction set. self: (bodies,) whether each meets itself too: 0 not, 1 it does, 2 all
- * but those faces of it that pass through others of it now. */
+ * but those faces of it that pass through others of it now. offset: (bodies,) the distance that each holds [m], 0 for a
+ * share of its edges; a collider holds the least. */
 DM_API int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self,
-                               int64_t colliders, const dm_collider_def *collider);
+                               const double *offset, int64_t colliders, const dm_collider_def *collider);
 DM_API void dm_scene_destroy(dm_scene *scene); /* null is taken */
 DM_API int32_t dm_scene_find_crossings(dm_scene *scene, dm_crossings *found);
 /* Put a collider elsewhere at once. */

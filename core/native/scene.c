@@ -81,9 +81,12 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
         f->node_count = node - f->first_node;
         if (f->body && (s->edge == 0 || f->edge < s->edge)) s->edge = f->edge;
     }
+    double least = INFINITY;
     for (int64_t k = 0; k < s->surface_count; k++) {
         dm_surface *f = s->surfaces + k;
-        f->offset = DM_OFFSET * (f->body ? f->edge : s->edge);
+        if (!f->body) f->offset = least < INFINITY ? least : 0; /* they come last */
+        else if (!(f->offset > 0)) f->offset = DM_OFFSET * f->edge;
+        if (f->body && f->offset > 0 && f->offset < least) least = f->offset;
         double most = f->offset + (f->body ? f->offset : 0);
         s->touch = most > s->touch ? most : s->touch;
     }
@@ -96,7 +99,7 @@ static int32_t dm_lay_surfaces(dm_scene_state *s, int64_t bodies, const dm_colli
 }
 
 static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_state *const *body, const uint8_t *self,
-                               int64_t colliders, const dm_collider_def *collider) {
+                                     const double *offset, int64_t colliders, const dm_collider_def *collider) {
     dm_scene_state *s = *made = dm_alloc(1, sizeof *s);
     if (!s) return DM_MEMORY;
     s->surfaces = dm_alloc(bodies + colliders, sizeof *s->surfaces);
@@ -106,7 +109,7 @@ static int32_t dm_scene_state_create(dm_scene_state **made, int64_t bodies, dm_s
         dm_surface *f = s->surfaces + k;
         int64_t count, triangles;
         if (k < bodies) {
-            f->body = body[k], f->self = self[k];
+            f->body = body[k], f->self = self[k], f->offset = offset[k];
             count = f->body->groups * DM_LANES, triangles = f->body->triangle_count;
         } else count = collider[k - bodies].vertices, triangles = collider[k - bodies].triangles;
         f->first = (uint32_t)s->vertex_count, f->count = (uint32_t)count;

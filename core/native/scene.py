@@ -62,25 +62,31 @@ class Scene:
         bodies: of one precision; they may still be given other numbers, and be put elsewhere between two calls.
         colliders: meshes that go where they are led.
         library: that runs it.
-        itself: whether each body meets itself too: as in `backend.create_scene`.
+        itself, offsets: as in `backend.create_scene`.
 
     Raises:
         NativeError: the library refused it.
     """
 
     def __init__(
-        self, bodies: Sequence[Body], colliders: Sequence[Collider], library: ctypes.CDLL, *, itself: Sequence[int]
+        self,
+        bodies: Sequence[Body],
+        colliders: Sequence[Collider],
+        library: ctypes.CDLL,
+        *,
+        itself: Sequence[int],
+        offsets: Sequence[float] = (),
     ) -> None:
         self._library, self.bodies, self._handle = library, list(bodies), c_void_p()
         self._shapes = [np.shape(collider.positions) for collider in colliders]
         handles = (c_void_p * len(bodies))(*(body.handle for body in bodies))
-        flags = (c_uint8 * len(bodies))(*itself)
+        flags, kept = (c_uint8 * len(bodies))(*itself), (c_double * len(bodies))(*offsets)
         with Arrays() as arrays:
             made = (ColliderDef * max(len(colliders), 1))(
                 *(_collider(c, arrays) for c in colliders)
             )
             self._call(
-                "dm_scene_create", byref(self._handle), len(bodies), handles, flags, len(colliders), made
+                "dm_scene_create", byref(self._handle), len(bodies), handles, flags, kept, len(colliders), made
             )
         weakref.finalize(self, library.dm_scene_destroy, self._handle.value)
         self._motions = (CMotion * len(bodies))()

@@ -19,12 +19,13 @@ static int32_t dm_check_collider(const dm_collider_def *d) {
     return dm_check_numbers(9, d->inverse_inertia, 0) | dm_check_numbers(1, &d->damping, 1) | dm_check_numbers(1, &d->skin, 1);
 }
 
-int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self, int64_t colliders,
-                        const dm_collider_def *collider) {
+int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, const uint8_t *self,
+                        const double *offset, int64_t colliders, const dm_collider_def *collider) {
     if (!scene) return DM_SIZE;
     *scene = NULL;
-    if (bodies < 1 || colliders < 0 || bodies + colliders > DM_MAX_SURFACES || !body || !self) return DM_SIZE;
+    if (bodies < 1 || colliders < 0 || bodies + colliders > DM_MAX_SURFACES || !body || !self || !offset) return DM_SIZE;
     DM_CHECK(DM_ARRAY(colliders, collider));
+    DM_CHECK(dm_check_numbers(bodies, offset, 1));
     int64_t total = 0;
     for (int64_t k = 0; k < bodies; k++) {
         if (!body[k]) return DM_SIZE;
@@ -48,7 +49,7 @@ int32_t dm_scene_create(dm_scene **scene, int64_t bodies, dm_body *const *body, 
         for (int64_t k = 0; k < bodies; k++) states[k] = body[k]->state, made->body[k] = body[k];
         for (int64_t k = 0; k < colliders; k++) made->collider_vertices[k] = collider[k].vertices;
         made->does = body[0]->does, made->bodies = bodies, made->colliders = colliders;
-        code = made->does->scene_create(&made->state, bodies, states, self, colliders, collider);
+        code = made->does->scene_create(&made->state, bodies, states, self, offset, colliders, collider);
     }
     free(states);
     if (code != DM_OK) return dm_scene_destroy(made), code;

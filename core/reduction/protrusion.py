@@ -1,42 +1,49 @@
-"""How far a mesh stands out of its proxy: in contact it is the proxy's surface that touches."""
+"""How far a mesh stands out of its proxy, and so what distance the proxy keeps from what it meets."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from ..base import Floats
+from ..base import Floats, Ints
 from ..body.proximity import OFFSET, weights_on_face
 from ..mesh.surface import Mesh
-from .planner import Plan
-from .proxy import Proxy
+from .grading import Pressed, coarser
 
 LOOKED = 20_000  # vertices of a finer mesh that are looked at
-SEEN = 1e-5  # [m] that can be seen
+CLEAR = 90.0  # percent of a mesh that keep at least its own distance
+LEAST = 1 / 3  # of the distance that a mesh of such edges holds: nearer, what comes fast is held back by its planes
 
 
-def in_contact(mesh: Mesh, chosen: Plan) -> Plan:
-    """Return a plan whose reason says how far a mesh that a proxy moves may overlap what it meets."""
-    if chosen.proxy is None:
-        return chosen
-    # the proxy keeps this distance from what it meets, which keeps one too
-    apart = OFFSET * float(chosen.proxy.model.mesh.rest_lengths.mean())
-    overlap = float(protrusion(mesh, chosen.proxy).max()) - apart
-    message = f"In contact the mesh shown may overlap by up to {1e3 * overlap:.2g} mm."
-    if overlap < SEEN:
-        message = "In contact it is the proxy that touches; the mesh shown stays clear."
-    return replace(chosen, reason=f"{chosen.reason} {message}")
+def held_distance(
+    mesh: Mesh, coarse: Mesh, cells: Ints, spacing: float, pressed: Pressed | None
+) -> tuple[float, float]:
+    """Return the distance [m] that a proxy holds so that its mesh holds its own, and how far that stands out at most.
+
+    A proxy of long edges would else be met sooner than the mesh that it moves.
+
+    Args:
+        coarse, cells, spacing, pressed: of the proxy; where that is graded, where it is fine counts.
+    """
+    looked = _looked(mesh)
+    if pressed:
+        fine = coarser(mesh.rest_positions[looked], pressed) <= 1
+        looked = looked[fine] if fine.any() else looked
+    out = protrusion(mesh, coarse, cells, looked)
+    wanted = OFFSET * float(mesh.rest_lengths.mean()) + max(float(np.percentile(out, CLEAR)), 0.0) / 2
+    return float(np.clip(wanted, LEAST * OFFSET * spacing, OFFSET * spacing)), float(out.max())
 
 
-def protrusion(mesh: Mesh, proxy: Proxy) -> Floats:
-    """Return how far vertices (k,) of a mesh, spread over it, lie outside its proxy at rest [m], negative inside."""
+def _looked(mesh: Mesh) -> Ints:
     used = np.flatnonzero(~mesh.loose)
-    looked = used[:: -(-len(used) // LOOKED)]
-    coarse, corners = proxy.model.mesh.rest_positions, proxy.model.mesh.triangles
+    return used[:: -(-len(used) // LOOKED)]
+
+
+def protrusion(mesh: Mesh, proxy: Mesh, cells: Ints, looked: Ints) -> Floats:
+    """Return how far vertices `looked` (k,) of a mesh lie outside its proxy at rest [m], negative inside."""
+    coarse, corners = proxy.rest_positions, proxy.triangles
     order = np.argsort(corners.ravel(), kind="stable")
     starts = np.searchsorted(corners.ravel()[order], np.arange(len(coarse) + 1))
-    seeds = proxy.cells[looked]  # the faces round its seed lie over a cell
+    seeds = cells[looked]  # the faces round its seed lie over a cell
     counts = np.diff(starts)[seeds]
     first = np.cumsum(counts) - counts
     faces = order[np.arange(counts.sum()) + np.repeat(starts[seeds] - first, counts)] // 3

@@ -21,6 +21,7 @@ from .cell_record import packed, unpacked
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 from .flips import flip_edges
 from .grading import Pressed, coarser, share_of
+from .protrusion import held_distance
 
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
@@ -39,6 +40,8 @@ class Proxy:
     painted: (n,) how much stiffer each vertex of the fine mesh was than most when the cells were made, see `painted`.
     still: the vertices of the fine mesh that are pinned or loose.
     spacing: mean distance between seeds, where they are the closest [m].
+    offset: the distance that it holds from what it meets [m], and
+    stands_out: how far its mesh stands out of it [m], see `held_distance`.
     pressed: where fingertips are to press it, if that is known: it is coarser elsewhere.
     record: "" or what spares the search for seeds and cells another time, see `build_proxy`.
     binding: what carries the fine mesh along.
@@ -50,6 +53,8 @@ class Proxy:
     painted: Singles
     still: Ints
     spacing: float
+    offset: float
+    stands_out: float
     pressed: Pressed | None
     record: str
     binding: Binding
@@ -84,10 +89,11 @@ def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None, rec
     seeds, cells = known or _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing, wanted))
     triangles = dual(cells[mesh.triangles])
     coarse = _constants(model, _coarse_mesh(mesh, seeds, triangles), cells)
+    offset, stands_out = held_distance(mesh, coarse.mesh, cells, spacing, pressed)
     return Proxy(
         record=record if known else packed(place, mesh.triangles, vertices, seeds, cells),
         model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.pinned | mesh.loose),
-        spacing=spacing, pressed=pressed,
+        spacing=spacing, offset=offset, stands_out=stands_out, pressed=pressed,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
 

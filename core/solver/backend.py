@@ -74,7 +74,12 @@ def step_bodies(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[Frame
 
 
 def create_scene(
-    bodies: Sequence[Body], colliders: Sequence[Collider], *, itself: Sequence[int], backend: str
+    bodies: Sequence[Body],
+    colliders: Sequence[Collider],
+    *,
+    itself: Sequence[int],
+    backend: str,
+    offsets: Sequence[float] = (),
 ) -> Scene:
     """Return bodies and colliders that are stepped together.
 
@@ -82,7 +87,10 @@ def create_scene(
         bodies: of one backend.
         itself: whether each body meets itself too; LEAVES_OUT: but for what passes through itself now.
         backend: that the bodies have.
+        offsets: the distance [m] that each body holds, 0 for a share of its edges, as all do by default; colliders hold
+            the least of them.
     """
     if backend == "numpy":
-        return TwinScene(cast(Sequence[Twin], bodies), colliders, itself=itself)
-    return native.Scene(cast(Sequence[native.Body], bodies), colliders, native.library(), itself=itself)
+        return TwinScene(cast(Sequence[Twin], bodies), colliders, itself=itself, offsets=offsets)
+    soft = cast(Sequence[native.Body], bodies)
+    return native.Scene(soft, colliders, native.library(), itself=itself, offsets=offsets)

@@ -35,7 +35,14 @@ class TwinScene:
     within its bounds: from the first such tick on the two differ visibly.
     """
 
-    def __init__(self, bodies: Sequence[Twin], colliders: Sequence[Collider], *, itself: Sequence[int]) -> None:
+    def __init__(
+        self,
+        bodies: Sequence[Twin],
+        colliders: Sequence[Collider],
+        *,
+        itself: Sequence[int],
+        offsets: Sequence[float] = (),
+    ) -> None:
         self._bodies, self._itself = list(bodies), list(itself)
         self._here = [np.array(collider.positions, np.float64) for collider in colliders]
         rests = [body.model.mesh.rest_positions for body in bodies] + [x.T for x in self._here]
@@ -44,8 +51,9 @@ class TwinScene:
         starts = np.cumsum([0, *map(len, rests)])
         self._part = [slice(a, b) for a, b in zip(starts[:-1], starts[1:], strict=True)]
         self._frictions = [np.full(x.shape[1], c.friction) for x, c in zip(self._here, colliders, strict=True)]
-        finest = min(edge for edge in s.edge[: len(bodies)])
-        self._edge, self._offsets = finest, OFFSET * np.where(np.arange(len(rests)) < len(bodies), s.edge, finest)
+        self._edge, held = s.edge[: len(bodies)].min(), np.array(offsets or [0.0] * len(bodies))
+        held = np.where(held > 0, held, OFFSET * s.edge[: len(bodies)])
+        self._offsets = np.concatenate([held, np.full(len(colliders), held.min())])
         largest = np.sort(self._offsets)[::-1]
         self._props = Props(len(bodies), colliders)
         skins = np.sort(self._props.skins)[::-1]

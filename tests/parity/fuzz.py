@@ -136,9 +136,9 @@ class Scenes:
         count = int(rng.integers(0, 3)) if rng.random() < 0.98 else int(rng.choice(FAR))
         colliders = (ColliderDef * 3)(*(self.fuzzer.collider() for _ in range(3)))
         flags = (ctypes.c_uint8 * 4)(*rng.integers(0, 2, 4).tolist())
-        code = int(
-            native.library().dm_scene_create(ctypes.byref(handle), len(some), handles, flags, count, colliders)
-        )
+        held = (ctypes.c_double * 4)(*(rng.choice([0.0, 1e-3, -1.0], 4, p=[0.6, 0.38, 0.02])))
+        create = native.library().dm_scene_create
+        code = int(create(ctypes.byref(handle), len(some), handles, flags, held, count, colliders))
         if code:
             bodies += some
         else:

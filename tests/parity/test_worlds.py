@@ -1,6 +1,7 @@
 """The library and its numpy twin let bodies meet alike."""
 
 import numpy as np
+import pytest
 
 from core import native
 from core.body.model import build_model
@@ -17,7 +18,8 @@ from tests.bodies import ball, block, sheet
 SOFT = Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.2)
 
 
-def test_two_balls_on_a_moving_sheet_go_the_same_way() -> None:
+@pytest.mark.parametrize("offsets", [(), (1.5e-3, 0.0)], ids=["by edges", "as given"])
+def test_two_balls_on_a_moving_sheet_go_the_same_way(offsets: tuple[float, ...]) -> None:
     models = []
     for level, at in ((1, (0.003, 0.001, 0.0525)), (1, (0.008, 0.002, 0.1575))):
         points, faces = ball(level, 0.05)
@@ -27,8 +29,8 @@ def test_two_balls_on_a_moving_sheet_go_the_same_way() -> None:
     substeps = max(model.substeps(1e-3) for model in models)
     own, twins = [native.Body(m, native.library(), bits=64) for m in models], [Twin(m) for m in models]
     scenes = (
-        native.Scene(own, [collider], native.library(), itself=[True, False]),
-        TwinScene(twins, [collider], itself=[True, False]),
+        native.Scene(own, [collider], native.library(), itself=[True, False], offsets=offsets),
+        TwinScene(twins, [collider], itself=[True, False], offsets=offsets),
     )
     most = 0
     for _ in range(5):

@@ -9,8 +9,9 @@ from core.body.model import Model, build_model
 from core.material import Material
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.props import PropWorld
+from core.reduction.contact import in_contact
 from core.reduction.planner import Plan, plan_proxy
-from core.reduction.protrusion import in_contact
+from core.reduction.proxy import Proxy
 from core.session import Session
 from core.world import Collider, World, drop_proxies
 from tests.bodies import ball, block, sheet
@@ -25,28 +26,54 @@ def soft_ball(points: np.ndarray, faces: np.ndarray) -> Model:
 
 
 def moved_by(vertices: int, model: Model) -> Plan:
-    return in_contact(model.mesh, plan_proxy(model, vertices, radius=0.01))
+    return in_contact(plan_proxy(model, vertices, radius=0.01))
 
 
-def overlap_with_a_plate(model: Model, chosen: Plan) -> float:
-    """Press a plate onto a body; return the farthest that the mesh shown passes through it [m], negative before."""
-    body, (points, faces), most = Session(model, proxy=chosen.proxy), sheet(2, 0.3), -np.inf
+def pressed_by_a_plate(model: Model, proxy: Proxy | None) -> tuple[float, float, float]:
+    """Press a plate onto a body.
+
+    Returns:
+        how far the mesh shown passes through it at most, and at the end [m], negative before it, and the force [N].
+    """
+    body, (points, faces), overlaps = Session(model, proxy=proxy), sheet(2, 0.3), []
     start = points + (0, 0, model.mesh.rest_positions[:, 2].max() + 0.002)
     world = World([body], [Collider(start.T.copy(), faces)])
     for frame in range(1, 16):
         world.set_colliders([start - (0, 0, (DEPTH + 0.002) * min(frame / 10, 1))])
         world.step(1 / 60)
         world.check()
-        most = max(most, float(body.positions()[:, 2].max() - world.collider(0)[0, 2]))
+        overlaps.append(float(body.positions()[:, 2].max() - world.collider(0)[0, 2]))
     assert world.meeting.touching
-    return most
+    return max(overlaps), overlaps[-1], -float(world.meeting.forces[0, 2])
 
 
-def test_a_smooth_mesh_that_a_proxy_moves_stays_clear_of_what_presses_it() -> None:
-    model = soft_ball(*ball(4, RADIUS))
-    chosen = moved_by(600, model)
-    assert chosen.reason.endswith("the mesh shown stays clear.")
-    assert -0.002 < overlap_with_a_plate(model, chosen) < 0
+def said_overlap(chosen: Plan) -> float:
+    said = re.search(r"the mesh shown may overlap by up to (.+) mm", chosen.reason)
+    assert said
+    return float(said[1]) / 1e3
+
+
+def test_a_smooth_mesh_meets_a_plate_where_and_as_hard_as_it_does_without_the_proxy_that_moves_it() -> None:
+    model = soft_ball(*ball(5, RADIUS))
+    _, whole, force = pressed_by_a_plate(model, None)
+    most, end, by_proxy = pressed_by_a_plate(model, moved_by(1000, model).proxy)
+    assert most < 0, "it stays clear"
+    assert 1.5 * whole < end  # its proxy has edges three times as long
+    assert by_proxy == pytest.approx(force, rel=0.12)
+
+
+def test_a_smooth_mesh_that_a_proxy_moves_overlaps_the_edges_of_a_weight_by_no_more_than_its_plan_says() -> None:
+    model = soft_ball(*ball(5, RADIUS))
+    corners, faces = block((0.06, 0.06, 0.03), (0, 0, RADIUS + 0.016))
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    body = Session(model, proxy=(chosen := moved_by(1000, model)).proxy)
+    world, most = PropWorld([body], [Collider(np.array(corners).T.copy(), np.array(faces))], masses=[0.5]), -np.inf
+    for _ in range(30):
+        world.step(1 / 60)
+        pose = world.pose(0)
+        seen = (body.positions().astype(np.float64) - pose[:3, 3]) @ pose[:3, :3]
+        most = max(most, float(np.minimum(seen - low, high - seen).min(axis=1).max()))
+    assert 0 < most < said_overlap(chosen)
 
 
 def test_a_rough_mesh_that_a_proxy_moves_overlaps_a_plate_by_no_more_than_its_plan_says() -> None:
@@ -54,8 +81,7 @@ def test_a_rough_mesh_that_a_proxy_moves_overlaps_a_plate_by_no_more_than_its_pl
     rough = np.random.default_rng(3).normal(scale=0.012, size=len(points)).clip(-0.03, 0.03)
     model = soft_ball(points * (1 + rough)[:, None], faces)
     chosen = moved_by(600, model)
-    said = re.search(r"the mesh shown may overlap by up to (.+) mm", chosen.reason)
-    assert said and 1e-4 < overlap_with_a_plate(model, chosen) < float(said[1]) / 1e3
+    assert 1e-4 < pressed_by_a_plate(model, chosen.proxy)[0] < said_overlap(chosen)
 
 
 def dented() -> tuple[np.ndarray, np.ndarray]:
