@@ -18,7 +18,7 @@ from tests.bodies import ball, block, sheet
 SOFT = Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.2)
 
 
-@pytest.mark.parametrize("offsets", [(), (1.5e-3, 0.0)], ids=["by edges", "as given"])
+@pytest.mark.parametrize("offsets", [(), (1e-3, 0.0)], ids=["by edges", "as given"])
 def test_two_balls_on_a_moving_sheet_go_the_same_way(offsets: tuple[float, ...]) -> None:
     models = []
     for level, at in ((1, (0.003, 0.001, 0.0525)), (1, (0.008, 0.002, 0.1575))):
