@@ -184,7 +184,7 @@ def choosing(
             return "", lambda build: plan_full_mesh(model, budget=budget, because=because)
 
         def met(chosen: Plan) -> Plan:
-            return in_contact(chosen) if meets else chosen
+            return in_contact(model.mesh, chosen, radius) if meets else chosen
 
         if wanted["simulated"] == "proxy":
             vertices = wanted["vertices"]

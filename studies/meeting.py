@@ -27,7 +27,7 @@ from . import bodies, contact_cost
 from .primitives import icosphere, sized
 
 CONTACT = 2.0  # as in operators/planning.py
-DEPTH, GAP, RADIUS, FRAME = 0.015, 0.003, 0.02, 1 / 60
+DEPTH, GAP, RADIUS, FRAME, TIP = 0.015, 0.003, 0.02, 1 / 60, 0.01
 SIDES, WEIGHT, DOWN_S, HOLD_S, REST_S = (0.06, 0.06, 0.03), 0.5, 0.3, 0.15, 1.5
 MESHES = {
     "ball": lambda: sized(*icosphere(6), 0.16),  # 40,962 vertices
@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
             continue
         mesh = MESHES[name]()
         model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
-        planned = in_contact(make(decide(model, budget=BUDGET / CONTACT)))
+        planned = in_contact(mesh, make(decide(model, budget=BUDGET / CONTACT)), TIP)
         print(f"{name}, {len(model.mass):,} vertices. {planned.reason}", flush=True)
         for plan in (planned, plan_full_mesh(model))[: 1 + options.full]:
             for scene in ("plate", "ball", "weight"):

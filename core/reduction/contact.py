@@ -4,20 +4,28 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ..body.proximity import OFFSET
+from ..mesh.surface import Mesh
 from .planner import Plan
 
 BENT = 0.07  # of the spacing: how far a mesh stands out where a sharp edge bends its proxy (dev.py core meeting)
-SEEN = 1e-5  # [m] that can be seen
+DEPTH = 0.5  # of a fingertip's radius: how deep the presses are that a plan's errors are of
+POWER = 2.0  # of the depth, with which the force grows at most
 
 
-def in_contact(chosen: Plan) -> Plan:
-    """Return a plan whose reason says how far a mesh that a proxy moves may overlap what it meets."""
+def in_contact(mesh: Mesh, chosen: Plan, radius: float) -> Plan:
+    """Return a plan that says how far a mesh that a proxy moves may overlap what it meets, and how far off the force is.
+
+    Args:
+        radius: of the fingertips [m], and so of the smallest that is to be met as truly.
+    """
     proxy = chosen.proxy
     if proxy is None:
         return chosen
     # what it meets keeps a distance too, but for a finer body a smaller one
     overlap = proxy.stands_out + BENT * proxy.spacing - proxy.offset
-    message = f"In contact the mesh shown may overlap by up to {1e3 * overlap:.2g} mm."
-    if overlap < SEEN:
-        message = "In contact it is the proxy that touches; the mesh shown stays clear."
-    return replace(chosen, reason=f"{chosen.reason} {message}")
+    sooner = 2 * max(proxy.offset - OFFSET * float(mesh.rest_lengths.mean()), 0.0)  # it is met
+    force_error = min(chosen.force_error + POWER * sooner / (DEPTH * radius), 1.0)
+    shown = f"may overlap by up to {1e3 * overlap:.2g} mm"
+    message = f"In contact the force is within {force_error:.0%}, and the mesh shown {shown}."
+    return replace(chosen, force_error=force_error, reason=f"{chosen.reason} {message}")

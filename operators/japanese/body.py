@@ -141,11 +141,8 @@ MESSAGES = {
     "no proxy within the tolerances is faster": "許容差に収まる代理メッシュで、これより速いものはありません",
     "{}, the full mesh: {}, at {} real time.": "{}。元のメッシュ（{}）、実時間の {} の速さです。",
     "For self contact": "自己接触があります",
-    "In contact the mesh shown may overlap by up to {} mm.": (
-        "接触では、表示メッシュが最大 {} mm 重なることがあります。"
-    ),
-    "In contact it is the proxy that touches; the mesh shown stays clear.": (
-        "接触では代理メッシュが触れ、表示メッシュは離れたままです。"
+    "In contact the force is within {}, and the mesh shown may overlap by up to {} mm.": (
+        "接触では、力の誤差は {} 以内で、表示メッシュが最大 {} mm 重なることがあります。"
     ),
     'Its proxy would intersect "{}" at the start, so the full mesh is simulated.': (
         "代理メッシュが開始時に「{}」と交わるため、元のメッシュを計算します。"

@@ -26,7 +26,7 @@ def soft_ball(points: np.ndarray, faces: np.ndarray) -> Model:
 
 
 def moved_by(vertices: int, model: Model) -> Plan:
-    return in_contact(plan_proxy(model, vertices, radius=0.01))
+    return in_contact(model.mesh, plan_proxy(model, vertices, radius=0.01), 0.01)
 
 
 def pressed_by_a_plate(model: Model, proxy: Proxy | None) -> tuple[float, float, float]:
