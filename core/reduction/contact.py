@@ -14,7 +14,7 @@ POWER = 2.0  # of the depth, with which the force grows at most
 
 
 def in_contact(mesh: Mesh, chosen: Plan, radius: float) -> Plan:
-    """Return a plan that says how far a mesh that a proxy moves may overlap what it meets, and how far off the force is.
+    """Return a plan that says how far off the force of a proxy is in contact, and how far its mesh may overlap.
 
     Args:
         radius: of the fingertips [m], and so of the smallest that is to be met as truly.
