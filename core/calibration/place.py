@@ -1,7 +1,7 @@
 """Where a body is pressed to find its constants: where most presses are alike, on a broad face away from pins.
 
 A body of thin parts, such as text, has no such face. There some places are taken together: those where the tip can go
-deep, facing the way of the most of them, from soft to stiff.
+deep, facing the way of the most of them, from soft to stiff. So it is where that place is unlike most.
 """
 
 from __future__ import annotations
@@ -24,10 +24,13 @@ MANY = 200_000  # pairs of a place and a vertex that are looked at at once
 EDGE = 0.15  # by which a place may be less even than the best, where it lies in the middle of the top
 DOWN = (0.0, 0.0, -1.0)
 UNEVEN = 0.7  # a surface that is nowhere more even is one of thin parts: forces differ from place to place
-LOOKED, COMPARED = 60, 15  # places of such a surface that are looked at, and pressed
+COMPARED = 15  # places of such a surface that are pressed
+BESIDES, HALFWAY = 8, 0.5  # places of an even surface that are pressed beside the first, to this share of the knee, and
+USUAL = 0.05  # by which the first may differ from the median of them: the pole of a globe answers a tenth less
 ROOM = 0.9  # of the depth that the tip can reach at most: so much it must at a place that counts, by the same quantile
 BARE = 0.5  # of the median evenness: less is an end or a border
-SHARES = (0.5, 0.1, 0.3, 0.7, 0.9)  # of places that answer less: those are identified together
+SHARES = (0.5, 0.1, 0.3, 0.7, 0.9)  # of places that answer less: those are identified together,
+SHARES_EVEN = (0.5, 0.25, 0.75)  # and those of an even surface
 ALIKE = 0.9  # cosine between the normals of places that face the same way
 LITTLE = 0.45  # of what a flat place has under a tip: the corner of a cube has 0.42, and answers half of the law
 MOST = 2.5  # times that share of the law: what points and corners answer at most
@@ -65,6 +68,9 @@ def typical_site(mesh: Mesh, indenter: Indenter, *, pinned: Bools | None = None)
 def measuring_site(mesh: Mesh, material: Material, deepest: float, *, pinned: Bools | None = None) -> Site:
     """Find where the tip of a material meets a body as it does in most places: on thin parts several places together.
 
+    On an even surface it is the place of `typical_site`, unless that is unlike most, as the pole of a globe is, whose
+    triangles are slender: then three places.
+
     Args:
         material: its constants are ignored.
         deepest: depth [m] to be pressed to.
@@ -79,28 +85,38 @@ def measuring_site(mesh: Mesh, material: Material, deepest: float, *, pinned: Bo
         pinned = base_vertices(mesh)
     coarse = float(np.median(mesh.rest_lengths)) > tip.radius  # then evenness says little
     even = _evenness(mesh, tip, pinned, site.point[None], -site.inward[None])[0] >= UNEVEN
-    if tip.shape != "sphere" or coarse or even:
+    if tip.shape != "sphere" or coarse:
         return site
     points, normals, evenness = _candidates(mesh, tip, pinned)
-    sites = []
-    for index in _alike(mesh, points, normals, evenness, deepest):
+    which = _even_places(evenness) if even else _alike(mesh, points, normals, evenness, deepest)
+    sites = [site] if even else []
+    for index in which:
         with contextlib.suppress(DimpleError):  # a pin is near
             place, inward = points[index].tolist(), (-normals[index]).tolist()
             sites.append(find_site(mesh, tip, pinned=pinned, above=place, inward=inward))
     if not sites:
         return site
-    forces = _forces(mesh, replace(material, constants=None), sites, min(material.x0, deepest))
+    depth = min(material.x0, deepest) * (HALFWAY if even else 1.0)
+    forces = _forces(mesh, replace(material, constants=None), sites, depth)
     order = np.argsort(forces)
-    few = [sites[order[round(share * (len(order) - 1))]] for share in SHARES]
+    if even and abs(forces[0] / np.median(forces) - 1) <= USUAL:
+        return site
+    few = [sites[order[round(share * (len(order) - 1))]] for share in (SHARES_EVEN if even else SHARES)]
     thinnest = min(each.thickness for each in few)
     return replace(few[0], thickness=thinnest, others=tuple(few[1:]))
 
 
+def _even_places(evenness: Floats) -> Ints:
+    """Return a few places, of those given (m,), all over the even surface."""
+    kept = np.flatnonzero(evenness >= min(UNEVEN, evenness.max()))
+    return kept[np.unique(np.linspace(0, len(kept) - 1, BESIDES).astype(np.int64))]
+
+
 def _alike(mesh: Mesh, points: Floats, normals: Floats, evenness: Floats, deepest: float) -> Ints:
     """Return the places, of those given (m, 3), that face the way of the most where a tip can go deep."""
-    looked = np.unique(np.linspace(0, len(points) - 1, LOOKED).astype(np.int64))
-    room = np.array([min(CLEAR * _thickness(mesh, points[i], normals[i]), deepest) for i in looked])
-    kept = looked[room >= ROOM * np.quantile(room, ROOM)]
+    deep = np.array([_thickness(mesh, *place) for place in zip(points, normals, strict=True)])
+    room = np.minimum(CLEAR * deep, deepest)
+    kept = np.flatnonzero(room >= ROOM * np.quantile(room, ROOM))
     kept = kept[evenness[kept] >= BARE * np.median(evenness[kept])]
     alike = normals[kept] @ normals[kept].T > ALIKE
     kept = kept[alike[alike.sum(axis=1).argmax()]]

@@ -36,7 +36,7 @@ def frames(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return seen
 
 
-@pytest.mark.parametrize("name", ["cube", "plane"])
+@pytest.mark.parametrize("name", ["cube", "plane", pytest.param("uv_sphere", marks=pytest.mark.once)])
 def test_a_click_on_a_bare_primitive_answers_the_law(
     bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], coordinates: Callable[[Any], bytes], name: str
 ) -> None:
