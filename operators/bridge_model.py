@@ -80,6 +80,7 @@ def _material(
     body: bpy.types.Object, slot: int, mesh: Mesh, pinned: Floats | None, identify: str
 ) -> tuple[Material, str]:
     """Return the constants of a body's material with those of its model, where they are known, and a note."""
+    from ..core.body.estimate import between
     from ..core.material import DEFAULT_MATERIAL
 
     material = body.material_slots[slot].material if body.material_slots else None
@@ -102,11 +103,15 @@ def _material(
         if found is not None or note:
             return replace(constants, constants=found), note
         near = near or identified.latest(owner, mesh)  # until it is there
-    elif near is None and (middle := calibration.middle_of_keyframes(material)):
-        near = replace(constants, **middle)
-        found, note = ask(near)
-        near = found and replace(near, constants=found)
-    return _rescaled(near, constants, mesh.size), note
+    known = [near] if near else []
+    if calibration.animated(material) and not near:
+        for values in calibration.ends_of_keyframes(material):
+            end = replace(constants, **values)
+            found, note = ask(end)
+            if found is None:  # in the background one is looked for at a time
+                break
+            known.append(replace(end, constants=found))
+    return replace(constants, constants=between(known, constants, mesh.size)), note
 
 
 def _recorded(material: bpy.types.Material | None, mesh: Mesh, constants: Material) -> Material | None:
@@ -116,14 +121,6 @@ def _recorded(material: bpy.types.Material | None, mesh: Mesh, constants: Materi
     measured = material and calibration.identified_for(material.dimple, mesh)
     known = material and material.dimple.to_params().get("constants")
     return replace(constants, **measured, constants=known) if measured and isinstance(known, ModelConstants) else None
-
-
-def _rescaled(near: Material | None, constants: Material, size: float) -> Material:
-    """Return constants with those of the model that follow from a material that was identified."""
-    from ..core.body.estimate import rescaled
-
-    known = near and near.constants
-    return replace(constants, constants=rescaled(known, near, constants, size)) if near and known else constants
 
 
 def constants_on(mesh: Mesh, material: bpy.types.Material) -> Material:

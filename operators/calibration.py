@@ -164,19 +164,28 @@ def identified_for(settings: Any, mesh: Mesh) -> dict[str, float] | None:
     return _in_si(load(settings.identification)["fingerprint"]) if found and set(found) <= set(_RESCALED) else None
 
 
-def middle_of_keyframes(material: Any) -> dict[str, float] | None:
-    """Return the geometric mean of the least and the greatest keyframe of each constant, as arguments of `Material`.
+def ends_of_keyframes(material: Any) -> list[dict[str, float]]:
+    """Return the two keyframes between which a material changes the most, as arguments of `Material`.
 
-    None where one is driven or no such number: then what is animated has no middle.
+    Each has the constants that are keyframed, at its time. There is none where one is driven or no such number.
     """
-    moved, middles = animated(material), {}
+    moved, names = animated(material), {}
     for curve in _curves(material):
-        name, values = curve.data_path.removeprefix("dimple."), [point.co.y for point in curve.keyframe_points]
-        if name in moved and (name not in _RESCALED or curve.driver or not values or min(values) <= 0):
-            return None
+        name = curve.data_path.removeprefix("dimple.")
+        if name in moved and (name not in _RESCALED or curve.driver):
+            return []
         if name in moved:
-            middles[name] = math.sqrt(min(values) * max(values))
-    return _in_si(middles)
+            names[name] = curve
+    times = sorted({point.co.x for curve in names.values() for point in curve.keyframe_points})
+    held = [{name: curve.evaluate(time) for name, curve in names.items()} for time in times]
+    if not held or min(min(each.values()) for each in held) <= 0:
+        return []
+
+    def far_from(one: dict[str, float]) -> dict[str, float]:
+        return max(held, key=lambda each: sum(abs(math.log(each[name] / one[name])) for name in one))
+
+    end = far_from(held[0])
+    return [_in_si(end), _in_si(far_from(end))]
 
 
 def _in_si(values: dict[str, Any]) -> dict[str, float]:

@@ -6,6 +6,10 @@ summed, are the reaction on the fingertip (Newton's third law holds to rounding)
 Positions second: what is inside is moved out without adding speed, and friction takes back the slip of the step. A
 point whose velocity alone is stopped would still creep by dt^2 a in each step, and friction would be viscous.
 
+Normals, and the points of faces that are met, are those at the begin of the step. At its end a point is dt^2 f / m
+inside the sphere, and where it slides, to one side: the normal there leans by an angle that grows with the step, and
+so would the cone of friction.
+
 Faces keep a fingertip smaller than an edge from slipping through. A facet stands for a surface that bends round the
 fingertip: where its corners lie on the sphere, its middle lies inside by the bulge
 
@@ -111,12 +115,13 @@ def resolve(
     Returns:
         the impulse (3,) [N s] on the fingertip.
     """
-    at, before = touch.vertices, x - v * step.slip(np.sqrt((v**2).sum(axis=0)))
+    at, begin = touch.vertices, touch.centre - step.dt * touch.velocity
+    before = x - v * step.slip(np.sqrt((v**2).sum(axis=0))) - begin[:, None]
     whole = np.full(len(at), touch.radius)
     impulse, _ = _push(x, v, before, touch, whole, at[:, None], np.ones((len(at), 1)), inverse_mass, friction, step)
     sweeps = FACE_SWEEPS if faces and len(touch.triangles) else 0
+    weights = nearest_on_triangles(before[:, touch.triangles], np.zeros(3))
     for sweep in range(1, sweeps + 1):
-        weights = nearest_on_triangles(x[:, touch.triangles], touch.centre)
         more, deepest = _push(x, v, before, touch, touch.radii, touch.triangles, weights, inverse_mass, friction, step)
         impulse = impulse + more
         if deepest <= 0 or (sweep >= LEAST_SWEEPS and deepest < FACE_SLACK * touch.radius):
@@ -152,8 +157,8 @@ def _push(
     """Apply contacts at points sum_j weights[:, j] x[members[:, j]], one a row of members (c, j).
 
     Args:
-        before: (3, n) positions at the begin of the step. What friction takes back is the way since then: a sweep
-            before may have changed velocities that moved nothing.
+        before: (3, n) positions at the begin of the step from the centre of the fingertip then. What friction takes
+            back is the way since then: a sweep before may have changed velocities that moved nothing.
         radius: (c,) of the sphere that each meets [m].
 
     Returns:
@@ -164,9 +169,10 @@ def _push(
     hit = distance < radius * (1 - ROUNDING)
     if not hit.any():
         return np.zeros(3), 0.0
-    members, weights, depth = members[hit], weights[hit], (radius - distance)[hit]
-    distance = np.maximum(distance[hit], _TINY)
-    normal = offset[:, hit] / distance
+    members, weights, radius, offset = members[hit], weights[hit], radius[hit], offset[:, hit]
+    first = (before[:, members] * weights).sum(axis=2)
+    distance = np.maximum(np.sqrt((first**2).sum(axis=0)), _TINY)
+    normal = first / distance
     at_centre = distance < TOO_NEAR * touch.radius
     if at_centre.any():
         normal[:, at_centre] = _inward(x[:, members[at_centre]])
@@ -187,10 +193,13 @@ def _push(
     mu = (friction[members] * weights).sum(axis=1)
     drag = np.minimum(mu * push, speed / give) / np.maximum(speed, _TINY)
     impulse = push * normal - drag * slide
-    way = ((x - before)[:, members] * weights).sum(axis=2) - step.dt * touch.velocity[:, None]
-    way -= (way * normal).sum(axis=0) * normal
+    reached = (offset * normal).sum(axis=0)
+    way = offset - reached * normal
     held = step.dt * mu * push / np.maximum(np.sqrt((way**2).sum(axis=0)), _TINY)
-    out = depth / give * normal - np.minimum(held, 1 / give) * way
+    back = np.minimum(held, 1 / give) * way
+    left = ((way - give * back) ** 2).sum(axis=0)
+    depth = np.maximum(np.sqrt(np.maximum(radius**2 - left, 0)) - reached, 0)
+    out = depth / give * normal - back
     for c in range(3):
         flat = members.ravel()
         np.add.at(v[c], flat, (impulse[c, :, None] * mobility).ravel())

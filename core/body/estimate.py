@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -25,7 +26,7 @@ POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
 MEMBRANE_SHARE = 0.05  # of the force at the knee: what the surface's own springs may answer
 LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they are compressed, and keep the dent
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
-AT_KNEE = 0.9  # of x0: pieces of the bed's law that begin deeper belong to K2, for a round tip's bed jumps early
+AT_KNEE = 0.6  # of x0: pieces of the bed's law that begin deeper belong to K2, for a round tip's bed jumps early
 # times: how far K1 and K2, and x0 and the spread, may change before the closed form is as good as what was identified
 NEAR, NEAR_LENGTH = 8.0, 2.0
 
@@ -95,8 +96,10 @@ def estimate(material: Material, size: float) -> ModelConstants:
 def rescaled(constants: ModelConstants, identified: Material, material: Material, size: float) -> ModelConstants | None:
     """Return constants that were identified for one material, changed as the closed form changes for another.
 
-    What lies before the knee goes with K1, what is added beyond it with K2 - K1, displacements with x0. What is added
-    does not depend on x0 itself: how much of a tip is deeper than the knee is a matter of the depth beyond it.
+    What lies before the knee goes with K1, displacements with x0. What is added beyond it does not depend on x0 itself:
+    how much of a tip is deeper than the knee is a matter of the depth beyond it. At the knee it goes as the closed form
+    says, in which a tension that stays gives the dent a narrower rim; in a deep dent, where little is left to widen, as
+    K2 - K1: between the two it is their geometric mean. So where all of them change alike, all forces do, exactly.
 
     Args:
         identified: what they were identified for.
@@ -113,7 +116,10 @@ def rescaled(constants: ModelConstants, identified: Material, material: Material
         for each in (identified, material, replace(material, x0=identified.x0))
     )
     first, more = new.kappa1 / old.kappa1, old.kappa2 - old.kappa1
-    beyond = (same_knee.kappa2 - same_knee.kappa1) / more if more else first
+    beyond = first
+    if more > 0:
+        straight = max(material.K2 - material.K1, 0.0) / (identified.K2 - identified.K1)
+        beyond = math.sqrt(straight * (same_knee.kappa2 - same_knee.kappa1) / more)
     deeper, wider = material.x0 / identified.x0, material.spread / identified.spread if identified.spread else 1.0
     kappa1, skin = constants.kappa1, constants.membrane_scale * new.membrane_scale / old.membrane_scale
     tension = kappa1 * identified.spread**2 if constants.tension is None else constants.tension
@@ -125,6 +131,52 @@ def rescaled(constants: ModelConstants, identified: Material, material: Material
             for knee, slope in constants.pieces
         ),
     )  # fmt: skip
+
+
+def between(identified: Sequence[Material], material: Material, size: float) -> ModelConstants | None:
+    """Return constants that were identified for one material or two, rescaled for another, by how near it is to each.
+
+    Args:
+        identified: with their constants.
+        material, size: as for `rescaled`.
+
+    Returns:
+        None where it is far from all of them.
+    """
+    near = [
+        (_apart(each, material), found) for each in identified
+        if each.constants and (found := rescaled(each.constants, each, material, size))
+    ]  # fmt: skip
+    if len(near) < 2 or near[0][0] == 0:
+        return near[0][1] if near else None
+    (one, first), (other, second) = near
+    return _mixed(first, second, one / (one + other), material.spread)
+
+
+def _mixed(one: ModelConstants, other: ModelConstants, share: float, spread: float) -> ModelConstants:
+    """Return constants with a share of others: at the same displacements the force is in between, for it is linear."""
+    weighed = (1 - share, one), (share, other)
+    more: dict[float, float] = {}
+    for weight, each in weighed:
+        for knee, stiffness in each.pieces:
+            knee = round(knee, 9)  # [m]: those of both that are rescaled from one depth
+            more[knee] = more.get(knee, 0.0) + weight * stiffness
+
+    def mean(of: Callable[[ModelConstants], float]) -> float:
+        return sum(weight * of(each) for weight, each in weighed)
+
+    return ModelConstants(
+        kappa1=mean(lambda c: c.kappa1), kappa2=mean(lambda c: c.kappa2), d0=mean(lambda c: c.d0),
+        membrane_scale=mean(lambda c: c.membrane_scale), pieces=tuple(sorted(more.items())),
+        tension=mean(lambda c: c.kappa1 * spread**2 if c.tension is None else c.tension),
+    )  # fmt: skip
+
+
+def _apart(one: Material, other: Material) -> float:
+    """Return by how much what was measured differs: the sum of the logarithms of how many times."""
+    lengths = (1 + abs(one.spread - other.spread) / one.x0,)
+    times = (one.K1 / other.K1, one.K2 / other.K2, one.x0 / other.x0, one.k / other.k, *lengths)
+    return sum(abs(math.log(each)) for each in times)
 
 
 def _are_near(one: Material, other: Material) -> bool:

@@ -7,7 +7,7 @@ static void dm_state_destroy(dm_state *b) {
         b->pieces, b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->tension, b->rest_rate, b->pull_rate, b->load,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
-        b->inverse_mass, b->friction, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
+        b->inverse_mass, b->friction, b->hits, b->facing, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
@@ -50,6 +50,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->holes = dm_alloc(d->cap_edges, sizeof *b->holes));
     whole = whole && (b->triangles = dm_alloc(t + DM_LANES, sizeof *b->triangles));
     whole = whole && (b->hits = dm_alloc(t, sizeof(dm_contact)));
+    whole = whole && (b->facing = dm_alloc(t / DM_LANES + 1, sizeof(dm_facing)));
     b->box_count = (t + DM_BLOCK - 1) / DM_BLOCK;
     whole = whole && (b->box_start = dm_alloc(b->box_count + 1, sizeof(uint32_t)));
     whole = whole && (b->box_vertex = dm_alloc(3 * t, sizeof(uint32_t)));

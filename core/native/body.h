@@ -78,9 +78,13 @@ typedef struct { /* a spring summed by itself, on the ends that say so */
 
 typedef struct { /* a point on a face, or a vertex, inside a fingertip */
     uint32_t corner[3];
-    dm_real weight[3], mobility[3], distance, radius; /* of the sphere there: a facet's is smaller than the fingertip's */
-    dm_quad normal, impulse, out;
+    dm_real weight[3], mobility[3], radius; /* of the sphere there: a facet's is smaller than the fingertip's */
+    dm_quad at, normal, impulse, out;       /* at: from its centre */
 } dm_contact;
+
+typedef struct { /* eight faces at the begin of a substep: weights of their nearest points, and those from the centre */
+    dm_vec3 weight, first;
+} dm_facing;
 
 typedef struct { /* what a fingertip may meet within a tick */
     int finger;
@@ -165,6 +169,7 @@ struct dm_state {
     dm_near touches[DM_MAX_FINGERTIPS];
     dm_vec3 *listed; /* (groups,) where vertices were when the lists were made */
     dm_contact *hits;
+    dm_facing *facing;
     dm_quad *before; /* where vertices near a fingertip were at the begin of the step */
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */
     uint8_t *is_moved, *touching;

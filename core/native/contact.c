@@ -16,11 +16,19 @@ static void dm_note_all_before(dm_state *b, const dm_near *t) {
     for (int64_t k = 0; k < t->noted_count; k++) dm_note_before(b, t->noted[k]);
 }
 
-/* What friction takes back, over what gives, of the way that a point went along the skin in this substep. */
-DM_INLINE dm_quad dm_taken_back(const dm_state *b, dm_quad way, dm_quad normal, dm_real held, dm_real give) {
-    way -= dm_dot3(way, normal) * normal;
-    dm_real length = DM_SQRT(dm_dot3(way, way)), share = (dm_real)b->dt * held / (length > DM_TINY ? length : DM_TINY);
-    return way * (share < 1 / give ? share : 1 / give);
+/* Return the way of a point that is `at` from the centre, over what gives: back by so much of the substep's slip as
+ * friction holds, and out to the sphere. The normal is that at the begin of the substep: where the forces of a substep
+ * would have carried the point depends on how long it is, and friction may not. */
+DM_INLINE dm_quad dm_way_out(const dm_state *b, dm_quad at, dm_quad normal, dm_real radius, dm_real held, dm_real give,
+                             dm_real *depth) {
+    dm_real reached = dm_dot3(at, normal);
+    dm_quad slip = at - reached * normal;
+    dm_real length = DM_SQRT(dm_dot3(slip, slip)), share = (dm_real)b->dt * held / (length > DM_TINY ? length : DM_TINY);
+    share = share < 1 / give ? share : 1 / give;
+    dm_real left = length * (1 - give * share), square = radius * radius - left * left;
+    dm_real out = DM_SQRT(square > 0 ? square : 0) - reached;
+    *depth = out > 0 ? out : 0;
+    return *depth / give * normal - share * slip;
 }
 
 /* Move inside vertices to the surface of the sphere and stop them there, as far as friction goes. */
@@ -31,18 +39,18 @@ static void dm_resolve_vertices(dm_state *b, const dm_near *t, double *impulse, 
         dm_quad offset = r->x - t->centre;
         dm_real distance = DM_SQRT(dm_dot3(offset, offset));
         if (!(distance < t->radius * (dm_real)(1 - DM_ROUNDING))) continue;
-        if (distance < t->radius * (dm_real)DM_TOO_NEAR) continue; /* no direction: its faces have one */
-        dm_real give = b->inverse_mass[i] > DM_TINY ? b->inverse_mass[i] : DM_TINY;
-        dm_quad normal = offset / distance, relative = r->v - t->velocity;
+        dm_real give = b->inverse_mass[i] > DM_TINY ? b->inverse_mass[i] : DM_TINY, depth;
+        dm_quad first = b->before[i] + (dm_real)b->dt * t->velocity - t->centre;
+        dm_real apart = DM_SQRT(dm_dot3(first, first));
+        if (apart < t->radius * (dm_real)DM_TOO_NEAR) continue; /* no direction: its faces have one */
+        dm_quad normal = first / apart, relative = r->v - t->velocity;
         dm_real closing = dm_dot3(relative, normal), push = (closing < 0 ? -closing : 0) / give;
         dm_quad slide = relative - closing * normal;
         dm_real speed = DM_SQRT(dm_dot3(slide, slide)), drag = b->friction[i] * push, most = speed / give;
         drag = (drag < most ? drag : most) / (speed > DM_TINY ? speed : DM_TINY);
         dm_quad j = push * normal - drag * slide;
         r->v += j * b->inverse_mass[i];
-        dm_quad way = r->x - b->before[i] - (dm_real)b->dt * t->velocity;
-        dm_quad back = dm_taken_back(b, way, normal, b->friction[i] * push, give);
-        r->x += b->inverse_mass[i] * ((t->radius - distance) / give * normal - back);
+        r->x += b->inverse_mass[i] * dm_way_out(b, offset, normal, t->radius, b->friction[i] * push, give, &depth);
         for (int c = 0; c < 3; c++) impulse[c] -= j[c];
         dm_mark_moved(b, i, moved);
     }
@@ -92,12 +100,17 @@ DM_INLINE dm_quad dm_inward_normal(const dm_state *b, const uint32_t *corner) {
     return normal / (size > DM_TINY ? size : DM_TINY);
 }
 
-/* Return the points of eight triangles nearest to the origin, and their weights. */
-DM_INLINE dm_vec3 dm_nearest_points(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_vec3 *weight) {
-    dm_vec3 w = *weight = dm_nearest_weights(p, q, r);
+/* The points of eight triangles with these weights. */
+DM_INLINE dm_vec3 dm_point_on(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_vec3 w) {
     return (dm_vec3){
         w.x * p.x + w.y * q.x + w.z * r.x, w.x * p.y + w.y * q.y + w.z * r.y, w.x * p.z + w.y * q.z + w.z * r.z,
     };
+}
+
+/* Return the points of eight triangles nearest to the origin, and their weights. */
+DM_INLINE dm_vec3 dm_nearest_points(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_vec3 *weight) {
+    *weight = dm_nearest_weights(p, q, r);
+    return dm_point_on(p, q, r, *weight);
 }
 
 /* Return the radius of the sphere that a facet meets: smaller, unless it is too large to bend round the fingertip. */
@@ -113,14 +126,32 @@ static dm_real dm_met_radius(const dm_state *b, const uint32_t *at, dm_real radi
     return radius - (sunk < left ? sunk : left > 0 ? left : 0);
 }
 
-/* List the faces inside a sphere with their nearest points, and count the contacts at each corner. */
+/* Find the points of the faces that were nearest when the substep began. */
+static void dm_face_fingertip(dm_state *b, const dm_near *t) {
+    dm_quad from = t->centre - (dm_real)b->dt * t->velocity;
+    dm_vec3 centre = {dm_splat(from[0]), dm_splat(from[1]), dm_splat(from[2])};
+    for (int64_t k = 0; k < t->face_count; k += DM_LANES) {
+        dm_vec3 x[3];
+        for (int j = 0; j < 3; j++) {
+            uint32_t at[DM_LANES];
+            dm_lanes fourth;
+            for (int l = 0; l < DM_LANES; l++) at[l] = t->faces[k + l][j] * (uint32_t)sizeof(dm_quad);
+            x[j] = dm_sub(dm_gather_quads(b->before, at, &fourth), centre);
+        }
+        dm_facing *to = b->facing + k / DM_LANES;
+        to->first = dm_nearest_points(x[0], x[1], x[2], &to->weight);
+    }
+}
+
+/* List the faces whose nearest points are inside a sphere now, and count the contacts at each corner. */
 static int64_t dm_find_contacts(dm_state *b, const dm_near *t) {
     dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
     int64_t count = 0;
     for (int64_t k = 0; k < t->face_count; k += DM_LANES) {
         const uint32_t (*face)[3] = (const uint32_t (*)[3])t->faces + k;
         dm_vec3 p = dm_corners_at(b, face, 0, centre), q = dm_corners_at(b, face, 1, centre);
-        dm_vec3 r = dm_corners_at(b, face, 2, centre), weight, at = dm_nearest_points(p, q, r, &weight);
+        dm_vec3 r = dm_corners_at(b, face, 2, centre), weight = b->facing[k / DM_LANES].weight;
+        dm_vec3 first = b->facing[k / DM_LANES].first, at = dm_point_on(p, q, r, weight);
         dm_lanes distance = dm_vsqrt(dm_dot(at, at)), radius;
         memcpy(&radius, t->radii + k, sizeof radius);
         dm_mask inside = (dm_mask)(distance < radius * dm_splat((dm_real)(1 - DM_ROUNDING)));
@@ -130,9 +161,11 @@ static int64_t dm_find_contacts(dm_state *b, const dm_near *t) {
             dm_contact *h = b->hits + count++;
             memcpy(h->corner, face[l], sizeof h->corner);
             h->weight[0] = weight.x[l], h->weight[1] = weight.y[l], h->weight[2] = weight.z[l];
-            h->distance = distance[l] > DM_TINY ? distance[l] : DM_TINY, h->radius = radius[l];
-            h->normal = (dm_quad){at.x[l], at.y[l], at.z[l], 0} / h->distance;
-            if (h->distance < t->radius * (dm_real)DM_TOO_NEAR) h->normal = dm_inward_normal(b, h->corner);
+            h->at = (dm_quad){at.x[l], at.y[l], at.z[l], 0}, h->normal = (dm_quad){first.x[l], first.y[l], first.z[l], 0};
+            h->radius = radius[l];
+            dm_real apart = DM_SQRT(dm_dot3(h->normal, h->normal));
+            if (apart < t->radius * (dm_real)DM_TOO_NEAR) h->normal = dm_inward_normal(b, h->corner);
+            else h->normal /= apart;
             for (int j = 0; j < 3; j++) b->shares[h->corner[j]] += h->weight[j] > (dm_real)DM_WEIGHT_FLOOR;
         }
     }
@@ -165,19 +198,17 @@ static dm_real dm_resolve_faces(dm_state *b, const dm_near *t, double *impulse, 
     dm_real deepest = 0;
     for (dm_contact *h = b->hits; h < b->hits + count; h++) {
         const uint32_t *at = h->corner;
-        dm_real mu = 0, give = dm_compliance_of(b, h, h->mobility);
-        dm_quad relative = -t->velocity, way = -(dm_real)b->dt * t->velocity;
+        dm_real mu = 0, give = dm_compliance_of(b, h, h->mobility), depth;
+        dm_quad relative = -t->velocity;
         for (int j = 0; j < 3; j++) {
             relative += h->weight[j] * b->records[at[j]].v, mu += h->weight[j] * b->friction[at[j]];
-            way += h->weight[j] * (b->records[at[j]].x - b->before[at[j]]);
         }
         dm_real closing = dm_dot3(relative, h->normal), push = (closing < 0 ? -closing : 0) / give;
         dm_quad slide = relative - closing * h->normal;
         dm_real speed = DM_SQRT(dm_dot3(slide, slide)), drag = mu * push, most = speed / give;
         drag = (drag < most ? drag : most) / (speed > DM_TINY ? speed : DM_TINY);
         h->impulse = push * h->normal - drag * slide;
-        dm_real depth = h->radius - h->distance;
-        h->out = depth / give * h->normal - dm_taken_back(b, way, h->normal, mu * push, give);
+        h->out = dm_way_out(b, h->at, h->normal, h->radius, mu * push, give, &depth);
         deepest = depth > deepest ? depth : deepest;
     }
     for (const dm_contact *h = b->hits; h < b->hits + count; h++) {
@@ -241,6 +272,7 @@ static void dm_resolve_contact(dm_state *b, dm_frame *frame) {
         double *impulse = frame->touches[t->finger].impulse;
         uint32_t moved = 0;
         dm_note_all_before(b, t);
+        if (b->law_set != DM_LAWS_PAPER) dm_face_fingertip(b, t);
         dm_resolve_vertices(b, t, impulse, &moved);
         int sweeps = b->law_set != DM_LAWS_PAPER && t->face_count ? DM_FACE_SWEEPS : 0;
         for (int sweep = 1; sweep <= sweeps; sweep++) {

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.body.estimate import estimate, rescaled
+from core.body.estimate import between, estimate, rescaled
 from core.calibration.indent import press
 from core.calibration.place import typical_site
 from core.material import FINGERTIP, PRESETS
@@ -16,7 +16,7 @@ from studies.virtual_press import identify
 _, OBJECT_2, OBJECT_3 = PRESETS
 BEYOND = 1.5  # knees: how deep is pressed
 MESHES = {
-    "cube": (OBJECT_2, cube(20, OBJECT_2.size)), "ball": (OBJECT_3, ball(4, OBJECT_3.size / 2)),
+    "cube": (OBJECT_2, cube(28, OBJECT_2.size)), "ball": (OBJECT_3, ball(4, OBJECT_3.size / 2)),
 }  # fmt: skip
 
 
@@ -77,3 +77,15 @@ def test_a_knee_that_softens_away_takes_what_was_added_beyond_it_along():
     straight = replace(found, constants=None, K2=0.9 * found.K1)
     constants = rescaled(found.constants, found, straight, OBJECT_2.size)
     assert all(stiffness == 0 for knee, stiffness in constants.pieces if knee >= 0.95 * found.x0)
+
+
+def test_between_two_that_were_identified_the_forces_lie_between_theirs_too():
+    site, found = identified("ball")
+    mesh = MESHES["ball"][1]
+    other = identify(mesh, changed(found, K1=3.0), FINGERTIP, site, BEYOND * found.x0).material
+    for times in (1.0, 1.5, 2.2, 3.0):
+        wanted = changed(found, K1=times)
+        constants = between([found, other], wanted, mesh.size)
+        assert off(mesh, wanted, site, constants) < 0.02
+    assert between([found, other], found, mesh.size) == found.constants
+    assert between([found], wanted, mesh.size) == rescaled(found.constants, found, wanted, mesh.size)

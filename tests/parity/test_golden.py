@@ -26,16 +26,16 @@ from core.solver.motion import FingertipMotion
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "d33eb93f0aa6378ccd5ada0293a3f24212112ceafd6dfccc2b19fa02adf142ee",
-    ("liquid", 32, "AVX2"): "8960dfcc933d5642feac173ca5eb9d2b16c6789ee4ceefd248f154544cb89a9b",
-    ("liquid", 64, ""): "6bb3e6fbc3dcc78952c97812eb07c548dcbab497135f61e84af6922a2ddcfbe7",
-    ("free on the ground", 32, "SSE2"): "c478b53d193814c02860acc40506e3d8a64afa80c9d2056bd1c49833e6f689a6",
-    ("free on the ground", 32, "AVX2"): "4334ca17b3bd7717c0c4ebe4c56447b25cdf1e1d6469d3bba1f5e6b3f4d93b99",
-    ("free on the ground", 64, ""): "87618504350f905c450d5b071e498f829b0ae266afcd6084b92e4c7ae095674f",
+    ("liquid", 32, "SSE2"): "b4a3e6296db355c6f0679a81da61a96de484d813856c19827ae22ad9a40b783e",
+    ("liquid", 32, "AVX2"): "702de8ae7c8e4cac146ebb933307fba2067c526664db15e78c64ff6e4729ec23",
+    ("liquid", 64, ""): "7ecbefc2da27bb01dc0c7d0e3cb55c4873f8ea525546c3376c0b3ea03eb79984",
+    ("free on the ground", 32, "SSE2"): "951ede3ae2744ad04a1ab491829c2f11c955cc92ff24fb7abf7181062da966f3",
+    ("free on the ground", 32, "AVX2"): "18e5a619ef05104cc7585ed0139bdcfd6e35184b8f19bb8bdc9406f5eecbf6da",
+    ("free on the ground", 64, ""): "deef606d714bb6cf1f7e3ab8050df800d3a81b5d6ab98e1e3226c00c4ec1bb2e",
 }
 NUMPY = {
-    "liquid": "fc5f439fdc649f399e1c6ed4259295bef656b809ae34b0b39a50a211bc31e691",
-    "paper laws": "361a6fde5d5589efc5693888a2c04a55661b22816450c4322c02f06f08957a3b",
+    "liquid": "88b1ba3076974dd6152c891599f462b672ee6d8803a8d550eff1d77d031aeea5",
+    "paper laws": "1713bbb2c1f60cb6bcdbfc2db47f209e76f621c2740973fe55c8e91b33c2f318",
 }
 
 

@@ -10,6 +10,7 @@ from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.session import Finger, Session
+from studies.primitives import icosphere, sized
 from studies.scenes import cube
 from tests.bodies import after, backends
 
@@ -28,12 +29,48 @@ def test_friction_holds_inside_the_cone_and_slides_outside_it(slide: float, held
         centre=np.zeros(3), velocity=np.zeros(3), radius=0.1, vertices=np.arange(0), triangles=np.array([[0, 1, 2]]),
         radii=np.full(1, 0.1),
     )
-    weights = nearest_on_triangles(x[:, touch.triangles], touch.centre)[0]
+    weights = nearest_on_triangles((x - 1e-4 * v)[:, touch.triangles], touch.centre)[0]  # where it was met
     impulse = resolve(x, v, touch, np.ones(3), np.full(3, 0.5), Step(1e-4))
     after = v @ weights
     assert after[2] == pytest.approx(0, abs=1e-12)
     assert after[0] == pytest.approx(0 if held else slide - 0.5)
     assert np.hypot(impulse[0], impulse[1]) <= 0.5 * -impulse[2] * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("dt", [1e-4, 1e-3, 3e-3])
+@pytest.mark.parametrize(("share", "holds"), [(0.49, True), (0.51, False)])
+def test_the_cone_of_friction_is_as_wide_in_long_steps_as_in_short_ones(dt: float, share: float, holds: bool) -> None:
+    """A vertex on a fingertip, pushed in by 500 m/s2 and to one side by a share of that; friction 0.5."""
+    start = np.array([[0.0], [0.0], [0.01]])
+    v = dt * 500.0 * np.array([[share], [0.0], [-1.0]])
+    x = start + dt * v
+    touch = Touch(
+        centre=np.zeros(3), velocity=np.zeros(3), radius=0.01, vertices=np.arange(1), radii=np.zeros(0),
+        triangles=np.zeros((0, 3), np.int64),
+    )  # fmt: skip
+    resolve(x, v, touch, np.ones(1), np.full(1, FRICTION), Step(dt))
+    slid, speed = float(x[0, 0]), 0.0 if holds else 500 * dt * (share - FRICTION)
+    assert float(v[0, 0]) == pytest.approx(speed, abs=1e-12) and slid == pytest.approx(dt * speed, abs=1e-12)
+    assert np.linalg.norm(x) == pytest.approx(0.01, rel=1e-9), "it is on the fingertip"
+
+
+@pytest.mark.parametrize("depth", [0.015, 0.020])
+def test_the_force_of_a_press_does_not_depend_on_the_length_of_the_steps(depth: float) -> None:
+    """A fingertip of 10 mm goes into the second object at 40 mm/s and rests: three times the steps, the same force."""
+    chosen, radius, forces = PRESETS[1], 0.010, []
+    mesh = sized(*icosphere(4 if len(BACKENDS) > 1 else 3), chosen.size)
+    model = build_model(mesh, [chosen.material], pinned=base_vertices(mesh))
+    top = float(mesh.rest_positions[:, 2].max()) + radius
+    for times in (1, 3):
+        session = Session(model)
+        session.set_fingers([Finger((0.0013, 0.0007, top), radius)])
+        session.step(0.001)
+        session.set_fingers([Finger((0.0013, 0.0007, top - depth), radius)])
+        session.substeps = times * model.substeps(session.tick)
+        session.step(depth / 0.04)
+        session.step(0.1)
+        forces.append(float(session.step(0.05).finger_forces[0, 2]))
+    assert forces[0] > 1 and forces[0] == pytest.approx(forces[1], rel=0.003)
 
 
 def on_a_slope(degrees: float, cells: int) -> Model:
