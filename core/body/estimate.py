@@ -26,7 +26,8 @@ POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
 MEMBRANE_SHARE = 0.05  # of the force at the knee: what the surface's own springs may answer
 LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they are compressed, and keep the dent
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
-AT_KNEE = 0.6  # of x0: pieces of the bed's law that begin deeper belong to K2, for a round tip's bed jumps early
+AT_KNEE = 0.9  # of x0: where a knee is painted, pieces of the bed's law that begin deeper belong to K2
+JUMP = 0.6  # of x0: so they do where constants are rescaled, for a round tip's bed jumps early
 # times: how far K1 and K2, and x0 and the spread, may change before the closed form is as good as what was identified
 NEAR, NEAR_LENGTH = 8.0, 2.0
 
@@ -127,7 +128,7 @@ def rescaled(constants: ModelConstants, identified: Material, material: Material
         constants, kappa1=first * kappa1, kappa2=first * kappa1 + beyond * (constants.kappa2 - kappa1),
         d0=deeper * constants.d0, membrane_scale=min(skin, 1.0), tension=first * wider**2 * tension,
         pieces=tuple(
-            (deeper * knee, (first if knee < AT_KNEE * identified.x0 else beyond) * slope)
+            (deeper * knee, (first if knee < JUMP * identified.x0 else beyond) * slope)
             for knee, slope in constants.pieces
         ),
     )  # fmt: skip

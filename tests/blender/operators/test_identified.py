@@ -183,7 +183,7 @@ def keyframe(settings: Any, name: str, *values: float) -> None:
         settings.keyframe_insert(name, frame=frame)
 
 
-def test_a_keyframed_material_is_identified_once_in_the_middle_of_its_keyframes(
+def test_a_keyframed_material_is_identified_at_both_ends_of_its_keyframes(
     bpy: ModuleType, vinyl: Any, cube: Any, asked: list[Any]
 ) -> None:
     keyframe(vinyl, "K1", 0.3, 1.2)
@@ -191,9 +191,8 @@ def test_a_keyframed_material_is_identified_once_in_the_middle_of_its_keyframes(
     for frame in (1, 2):
         bpy.context.scene.frame_set(frame)
         found.append(read(bpy, cube, identify="WAIT")[0])
-    (material,) = asked
-    assert material.K1 == pytest.approx(600) and material.K2 == vinyl.to_params()["K2"]
-    assert found[1].kappa1 == pytest.approx(4 * found[0].kappa1) and len(found[0].pieces) > 5
+    assert sorted(each.K1 for each in asked) == pytest.approx([300, 1200]) and len(found[0].pieces) > 5
+    assert {each.K2 for each in asked} == {vinyl.to_params()["K2"]} and found[0] != found[1]
 
 
 def test_keyframes_follow_the_constants_that_a_material_keeps(
