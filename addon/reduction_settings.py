@@ -48,6 +48,10 @@ class ReductionSettings:
     )  # fmt: skip
     plan_key: kept_text("Plan Key", "Checksum of everything the plan depends on; a new plan is made when it differs")
     plan_vertices: IntProperty(name="Planned Vertices", description="Of the proxy; 0 is the full mesh", **FIXED)
+    plan_faster: IntProperty(
+        name="Times Faster", description="How many times faster than slow fingertips it is simulated",
+        default=1, **FIXED
+    )  # fmt: skip
     plan_graded: BoolProperty(
         name="Graded", description="The proxy is fine near the fingertips' paths and coarse elsewhere", **FIXED
     )  # fmt: skip

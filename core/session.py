@@ -23,6 +23,7 @@ from .frame import Frame as Frame
 from .mesh.depth import Touching
 from .pins import Pins
 from .reduction.proxy import Proxy
+from .reduction.slow_press import SETTLING
 from .skin import Skin
 from .solver import motion
 from .solver.backend import choose_backend, create
@@ -43,12 +44,15 @@ class Session:
     contact_note: "" or what is left out of its self contact, for the artist.
     frame: what the last step showed.
     most: ticks in a motion of the step under way.
+    tick: of its clock, which the fingertips go by [s].
+    faster: times that clock the body is simulated while fingertips are slow, see `set_clock`.
     """
 
     def __init__(self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None) -> None:
         if not tick > 0:
             raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
-        self.tick = tick
+        self.tick, self.faster, self._slow = tick, 1, math.inf
+        self._part = tick  # of a tick that is simulated at a time [s]
         self.backend, self.backend_note = choose_backend(backend)
         self.contact_note = ""
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
@@ -58,6 +62,19 @@ class Session:
         self.body = create(moves, surface=model, backend=self.backend)
         self.reset()
 
+    def set_clock(self, tick: float, *, faster: int = 1, slow: float = math.inf) -> None:
+        """Let the body be simulated some times faster than its fingertips go.
+
+        Args:
+            tick: of the fingertips' time [s].
+            faster: how often.
+            slow: speed of fingertips [m/s] above which it is not, nor shortly after.
+        """
+        self._slow = slow
+        if (tick, faster) != (self.tick, self.faster):
+            self.tick, self.faster, self._part = tick, faster, tick / faster
+            self._ticks, self.substeps = round(self._time / tick), self._moves.substeps(self._part)
+
     def reset(self) -> None:
         """Put the body back to rest, in the shape of its model, and let go of it."""
         if self._bent is not None:  # made anew, so that the same motion gives the same bits again
@@ -66,7 +83,11 @@ class Session:
         self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
         self.body.set_state(self._moves.matching.rest)
         self._end_glide()
-        self._time, self._ticks, self._work = 0.0, 0, 0.0
+        self._time, self._ticks, self._work, self._total = 0.0, 0, 0.0, 0
+        self._rests_at = 0.0  # until then [s] more moves the body than slow fingertips
+        if self._moves.gravity.any() or self._moves.pressure.rest_pressure:
+            self._rests_at = SETTLING
+        self._parts = self.faster  # of a tick that are simulated: all of them, or one while fingertips are slow
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins.rest_at(self.model.matching.rest)
@@ -88,7 +109,7 @@ class Session:
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         self._tips = list(map(sent, [*self._tips, None, None, None], fingers))
         if not any(self._tips):
-            self.substeps = self._moves.substeps(self.tick)
+            self.substeps = self._moves.substeps(self._part)
 
     def set_pins(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -148,9 +169,14 @@ class Session:
         self._begin, self._end, self._started = self._time, self._time + dt, time.perf_counter()
         self._last_tick = math.floor(self._end / self.tick + 1e-6)
         self._done, self._note = 0, ""
+        if self.faster > 1 and dt:
+            led = self._pins.target is not None or self._bent_target is not None
+            if led or self._glide or any(tip and tip.outruns(self._slow * dt) for tip in self._tips):
+                self._rests_at = self._end + SETTLING
+            self._parts = self.faster if self._begin < self._rests_at else 1
         if self._glide:
             self._glide.begin(dt)
-        self.most = TICKS_AT_ONCE if self._glide else MAX_STEPS // self.substeps - 1
+        self.most = TICKS_AT_ONCE if self._glide else MAX_STEPS // (self.substeps * self._parts) - 1
         for tip in self._tips:
             if tip:
                 tip.impulse = NOWHERE
@@ -172,29 +198,32 @@ class Session:
         push = self._glide.push if self._glide else 1.0
         for tip in self._tips if self.most == 1 else ():
             if tip and tip.pushed:
-                tip.push(self.body.model, max(self._last.ticks, 1) * self.tick, self.tick, push)
+                tip.push(self.body.model, max(self._last.ticks, 1) * self._part, self.tick, push)
         if self._glide and (self._glide.seconds == 0 or self._ticks >= self._faded + TICKS_AT_ONCE):
             self._fade()
         first = last = self._share((self._ticks + ticks) * self.tick)
-        if ticks > 1:
-            first = self._share((self._ticks + 1) * self.tick)
+        parts = ticks * self._parts
+        if parts > 1:
+            first = self._share((self._ticks + 1 / self._parts) * self.tick)
         pins = self._pins.lead(first, last)
         if self._bent_target is not None and ticks:
             self._bend(self._bent_target, ticks)
         tips = tuple([tip.motion(first, last) if tip else None for tip in self._tips])
-        return Motion(ticks, substeps or self.substeps, self.tick, tips, pins)
+        return Motion(parts, substeps or self.substeps, self._part, tips, pins)
 
     def take(self, result: motion.Frame) -> bool:
         """Take what a motion came to; tell whether the step goes on."""
         self._last = result
-        self._ticks += result.ticks
-        self._done += result.ticks
+        ticks = result.ticks // self._parts
+        self._ticks += ticks
+        self._done += ticks
+        self._total += result.ticks * self.substeps
         if result.moved:
             self._skin.body_moved()
         self._pins.take()
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
-                self._work += tip.take(touch, result.ticks * self.tick)
+                self._work += tip.take(touch, result.ticks * self._part)
         if not result.finite:
             at, done = self._ticks * self.tick, self._done
             self.reset()
@@ -216,7 +245,7 @@ class Session:
         impulses, seconds = self.frame.impulses, self.frame.seconds  # as before where no tick was due
         if self._done or len(impulses) != len(self._tips):
             impulses = tuple([tip.impulse if tip else NOWHERE for tip in self._tips])
-            seconds = max(self._done, 1) * self.tick
+            seconds = max(self._done, 1) * self._parts * self._part
         self.frame = self._show(impulses, seconds)
         return self.frame
 
@@ -281,11 +310,11 @@ class Session:
             DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
         """
         moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
-        moves.substeps(self.tick)
+        moves.substeps(self._part)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
         skin = scale * self.skin()
-        led = self._pins.target
+        led, self._rests_at = self._pins.target, self._time + SETTLING
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
             self._change_constants(model, moves, glide)
         else:
@@ -345,7 +374,7 @@ class Session:
     def _define(self, model: Model, proxy: Proxy | None) -> Model:
         """Set what follows from a model and its proxy; return the one that moves."""
         moves = proxy.model if proxy else model
-        self.substeps = moves.substeps(self.tick)
+        self.substeps = moves.substeps(self._part)
         self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
         self._pins = Pins(model, proxy)
@@ -366,9 +395,12 @@ class Session:
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
         tips = tuple([tip.motion(0.0, 0.0) if tip else None for tip in self._tips])
-        result = self.body.step(Motion(0, self.substeps, self.tick, tips))
-        for tip in filter(None, self._tips):
-            tip.fresh, tip.touch = False, None
+        result = self.body.step(Motion(0, self.substeps, self._part, tips))
+        for tip, touch in zip(self._tips, result.touches, strict=True):
+            if tip and touch and touch.depth > 0:  # it was put down inside
+                self._rests_at = self._end + SETTLING
+            if tip:
+                tip.fresh, tip.touch = False, None
         return result
 
     def _bend(self, target: Floats, ticks: int) -> None:
@@ -377,7 +409,7 @@ class Session:
         share, left = self._share((self._ticks + ticks) * self.tick), 1 - max(self._share(self._ticks * self.tick), 0.0)
         done = 1.0 if share >= 1 else 1 - (1 - share) / left
         self._bent = target if done == 1 else before + done * (target - before)
-        self.body.set_rest(self._bent, (self._bent - before) / (ticks * self.tick))
+        self.body.set_rest(self._bent, (self._bent - before) / (ticks * self._parts * self._part))
         if done == 1:
             self._bent_target = None
 
@@ -391,6 +423,6 @@ class Session:
             rest = self.body.rest_volume * scale
         return Frame(
             self._time, impulses, seconds, last.touches, self.model.mesh, last.pressure, last.volume * scale, rest,
-            self.substeps, self._done, time.perf_counter() - self._started, self._ticks * self.substeps, self._work,
+            self.substeps, self._done, time.perf_counter() - self._started, self._total, self._work,
             self._note,
         )  # fmt: skip

@@ -189,6 +189,7 @@ def _open(
     pressed = paths.pressed_along(context.scene, obj, model, link)
     proxy, reason = planning.proxy_for(context.scene, obj, model, pressed=pressed)
     session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
+    planning.set_clock(context.scene, session, obj.dimple.plan_faster, pressed)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):

@@ -13,7 +13,20 @@ from ..core.base import DimpleError
 from ..core.crowd import step_all
 from ..core.session import MAX_FINGERS, Finger
 from ..core.steps import Parts, at_once
-from . import bridge, contact, haptic, modal_runs, props, rest_shape, sessions, showing, timeline, tuning, twins
+from . import (
+    bridge,
+    contact,
+    haptic,
+    modal_runs,
+    planning,
+    props,
+    rest_shape,
+    sessions,
+    showing,
+    timeline,
+    tuning,
+    twins,
+)
 from .messages import Note
 from .modal_runs import ModalRun
 from .sessions import LiveBody
@@ -157,6 +170,8 @@ def _meet(context: bpy.types.Context) -> list[str]:
         sessions.set_worlds(())
         return []
     haptic.take_back()
+    for body in sessions.sessions.values():
+        planning.set_clock(context.scene, body.session)  # bodies that meet have one
     bodies = {
         uid: (obj, body.session, body.link.scale)
         for uid, body in sessions.sessions.items()

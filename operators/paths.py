@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ..core.reduction.grading import pressed_by
+from . import timeline
 from .shape_keys import curve_bags
 
 if TYPE_CHECKING:
@@ -31,15 +33,18 @@ def pressed_along(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, l
         way = link.matrix @ np.linalg.inv(now)
         paths = [path @ way[:3, :3].T + way[:3, 3] for path in paths]
     paths = [link.scale * path for path in paths]
-    return pressed_by(model.mesh, paths, scene.dimple.finger_radius_mm / 1e3)
+    changes = link.shaped or any(slot.material and any(curve_bags(slot.material)) for slot in obj.material_slots)
+    look = 0.0 if changes else timeline.look_s(scene)
+    return pressed_by(model.mesh, paths, scene.dimple.finger_radius_mm / 1e3, look)
 
 
 def _path(scene: bpy.types.Scene, tip: bpy.types.Object) -> Floats:
-    """Return the places (frames, 3) of a fingertip in the scene, frame by frame."""
+    """Return the places (k, 3) of a fingertip in the scene, look by look."""
     curves = _curves(tip)
     keys = [point.co.x for curve in curves for point in curve.keyframe_points]
     first, last = min([scene.frame_start, *keys]), max([scene.frame_end, *keys])
-    frames = np.arange(np.floor(first), last + 1)
+    first, looks = math.floor(first), timeline.looks_a_frame(scene)
+    frames = first + np.arange((math.floor(last) + 1 - first) * looks + 1) / looks
     own = np.tile(tip.location, (len(frames), 1)).astype(np.float64)
     for curve in curves:
         own[:, curve.array_index] = [curve.evaluate(frame) for frame in frames]

@@ -6,6 +6,7 @@ it. Another version of numpy may round differently and plan again.
 
 from __future__ import annotations
 
+import math
 import zlib
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -20,7 +21,7 @@ from ..core.reduction.planner import Maker, Plan, carry_out, decide, plan_full_m
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
-from . import bridge, contact, identified
+from . import bridge, contact, identified, timeline
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,17 +30,22 @@ if TYPE_CHECKING:
     from ..core.mesh.surface import Mesh
     from ..core.reduction.grading import Pressed
     from ..core.reduction.proxy import Proxy
+    from ..core.session import Session
 
 CONTACT = 2.0  # times a step alone: with a fifth of the vertices touching (dev.py contact)
+HASTE = 1.01  # times as fast as the paths say: more is another motion
 KEPT = 4  # choices: bodies that are alike are planned once
 
 
 class Choice(NamedTuple):
-    """What was chosen for a body: its proxy, the vertices it was made with (0 for the full mesh), and why."""
+    """What was chosen for a body: its proxy, the vertices it was made with (0 for the full mesh), why, and how many
+    times faster than its fingertips it is simulated.
+    """
 
     proxy: Proxy | None
     vertices: int
     reason: str
+    faster: int = 1
 
 
 _choices: dict[str, Choice] = {}
@@ -82,9 +88,9 @@ def planning_for(
         made = old._replace(proxy=proxy)
     elif known:
         vertices = settings.plan_vertices
-        fine = pressed if settings.plan_graded else None
+        fine = pressed.where if pressed and settings.plan_graded else None
         proxy = (yield 0.6, partial(build, model, vertices, fine)) if vertices else None
-        made = Choice(proxy, vertices, settings.plan_reason)
+        made = Choice(proxy, vertices, settings.plan_reason, settings.plan_faster)
     else:
         try:
             reason, make = choosing(scene, obj, pressed)(model)
@@ -95,12 +101,13 @@ def planning_for(
             if settings.simulated == "PROXY" and not settings.self_contact:
                 way_out = " Choose another number, or Automatic, in Physics > Dimple."
             raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
-        made = Choice(chosen.proxy, chosen.asked, chosen.reason)
+        made = Choice(chosen.proxy, chosen.asked, chosen.reason, chosen.faster)
     _choices[now] = made
     _moving[:] = [(model.mesh, made.proxy), *_moving[: KEPT - 1]]
     while len(_choices) > KEPT:
         del _choices[next(iter(_choices))]
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
+    settings.plan_faster = made.faster
     settings.plan_graded = bool(made.proxy and made.proxy.pressed)
     # a poke and a play by keyframes keep one each
     name = "plan_cells_graded" if (made.proxy.pressed if made.proxy else pressed) else "plan_cells"
@@ -108,6 +115,17 @@ def planning_for(
     if getattr(settings, name) != record:
         setattr(settings, name, record)
     return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
+
+
+def set_clock(scene: bpy.types.Scene, session: Session, faster: int = 1, pressed: Pressed | None = None) -> None:
+    """Let the body of a session be simulated some times faster than fingertips that press slowly, as it was planned.
+
+    Args:
+        pressed: what it was planned for.
+    """
+    if faster > 1 or session.faster > 1:
+        slow = HASTE * pressed.speed if pressed else math.inf
+        session.set_clock(timeline.tick_s(scene, faster), faster=faster, slow=slow)
 
 
 def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Callable[[], Proxy | None]:

@@ -61,6 +61,7 @@ def describe_session(session: Session) -> dict[str, Any]:
         "solver": session.backend,
         "tick_s": session.tick,
         "steps_in_a_tick": session.substeps,
+        "simulated_faster": session.faster,
         "proxy_vertices": len(session.proxy.seeds) if session.proxy else None,
         "model_notes": list(session.model.notes),
     }

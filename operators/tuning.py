@@ -91,6 +91,7 @@ def planning_for_paths(context: bpy.types.Context, body: LiveBody, *, along: boo
         raise
     if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
         session.change(session.model, proxy=proxy)
+    planning.set_clock(context.scene, session, obj.dimple.plan_faster, pressed)
     return [reason] if reason else []
 
 
@@ -126,6 +127,8 @@ def _changing(
     if now != body.settings:
         body.trail.clear()  # the chart is of one material
     body.settings, body.changed_at = now, body.frame.time
+    if body.session.faster > 1:
+        body.pressed = None  # wound back, it is planned anew: another material may not be as fast
     return messages
 
 
@@ -203,6 +206,7 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
         body.pressed = pressed
         if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
             session.change(session.model, proxy=proxy)
+        planning.set_clock(context.scene, session, obj.dimple.plan_faster, pressed)
     except DimpleError as error:
         return [str(error)]
     cut = "The mesh is coarse for this fingertip: it is cut finer when the body is started again."

@@ -26,6 +26,7 @@ COMMANDS = {
     "small-tips": ("press with small fingertips on proxies fine near them", ".small_tips", "add_small_tips"),
     "meeting": ("let bodies meet by their proxies and in full", ".meeting", "add_meeting"),
     "quasi-static": ("count what slow presses take without inertia", ".quasi_static", "add_quasi_static"),
+    "slow-presses": ("press slowly, simulated k times faster", ".slow_presses", "add_slow_presses"),
     "machines": ("compute what a graphics processor or many machines would bring", ".machines", "add_machines"),
     "haptics": ("press with an emulated device and print what it rendered", ".haptics", "add_haptics"),
 }

@@ -23,16 +23,32 @@ LOOKED = 60_000  # vertices of a finer mesh that are looked at for a plan
 
 
 class Pressed(NamedTuple):
-    """Places (k) of the surface at rest [m] that fingertips of a radius [m] will press."""
+    """What fingertips will press, and how.
+
+    places: (k) of the surface at rest [m].
+    radius: of the fingertips [m].
+    depth: of the deepest press, or less [m].
+    speed: of the fastest near the body [m/s].
+    """
 
     places: tuple[Vector, ...]
     radius: float
+    depth: float = 0.0
+    speed: float = math.inf
+
+    @property
+    def where(self) -> Pressed:
+        """Return the places alone, whatever depth and speed are."""
+        return Pressed(self.places, self.radius)
 
 
-def pressed_by(mesh: Mesh, paths: list[Floats], radius: float) -> Pressed | None:
+def pressed_by(mesh: Mesh, paths: list[Floats], radius: float, look: float = 0.0) -> Pressed | None:
     """Return where fingertips whose centres go along paths (k, 3) [m] come near a surface.
 
     None where they do so nowhere, or all over it, or go farther than can be looked at.
+
+    Args:
+        look: time [s] between two places of a path, 0 where it is not known.
     """
     looked = _looked(mesh)
     points, found = mesh.rest_positions[looked], set()
@@ -49,7 +65,8 @@ def pressed_by(mesh: Mesh, paths: list[Floats], radius: float) -> Pressed | None
         away = _squares(columns, centre)
         if away[at := int(away.argmin())] <= (REACH * radius) ** 2:
             found.add(at)
-    return Pressed(tuple(tuple(points[at].tolist()) for at in sorted(found)), radius) if found else None
+    places = tuple(tuple(points[at].tolist()) for at in sorted(found))
+    return Pressed(places, radius, *_deepest_and_fastest(columns, paths, radius, look)) if found else None
 
 
 def coarser(points: Floats, pressed: Pressed) -> Floats:
@@ -65,6 +82,19 @@ def share_of(mesh: Mesh, pressed: Pressed) -> float:
     looked = _looked(mesh)
     areas = mesh.vertex_areas[looked]
     return float((areas / coarser(mesh.rest_positions[looked], pressed) ** 2).sum() / areas.sum())
+
+
+def _deepest_and_fastest(columns: Floats, paths: list[Floats], radius: float, look: float) -> tuple[float, float]:
+    """Return how deep [m] the centres on paths bring fingertips into a surface (3, n), and how fast they are there."""
+    low, high, deepest, way = columns.min(axis=1) - radius, columns.max(axis=1) + radius, 0.0, 0.0
+    for path in paths:
+        near = np.flatnonzero(((path >= low) & (path <= high)).all(axis=1))
+        steps = np.sqrt((np.diff(path, axis=0) ** 2).sum(axis=1))
+        if len(near) and len(steps):  # from or to a place that is near
+            way = max(way, float(steps[np.union1d(near[near < len(steps)], near[near > 0] - 1)].max()))
+        for at in near[:: -(-len(near) // MOST) or 1]:
+            deepest = max(deepest, radius - math.sqrt(float(_squares(columns, path[at]).min())))
+    return deepest, way / look if look else math.inf
 
 
 def _looked(mesh: Mesh) -> Ints:

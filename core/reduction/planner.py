@@ -5,7 +5,8 @@ comes from having few vertices, so other methods only cost more for the same err
 is left to choose is the number of vertices: as few as keep the tolerances, or as many as run live. Both come from a
 fit, and the cost from counting vertices and steps: nothing is timed, so a plan is the same whatever else the computer
 does. No law is left out to save time: what will press a body is not known. Where it is known, and no proxy that is even
-keeps the tolerances live, a proxy is fine there and coarse elsewhere.
+keeps the tolerances live, a proxy is fine there and coarse elsewhere. Where it is slow, and the full mesh runs live in
+fewer steps, that is simulated faster than its fingertips go.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from ..body.model import Model
 from .error_model import expected, vertices_for
 from .grading import Pressed, share_of
 from .proxy import LARGEST, Proxy, build_proxy, check, most_of
+from .slow_press import times_faster
 
 BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
 TOLERANCE = 0.5e-3  # [m] between the surfaces, over the dent
@@ -55,6 +57,7 @@ class Plan:
         dent [m].
     force_error: the same of the force, as a share.
     reason: a sentence for the artist.
+    faster: times that the body is simulated as fast as slow fingertips go.
     """
 
     proxy: Proxy | None
@@ -65,6 +68,7 @@ class Plan:
     error: float
     force_error: float
     reason: str
+    faster: int = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +85,7 @@ class Decision:
     otherwise: what is to be done where this is not enough or cannot be made, None where nothing else can.
     because: how the reason begins where the full mesh does not run live.
     reason: a sentence for the artist.
+    faster: as in a plan.
     """
 
     model: Model
@@ -97,6 +102,7 @@ class Decision:
     otherwise: Decision | None
     because: str
     reason: str
+    faster: int = 1
 
 
 def plan(model: Model, **settings: Any) -> Plan:
@@ -137,11 +143,19 @@ def decide(
     )  # fmt: skip
     if cost <= ESTIMATED * budget:
         return replace(decided, reason=f"The full mesh runs live: {_work(model)}.")
+    if pressed and math.isfinite(cost):
+        faster, force_error = times_faster(model, pressed, tolerance, force_tolerance)
+        if cost <= ESTIMATED * budget * faster:
+            reason = (
+                f"The presses are slow, so the full mesh runs live with 1/{faster} of its steps, within "
+                f"{force_error:.0%} of the force: {_work(model)}."
+            )
+            return replace(decided, reason=reason, faster=faster, cost=cost / faster)
     even, graded = _sized(decided, None), None
     if not (even.most == LARGEST and cost > TOO_SLOW * budget):  # a mesh that is hardly finer is the better one
         return even
     with suppress(DimpleError):
-        graded = _sized(decided, pressed) if pressed else None
+        graded = _sized(decided, pressed.where) if pressed else None
     if graded and graded.vertices and even.keeping > even.most:
         return replace(graded, otherwise=even)
     return replace(even, otherwise=graded if graded and graded.vertices else None)
@@ -194,7 +208,7 @@ def carry_out(decided: Decision, build: Maker = build_proxy) -> Plan:
 def _carried_out(decided: Decision, build: Maker) -> Plan:
     model, budget = decided.model, decided.budget
     if not decided.vertices:
-        return _full_mesh(model, decided.cost, decided.reason)
+        return replace(_full_mesh(model, decided.cost, decided.reason), faster=decided.faster)
     make = partial(
         plan_proxy, model, radius=decided.radius, budget=budget, pressed=decided.pressed, because=decided.because,
         build=build,

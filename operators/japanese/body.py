@@ -133,6 +133,9 @@ MESSAGES = {
     "the simulation became unstable": "計算が不安定になりました",
     "The full mesh is too stiff to simulate": "元のメッシュは硬すぎて計算できません",
     "The full mesh runs live: {}.": "元のメッシュのまま実時間で動きます（{}）。",
+    "The presses are slow, so the full mesh runs live with 1/{} of its steps, within {} of the force: {}.": (
+        "ゆっくり押すので、元のメッシュのまま 1/{} のステップ数で実時間で動きます。力の差は {} 以内です（{}）。"
+    ),
     "The full mesh would run at {} real time ({})": "元のメッシュでは実時間の {} の速さです（{}）",
     "{} mm and {}": "{} mm と {}",
     "no proxy of up to {} vertices is within {}": "{} 頂点までの代理メッシュに、{} 以内のものはありません",

@@ -234,3 +234,65 @@ def test_a_body_that_runs_gets_ready_for_its_paths_between_events_and_esc_leaves
     assert body.session.proxy.pressed and len(body.session.proxy.seeds) < 600
     assert not start.takes_long(run.context, along=True) and start.takes_long(run.context), "a poke goes anywhere"
     sessions.stop_all()
+
+
+@pytest.fixture
+def slow(scene: Any, keyed: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The same ball, pressed at 2.5 mm/s; in full it would run at a quarter of real time."""
+    from bl_ext.user_default.dimple.core.reduction import planner
+    from bl_ext.user_default.dimple.operators import shape_keys
+
+    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 4000)
+    (curves,) = (bag.fcurves for bag in shape_keys.curve_bags(scene.dimple.finger_1))
+    for point in (curve.keyframe_points[1] for curve in curves):
+        point.co.x = 49
+    for point in (each for curve in curves for each in curve.keyframe_points):
+        point.interpolation = "LINEAR"
+    return keyed
+
+
+def test_a_slow_press_bakes_the_full_mesh_in_fewer_steps_as_it_plays_and_with_its_force(
+    bpy: ModuleType, scene: Any, slow: Any, simulated: Callable[[Any], np.ndarray]
+) -> None:
+    scene.frame_set(1)
+    bpy.ops.dimple.play(frames=LAST - 1)
+    shown = simulated(slow)
+    force, data = bake(bpy, slow)
+    assert slow.dimple.plan_faster > 3 and slow.dimple.plan_vertices == 0
+    assert slow.dimple.plan_reason.startswith("The presses are slow, so the full mesh runs live with 1/")
+    bpy.ops.dimple.bake(frame_start=1, frame_end=LAST)
+    assert np.array_equal(np.asarray(shown, "<f4"), read_point_cache(slow.modifiers["Dimple"].filepath)[2][-1])
+    bpy.ops.dimple.unbake()
+    slow.dimple.plan_key = ""
+    assert bake(bpy, slow) == (force, data), "planned again, the same bits again"
+    slow.dimple.simulated = "MESH"
+    full, _ = bake(bpy, slow)
+    assert slow.dimple.plan_faster == 1, "as chosen: in all its steps"
+    assert full > 0.05 and force == pytest.approx(full, rel=0.05)
+
+
+def test_what_is_not_a_slow_press_alone_takes_all_its_steps(bpy: ModuleType, scene: Any, slow: Any) -> None:
+    from bl_ext.user_default.dimple.operators import sessions
+
+    def faster() -> int:
+        bpy.ops.dimple.play(frames=1)
+        found = sessions.get(slow).session.faster
+        bpy.ops.dimple.reset()
+        assert found in (1, slow.dimple.plan_faster)
+        return found
+
+    assert faster() > 3
+    slow.dimple.collider = True
+    assert faster() == 1, "others may meet it"
+    slow.dimple.collider = False
+    assert faster() > 3
+    material = slow.active_material
+    material.dimple.keyframe_insert("K1", frame=1)
+    assert faster() == 1, "its constants change"
+    material.animation_data_clear()
+    assert faster() > 3
+    scene.dimple.finger_1.location *= 0.98
+    scene.dimple.finger_1.keyframe_insert("location", frame=50)
+    assert faster() == 1, "it jumps"
+    bpy.ops.dimple.poke(depth_mm=1.0, press_s=0.01, hold_s=0.0, release_s=0.0)
+    assert sessions.get(slow).session.faster == 1
