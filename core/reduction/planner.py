@@ -24,7 +24,7 @@ from ..body.model import Model
 from .error_model import expected, vertices_for
 from .grading import Pressed, share_of
 from .proxy import LARGEST, Proxy, build_proxy, check, most_of
-from .slow_press import times_faster
+from .slow_press import MOST, times_faster
 
 BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
 TOLERANCE = 0.5e-3  # [m] between the surfaces, over the dent
@@ -143,7 +143,7 @@ def decide(
     )  # fmt: skip
     if cost <= ESTIMATED * budget:
         return replace(decided, reason=f"The full mesh runs live: {_work(model)}.")
-    if pressed and math.isfinite(cost):
+    if pressed and cost <= ESTIMATED * budget * MOST:
         faster, force_error = times_faster(model, pressed, tolerance, force_tolerance)
         if cost <= ESTIMATED * budget * faster:
             reason = (

@@ -56,7 +56,7 @@ def press(session: Session, centres: Floats) -> tuple[Floats, list[Floats]]:
 
 def slow_speed(model: Model) -> float:
     """Return a speed [m/s] at which the ball may be simulated FASTER times as fast, and no faster."""
-    return 0.05 * DEPTH / answer_time(model) / (FASTER + 0.5)
+    return 0.05 * DEPTH / answer_time(model, DEPTH) / (FASTER + 0.5)
 
 
 def test_a_slow_press_takes_a_quarter_of_the_steps_and_has_the_same_force_and_shape(model: Model) -> None:
