@@ -4,8 +4,8 @@ On six bodies a fingertip goes in by half its radius at a speed, stays for half 
 even speed: it starts and stops at once, which is the worst. Force and surface, look by look, against the same press
 with k = 1. `python3 dev.py core slow-presses --csv FILE`.
 
-Found (tests/studies/charts/slow_presses.csv): where the bound is 5 % or less the force is within 0.8 % in the mean and
-9.1 % at the worst look, the surface within 0.03 mm, and 0.004 mm are left half a second after the press.
+Found (tests/studies/charts/slow_presses.csv): where the bound is 5 % or less the force is within 0.54 % in the mean and
+7.3 % at the worst look, the surface within 0.03 mm, and 0.004 mm are left half a second after the press.
 """
 
 from __future__ import annotations
