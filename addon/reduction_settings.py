@@ -53,10 +53,10 @@ class ReductionSettings:
         default=1, **FIXED
     )  # fmt: skip
     plan_graded: BoolProperty(
-        name="Graded", description="The proxy is fine near the fingertips' paths and coarse elsewhere", **FIXED
+        name="Graded", description="The proxy is fine where it will be pressed and coarse elsewhere", **FIXED
     )  # fmt: skip
     plan_cells: kept_text("Plan Cells", "Which vertices move together in a large proxy: it is made sooner from them")
-    plan_cells_graded: kept_text("Plan Cells, Graded", "The same of one that is fine near the fingertips' paths")
+    plan_cells_graded: kept_text("Plan Cells, Graded", "The same of one that is fine where it will be pressed")
     plan_reason: kept_text("Plan", "What is simulated, and why")
     comparison: kept_text("Comparison", "Cost and errors of every variant of this object")
 

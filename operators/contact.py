@@ -101,7 +101,7 @@ def lead_colliders(context: bpy.types.Context, live: LiveWorld) -> None:
         obj = context.scene.objects.get(name)
         if obj is None:
             raise DimpleError(f'Collider "{name}" is gone. Start again.')
-        end = _surface(graph, obj, live.scale)[0]
+        end = surface(graph, obj, live.scale)[0]
         same = end.shape == live.world.target(i).shape and np.array_equal(end, live.world.target(i))
         ends.append(None if same else end)
     live.world.set_colliders(ends)
@@ -157,7 +157,7 @@ def _make(
 
     graph, made = context.evaluated_depsgraph_get(), []
     for obj in colliders:
-        points, triangles = _surface(graph, obj, scale)
+        points, triangles = surface(graph, obj, scale)
         if not len(triangles) or not np.isfinite(points).all():
             raise DimpleError(
                 f'Collider "{obj.name}" has no faces, or a coordinate that is not a number. Repair it, or switch '
@@ -187,7 +187,7 @@ def _make(
     return LiveWorld(key=key, uids=uids, scale=scale, colliders=tuple(names), props=falling, world=world)
 
 
-def _surface(graph: bpy.types.Depsgraph, obj: bpy.types.Object, scale: float) -> tuple[Floats, Ints]:
+def surface(graph: bpy.types.Depsgraph, obj: bpy.types.Object, scale: float) -> tuple[Floats, Ints]:
     """Return where the vertices (m, 3) [m] of an object are, as its modifiers leave it, and its triangles (t, 3)."""
     evaluated = obj.evaluated_get(graph)
     mesh = evaluated.to_mesh()

@@ -1,4 +1,4 @@
-"""Where keyframes lead the fingertip objects of a scene, read from their curves: what they will press is then known."""
+"""Where keyframes lead fingertips and colliders, read from their curves: what they will press is then known."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ..core.reduction.grading import pressed_by
-from . import timeline
+from ..core.reduction.grading import Led, pressed_by
+from . import contact, timeline
 from .shape_keys import curve_bags
 
 if TYPE_CHECKING:
@@ -18,24 +18,57 @@ if TYPE_CHECKING:
     from ..core.reduction.grading import Pressed
     from .object_link import ObjectLink
 
+STILL = {"BEVEL", "DECIMATE", "MIRROR", "REMESH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD"}  # modifiers
+
 
 def pressed_along(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, link: ObjectLink) -> Pressed | None:
-    """Return where the fingertip objects will press an object, None where that is not known.
+    """Return where fingertip objects and colliders will press an object, None where that is not known.
 
-    It is where they have keyframes, and nothing else moves them or the object.
+    It is where they have keyframes, or stand, and nothing else moves them or the object.
     """
     tips = [tip for tip in (scene.dimple.finger_1, scene.dimple.finger_2, scene.dimple.finger_3) if tip]
     keyed = [tip for tip in tips if any(_curves(tip))]
-    if not keyed or model.free or not _stands(obj) or any(map(_is_led, tips)):
+    colliders = _colliders(scene, obj, tips, link.scale) if contact.is_on(scene) else []
+    if colliders is None or not (keyed or (colliders and not tips)):
+        return None
+    if model.free or not _stands(obj) or any(map(_is_led, tips)):
         return None
     paths, now = [_path(scene, tip) for tip in tips], np.array(obj.matrix_world)
     if not np.array_equal(now, link.matrix):  # the object was moved since its session began
         way = link.matrix @ np.linalg.inv(now)
-        paths = [path @ way[:3, :3].T + way[:3, 3] for path in paths]
+        turn, shift = way[:3, :3].T, link.scale * way[:3, 3]
+        paths = [path @ turn + way[:3, 3] for path in paths]
+        colliders = [Led(led.points @ turn + shift, led.triangles, led.way @ turn) for led in colliders]
     paths = [link.scale * path for path in paths]
     changes = link.shaped or any(slot.material and any(curve_bags(slot.material)) for slot in obj.material_slots)
     look = 0.0 if changes else timeline.look_s(scene)
-    return pressed_by(model.mesh, paths, scene.dimple.finger_radius_mm / 1e3, look)
+    return pressed_by(model.mesh, paths, scene.dimple.finger_radius_mm / 1e3, look, colliders)
+
+
+def _colliders(
+    scene: bpy.types.Scene, obj: bpy.types.Object, tips: list[bpy.types.Object], scale: float
+) -> list[Led] | None:
+    """Return what an object meets, None where not all of it is known: what is soft or falls goes anywhere."""
+    graph, found = bpy.context.evaluated_depsgraph_get(), []
+    for other in scene.objects:
+        if other == obj or other in tips or other.type != "MESH":
+            continue
+        if other.dimple.enabled or (other.dimple.collider and other.dimple.is_prop):
+            return None
+        if not other.dimple.collider or not (evaluated := other.evaluated_get(graph)).is_evaluated:
+            continue
+        if _is_led(other) or _is_deformed(other):
+            return None
+        points, triangles = contact.surface(graph, other, scale)
+        way = _path(scene, other) - np.array(evaluated.matrix_world.translation)
+        found.append(Led(points, triangles, scale * way))
+    return found
+
+
+def _is_deformed(obj: bpy.types.Object) -> bool:
+    """Tell whether anything but a change of place may move a mesh: other keyframes, shape keys, what modifiers read."""
+    turned = any(curve.data_path != "location" and not curve.mute for bag in curve_bags(obj) for curve in bag.fcurves)
+    return turned or bool(obj.data.shape_keys) or any(modifier.type not in STILL for modifier in obj.modifiers)
 
 
 def _path(scene: bpy.types.Scene, tip: bpy.types.Object) -> Floats:

@@ -193,7 +193,6 @@ def choosing(
     wanted, radius, budget = obj.dimple.to_plan(), scene.dimple.finger_radius_mm / 1e3, budget_of(scene, obj)
     tolerance, force_tolerance = wanted["tolerance"], wanted["force_tolerance"]
     meets, itself = contact.is_on(scene), obj.dimple.self_contact
-    pressed = None if meets else pressed  # others may touch it anywhere
 
     def by_settings(model: Model) -> tuple[str, Callable[[Maker], Plan]]:
         # cells may bridge a fold; and what carries the skin of a proxy knows one shape at rest

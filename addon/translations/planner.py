@@ -41,14 +41,14 @@ WORDS = {
         "大きな代理メッシュでまとまって動く頂点。これがあれば速く作り直せます"
     ),
     "Plan Cells, Graded": "計画の区画（段階的）",
-    "The same of one that is fine near the fingertips' paths": "指先の軌道の近くで細かいものについての同じもの",
+    "The same of one that is fine where it will be pressed": "押される所の近くで細かいものについての同じもの",
     "Planned Vertices": "計画の頂点数",
     "Of the proxy; 0 is the full mesh": "代理メッシュの頂点数。0 は元のメッシュ",
     "Times Faster": "倍速",
     "How many times faster than slow fingertips it is simulated": "ゆっくり動く指先の何倍の速さで計算するか",
     "Graded": "段階的",
-    "The proxy is fine near the fingertips' paths and coarse elsewhere": (
-        "代理メッシュは指先の経路の近くで細かく、ほかでは粗くなります"
+    "The proxy is fine where it will be pressed and coarse elsewhere": (
+        "代理メッシュは押される所の近くで細かく、ほかでは粗くなります"
     ),
     "Plan": "計画",
     "What is simulated, and why": "何を計算するか、そしてその理由",

@@ -1,8 +1,9 @@
-"""Where fingertips will press a body, and how much coarser than there its proxy may be elsewhere."""
+"""Where fingertips and colliders will press a body, and how much coarser than there its proxy may be elsewhere."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,11 +20,13 @@ STEP = 0.5  # radii between two places of a path
 REACH = 4.0  # radii between the centre of a fingertip and a place of the surface that it may press
 LONGEST = 1e6  # steps of a path
 MOST = 400  # places of paths; more are all over a body, and take long to look at
+CELL = 2.0  # radii: two places where a collider comes near are so far from each other, and it is no farther from them
+FACES = 200_000  # of a collider, in parts as small as that
 LOOKED = 60_000  # vertices of a finer mesh that are looked at for a plan
 
 
 class Pressed(NamedTuple):
-    """What fingertips will press, and how.
+    """What fingertips and colliders will press, and how.
 
     places: (k) of the surface at rest [m].
     radius: of the fingertips [m].
@@ -42,8 +45,18 @@ class Pressed(NamedTuple):
         return Pressed(self.places, self.radius)
 
 
-def pressed_by(mesh: Mesh, paths: list[Floats], radius: float, look: float = 0.0) -> Pressed | None:
-    """Return where fingertips whose centres go along paths (k, 3) [m] come near a surface.
+class Led(NamedTuple):
+    """A collider: its vertices (m, 3) [m] now, its triangles (t, 3), and its way (k, 3) [m] from there."""
+
+    points: Floats
+    triangles: Ints
+    way: Floats
+
+
+def pressed_by(
+    mesh: Mesh, paths: list[Floats], radius: float, look: float = 0.0, colliders: Sequence[Led] = ()
+) -> Pressed | None:
+    """Return where fingertips whose centres go along paths (k, 3) [m], and colliders, come near a surface.
 
     None where they do so nowhere, or all over it, or go farther than can be looked at.
 
@@ -54,9 +67,14 @@ def pressed_by(mesh: Mesh, paths: list[Floats], radius: float, look: float = 0.0
     points, found = mesh.rest_positions[looked], set()
     low, high = points.min(axis=0) - REACH * radius, points.max(axis=0) + REACH * radius
     columns, step = np.ascontiguousarray(points.T), STEP * radius
-    if not all(_length(path) < LONGEST * step for path in paths):  # NaN is no less
+    if not all(_length(path) < LONGEST * step for path in [*paths, *(led.way for led in colliders)]):  # NaN is no less
         return None
-    centres = np.concatenate([_resampled(path, step) for path in paths])
+    for led in colliders:
+        near = _near(points, led, CELL * radius)
+        if near is None:
+            return None
+        found.update(near)
+    centres = np.concatenate([np.zeros((0, 3)), *(_resampled(path, step) for path in paths)])
     centres = centres[((centres >= low) & (centres <= high)).all(axis=1)]
     _, apart = np.unique(np.round(centres / step), axis=0, return_index=True)  # it may go there often
     if len(apart) > MOST:
@@ -65,8 +83,10 @@ def pressed_by(mesh: Mesh, paths: list[Floats], radius: float, look: float = 0.0
         away = _squares(columns, centre)
         if away[at := int(away.argmin())] <= (REACH * radius) ** 2:
             found.add(at)
+    if not 0 < len(found) <= MOST:
+        return None
     places = tuple(tuple(points[at].tolist()) for at in sorted(found))
-    return Pressed(places, radius, *_deepest_and_fastest(columns, paths, radius, look)) if found else None
+    return Pressed(places, radius, *([] if colliders else _deepest_and_fastest(columns, paths, radius, look)))
 
 
 def coarser(points: Floats, pressed: Pressed) -> Floats:
@@ -95,6 +115,27 @@ def _deepest_and_fastest(columns: Floats, paths: list[Floats], radius: float, lo
         for at in near[:: -(-len(near) // MOST) or 1]:
             deepest = max(deepest, radius - math.sqrt(float(_squares(columns, path[at]).min())))
     return deepest, way / look if look else math.inf
+
+
+def _near(points: Floats, led: Led, cell: float) -> list[int] | None:
+    """Return points, a cell [m] apart, that a collider comes as near to as that; None where its faces are too many."""
+    shifts, faces = _resampled(led.way, cell), led.points[led.triangles]
+    low, high = points.min(axis=0) - cell - shifts.max(axis=0), points.max(axis=0) + cell - shifts.min(axis=0)
+    while True:
+        faces = faces[((faces.max(axis=1) >= low) & (faces.min(axis=1) <= high)).all(axis=1)]
+        long = np.linalg.norm(faces - np.roll(faces, 1, axis=1), axis=2).max(axis=1) > cell
+        if len(faces) + 3 * int(long.sum()) > FACES:
+            return None
+        if not long.any():
+            break
+        middles = (faces[long] + np.roll(faces[long], -1, axis=1)) / 2  # of ab, bc, ca
+        corners = [np.stack([faces[long, k], middles[:, k], middles[:, k - 1]], axis=1) for k in range(3)]
+        faces = np.concatenate([faces[~long], middles, *corners])
+    samples = np.unique(np.round(faces.mean(axis=1) / (cell / 4)), axis=0) * (cell / 4)
+    taken = np.unique(np.concatenate([np.unique(np.floor((samples + s) / cell), axis=0) for s in shifts]), axis=0)
+    around = {tuple(at) for move in np.ndindex(3, 3, 3) for at in (taken + np.array(move) - 1).tolist()}
+    cells, first = np.unique(np.floor(points / cell), axis=0, return_index=True)
+    return [int(i) for at, i in zip(cells.tolist(), first, strict=True) if tuple(at) in around]
 
 
 def _looked(mesh: Mesh) -> Ints:

@@ -320,7 +320,7 @@ def _proxys_reason(
         f"{because}. A proxy of {vertices:,} vertices {speed}, within {1e3 * error:.2g} mm and "
         f"{force_error:.0%} of the force."
     )
-    return f"{reason} It is fine near the fingertips' paths." if pressed else reason
+    return f"{reason} It is fine where it will be pressed." if pressed else reason
 
 
 def _too_few(decided: Decision) -> DimpleError:

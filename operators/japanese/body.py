@@ -144,6 +144,9 @@ MESSAGES = {
     "no proxy within the tolerances is faster": "許容差に収まる代理メッシュで、これより速いものはありません",
     "{}, the full mesh: {}, at {} real time.": "{}。元のメッシュ（{}）、実時間の {} の速さです。",
     "For self contact": "自己接触があります",
+    "In contact there the force is within {}, and the mesh shown may overlap by up to {} mm.": (
+        "そこでの接触では、力の誤差は {} 以内で、表示メッシュが最大 {} mm 重なることがあります。"
+    ),
     "In contact the force is within {}, and the mesh shown may overlap by up to {} mm.": (
         "接触では、力の誤差は {} 以内で、表示メッシュが最大 {} mm 重なることがあります。"
     ),
@@ -155,7 +158,7 @@ MESSAGES = {
     "runs live": "は実時間で動き",
     "is to be made": "をこれから作り",
     "As chosen": "選択どおりです",
-    "It is fine near the fingertips' paths.": "指先の経路の近くだけ細かくします。",
+    "It is fine where it will be pressed.": "押される所の近くだけ細かくします。",
     "{} A proxy within the tolerances would not run live.": "{}許容差に収まる代理メッシュでは実時間で動きません。",
     "{} A proxy cannot have the vertices to keep the tolerances.": "{}代理メッシュの頂点数では許容差に収まりません。",
     "{}. A proxy of {} vertices {}, within {} mm and {} of the force.": (

@@ -8,7 +8,7 @@ from core.body.model import Model, build_model
 from core.mesh.surface import base_vertices
 from core.reduction import planner
 from core.reduction.benchmark import BenchmarkPress, PressResult, choose_presses, outcome_of, press_body
-from core.reduction.grading import FAR, FINE, Pressed, coarser, pressed_by
+from core.reduction.grading import FAR, FINE, MOST, Led, Pressed, coarser, pressed_by
 from core.reduction.planner import plan
 from core.reduction.proxy import Proxy, build_proxy
 from core.solver.backend import create
@@ -58,6 +58,26 @@ def test_a_path_is_near_the_surface_where_a_fingertip_can_press_it(fine: Model, 
     assert pressed_by(fine.mesh, [scribbled], RADIUS) is None, "it goes all over the head"
 
 
+@pytest.mark.parametrize("size", [0.3, 100.0], ids=["a plate", "an endless one"])
+def test_a_plate_is_near_a_surface_where_its_way_leads_it_and_nowhere_else(fine: Model, size: float) -> None:
+    points, top = fine.mesh.rest_positions, fine.mesh.rest_positions[:, 2].max()
+    plate = size * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]) + (0, 0, top + 0.1)
+    faces = np.array([(0, 1, 2), (0, 2, 3)])
+
+    def places(depth: float) -> np.ndarray | None:
+        found = pressed_by(
+            fine.mesh, [], RADIUS, colliders=[Led(plate, faces, np.array([(0, 0, 0), (0, 0, -0.1 - depth)]))]
+        )
+        return None if found is None else np.array(found.places)
+
+    assert places(-0.05) is None, "it stays above"
+    found = places(0.004)
+    assert found is not None and len(found) < MOST and found[:, 2].min() > top - 0.004 - 4.5 * RADIUS
+    cap = points[points[:, 2] > top - 0.004]
+    assert np.linalg.norm(cap[:, None] - found, axis=2).min(axis=1).max() < FINE * RADIUS
+    assert places(0.15) is None, "it goes all over the head"
+
+
 def test_seeds_lie_closer_where_the_fingertip_goes_and_farther_elsewhere(fine: Model, press: BenchmarkPress) -> None:
     there = Pressed((tuple(press.at.tolist()),), RADIUS)
     proxy = build_proxy(fine, 600, there)
@@ -88,7 +108,7 @@ def test_a_proxy_fine_on_the_way_of_a_fingertip_has_the_force_that_an_even_one_m
     assert even.proxy and graded.proxy and even.force_error > 2 * planner.FORCE_TOLERANCE
     assert graded.force_error <= planner.FORCE_TOLERANCE and graded.error <= planner.TOLERANCE
     assert graded.vertices * graded.steps < even.vertices * even.steps / 10
-    assert graded.reason.endswith("It is fine near the fingertips' paths.") and graded.cost < planner.BUDGET
+    assert graded.reason.endswith("It is fine where it will be pressed.") and graded.cost < planner.BUDGET
     goal, found = pressed(fine, press), []
     for chosen in (even, graded):
         assert chosen.proxy

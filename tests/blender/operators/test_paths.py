@@ -54,7 +54,7 @@ def test_a_bake_is_fine_where_keyframes_lead_the_fingertip_and_has_the_force_of_
 
     force, data = bake(bpy, keyed)
     assert keyed.dimple.plan_graded and keyed.dimple.plan_vertices < 600
-    assert keyed.dimple.plan_reason.endswith("It is fine near the fingertips' paths.")
+    assert keyed.dimple.plan_reason.endswith("It is fine where it will be pressed.")
     assert "runs live, within" in keyed.dimple.plan_reason
     assert bake(bpy, keyed) == (force, data), "the same bits again"
     planning._choices.clear()
@@ -138,6 +138,42 @@ def test_paths_that_change_are_planned_again_and_unknown_ones_are_not_planned_fo
     keyed.animation_data_clear()
     tip.animation_data_clear()
     assert places() is None, "a hand moves it"
+
+
+def test_a_bake_is_fine_where_keyframes_lead_a_collider_and_even_where_what_falls_may_meet_it(
+    bpy: ModuleType, scene: Any, keyed: Any, add: Callable[..., Any]
+) -> None:
+    from bl_ext.user_default.dimple.operators import bridge, paths
+
+    scene.dimple.finger_1 = None
+    other = add(name="Other")
+    other.scale, other.dimple.collider = (0.1, 0.1, 0.1), True
+    for frame, height in ((1, 1.15), (6, 1.05)):
+        other.location = (0, 0, height)
+        other.keyframe_insert("location", frame=frame)
+    link, model = bridge.read_body(bpy.context, keyed, identify="NO")
+
+    def places() -> Any:
+        bpy.context.view_layer.update()
+        return paths.pressed_along(scene, keyed, model, link)
+
+    assert np.array(places().places)[:, 2].min() > 0.5 * link.scale, "near its top"
+    bpy.context.view_layer.objects.active = keyed
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=LAST) == {"FINISHED"}
+    said = " It is fine where it will be pressed. In contact there "
+    assert keyed.dimple.plan_graded and said in keyed.dimple.plan_reason
+    other.dimple.is_prop = True
+    assert places() is None, "it falls"
+    other.dimple.is_prop = False
+    other.keyframe_insert("rotation_euler", frame=1)
+    assert places() is None, "it turns"
+    other.animation_data_clear()
+    other.modifiers.new("Wave", "WAVE")
+    assert places() is None, "it is deformed"
+    other.modifiers.clear()
+    assert places() is not None, "it stands"
+    scene.dimple.finger_1 = bpy.data.objects.new("Hand", None)
+    assert places() is None, "a hand moves the fingertip"
 
 
 def test_a_muted_curve_does_not_lead_the_fingertip(bpy: ModuleType, scene: Any, keyed: Any) -> None:
