@@ -158,6 +158,8 @@ def test_a_bake_is_fine_where_keyframes_lead_a_collider_and_even_where_what_fall
         return paths.pressed_along(scene, keyed, model, link)
 
     assert np.array(places().places)[:, 2].min() > 0.5 * link.scale, "near its top"
+    other.select_set(False)
+    keyed.select_set(True)
     bpy.context.view_layer.objects.active = keyed
     assert bpy.ops.dimple.bake(frame_start=1, frame_end=LAST) == {"FINISHED"}
     said = " It is fine where it will be pressed. In contact there "
