@@ -26,7 +26,9 @@ def in_contact(mesh: Mesh, chosen: Plan, radius: float) -> Plan:
     overlap = proxy.stands_out + BENT * proxy.spacing - proxy.offset
     sooner = 2 * max(proxy.offset - OFFSET * float(mesh.rest_lengths.mean()), 0.0)  # it is met
     force_error = min(chosen.force_error + POWER * sooner / (DEPTH * radius), 1.0)
-    shown = f"may overlap by up to {1e3 * overlap:.2g} mm"
-    where = "In contact there" if proxy.pressed else "In contact"
-    message = f"{where} the force is within {force_error:.0%}, and the mesh shown {shown}."
+    off, shown = f"{force_error:.0%}", f"{1e3 * overlap:.2g}"
+    if proxy.pressed:
+        message = f"In contact there the force is within {off}, and the mesh shown may overlap by up to {shown} mm."
+    else:
+        message = f"In contact the force is within {off}, and the mesh shown may overlap by up to {shown} mm."
     return replace(chosen, force_error=force_error, reason=f"{chosen.reason} {message}")

@@ -138,7 +138,7 @@ def test_the_steps_of_a_stiff_body_leave_an_even_proxy_too_slow_and_a_graded_one
     assert even.force_error <= planner.FORCE_TOLERANCE
     slow, live = (plan(fine, radius=0.008, budget=0.3 * even.cost, pressed=known) for known in (None, there))
     assert slow.cost > 0.3 * even.cost and live.cost <= 0.3 * even.cost
-    assert live.proxy and live.proxy.pressed == there and live.force_error <= planner.FORCE_TOLERANCE
+    assert live.proxy and live.proxy.pressed == there.where and live.force_error <= planner.FORCE_TOLERANCE
 
 
 def test_where_no_graded_proxy_can_be_made_the_plan_is_as_without_paths(fine: Model, press: BenchmarkPress) -> None:
@@ -152,7 +152,7 @@ def test_where_no_graded_proxy_can_be_made_the_plan_is_as_without_paths(fine: Mo
 
     there = near(fine, press)
     chosen = planner.carry_out(planner.decide(fine, radius=RADIUS, pressed=there), build)
-    assert chosen.proxy and chosen.proxy.pressed is None and made[0] == there
+    assert chosen.proxy and chosen.proxy.pressed is None and made[0] == there.where
     assert chosen.reason == plan(fine, radius=RADIUS).reason
 
 

@@ -14,7 +14,7 @@ from tools.environment import BLENDERS, DEV_PINS, PEER_PINS, READER_PINS, ROOT, 
 
 # what is read at run time beside Python
 DATA = {
-    "LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml", "core/native/sources.tar.xz",
+    "LICENSE", "blender_manifest.toml", "core/haptics/haptic_master.toml", "core/native/sources.tar.bz2",
     "addon/poke_tool.dat",
 }  # fmt: skip
 # said here and not read from the manifest or the folders, so that a change of either has to be meant
@@ -24,7 +24,7 @@ FOLDERS = {
     "core/experiment", "core/haptics",
     "core/mesh", "core/native", "core/reduction", "core/solver", "operators", "operators/japanese", "wheels",
 }  # fmt: skip
-ENDINGS = {"", ".dat", ".py", ".toml", ".whl", ".xz"}  # no library, object, cache, picture, table or scene
+ENDINGS = {"", ".dat", ".py", ".toml", ".whl", ".bz2"}  # no library, object, cache, picture, table or scene
 WHEELS = {
     "pyserial": "any", "trimesh": "any",
     "dimple_native": "macosx_11_0_arm64 macosx_11_0_x86_64 manylinux_2_17_x86_64 win_amd64",
@@ -52,8 +52,8 @@ def test_the_zip_holds_the_extension_and_nothing_else(names: list[str]) -> None:
 
 
 def test_the_sources_of_what_is_compiled_go_with_it(extension_zip: Path) -> None:
-    with zipfile.ZipFile(extension_zip) as outer, outer.open("core/native/sources.tar.xz") as packed:
-        with tarfile.open(fileobj=packed, mode="r:xz") as archive:
+    with zipfile.ZipFile(extension_zip) as outer, outer.open("core/native/sources.tar.bz2") as packed:
+        with tarfile.open(fileobj=packed, mode="r:bz2") as archive:
             found = {name: archive.extractfile(name).read() for name in archive.getnames()}
     sources = [Path(native.__file__), *native.SOURCES.glob("*.[ch]")]
     assert found == {path.name: path.read_bytes() for path in sources}
