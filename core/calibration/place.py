@@ -50,19 +50,16 @@ def typical_site(mesh: Mesh, indenter: Indenter, *, pinned: Bools | None = None)
     """
     if pinned is None or not np.any(pinned):
         pinned = base_vertices(mesh)
+    top = _evenness_at_top(mesh, indenter, pinned)
+    if top >= 1 - EDGE:  # nowhere is it more even by so much
+        with contextlib.suppress(DimpleError):
+            return _beside(mesh, indenter, pinned, None, np.array(DOWN))
     points, normals, evenness = _candidates(mesh, indenter, pinned)
     best = int((evenness + 1e-3 * normals[:, 2]).argmax())
-    tries: list[tuple[Floats | None, Floats]] = [(points[best], -normals[best])]
-    top = _evenness_at_top(mesh, indenter, pinned)
     if top >= evenness[best] - EDGE:
-        tries.insert(0, (None, np.array(DOWN)))
-    error = DimpleError()
-    for above, inward in tries:
-        try:
-            return _beside(mesh, indenter, pinned, above, inward)
-        except DimpleError as why:
-            error = why
-    raise error
+        with contextlib.suppress(DimpleError):
+            return _beside(mesh, indenter, pinned, None, np.array(DOWN))
+    return _beside(mesh, indenter, pinned, points[best], -normals[best])
 
 
 def measuring_site(mesh: Mesh, material: Material, deepest: float, *, pinned: Bools | None = None) -> Site:

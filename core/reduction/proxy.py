@@ -27,6 +27,7 @@ SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
 NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
 STIFFER = 16.0  # times as stiff, as softness of 0 is beside 1: what is painted so is a spacing apart
+FEWER = 0.3  # of the vertices: a body with more is no faster for being coarser elsewhere
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
@@ -78,17 +79,11 @@ def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None, rec
         raise DimpleError(f"a proxy of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
     spacing = mean_spacing(mesh, vertices / share)
     wanted = coarser(mesh.rest_positions, pressed) if pressed else None
-    normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     stiffer = painted(model)
-    # along a diagonal: any way
-    shift = NORMAL_SHARE * spacing * normals + spacing / math.sqrt(3) * stiffer[:, None]
-    if wanted is not None:
-        shift *= wanted[:, None]
-    place = np.concatenate([mesh.rest_positions, shift], axis=1)
+    place = _places(mesh, stiffer, spacing, wanted)
     known = unpacked(record, place, mesh.triangles, vertices)
     seeds, cells = known or _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing, wanted))
-    triangles = dual(cells[mesh.triangles])
-    coarse = _constants(model, _coarse_mesh(mesh, seeds, triangles), cells)
+    coarse = _constants(model, _coarse_mesh(mesh, seeds, cells), cells)
     offset, stands_out = held_distance(mesh, coarse.mesh, cells, spacing, pressed)
     return Proxy(
         record=record if known else packed(place, mesh.triangles, vertices, seeds, cells),
@@ -96,6 +91,33 @@ def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None, rec
         spacing=spacing, offset=offset, stands_out=stands_out, pressed=pressed,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
+
+
+def coarser_elsewhere(model: Model, pressed: Pressed) -> Model | None:
+    """Return a body that is as fine as its mesh where it is pressed; None where it would not have far fewer vertices.
+
+    Raises:
+        DimpleError: there is none of its shape; the message says why.
+    """
+    mesh = model.mesh
+    used = np.flatnonzero(~mesh.loose)
+    vertices = max(round(share_of(mesh, pressed) * len(used)), SMALLEST)
+    if vertices > FEWER * len(used):
+        return None
+    wanted, spacing = coarser(mesh.rest_positions, pressed), mean_spacing(mesh, len(used))
+    place = _places(mesh, painted(model), spacing, wanted)
+    seeds, cells = _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing, wanted))
+    return _constants(model, _coarse_mesh(mesh, seeds, cells), cells)
+
+
+def _places(mesh: Mesh, stiffer: Singles, spacing: float, wanted: Floats | None) -> Floats:
+    """Return where vertices are (n, 6) [m] in the space in which cells are the nearest of it."""
+    normals = vertex_normals(mesh.triangles, mesh.rest_positions)
+    # along a diagonal: any way
+    shift = NORMAL_SHARE * spacing * normals + spacing / math.sqrt(3) * stiffer[:, None]
+    if wanted is not None:
+        shift *= wanted[:, None]
+    return np.concatenate([mesh.rest_positions, shift], axis=1)
 
 
 def _seeds_and_cells(mesh: Mesh, place: Floats, seeds: Ints) -> tuple[Ints, Ints]:
@@ -160,9 +182,9 @@ def check(model: Model) -> None:
         raise DimpleError("the paper's equations depend on the mesh, so they need the full mesh")
 
 
-def _coarse_mesh(fine: Mesh, seeds: Ints, triangles: Ints) -> Mesh:
+def _coarse_mesh(fine: Mesh, seeds: Ints, cells: Ints) -> Mesh:
     points = fine.rest_positions[seeds]
-    mesh = mesh_from_triangles(points, flip_edges(points, triangles))
+    mesh = mesh_from_triangles(points, flip_edges(points, dual(cells[fine.triangles])))
     if len(mesh.rest_positions) != len(seeds) or mesh.loose.any():
         raise DimpleError("its surface is too crumpled for a proxy of this size")
     if mesh.pressurable != fine.pressurable or (fine.closed and not mesh.closed):
