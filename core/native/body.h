@@ -188,7 +188,8 @@ struct dm_state {
     double (*laws)[3];        /* K1, K2, x0 of each material */
     struct {
         double centre[3], side[3]; /* where a fingertip is, and the outward normal where it came in */
-        int has_side;
+        int has_side, rests;       /* rests: it was near when the body fell asleep, */
+        double rests_at[3], rests_radius, begun[3], held[3]; /* there; its impulse when the tick began, and of a tick [N s] */
         int64_t last; /* the facet it was nearest to */
         dm_nearby nearby;
     } fingers[DM_MAX_FINGERTIPS];

@@ -2,24 +2,42 @@
  * Source: core/solver/rest.py. */
 #include "body.h"
 
-/* Tell whether a fingertip or a pin that is led elsewhere wakes a body in the tick that begins. */
+/* How far a fingertip is from the box round what is asleep, less what it may reach in the tick [m]. */
+static double dm_clear_of(const dm_state *b, const dm_near *t) {
+    double away = 0;
+    for (int c = 0; c < 3; c++) {
+        double x = b->fingers[t->finger].centre[c], below = b->bounds[0][c] - x, above = x - b->bounds[1][c];
+        double gap = below > above ? below : above;
+        away += gap > 0 ? gap * gap : 0;
+    }
+    return sqrt(away) - (t->reach + DM_REST_CLEAR * (double)t->radius);
+}
+
+/* Is a fingertip where it was when the body fell asleep? */
+static int dm_finger_rests(const dm_state *b, const dm_near *t) {
+    double way = 0;
+    for (int c = 0; c < 3; c++) {
+        double step = b->fingers[t->finger].centre[c] - b->fingers[t->finger].rests_at[c];
+        way += step * step;
+    }
+    return (double)t->radius == b->fingers[t->finger].rests_radius && sqrt(way) <= DM_REST_WAY * (double)t->radius;
+}
+
+/* Tell whether a fingertip, or a pin that is led elsewhere, wakes a body in the tick that begins. */
 static int dm_is_woken(const dm_state *b, const dm_motion *m) {
+    int resting = 0;
     for (int64_t k = 0; m->pins_to && k < b->pinned_count; k++)
         for (int c = 0; c < 3; c++)
             if (m->pins_to[c * b->pinned_count + k] != b->pins[c * b->n + k]) return 1;
     for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++) {
-        double away = 0;
-        for (int c = 0; c < 3; c++) {
-            double x = b->fingers[t->finger].centre[c], below = b->bounds[0][c] - x, above = x - b->bounds[1][c];
-            double gap = below > above ? below : above;
-            away += gap > 0 ? gap * gap : 0;
-        }
-        if (sqrt(away) < t->reach + DM_REST_CLEAR * (double)t->radius) return 1;
+        if (b->fingers[t->finger].rests && dm_finger_rests(b, t)) resting++;
+        else if (dm_clear_of(b, t) < 0) return 1;
     }
-    return 0;
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) resting -= b->fingers[k].rests;
+    return resting != 0; /* one has gone */
 }
 
-/* Let a body sleep, unless a fingertip would wake it. */
+/* Let a body sleep, under fingertips that rest. */
 static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
     b->rested = 0;
     for (int c = 0; c < 3; c++) b->bounds[0][c] = INFINITY, b->bounds[1][c] = -INFINITY;
@@ -29,6 +47,11 @@ static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
             b->bounds[0][c] = x < b->bounds[0][c] ? x : b->bounds[0][c];
             b->bounds[1][c] = x > b->bounds[1][c] ? x : b->bounds[1][c];
         }
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) b->fingers[k].rests = 0;
+    for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++) {
+        b->fingers[t->finger].rests = dm_clear_of(b, t) < 0, b->fingers[t->finger].rests_radius = (double)t->radius;
+        memcpy(b->fingers[t->finger].rests_at, b->fingers[t->finger].centre, sizeof b->fingers->rests_at);
+    }
     if (dm_is_woken(b, m)) return;
     dm_fit_whole(b, b->still_pose);
     b->still_volume = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE ? b->volume : dm_volume_of_faces(b, NULL);
@@ -47,10 +70,17 @@ static int dm_stays(const dm_state *b) {
     return 1;
 }
 
+/* Do all fingertips stand still? What they hold back has a speed and does not move. */
+static int dm_may_be_held(const dm_state *b) {
+    for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++)
+        if (dm_dot3(t->velocity, t->velocity) > 0) return 0;
+    return b->finger_count > 0;
+}
+
 /* After a tick: note whether a body has been slow for long and is where it was when that began. */
 static void dm_watch_rest(dm_state *b, const dm_motion *m) {
     int fast = b->fastest > DM_REST_SPEED * b->size;
-    if (fast && b->fastest <= b->sag) fast = b->quiet > 0 && !dm_stays(b);
+    if (fast && (b->fastest <= b->sag || dm_may_be_held(b))) fast = b->quiet > 0 && !dm_stays(b);
     if (fast || m->pins_to || b->moving) {
         b->quiet = 0, b->rested = 0;
         return;

@@ -238,6 +238,8 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
     b->dt = m->tick / (double)m->substeps;
     if (b->law_set == DM_LAWS_PAPER && !b->asleep) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
     dm_carry_fingertips(b, m, t);
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++)
+        memcpy(b->fingers[k].begun, frame->touches[k].impulse, sizeof b->fingers[k].begun);
     if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
     if (!b->asleep) dm_enter_tick(b, m, t, frame);
 }
@@ -247,9 +249,20 @@ static void dm_run_substep(dm_state *b, dm_frame *frame) {
     DM_TIMED(DM_CONTACT, dm_resolve_contact(b, frame));
 }
 
+/* What sleeps under a fingertip presses on it as in the last tick. */
+static void dm_note_impulses(dm_state *b, dm_frame *frame) {
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++)
+        for (int c = 0; c < 3; c++) {
+            double *impulse = frame->touches[k].impulse + c;
+            if (b->asleep) *impulse += b->fingers[k].rests ? b->fingers[k].held[c] : 0;
+            else b->fingers[k].held[c] = *impulse - b->fingers[k].begun[c];
+        }
+}
+
 static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double centre[3];
     frame->ticks = t + 1;
+    dm_note_impulses(b, frame);
     if (b->asleep) return;
     frame->finite = dm_is_finite(b, m->tick, centre);
     if (frame->finite) dm_move_origin(b, centre), dm_watch_rest(b, m);

@@ -2,11 +2,12 @@
 
 A body falls asleep when for REST_TIME it has been slower than REST_SPEED and no vertex is farther than REST_WAY from
 where it was when that began. Its velocities stay as they are, so neither position nor velocity jumps when it wakes.
+Under a fingertip that stands still it sleeps too, and presses on it as in the last tick.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,23 +22,30 @@ class Rest:
     still: (3, n) where it was then [m].
     rested: it may sleep.
     asleep: it is not stepped.
+    under: fingertips that were near when it fell asleep: where (3,) [m] and their radius [m].
+    held: (k, 3) impulses on the fingertips in the last tick [N s].
     """
 
     quiet: float = 0.0
     still: Floats | None = None
     rested: bool = False
     asleep: bool = False
+    under: dict[int, tuple[Floats, float]] = field(default_factory=dict)
+    held: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
-    def watch(self, x: Floats, v: Floats, size: float, tick: float, *, led: bool, sag: float = 0.0) -> None:
+    def watch(
+        self, x: Floats, v: Floats, size: float, tick: float, *, led: bool, sag: float = 0.0, held: bool = False
+    ) -> None:
         """Look at a body (3, n) [m], [m/s] after a tick [s].
 
         Args:
             led: its pins were.
             sag: [m/s] that gravity gives in a substep, and contact takes back as a way; 0 where none does.
+            held: there are fingertips, and all stand still: what they hold back has a speed and does not move.
         """
         speed = float(np.sqrt((v * v).sum(axis=0).max(initial=0)))
         fast = speed > REST_SPEED * size
-        if fast and speed <= sag:
+        if fast and (speed <= sag or held):
             fast = self.quiet > 0 and not self._stays(x, size)
         if led or fast:
             self.quiet, self.rested = 0.0, False
@@ -52,6 +60,14 @@ class Rest:
     def _stays(self, x: Floats, size: float) -> bool:
         way = x - (x if self.still is None else self.still)
         return bool(np.sqrt((way * way).sum(axis=0).max(initial=0)) <= REST_WAY * size)
+
+
+    def lies_under(self, finger: int, centre: Floats, radius: float) -> bool:
+        """Tell whether a fingertip is where it was when the body fell asleep."""
+        if finger not in self.under:
+            return False
+        before, size = self.under[finger]
+        return size == radius and float(np.linalg.norm(centre - before)) <= REST_WAY * radius
 
 
 def reaches(x: Floats, start: Floats, end: Floats, radius: float) -> bool:

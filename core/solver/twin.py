@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Floats, Ints
+from ..base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Bools, Floats, Ints
 from ..body import pressure
 from ..body.model import Model, State, initial_state
 from ..body.moved_rest import on_its_way, with_rest
@@ -26,7 +26,7 @@ class Call:
     motion: what happens.
     down: which fingertips are down.
     here: where each of them is (3,) [m].
-    impulses: (k, 3) on the fingertips so far [N s].
+    impulses, begun: (k, 3) on the fingertips so far, and when the tick under way began [N s].
     ticks: done.
     finite: False where the body has blown up.
     moved: it was not asleep all the time.
@@ -37,6 +37,7 @@ class Call:
     down: list[int]
     here: dict[int, Floats]
     impulses: Floats
+    begun: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     ticks: int = 0
     finite: bool = True
     moved: bool = False
@@ -144,7 +145,9 @@ class Twin:
 
     def fall_asleep(self, call: Call) -> None:
         """Let the body sleep, unless a fingertip or a pin would wake it."""
-        self._rest.rested, self._rest.asleep = False, not self._is_woken(call.motion, call.path)
+        near = self._near(call.path)
+        self._rest.under = {i: (call.here[i], r) for i, r, n in zip(call.down, call.path.radii, near, strict=True) if n}
+        self._rest.rested, self._rest.asleep = False, not self._is_woken(call)
 
     def begin(self, motion: Motion) -> Call:
         """Begin a motion; its ticks follow one by one."""
@@ -170,9 +173,9 @@ class Twin:
             centres[row, 0] = call.here[i]
             centres[row, 1] = call.here[i] = _moved(call.here[i], tips[i], share)
         path = FingerPath(centres=centres, radii=np.array([tips[i].radius for i in call.down]))  # type: ignore[union-attr]
-        if self._rest.asleep and self._is_woken(motion, path):
+        call.path, call.begun = path, call.impulses.copy()
+        if self._rest.asleep and self._is_woken(call):
             self._rest = Rest()
-        call.path = path
         if not self._rest.asleep:
             self._enter_tick(call)
         return path
@@ -190,13 +193,17 @@ class Twin:
         """Count a tick, and see whether the body is still whole, or has come to rest."""
         call.ticks += 1
         if self._rest.asleep:
+            for i in self._rest.under:
+                call.impulses[i] += self._rest.held[i]
             return
-        state, tick = self._state, call.motion.tick
+        state, tick, path = self._state, call.motion.tick, call.path
+        self._rest.held = call.impulses - call.begun
         with np.errstate(all="ignore"):
             call.finite = self._is_finite(tick)
         if call.finite:
             size, led = self.model.mesh.size, call.motion.pins is not None or self._rest_rate is not None
-            self._rest.watch(state.positions, state.velocities, size, tick, led=led, sag=self.sag)
+            held = len(path.radii) > 0 and bool((path.centres[:, 0] == path.centres[:, 1]).all())
+            self._rest.watch(state.positions, state.velocities, size, tick, led=led, sag=self.sag, held=held)
 
     def end(self, call: Call) -> Frame:
         """End a motion and return what it came to."""
@@ -220,14 +227,22 @@ class Twin:
             finite=call.finite, moved=call.moved,
         )  # fmt: skip
 
-    def _is_woken(self, motion: Motion, path: FingerPath) -> bool:
-        """Tell whether a fingertip or a pin that is led elsewhere wakes the body in the tick that begins."""
-        x, model = self._state.positions, self.model
-        if motion.pins and not np.array_equal(x[:, model.pinned], motion.pins.end):
+    def _is_woken(self, call: Call) -> bool:
+        """Tell whether a fingertip, or a pin that is led elsewhere, wakes the body in the tick that begins."""
+        pins, path = call.motion.pins, call.path
+        if pins and not np.array_equal(self._state.positions[:, self.model.pinned], pins.end):
             return True
-        used = x[:, ~model.mesh.loose]
+        rests = [
+            self._rest.lies_under(i, end, radius)
+            for i, end, radius in zip(call.down, path.centres[:, 1], path.radii, strict=True)
+        ]
+        return sum(rests) < len(self._rest.under) or bool((self._near(path) & ~np.array(rests, bool)).any())
+
+    def _near(self, path: FingerPath) -> Bools:
+        """Tell which fingertips (k,) come near the box round the body in a tick."""
+        used = self._state.positions[:, ~self.model.mesh.loose]
         ways = zip(path.centres[:, 0], path.centres[:, 1], path.radii, strict=True)
-        return any(reaches(used, start, end, radius) for start, end, radius in ways)
+        return np.array([reaches(used, start, end, radius) for start, end, radius in ways], bool)
 
     def _volume(self, ticks: int) -> float:
         known = self.model.law_set == "consistent" and self.model.pressure.fill != "none" and ticks

@@ -26,6 +26,7 @@ TOP = float(scenes.ball(2).rest_positions[:, 2].max())
 SIZE = 2 * RADIUS
 SETTLED, WATCHED = 2.0, 0.125  # [s] before what wakes it begins, and after
 SOFT = replace(scenes.BALL, damping_ratio=0.4)
+HELD = 0.006  # [m] how deep a fingertip rests
 
 
 @dataclass
@@ -87,6 +88,19 @@ def proxied(backend: str) -> Scene:
     return Scene([Session(fine, proxy=build_proxy(fine, 150), backend=backend)])
 
 
+def held(backend: str, gravity: float = -9.81) -> Scene:
+    """Return a ball that a fingertip presses, and goes on pressing."""
+    scene = alone(backend, gravity)
+    for depth in np.linspace(0.0, HELD, 25):
+        pressed_to(scene, depth)
+        scene.step(0.01)
+    return scene
+
+
+def pressed_to(scene: Scene, depth: float, radius: float = TIP) -> None:
+    scene.bodies[0].set_fingers([Finger((0.0, 0.0, TOP + radius - depth), radius)])
+
+
 def under_another(backend: str) -> Scene:
     bodies = [Session(model(height=h, gravity=0.0), backend=backend) for h in (0.0, 2 * RADIUS + 0.01)]
     return Scene(bodies, World(bodies))
@@ -101,6 +115,12 @@ def pressed(scene: Scene, seconds: float) -> None:
     """A keyframed fingertip comes from afar at 2 m/s and stays 6 mm deep."""
     way = max(0.2 - 2 * seconds, -0.006)
     scene.bodies[0].set_fingers([Finger((0.0, 0.0, TOP + TIP + way), TIP)])
+
+
+def beside(scene: Scene, seconds: float) -> None:
+    """A second fingertip comes from one side, the first rests."""
+    first = Finger((0.0, 0.0, TOP + TIP - HELD), TIP)
+    scene.bodies[0].set_fingers([first, Finger((RADIUS + TIP - 0.1 * seconds, 0.0, 0.0), TIP)])
 
 
 def pushed(scene: Scene, _: float) -> None:
@@ -135,6 +155,12 @@ CAUSES: dict[str, tuple[Callable[[str], Scene], Callable[[Scene, float], None]]]
     "a keyframed fingertip": (alone, pressed),
     "a keyframed fingertip, on a proxy": (proxied, pressed),
     "a fingertip pushed by a force": (alone, pushed),
+    "a fingertip that rested goes on": (held, lambda scene, seconds: pressed_to(scene, HELD + 0.1 * seconds)),
+    "a fingertip that rested is lifted": (held, lambda scene, _: scene.bodies[0].set_fingers([])),
+    "a fingertip that rested is gone far away": (held, lambda scene, _: pressed_to(scene, -9.0)),
+    "a fingertip that rested grows": (held, lambda scene, _: pressed_to(scene, HELD, 1.5 * TIP)),
+    "another fingertip beside one that rests": (held, beside),
+    "a changed constant under a fingertip": (held, at_begin(lambda s: changed(s, k1=0.3 * SOFT.K1))),
     "a changed constant": (alone, at_begin(lambda s: changed(s, k1=0.3 * SOFT.K1))),
     "a constant that glides": (alone, at_begin(lambda s: changed(s, k1=0.3 * SOFT.K1, glide=True))),
     "gravity switched on": (lambda b: alone(b, gravity=0.0), at_begin(changed)),
@@ -202,6 +228,22 @@ def test_nothing_jumps_when_it_falls_asleep(backend: str) -> None:
             assert before and np.array_equal(before[0], x) and np.array_equal(before[1], v)
         before = x, v
     assert 500 < ticks_asleep < 1900
+
+
+@pytest.mark.parametrize("backend", EVERY)
+def test_under_a_fingertip_that_rests_it_sleeps_and_presses_on_it_as_before(backend: str) -> None:
+    slept, awake = held(backend), held(backend)
+    slept.settle(awake=False)
+    awake.settle(awake=True)
+    (body,), (other,) = slept.bodies, awake.bodies
+    before = body.body.positions(), body.body.velocities()
+    for _ in range(5):
+        slept.step(0.1)
+        awake.step(0.1)
+        force, goal = (np.array(each.frame.impulses[0]) / each.frame.seconds for each in (body, other))
+        assert not body.moved and np.array_equal(before, (body.body.positions(), body.body.velocities()))
+        assert force == pytest.approx(goal, abs=1e-4 * np.linalg.norm(goal)) and force[2] > 1.0
+        assert body.touches()[0].depth == pytest.approx(HELD, rel=1e-6)
 
 
 @pytest.mark.parametrize("backend", EVERY)
