@@ -52,6 +52,10 @@ class ReductionSettings:
         name="Times Faster", description="How many times faster than slow fingertips it is simulated",
         default=1, **FIXED
     )  # fmt: skip
+    plan_slack: FloatProperty(
+        name="Slack (m)", description="Parts of the mesh that move by less rest; 0: all of it is simulated",
+        default=0.0, **FIXED,
+    )  # fmt: skip
     plan_graded: BoolProperty(
         name="Graded", description="The proxy is fine where it will be pressed and coarse elsewhere", **FIXED
     )  # fmt: skip

@@ -16,6 +16,7 @@ import numpy as np
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
+from .body.regions import divide
 from .crowd import TICKS_AT_ONCE, step_all
 from .fingertip import NOWHERE, FingerOnItsWay, between, is_possible, sent
 from .fingertip import Finger as Finger
@@ -26,7 +27,7 @@ from .reduction.proxy import Proxy
 from .reduction.slow_press import SETTLING
 from .skin import Skin
 from .solver import motion
-from .solver.backend import choose_backend, create
+from .solver.backend import Body, choose_backend, create
 from .solver.glide import Glide, may_glide, pumped
 from .solver.motion import MAX_STEPS, Motion
 
@@ -43,23 +44,26 @@ class Session:
     backend_note: "" or why it is numpy, for the artist.
     contact_note: "" or what is left out of its self contact, for the artist.
     frame: what the last step showed.
+    slack: [m] regions of the body that go no farther rest, 0 where all is stepped, see `set_slack`.
     most: ticks in a motion of the step under way.
     tick: of its clock, which the fingertips go by [s].
     faster: times that clock the body is simulated while fingertips are slow, see `set_clock`.
     """
 
-    def __init__(self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None) -> None:
+    def __init__(
+        self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None, slack: float = 0.0
+    ) -> None:
         if not tick > 0:
             raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
         self.tick, self.faster, self._slow = tick, 1, math.inf
         self._part = tick  # of a tick that is simulated at a time [s]
         self.backend, self.backend_note = choose_backend(backend)
         self.contact_note = ""
+        self.slack = slack
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         self._glide: Glide | None = None  # of constants that were changed
         self.substeps: int  # in a tick
-        moves = self._define(model, proxy)
-        self.body = create(moves, surface=model, backend=self.backend)
+        self.body = self._create(self._define(model, proxy), model)
         self.reset()
 
     def set_clock(self, tick: float, *, faster: int = 1, slow: float = math.inf) -> None:
@@ -75,10 +79,18 @@ class Session:
             self.tick, self.faster, self._part = tick, faster, tick / faster
             self._ticks, self.substeps = round(self._time / tick), self._moves.substeps(self._part)
 
+    def set_slack(self, slack: float) -> None:
+        """Let regions of the body rest that go no farther than a slack [m], 0 for none; it goes on as it is."""
+        if slack != self.slack:
+            self.slack, before = slack, self.body
+            self._end_glide()
+            self.body = self._create(self._moves, self.model)
+            self.body.set_state(before.positions(), before.velocities())
+
     def reset(self) -> None:
         """Put the body back to rest, in the shape of its model, and let go of it."""
         if self._bent is not None:  # made anew, so that the same motion gives the same bits again
-            self.body = create(self._moves, surface=self.model, backend=self.backend)
+            self.body = self._create(self._moves, self.model)
         self._bent = None
         self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
         self.body.set_state(self._moves.matching.rest)
@@ -322,7 +334,7 @@ class Session:
             at, speed = skin, scale * self._skin.velocities(self.body)
             if proxy:
                 at, speed = at[proxy.seeds], speed[proxy.seeds]
-            self.body = create(moves, surface=model, backend=self.backend)
+            self.body = self._create(moves, model)
             self.body.set_state(at.T, speed.T)
             for tip in filter(None, self._tips):
                 tip.scale(scale)
@@ -380,6 +392,10 @@ class Session:
         self._pins = Pins(model, proxy)
         self._skin = Skin(model, proxy, self._pins)
         return moves
+
+    def _create(self, moves: Model, surface: Model) -> Body:
+        regions = divide(moves, self.slack) if self.slack else None
+        return create(moves, surface=surface, backend=self.backend, regions=regions)
 
     def _share(self, time: float) -> float:
         """Return how much of the step under way is over at a time [s]: 0 at its begin, 1 at its end."""

@@ -188,8 +188,8 @@ def _open(
         files.enter_context(offset.attached(obj))
     pressed = paths.pressed_along(context.scene, obj, model, link)
     proxy, reason = planning.proxy_for(context.scene, obj, model, pressed=pressed)
-    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
-    planning.set_clock(context.scene, session, obj.dimple.plan_faster, pressed)
+    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy, slack=obj.dimple.plan_slack)
+    planning.follow(context.scene, obj, session, pressed)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):

@@ -38,14 +38,15 @@ KEPT = 4  # choices: bodies that are alike are planned once
 
 
 class Choice(NamedTuple):
-    """What was chosen for a body: its proxy, the vertices it was made with (0 for the full mesh), why, and how many
-    times faster than its fingertips it is simulated.
+    """What was chosen for a body: its proxy, the vertices it was made with (0 for the full mesh), why, how many times
+    faster than its fingertips it is simulated, and how little moves what rests [m].
     """
 
     proxy: Proxy | None
     vertices: int
     reason: str
     faster: int = 1
+    slack: float = 0.0
 
 
 _choices: dict[str, Choice] = {}
@@ -90,7 +91,7 @@ def planning_for(
         vertices = settings.plan_vertices
         fine = pressed.where if pressed and settings.plan_graded else None
         proxy = (yield 0.6, partial(build, model, vertices, fine)) if vertices else None
-        made = Choice(proxy, vertices, settings.plan_reason, settings.plan_faster)
+        made = Choice(proxy, vertices, settings.plan_reason, settings.plan_faster, settings.plan_slack)
     else:
         try:
             reason, make = choosing(scene, obj, pressed)(model)
@@ -101,13 +102,13 @@ def planning_for(
             if settings.simulated == "PROXY" and not settings.self_contact:
                 way_out = " Choose another number, or Automatic, in Physics > Dimple."
             raise DimpleError(f'"{obj.name}": {str(error).rstrip(".")}.{way_out}') from error
-        made = Choice(chosen.proxy, chosen.asked, chosen.reason, chosen.faster)
+        made = Choice(chosen.proxy, chosen.asked, chosen.reason, chosen.faster, chosen.slack)
     _choices[now] = made
     _moving[:] = [(model.mesh, made.proxy), *_moving[: KEPT - 1]]
     while len(_choices) > KEPT:
         del _choices[next(iter(_choices))]
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
-    settings.plan_faster = made.faster
+    settings.plan_faster, settings.plan_slack = made.faster, made.slack
     settings.plan_graded = bool(made.proxy and made.proxy.pressed)
     # a poke and a play by keyframes keep one each
     name = "plan_cells_graded" if (made.proxy.pressed if made.proxy else pressed) else "plan_cells"
@@ -115,6 +116,18 @@ def planning_for(
     if getattr(settings, name) != record:
         setattr(settings, name, record)
     return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
+
+
+def follow(
+    scene: bpy.types.Scene, obj: bpy.types.Object, session: Session, pressed: Pressed | None = None
+) -> None:
+    """Let a session be simulated as its object was planned.
+
+    Args:
+        pressed: what it was planned for.
+    """
+    session.set_slack(obj.dimple.plan_slack)
+    set_clock(scene, session, obj.dimple.plan_faster, pressed)
 
 
 def set_clock(scene: bpy.types.Scene, session: Session, faster: int = 1, pressed: Pressed | None = None) -> None:
@@ -207,8 +220,9 @@ def choosing(
             vertices = wanted["vertices"]
             return "", lambda build: met(plan_proxy(model, vertices, radius=radius, budget=budget, build=build))
         decided = decide(
-            model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget, pressed=pressed
-        )
+            model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget, pressed=pressed,
+            alone=not meets,
+        )  # fmt: skip
         return decided.reason, lambda build: met(carry_out(decided, build))
 
     return by_settings

@@ -164,8 +164,8 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context, *, along: bool =
         pressed = paths.pressed_along(context.scene, obj, model, link) if along else None
         proxy, reason = yield from planning.planning_for(context.scene, obj, model, pressed=pressed)
         # may refuse too, so before the mesh is touched
-        session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
-        planning.set_clock(context.scene, session, obj.dimple.plan_faster, pressed)
+        session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene), slack=obj.dimple.plan_slack)
+        planning.follow(context.scene, obj, session, pressed)
     except BaseException:
         if size:
             obj.dimple.property_unset("size_mode")

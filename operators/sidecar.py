@@ -62,6 +62,7 @@ def describe_session(session: Session) -> dict[str, Any]:
         "tick_s": session.tick,
         "steps_in_a_tick": session.substeps,
         "simulated_faster": session.faster,
+        "rests_below_m": session.slack,
         "proxy_vertices": len(session.proxy.seeds) if session.proxy else None,
         "model_notes": list(session.model.notes),
     }

@@ -91,7 +91,7 @@ def planning_for_paths(context: bpy.types.Context, body: LiveBody, *, along: boo
         raise
     if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
         session.change(session.model, proxy=proxy)
-    planning.set_clock(context.scene, session, obj.dimple.plan_faster, pressed)
+    planning.follow(context.scene, obj, session, pressed)
     return [reason] if reason else []
 
 
@@ -206,7 +206,7 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
         body.pressed = pressed
         if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
             session.change(session.model, proxy=proxy)
-        planning.set_clock(context.scene, session, obj.dimple.plan_faster, pressed)
+        planning.follow(context.scene, obj, session, pressed)
     except DimpleError as error:
         return [str(error)]
     cut = "The mesh is coarse for this fingertip: it is cut finer when the body is started again."

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..base import Floats
 from ..body.model import Model
+from ..body.regions import Regions
 from ..solver.motion import Frame, Motion, PinMotion, Touch
 from .definition import Arrays, constants, define, fields
 
@@ -55,7 +56,7 @@ class CFrame(Structure):
 
     _fields_ = [
         ("touches", CTouch * 3),
-        *fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n", moved="n"),
+        *fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n", moved="n", stepped="n"),
     ]
 
 
@@ -89,6 +90,7 @@ class Body:
         model: what moves.
         library: that runs it.
         surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
+        regions: that rest and wake by themselves, None where all of it is stepped.
         bits: 32 or 64, of the state.
         instruction_set: BEST, or another where a test compares them.
 
@@ -102,6 +104,7 @@ class Body:
         library: ctypes.CDLL,
         *,
         surface: Model | None = None,
+        regions: Regions | None = None,
         bits: int = 32,
         instruction_set: int = BEST,
     ) -> None:
@@ -111,7 +114,7 @@ class Body:
         self._placed: Floats | None = model.matching.rest  # where it is, while that is known
         self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
         with Arrays() as arrays:
-            definition = define(self.library, model, self._surface, arrays)
+            definition = define(self.library, model, self._surface, regions, arrays)
             self._call("dm_create", byref(self._handle), byref(definition), bits, instruction_set)
         weakref.finalize(self, self.library.dm_destroy, self._handle.value)
         # what every step hands over: made once
@@ -233,10 +236,10 @@ class Body:
             i = len(touches) * _TOUCH_NUMBERS
             touch = Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11])
             touches.append(touch if tip else None)
-        volume, pressure, ticks, finite, moved = a[-5:]
+        volume, pressure, ticks, finite, moved, stepped = a[-6:]
         if moved:
             self._placed = None
-        return Frame(tuple(touches), a[-17:-5], volume, pressure, ticks, finite != 0, moved != 0)
+        return Frame(tuple(touches), a[-18:-6], volume, pressure, ticks, finite != 0, moved != 0, stepped)
 
     def _places(self, pins: PinMotion) -> list[Floats]:
         """Return where pins start and end, as the library reads it."""

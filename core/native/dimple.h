@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 19 /* changes with anything below */
+#define DM_ABI 20 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -104,6 +104,11 @@ typedef struct {
     int64_t surface_triangles;
     const int64_t *surface_corners;  /* (surface_triangles, 3) */
     const int64_t *surface_material; /* (surface_triangles,) */
+    int64_t regions;               /* that are stepped only while something moves in them or beside; 0: all is stepped */
+    const int64_t *region;         /* (vertices,) of each: whole eights of vertices, but for the last */
+    const int64_t *beside_start;   /* (regions + 1,) */
+    const int64_t *beside;         /* those beside each */
+    double slack;                  /* [m] what goes no farther within a tenth of a second is at rest */
     dm_constants constants;
 } dm_body_def;
 
@@ -143,6 +148,7 @@ typedef struct {
     int64_t ticks;    /* done */
     int64_t finite;   /* 0: it has blown up in the last of them */
     int64_t moved;    /* 0: it was asleep all the time, at rest, and is where it was */
+    int64_t stepped;  /* vertices in the last tick, in eights */
 } dm_frame;
 
 DM_API int32_t dm_abi(void);

@@ -6,12 +6,6 @@ typedef struct {
     uint32_t vertex;
 } dm_keyed;
 
-static int dm_by_key(const void *a, const void *b) {
-    const dm_keyed *p = a, *q = b;
-    if (p->key != q->key) return p->key < q->key ? -1 : 1;
-    return p->vertex < q->vertex ? -1 : p->vertex > q->vertex;
-}
-
 /* put two zeros between the 21 low bits */
 static uint64_t dm_spread_bits(uint64_t a) {
     a &= 0x1fffff;
@@ -84,25 +78,23 @@ static void dm_order_by_wave(const dm_state *b, dm_keyed *keys, uint8_t *seen, i
     for (int64_t k = 0; k < n; k++) keys[k].vertex = queue[k];
 }
 
-/* Number the vertices by wave, then by valence within windows, so that the eight of a group have about as many
- * neighbours and few slots stay empty. */
-static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
+/* Number the vertices by wave, or by region, then by valence within windows, so that the eight of a group have about as
+ * many neighbours and few slots stay empty. */
+static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring,
+                          const int64_t *region) {
     enum { DM_WINDOW = 256 };
     int64_t n = b->n;
     dm_keyed *keys = dm_alloc(n, sizeof(dm_keyed));
     uint8_t *seen = dm_alloc(n, 1);
     if (!keys || !seen || !dm_order_along_curve(b->rest, n, keys)) return dm_free(keys), dm_free(seen), DM_MEMORY;
     for (int64_t k = 0; k < n; k++) b->rank[keys[k].vertex] = (uint32_t)k;
-    dm_order_by_wave(b, keys, seen, width, ring, ring_spring);
-    for (int64_t from = 0; from < n; from += DM_WINDOW) {
-        int64_t count = n - from < DM_WINDOW ? n - from : DM_WINDOW;
-        for (int64_t k = from; k < from + count; k++) {
-            uint64_t valence = 0;
-            for (int64_t s = 0; s < width; s++) valence += ring_spring[s * n + keys[k].vertex] >= 0;
-            keys[k].key = valence << 32 | (uint64_t)k;
-        }
-        qsort(keys + from, (size_t)count, sizeof(dm_keyed), dm_by_key);
+    if (!region) dm_order_by_wave(b, keys, seen, width, ring, ring_spring);
+    for (int64_t k = 0; k < n; k++) {
+        uint64_t valence = 0, window = (uint64_t)(region ? region[keys[k].vertex] : k / DM_WINDOW);
+        for (int64_t s = 0; s < width; s++) valence += ring_spring[s * n + keys[k].vertex] >= 0;
+        keys[k].key = window << 40 | valence << 32 | (uint64_t)k;
     }
+    if (!dm_sort_keys(keys, n)) return dm_free(keys), dm_free(seen), DM_MEMORY;
     for (int64_t k = 0; k < n; k++) b->place[keys[k].vertex] = (uint32_t)k;
     dm_free(keys), dm_free(seen);
     return DM_OK;

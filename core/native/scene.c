@@ -200,7 +200,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
     out->gap = INFINITY;
     s->out = out, s->code = DM_OK, s->tick = motions->tick, s->dt = s->tick / (double)substeps;
     for (; bodies < s->surface_count && s->surfaces[bodies].body; bodies++)
-        dm_begin_motion(s->surfaces[bodies].body, motions + bodies, frames + bodies);
+        dm_begin_motion(s->surfaces[bodies].body, motions + bodies, frames + bodies), s->surfaces[bodies].body->meets = 1;
     for (dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++) {
         memset(f->impulse, 0, sizeof f->impulse), memset(f->moment, 0, sizeof f->moment);
         if (f->body) f->left -= f->body->jumped, f->near_left -= f->body->jumped, f->body->jumped = 0;

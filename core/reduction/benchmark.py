@@ -15,6 +15,7 @@ import numpy as np
 
 from ..base import TICK, DimpleError, Floats, Ints, Singles
 from ..body.model import Model
+from ..mesh.curve import along_curve
 from ..mesh.surface import Mesh
 from ..solver.backend import Body, create
 from ..solver.motion import FingertipMotion, Motion
@@ -27,7 +28,6 @@ DEPTH = 0.5  # of the fingertip's radius
 DENT = 0.1  # of the largest displacement: vertices that move more belong to the dent
 BESIDE_PINS = 2.0  # fingertip radii: nearer to a pinned vertex, a press meets the pins rather than the body
 DRAWN = 10  # candidates for each place that is taken: those beside pinned vertices are rejected
-GRID = 10  # bits per coordinate: the curve that places are spread along passes 2^30 boxes
 _Result = TypeVar("_Result")
 
 
@@ -103,7 +103,7 @@ def choose_presses(model: Model, radius: float, count: int, *, seed: int = 0) ->
     share = np.where(~model.pinned & (np.abs(normals).sum(axis=1) > 0), mesh.vertex_areas, 0.0)
     if not share.sum() > 0:
         raise DimpleError("No part of the surface is free to be pressed. Pin fewer vertices.")
-    order = np.argsort(_along_curve(mesh.rest_positions), kind="stable")
+    order = np.argsort(along_curve(mesh.rest_positions), kind="stable")
     drawn = order[_strata(share[order], DRAWN * count, rng)]
     pinned = mesh.rest_positions[model.pinned & ~mesh.loose]
     away = np.array([_distance(pinned, mesh.rest_positions[v]) > BESIDE_PINS * radius for v in drawn])
@@ -117,14 +117,6 @@ def _strata(share: Floats, count: int, rng: np.random.Generator) -> Ints:
     """Draw one index from each of `count` parts of equal share."""
     total = np.cumsum(share)
     return np.searchsorted(total, total[-1] * (np.arange(count) + rng.random(count)) / count, side="right")
-
-
-def _along_curve(places: Floats) -> Ints:
-    """Return the positions of points (n, 3) along a curve through all boxes of a grid. Source: Morton order."""
-    boxes = (places - places.min(axis=0)) * ((2**GRID - 1) / max(float(np.ptp(places, axis=0).max()), 1e-30))
-    bits = boxes.astype(np.int64)[:, :, None] >> np.arange(GRID) & 1
-    along: Ints = (bits << 3 * np.arange(GRID) + np.arange(3)[:, None]).sum(axis=(1, 2))
-    return along
 
 
 def _distance(points: Floats, place: Floats) -> float:

@@ -6,7 +6,8 @@ is left to choose is the number of vertices: as few as keep the tolerances, or a
 fit, and the cost from counting vertices and steps: nothing is timed, so a plan is the same whatever else the computer
 does. No law is left out to save time: what will press a body is not known. Where it is known, and no proxy that is even
 keeps the tolerances live, a proxy is fine there and coarse elsewhere. Where it is slow, and the full mesh runs live in
-fewer steps, that is simulated faster than its fingertips go.
+fewer steps, that is simulated faster than its fingertips go. Where neither it nor a proxy within the tolerances runs
+live, what of it does not move rests.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import Any, TypeVar
 from .. import native
 from ..base import TICK, DimpleError
 from ..body.model import Model
+from .active_regions import may_rest, share_awake, slack_of
 from .error_model import expected, vertices_for
 from .grading import Pressed, share_of
 from .proxy import LARGEST, Proxy, build_proxy, check, most_of
@@ -58,6 +60,7 @@ class Plan:
     force_error: the same of the force, as a share.
     reason: a sentence for the artist.
     faster: times that the body is simulated as fast as slow fingertips go.
+    slack: [m] regions that go no farther rest, 0 where all is stepped.
     """
 
     proxy: Proxy | None
@@ -69,6 +72,7 @@ class Plan:
     force_error: float
     reason: str
     faster: int = 1
+    slack: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +89,8 @@ class Decision:
     otherwise: what is to be done where this is not enough or cannot be made, None where nothing else can.
     because: how the reason begins where the full mesh does not run live.
     reason: a sentence for the artist.
-    faster: as in a plan.
+    alone: it meets nothing but fingertips.
+    faster, slack: as in a plan.
     """
 
     model: Model
@@ -102,7 +107,9 @@ class Decision:
     otherwise: Decision | None
     because: str
     reason: str
+    alone: bool
     faster: int = 1
+    slack: float = 0.0
 
 
 def plan(model: Model, **settings: Any) -> Plan:
@@ -118,6 +125,7 @@ def decide(
     radius: float = 0.01,
     budget: float = BUDGET,
     pressed: Pressed | None = None,
+    alone: bool = True,
 ) -> Decision:
     """Choose between the full mesh and its proxies, without making one.
 
@@ -127,6 +135,7 @@ def decide(
         radius: of the fingertips [m].
         budget: processor time [s] for a second of motion; a full mesh within it is simulated as it is.
         pressed: where the fingertips will press, if that is known.
+        alone: it meets nothing but fingertips.
 
     Raises:
         DimpleError: the material is too stiff for the mesh, and no proxy can be made.
@@ -140,6 +149,7 @@ def decide(
     decided = Decision(
         model=model, tolerance=tolerance, force_tolerance=force_tolerance, radius=radius, budget=budget, cost=cost,
         keeping=0, least=0, most=0, vertices=0, pressed=None, otherwise=None, because=because, reason="",
+        alone=alone,
     )  # fmt: skip
     if cost <= ESTIMATED * budget:
         return replace(decided, reason=f"The full mesh runs live: {_work(model)}.")
@@ -152,13 +162,34 @@ def decide(
             )
             return replace(decided, reason=reason, faster=faster, cost=cost / faster)
     even, graded = _sized(decided, None), None
+    resting = _resting(decided, cost, decided.because) if even.keeping > even.most else None
+    if resting and resting.cost > NEARLY_LIVE * budget:
+        resting = None
     if not (even.most == LARGEST and cost > TOO_SLOW * budget):  # a mesh that is hardly finer is the better one
-        return even
+        return resting or even
     with suppress(DimpleError):
         graded = _sized(decided, pressed.where) if pressed else None
     if graded and graded.vertices and even.keeping > even.most:
-        return replace(graded, otherwise=even)
-    return replace(even, otherwise=graded if graded and graded.vertices else None)
+        return replace(graded, otherwise=resting or even)
+    return resting or replace(even, otherwise=graded if graded and graded.vertices else None)
+
+
+def _resting(decided: Decision, cost: float, because: str) -> Decision | None:
+    """Decide that only what moves of the full mesh is stepped; None where nothing of it can rest.
+
+    Args:
+        cost: of all of it.
+        because: how the reason begins.
+    """
+    model, radius = decided.model, decided.radius
+    if not (decided.alone and may_rest(model) and cost < math.inf):
+        return None
+    slack = slack_of(decided.tolerance, radius)
+    share = share_awake(model, radius, slack)
+    less = share * cost
+    speed = "which runs live" if less <= ESTIMATED * decided.budget else f"at {_times(decided.budget / less)} real time"
+    rests = f"What moves by less than {1e3 * slack:.2g} mm rests; a fingertip moves about {share:.0%} of it, {speed}."
+    return replace(decided, vertices=0, cost=less, slack=slack, reason=f"{because.rstrip('.')}. {rests}")
 
 
 def _sized(decided: Decision, pressed: Pressed | None) -> Decision:
@@ -197,6 +228,14 @@ def carry_out(decided: Decision, build: Maker = build_proxy) -> Plan:
     Raises:
         DimpleError: the material is too stiff for the mesh, and no proxy can be made.
     """
+    chosen = _best_of(decided, build)
+    resting = _resting(decided, chosen.cost, chosen.reason) if not chosen.proxy and not chosen.slack else None
+    if not resting or chosen.faster > 1 or chosen.cost <= ESTIMATED * decided.budget:
+        return chosen
+    return replace(chosen, cost=resting.cost, slack=resting.slack, error=resting.slack, reason=resting.reason)
+
+
+def _best_of(decided: Decision, build: Maker) -> Plan:
     first, other = _carried_out(decided, build), decided.otherwise
     live = first.cost <= decided.budget and not _misses(first, decided)
     if other is None or (first.proxy and (decided.pressed or live)):
@@ -208,7 +247,8 @@ def carry_out(decided: Decision, build: Maker = build_proxy) -> Plan:
 def _carried_out(decided: Decision, build: Maker) -> Plan:
     model, budget = decided.model, decided.budget
     if not decided.vertices:
-        return replace(_full_mesh(model, decided.cost, decided.reason), faster=decided.faster)
+        whole = _full_mesh(model, decided.cost, decided.reason)
+        return replace(whole, faster=decided.faster, slack=decided.slack, error=decided.slack)
     make = partial(
         plan_proxy, model, radius=decided.radius, budget=budget, pressed=decided.pressed, because=decided.because,
         build=build,

@@ -90,6 +90,7 @@ class Frame(NamedTuple):
     ticks: done.
     finite: False where the body has blown up in the last of them.
     moved: False where it was asleep all the time, at rest, and is where it was.
+    stepped: vertices in the last tick, about: what rests is not.
     """
 
     touches: tuple[Touch | None, ...]
@@ -99,3 +100,4 @@ class Frame(NamedTuple):
     ticks: int
     finite: bool
     moved: bool = True
+    stepped: int = 0
