@@ -20,6 +20,7 @@ from ..body.model import Model, State, build_model, forces, initial_state
 from ..material import Indenter, Material
 from ..mesh.ray import ray_hit
 from ..mesh.surface import Mesh, base_vertices
+from ..reduction.active_regions import may_rest, share_awake
 from ..session import Finger, Session
 from ..steps import result_of
 
@@ -31,6 +32,8 @@ MOVING, SETTLING = 0.004, 0.004  # [s] between two depths of a flat tip, and of 
 # [s] between two depths of a round tip, and of taking the mean of its force: friction remembers the way, so it sinks
 # as a fingertip does, in a body as damped as the material is, at least so much
 SINKING, LISTENING, LEAST_DAMPING = 0.010, 0.004, 0.2
+RESTS = 3e-3  # of a round tip's radius: what moves by less rests where most does; the force differs by 1e-4
+MOST_AWAKE = 0.5  # of a body: where more is, there is nothing to gain
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -148,7 +151,9 @@ def set_up(mesh: Mesh, material: Material, indenter: Indenter, site: Site) -> Se
         [light] * (int(mesh.triangle_material.max()) + 1),
         pinned=(site.pinned | under)[mesh.source],
     )
-    session = Session(model)
+    slack = RESTS * indenter.radius
+    rests = not under.any() and may_rest(model) and share_awake(model, indenter.radius, slack) < MOST_AWAKE
+    session = Session(model, slack=slack if rests else 0.0)
     put_back(session, indenter, site)
     return session
 

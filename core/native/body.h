@@ -244,7 +244,7 @@ DM_INLINE void dm_cross3(const double *a, const double *b, double *r) {
 }
 
 /* zeroed and aligned memory for count things, never null for count 0 */
-DM_INLINE void *dm_alloc(int64_t count, size_t size) {
+static __attribute__((noinline, unused)) void *dm_alloc(int64_t count, size_t size) {
     size_t bytes = ((size_t)(count > 0 ? count : 1) * size + 127) / 64 * 64;
     char *raw = calloc(bytes + 64, 1);
     if (!raw) return NULL;
@@ -253,7 +253,7 @@ DM_INLINE void *dm_alloc(int64_t count, size_t size) {
     return at;
 }
 
-DM_INLINE void dm_free(void *at) {
+static __attribute__((noinline, unused)) void dm_free(void *at) {
     if (at) free(((char **)at)[-1]);
 }
 

@@ -64,6 +64,14 @@ static void dm_set_places(dm_state *b) {
     }
 }
 
+/* The least power of two that is no less. */
+static double dm_power_of_two(double a) {
+    double power = 1;
+    while (power < a) power *= 2;
+    while (power / 2 >= a) power /= 2;
+    return power;
+}
+
 static void dm_set_matter(dm_state *b, const dm_constants *c) {
     double sum[4] = {0}, spread = 0;
     b->mass_total = 0;
@@ -78,7 +86,7 @@ static void dm_set_matter(dm_state *b, const dm_constants *c) {
         b->rest_centre[d] = sum[d] / b->k1_total, b->middle[d] = dm_weighted_mean(b, x);
         for (int64_t k = 0; k < b->n; k++) spread += b->mass[k] * (x[k] - b->middle[d]) * (x[k] - b->middle[d]);
     }
-    b->cell = spread > 0 ? exp2(ceil(log2(4 * sqrt(spread / b->mass_total)))) : 1;
+    b->cell = spread > 0 ? dm_power_of_two(4 * sqrt(spread / b->mass_total)) : 1;
     for (int64_t k = 0; k < b->n; k++) {
         uint32_t i = b->place[k], l = i % DM_LANES;
         dm_group_matter *m = b->matter + i / DM_LANES;

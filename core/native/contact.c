@@ -108,7 +108,7 @@ DM_INLINE dm_vec3 dm_point_on(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_vec3 w) {
 }
 
 /* Return the points of eight triangles nearest to the origin, and their weights. */
-DM_INLINE dm_vec3 dm_nearest_points(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_vec3 *weight) {
+static __attribute__((noinline)) dm_vec3 dm_nearest_points(dm_vec3 p, dm_vec3 q, dm_vec3 r, dm_vec3 *weight) {
     *weight = dm_nearest_weights(p, q, r);
     return dm_point_on(p, q, r, *weight);
 }

@@ -6,8 +6,9 @@ DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
     dm_real limit = (dm_real)b->skin_travel;
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
     dm_lanes most = dm_splat(0);
-    for (int64_t k = 0; k < b->stepped_count; k++) {
-        int64_t g = b->stepped[k];
+    const uint32_t *stepped = b->stepped;
+    for (int64_t k = 0, count = b->stepped_count; k < count; k++) {
+        int64_t g = stepped[k];
         dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
         if (fitted) { /* whatever net force and torque shape matching left is taken out */

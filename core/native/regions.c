@@ -27,11 +27,11 @@ static int32_t dm_lay_regions(dm_state *b, const dm_body_def *d) {
 
 static void dm_note_moved(dm_state *b, uint32_t i) { b->regions.moved[b->regions.of[i / DM_LANES]] = b->regions.clock; }
 
-/* Is a vertex of a group farther than the slack from `from`? */
-DM_INLINE int dm_is_beyond(const dm_state *b, int64_t g, dm_vec3 from) {
+/* Which vertices of a group are farther than the slack from `from`? */
+DM_INLINE dm_mask dm_beyond(const dm_state *b, int64_t g, dm_vec3 from) {
     dm_vec3 way = dm_sub(b->state[g].x, from);
     dm_mask far = (dm_mask)(dm_dot(way, way) > dm_splat((dm_real)(b->regions.slack * b->regions.slack)));
-    return dm_any_of(far & (dm_mask)(b->matter[g].mass > dm_splat(0))); /* lanes may be empty */
+    return far & (dm_mask)(b->matter[g].mass > dm_splat(0)); /* lanes may be empty */
 }
 
 /* Wake what a change may move: all of it, or what is not where it would be at rest. */
@@ -39,7 +39,7 @@ static void dm_wake_displaced(dm_state *b, int all) {
     dm_vec3 offset = dm_splat3(b->translation);
     dm_vec3 rows[3] = {dm_splat3(b->rotation), dm_splat3(b->rotation + 3), dm_splat3(b->rotation + 6)};
     for (int64_t g = 0; g < b->groups; g++)
-        if (all || dm_is_beyond(b, g, dm_rotated(rows, b->matter[g].rest, offset)))
+        if (all || dm_any_of(dm_beyond(b, g, dm_rotated(rows, b->matter[g].rest, offset))))
             dm_note_moved(b, (uint32_t)g * DM_LANES);
     b->regions.changed = 0;
     if (all) b->regions.pressure = b->pressure;
@@ -103,8 +103,11 @@ static void dm_watch_regions(dm_state *b, double tick) {
     dm_regions *r = &b->regions;
     for (int64_t k = 0; r->count && k < b->stepped_count; k++) {
         uint32_t g = b->stepped[k];
-        if (!dm_is_beyond(b, g, r->settled[g])) continue;
-        r->settled[g] = b->state[g].x, dm_note_moved(b, g * DM_LANES);
+        dm_vec3 x = b->state[g].x, *before = r->settled + g;
+        dm_mask far = dm_beyond(b, g, *before);
+        if (!dm_any_of(far)) continue;
+        *before = (dm_vec3){dm_blend(far, x.x, before->x), dm_blend(far, x.y, before->y), dm_blend(far, x.z, before->z)};
+        dm_note_moved(b, g * DM_LANES);
     }
     r->clock += tick;
 }

@@ -63,7 +63,7 @@ DM_INLINE void dm_add_ring(const dm_state *b, const dm_slot *s, int64_t count, d
 }
 
 /* Set what comes next of a group that is pinned: it keeps its velocity. Return its part of the volume. */
-static dm_wide dm_pass_pinned(dm_state *b, int64_t g) {
+static __attribute__((noinline)) dm_wide dm_pass_pinned(dm_state *b, int64_t g) {
     dm_vec3 arm[DM_MAX_NEIGHBOURS + 2], none = {dm_splat(0), dm_splat(0), dm_splat(0)}, normal = none, x = b->state[g].x;
     int64_t count = b->ring.start[g + 1] - b->ring.start[g];
     const dm_slot *s = b->ring.slots + b->ring.start[g];
@@ -85,8 +85,9 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
     dm_vec3 rows[3] = {dm_splat3(b->rotation), dm_splat3(b->rotation + 3), dm_splat3(b->rotation + 6)};
     dm_vec3 turning[3] = {dm_splat3(b->turning), dm_splat3(b->turning + 3), dm_splat3(b->turning + 6)};
     dm_vec3 shifting = dm_splat3(b->turning + 9);
-    for (int64_t k = 0; k < b->stepped_count; k++) {
-        int64_t g = b->stepped[k];
+    const uint32_t *stepped = b->stepped;
+    for (int64_t k = 0, count = b->stepped_count; k < count; k++) {
+        int64_t g = stepped[k];
         const dm_group_matter *m = b->matter + g;
         if (!fitted && !dm_any_of((dm_mask)(m->inverse_mass > dm_splat(0)))) {
             volume += dm_pass_pinned(b, g);
@@ -113,9 +114,9 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
             if (k % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 6);
         }
         const dm_slot *s = b->ring.slots + b->ring.start[g];
-        int64_t count = b->ring.start[g + 1] - b->ring.start[g];
-        if (count) dm_add_ring(b, s, count, x, v, &force, &normal);
-        if (count) volume += dm_widen(dm_dot(x, normal));
+        int64_t slots = b->ring.start[g + 1] - b->ring.start[g];
+        if (slots) dm_add_ring(b, s, slots, x, v, &force, &normal);
+        if (slots) volume += dm_widen(dm_dot(x, normal));
         /* pinned vertices have no inverse mass: they keep the velocity they were given */
         dm_lanes by = dt * m->inverse_mass, fall = dm_blend((dm_mask)(by > dm_splat(0)), dt, dm_splat(0));
         b->next[g].v = (dm_vec3){

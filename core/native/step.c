@@ -65,6 +65,7 @@ static void dm_substep(dm_state *b) {
     DM_TIMED(DM_ADVANCE, (b->free ? dm_advance_free : dm_advance_pinned)(b, b->fill != DM_FILL_NONE ? b->pressure : 0));
 }
 
+DM_SMALL
 enum { DM_PINS_AHEAD = 8 };
 
 /* Fetch a pin that comes soon: pins lie anywhere in memory. */
@@ -248,11 +249,13 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
     if (!b->asleep) dm_enter_tick(b, m, t, frame);
 }
 
+DM_FAST
 static void dm_run_substep(dm_state *b, dm_frame *frame) {
     dm_substep(b);
     DM_TIMED(DM_CONTACT, dm_resolve_contact(b, frame));
 }
 
+DM_SMALL
 /* What sleeps under a fingertip presses on it as in the last tick. */
 static void dm_note_impulses(dm_state *b, dm_frame *frame) {
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++)
@@ -299,3 +302,4 @@ static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
     }
     dm_end_motion(b, m, frame);
 }
+DM_FAST

@@ -243,7 +243,7 @@ class Twin:
         return Frame(
             touches=tuple(found), pose=(*pose[0].ravel().tolist(), *pose[1].tolist()),
             volume=self._volume(call.ticks) if call.finite else 0.0, pressure=state.pressure, ticks=call.ticks,
-            finite=call.finite, moved=call.moved,
+            finite=call.finite, moved=call.moved, stepped=self._count() if call.moved else 0,
         )  # fmt: skip
 
     def _is_woken(self, call: Call) -> bool:
@@ -311,6 +311,10 @@ class Twin:
             used: Ints = np.flatnonzero(~self.model.mesh.loose[pinned])
             rest = self.model.mesh.rest_positions.T[:, pinned][:, used]
             self._state.pose = fit_pose(rest, pins.end[:, used], np.ones(len(used)))
+
+    def _count(self) -> int:
+        awake = self._awake.vertices.sum() if self._awake else len(self.model.mass)
+        return 8 * -(-int(awake) // 8)
 
     def _changed(self) -> None:
         if self._awake is not None:
