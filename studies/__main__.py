@@ -25,6 +25,7 @@ COMMANDS = {
     "graded": ("measure what proxies gain that are fine near one fingertip", ".graded", "add_graded"),
     "small-tips": ("press with small fingertips on proxies fine near them", ".small_tips", "add_small_tips"),
     "meeting": ("let bodies meet by their proxies and in full", ".meeting", "add_meeting"),
+    "regions": ("step only what moves of a large body", ".active_regions", "add_regions"),
     "quasi-static": ("count what slow presses take without inertia", ".quasi_static", "add_quasi_static"),
     "slow-presses": ("press slowly, simulated k times faster", ".slow_presses", "add_slow_presses"),
     "machines": ("compute what a graphics processor or many machines would bring", ".machines", "add_machines"),

@@ -68,7 +68,7 @@ static void dm_set_places(dm_state *b) {
 static double dm_power_of_two(double a) {
     double power = 1;
     while (power < a) power *= 2;
-    while (power / 2 >= a) power /= 2;
+    while (power <= 1 && power / 2 >= a && power > 1e-300) power /= 2;
     return power;
 }
 

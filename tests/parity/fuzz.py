@@ -27,7 +27,8 @@ ROOM = 4096  # elements of every array
 WILD = np.array([0.0, -1.0, 1e-3, 1e30, -1e300, 1e-310, np.nan, np.inf, -np.inf])
 FAR = (-1, -(2**31), 2**31 - 1, 2**40, -(2**62), 2**62)
 INDICES = {"ring", "ring_spring", "ends", "irregular_spring", "corners", "fan", "cap_edge", "cap_hole",
-           "surface_corners", "surface_material", "region", "beside_start", "beside", "seed", "cells", "around"}  # fmt: skip
+           "surface_corners", "surface_material", "region", "beside_start", "beside", "seed", "cells",
+           "around"}  # fmt: skip
 BYTES = {"loose", "irregular_end"}
 
 

@@ -69,7 +69,8 @@ class Beside:
 
 def top(model: Model) -> Floats:
     rest = model.mesh.rest_positions
-    return rest[np.hypot(*(rest[:, :2].T - [[0.011], [0.007]])).argmin() if np.ptp(rest[:, 2]) == 0 else rest[:, 2].argmax()]
+    flat = np.ptp(rest[:, 2]) == 0
+    return rest[np.hypot(rest[:, 0] - 0.011, rest[:, 1] - 0.007).argmin() if flat else rest[:, 2].argmax()]
 
 
 def tip(model: Model, depth: float, aside: float = 0.0) -> Finger:
@@ -138,9 +139,18 @@ CHANGES: dict[str, Callable[[Beside], None]] = {
     "a stiffer material": lambda both: changed(both, K1=3 * FOAM.K1),
     "a softer one that glides": lambda both: changed(both, glide=True, K1=0.5 * FOAM.K1),
     "gravity": lambda both: changed(both, gravity=(0.0, 0.0, -9.81)),
-    "a state": lambda both: [each.body.set_state(1.01 * model.matching.rest) for each in both.pair for model in [each.model]],
-    "pins that are led": lambda both: [each.set_pins(each.model.mesh.rest_positions - [0, 0, 0.004]) for each in both.pair],
+    "a state": lambda both: for_each(both, lambda body: body.body.set_state(1.01 * body.model.matching.rest)),
+    "pins that are led": lambda both: for_each(both, lambda body: body.set_pins(moved(body))),
 }
+
+
+def for_each(both: Beside, act: Callable[[Session], None]) -> None:
+    for each in both.pair:
+        act(each)
+
+
+def moved(session: Session) -> Floats:
+    return session.model.mesh.rest_positions - [0.0, 0.0, 0.004]
 
 
 def changed(both: Beside, *, glide: bool = False, gravity: tuple[float, ...] = (0.0, 0.0, 0.0), **law: float) -> None:

@@ -12,6 +12,7 @@ from core.body.model import Model, build_model
 from core.material import PRESETS, ModelConstants
 from core.mesh.surface import base_vertices
 from core.reduction import error_model, planner
+from core.reduction.active_regions import share_awake
 from core.reduction.benchmark import choose_presses, compare_proxies
 from core.reduction.grading import Pressed
 from core.reduction.planner import Plan, plan
@@ -94,6 +95,47 @@ def test_a_full_mesh_far_from_live_gives_way_to_the_finest_live_proxy_which_says
     assert chosen.reason.endswith("A proxy cannot have the vertices to keep the tolerances.")
     # a fingertip that no proxy of this mesh can tell from a point is pressed in full
     assert plan(model, radius=0.001).proxy is None
+
+
+@pytest.fixture(scope="module")
+def large() -> Model:
+    """A head of 0.6 m with edges of 5 mm: in full it would run at a fifteenth of real time."""
+    mesh = bodies.head(80, 0.6)
+    return build_model(mesh, [PRESETS[1].material], pinned=base_vertices(mesh))
+
+
+def test_of_a_large_body_that_no_proxy_stands_for_only_what_moves_is_stepped(large: Model) -> None:
+    chosen = plan(large, radius=0.01)
+    assert chosen.proxy is None and chosen.vertices == len(large.mass)
+    assert chosen.slack == chosen.error == pytest.approx(1e-4)
+    assert 0.02 * planner.cost_of(large) < chosen.cost < 0.2 * planner.cost_of(large)
+    assert "What moves by less than 0.1 mm rests; a fingertip moves about" in chosen.reason
+    finer = plan(large, radius=0.01, tolerance=1e-4)
+    assert finer.slack == pytest.approx(2e-5) and finer.cost > chosen.cost
+
+
+def test_what_meets_others_or_is_liquid_or_runs_live_or_is_chosen_in_full_is_stepped_whole(large: Model) -> None:
+    assert plan(large, radius=0.01, alone=False).slack == 0
+    assert plan(large, radius=0.01, budget=EVER_LIVE).slack == 0
+    assert planner.plan_full_mesh(large).slack == 0
+    liquid = build_model(large.mesh, [PRESETS[2].material], pinned=large.pinned[large.mesh.source])
+    assert plan(liquid, radius=0.01).slack == 0
+
+
+def test_a_wide_fingertip_has_a_proxy_and_nothing_rests(large: Model) -> None:
+    chosen = plan(large, radius=0.05, tolerance=5e-3)
+    assert chosen.proxy is not None and chosen.slack == 0 and chosen.cost <= planner.BUDGET
+
+
+def test_the_share_that_moves_is_near_what_is_stepped(large: Model) -> None:
+    session, press = Session(large, slack=1e-4), choose_presses(large, 0.01, 3, seed=1)[1]
+    stepped = []
+    for k in range(15):
+        at = press.at + press.outward * (0.01 - 0.005 * (k + 1) / 15)
+        session.set_fingers([Finger(tuple(at), 0.01)])
+        session.step(1 / 100)
+        stepped.append(session._last.stepped / len(large.mass))
+    assert 0.3 < np.mean(stepped) / share_awake(large, 0.01, 1e-4) < 1.2
 
 
 def test_a_choice_by_hand_is_taken(round_model: Model) -> None:
