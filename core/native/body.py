@@ -114,7 +114,7 @@ class Body:
         self._placed: Floats | None = model.matching.rest  # where it is, while that is known
         self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
         with Arrays() as arrays:
-            definition = define(self.library, model, self._surface, regions, arrays)
+            definition = define(self.library, model, self._surface, arrays, regions)
             self._call("dm_create", byref(self._handle), byref(definition), bits, instruction_set)
         weakref.finalize(self, self.library.dm_destroy, self._handle.value)
         # what every step hands over: made once

@@ -73,7 +73,7 @@ class Arrays:
 
 
 def define(
-    library: ctypes.CDLL, model: Model, surface: Model, regions: Regions | None, arrays: Arrays
+    library: ctypes.CDLL, model: Model, surface: Model, arrays: Arrays, regions: Regions | None = None
 ) -> BodyDef:
     """Return what the library asks for of a model, and of the one below whose surface fingertips are measured."""
     definition, mesh, springs = BodyDef(), model.mesh, model.springs
