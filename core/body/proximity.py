@@ -19,6 +19,7 @@ from ..base import Bools, Floats, Ints
 OFFSET = 0.05  # of the mean edge: each of two surfaces holds this distance
 BOUND = 0.9  # of the distance: what two primitives may go towards each other
 LEAST_SHARE = 0.1  # of that which a side gets at least; more the faster it comes
+SOFT_SHARE = 0.3  # where both are soft: they come and go, and a side that is slow now is soon fast
 SLOW = 1e-3  # [m/s] below this, both sides count as equally fast
 CLOSEST = 1e-5  # of a body's size: nearer, nothing goes nearer still; rounding is far smaller
 FLAT, SHARP = 0.01, 0.05  # slopes of the faces beside an edge between which it begins to count as one
@@ -220,13 +221,14 @@ class Planes(NamedTuple):
     second: Floats
 
 
-def planes_between(x: Floats, v: Floats, at: Ints, ones: Ints, closest: Floats) -> Planes:
+def planes_between(x: Floats, v: Floats, at: Ints, ones: Ints, closest: Floats, soft: Bools) -> Planes:
     """Return the planes between pairs at (m, 4): the faster a side comes towards the other, the larger its part.
 
     Args:
         x, v: (n, 3) positions [m] and velocities [m/s].
         ones: (m,) how many of the vertices lie on the side of the normal.
         closest: (m,) nearer than this [m], nothing goes nearer still.
+        soft: (m, 4) which of the vertices are of bodies.
     """
     w, between, gap = measure(x[at], ones)
     normal = between / np.maximum(gap, 1e-300)[:, None]
@@ -235,7 +237,8 @@ def planes_between(x: Floats, v: Floats, at: Ints, ones: Ints, closest: Floats) 
     other = point - between
     along = -np.einsum("mkc,mc->mk", v[at], normal) * w
     u, back = (np.maximum((along * here).sum(axis=1), 0) + SLOW for here in (side, ~side))
-    one = np.where(gap > closest, np.clip(u / (u + back), LEAST_SHARE, 1 - LEAST_SHARE), 0.5)
+    least = np.where(soft.all(axis=1), SOFT_SHARE, LEAST_SHARE)
+    one = np.where(gap > closest, np.clip(u / (u + back), least, 1 - least), 0.5)
     whole = np.stack([one, 1 - one], axis=1) * gap[:, None]
     least = np.minimum(whole, closest[:, None]) / 2
     keep = np.where((gap > closest)[:, None], least + (1 - BOUND) * (whole - least), whole * (1 - 1e-6))
@@ -248,7 +251,7 @@ def _with_planes(
 ) -> Pairs:
     near = measure(x[at], ones)[2] < reach
     at, ones, part = at[near], ones[near], part[near]
-    planes = planes_between(x, np.zeros_like(x), at, ones, np.full(len(at), closest))
+    planes = planes_between(x, np.zeros_like(x), at, ones, np.full(len(at), closest), np.ones(at.shape, bool))
     weight = np.ones(len(at))
     edge = np.flatnonzero(ones == 2)
     inside = (np.abs(planes.weights[edge]) > 0).all(axis=1)

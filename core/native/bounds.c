@@ -34,30 +34,26 @@ DM_INLINE const uint32_t *dm_pairs_of(const dm_scene_state *s, const dm_neighbou
     return s->pairs_of + t->end - t->count;
 }
 
-/* How far a vertex is on its own side of a plane. */
-DM_INLINE double dm_side(const dm_plane *plane, int first, const double *x) {
-    double along = dm_inner3(plane->normal, x) - plane->level;
-    return first ? along : -along;
-}
-
-/* May a vertex be at x? What has had no plane since the query is not reached within its way. */
-static int dm_is_allowed(dm_scene_state *s, uint32_t vertex, const double *x) {
+/* How far a vertex may go from x before its planes are looked at: less than nothing where it may not be there. */
+static __attribute__((noinline)) double dm_room_of(dm_scene_state *s, uint32_t vertex, const double *x, int *spent) {
     double way[3];
     dm_minus(x, s->before[vertex], way);
-    double square = dm_inner3(way, way);
-    if (!(square <= s->slack[vertex] * s->slack[vertex])) return 0;
-    if (s->place[vertex] == DM_NO_VERTEX) return 1;
+    double gone = sqrt(dm_inner3(way, way)), least = s->slack[vertex] - gone;
+    if (!(least >= 0)) return -1;
+    if (s->place[vertex] == DM_NO_VERTEX) return least;
     uint32_t count;
     const uint32_t *mine = dm_pairs_of(s, s->near + s->place[vertex], &count);
     for (uint32_t k = 0; k < count; k++) {
-        uint32_t which = mine[k];
-        dm_pair *p = s->pairs + which / 4;
-        if (!p->renewed && square <= p->way * p->way) continue;
-        int first = which % 4 < p->ones;
-        const dm_plane *plane = dm_plane_of(s, p);
-        if (!(dm_side(plane, first, x) >= plane->keep[!first])) return 0;
+        double left = dm_left_of(s, mine[k], x, gone, spent);
+        if (!(left >= 0)) return -1;
+        least = left < least ? left : least;
     }
-    return 1;
+    return least;
+}
+
+static int dm_is_allowed(dm_scene_state *s, uint32_t vertex, const double *x) {
+    int spent = 0;
+    return dm_room_of(s, vertex, x, &spent) >= 0;
 }
 
 /* Shorten the way of a vertex since the query to a length. */
@@ -124,82 +120,73 @@ static void dm_note_held(dm_scene_state *s, uint32_t vertex) {
     else s->due = 1;
 }
 
-/* Set the plane of a pair where things are now: the faster a side comes towards the other, the larger its part. */
-static void dm_renew_plane(dm_scene_state *s, dm_pair *p) {
-    double x[4][3], w[4], between[3], normal[3], share = 0.5;
-    if (p->renewed == s->renewal) return;
-    p->renewed = s->renewal;
-    for (int j = 0; j < 4; j++) {
-        const dm_neighbour *m = s->near + p->at[j];
-        dm_world_of(s, s->surfaces + m->surface, m->vertex, x[j]);
-    }
-    const double *at[4] = {x[0], x[1], x[2], x[3]};
-    double gap = dm_measure_pair(at, p->ones, w, between);
-    double closest = dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3)), most = 1 - DM_LEAST_SHARE;
-    if (gap > closest) {
-        for (int c = 0; c < 3; c++) normal[c] = between[c] / gap;
-        double u = dm_approach(s, p, 0, p->ones, w, normal) + DM_SLOW;
-        double v = dm_approach(s, p, p->ones, 4, w, normal) + DM_SLOW;
-        share = u / (u + v);
-        share = share < DM_LEAST_SHARE ? DM_LEAST_SHARE : share > most ? most : share;
-    }
-    dm_set_plane(s->planes + (p - s->pairs), p->ones, at, w, between, gap, closest, share);
-}
-
-/* How far a vertex of a body may go from where it is now before its planes are looked at. */
-static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
-    const dm_surface *f = s->surfaces + n->surface;
-    double x[3], way[3];
-    if (!(f->body || f->prop) || n->renewed == s->renewal) return;
-    n->renewed = s->renewal;
-    dm_world_of(s, f, n->vertex, x);
-    dm_minus(x, s->before[n->vertex], way);
-    double gone = sqrt(dm_inner3(way, way)), most = s->slack[n->vertex] - gone;
-    uint32_t count;
-    const uint32_t *mine = dm_pairs_of(s, n, &count);
-    for (uint32_t k = 0; k < count; k++) {
-        uint32_t which = mine[k];
-        const dm_pair *p = s->pairs + which / 4;
-        const dm_plane *plane = s->planes + which / 4;
-        int first = which % 4 < p->ones;
-        double left = p->renewed ? dm_side(plane, first, x) - plane->keep[!first] : p->way - gone;
-        most = left < most ? left : most;
-    }
-    uint32_t i = n->vertex - f->first;
-    if (gone > s->stale[n->vertex]) s->due = 1;
+/* Let a vertex go so far from where it is now, at x, before its planes are looked at, or until a query may be due. */
+static void dm_set_bound(dm_scene_state *s, dm_surface *f, uint32_t vertex, const double *x, double most) {
+    uint32_t i = vertex - f->first;
+    double way[3];
+    dm_minus(x, s->before[vertex], way);
+    double fresh = s->stale[vertex] - sqrt(dm_inner3(way, way));
+    if (fresh < 0) s->due = 1;
     if (f->prop) {
-        s->roam[n->vertex] = most, memcpy(f->prop->since[i], x, sizeof x);
+        s->roam[vertex] = most, memcpy(f->prop->since[i], x, sizeof way);
         return;
     }
     dm_set_lane3(&f->before[i / DM_LANES], i, f->body->records[i].x);
-    most *= DM_ALERT, s->surfaces[n->surface].near_left = 0;
+    most = most * DM_ALERT < fresh ? most * DM_ALERT : fresh, f->near_left = 0;
     f->bound[i / DM_LANES][i % DM_LANES] = (dm_real)(most > 0 ? most * most : -1);
 }
 
-/* Set the planes anew of what has used its way, where things are now: it may go on from there in the next substep. */
+static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
+    dm_surface *f = s->surfaces + n->surface;
+    double x[3];
+    int spent = 0;
+    if (!(f->body || f->prop) || n->renewed == s->renewal) return;
+    n->renewed = s->renewal;
+    dm_world_of(s, f, n->vertex, x);
+    dm_set_bound(s, f, n->vertex, x, dm_room_of(s, n->vertex, x, &spent));
+}
+
+/* Set the planes anew that what was held back, or has come near to them, has used up, where things are now: it may go on
+ * from there in the next substep. What is stiff goes far in a substep: its planes are all set anew. */
 static void dm_renew_planes(dm_scene_state *s) {
     s->renewal = s->renewal < UINT32_MAX ? s->renewal + 1 : 2; /* 0: never, 1: at the query */
     uint32_t count;
     for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
-        const uint32_t *mine = dm_pairs_of(s, s->near + s->held[h], &count);
-        for (uint32_t k = 0; k < count; k++) dm_renew_plane(s, s->pairs + mine[k] / 4);
+        const dm_neighbour *n = s->near + s->held[h];
+        const uint32_t *mine = dm_pairs_of(s, n, &count);
+        double x[3], way[3];
+        dm_world_of(s, s->surfaces + n->surface, n->vertex, x);
+        dm_minus(x, s->before[n->vertex], way);
+        double gone = sqrt(dm_inner3(way, way));
+        for (uint32_t k = 0; k < count; k++) {
+            dm_pair *p = s->pairs + mine[k] / 4;
+            int spent = !(dm_surface_of(s, p, 0)->body && dm_surface_of(s, p, 3)->body);
+            dm_left_of(s, mine[k], x, gone, &spent);
+            if (spent) dm_renew_plane(s, p);
+        }
     }
     for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
         const uint32_t *mine = dm_pairs_of(s, s->near + s->held[h], &count);
-        for (uint32_t k = 0; k < count; k++)
-            for (int j = 0; j < 4; j++) dm_renew_bound(s, s->near + s->pairs[mine[k] / 4].at[j]);
+        dm_renew_bound(s, s->near + s->held[h]);
+        for (uint32_t k = 0; k < count; k++) {
+            const dm_pair *p = s->pairs + mine[k] / 4;
+            for (int j = 0; p->renewed == s->renewal && j < 4; j++) dm_renew_bound(s, s->near + p->at[j]);
+        }
     }
     s->held_count = 0;
 }
 
 /* Hold a vertex of a body back, and take the speed with which it would go on; what of momentum that takes is counted. */
-static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) {
+static void dm_bound_vertex(dm_scene_state *s, dm_surface *f, uint32_t i) {
     dm_state *b = f->body;
     uint32_t vertex = f->first + i;
     double x[3], at[3], back[3];
     dm_world_of(s, f, vertex, x);
-    if (dm_is_allowed(s, vertex, x)) {
-        dm_note_held(s, vertex);
+    int spent = s->place[vertex] == DM_NO_VERTEX;
+    double room = dm_room_of(s, vertex, x, &spent);
+    if (room >= 0) { /* most have moved along their planes, and keep them */
+        if (spent) dm_note_held(s, vertex);
+        else dm_set_bound(s, f, vertex, x, room);
         return;
     }
     memcpy(at, x, sizeof at);
@@ -228,7 +215,7 @@ static void dm_bound_vertex(dm_scene_state *s, const dm_surface *f, uint32_t i) 
 }
 
 /* Hold the vertices of a group to their bounds; return how far each may go before they are looked at again. */
-DM_INLINE dm_lanes dm_bound_group(dm_scene_state *s, const dm_surface *f, int64_t g) {
+DM_INLINE dm_lanes dm_bound_group(dm_scene_state *s, dm_surface *f, int64_t g) {
     const dm_state *b = f->body;
     dm_vec3 way = dm_sub(b->state[g].x, f->before[g]);
     dm_lanes square = dm_dot(way, way);

@@ -47,58 +47,6 @@ static double dm_friction_of(const dm_scene_state *s, const dm_pair *p, uint32_t
     return mu;
 }
 
-DM_INLINE double dm_approach(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w,
-                             const double *normal) {
-    double speed = 0;
-    for (uint32_t k = from; k < to; k++) {
-        const dm_neighbour *n = s->near + p->at[k];
-        const dm_surface *f = s->surfaces + n->surface;
-        double v[3];
-        if (f->body) dm_velocity(f->body, n->vertex - f->first, v);
-        else memcpy(v, s->rate[n->vertex], sizeof v);
-        speed -= w[k] * dm_inner3(normal, v);
-    }
-    return speed > 0 ? speed : 0;
-}
-
-/* Nearer than this, nothing of two surfaces goes nearer still. */
-DM_INLINE double dm_closest_of(const dm_surface *f, const dm_surface *g) {
-    return f->closest > g->closest ? f->closest : g->closest;
-}
-
-/* How near one of two may come to the plane between them, where its part of the distance is `whole`. */
-DM_INLINE double dm_keep_of(double whole, double gap, double closest) {
-    double least = whole / 2 < closest / 2 ? whole / 2 : closest / 2;
-    return gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - 1e-6);
-}
-
-/* Set the plane between the nearest points of a pair at positions x, and how near each may come to it. share: of the
- * distance, that the first has. */
-static void dm_set_plane(dm_plane *p, uint32_t ones, const double *const *x, const double *w, const double *between,
-                         double gap, double closest, double share) {
-    p->level = 0;
-    for (int c = 0; c < 3; c++) {
-        double other = 0;
-        p->normal[c] = gap > 0 ? between[c] / gap : 0;
-        for (uint32_t k = ones; k < 4; k++) other -= w[k] * x[k][c];
-        p->level += p->normal[c] * (other + (1 - share) * between[c]);
-    }
-    p->keep[0] = dm_keep_of(share * gap, gap, closest), p->keep[1] = dm_keep_of((1 - share) * gap, gap, closest);
-}
-
-/* The plane of a pair: that of the query, in the middle between the two, where none was needed before. */
-static const dm_plane *dm_plane_of(dm_scene_state *s, dm_pair *p) {
-    dm_plane *plane = s->planes + (p - s->pairs);
-    if (p->renewed) return plane;
-    const double *x[4];
-    double w[4], between[3], closest = dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3));
-    for (int j = 0; j < 4; j++) x[j] = s->before[s->near[p->at[j]].vertex];
-    double gap = dm_measure_pair(x, p->ones, w, between);
-    dm_set_plane(plane, p->ones, x, w, between, gap, closest, 0.5);
-    p->renewed = 1;
-    return plane;
-}
-
 DM_INLINE int dm_share_a_vertex(const uint32_t *a, int m, const uint32_t *b, int n) {
     for (int i = 0; i < m; i++)
         for (int j = 0; j < n; j++)

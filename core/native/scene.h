@@ -23,9 +23,12 @@
 #define DM_ROAM 0.99          /* of half the reach: what is near nothing may go */
 #define DM_STALE 0.8          /* of the way after which something unknown might touch */
 #define DM_CLOSEST 1e-5       /* of a body's size: nearer, nothing goes nearer still; rounding is far smaller */
-#define DM_LEAST_SHARE 0.1    /* of the distance that a side gets at least; more the faster it comes */
+#define DM_LEAST_SHARE 0.1    /* of the distance that a side gets at least; more the faster it comes; */
+#define DM_SOFT_SHARE 0.3     /* where both are soft */
 #define DM_SLOW 1e-3          /* [m/s] below this, both sides count as equally fast */
 #define DM_ALERT 0.5          /* of the way it may go, after which a vertex gets new planes */
+#define DM_SPENT 0.5          /* of half the distance: when a vertex is nearer to a plane, that is set anew; of the query, */
+                              /* when it has gone half as much of its way, for that is not measured */
 #define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
 #define DM_LOOK 0.5           /* of the touching distance: when anything near has moved so far, normals are set anew */
 #define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import Bools, Floats, Ints
-from ..body.proximity import Pairs, Surfaces, planes_between
+from ..body.proximity import BOUND, Pairs, Surfaces, planes_between
 
-ALERT = 0.5  # of the way it may go, after which a vertex gets new planes
+ALERT = 0.5  # of the way it may go, after which the planes of a vertex are looked at
+SPENT = 0.5  # of half the distance: when a vertex is nearer to a plane, that is set anew
 SWEEPS = 4  # projections on the planes of a vertex before its way is cut short
 
 
@@ -18,10 +19,11 @@ class Bounds:
     """What holds vertices back until the next query.
 
     before: (n, 3) where they were at the query [m], and
-    since: (n, 3) when their planes were set last [m].
+    since: (n, 3) when their planes were looked at last [m].
     slack: (n,) how far each may go [m], and
     roam: (n,) how far before its planes are looked at [m].
-    pairs: what is near each other.
+    pairs: what is near each other, and
+    anew: (m,) whether their planes were set anew since the query.
     start, rows: the planes of each vertex, as rows of pairs.
     corners: at which of their four it is.
     """
@@ -31,6 +33,7 @@ class Bounds:
     slack: Floats
     roam: Floats
     pairs: Pairs
+    anew: Bools
     start: Ints
     rows: Ints
     corners: Ints
@@ -45,7 +48,7 @@ def bounds_of(before: Floats, slack: Floats, pairs: Pairs) -> Bounds:
     np.minimum.at(roam, flat, np.take_along_axis(pairs.way, side, axis=1).ravel())
     return Bounds(
         before=before, since=before.copy(), slack=slack, roam=roam, pairs=pairs, rows=order // 4, corners=order % 4,
-        start=np.searchsorted(flat[order], np.arange(len(slack) + 1)),
+        anew=np.zeros(len(pairs.ones), bool), start=np.searchsorted(flat[order], np.arange(len(slack) + 1)),
     )  # fmt: skip
 
 
@@ -79,30 +82,38 @@ def is_near(b: Bounds, vertex: int) -> bool:
     return bool(b.start[vertex] < b.start[vertex + 1])
 
 
-def renewed(b: Bounds, vertices: list[int], x: Floats, v: Floats, closest: Floats) -> Bounds:
-    """Return the bounds with new planes for some vertices, where things are now.
+def renewed(b: Bounds, vertices: list[int], x: Floats, v: Floats, closest: Floats, soft: Bools) -> Bounds:
+    """Return the bounds of some vertices where things are now, with new planes for those they have come near to.
+
+    A plane holds until it is replaced, wherever the two have gone meanwhile on their sides of it: so what has moved
+    along its planes, or together with what is beyond them, keeps them. The new one stands between the nearest points of
+    two that are apart, so each is on its side of that too.
 
     Args:
         vertices: that have used their way.
         x, v: (n, 3) positions [m] and velocities [m/s].
         closest: (n,) nearer than this [m], nothing goes nearer still.
+        soft: (n,) whether each vertex is of a body. What is stiff goes far in a substep: its planes are all set anew.
     """
-    rows = np.unique(np.concatenate([_planes(b, vertex) for vertex in vertices]))
-    some = planes_between(x, v, b.pairs.at[rows], b.pairs.ones[rows], closest[b.pairs.at[rows]].max(axis=1))
+    rows = np.unique(np.concatenate([_spent(b, vertex, x[vertex], soft) for vertex in vertices]))
+    at, ones = b.pairs.at[rows], b.pairs.ones[rows]
+    some = planes_between(x, v, at, ones, closest[at].max(axis=1), soft[at])
     changed = {}
     for name in ("normal", "level", "keep"):
         changed[name] = getattr(b.pairs, name).copy()
         changed[name][rows] = getattr(some, name)
-    b = replace(b, pairs=replace(b.pairs, **changed), since=b.since.copy(), roam=b.roam.copy())
-    for vertex in np.unique(b.pairs.at[rows]).tolist():
-        left = (_sides(b, vertex, x[vertex]) - _kept(b, vertex)).min()
-        gone = float(np.linalg.norm(x[vertex] - b.before[vertex]))
-        b.since[vertex], b.roam[vertex] = x[vertex], min(b.slack[vertex] - gone, left)
+    b = replace(b, pairs=replace(b.pairs, **changed), since=b.since.copy(), roam=b.roam.copy(), anew=b.anew.copy())
+    b.anew[rows] = True
+    for vertex in np.union1d(at, vertices).tolist():
+        gone, way = float(np.linalg.norm(x[vertex] - b.before[vertex])), _ways(b, vertex)
+        left = _sides(b, vertex, x[vertex]) - _kept(b, vertex)
+        left = np.where(b.anew[_planes(b, vertex)] | (gone > way), left, way - gone)
+        b.since[vertex], b.roam[vertex] = x[vertex], min(b.slack[vertex] - gone, left.min())
     return b
 
 
 def beyond(b: Bounds, x: Floats) -> Bools:
-    """Return which vertices at x (n, 3) have gone so far that their planes must be looked at, and set anew, (n,)."""
+    """Return which vertices at x (n, 3) have gone so far that their planes must be looked at, (n,)."""
     way = x - b.since
     far: Bools = np.einsum("nc,nc->n", way, way) > np.where(b.roam > 0, (b.roam * ALERT) ** 2, -1.0)
     return far
@@ -140,6 +151,22 @@ def hold_back(b: Bounds, vertex: int, x: Floats, last: Floats) -> Floats:
 
 def _planes(b: Bounds, vertex: int) -> Ints:
     return b.rows[b.start[vertex] : b.start[vertex + 1]]
+
+
+def _spent(b: Bounds, vertex: int, x: Floats, soft: Bools) -> Ints:
+    """Return the planes that are due to be set anew for a vertex at x (3,); those of the query are not measured."""
+    planes, gone = _planes(b, vertex), float(np.linalg.norm(x - b.before[vertex]))
+    near = _sides(b, vertex, x) * (1 - BOUND) < SPENT * b.pairs.keep[planes].mean(axis=1)
+    near = np.where(b.anew[planes], near, gone > SPENT / 2 * _ways(b, vertex))
+    spent: Ints = planes[near | ~soft[b.pairs.at[planes]].all(axis=1)]
+    return spent
+
+
+def _ways(b: Bounds, vertex: int) -> Floats:
+    """Return how far the vertex may go from where it was at the query, for each of its planes [m]."""
+    planes, corners = _planes(b, vertex), b.corners[b.start[vertex] : b.start[vertex + 1]]
+    ways: Floats = b.pairs.way[planes, (corners >= b.pairs.ones[planes]).astype(np.int64)]
+    return ways
 
 
 def _kept(b: Bounds, vertex: int) -> Floats:

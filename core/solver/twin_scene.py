@@ -375,8 +375,8 @@ class TwinScene:
                     self._bound(body, vertex, vertex - part.start, x[vertex])
             self._note_way(index, body.state.positions.T)
         if self._held and not self._due:
-            closest = self._sizes[self._surfaces.of_vertex]
-            self._bounds = renewed(self._bounds, self._held, self._positions(), self._velocities(), closest)
+            closest, soft = self._sizes[self._surfaces.of_vertex], self._surfaces.of_vertex < len(self._bodies)
+            self._bounds = renewed(self._bounds, self._held, self._positions(), self._velocities(), closest, soft)
 
     def _bound(self, body: Twin, vertex: int, own: int, x: Floats) -> None:
         at = hold_back(self._bounds, vertex, x, self._last[vertex])

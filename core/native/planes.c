@@ -1,0 +1,103 @@
+/* The planes between pairs: neither of two goes beyond its side of theirs. Source: core/solver/bounds.py.
+ *
+ * A plane holds until it is replaced, wherever the two have gone meanwhile on their sides of it. So what has moved along
+ * its planes, or together with what is beyond them, keeps them, and they are only measured anew; a plane is replaced when
+ * a vertex is nearer to it than a quarter of the distance of the two. That is done when all are where they may be: they are
+ * apart then, the new plane stands between their nearest points, and each is on its side of that too.
+ */
+#include "scene.h"
+
+/* Nearer than this, nothing of two surfaces goes nearer still. */
+DM_INLINE double dm_closest_of(const dm_surface *f, const dm_surface *g) {
+    return f->closest > g->closest ? f->closest : g->closest;
+}
+
+/* How near one of two may come to the plane between them, where its part of the distance is `whole`. */
+DM_INLINE double dm_keep_of(double whole, double gap, double closest) {
+    double least = whole / 2 < closest / 2 ? whole / 2 : closest / 2;
+    return gap > closest ? least + (1 - DM_BOUND) * (whole - least) : whole * (1 - 1e-6);
+}
+
+/* Set the plane between the nearest points of a pair at positions x, and how near each may come to it. share: of the
+ * distance, that the first has. */
+static void dm_set_plane(dm_plane *p, uint32_t ones, const double *const *x, const double *w, const double *between,
+                         double gap, double closest, double share) {
+    p->level = 0;
+    for (int c = 0; c < 3; c++) {
+        double other = 0;
+        p->normal[c] = gap > 0 ? between[c] / gap : 0;
+        for (uint32_t k = ones; k < 4; k++) other -= w[k] * x[k][c];
+        p->level += p->normal[c] * (other + (1 - share) * between[c]);
+    }
+    p->keep[0] = dm_keep_of(share * gap, gap, closest), p->keep[1] = dm_keep_of((1 - share) * gap, gap, closest);
+}
+
+/* The plane of a pair: that of the query, in the middle between the two, where none was needed before. */
+static const dm_plane *dm_plane_of(dm_scene_state *s, dm_pair *p) {
+    dm_plane *plane = s->planes + (p - s->pairs);
+    if (p->renewed) return plane;
+    const double *x[4];
+    double w[4], between[3], closest = dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3));
+    for (int j = 0; j < 4; j++) x[j] = s->before[s->near[p->at[j]].vertex];
+    double gap = dm_measure_pair(x, p->ones, w, between);
+    dm_set_plane(plane, p->ones, x, w, between, gap, closest, 0.5);
+    p->renewed = 1;
+    return plane;
+}
+
+DM_INLINE double dm_approach(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w,
+                             const double *normal) {
+    double speed = 0;
+    for (uint32_t k = from; k < to; k++) {
+        const dm_neighbour *n = s->near + p->at[k];
+        const dm_surface *f = s->surfaces + n->surface;
+        double v[3];
+        if (f->body) dm_velocity(f->body, n->vertex - f->first, v);
+        else memcpy(v, s->rate[n->vertex], sizeof v);
+        speed -= w[k] * dm_inner3(normal, v);
+    }
+    return speed > 0 ? speed : 0;
+}
+
+/* Set the plane of a pair where things are now: the faster a side comes towards the other, the larger its part. Two that
+ * are soft come and go, and a side that is slow now is soon fast. */
+static void dm_renew_plane(dm_scene_state *s, dm_pair *p) {
+    double x[4][3], w[4], between[3], normal[3], share = 0.5;
+    if (p->renewed == s->renewal) return;
+    p->renewed = s->renewal;
+    const dm_surface *f = dm_surface_of(s, p, 0), *g = dm_surface_of(s, p, 3);
+    for (int j = 0; j < 4; j++) {
+        const dm_neighbour *m = s->near + p->at[j];
+        dm_world_of(s, s->surfaces + m->surface, m->vertex, x[j]);
+    }
+    const double *at[4] = {x[0], x[1], x[2], x[3]};
+    double gap = dm_measure_pair(at, p->ones, w, between);
+    double closest = dm_closest_of(f, g), least = f->body && g->body ? DM_SOFT_SHARE : DM_LEAST_SHARE;
+    if (gap > closest) {
+        for (int c = 0; c < 3; c++) normal[c] = between[c] / gap;
+        double u = dm_approach(s, p, 0, p->ones, w, normal) + DM_SLOW;
+        double v = dm_approach(s, p, p->ones, 4, w, normal) + DM_SLOW;
+        share = u / (u + v);
+        share = share < least ? least : share > 1 - least ? 1 - least : share;
+    }
+    dm_set_plane(s->planes + (p - s->pairs), p->ones, at, w, between, gap, closest, share);
+}
+
+/* How far a vertex is on its own side of a plane. */
+DM_INLINE double dm_side(const dm_plane *plane, int first, const double *x) {
+    double along = dm_inner3(plane->normal, x) - plane->level;
+    return first ? along : -along;
+}
+
+/* How far a vertex at x, a way `gone` from where it was at the query, is from what a pair lets it reach: less than nothing
+ * beyond that. The plane of the query is not reached within its way. spent: set where a new plane is due. */
+DM_INLINE double dm_left_of(dm_scene_state *s, uint32_t which, const double *x, double gone, int *spent) {
+    dm_pair *p = s->pairs + which / 4;
+    int first = which % 4 < p->ones, anew = p->renewed > 1;
+    if (!anew) *spent |= gone > DM_SPENT / 2 * p->way;
+    if (!anew && gone <= p->way) return p->way - gone;
+    const dm_plane *plane = dm_plane_of(s, p);
+    double side = dm_side(plane, first, x);
+    if (anew) *spent |= side * (1 - DM_BOUND) < DM_SPENT * (plane->keep[0] + plane->keep[1]) / 2;
+    return side - plane->keep[!first];
+}
