@@ -46,12 +46,13 @@ typedef struct {
     const dm_motion *motion;
     dm_frame *frame;
     int64_t done, cost; /* ticks; of each */
+    int taken; /* a thread has it, or it is done */
 } dm_run;
 
 typedef struct {
     dm_mutex lock;
-    dm_run *runs; /* the dearest first, but for those that a thread has */
-    int64_t next, count, threads;
+    dm_run *runs;
+    int64_t count, threads;
     atomic_llong left, dearest; /* of all that is to be done; of what no thread has */
 } dm_batch;
 
@@ -59,29 +60,25 @@ typedef struct {
  * soon. Whoever comes when all is done is not waited for, so a process that was forked, which has none, goes on alone. */
 static struct {
     dm_mutex lock;
-    dm_condition wake, done;
+    dm_condition changed;
     dm_batch *batch; /* of the call under way; another call at the same time has no thread but its own */
     int64_t threads, wanted, busy;
-} dm_pool = {.lock = DM_MUTEX, .wake = DM_CONDITION, .done = DM_CONDITION};
+} dm_pool = {.lock = DM_MUTEX, .changed = DM_CONDITION};
 
-static int64_t dm_left_of(const dm_run *r) { return r->cost * (r->motion->ticks - r->done); }
+static int64_t dm_left_of(const dm_run *r) { return r ? r->cost * (r->motion->ticks - r->done) : 0; }
 
-static int dm_by_cost(const void *a, const void *b) {
-    int64_t x = dm_left_of(a), y = dm_left_of(b);
-    return (x < y) - (x > y);
-}
-
-/* Take the dearest run that no thread has, or exchange the one that the thread has for a dearer one. */
-static int dm_take(dm_batch *batch, dm_run *mine, int exchange) {
+/* Return the dearest run that no thread has, after putting one back. */
+static dm_run *dm_take(dm_batch *batch, dm_run *back) {
+    dm_run *found = NULL, *next = NULL;
     dm_lock(&batch->lock);
-    dm_run old = *mine, *at = batch->runs + batch->next, *end = batch->runs + batch->count;
-    int found = at < end && (!exchange || dm_left_of(at) > dm_left_of(mine)); /* else another was faster */
-    if (found) *mine = *at, batch->next += !exchange;
-    if (found && exchange) {
-        for (; at + 1 < end && dm_left_of(at + 1) > dm_left_of(&old); at++) *at = at[1];
-        *at = old;
+    if (back) back->taken = 0;
+    for (dm_run *r = batch->runs; r < batch->runs + batch->count; r++) {
+        if (r->taken) continue;
+        if (!found || dm_left_of(r) > dm_left_of(found)) next = found, found = r;
+        else if (dm_left_of(r) > dm_left_of(next)) next = r;
     }
-    atomic_store(&batch->dearest, batch->next < batch->count ? dm_left_of(batch->runs + batch->next) : 0);
+    if (found) found->taken = 1;
+    batch->dearest = dm_left_of(next);
     dm_unlock(&batch->lock);
     return found;
 }
@@ -90,15 +87,13 @@ static int dm_take(dm_batch *batch, dm_run *mine, int exchange) {
  * do: from where what is left of it is no less than a thread's share of all that is left, one of them goes on with it.
  * Source: McNaughton 1959, Scheduling with deadlines and loss functions. */
 static void dm_run_bodies(dm_batch *batch) {
-    dm_run r = {0};
-    for (int has = dm_take(batch, &r, 0); has;) {
-        int64_t from = r.done, ticks = r.motion->ticks, to = r.cost && from + 1 < ticks ? from + 1 : ticks;
-        dm_run_checked(r.body, r.motion, from, to, r.frame);
-        r.done = to;
-        int64_t spent = r.cost * (to - from), left = atomic_fetch_sub(&batch->left, spent) - spent;
-        int64_t dearest = atomic_load(&batch->dearest);
-        if (to == ticks) has = dm_take(batch, &r, 0);
-        else if (dearest > dm_left_of(&r) && dearest * batch->threads >= left) dm_take(batch, &r, 1);
+    for (dm_run *r = dm_take(batch, NULL); r;) {
+        int64_t from = r->done, ticks = r->motion->ticks, to = r->cost && from + 1 < ticks ? from + 1 : ticks;
+        dm_run_checked(r->body, r->motion, from, to, r->frame);
+        r->done = to;
+        int64_t left = batch->left -= r->cost * (to - from), dearest = batch->dearest;
+        if (to == ticks) r = dm_take(batch, NULL);
+        else if (dearest > dm_left_of(r) && dearest * batch->threads >= left) r = dm_take(batch, r);
     }
 }
 
@@ -106,13 +101,13 @@ static DM_THREAD_RESULT dm_work(void *unused) {
     (void)unused;
     dm_lock(&dm_pool.lock);
     for (;;) {
-        while (!dm_pool.wanted) dm_wait(&dm_pool.wake, &dm_pool.lock);
+        while (!dm_pool.wanted) dm_wait(&dm_pool.changed, &dm_pool.lock);
         dm_pool.wanted--, dm_pool.busy++;
         dm_batch *batch = dm_pool.batch;
         dm_unlock(&dm_pool.lock);
         dm_run_bodies(batch);
         dm_lock(&dm_pool.lock);
-        if (!--dm_pool.busy) dm_signal(&dm_pool.done);
+        if (!--dm_pool.busy) dm_signal(&dm_pool.changed);
     }
     return 0;
 }
@@ -124,14 +119,14 @@ static void dm_run_batch(dm_batch *batch) {
         dm_lock(&dm_pool.lock);
         others = !dm_pool.batch;
         while (others && dm_pool.threads < batch->threads - 1 && dm_start(dm_work)) dm_pool.threads++;
-        if (others) dm_pool.batch = batch, dm_pool.wanted = batch->threads - 1, dm_signal(&dm_pool.wake);
+        if (others) dm_pool.batch = batch, dm_pool.wanted = batch->threads - 1, dm_signal(&dm_pool.changed);
         dm_unlock(&dm_pool.lock);
     }
     dm_run_bodies(batch);
     if (!others) return;
     dm_lock(&dm_pool.lock);
     dm_pool.wanted = 0;
-    while (dm_pool.busy) dm_wait(&dm_pool.done, &dm_pool.lock);
+    while (dm_pool.busy) dm_wait(&dm_pool.changed, &dm_pool.lock);
     dm_pool.batch = NULL;
     dm_unlock(&dm_pool.lock);
 }
@@ -150,10 +145,9 @@ int32_t dm_step_many(int64_t count, dm_body *const *bodies, const dm_motion *con
     if (!batch.runs) return DM_MEMORY;
     int64_t awake = 0; /* one that wakes in this call may wait for a thread */
     for (int64_t k = 0; k < count; k++) {
-        batch.runs[k] = (dm_run){bodies[k], motions[k], frames[k], 0, dm_cost(bodies[k], motions[k])};
+        batch.runs[k] = (dm_run){bodies[k], motions[k], frames[k], 0, dm_cost(bodies[k], motions[k]), 0};
         awake += batch.runs[k].cost > 0, batch.left += dm_left_of(batch.runs + k);
     }
-    qsort(batch.runs, (size_t)count, sizeof *batch.runs, dm_by_cost);
     batch.threads = workers < awake ? workers : awake;
     dm_run_batch(&batch);
     free(batch.runs);
