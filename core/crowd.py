@@ -60,8 +60,7 @@ def step_all(
     started = time.perf_counter()
     for session, dt in zip(sessions, seconds, strict=True):
         session.begin(dt)
-    # the largest first, so that no core is left alone with it at the end
-    going = sorted((each for each in sessions if each.due), key=lambda each: -len(each.body.model.mass))
+    going = [each for each in sessions if each.due]
     done, spent = 0, 0.0
     while going:
         at_once = ticks_that_fit(done, spent, budget)

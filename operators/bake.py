@@ -6,7 +6,7 @@ from bpy.props import EnumProperty, IntProperty
 from . import modal_runs, polls, sessions
 from .messages import say
 from .names import Op
-from .working import Working
+from .working import READY, Working
 
 TARGETS = (
     ("MESH_CACHE", "Mesh Cache", "A file that the object plays; to undo it, remove the modifier"),
@@ -26,6 +26,7 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
     )
     bl_options = {"UNDO"}
     verb, stopped = "Baking", "The bake was cancelled; nothing has changed"
+    ready = READY
 
     target: EnumProperty(name="Target", description="What the bake becomes", items=TARGETS)
     frame_start: IntProperty(name="First Frame", description="By default the scene's first frame", default=1)

@@ -19,6 +19,7 @@ from ..core.base import DimpleError
 from ..core.crowd import step_all
 from ..core.recording import PointCache
 from ..core.session import Session
+from ..core.steps import Parts, as_share, beside
 from . import (
     bridge,
     bridge_write,
@@ -38,6 +39,7 @@ from . import (
     unfinished_folder,
 )  # fmt: skip
 from .settings import settings_of
+from .working import READY
 
 if TYPE_CHECKING:
     from .bridge import ObjectLink, Singles
@@ -121,7 +123,10 @@ def simulate(
         _check(plan)
         files.callback(go_to, scene, before)
         scene.frame_set(plan.first)
-        bodies = [_open(context, plan, obj, messages, files) for obj in plan.objects]
+        bodies, each = [], READY / len(plan.objects)
+        for done, obj in enumerate(plan.objects):
+            opening = beside(_opening(context, plan, obj, messages, files))
+            bodies.append((yield from as_share(opening, done * each, each)))
         together = {body.link.uid: (_object(body), body.session, body.link.scale) for body in bodies}
         worlds = contact.worlds_of(context, together)
         for body in bodies:
@@ -135,7 +140,8 @@ def simulate(
             _step(context, bodies, worlds, frame)
             _show_props(worlds, frame, poses)
             _write(plan, bodies, frame)
-            yield 0.99 * (frame - plan.first) / (plan.last - plan.first)  # the rest is for the files
+            share = (frame - plan.first) / (plan.last - plan.first)
+            yield READY + (0.99 - READY) * share  # the rest is for the files
         _close(bodies)
         props.fallen.clear()
         props.keyframe(poses)
@@ -178,16 +184,16 @@ def _check_keys(obj: bpy.types.Object) -> None:
         )
 
 
-def _open(
+def _opening(
     context: bpy.types.Context, plan: BakePlan, obj: bpy.types.Object, messages: list[str], files: contextlib.ExitStack
-) -> Baked:
-    """Return an object ready to be baked; its files are closed, and deleted where they are, with `files`."""
-    link, model = bridge.read_body(context, obj, baked=False, identify=plan.identify)
+) -> Parts:
+    """Get an object ready to be baked, in parts; its files are closed, and deleted where they are, with `files`."""
+    link, model = yield from bridge.reading_body(context, obj, baked=False, identify=plan.identify)
     if link.shaped:
         files.enter_context(rest_shape.unbaked(obj))
         files.enter_context(offset.attached(obj))
     pressed = paths.pressed_along(context.scene, obj, model, link)
-    proxy, reason = planning.proxy_for(context.scene, obj, model, pressed=pressed)
+    proxy, reason = yield from planning.planning_for(context.scene, obj, model, pressed=pressed)
     session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy, slack=obj.dimple.plan_slack)
     planning.follow(context.scene, obj, session, pressed)
     messages += [reason] if reason else []

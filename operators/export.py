@@ -10,7 +10,7 @@ from . import modal_runs, polls, sessions
 from .messages import duration, megabytes, say, wrapped
 from .names import EXPORTS, Op
 from .translation import translated
-from .working import Working
+from .working import READY, Working
 
 CHARACTER = 8.5  # [px] of a line of the dialog for each character, its icon and borders included
 _ASKED = ("formats", "source", "frame_start", "frame_end", "step", "key_error", "normals", "overwrite")
@@ -33,6 +33,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     bl_idname = Op.EXPORT
     bl_label = "Export Dimple Animation"
     verb, stopped = "Exporting", "The export was cancelled; the files that were finished are kept"
+    ready = READY
 
     directory: StringProperty(
         name="Folder", description="Where the files go, named after the objects", subtype="DIR_PATH",

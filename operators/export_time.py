@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,6 +23,7 @@ from . import baking, rest_shape
 from .clip import Clip
 from .export_plan import ExportPlan, check_choice, unplayed
 from .formats import FORMATS
+from .working import READY
 
 FEW, MANY = 5, 20  # frames that are written to see what a frame costs
 SIMULATED_S = 0.5  # for which a body is simulated
@@ -96,16 +98,22 @@ def _simulated(context: bpy.types.Context, obj: bpy.types.Object, first: int, fo
         objects=[obj], first=first, last=first + 1000, target="FILES", folder=folder, identify="BACKGROUND"
     )
     with contextlib.closing(baking.simulate(context, plan, [])) as steps:
-        next(steps)  # the first time, it is decided how the body is simulated
+        _get_ready(steps)  # the first time, it is decided how the body is simulated
     began, frames = time.perf_counter(), 0
     with contextlib.closing(baking.simulate(context, plan, [])) as steps:
-        next(steps)
+        _get_ready(steps)
         ready = time.perf_counter()
         while time.perf_counter() < ready + SIMULATED_S:
             next(steps)
             frames += 1
         frame = (time.perf_counter() - ready) / frames
     return Cost(max(ready - began - frame, 0.0), frame)
+
+
+def _get_ready(steps: Iterator[float]) -> None:
+    """Run a simulation until its first frame."""
+    while next(steps) <= READY:
+        pass
 
 
 def _written(context: bpy.types.Context, obj: bpy.types.Object, each: str, normals: bool, folder: Path) -> Cost:

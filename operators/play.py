@@ -6,7 +6,7 @@ from itertools import chain
 import bpy
 from bpy.props import FloatProperty, IntProperty
 
-from . import modal_runs, polls, sessions, showing
+from . import modal_runs, polls, sessions, showing, working
 from .messages import report, say
 from .names import Op
 
@@ -26,6 +26,8 @@ class DIMPLE_OT_play(bpy.types.Operator):
         default=0,
         min=0,
     )
+
+    _again = None  # what plans the bodies anew, wound back
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -79,7 +81,10 @@ class DIMPLE_OT_play(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Step by the clock, or along the timeline while that plays; everything but Esc is Blender's."""
+        """Step by the clock, or along the timeline while that plays; everything but Esc is Blender's.
+
+        While bodies are planned anew nothing else may change the scene, and the timeline waits.
+        """
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
@@ -88,7 +93,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         if event.type == "TIMER":
             with sessions.ending_on_error():
                 return self._tick(context)
-        return {"PASS_THROUGH"}
+        return {"RUNNING_MODAL" if self._again else "PASS_THROUGH"}
 
     def cancel(self, _context: bpy.types.Context) -> None:
         """End when Blender ends the operator: the window closes, another file is loaded."""
@@ -102,7 +107,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         wall, self._clock = now - self._clock, now
         if self._run.paused:
             messages = showing.end_changed(context.view_layer)
-        elif timeline.is_playing(context):
+        elif self._again or timeline.is_playing(context):
             messages = self._follow(context)
         else:
             asked, budget = live.ask(context.scene, self._run, wall)
@@ -120,8 +125,11 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
         Wound back, it begins anew at rest.
         """
-        from . import live, props, timeline, tuning
+        from ..core.steps import beside
+        from . import live, timeline, tuning
 
+        if self._again:
+            return self._begin_anew(context)
         scene, before = context.scene, self._frame
         if scene.frame_current > before:
             self._frame += 1
@@ -129,9 +137,23 @@ class DIMPLE_OT_play(bpy.types.Operator):
         self._frame = scene.frame_current
         if self._frame == before and not _at_rest():
             return showing.end_changed(context.view_layer)
-        messages = []
+        # keyframes may have changed
+        self._again = beside(tuning.planning_all(context, along=live.by_keyframes()), working.SLICE_S)
+        return self._begin_anew(context)
+
+    def _begin_anew(self, context: bpy.types.Context) -> list[str]:
+        """Begin at rest, once the bodies are planned."""
+        from . import live, props
+
+        try:
+            share = next(self._again)
+        except StopIteration as end:
+            self._again, messages = None, end.value
+            modal_runs.clear_status()
+        else:
+            working.show_share(context, "Getting ready", share)
+            return []
         for body in sessions.sessions.values():
-            messages += tuning.plan_for_paths(context, body, along=live.by_keyframes())  # keyframes may have changed
             body.session.reset()
             sessions.set_worlds(())
             props.put_back()

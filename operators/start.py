@@ -6,7 +6,6 @@ from bpy.props import StringProperty
 from . import modal_runs, sessions
 from .messages import report
 from .names import Op
-from .translation import translated
 from .working import Working
 
 LARGE = 20_000  # vertices in all: more take longer than a second, so they are read beside Blender's events
@@ -19,6 +18,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
     bl_label = "Get Ready"
     bl_options = {"INTERNAL"}
     verb, stopped = "Getting ready", "Nothing was started"
+    ready = 1.0  # how long the parts take is not known
 
     then: StringProperty(name="Then", description="The operator that follows", options={"HIDDEN", "SKIP_SAVE"})
 
@@ -37,11 +37,6 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
             for uid in set(sessions.sessions) - before:
                 sessions.stop(uid)
             raise
-
-    def _show(self, context: bpy.types.Context, share: float) -> None:
-        """Show how far it is; how long the parts take is not known."""
-        context.window_manager.progress_update(share)
-        context.workspace.status_text_set(translated(f"{self.verb} {share:.0%} | Esc: cancel"))
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         _, messages, wrong = self._came

@@ -60,13 +60,11 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
     return []
 
 
-def plan_for_paths(context: bpy.types.Context, body: LiveBody, *, along: bool) -> list[str]:
-    """Let a running body be fine where keyframes lead its fingertips, or everywhere alike; return sentences.
-
-    Args:
-        along: the fingertips go along their keyframes.
-    """
-    messages: list[str] = at_once(planning_for_paths(context, body, along=along))
+def planning_all(context: bpy.types.Context, *, along: bool) -> Parts:
+    """Plan every running body in parts; see `planning_for_paths`."""
+    messages = []
+    for body in list(sessions.sessions.values()):
+        messages += yield from planning_for_paths(context, body, along=along)
     return messages
 
 
@@ -78,7 +76,13 @@ def pressed_now(context: bpy.types.Context, body: LiveBody, *, along: bool) -> P
 
 
 def planning_for_paths(context: bpy.types.Context, body: LiveBody, *, along: bool) -> Parts:
-    """Plan a running body in parts; see `plan_for_paths`. Closed, nothing was changed."""
+    """Let a running body be fine where keyframes lead its fingertips, or everywhere alike, in parts; return sentences.
+
+    Closed, nothing was changed.
+
+    Args:
+        along: the fingertips go along their keyframes.
+    """
     obj, session, before = bridge.find(body.link.uid, body.name), body.session, body.pressed
     pressed = pressed_now(context, body, along=along)
     if pressed == before:

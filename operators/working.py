@@ -9,6 +9,12 @@ from .messages import duration, say
 from .translation import translated
 
 SLICE_S = 0.1  # between two looks at the keyboard
+READY = 0.05  # of a bake, for getting ready: how long that takes does not tell how long the frames will
+
+
+def show_share(context: bpy.types.Context, verb: str, share: float) -> None:
+    """Show in the status bar how far something is whose time is not known."""
+    context.workspace.status_text_set(translated(f"{verb} {share:.0%} | Esc: cancel"))
 
 
 class Working:
@@ -21,8 +27,10 @@ class Working:
     _finished(context): what follows the last step.
     verb: what the status bar says it does.
     stopped: the message after Esc.
+    ready: the share after which the time left is known.
     """
 
+    ready = 0.0
     _run = None  # while it asks for a file nothing runs yet
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -92,8 +100,12 @@ class Working:
         return share
 
     def _show(self, context: bpy.types.Context, share: float) -> None:
-        left = (time.perf_counter() - self._began) * (1 / share - 1) if share else 0.0
         context.window_manager.progress_update(share)
+        if share <= self.ready:
+            self._began = time.perf_counter()
+            show_share(context, self.verb, share)
+            return
+        left = (time.perf_counter() - self._began) * (1 - share) / (share - self.ready)
         context.workspace.status_text_set(translated(f"{self.verb} {share:.0%}, {duration(left)} left | Esc: cancel"))
 
     def _leave(self) -> None:

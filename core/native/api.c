@@ -340,18 +340,20 @@ int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
     return DM_OK;
 }
 
-int dm_is_asleep(const dm_body *body) { return body->does->asleep(body->state); }
+int64_t dm_cost(const dm_body *body, const dm_motion *m) {
+    return body->does->asleep(body->state) ? 0 : body->vertices * m->substeps;
+}
 
-void dm_run_checked(dm_body *body, const dm_motion *m, dm_frame *frame) {
+void dm_run_checked(dm_body *body, const dm_motion *m, int64_t from, int64_t to, dm_frame *frame) {
     uint64_t before = dm_flush_denormals();
-    body->does->step(body->state, m, frame);
+    body->does->step(body->state, m, from, to, frame);
     dm_keep_denormals(before);
 }
 
 int32_t dm_step(dm_body *body, const dm_motion *m, dm_frame *frame) {
     if (!frame) return DM_SIZE;
     DM_CHECK(dm_check_step(body, m));
-    dm_run_checked(body, m, frame);
+    dm_run_checked(body, m, 0, m->ticks, frame);
     return DM_OK;
 }
 

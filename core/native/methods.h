@@ -19,7 +19,7 @@ typedef struct {
     void (*get_state)(const dm_state *state, double *positions, double *velocities);
     int64_t (*pinned)(const dm_state *state);
     int (*asleep)(const dm_state *state);
-    void (*step)(dm_state *state, const dm_motion *motion, dm_frame *frame);
+    void (*step)(dm_state *state, const dm_motion *motion, int64_t from, int64_t to, dm_frame *frame);
     int64_t (*carry)(const dm_binding *binding, const float *motions, const uint8_t *moved, float *skin);
     /* null where this library has none: in double precision, but for tests */
     int32_t (*scene_create)(dm_scene_state **scene, int64_t bodies, dm_state *const *body, const uint8_t *self,

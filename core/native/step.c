@@ -291,15 +291,18 @@ static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     }
 }
 
-static void dm_state_step(dm_state *b, const dm_motion *m, dm_frame *frame) {
-    dm_begin_motion(b, m, frame);
-    memset(b->resisted, 0, sizeof b->resisted), b->sag = 0, b->meets = 0, b->changes++;
-    for (int64_t t = 0; t < m->ticks && frame->finite; t++) {
+/* Run the ticks of a motion from one to before another: the first begins it, and the last ends it. */
+static void dm_state_step(dm_state *b, const dm_motion *m, int64_t from, int64_t to, dm_frame *frame) {
+    if (!from) {
+        dm_begin_motion(b, m, frame);
+        memset(b->resisted, 0, sizeof b->resisted), b->sag = 0, b->meets = 0, b->changes++;
+    }
+    for (int64_t t = from; t < to && frame->finite; t++) {
         dm_begin_tick(b, m, t, frame);
         for (int64_t s = 0; s < m->substeps && !b->asleep; s++) dm_run_substep(b, frame);
         dm_end_tick(b, m, t, frame);
         if (b->rested) dm_fall_asleep(b, m);
     }
-    dm_end_motion(b, m, frame);
+    if (to == m->ticks) dm_end_motion(b, m, frame);
 }
 DM_FAST

@@ -35,8 +35,8 @@ from tests.bench.bench import straight
 
 FRAME = 1 / 60  # [s]
 CROWD, TOUCHED, FRAMES = 100, 5, 12
-WORKERS_BODIES, CALLS = 8, 60  # of 2,562 vertices each: 20,000 together
-TURNS, AT_ONCE = 9, 20  # of two processes that share nothing
+WORKERS_BODIES = (8, 2562), (32, 642), (3, 10_242), (5, 10_242), (20, 10_242)  # how many, of how many vertices
+TURNS, CALLS = 15, 4  # of each: with one worker, with two, then two processes that share nothing
 SPEEDS, HELD = (40, 10, 4), 30  # of a live press [mm/s]; frames
 MILLION, SIZE, RADIUS = 408, 0.2, 0.016  # squares along a side of the head; [m]
 TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
@@ -77,55 +77,69 @@ def frames(groups: Sequence[tuple[Sequence[Session], int]]) -> list[list[float]]
 
 
 def workers() -> dict[str, Any]:
-    """Return the wall time of a call with one worker and with two, and whether all bits are the same."""
-    model, top = scenes.poke_ball(4).model, TOP
-    substeps, still = model.substeps(TICK), straight(top - 0.01, top - 0.01, 8, 1)
-    groups = {count: [native.Body(model, native.library()) for _ in range(WORKERS_BODIES)] for count in (1, 2)}
+    """Return what two workers come to on several crowds: see `two_workers`."""
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        found = {f"{count} x {size:,}": two_workers(pool, count, size) for count, size in WORKERS_BODIES}
+    return found | {"same_hash": all(each["same_hash"] for each in found.values())}
+
+
+def two_workers(pool: ProcessPoolExecutor, count: int, size: int) -> dict[str, Any]:
+    """Return the wall time of a call with one worker and with two, and whether all bits are the same.
+
+    The ceiling is how much faster two processes that share nothing step than one: what this machine has to give. It is
+    measured turn by turn beside the calls: twice the wall time of one process over that of two at once.
+    """
+    groups = {workers: pressed_crowd(count, size) for workers in (1, 2)}
     times: dict[int, list[float]] = {1: [], 2: []}
-    down = Motion(8, substeps, TICK, straight(top, top - 0.01, 8, 1))
-    for group in groups.values():
-        step_many(group, [down] * len(group), workers=1)
-    for _ in range(CALLS):
-        for count, group in groups.items():
-            started = time.perf_counter()
-            step_many(group, [Motion(8, substeps, TICK, still)] * len(group), workers=count)
-            times[count].append(time.perf_counter() - started)
+    ceilings = []
+    list(pool.map(stepping, (count, count), (size, size)))
+    for turn in range(TURNS):
+        for call in range(CALLS):
+            for workers in (1, 2) if (turn + call) % 2 else (2, 1):
+                started = time.perf_counter()
+                press_on(groups[workers], workers)
+                times[workers].append(time.perf_counter() - started)
+        alone = pool.submit(stepping, count, size).result()
+        ceilings.append(2 * alone / max(pool.map(stepping, (count, count), (size, size))))
     hashes = {
         hashlib.sha256(b"".join(body.positions().tobytes() for body in group)).hexdigest() for group in groups.values()
     }
     return {
-        "vertices": WORKERS_BODIES * len(model.mass), "one_ms": round(1e3 * median(times[1]), 2),
+        "vertices": count * size, "one_ms": round(1e3 * median(times[1]), 2),
         "two_ms": round(1e3 * median(times[2]), 2), "least_ms": [round(1e3 * min(times[k]), 2) for k in (1, 2)],
         "ratio": round(median(a / b for a, b in zip(times[1], times[2], strict=True)), 3),
-        "ceiling": round(ceiling(), 3), "same_hash": len(hashes) == 1,
+        "ceiling": round(median(ceilings), 3), "same_hash": len(hashes) == 1,
     }  # fmt: skip
 
 
-def ceiling() -> float:
-    """Return how much faster two processes that share nothing step than one: what this machine has to give.
-
-    Each turn has one process at work, then both at once; the median over turns of twice the first wall time over the
-    second.
-    """
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-        list(pool.map(stepping, (1, 1)))
-        ratios = []
-        for _ in range(TURNS):
-            alone = pool.submit(stepping, AT_ONCE).result()
-            ratios.append(2 * alone / max(pool.map(stepping, (AT_ONCE, AT_ONCE))))
-    return median(ratios)
+def pressed_crowd(count: int, size: int) -> list[native.Body]:
+    """Return balls of so many vertices, each with a fingertip 10 mm deep in it."""
+    subdivisions = round(np.log(size / 10) / np.log(4))  # 10 * 4**n + 2 vertices
+    model = scenes.poke_ball(subdivisions).model
+    group = [native.Body(model, native.library()) for _ in range(count)]
+    down = Motion(8, model.substeps(TICK), TICK, straight(TOP, TOP - 0.01, 8, 1))
+    step_many(group, [down] * count, workers=1)
+    return group
 
 
-def stepping(calls: int) -> float:
-    """Return the wall time [s] of calls that step bodies of half the vertices of `workers`, in this process."""
-    model, top = scenes.poke_ball(4).model, TOP
-    group = [native.Body(model, native.library()) for _ in range(WORKERS_BODIES // 2)]
-    still = Motion(8, model.substeps(TICK), TICK, straight(top - 0.01, top - 0.01, 8, 1))
-    step_many(group, [still] * len(group), workers=1)
+def press_on(group: Sequence[native.Body], workers: int) -> None:
+    """Step pressed balls by half a frame."""
+    still = Motion(8, group[0].model.substeps(TICK), TICK, straight(TOP - 0.01, TOP - 0.01, 8, 1))
+    step_many(group, [still] * len(group), workers=workers)
+
+
+def stepping(count: int, size: int) -> float:
+    """Return the wall time [s] of calls that step a crowd on one worker, in this process."""
+    if (count, size) not in _crowds:
+        _crowds.clear()
+        _crowds[count, size] = pressed_crowd(count, size)
     started = time.perf_counter()
-    for _ in range(calls):
-        step_many(group, [still] * len(group), workers=1)
+    for _ in range(CALLS):
+        press_on(_crowds[count, size], 1)
     return time.perf_counter() - started
+
+
+_crowds: dict[tuple[int, int], list[native.Body]] = {}  # of a process beside
 
 
 def million(*, full: bool) -> dict[str, Any]:

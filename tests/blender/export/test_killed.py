@@ -90,7 +90,8 @@ def killed(bpy: ModuleType, scene: Any, pressed: Callable[..., Any], tmp_path: P
         "bpy.ops.wm.open_mainfile(filepath=sys.argv[1])\n"
         "plan = part('baking').BakePlan(objects=[bpy.data.objects['Ball']], first=1, last=12, target='MESH_CACHE')\n"
         "steps = part('baking').bake(bpy.context, plan, [])\n"
-        "[next(steps) for _ in range(5)]\n"
+        "frames = (share for share in steps if share > part('working').READY)\n"
+        "[next(frames) for _ in range(5)]\n"
         "os.kill(os.getpid(), signal.SIGKILL)"
     )
     done = subprocess.run([sys.executable, "-c", script, str(blend)], cwd=ROOT, capture_output=True, text=True)

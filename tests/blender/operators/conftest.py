@@ -226,7 +226,7 @@ def _plain(operator: type) -> dict[str, Any]:
     """Return the functions and words of an operator and of what it is made of, without Blender's part of it."""
     ours = [each for each in reversed(operator.__mro__) if each.__module__.startswith("bl_ext.")]
     named = [(name, value) for each in ours for name, value in vars(each).items() if not name.startswith("__")]
-    return {name: value for name, value in named if isinstance(value, (FunctionType, str, NoneType))}
+    return {name: value for name, value in named if isinstance(value, (FunctionType, str, float, NoneType))}
 
 
 class Hand:
