@@ -33,8 +33,8 @@ ZIG = ENVIRONMENTS / "zig"
 PACKAGE = "dimple_native"
 
 FLAGS = (
-    "-std=c11", "-O3", "-fno-unroll-loops", "-fomit-frame-pointer", "-fPIC", "-fvisibility=hidden", "-fno-math-errno",
-    "-fno-trapping-math", "-Wall", "-Wextra", "-Werror",
+    "-std=c11", "-O3", "-fno-unroll-loops", "-fno-vectorize", "-fomit-frame-pointer", "-fPIC", "-fvisibility=hidden",
+    "-fno-math-errno", "-fno-trapping-math", "-Wall", "-Wextra", "-Werror",
 )  # fmt: skip
 NO_UNWINDING = "-fno-asynchronous-unwind-tables", "-fno-unwind-tables"  # 3 kB less; Windows' calls want them
 # fused multiply-add is a tenth of the time; without it double precision has the same bits on every machine
