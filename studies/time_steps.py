@@ -16,7 +16,7 @@ from .primitives import PRIMITIVES
 
 TIMES = (1, 3, 10)
 SHAPES = ("default cube", "UV sphere 32 x 16", "ico sphere 3")
-DEPTHS = (0.005, 0.010, 0.015, 0.020)  # [m]
+DEPTHS = (0.005, 0.010, 0.015, 0.020, 0.025)  # [m]
 SPEEDS = (0.010, 0.040)  # [m/s]
 TIP = 0.010  # [m]
 ASIDE = (0.0013, 0.0007)  # [m] from the middle, where no vertex and no edge is
