@@ -17,7 +17,7 @@ from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
 from .crowd import TICKS_AT_ONCE, step_all
-from .fingertip import NOWHERE, FingerOnItsWay, between, is_possible, sent
+from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
 from .mesh.depth import Touching
@@ -182,6 +182,8 @@ class Session:
                 tip.impulse = NOWHERE
                 if tip.pushed:
                     self.most = 1  # each tick moves it
+                elif tip.target.via:  # it turns at each of them
+                    self.most = max(1, min(self.most, (self._last_tick - self._ticks) // (len(tip.target.via) + 1)))
         self._let_slip()
 
     @property
@@ -388,7 +390,7 @@ class Session:
     def _move_origins(self, share: float) -> None:
         for tip in self._tips:
             if tip:
-                tip.origin = between(tip.origin, tip.target.position, share)
+                tip.origin, tip.target = tip.place(share), tip.target._replace(via=(), anew=False)
         if self._pins.move(share):
             self._skin.pins_moved()
 
