@@ -15,7 +15,7 @@ import math
 from dataclasses import dataclass, replace
 
 from .session import Finger
-from .vectors import ZERO, Vector, along, capped, length, scaled
+from .vectors import ZERO, Vector, along, capped, dot, length, scaled
 
 SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
 GLIDE = 0.75  # of its radius: as deep as it slides
@@ -75,8 +75,9 @@ class PokeTip:
 
     @property
     def deepest(self) -> float:
-        """Return how deep it can be [m]: the less, the farther it has slid."""
-        return GLIDE * self.radius**2 / max(length(self.slid), 1e-30)
+        """Return how far in it can be along the press [m]: the less, the farther it has slid."""
+        straight = max(-dot(self.aim.inward, self.aim.outward), 0.0)
+        return GLIDE * self.radius**2 / max(length(self.slid) * straight, 1e-30)
 
     @property
     def place(self) -> Vector:

@@ -134,6 +134,14 @@ def test_a_fingertip_slides_no_deeper_than_it_glides_and_sinks_in_again_when_it_
     assert deepest(rested) >= 0.02 - 1e-12
 
 
+def test_a_fingertip_that_presses_aslant_slides_as_deep_below_the_surface() -> None:
+    view = (0.8, 0.0, -0.6)
+    moves = [PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(1e-3 * k, 0.0, 0.1)), view=view) for k in range(50)]
+    start, _ = run(START, PokeEvent(kind=Kind.PRESS, hit=TOP, view=view), *ticks(0.3))
+    dragged, _ = run(start, *[event for move in moves for event in (move, *ticks(0.01))])
+    assert fingers(dragged, 7)[0].position[2] == pytest.approx(0.11 - 0.0075, rel=2e-3)
+
+
 def test_where_the_pointer_leaps_to_a_part_behind_the_fingertip_is_lifted_and_comes_down_there() -> None:
     pressed, _ = run(START, press(), *ticks(0.3))
     behind = PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(0.002, 0.0, 0.05)))
