@@ -108,6 +108,24 @@ def test_a_fingertip_that_comes_down_anew_touches_nothing_on_its_way() -> None:
     assert not session.step(0.001).finger_forces.any()
 
 
+@pytest.mark.parametrize("first", [0.0, 0.02])
+@pytest.mark.parametrize("backend", ["native64", "numpy"])
+def test_a_fingertip_that_is_put_down_with_its_centre_inside_presses_like_one_that_came_in(
+    backend: str, first: float
+) -> None:
+    mesh = mesh_from_triangles(*ball(3, RADIUS))
+    put, led = (Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)), backend=backend) for _ in range(2))
+    led.set_fingers([above(0.0, radius=0.01)])
+    led.step(0)
+    for session, seconds in ((led, 0.2), (put, first)):
+        session.set_fingers([above(0.015, radius=0.01)])
+        session.step(seconds)
+        session.step(0.3)
+    forces = [float(session.step(0.1).finger_forces[0, 2]) for session in (led, put)]
+    assert forces[0] > 0 and forces[1] == pytest.approx(forces[0], rel=0.05)
+    assert put.frame.depths[0] == pytest.approx(0.015, abs=1e-4)
+
+
 def test_a_force_pushes_a_fingertip_no_deeper_than_it_may_go_and_the_body_lifts_it_there() -> None:
     session, deep = on_its_base(), []
     for deepest in (math.inf, 0.005, math.inf):
