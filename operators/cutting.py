@@ -85,7 +85,7 @@ def refine(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
             long = [edge for edge in made.edges if edge.calc_length() > EVEN * longest]
             shortest = min((edge.calc_length() for edge in long), default=0.0)
             alike = [edge.calc_length() for edge in long if edge.calc_length() < ALIKE * shortest]
-            cuts = math.ceil(max(alike, default=0.0) / (EVEN * longest)) - 1
+            cuts = math.ceil(max(shortest, max(alike, default=0.0) / EVEN) / longest) - 1
             if not long or len(made.verts) + cuts * len(long) > MOST_VERTICES:
                 break
             bmesh.ops.subdivide_edges(made, edges=long, cuts=cuts, use_grid_fill=True)
