@@ -188,7 +188,7 @@ class DIMPLE_PT_bake(SidebarPanel, bpy.types.Panel):
         column = layout.column(align=True)
         _bake_button(column, scene, "MESH_CACHE", text="Bake to Mesh Cache")
         _bake_button(column, scene, "SHAPE_KEYS", text="Bake to Shape Keys")
-        layout.operator(Op.EXPORT, text="Export Animation", icon="EXPORT")
+        layout.operator(Op.EXPORT, icon="EXPORT")
         layout.operator(Op.UNBAKE, icon="TRASH")
 
 

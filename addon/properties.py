@@ -162,7 +162,7 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
         subtype="DIR_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}, translation_context=CONTEXT,
     )  # fmt: skip
     shape_key_step: IntProperty(
-        name="Every n Frames", description="Make one shape key for this many frames",
+        name="Frame Step", description="Make one shape key for this many frames",
         default=1, min=1, soft_max=25, **FIXED,
     )  # fmt: skip
     use_curves: BoolProperty(

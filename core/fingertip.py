@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot, isfinite
+from functools import partial
+from math import hypot, inf, isfinite
 from typing import NamedTuple
 
 from .body.model import Model
@@ -21,12 +22,18 @@ class Finger(NamedTuple):
     radius: [m].
     force: that pushes it from there [N], None where its place is prescribed.
     inward: unit vector (3,) of that force.
+    via: where it is at even times of the next step before its end, (3,) each [m]; in between it goes straight.
+    deepest: way that the force may push it [m].
+    anew: it comes down there from elsewhere, not over the surface.
     """
 
     position: Vector
     radius: float
     force: float | None = None
     inward: Vector = (0.0, 0.0, -1.0)
+    via: tuple[Vector, ...] = ()
+    deepest: float = inf
+    anew: bool = False
 
 
 @dataclass(slots=True)
@@ -69,8 +76,10 @@ class FingerOnItsWay:
         """Move one that a share of its force pushes by a tick [s]; the last ticks took so many seconds."""
         if self.pushed and self.target.force is not None:
             reaction = along(self.touch.impulse, NOWHERE, self.target.inward) / seconds if self.touch else 0.0
-            force, radius = share * self.target.force, self.target.radius
-            self.pushed = advance(self.pushed, force, reaction, model=model, radius=radius, tick=tick)
+            go = partial(advance, self.pushed, reaction=reaction, model=model, radius=self.target.radius, tick=tick)
+            self.pushed = go(share * self.target.force)
+            if self.pushed.way > self.target.deepest:  # the body lifts it
+                self.pushed = min(self.pushed, max(go(0.0), Pushed(way=self.target.deepest), key=_way), key=_way)
 
     def finger(self) -> Finger:
         """Return where it is to be; one that is pushed, where it has been pushed."""
@@ -86,8 +95,14 @@ class FingerOnItsWay:
         self.origin, self.here, self.fresh = scaled(self.origin, scale), scaled(self.here, scale), True
         self.pushed = self.pushed and Pushed(way=scale * self.pushed.way)
 
+    def place(self, share: float) -> Vector:
+        """Return where it is at a share of the step; of one that is pushed, where it would be without the force."""
+        places = self.origin, *self.target.via, self.target.position
+        leg = min(int(share * (len(places) - 1)), len(places) - 2)
+        return between(places[leg], places[leg + 1], share * (len(places) - 1) - leg)
+
     def _at(self, share: float) -> Vector:
-        at = between(self.origin, self.target.position, share)
+        at = self.place(share)
         if self.pushed is None:
             return at
         way, (x, y, z) = self.pushed.way, self.target.inward
@@ -96,10 +111,10 @@ class FingerOnItsWay:
 
 def is_possible(finger: Finger) -> bool:
     """Tell whether a fingertip has a place and a force that are numbers, and a size."""
-    position, radius, force, (a, b, c) = finger
+    position, radius, force, (a, b, c), via, _, _ = finger
     if len(position) != 3 or not radius > 0:
         return False
-    x, y, z = position
+    x, y, z = map(sum, zip(position, *via, strict=True))
     return isfinite(x + y + z + a + b + c + radius + (force or 0.0))
 
 
@@ -107,7 +122,7 @@ def sent(tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | 
     """Return a fingertip on its way to another place, one that has just come down there, or None for a lifted one."""
     if finger is None:
         return None
-    if tip is None:
+    if tip is None or finger.anew:
         place = vector(finger.position)
         tip = FingerOnItsWay(finger, place, place)
     tip.target = finger
@@ -116,6 +131,10 @@ def sent(tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | 
     elif tip.pushed is None or tip.fresh:
         tip.pushed = Pushed(way=along(tip.here, tip.origin, finger.inward))
     return tip
+
+
+def _way(pushed: Pushed) -> float:
+    return pushed.way
 
 
 def vector(a: Sequence[float]) -> Vector:

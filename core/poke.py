@@ -11,15 +11,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
-from .poke_tip import Aim, PokeTip, leaving, moved, unit
+from .poke_tip import Aim, PokeTip, leaving, led, stepped, unit
 from .session import Finger
-from .vectors import Vector, along, dot, scaled
+from .vectors import ZERO, Vector, along, dot, length, scaled
 
 FINGERS = 3
 WHEEL_STEP = 1.1  # a click of the wheel changes radius, depth or force by this factor
 RADIUS_RANGE = (1e-5, 10.0)  # [m]
 DEPTH_RANGE = (1e-5, 10.0)  # [m]
 FORCE_RANGE = (1e-3, 1e4)  # [N]
+STEEP = 3.0  # times farther along the view than across it: no surface that the pointer goes along, but an edge of it
 OPPOSITE = -0.2  # cosine of the angle between two normals from which on two fingertips pinch
 
 
@@ -143,7 +144,7 @@ def _tick(state: PokeState, dt: float) -> Result:
     if state.paused:
         return state, ()
     times = {"press_s": state.press_s, "release_s": state.release_s}
-    tips = tuple(tip and moved(tip, dt, amount=_amount(state, tip.by_force), **times) for tip in state.tips)
+    tips = tuple(tip and stepped(tip, dt, amount=_amount(state, tip.by_force), **times) for tip in state.tips)
     return replace(state, tips=tips), (Effect.STEP,)
 
 
@@ -169,7 +170,16 @@ def _move(state: PokeState, event: PokeEvent) -> PokeState:
         return state
     on_body = event.hit and event.hit.body == tip.body
     goal = _aim(state, event.hit, event.view, by_force=tip.by_force) if event.hit and on_body else tip.goal
-    return _pinched(_with_tip(state, replace(tip, wanted=_amount(state, tip.by_force) * event.pressure, goal=goal)))
+    if _leaps(along(goal.at, tip.goal.at, -1.0), event.view, tip.radius):
+        tip = replace(tip, aim=goal, goal=goal, way=(), reached=0.0, depth=0.0, slid=ZERO)
+    wanted = _amount(state, tip.by_force) * event.pressure
+    return _pinched(_with_tip(state, replace(led(tip, goal), wanted=wanted)))
+
+
+def _leaps(way: Vector, view: Vector, radius: float) -> bool:
+    """Tell whether a way leads from one part of the surface to another behind or before it, not along it."""
+    deeper = abs(dot(way, view))
+    return deeper > radius and deeper > STEEP * length(along(way, view, -dot(way, view)))
 
 
 def _press(state: PokeState, event: PokeEvent) -> PokeState:

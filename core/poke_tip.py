@@ -1,17 +1,27 @@
 """A fingertip of a poke: where it is aimed, how far it has gone in, and how it moves on.
 
-A fingertip starts where its sphere touches the surface and goes in from there. Points are in the session's space [m].
+A fingertip starts where its sphere touches the surface and goes in from there. A drag leads it over the surface, where
+the pointer went, not straight through the body. Points are in the session's space [m].
+
+Friction holds the skin on the flank before a deep sphere: with 0.5 one deeper than its radius no longer glides, but
+ploughs up the skin at three to nine times the force of the press; on an uneven mesh that begins above. So while it
+slides it is no deeper than it can glide, as a hand would let it be lifted.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 
 from .session import Finger
-from .vectors import Vector, along, length, scaled
+from .vectors import ZERO, Vector, along, capped, dot, length, scaled
 
 SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
+GLIDE = 0.75  # of its radius: as deep as it slides
+REST_S = 1.0  # [s] in which one that slid by its radius or more is at rest again: it sinks in meanwhile
+PART = 0.25  # of its radius: it goes farther on a bent surface in parts
+MOST_PARTS = 32  # of one step
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,35 +40,78 @@ class PokeTip:
     body: the one it presses.
     aim: where it is now.
     goal: where a drag leads it.
+    way: what it passes on its way there.
     radius: of its sphere [m].
     wanted: depth [m] or force [N].
     by_force: it is pushed by a force.
     reached: of what is wanted, so far.
+    depth: of one that no force pushes [m].
+    slid: how far it has slid since it rested, at most its radius (3,) [m].
+    via: where it touched at even times of the last step, before its end.
+    anew: it has come down in the last step.
     leaving: it moves out of the body.
     """
 
     body: int
     aim: Aim
     goal: Aim
+    way: tuple[Aim, ...] = ()
     radius: float
     wanted: float
     by_force: bool = False
     reached: float = 0.0
+    depth: float = 0.0
+    slid: Vector = ZERO
+    via: tuple[Vector, ...] = ()
+    anew: bool = False
     leaving: bool = False
 
     @property
     def finger(self) -> Finger:
         """Return where the fingertip is, for a session."""
+        if not self.by_force:
+            return Finger(self.place, self.radius, via=self.via, anew=self.anew)
+        return Finger(self.place, self.radius, self.reached, self.aim.inward, self.via, self.deepest, self.anew)
+
+    @property
+    def deepest(self) -> float:
+        """Return how far in it can be along the press [m]: the less, the farther it has slid."""
+        straight = max(-dot(self.aim.inward, self.aim.outward), 0.0)
+        return GLIDE * self.radius**2 / max(length(self.slid) * straight, 1e-30)
+
+    @property
+    def place(self) -> Vector:
+        """Return where its centre is [m]; of one that is pushed, where it touches."""
         touching = along(self.aim.at, self.aim.outward, self.radius)
-        if self.by_force:
-            return Finger(touching, self.radius, self.reached, self.aim.inward)
-        return Finger(along(touching, self.aim.inward, self.reached), self.radius)
+        return touching if self.by_force else along(touching, self.aim.inward, self.depth)
 
 
 def leaving(tip: PokeTip) -> PokeTip:
     """Return a fingertip that comes out from where it is."""
     # from what it has reached, so that release_s holds for a press cut short too
-    return replace(tip, leaving=True, wanted=tip.reached)
+    reached = tip.reached if tip.by_force else tip.depth
+    return replace(tip, leaving=True, wanted=reached, reached=reached)
+
+
+def led(tip: PokeTip, goal: Aim) -> PokeTip:
+    """Return a fingertip that a drag leads elsewhere, over what it was led to before."""
+    last = tip.way[-1] if tip.way else tip.aim
+    far = length(along(tip.goal.at, last.at, -1.0)) > PART * tip.radius
+    return replace(tip, way=(*tip.way, tip.goal) if far else tip.way, goal=goal)
+
+
+def stepped(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: float) -> PokeTip | None:
+    """Return a fingertip a step dt [s] later, and where it was on its way; see `moved`."""
+    far = _share(dt) * sum(length(along(b, a, -1.0)) for a, b in itertools.pairwise(_places(tip)))
+    parts = max(1, min(MOST_PARTS, math.ceil(far / (PART * tip.radius))))
+    via, now, anew = [], tip, tip.reached == 0
+    for _ in range(parts):
+        part = moved(now, dt / parts, amount=amount, press_s=press_s, release_s=release_s)
+        if part is None:
+            return None
+        via.append(part.place)
+        now = part
+    return replace(now, via=tuple(via[:-1]), anew=anew)
 
 
 def moved(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: float) -> PokeTip | None:
@@ -70,16 +123,41 @@ def moved(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: 
         release_s: to come out [s].
     """
     if tip.leaving:
-        reached = tip.reached - _travel(tip.wanted, release_s, dt)
+        most = _travel(tip.wanted, release_s, dt)
+        reached = tip.reached - most
         if reached <= 1e-9:
             return None
     else:
         most = _travel(max(tip.wanted, amount), press_s, dt)
         reached = tip.reached + max(-most, min(most, tip.wanted - tip.reached))
-    return replace(tip, aim=_slid(tip.aim, tip.goal, -math.expm1(-dt / SLIDE_S)), reached=reached)
+    aim, way = _slid(tip, _share(dt))
+    slid = along(tip.slid, along(aim.at, tip.aim.at, -1.0), 1.0)
+    left = capped(slid, max(min(length(slid), tip.radius) - tip.radius * dt / REST_S, 0.0))
+    tip = replace(tip, aim=aim, way=way, reached=reached, slid=left)
+    return replace(tip, depth=min(reached, tip.deepest, tip.depth + most))
 
 
-def _slid(aim: Aim, goal: Aim, share: float) -> Aim:
+def _share(dt: float) -> float:
+    """Return the share of its way that a fingertip slides in a time dt [s]."""
+    return -math.expm1(-dt / SLIDE_S)
+
+
+def _places(tip: PokeTip) -> list[Vector]:
+    return [tip.aim.at, *(each.at for each in tip.way), tip.goal.at]
+
+
+def _slid(tip: PokeTip, share: float) -> tuple[Aim, tuple[Aim, ...]]:
+    """Return where a fingertip is after a share of its way, and what it still passes."""
+    aims = [*tip.way, tip.goal]
+    legs = [length(along(b, a, -1.0)) for a, b in itertools.pairwise(_places(tip))]
+    left, here, passed = share * sum(legs), tip.aim, 0
+    while passed < len(tip.way) and left >= legs[passed]:
+        left, here, passed = left - legs[passed], aims[passed], passed + 1
+    leg = legs[passed]
+    return _between(here, aims[passed], left / leg if leg > 0 else share), tip.way[passed:]
+
+
+def _between(aim: Aim, goal: Aim, share: float) -> Aim:
     return Aim(
         _toward(aim.at, goal.at, share),
         unit(_toward(aim.outward, goal.outward, share), goal.outward),

@@ -13,12 +13,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from . import vectors
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
 from .body.regions import divide
 from .crowd import TICKS_AT_ONCE, step_all
-from .fingertip import NOWHERE, FingerOnItsWay, between, is_possible, sent
+from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
 from .mesh.depth import Touching
@@ -188,13 +189,25 @@ class Session:
             self._parts = self.faster if self._begin < self._rests_at else 1
         if self._glide:
             self._glide.begin(dt)
+        self._bring_in()
         self.most = TICKS_AT_ONCE if self._glide else MAX_STEPS // (self.substeps * self._parts) - 1
         for tip in self._tips:
             if tip:
                 tip.impulse = NOWHERE
                 if tip.pushed:
                     self.most = 1  # each tick moves it
+                elif tip.target.via:  # it turns at each of them
+                    self.most = max(1, min(self.most, (self._last_tick - self._ticks) // (len(tip.target.via) + 1)))
         self._let_slip()
+
+    def _bring_in(self) -> None:
+        """Let fingertips that are put down with their centres inside come from outside: skin would close over them."""
+        if any(tip and tip.fresh and not tip.pushed for tip in self._tips):
+            tips = tuple([tip.motion(0.0, 0.0) if tip else None for tip in self._tips])
+            touches = self.body.step(Motion(0, self.substeps, self._part, tips)).touches
+            for tip, touch in zip(self._tips, touches, strict=True):
+                if tip and touch and tip.fresh and not tip.pushed and touch.depth > tip.target.radius:
+                    tip.origin = tip.here = vectors.along(tip.here, touch.outward, touch.depth)
 
     @property
     def due(self) -> int:
@@ -404,7 +417,7 @@ class Session:
     def _move_origins(self, share: float) -> None:
         for tip in self._tips:
             if tip:
-                tip.origin = between(tip.origin, tip.target.position, share)
+                tip.origin, tip.target = tip.place(share), tip.target._replace(via=(), anew=False)
         if self._pins.move(share):
             self._skin.pins_moved()
 

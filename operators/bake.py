@@ -63,9 +63,9 @@ class DIMPLE_OT_bake(Working, bpy.types.Operator):
         return baking.bake(context, plan, self._messages)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        for sentence in self._messages:
-            say(self, {"WARNING"}, sentence)
         say(self, {"INFO"}, f"Baked objects: {self._count}")
+        for sentence in self._messages:  # the last is what is seen
+            say(self, {"WARNING"}, sentence)
         return {"FINISHED"}
 
 

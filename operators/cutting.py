@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 SHOWN, PRESSED, LIVE = 1.1, 0.55, 8_000
 MOST_VERTICES = 40_000  # of a mesh that is subdivided
 ROUNDS, EVEN = 7, 1.001  # of cutting edges; by less than that all are as long
+ALIKE = 1.5  # times as long as the shortest: an edge that is cut in as many parts, or faces between two get slivers
+STRAIGHT = 3.0  # [rad] at a corner
 # of the longest edge: between new vertices, from those to the rim of their face, from its corners to its plane
 APART, RIM, FLAT = 0.85, 0.5, 0.01
 ROUNDING = 1e-5  # of a place that was made real and back
@@ -81,11 +83,15 @@ def refine(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
         longest = max(PRESSED * radius, min(SHOWN * radius, (area / LIVE) ** 0.5), (area / MOST_VERTICES) ** 0.5)
         for _ in range(ROUNDS):
             long = [edge for edge in made.edges if edge.calc_length() > EVEN * longest]
-            cuts = math.ceil(min((edge.calc_length() for edge in long), default=0.0) / longest) - 1
+            shortest = min((edge.calc_length() for edge in long), default=0.0)
+            alike = [edge.calc_length() for edge in long if edge.calc_length() < ALIKE * shortest]
+            cuts = math.ceil(max(shortest, max(alike, default=0.0) / EVEN) / longest) - 1
             if not long or len(made.verts) + cuts * len(long) > MOST_VERTICES:
                 break
             bmesh.ops.subdivide_edges(made, edges=long, cuts=cuts, use_grid_fill=True)
         fill_faces(made, longest)
+        uneven = [face for face in made.faces if len(face.verts) > 3 and straight(face)]
+        bmesh.ops.triangulate(made, faces=uneven, quad_method="BEAUTY", ngon_method="BEAUTY")
         made.transform(real.inverted())
         for vertex, place in zip(made.verts, before, strict=False):  # new ones come after those there were
             if (vertex.co - place).length < ROUNDING * place.length:
@@ -120,6 +126,11 @@ def fill_faces(made: "bmesh.types.BMesh", longest: float) -> None:
                 here[i] = here[i] or made.verts.new(centre + np.array(places[i]) @ axes)
             made.faces.new([here[i] for i in triangle], face).copy_from_face_interp(face, False)
         made.faces.remove(face)
+
+
+def straight(face: "bmesh.types.BMFace") -> bool:
+    """Tell whether a face has a corner that is none: some triangles of it would have no area."""
+    return any(loop.calc_angle() > STRAIGHT for loop in face.loops)
 
 
 def inside(rim: "np.ndarray", longest: float) -> "np.ndarray":

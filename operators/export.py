@@ -31,7 +31,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     """Export the press of the selected bodies, with a table of forces and a JSON that describes the files"""
 
     bl_idname = Op.EXPORT
-    bl_label = "Export Dimple Animation"
+    bl_label = "Export Animation"
     verb, stopped = "Exporting", "The export was cancelled; the files that were finished are kept"
     ready = READY
 
@@ -47,7 +47,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
     frame_start: IntProperty(name="First Frame", description="By default the scene's first frame", default=1)
     frame_end: IntProperty(name="Last Frame", description="By default the scene's last frame", default=250)
     step: IntProperty(
-        name="Every n Frames",
+        name="Frame Step",
         description="In formats with shape keys, one for this many frames; the JSON says how far those between are off",
         default=1, min=1, soft_max=25,
     )  # fmt: skip
@@ -169,9 +169,9 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         )
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
-        for sentence in self._messages:
-            say(self, {"WARNING"}, sentence)
         say(self, {"INFO"}, f"Exported {len(self._written)} files to {self._written[0].parent}")
+        for sentence in self._messages:  # the last is what is seen
+            say(self, {"WARNING"}, sentence)
         return {"FINISHED"}
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import bpy
 
 PAUSED = "Paused: Play goes on, Esc ends and puts the rest shape back"
+STATUS_S = 0.5  # [s] between two times that a text is set: a field that is typed into and a stroke of a brush clear it
 PAUSED_POKE = "Paused: Space or Play goes on, Esc ends and puts the rest shape back"
 
 
@@ -25,6 +26,7 @@ class ModalRun:
     state: what it does, for the panel.
     status: for the status bar.
     shown: the workspace that shows which status.
+    shown_at: when it was set last [s].
     paused: time stands still.
     closed: it has ended.
     step_s: simulated time that the next step asks for [s]; it falls when the computer lags.
@@ -37,6 +39,7 @@ class ModalRun:
     state: str = ""
     status: str = ""
     shown: tuple[str, str] = ("", "")
+    shown_at: float = 0.0
     paused: bool = False
     closed: bool = False
     step_s: float = 0.002
@@ -73,10 +76,10 @@ def pause(context: bpy.types.Context, run: ModalRun, paused: bool) -> None:
 
 def show_status(context: bpy.types.Context, run: ModalRun, text: str) -> None:
     """Show a text in the status bar: also after an undo and in another workspace, which both forget it."""
-    wanted = (getattr(context.workspace, "name", ""), text)
-    if run.shown != wanted:
+    wanted, now = (getattr(context.workspace, "name", ""), text), time.monotonic()
+    if run.shown != wanted or now > run.shown_at + STATUS_S:
         context.workspace.status_text_set(text)
-        run.status, run.shown = text, wanted
+        run.status, run.shown, run.shown_at = text, wanted, now
 
 
 def clear_status() -> None:

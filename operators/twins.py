@@ -56,10 +56,13 @@ def moved(fingers: Fingers, here: LiveBody, there: LiveBody) -> list[Finger | No
     """Return fingertips that press a body as others do its twin."""
     way = Matrix(there.matrix.tolist()) @ Matrix(here.matrix.tolist()).inverted()
 
+    def at(place: tuple[float, float, float]) -> tuple[float, ...]:
+        return tuple(there.link.scale * (way @ (Vector(place) / here.link.scale)))
+
     def placed(finger: Finger) -> Finger:
-        at = there.link.scale * (way @ (Vector(finger.position) / here.link.scale))
         inward = (way.to_3x3() @ Vector(finger.inward)).normalized()
-        return finger._replace(position=tuple(at), inward=tuple(inward))
+        via = tuple(map(at, finger.via))
+        return finger._replace(position=at(finger.position), inward=tuple(inward), via=via)
 
     return [finger and placed(finger) for finger in fingers]
 

@@ -13,7 +13,6 @@ OPERATORS = {
     "Bake to Mesh Cache": "メッシュキャッシュにベイク",
     "Bake to Shape Keys": "シェイプキーにベイク",
     "Remove Bake": "ベイクを外す",
-    "Export Dimple Animation": "Dimple アニメーションをエクスポート",
     "Dimple Animation...": "Dimple アニメーション...",
     "Export Animation": "アニメーションをエクスポート",
     "Apply Preset": "プリセットを適用",
@@ -140,7 +139,7 @@ SESSION = {
     "Where recordings go. Empty: beside the .blend file, or Dimple's own folder if it is not saved": (
         "記録の保存先。空なら .blend ファイルの隣、未保存なら Dimple 自身のフォルダー"
     ),
-    "Every n Frames": "フレーム間隔",
+    "Frame Step": "フレーム間隔",
     "Make one shape key for this many frames": "このフレーム数ごとにシェイプキーを一つ作ります",
     "Overlay": "オーバーレイ",
     "Draw fingertips, forces and numbers in the viewport": "指先、力、数値をビューポートに描きます",

@@ -94,6 +94,65 @@ def test_a_drag_slides_the_fingertip_over_the_surface_without_a_jump() -> None:
     assert settled == pytest.approx((0.09, 0.0, 0.0), abs=1e-6)
 
 
+def on_ball(angle: float) -> Hit:
+    """Return what the pointer is on, of a ball of 80 mm, at an angle from its top."""
+    out = math.sin(angle), 0.0, math.cos(angle)
+    return Hit(point=tuple(0.08 * c for c in out), normal=out, body=7)
+
+
+@pytest.mark.parametrize("dt", [0.016, 0.1])
+def test_however_fast_a_drag_is_the_fingertip_goes_round_the_body_and_not_through_it(dt: float) -> None:
+    state, _ = run(replace(START, depth=0.007, along_normal=True), press(on_ball(-0.7)), *ticks(0.3))
+    places, moves = [], round(dt / 0.004)
+    for begin in np.arange(-0.7, 0.7, dt / 0.08):  # 1 m/s
+        way = [PokeEvent(kind=Kind.MOVE, hit=on_ball(begin + 0.05 * j)) for j in range(1, moves + 1)]
+        state, _ = run(state, *way, PokeEvent(kind=Kind.TICK, amount=dt))
+        tip = fingers(state, 7)[0]
+        places += [*tip.via, tip.position]
+    away = np.linalg.norm(places, axis=1)
+    assert np.ptp(np.array(places)[:, 0]) > 0.07
+    assert away == pytest.approx(0.08 + 0.01 - 0.007, abs=2e-4)
+    legs = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    assert legs.max() < 0.01, "no leg of its way is longer than its radius"
+
+
+@pytest.mark.parametrize("by_force", [False, True], ids=["depth", "force"])
+def test_a_fingertip_slides_no_deeper_than_it_glides_and_sinks_in_again_when_it_rests(by_force: bool) -> None:
+    def deepest(state: PokeState) -> float:
+        tip = fingers(state, 7)[0]
+        return tip.deepest if by_force else 0.11 - tip.position[2]
+
+    def at(x: float) -> PokeEvent:
+        return PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(x, 0.0, 0.1)))
+
+    pressed, _ = run(replace(START, by_force=by_force), press(), *ticks(0.3))
+    trembling, _ = run(pressed, *[event for k in range(200) for event in (at(4e-4 * (k % 2)), *ticks(0.01))])
+    dragged, _ = run(pressed, *[event for k in range(50) for event in (at(1e-3 * k), *ticks(0.01))])
+    assert deepest(pressed) >= 0.02 - 1e-12 and deepest(trembling) >= 0.02 - 1e-12
+    assert deepest(dragged) == pytest.approx(0.0075, rel=0.02)
+    rested, _ = run(dragged, *ticks(1.2))
+    assert deepest(rested) >= 0.02 - 1e-12
+
+
+def test_a_fingertip_that_presses_aslant_slides_as_deep_below_the_surface() -> None:
+    view = (0.8, 0.0, -0.6)
+    moves = [PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(1e-3 * k, 0.0, 0.1)), view=view) for k in range(50)]
+    start, _ = run(START, PokeEvent(kind=Kind.PRESS, hit=TOP, view=view), *ticks(0.3))
+    dragged, _ = run(start, *[event for move in moves for event in (move, *ticks(0.01))])
+    assert fingers(dragged, 7)[0].position[2] == pytest.approx(0.11 - 0.0075, rel=2e-3)
+
+
+def test_where_the_pointer_leaps_to_a_part_behind_the_fingertip_is_lifted_and_comes_down_there() -> None:
+    pressed, _ = run(START, press(), *ticks(0.3))
+    behind = PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(0.002, 0.0, 0.05)))
+    state, _ = run(pressed, behind, *ticks(0.01, 0.01))
+    tip = fingers(state, 7)[0]
+    assert tip.anew and tip.position == pytest.approx((0.002, 0.0, 0.06 - 0.02 * 0.01 / 0.25))
+    assert not fingers(run(state, *ticks(0.01, 0.01))[0], 7)[0].anew
+    slope = PokeEvent(kind=Kind.MOVE, hit=replace(TOP, point=(0.04, 0.0, 0.05)))
+    assert run(pressed, slope, *ticks(0.01, 0.01))[0].tips[0].reached > 0.01
+
+
 def test_a_drag_off_the_body_or_onto_another_leaves_the_fingertip_where_it_is() -> None:
     pressed, _ = run(START, press(), *ticks(0.3))
     for hit in (None, replace(SIDE, body=8)):

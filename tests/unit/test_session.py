@@ -80,6 +80,63 @@ def test_a_fingertip_moves_linearly_and_arrives_at_the_end_of_the_step() -> None
     np.testing.assert_allclose(parts.positions(), whole.positions(), atol=1e-9)
 
 
+@pytest.mark.parametrize("backend", ["native64", "numpy"])
+def test_a_fingertip_passes_each_place_of_its_way_at_its_time(backend: str) -> None:
+    mesh = mesh_from_triangles(*BALL)
+    one, other = (Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)), backend=backend) for _ in range(2))
+    places = [above(0.01, x=x).position for x in (0.0, 0.01, 0.02)]
+    for session in (one, other):
+        session.set_fingers([above(0.0)])
+        session.step(0)
+    one.set_fingers([Finger(places[-1], 0.02, via=tuple(places[:-1]))])
+    frame, impulse = one.step(0.03), np.zeros(3)
+    for place in places:
+        other.set_fingers([Finger(place, 0.02)])
+        impulse += other.step(0.01).finger_forces[0] * 0.01
+    np.testing.assert_allclose(one.positions(), other.positions(), atol=1e-9)
+    assert frame.finger_forces[0] * 0.03 == pytest.approx(impulse)
+    frame = one.step(0.03)
+    assert one.placed[0].position == pytest.approx(places[-1]) and frame.touches[0].centre == pytest.approx(places[-1])
+
+
+def test_a_fingertip_that_comes_down_anew_touches_nothing_on_its_way() -> None:
+    session = on_its_base()
+    session.set_fingers([above(0.01)])
+    session.step(0.05)
+    below = Finger((0.0, 0.0, -2 * RADIUS), 0.02, anew=True)
+    session.set_fingers([below])
+    assert not session.step(0.001).finger_forces.any()
+
+
+@pytest.mark.parametrize("first", [0.0, 0.02])
+@pytest.mark.parametrize("backend", ["native64", "numpy"])
+def test_a_fingertip_that_is_put_down_with_its_centre_inside_presses_like_one_that_came_in(
+    backend: str, first: float
+) -> None:
+    mesh = mesh_from_triangles(*ball(3, RADIUS))
+    put, led = (Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)), backend=backend) for _ in range(2))
+    led.set_fingers([above(0.0, radius=0.01)])
+    led.step(0)
+    for session, seconds in ((led, 0.2), (put, first)):
+        session.set_fingers([above(0.015, radius=0.01)])
+        session.step(seconds)
+        session.step(0.3)
+    forces = [float(session.step(0.1).finger_forces[0, 2]) for session in (led, put)]
+    assert forces[0] > 0 and forces[1] == pytest.approx(forces[0], rel=0.05)
+    assert put.frame.depths[0] == pytest.approx(0.015, abs=1e-4)
+
+
+def test_a_force_pushes_a_fingertip_no_deeper_than_it_may_go_and_the_body_lifts_it_there() -> None:
+    session, deep = on_its_base(), []
+    for deepest in (math.inf, 0.005, math.inf):
+        tip = Finger(above(0.0).position, 0.02, 6.0, (0.0, 0.0, -1.0), deepest=deepest)
+        for _ in range(60):
+            session.set_fingers([tip])
+            frame = session.step(0.01)
+        deep.append(float(frame.depths[0]))
+    assert deep[0] > 0.007 and deep[1] == pytest.approx(0.005, abs=1e-4) and deep[2] == pytest.approx(deep[0], rel=0.02)
+
+
 def test_a_fingertip_in_a_hurry_is_slowed_down_and_catches_up() -> None:
     session = on_its_base()
     session.set_fingers([Finger((0, 0, 1.0), 0.02)])

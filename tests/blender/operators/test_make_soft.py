@@ -135,6 +135,21 @@ def test_a_cylinder_is_cut_where_its_faces_are_wide_and_its_edges_short(
     assert min(v.co.z for v in mesh.vertices if v.co.z > 0.5) < 1.0 - 0.9 * 0.008 / units_m, "the top shows the dent"
 
 
+@pytest.mark.parametrize("name", ["ico_sphere", "monkey", "uv_sphere"])
+def test_what_is_cut_has_no_face_without_area(bpy: ModuleType, empty_file: ModuleType, name: str) -> None:
+    """Edges of an icosphere are of two lengths: cut in unequal numbers they had 600 such faces, in twice the mesh."""
+    getattr(bpy.ops.mesh, f"primitive_{name}_add")()
+    mesh = bpy.context.object.data
+    assert bpy.ops.dimple.make_soft(subdivide=True) == {"FINISHED"}
+    mesh.calc_loop_triangles()
+    points = np.array([vertex.co for vertex in mesh.vertices])
+    corners = points[np.array([triangle.vertices for triangle in mesh.loop_triangles])]
+    edges = corners - np.roll(corners, 1, axis=1)
+    doubled = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    height = doubled / np.linalg.norm(edges, axis=2).max(axis=1) ** 2
+    assert height.min() > 0.02 and len(points) < 6000
+
+
 @pytest.mark.parametrize("scale", [(1.0, 1.0, 3.0), (1.0, 0.05, 1.0), (-1.0, -2.0, -0.5)])
 def test_a_cube_that_is_scaled_unevenly_is_cut_at_the_size_it_has(
     bpy: ModuleType, bare: Any, scale: tuple[float, float, float], capfd: pytest.CaptureFixture[str]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -123,6 +123,21 @@ def test_keys_do_what_the_status_bar_says(bpy: ModuleType, hand: Any, rest: byte
     assert "Recording" in said and said[-1].startswith('Recorded '), "by its own operator, for that is what is shown"
     poke.send("ESC")
     assert ball_of(bpy).modifiers["Dimple"].filepath.endswith("Ball_take_001.pc2")
+
+
+def test_the_keys_come_back_after_something_else_has_cleared_the_status_bar(
+    bpy: ModuleType, hand: Any, rest: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.operators import modal_runs
+
+    poke = hand("poke")
+    monkeypatch.setattr(modal_runs, "time", SimpleNamespace(monotonic=lambda: poke.time))
+    poke.invoke()
+    poke.ticks(1)
+    poke.context.workspace.status_text_set(None)  # as a field that is typed into does, or a stroke of a brush
+    poke.ticks(60)
+    assert poke.context.said.startswith("Left drag")
+    poke.send("ESC")
 
 
 def test_a_pen_presses_as_deep_as_it_is_pressed(bpy: ModuleType, hand: Any, rest: bytes) -> None:

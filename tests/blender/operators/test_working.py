@@ -44,6 +44,7 @@ def test_a_bake_shows_progress_and_can_be_cancelled(
     run.invoke()
     assert run.ticks(50) == {"FINISHED"}
     assert len(list(tmp_path.iterdir())) == 2 and body.modifiers
+    assert [level for level, _ in run.reports][-2:] == ["WARNING"] * 2, "what is said last is what is seen"
 
 
 def test_a_bake_that_fails_on_its_way_leaves_nothing(
