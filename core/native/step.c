@@ -85,7 +85,7 @@ static void dm_drive_pins(dm_state *b, const dm_motion *m, double share) {
         uint32_t vertex = b->pinned[k], i = b->place[vertex];
         double v[3];
         dm_fetch_pin(b, k + DM_PINS_AHEAD);
-        DM_UNROLLED for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; c++) {
             double from = m->pins_from[c * count + k], x = (double)b->records[i].x[c] + b->origin[c];
             double way = from + share * (m->pins_to[c * count + k] - from) - x;
             rest[c * stride + used] = b->rest[c * n + vertex];
@@ -124,13 +124,13 @@ static void dm_finish_pins(dm_state *b, const dm_motion *m) {
         uint32_t vertex = b->pinned[k], i = b->place[vertex];
         double x[3], local[3], behind = 0;
         dm_fetch_pin(b, k + DM_PINS_AHEAD);
-        DM_UNROLLED for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; c++) {
             x[c] = (double)b->records[i].x[c] + b->origin[c];
             double late = fabs(m->pins_to[c * count + k] - x[c]);
             behind = late > behind ? late : behind;
         }
         int there = whole && !(b->pins_met && behind > DM_PIN_BEHIND * b->size);
-        DM_UNROLLED for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; c++) {
             x[c] = there ? m->pins_to[c * count + k] : x[c];
             b->pins[c * n + k] = x[c], local[c] = x[c] - b->origin[c];
             rest[c * stride + used] = b->rest[c * n + vertex], here[c * stride + used] = x[c];
