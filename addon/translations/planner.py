@@ -46,6 +46,10 @@ WORDS = {
     "Of the proxy; 0 is the full mesh": "代理メッシュの頂点数。0 は元のメッシュ",
     "Times Faster": "倍速",
     "How many times faster than slow fingertips it is simulated": "ゆっくり動く指先の何倍の速さで計算するか",
+    "Slack (m)": "ゆるみ (m)",
+    "Parts of the mesh that move by less rest; 0: all of it is simulated": (
+        "これより動かない部分は休ませます。0 ではすべてを計算します"
+    ),
     "Graded": "段階的",
     "The proxy is fine where it will be pressed and coarse elsewhere": (
         "代理メッシュは押される所の近くで細かく、ほかでは粗くなります"

@@ -162,7 +162,7 @@ def decide(
             )
             return replace(decided, reason=reason, faster=faster, cost=cost / faster)
     even, graded = _sized(decided, None), None
-    resting = _resting(decided, cost, decided.because) if even.keeping > even.most else None
+    resting = _resting(decided, cost) if even.keeping > even.most else None
     if resting and resting.cost > NEARLY_LIVE * budget:
         resting = None
     if not (even.most == LARGEST and cost > TOO_SLOW * budget):  # a mesh that is hardly finer is the better one
@@ -174,13 +174,8 @@ def decide(
     return resting or replace(even, otherwise=graded if graded and graded.vertices else None)
 
 
-def _resting(decided: Decision, cost: float, because: str) -> Decision | None:
-    """Decide that only what moves of the full mesh is stepped; None where nothing of it can rest.
-
-    Args:
-        cost: of all of it.
-        because: how the reason begins.
-    """
+def _resting(decided: Decision, cost: float) -> Decision | None:
+    """Decide that only what moves of the full mesh, which costs so much [s], is stepped; None where none of it rests."""
     model, radius = decided.model, decided.radius
     if not (decided.alone and may_rest(model) and cost < math.inf):
         return None
@@ -188,8 +183,11 @@ def _resting(decided: Decision, cost: float, because: str) -> Decision | None:
     share = share_awake(model, radius, slack)
     less = share * cost
     speed = "which runs live" if less <= ESTIMATED * decided.budget else f"at {_times(decided.budget / less)} real time"
-    rests = f"What moves by less than {1e3 * slack:.2g} mm rests; a fingertip moves about {share:.0%} of it, {speed}."
-    return replace(decided, vertices=0, cost=less, slack=slack, reason=f"{because.rstrip('.')}. {rests}")
+    reason = (
+        f"{decided.because}. What moves by less than {1e3 * slack:.2g} mm rests; a fingertip moves about {share:.0%} "
+        f"of it, {speed}."
+    )
+    return replace(decided, vertices=0, cost=less, slack=slack, reason=reason)
 
 
 def _sized(decided: Decision, pressed: Pressed | None) -> Decision:
@@ -229,7 +227,7 @@ def carry_out(decided: Decision, build: Maker = build_proxy) -> Plan:
         DimpleError: the material is too stiff for the mesh, and no proxy can be made.
     """
     chosen = _best_of(decided, build)
-    resting = _resting(decided, chosen.cost, chosen.reason) if not chosen.proxy and not chosen.slack else None
+    resting = _resting(decided, chosen.cost) if not chosen.proxy and not chosen.slack else None
     if not resting or chosen.faster > 1 or chosen.cost <= ESTIMATED * decided.budget:
         return chosen
     return replace(chosen, cost=resting.cost, slack=resting.slack, error=resting.slack, reason=resting.reason)

@@ -143,6 +143,11 @@ MESSAGES = {
     "no proxy within the tolerances runs live": "許容差に収まる代理メッシュで、リアルタイムで動くものはありません",
     "no proxy within the tolerances is faster": "許容差に収まる代理メッシュで、これより速いものはありません",
     "{}, the full mesh: {}, at {} real time.": "{}。元のメッシュ（{}）、実時間の {} の速さです。",
+    "{}. What moves by less than {} mm rests; a fingertip moves about {} of it, {}.": (
+        "{}。動きが {} mm 未満の所は休ませます。指先が動かすのは全体の約 {} で、{}。"
+    ),
+    "which runs live": "実時間で動きます",
+    "at {} real time": "実時間の {} の速さです",
     "For self contact": "自己接触があります",
     "In contact there the force is within {}, and the mesh shown may overlap by up to {} mm.": (
         "そこでの接触では、力の誤差は {} 以内で、表示メッシュが最大 {} mm 重なることがあります。"
