@@ -175,7 +175,7 @@ def decide(
 
 
 def _resting(decided: Decision, cost: float) -> Decision | None:
-    """Decide that only what moves of the full mesh, which costs so much [s], is stepped; None where none of it rests."""
+    """Decide to step only what moves of a full mesh that costs so much [s]; None where none of it can rest."""
     model, radius = decided.model, decided.radius
     if not (decided.alone and may_rest(model) and cost < math.inf):
         return None
