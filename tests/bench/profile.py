@@ -31,6 +31,8 @@ def measured(library: ctypes.CDLL, scene: str, size: int) -> tuple[int, list[flo
     ticks = max(1, min(TICKS_AT_ONCE, int(2e6 / (n * substeps))))
     still, rows = bench.straight(top - bench.DEPTH, top - bench.DEPTH, ticks, fingers), []
     for _ in range(TIMES if n < 100_000 else TIMES // 3):
+        bench.stir(body)
+        body.step(Motion(1, substeps, bench.TICK, bench.straight(top - bench.DEPTH, top - bench.DEPTH, 1, fingers)))
         before, started = spent.copy(), time.perf_counter()
         body.step(Motion(ticks, substeps, bench.TICK, still))
         rows.append([time.perf_counter() - started, *(spent - before)])
