@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 HEAVY = 8000  # vertices: where a larger mesh moves itself it is identified on a proxy
 PROXY = 2500  # vertices of that
+FINE = 0.6  # of a round tip's radius: a proxy that is coarser answers it otherwise
 HOPELESS = 0.24  # of the force, at half of the depths: then the closed form is no worse
 LOOK_S = 0.005  # between two looks at the thread
 PAUSE_S = 0.04  # before it begins: the body is given the estimate first, and a number that is dragged changes again
@@ -135,7 +136,7 @@ def _beginning(
     """
     from ..core.body.model import build_model
     from ..core.mesh.surface import base_vertices
-    from ..core.reduction.proxy import build_proxy
+    from ..core.reduction.proxy import build_proxy, mean_spacing
 
     def model() -> Model:
         materials = [material] * (int(mesh.triangle_material.max()) + 1)
@@ -144,7 +145,8 @@ def _beginning(
     def moving() -> tuple[Mesh, Bools | None]:
         with contextlib.suppress(DimpleError):  # no proxy of it can be made: so it takes longer
             proxy = next((choose() for choose in chosen), None)
-            if proxy is None and len(mesh.rest_positions) > HEAVY:
+            sphere, fine = material.indenter.shape == "sphere", FINE * material.indenter.radius
+            if proxy is None and len(mesh.rest_positions) > HEAVY and not (sphere and mean_spacing(mesh, PROXY) > fine):
                 proxy = build_proxy(model(), PROXY)
             if proxy:
                 return proxy.model.mesh, proxy.model.pinned
