@@ -208,7 +208,7 @@ struct dm_state {
     struct {
         double centre[3], side[3]; /* where a fingertip is, and the outward normal where it came in */
         int has_side, rests;       /* rests: it was near when the body fell asleep, */
-        double rests_at[3], rests_radius, begun[3], held[3]; /* there; its impulse when the tick began, and of a tick [N s] */
+        double rests_at[3], rests_radius, begun[3], held[3]; /* there; its impulse when the tick began [N s]; force in it [N] */
         int64_t last; /* the facet it was nearest to */
         dm_nearby nearby;
     } fingers[DM_MAX_FINGERTIPS];

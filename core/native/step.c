@@ -257,19 +257,19 @@ static void dm_run_substep(dm_state *b, dm_frame *frame) {
 
 DM_SMALL
 /* What sleeps under a fingertip presses on it as in the last tick. */
-static void dm_note_impulses(dm_state *b, dm_frame *frame) {
+static void dm_note_impulses(dm_state *b, double tick, dm_frame *frame) {
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++)
         for (int c = 0; c < 3; c++) {
             double *impulse = frame->touches[k].impulse + c;
-            if (b->asleep) *impulse += b->fingers[k].rests ? b->fingers[k].held[c] : 0;
-            else b->fingers[k].held[c] = *impulse - b->fingers[k].begun[c];
+            if (b->asleep) *impulse += b->fingers[k].rests ? b->fingers[k].held[c] * tick : 0;
+            else b->fingers[k].held[c] = (*impulse - b->fingers[k].begun[c]) / tick;
         }
 }
 
 static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double centre[3];
     frame->ticks = t + 1;
-    dm_note_impulses(b, frame);
+    dm_note_impulses(b, m->tick, frame);
     if (b->asleep) return;
     frame->finite = dm_is_finite(b, m->tick, centre);
     if (!frame->finite) return;

@@ -211,10 +211,10 @@ class Twin:
         call.ticks += 1
         if self._rest.asleep:
             for i in self._rest.under:
-                call.impulses[i] += self._rest.held[i]
+                call.impulses[i] += self._rest.held[i] * call.motion.tick
             return
         state, tick, path = self._state, call.motion.tick, call.path
-        self._rest.held = call.impulses - call.begun
+        self._rest.held = (call.impulses - call.begun) / tick
         with np.errstate(all="ignore"):
             call.finite = self._is_finite(tick)
         if call.finite:
