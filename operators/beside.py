@@ -105,7 +105,7 @@ class Beside:
         """Tell whether a body can run there; its vertices and steps decide, so that it is the same every time."""
         from ..core.haptics.body_host import TOO_FINE
         from ..core.mesh.refine import is_coarse
-        from ..core.reduction.planner import cost_of
+        from ..core.reduction.processor_time import cost_of
 
         model = body.session.body.model
         if self._looked[0] is not model or self._looked[1] != radius:

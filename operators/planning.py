@@ -16,8 +16,9 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.reduction.contact import in_contact
+from ..core.reduction.decision import decide
 from ..core.reduction.grading import share_of
-from ..core.reduction.planner import Maker, Plan, carry_out, decide, plan_full_mesh, plan_proxy
+from ..core.reduction.planner import Maker, Plan, carry_out, plan_full_mesh, plan_proxy
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once

@@ -18,7 +18,7 @@ from core.material import PRESETS, Material
 from core.mesh.surface import base_vertices
 from core.reduction.active_regions import may_rest, share_awake, slack_of
 from core.reduction.benchmark import DOWN, HOLD, BenchmarkPress, PressResult, choose_presses, outcome_of, press_body
-from core.reduction.planner import TOLERANCE
+from core.reduction.decision import TOLERANCE
 from core.solver.backend import create
 from core.solver.motion import Frame, Motion
 

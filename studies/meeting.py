@@ -18,8 +18,10 @@ from core.body.model import build_model
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.props import PropWorld
 from core.reduction.contact import in_contact
-from core.reduction.planner import BUDGET, Plan, decide, plan_full_mesh
+from core.reduction.decision import decide
+from core.reduction.planner import Plan, plan_full_mesh
 from core.reduction.planner import carry_out as make
+from core.reduction.processor_time import BUDGET
 from core.session import Session
 from core.world import Collider, World
 

@@ -23,7 +23,9 @@ from core.material import PRESETS
 from core.mesh.surface import Mesh, base_vertices
 from core.reduction.benchmark import dent_error
 from core.reduction.binding import carry
-from core.reduction.planner import BUDGET, FORCE_TOLERANCE, TOLERANCE, plan
+from core.reduction.decision import FORCE_TOLERANCE, TOLERANCE
+from core.reduction.planner import plan
+from core.reduction.processor_time import BUDGET
 from core.reduction.proxy import Proxy, build_proxy
 from core.solver.backend import choose_backend
 from core.solver.path import FingerPath

@@ -11,7 +11,7 @@ from core.calibration.indent import go_down, put_back, set_up
 from core.calibration.place import typical_site
 from core.material import FINGERTIP, PRESETS
 from core.mesh.surface import Mesh, base_vertices
-from core.reduction import planner
+from core.reduction import decision, planner, processor_time
 from core.reduction.benchmark import BenchmarkPress, PressResult, choose_presses, outcome_of, press_body
 from core.reduction.grading import FAR, FINE, MOST, Led, Pressed, coarser, pressed_by
 from core.reduction.planner import plan
@@ -112,17 +112,17 @@ def test_a_proxy_fine_on_the_way_of_a_fingertip_has_the_force_that_an_even_one_m
 ) -> None:
     """The even one, of 8,000 vertices, is off by a fifth of the force, and says that it may be off by 29 %."""
     even, graded = plan(fine, radius=RADIUS), plan(fine, radius=RADIUS, pressed=near(fine, press))
-    assert even.proxy and graded.proxy and even.force_error > 2 * planner.FORCE_TOLERANCE
-    assert graded.force_error <= planner.FORCE_TOLERANCE and graded.error <= planner.TOLERANCE
+    assert even.proxy and graded.proxy and even.force_error > 2 * decision.FORCE_TOLERANCE
+    assert graded.force_error <= decision.FORCE_TOLERANCE and graded.error <= decision.TOLERANCE
     assert graded.vertices * graded.steps < even.vertices * even.steps / 10
-    assert graded.reason.endswith("It is fine where it will be pressed.") and graded.cost < planner.BUDGET
+    assert graded.reason.endswith("It is fine where it will be pressed.") and graded.cost < processor_time.BUDGET
     goal, found = pressed(fine, press), []
     for chosen in (even, graded):
         assert chosen.proxy
         end = pressed(chosen.proxy.model, press)
         found.append(outcome_of(fine, chosen.asked, chosen.proxy, chosen.steps, [end], [goal]))
-    assert found[0].force_error > 1.5 * planner.FORCE_TOLERANCE
-    assert found[1].force_error < planner.FORCE_TOLERANCE and found[1].error < planner.TOLERANCE
+    assert found[0].force_error > 1.5 * decision.FORCE_TOLERANCE
+    assert found[1].force_error < decision.FORCE_TOLERANCE and found[1].error < decision.TOLERANCE
     assert found[1].error < 0.02 * RADIUS
 
 
@@ -142,10 +142,10 @@ def test_the_steps_of_a_stiff_body_leave_an_even_proxy_too_slow_and_a_graded_one
     """How many steps a proxy takes is known when it is made: then the graded one is, too."""
     there = near(fine, press)._replace(radius=0.008)
     even = plan(fine, radius=0.008)
-    assert even.force_error <= planner.FORCE_TOLERANCE
+    assert even.force_error <= decision.FORCE_TOLERANCE
     slow, live = (plan(fine, radius=0.008, budget=0.3 * even.cost, pressed=known) for known in (None, there))
     assert slow.cost > 0.3 * even.cost and live.cost <= 0.3 * even.cost
-    assert live.proxy and live.proxy.pressed == there.where and live.force_error <= planner.FORCE_TOLERANCE
+    assert live.proxy and live.proxy.pressed == there.where and live.force_error <= decision.FORCE_TOLERANCE
 
 
 def test_where_no_graded_proxy_can_be_made_the_plan_is_as_without_paths(fine: Model, press: BenchmarkPress) -> None:
@@ -158,7 +158,7 @@ def test_where_no_graded_proxy_can_be_made_the_plan_is_as_without_paths(fine: Mo
         return build_proxy(model, vertices)
 
     there = near(fine, press)
-    chosen = planner.carry_out(planner.decide(fine, radius=RADIUS, pressed=there), build)
+    chosen = planner.carry_out(decision.decide(fine, radius=RADIUS, pressed=there), build)
     assert chosen.proxy and chosen.proxy.pressed is None and made[0] == there.where
     assert chosen.reason == plan(fine, radius=RADIUS).reason
 
@@ -175,8 +175,8 @@ def test_a_mesh_that_is_hardly_finer_than_a_proxy_is_simulated_itself(press: Ben
     mesh = bodies.head(30, 0.2)
     model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
     there = Pressed((tuple(press.at.tolist()),), RADIUS)
-    chosen = plan(model, radius=RADIUS, pressed=there, budget=0.1 * planner.cost_of(model))
-    assert chosen.reason == plan(model, radius=RADIUS, budget=0.1 * planner.cost_of(model)).reason
+    chosen = plan(model, radius=RADIUS, pressed=there, budget=0.1 * processor_time.cost_of(model))
+    assert chosen.reason == plan(model, radius=RADIUS, budget=0.1 * processor_time.cost_of(model)).reason
     assert chosen.proxy is None or chosen.proxy.pressed is None
 
 

@@ -11,7 +11,7 @@ from core.base import TICK, DimpleError
 from core.body.model import Model, build_model
 from core.material import PRESETS, ModelConstants
 from core.mesh.surface import base_vertices
-from core.reduction import error_model, planner
+from core.reduction import decision, error_model, planner, processor_time
 from core.reduction.active_regions import share_awake
 from core.reduction.benchmark import choose_presses, compare_proxies
 from core.reduction.grading import Pressed
@@ -71,7 +71,7 @@ def test_the_largest_proxy_that_keeps_the_tolerances_without_a_margin_beats_a_fu
 ) -> None:
     """It missed them by a hair on a cube of 40,000 vertices, which then ran at a thirteenth of real time."""
     shares = np.arange(0.5, 0.0, -0.002)
-    share = next(f for f in shares if error_model.vertices_for(round_model, 1.0, f / planner.MARGIN, 0.02) > 1281)
+    share = next(f for f in shares if error_model.vertices_for(round_model, 1.0, f / decision.MARGIN, 0.02) > 1281)
     chosen = plan(round_model, budget=NEVER_LIVE, tolerance=1.0, force_tolerance=float(share), radius=0.02)
     assert chosen.proxy is not None and 1000 < chosen.vertices <= 1281
     assert chosen.force_error == pytest.approx(share, rel=0.2)
@@ -89,9 +89,9 @@ def test_a_full_mesh_far_from_live_gives_way_to_the_finest_live_proxy_which_says
     mesh = bodies.head(100, 0.2)
     model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
     chosen = plan(model, radius=0.004)
-    assert planner.cost_of(model) > planner.TOO_SLOW * planner.BUDGET
-    assert chosen.proxy is not None and chosen.cost <= planner.BUDGET
-    assert 2 * planner.FORCE_TOLERANCE < chosen.force_error < planner.COARSEST
+    assert processor_time.cost_of(model) > decision.TOO_SLOW * processor_time.BUDGET
+    assert chosen.proxy is not None and chosen.cost <= processor_time.BUDGET
+    assert 2 * decision.FORCE_TOLERANCE < chosen.force_error < decision.COARSEST
     assert chosen.reason.endswith("A proxy cannot have the vertices to keep the tolerances.")
     # a fingertip that no proxy of this mesh can tell from a point is pressed in full
     assert plan(model, radius=0.001).proxy is None
@@ -108,7 +108,7 @@ def test_of_a_large_body_that_no_proxy_stands_for_only_what_moves_is_stepped(lar
     chosen = plan(large, radius=0.01)
     assert chosen.proxy is None and chosen.vertices == len(large.mass)
     assert chosen.slack == chosen.error == pytest.approx(1e-4)
-    assert 0.02 * planner.cost_of(large) < chosen.cost < 0.2 * planner.cost_of(large)
+    assert 0.02 * processor_time.cost_of(large) < chosen.cost < 0.2 * processor_time.cost_of(large)
     assert "What moves by less than 0.1 mm rests; a fingertip moves about" in chosen.reason
     finer = plan(large, radius=0.01, tolerance=1e-4)
     assert finer.slack == pytest.approx(2e-5) and finer.cost > chosen.cost
@@ -124,7 +124,7 @@ def test_what_meets_others_or_is_liquid_or_runs_live_or_is_chosen_in_full_is_ste
 
 def test_a_wide_fingertip_has_a_proxy_and_nothing_rests(large: Model) -> None:
     chosen = plan(large, radius=0.05, tolerance=5e-3)
-    assert chosen.proxy is not None and chosen.slack == 0 and chosen.cost <= planner.BUDGET
+    assert chosen.proxy is not None and chosen.slack == 0 and chosen.cost <= processor_time.BUDGET
 
 
 def test_the_share_that_moves_is_near_what_is_stepped(large: Model) -> None:
@@ -173,21 +173,21 @@ def test_a_proxy_that_runs_live_and_nearly_keeps_the_tolerances_beats_a_slow_one
     accurate = plan(round_model, budget=NEVER_LIVE, tolerance=1e-3, radius=0.02)
     close = plan(round_model, budget=0.9 * accurate.cost, tolerance=1e-3, radius=0.02)
     assert close.vertices < accurate.vertices and close.cost <= 0.9 * accurate.cost and "runs live" in close.reason
-    assert close.error < 2e-3 and close.force_error < 2 * planner.FORCE_TOLERANCE
+    assert close.error < 2e-3 and close.force_error < 2 * decision.FORCE_TOLERANCE
     far = plan(round_model, budget=0.2 * accurate.cost, tolerance=1e-3, radius=0.02)
     assert far.vertices == accurate.vertices and "real time" in far.reason, "none that runs live is near"
 
 
 def test_a_mesh_is_live_where_its_cost_is_as_near_to_the_budget_as_costs_are_known(round_model: Model) -> None:
     """The default cube, cut finer, took 1.004 of it, and was said to run at 1x real time anyway."""
-    cost = planner.cost_of(round_model)
+    cost = processor_time.cost_of(round_model)
     for share, live in ((0.99, True), (0.93, False)):
         assert ("runs live" in plan(round_model, budget=share * cost).reason) == live
 
 
 def test_a_full_mesh_that_nearly_runs_live_beats_a_proxy_that_misses_a_tolerance(round_model: Model) -> None:
     """A bare cone at 0.6 of real time was given a proxy that was expected to be off by a fifth of the force."""
-    cost, nearly = planner.cost_of(round_model), 0.7 * error_model.expected(round_model, 1281, 0.02)[1]
+    cost, nearly = processor_time.cost_of(round_model), 0.7 * error_model.expected(round_model, 1281, 0.02)[1]
     for share, full in ((0.6, True), (0.52, False)):
         chosen = plan(round_model, budget=share * cost, tolerance=1.0, force_tolerance=nearly, radius=0.02)
         assert (chosen.proxy is None) == full, chosen.reason
@@ -199,8 +199,8 @@ def test_a_proxy_is_not_denied_vertices_for_the_many_steps_of_a_fine_mesh() -> N
     model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
     chosen = plan(model, radius=0.008)
     assert model.substeps(TICK) > 2 * chosen.steps
-    assert chosen.error <= planner.TOLERANCE and chosen.force_error <= planner.FORCE_TOLERANCE
-    assert chosen.cost < planner.BUDGET and chosen.reason.endswith("% of the force.")
+    assert chosen.error <= decision.TOLERANCE and chosen.force_error <= decision.FORCE_TOLERANCE
+    assert chosen.cost < processor_time.BUDGET and chosen.reason.endswith("% of the force.")
 
 
 def test_the_largest_proxy_that_runs_live_and_nearly_keeps_the_tolerances_beats_a_full_mesh_that_does_not(
@@ -221,19 +221,19 @@ def test_a_proxy_that_misses_the_tolerances_says_so(round_model: Model) -> None:
     missed = []
     for share in (1.1, 0.8, 0.6, 0.4):
         chosen = plan(round_model, budget=share * accurate.cost, tolerance=1e-3, radius=0.02)
-        missed.append(chosen.error > 1e-3 or chosen.force_error > planner.FORCE_TOLERANCE)
+        missed.append(chosen.error > 1e-3 or chosen.force_error > decision.FORCE_TOLERANCE)
         assert missed[-1] == ("A proxy within the tolerances would not run live." in chosen.reason)
     assert any(missed) and not all(missed)
 
 
 def test_the_cost_counts_vertices_and_steps(round_model: Model) -> None:
-    cost = planner.NUMPY_COST if native.why_not() else planner.NATIVE_COST
-    assert planner.cost_of(round_model) == pytest.approx(2562 * round_model.substeps(1e-3) * cost / 1e-3)
+    cost = processor_time.NUMPY_COST if native.why_not() else processor_time.NATIVE_COST
+    assert processor_time.cost_of(round_model) == pytest.approx(2562 * round_model.substeps(1e-3) * cost / 1e-3)
 
 
 def test_a_plan_is_explained_before_a_proxy_is_made(round_model: Model) -> None:
     """On a million vertices to make one takes seconds, where a plan is to be there at once."""
-    decided = planner.decide(round_model, budget=NEVER_LIVE, tolerance=1e-3, force_tolerance=0.15, radius=0.02)
+    decided = decision.decide(round_model, budget=NEVER_LIVE, tolerance=1e-3, force_tolerance=0.15, radius=0.02)
     made: list[int] = []
 
     def build(model: Model, vertices: int, _pressed: Pressed | None = None) -> Proxy:
@@ -251,10 +251,10 @@ def test_where_no_proxy_can_be_made_the_full_mesh_is_simulated_or_its_stiffness_
     def build(model: Model, vertices: int, _pressed: Pressed | None = None) -> Proxy:
         raise DimpleError("its surface is too crumpled")
 
-    decided = planner.decide(round_model, budget=NEVER_LIVE, tolerance=1e-3, force_tolerance=0.15, radius=0.02)
+    decided = decision.decide(round_model, budget=NEVER_LIVE, tolerance=1e-3, force_tolerance=0.15, radius=0.02)
     chosen = planner.carry_out(decided, build)
     assert chosen.proxy is None and chosen.reason.endswith("simulated anyway: its surface is too crumpled.")
-    stiff = planner.decide(replace(round_model, omega_squared=1e20), tolerance=1e-3, force_tolerance=0.15, radius=0.02)
+    stiff = decision.decide(replace(round_model, omega_squared=1e20), tolerance=1e-3, force_tolerance=0.15, radius=0.02)
     assert "too stiff" in stiff.reason
     with pytest.raises(DimpleError, match="so stiff or light on this mesh"):
         planner.carry_out(stiff, build)
@@ -265,7 +265,7 @@ def test_stiff_nylon_runs_for_a_fraction_of_its_work(nylon: Model) -> None:
     chosen = plan(nylon, budget=NEVER_LIVE)
     assert chosen.proxy is not None
     assert chosen.error <= 0.5e-3 and chosen.force_error <= 0.1
-    used = max(chosen.error / planner.TOLERANCE, chosen.force_error / planner.FORCE_TOLERANCE)
+    used = max(chosen.error / decision.TOLERANCE, chosen.force_error / decision.FORCE_TOLERANCE)
     assert used > 0.6, "the smallest proxy uses up the tolerances"
     assert work(chosen) < 0.5 * len(nylon.mass) * nylon.substeps(TICK)
 

@@ -35,11 +35,11 @@ def mattress(bpy: ModuleType, scene: Any) -> Any:
 @pytest.fixture
 def far_from_live(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is above 1,000 vertices does not run live; more than 500 no proxy has."""
-    from bl_ext.user_default.dimple.core.reduction import planner, proxy
+    from bl_ext.user_default.dimple.core.reduction import decision, processor_time, proxy
 
-    for module in (planner, proxy):
+    for module in (decision, proxy):
         monkeypatch.setattr(module, "LARGEST", 500)
-    monkeypatch.setattr(planner, "cost_of", lambda model: 0.6 * len(model.mass) / 1000)
+    monkeypatch.setattr(processor_time, "cost_of", lambda model: 0.6 * len(model.mass) / 1000)
 
 
 def test_what_a_poke_does_not_move_rests(bpy: ModuleType, mattress: Any, far_from_live: None, sessions: Any) -> None:

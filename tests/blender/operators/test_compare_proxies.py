@@ -21,9 +21,9 @@ def fine(ball: Callable[..., Any]) -> Any:
 @pytest.fixture
 def heavy(monkeypatch: pytest.MonkeyPatch, bpy: ModuleType) -> None:
     """Nothing above 2000 vertices runs live."""
-    from bl_ext.user_default.dimple.core.reduction import planner
+    from bl_ext.user_default.dimple.core.reduction import processor_time
 
-    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 2000)
+    monkeypatch.setattr(processor_time, "cost_of", lambda model: len(model.mass) / 2000)
 
 
 def start(bpy: ModuleType, obj: Any) -> Any:
@@ -202,10 +202,10 @@ def test_another_plan_with_as_many_vertices_makes_no_other_proxy(
     """A proxy of a million vertices takes seconds to make, and only the mesh, a number and where it is stiffer decide
     where its vertices are.
     """
-    from bl_ext.user_default.dimple.core.reduction import planner
+    from bl_ext.user_default.dimple.core.reduction import processor_time
     from bl_ext.user_default.dimple.operators import planning
 
-    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 10_000)
+    monkeypatch.setattr(processor_time, "cost_of", lambda model: len(model.mass) / 10_000)
     fine.dimple.tolerance_percent = 19.0  # planned for by no other test
     first = start(bpy, fine)[0].session.proxy
     key = fine.dimple.plan_key

@@ -258,10 +258,10 @@ def test_what_sleeps_on_a_collider_falls_once_that_is_taken_away(
 def test_what_meets_something_is_planned_for_twice_the_work_and_with_every_vertex_where_it_meets_itself(
     bpy: ModuleType, sessions: Any, ball: Add, add: Add, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from bl_ext.user_default.dimple.core.reduction import planner
+    from bl_ext.user_default.dimple.core.reduction import processor_time
     from bl_ext.user_default.dimple.operators import live
 
-    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 25_000)
+    monkeypatch.setattr(processor_time, "cost_of", lambda model: len(model.mass) / 25_000)
     obj = ball("Fine", 6)
     obj.dimple.tolerance_mm, obj.dimple.tolerance_percent = 2.0, 20.0
     other = add(name="Other")

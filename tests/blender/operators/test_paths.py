@@ -20,11 +20,11 @@ def keyed(bpy: ModuleType, scene: Any, ball: Callable[..., Any], monkeypatch: py
 
     It stands for a finer one: no proxy may have more than 4,000 vertices, where 8,000 are the most.
     """
-    from bl_ext.user_default.dimple.core.reduction import planner, proxy
+    from bl_ext.user_default.dimple.core.reduction import decision, processor_time, proxy
 
-    for module in (planner, proxy):
+    for module in (decision, proxy):
         monkeypatch.setattr(module, "LARGEST", 4000)
-    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 2000)
+    monkeypatch.setattr(processor_time, "cost_of", lambda model: len(model.mass) / 2000)
     obj = ball("Fine", 6)
     obj.dimple.tolerance_percent, scene.dimple.finger_radius_mm = 12.0, RADIUS
     tip = bpy.data.objects.new("Tip", None)
@@ -277,10 +277,10 @@ def test_a_body_that_runs_gets_ready_for_its_paths_between_events_and_esc_leaves
 @pytest.fixture
 def slow(scene: Any, keyed: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
     """The same ball, pressed at 2.5 mm/s; in full it would run at a quarter of real time."""
-    from bl_ext.user_default.dimple.core.reduction import planner
+    from bl_ext.user_default.dimple.core.reduction import processor_time
     from bl_ext.user_default.dimple.operators import shape_keys
 
-    monkeypatch.setattr(planner, "cost_of", lambda model: len(model.mass) / 4000)
+    monkeypatch.setattr(processor_time, "cost_of", lambda model: len(model.mass) / 4000)
     (curves,) = (bag.fcurves for bag in shape_keys.curve_bags(scene.dimple.finger_1))
     for point in (curve.keyframe_points[1] for curve in curves):
         point.co.x = 49

@@ -1,0 +1,25 @@
+"""What a body costs to simulate: counted, not timed, so that it is the same whatever else the computer does."""
+
+from __future__ import annotations
+
+from .. import native
+from ..base import TICK
+from ..body.model import Model
+
+BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
+NATIVE_COST, NUMPY_COST = 1.4e-8, 6e-7  # [s] a vertex and step: measured once (tests/bench), and kept
+ESTIMATED = 1.05  # times the budget may what runs live be expected to cost: no cost is known better than that
+
+
+def cost_of(model: Model) -> float:
+    """Return the processor time [s] that a second of motion should take."""
+    each = NUMPY_COST if native.why_not() else NATIVE_COST
+    return each * len(model.mass) * model.substeps(TICK) / TICK
+
+
+def work_of(model: Model) -> str:
+    return f"{len(model.mass):,} vertices at {model.substeps(TICK)} steps per millisecond"
+
+
+def speed_of(cost: float, budget: float) -> str:
+    return f"{budget / cost:.2g}x real time"
