@@ -28,7 +28,7 @@ def in_blender(code: str, profile: str) -> str:
     # without leaving by the front door: Blender's own clearing up is not measured and may take its time
     whole = f"import os, time, bpy, addon_utils\n{code}\nprint('in', bpy.app.version_string, flush=True)\nos._exit(0)"
     return subprocess.run(
-        [sys.executable, "-c", whole], env=environment, capture_output=True, text=True, timeout=120, check=True
+        [sys.executable, "-c", whole], env=environment, capture_output=True, text=True, timeout=300, check=True
     ).stdout
 
 
