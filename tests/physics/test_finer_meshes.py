@@ -1,6 +1,6 @@
 """One material on any mesh: identified with its tip, as the product does it, it answers the same force straight back.
 
-The tip's radius is twice the edges or more; where edges are longer, README's "Calibrate" says what is lost.
+The tip's radius is twice the edges or more; where edges are longer, studies/README.md says what is lost.
 """
 
 from collections.abc import Callable, Iterator
