@@ -142,8 +142,16 @@ def choices_table(choices: Sequence[Choice]) -> str:
         ))  # fmt: skip
     presses, missed = sum(len(c.ours.errors) for c in choices), sum(c.missed for c in choices)
     ratios = np.array([c.ratio for c in choices])
+    bodies_work = [_by_body(choices, body) for body in dict.fromkeys(c.body.name for c in choices)]
     return (
         f"{table(lines)}\ntolerances not kept by {missed} of {presses} presses, one in {presses / max(missed, 1):.0f}; "
         f"work over that of the best choice: mean {ratios.mean():.2f}, median {np.median(ratios):.2f}, within {LINE:g} "
-        f"for {(ratios <= LINE).sum()} of {len(ratios)}"
+        f"for {(ratios <= LINE).sum()} of {len(ratios)}, at worst {ratios.max():.2f}; of a body at its tolerances "
+        f"together at worst {max(bodies_work):.2f}"
     )
+
+
+def _by_body(choices: Sequence[Choice], body: str) -> float:
+    """Return the work of all choices for a body over that of the best ones."""
+    ours, best = zip(*((c.ours.work, c.best.work) for c in choices if c.body.name == body), strict=True)
+    return float(sum(ours) / sum(best))
