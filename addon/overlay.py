@@ -79,7 +79,7 @@ def draw_rows(body: bpy.types.Object, entry: Any, free: Room, scale: float, *, n
         lines.append((iface_("Paused"), FORCE))
     lines += [(line, FORCE) for sentence in device.slow() for line in wrapped(sentence, 40)]
     if numbers:
-        rows = readout.short_rows(entry.frame, entry.session.tick)
+        rows = readout.short_rows(entry.frame, entry.session.clock.tick)
         warnings = [each for each in entry.session.model.notes if not isinstance(each, Note)]  # the sidebar has all
         more = filter(None, [entry.session.contact_note, entry.refused])
         notes = readout.sentences([*warnings, *more], entry.frame)

@@ -131,7 +131,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
         split = layout.split(factor=0.55)
         labels, values = split.column(align=True), split.column(align=True)
         labels.alignment = "RIGHT"
-        for label, value in readout.rows(entry.frame, entry.session.tick):
+        for label, value in readout.rows(entry.frame, entry.session.clock.tick):
             labels.label(text=label, translate=False)
             values.label(text=value, translate=False)
         session = entry.session

@@ -18,6 +18,7 @@ from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
 from .body.regions import divide
+from .clock import Clock
 from .crowd import TICKS_AT_ONCE, step_all
 from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
@@ -25,7 +26,6 @@ from .frame import Frame as Frame
 from .mesh.depth import Touching
 from .pins import Pins
 from .reduction.proxy import Proxy
-from .reduction.slow_press import SETTLING
 from .skin import Skin
 from .solver import motion
 from .solver.backend import Body, choose_backend, create
@@ -47,17 +47,13 @@ class Session:
     frame: what the last step showed.
     slack: [m] regions of the body that go no farther rest, 0 where all is stepped, see `set_slack`.
     most: ticks in a motion of the step under way.
-    tick: of its clock, which the fingertips go by [s].
-    faster: times that clock the body is simulated while fingertips are slow, see `set_clock`.
+    clock: which the fingertips go by.
     """
 
     def __init__(
         self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None, slack: float = 0.0
     ) -> None:
-        if not tick > 0:
-            raise DimpleError(f"A tick must be longer than 0 s (it is {tick}).")
-        self.tick, self.faster, self._slow = tick, 1, math.inf
-        self._part = tick  # of a tick that is simulated at a time [s]
+        self.clock, self._slow = Clock(tick), math.inf
         self.backend, self.backend_note = choose_backend(backend)
         self.contact_note = ""
         self.slack = slack
@@ -76,9 +72,8 @@ class Session:
             slow: speed of fingertips [m/s] above which it is not, nor shortly after.
         """
         self._slow = slow
-        if (tick, faster) != (self.tick, self.faster):
-            self.tick, self.faster, self._part = tick, faster, tick / faster
-            self._ticks, self.substeps = round(self._time / tick), self._moves.substeps(self._part)
+        if self.clock.set(tick, faster):
+            self.substeps = self._moves.substeps(self.clock.part)
 
     def set_slack(self, slack: float) -> None:
         """Let regions of the body rest that go no farther than a slack [m], 0 for none; it goes on as it is."""
@@ -96,18 +91,16 @@ class Session:
         self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
         self.body.set_state(self._moves.matching.rest)
         self._end_glide()
-        self._time, self._ticks, self._work, self._total = 0.0, 0, 0.0, 0
-        self._rests_at = 0.0  # until then [s] more moves the body than slow fingertips
+        self._work, self._total = 0.0, 0
+        self.clock.reset()
         if self._moves.gravity.any() or self._moves.pressure.rest_pressure:
-            self._rests_at = SETTLING
-        self._parts = self.faster  # of a tick that are simulated: all of them, or one while fingertips are slow
+            self.clock.unsettle()
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
-        self._begin, self._end = 0.0, 0.0  # of the step under way [s]
         self._pins.rest_at(self.model.matching.rest)
         self._skin.reset()
         self._last = motion.Frame((), (0.0,) * 12, self.body.model.mesh.volume, 0.0, 0, True)
         self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
-        self.frame = self._show((), self.tick)
+        self.frame = self._show((), self.clock.tick)
 
     def set_fingers(self, fingers: Sequence[Finger | None]) -> None:
         """Say where up to three fingertips are at the end of the next step; None lifts one off.
@@ -122,7 +115,7 @@ class Session:
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         self._tips = list(map(sent, [*self._tips, None, None, None], fingers))
         if not any(self._tips):
-            self.substeps = self._moves.substeps(self._part)
+            self.substeps = self._moves.substeps(self.clock.part)
 
     def set_pins(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -177,34 +170,31 @@ class Session:
         Raises:
             DimpleError: dt is negative or not a number.
         """
-        if not 0 <= dt < math.inf:
-            raise DimpleError(f"A step of time must be 0 s or longer (it is {dt}).")
-        self._begin, self._end, self._started = self._time, self._time + dt, time.perf_counter()
-        self._last_tick = math.floor(self._end / self.tick + 1e-6)
-        self._done, self._note = 0, ""
-        if self.faster > 1 and dt:
+        self.clock.start(dt)
+        self._done, self._note, self._started = 0, "", time.perf_counter()
+        if self.clock.faster > 1 and dt:
             led = self._pins.target is not None or self._bent_target is not None
             if led or self._glide or any(tip and tip.outruns(self._slow * dt) for tip in self._tips):
-                self._rests_at = self._end + SETTLING
-            self._parts = self.faster if self._begin < self._rests_at else 1
+                self.clock.unsettle()
+            self.clock.pace()
         if self._glide:
             self._glide.begin(dt)
         self._bring_in()
-        self.most = TICKS_AT_ONCE if self._glide else MAX_STEPS // (self.substeps * self._parts) - 1
+        self.most = TICKS_AT_ONCE if self._glide else MAX_STEPS // (self.substeps * self.clock.parts) - 1
         for tip in self._tips:
             if tip:
                 tip.impulse = NOWHERE
                 if tip.pushed:
                     self.most = 1  # each tick moves it
                 elif tip.target.via:  # it turns at each of them
-                    self.most = max(1, min(self.most, (self._last_tick - self._ticks) // (len(tip.target.via) + 1)))
+                    self.most = max(1, min(self.most, self.clock.due // (len(tip.target.via) + 1)))
         self._let_slip()
 
     def _bring_in(self) -> None:
         """Let fingertips that are put down with their centres inside come from outside: skin would close over them."""
         if any(tip and tip.fresh and not tip.pushed for tip in self._tips):
             tips = tuple([tip.motion(0.0, 0.0) if tip else None for tip in self._tips])
-            touches = self.body.step(Motion(0, self.substeps, self._part, tips)).touches
+            touches = self.body.step(Motion(0, self.substeps, self.clock.part, tips)).touches
             for tip, touch in zip(self._tips, touches, strict=True):
                 if tip and touch and tip.fresh and not tip.pushed and touch.depth > tip.target.radius:
                     tip.origin = tip.here = vectors.along(tip.here, touch.outward, touch.depth)
@@ -212,7 +202,7 @@ class Session:
     @property
     def due(self) -> int:
         """Return how many ticks of the step under way are left."""
-        return 0 if self._note else max(self._last_tick - self._ticks, 0)
+        return 0 if self._note else self.clock.due
 
     def next_motion(self, ticks: int, *, substeps: int = 0) -> Motion:
         """Return what happens in some ticks of the step under way.
@@ -220,27 +210,27 @@ class Session:
         Args:
             substeps: in each of them, if not as many as the model needs.
         """
-        push = self._glide.push if self._glide else 1.0
+        clock, push = self.clock, self._glide.push if self._glide else 1.0
         for tip in self._tips if self.most == 1 else ():
             if tip and tip.pushed:
-                tip.push(self.body.model, max(self._last.ticks, 1) * self._part, self.tick, push)
-        if self._glide and (self._glide.seconds == 0 or self._ticks >= self._faded + TICKS_AT_ONCE):
+                tip.push(self.body.model, max(self._last.ticks, 1) * clock.part, clock.tick, push)
+        if self._glide and (self._glide.seconds == 0 or clock.ticks >= self._faded + TICKS_AT_ONCE):
             self._fade()
-        first = last = self._share((self._ticks + ticks) * self.tick)
-        parts = ticks * self._parts
+        first = last = clock.share_after(ticks)
+        parts = ticks * clock.parts
         if parts > 1:
-            first = self._share((self._ticks + 1 / self._parts) * self.tick)
+            first = clock.share_after(1 / clock.parts)
         pins = self._pins.lead(first, last)
         if self._bent_target is not None and ticks:
             self._bend(self._bent_target, ticks)
         tips = tuple([tip.motion(first, last) if tip else None for tip in self._tips])
-        return Motion(parts, substeps or self.substeps, self._part, tips, pins)
+        return Motion(parts, substeps or self.substeps, clock.part, tips, pins)
 
     def take(self, result: motion.Frame) -> bool:
         """Take what a motion came to; tell whether the step goes on."""
         self._last = result
-        ticks = result.ticks // self._parts
-        self._ticks += ticks
+        ticks = result.ticks // self.clock.parts
+        self.clock.ticks += ticks
         self._done += ticks
         self._total += result.ticks * self.substeps
         if result.moved:
@@ -248,9 +238,9 @@ class Session:
         self._pins.take()
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
-                self._work += tip.take(touch, result.ticks * self._part)
+                self._work += tip.take(touch, result.ticks * self.clock.part)
         if not result.finite:
-            at, done = self._ticks * self.tick, self._done
+            at, done = self.clock.ticks * self.clock.tick, self._done
             self.reset()
             note = (
                 f"The simulation blew up after {at:.3f} s and was put back to rest. Lower k or K2, or raise the mass."
@@ -263,14 +253,12 @@ class Session:
         if not self._note:
             if not self._done:
                 self._last = self._measured()
-            end = self._ticks * self.tick if early else self._end
-            self._move_origins(self._share(end))
-            self._time = end
+            self._move_origins(self.clock.stop(early=early))
             self._fade()
         impulses, seconds = self.frame.impulses, self.frame.seconds  # as before where no tick was due
         if self._done or len(impulses) != len(self._tips):
             impulses = tuple([tip.impulse if tip else NOWHERE for tip in self._tips])
-            seconds = max(self._done, 1) * self._parts * self._part
+            seconds = max(self._done, 1) * self.clock.parts * self.clock.part
         self.frame = self._show(impulses, seconds)
         return self.frame
 
@@ -335,11 +323,12 @@ class Session:
             DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
         """
         moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
-        moves.substeps(self._part)
+        moves.substeps(self.clock.part)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
         skin = scale * self.skin()
-        led, self._rests_at = self._pins.target, self._time + SETTLING
+        led = self._pins.target
+        self.clock.unsettle()
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
             self._change_constants(model, moves, glide)
         else:
@@ -366,7 +355,7 @@ class Session:
             self._end_glide()
             self.body.set_constants(moves, surface=model)
             return
-        self._glide, self._faded = self._glide or Glide(len(moves.mass)), self._ticks
+        self._glide, self._faded = self._glide or Glide(len(moves.mass)), self.clock.ticks
         self._glide.add(before, after, self.body.positions())
         self.body.set_constants(pumped(moves, self._glide.pressure), surface=model)
 
@@ -382,9 +371,9 @@ class Session:
         """Let the load of what glides fade for the ticks since it did last."""
         if self._glide:
             before, more = self._glide.friction, self._glide.pressure
-            load = self._glide.fade((self._ticks - self._faded) * self.tick)
+            load = self._glide.fade((self.clock.ticks - self._faded) * self.clock.tick)
             self.body.set_load(load)
-            self._faded = self._ticks
+            self._faded = self.clock.ticks
             if load is None:
                 self._end_glide()
             elif self._glide.friction > before or more:  # the force is about to return, or the pressure comes in
@@ -399,7 +388,7 @@ class Session:
     def _define(self, model: Model, proxy: Proxy | None) -> Model:
         """Set what follows from a model and its proxy; return the one that moves."""
         moves = proxy.model if proxy else model
-        self.substeps = moves.substeps(self._part)
+        self.substeps = moves.substeps(self.clock.part)
         self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
         self._pins = Pins(model, proxy)
@@ -409,10 +398,6 @@ class Session:
     def _create(self, moves: Model, surface: Model) -> Body:
         regions = divide(moves, self.slack) if self.slack else None
         return create(moves, surface=surface, backend=self.backend, regions=regions)
-
-    def _share(self, time: float) -> float:
-        """Return how much of the step under way is over at a time [s]: 0 at its begin, 1 at its end."""
-        return 1.0 if time >= self._end else (time - self._begin) / max(self._end - self._begin, 1e-30)
 
     def _move_origins(self, share: float) -> None:
         for tip in self._tips:
@@ -424,10 +409,10 @@ class Session:
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
         tips = tuple([tip.motion(0.0, 0.0) if tip else None for tip in self._tips])
-        result = self.body.step(Motion(0, self.substeps, self._part, tips))
+        result = self.body.step(Motion(0, self.substeps, self.clock.part, tips))
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch and touch.depth > 0:  # it was put down inside
-                self._rests_at = self._end + SETTLING
+                self.clock.unsettle()
             if tip:
                 tip.fresh, tip.touch = False, None
         return result
@@ -435,10 +420,10 @@ class Session:
     def _bend(self, target: Floats, ticks: int) -> None:
         """Let the shape at rest go on towards a target in the ticks that follow."""
         before = self._moves.matching.rest if self._bent is None else self._bent
-        share, left = self._share((self._ticks + ticks) * self.tick), 1 - max(self._share(self._ticks * self.tick), 0.0)
+        share, left = self.clock.share_after(ticks), 1 - max(self.clock.share_after(0), 0.0)
         done = 1.0 if share >= 1 else 1 - (1 - share) / left
         self._bent = target if done == 1 else before + done * (target - before)
-        self.body.set_rest(self._bent, (self._bent - before) / (ticks * self._parts * self._part))
+        self.body.set_rest(self._bent, (self._bent - before) / (ticks * self.clock.parts * self.clock.part))
         if done == 1:
             self._bent_target = None
 
@@ -451,7 +436,7 @@ class Session:
         if self._bent is not None:  # asking the body costs a call
             rest = self.body.rest_volume * scale
         return Frame(
-            self._time, impulses, seconds, last.touches, self.model.mesh, last.pressure, last.volume * scale, rest,
+            self.clock.time, impulses, seconds, last.touches, self.model.mesh, last.pressure, last.volume * scale, rest,
             self.substeps, self._done, time.perf_counter() - self._started, self._total, self._work,
             self._note,
         )  # fmt: skip

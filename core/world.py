@@ -72,7 +72,7 @@ class World:
         self._itself = list(itself) if itself is not None else [False] * len(self.sessions)
         self._apart = list(apart) if apart is not None else [False] * len(self.sessions)
         self._names = [*names, *(f"{i + 1}" for i in range(len(names), len(self.sessions) + len(self.colliders)))]
-        if len({(session.tick, session.backend) for session in self.sessions}) > 1:
+        if len({(session.clock.tick, session.backend) for session in self.sessions}) > 1:
             raise DimpleError("Bodies that meet must be stepped by the same backend, with the same tick.")
         self._at = [np.array(collider.positions, np.float64) for collider in self.colliders]
         self._ends: list[Floats | None] = [None] * len(self.colliders)
@@ -158,7 +158,7 @@ class World:
         self._arrive(share / whole if early else 1.0)
         for session in self.sessions:
             session.finish(early=early)
-        self.meeting = _sum(parts, max(share, 1) * self.sessions[0].tick)
+        self.meeting = _sum(parts, max(share, 1) * self.sessions[0].clock.tick)
         return self.meeting
 
     def reset(self) -> None:

@@ -206,7 +206,7 @@ def _run(group: tuple[list[LiveBody], World | None], dt: float, budget: float | 
     except DimpleError as error:
         return [str(error), *(each for body in bodies for each in sessions.stop(body.link.uid))]
     for body in bodies:
-        body.lead += body.frame.steps * body.session.tick
+        body.lead += body.frame.steps * body.session.clock.tick
     return []
 
 

@@ -137,7 +137,7 @@ def set_clock(scene: bpy.types.Scene, session: Session, faster: int = 1, pressed
     Args:
         pressed: what it was planned for.
     """
-    if faster > 1 or session.faster > 1:
+    if faster > 1 or session.clock.faster > 1:
         slow = HASTE * pressed.speed if pressed else math.inf
         session.set_clock(timeline.tick_s(scene, faster), faster=faster, slow=slow)
 

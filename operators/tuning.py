@@ -131,7 +131,7 @@ def _changing(
     if now != body.settings:
         body.trail.clear()  # the chart is of one material
     body.settings, body.changed_at = now, body.frame.time
-    if body.session.faster > 1:
+    if body.session.clock.faster > 1:
         body.pressed = None  # wound back, it is planned anew: another material may not be as fast
     return messages
 

@@ -133,7 +133,7 @@ def judge(name: str, starts: int, share: float) -> dict[str, Any]:
                 if lead:
                     session.set_pins(lead(at))
             began = time.process_time()
-            meeting = world.step(session.tick if (session := world.sessions[0]) else 0.0)
+            meeting = world.step(session.clock.tick if (session := world.sessions[0]) else 0.0)
             spent += time.process_time() - began
             taken, truncated = taken + meeting.taken, truncated + meeting.truncated
             held_back, touching = max(held_back, meeting.held_back), max(touching, meeting.touching)
@@ -158,7 +158,7 @@ def _alone(sessions: list[Session], ticks: int) -> float:
         for _ in range(ticks):
             session.body.set_state(session.body.positions(), session.body.velocities())  # it wakes
             began = time.process_time()
-            session.step(session.tick)
+            session.step(session.clock.tick)
             spent += time.process_time() - began
     return spent
 

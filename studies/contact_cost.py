@@ -87,10 +87,10 @@ def _measured(depth: float, material: Material = SOFT, radius: float = RADIUS) -
         for sessions in (meeting, alone):
             lead_together(sessions, press(tick, depth) if depth else 0.0)
         began = time.process_time()
-        world.step(meeting[0].tick)
+        world.step(meeting[0].clock.tick)
         between = time.process_time()
         for session in alone:
-            session.step(session.tick)
+            session.step(session.clock.tick)
         ended = time.process_time()
         if tick >= LEAD:
             spent.append(between - began)

@@ -124,7 +124,7 @@ def pair(*, full: bool) -> None:
         for tick in range(contact_cost.LEAD + contact_cost.TICKS):
             contact_cost.lead_together(sessions, contact_cost.press(tick))
             began = time.process_time()
-            meeting = world.step(sessions[0].tick)
+            meeting = world.step(sessions[0].clock.tick)
             spent.append(time.process_time() - began)
         ticks = 1e3 * np.array(spent[contact_cost.LEAD :])
         moving = len(sessions[0].body.model.mass)

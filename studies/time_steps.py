@@ -56,7 +56,7 @@ def _pressed(session: Session, speed: float, times: int) -> Iterator[tuple[float
     top, at = float(session.model.mesh.rest_positions[:, 2].max()) + TIP, 0.0
     session.substeps *= times
     session.set_fingers([Finger((*ASIDE, top), TIP)])
-    session.step(session.tick)
+    session.step(session.clock.tick)
     for depth in DEPTHS:
         session.set_fingers([Finger((*ASIDE, top - depth), TIP)])
         session.step((depth - at) / speed)

@@ -187,14 +187,14 @@ def going_down(
         places = model.mesh.rest_positions + depth * np.outer(under, site.inward)
         session.set_pins(places[model.mesh.source])
         if depth != before:
-            session.step(max(MOVING, 2 * ticks * session.tick))
+            session.step(max(MOVING, 2 * ticks * session.clock.tick))
             yield 0.3
         frame = session.step(SETTLING)
         force = -float(site.inward @ forces(model, _at(model, session.body.positions()))[:, under].sum(axis=1))
     else:
-        steps = max(round(SINKING / session.tick), ticks) if depth != before else 1
+        steps = max(round(SINKING / session.clock.tick), ticks) if depth != before else 1
         session.set_fingers([_finger(site, depth, indenter.radius)])
-        session.step(steps * session.tick)
+        session.step(steps * session.clock.tick)
         yield 0.7
         frame = session.step(LISTENING)
         force = -float(frame.finger_forces[0] @ site.inward) if frame.finite and len(frame.finger_forces) else math.nan

@@ -45,7 +45,7 @@ def after_a_thousand_steps(backend: str) -> tuple[np.ndarray, np.ndarray]:
     for k in range(3):
         count, (start, end) = int(parts[k + 1] - parts[k]), ((0.0, 0.0, heights[k + i]) for i in (0, 1))
         tip = FingertipMotion.straight(start, end, ticks=count, radius=scenes.FINGERTIP, fresh=k == 0)
-        body.step(Motion(count, session.substeps, session.tick, (tip,)))
+        body.step(Motion(count, session.substeps, session.clock.tick, (tip,)))
     return session.model.mesh.rest_positions.T, body.positions()
 
 

@@ -66,7 +66,7 @@ def test_the_force_of_a_press_does_not_depend_on_the_length_of_the_steps(depth: 
         session.set_fingers([Finger((0.0013, 0.0007, top), radius)])
         session.step(0.001)
         session.set_fingers([Finger((0.0013, 0.0007, top - depth), radius)])
-        session.substeps = times * model.substeps(session.tick)
+        session.substeps = times * model.substeps(session.clock.tick)
         session.step(depth / 0.04)
         session.step(0.1)
         forces.append(float(session.step(0.05).finger_forces[0, 2]))

@@ -81,12 +81,12 @@ def test_energy_does_not_grow(material: Material) -> None:
     model, force = pinned(material, 1), 6.0
     session = Session(model, backend="native64" if backends("native") else "numpy")
     session.set_fingers([tip(force)])
-    mass, _ = mass_and_damping(model, TIP, session.tick)
+    mass, _ = mass_and_damping(model, TIP, session.clock.tick)
     left, here = [0.0], RADIUS + TIP
     for _ in range(1500):
         session.step(0.001)
         before, here = here, session.placed[0].position[2]  # type: ignore[union-attr]
-        speed = (here - before) / session.tick
+        speed = (here - before) / session.clock.tick
         left.append(held_by(session, model) + 0.5 * mass * speed**2 - force * (RADIUS + TIP - here))
     lowest = np.minimum.accumulate(left)
     assert lowest[-1] < -0.3 * force * 0.003, "it has come to rest lower than it began"

@@ -17,6 +17,7 @@ FLOORS = {
     "core.experiment": 4,
     "core.haptics": 4,
     "core.session": 3,
+    "core.clock": 3,
     "core.skin": 3,
     "core.crowd": 3,
     "core.world": 3,

@@ -236,8 +236,8 @@ def test_a_body_carried_by_its_pins_neither_leads_nor_lags() -> None:
         session.set_pins(BALL[0] + (way, 0, 0))
         session.step(0.04)
     error = session.positions()[:, 0] - BALL[0][:, 0] - way
-    assert np.abs(error).max() < speed * session.tick / session.substeps
-    assert abs(error.mean()) < 0.02 * speed * session.tick / session.substeps
+    assert np.abs(error).max() < speed * session.clock.tick / session.substeps
+    assert abs(error.mean()) < 0.02 * speed * session.clock.tick / session.substeps
 
 
 def test_turned_pins_turn_the_body() -> None:
@@ -314,8 +314,8 @@ def test_a_fingertip_keeps_the_side_by_which_it_came_in_between_two_ticks(backen
 def test_a_long_step_of_a_stiff_body_takes_more_than_one_call() -> None:
     mesh = mesh_from_triangles(*ball(0, RADIUS))
     session = Session(build_model(mesh, [replace(SOFT, k=2e9)], law_set="paper"))
-    seconds = 1.1 * MAX_STEPS / session.substeps * session.tick
-    assert session.step(seconds).steps == math.floor(seconds / session.tick)
+    seconds = 1.1 * MAX_STEPS / session.substeps * session.clock.tick
+    assert session.step(seconds).steps == math.floor(seconds / session.clock.tick)
 
 
 def test_what_blows_up_is_put_back_with_a_note_and_goes_on() -> None:

@@ -314,7 +314,7 @@ def test_what_is_not_a_slow_press_alone_takes_all_its_steps(bpy: ModuleType, sce
 
     def faster() -> int:
         bpy.ops.dimple.play(frames=1)
-        found = sessions.get(slow).session.faster
+        found = sessions.get(slow).session.clock.faster
         bpy.ops.dimple.reset()
         assert found in (1, slow.dimple.plan_faster)
         return found
