@@ -99,7 +99,7 @@ def decide(
     because = "The full mesh is too stiff to simulate"
     try:
         cost = processor_time.cost_of(model)
-        because = f"The full mesh would run at {speed_of(cost, budget)} ({work_of(model)})"
+        because = f"The full mesh would run at {speed_of(cost, budget)} real time ({work_of(model)})"
     except DimpleError:  # for any step; a proxy has longer edges, so it may take longer steps
         cost = math.inf
     decided = Decision(
@@ -138,7 +138,8 @@ def resting(decided: Decision, cost: float) -> Decision | None:
     slack = slack_of(decided.tolerance, radius)
     share = share_awake(model, radius, slack)
     less = share * cost
-    speed = "which runs live" if less <= ESTIMATED * decided.budget else f"at {speed_of(less, decided.budget)}"
+    live = less <= ESTIMATED * decided.budget
+    speed = "which runs live" if live else f"at {speed_of(less, decided.budget)} real time"
     reason = (
         f"{decided.because}. What moves by less than {1e3 * slack:.2g} mm rests; a fingertip moves about {share:.0%} "
         f"of it, {speed}."

@@ -123,7 +123,7 @@ def _misses(chosen: Plan, decided: Decision) -> bool:
 def plan_full_mesh(model: Model, *, budget: float = BUDGET, because: str = "") -> Plan:
     """Return the plan that simulates the full mesh, whatever it costs; because: "" where the artist chose."""
     cost, because = processor_time.cost_of(model), because or "As chosen"
-    reason = f"{because}, the full mesh: {work_of(model)}, at {speed_of(cost, budget)}."
+    reason = f"{because}, the full mesh: {work_of(model)}, at {speed_of(cost, budget)} real time."
     return _full_mesh(model, cost, reason)
 
 
@@ -155,7 +155,7 @@ def plan_proxy(
     cost, moved = processor_time.cost_of(proxy.model), len(proxy.seeds)
     share = share_of(model.mesh, pressed) if pressed else 1.0
     error, force_error = expected(model, vertices, radius, share)
-    speed = "runs live" if cost <= budget else f"runs at {speed_of(cost, budget)}"
+    speed = "runs live" if cost <= budget else f"runs at {speed_of(cost, budget)} real time"
     reason = proxys_reason(because or "As chosen", moved, pressed, speed, error, force_error)
     return Plan(
         proxy=proxy, asked=vertices, vertices=moved, steps=proxy.model.substeps(TICK), cost=cost, error=error,

@@ -22,4 +22,4 @@ def work_of(model: Model) -> str:
 
 
 def speed_of(cost: float, budget: float) -> str:
-    return f"{budget / cost:.2g}x real time"
+    return f"{budget / cost:.2g}x"
