@@ -62,7 +62,8 @@ def entry(bpy: ModuleType) -> Any:
         link=SimpleNamespace(slots=(0,)), frame=frame, trail=trail, refused="", recorder=None,
         fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
         session=SimpleNamespace(
-            clock=SimpleNamespace(tick=1e-3), contact_note="", model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))
+            clock=SimpleNamespace(tick=1e-3), contact_note="",
+            model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))
         ),
         to_world=lambda point: tuple(12 * c for c in point),
     )  # fmt: skip
