@@ -109,13 +109,11 @@ def draw_ladders(axes: Axes, benchmarks: Sequence[ProxyBenchmark], choices: Sequ
     for benchmark, colour in zip(benchmarks, plt.get_cmap("tab20").colors, strict=False):  # type: ignore[attr-defined]
         radius = benchmark.body.radius
         rungs = [rung for rung in benchmark.ladder(GROWTH**2) if rung.asked]
-        label = f"{benchmark.body.name}: the mesh {benchmark.mesh.cost:.2g}"
-        axes.loglog([r.cost for r in rungs], [_kept(r) / radius for r in rungs], color=colour, lw=1, label=label)
+        axes.loglog([r.cost for r in rungs], [_kept(r) / radius for r in rungs], color=colour, lw=1)
         taken = [c.ours for c in choices if c.body is benchmark.body and c.plan.asked]
         axes.loglog([t.cost for t in taken], [_kept(t) / radius for t in taken], "o", ms=5, color=colour)
     axes.set(xlabel="processor time [s] per second", ylabel="error of the surface over fingertip radius")
-    axes.set_title("ladders of proxies; points: the planner's choices", fontsize=9)
-    axes.legend(frameon=False, fontsize=6)
+    axes.set_title("ladders of proxies, a line a body; points: the planner's choices", fontsize=9)
 
 
 def _kept(candidate: Candidate) -> float:
@@ -129,7 +127,7 @@ def draw_verdict(axes: Axes, choices: Sequence[Choice]) -> None:
     axes.axvline(1.0, color="0.5", lw=1)
     axes.axhline(LINE, color="0.5", lw=1)
     axes.set(xlabel="error over its tolerance, that 49 of 50 presses keep", ylabel="work over that of the best choice")
-    axes.set_title("body by body", fontsize=9)
+    axes.set_title("choice by choice", fontsize=9)
 
 
 def choices_table(choices: Sequence[Choice]) -> str:
