@@ -8,7 +8,7 @@ than in a sixtieth of a second, however long that step is, and at full speed fro
 The pressure of a fill fades as a number: as a load, which does not turn with the surface, it would buckle a soft skin.
 
 Where a body hardens under a fingertip that a force pushes, friction would keep its dent as wide as it was. So friction
-fades with the load, and the force goes back a little and returns after that, as if the body were pressed anew.
+fades with the load, and the force goes back most of the way and returns after that, as if the body were pressed anew.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ FIRST_S = 1 / 60  # [s] by which a change fades at most in the step that shows i
 OVER = 12  # lags after which nothing is left of the load
 BACK = 8  # lags in which the force returns after that
 NOTICED = 1e-6  # of its force: by so much more a dent must resist to have hardened
-GIVES_WAY = 0.5  # of its force: what a fingertip gives way by where a body becomes twice as hard, or more
+GIVES_WAY = 0.7  # of its force: what a fingertip gives way by where a body becomes twice as hard, or more
 
 
 class Glide:
