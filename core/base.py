@@ -61,6 +61,13 @@ def sums_of_three(values: Floats) -> Floats:
     return a + b + c
 
 
+def distinct(values: Ints) -> Ints:
+    """Return the numbers (m,) that occur, in order: unlike `np.unique`, Python goes on meanwhile."""
+    ordered = np.sort(values)
+    found: Ints = ordered[np.append(True, ordered[1:] != ordered[:-1])[: len(ordered)]]
+    return found
+
+
 def sums_at(index: Ints, values: Floats, n: int) -> Floats:
     """Return (n,) sums of the values (m,) that share an index (m,), always in the same order."""
     return np.bincount(index, weights=values, minlength=n).astype(np.float64, copy=False)

@@ -20,6 +20,7 @@ FINGERS = {"ONE": 1, "TWO": 2, "THREE": 3}
 WHEEL = {"WHEELUPMOUSE": 1, "WHEELDOWNMOUSE": -1}
 NAVIGATION = {"MIDDLEMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "HOME", "ACCENT_GRAVE"}
 PASSING = {DEAD_MAN, *NAVIGATION}
+SIDES = {"N", "T"}  # open and close the sidebar and the toolbar
 SAVE = "S"
 DOWN = {"PRESS", "DOUBLE_CLICK"}
 
@@ -83,8 +84,8 @@ def poke_event(
 
 
 def passes(event: bpy.types.Event, view: View | None, *, undo: bool = False) -> bool:
-    """Tell whether Blender may have an event too: navigation, the haptic device's dead-man key, and all that happens
-    outside the viewport.
+    """Tell whether Blender may have an event too: navigation, the keys of sidebar and toolbar, the haptic device's
+    dead-man key, and all that happens outside the viewport.
 
     Args:
         undo: there is something to undo that was done since the poke began; what was done before it stays.
@@ -95,6 +96,8 @@ def passes(event: bpy.types.Event, view: View | None, *, undo: bool = False) -> 
         return True
     if event.type == SAVE and (event.ctrl or event.oskey) and not event.alt:
         return True  # what is saved is at rest
+    if event.type in SIDES:
+        return not (event.ctrl or event.shift or event.alt or event.oskey)
     moving = event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE"} and event.alt
     return moving or event.type in WHEEL or event.type == "NONE"
 

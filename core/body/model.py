@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -282,17 +283,43 @@ def forces(model: Model, state: State) -> Floats:
     return f + model.mass * model.gravity[:, None]
 
 
+class Shape(NamedTuple):
+    """What a mesh at some positions is to the laws, whatever their constants.
+
+    arms: (3, w, n) [m] from each vertex to those round it.
+    volume: [m3] and its gradient (3, n) [m2], None where there is no fill.
+    """
+
+    arms: Floats
+    volume: tuple[float, Floats] | None
+
+
+def shape_of(model: Model, x: Floats) -> Shape:
+    """Return the shape of a body at positions (3, n) [m]."""
+    arms = springs.around(model.mesh.rings, x)
+    filled = model.pressure.fill != "none"
+    return Shape(arms, pressure.volume_and_gradient(model.pressure, x, arms) if filled else None)
+
+
 def law_forces(
-    model: Model, x: Floats, pose: Pose | None, v: Floats | None = None, pose_rate: Pose | None = None
+    model: Model,
+    x: Floats,
+    pose: Pose | None,
+    v: Floats | None = None,
+    pose_rate: Pose | None = None,
+    shape: Shape | None = None,
 ) -> tuple[Floats, float, float]:
     """Return the forces (3, n) [N] of the consistent laws, undamped without velocities, and volume and pressure.
 
     The last two are 0 where there is no fill.
+
+    Args:
+        shape: at x, of this model or of one with other constants, where the caller has it already.
     """
-    arms = springs.around(model.mesh.rings, x)
+    arms, enclosed = shape or shape_of(model, x)
     f, volume, inner = springs.force(model.springs, x, v, arms), 0.0, 0.0
     if model.pressure.fill != "none":
-        volume, gradient = pressure.volume_and_gradient(model.pressure, x, arms)
+        volume, gradient = enclosed or pressure.volume_and_gradient(model.pressure, x, arms)
         inner = pressure.pressure_at(model.pressure, volume)
         f += inner * gradient
     f += shape_matching.force(model.matching, x, v, pose, pose_rate)

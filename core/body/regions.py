@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Floats, Ints
+from ..base import Floats, Ints, distinct
 from ..mesh.curve import along_curve
 from .model import Model
 
@@ -61,14 +61,14 @@ def _near(places: Floats, of: Ints, width: float) -> Ints:
     count = int(of.max()) + 1
     boxes = np.floor((places - places.min(axis=0)) / width).astype(np.int64) + 1
     across, along, _ = steps = _strides(boxes.max(axis=0) + 2)
-    box, region = np.divmod(np.unique((boxes @ steps) * count + of), count)
+    box, region = np.divmod(distinct((boxes @ steps) * count + of), count)
     found = np.zeros(0, np.int64)
     for i, j in np.ndindex(3, 3):  # of three boxes in a row the numbers follow one another
         other = box + (i - 1) * across + (j - 1) * along
         first, last = np.searchsorted(box, other - 1, "left"), np.searchsorted(box, other + 1, "right")
         many = last - first
         seconds = np.arange(many.sum()) + np.repeat(first - np.cumsum(many) + many, many)
-        found = np.union1d(found, np.repeat(region, many) * count + region[seconds])
+        found = distinct(np.concatenate([found, np.repeat(region, many) * count + region[seconds]]))
     return found
 
 

@@ -37,13 +37,20 @@ class Springs:
     rings: Rings
 
     @cached_property
-    def in_slots(self) -> tuple[Floats, Floats, Floats]:
-        """Return lengths at rest, stiffness and damping slot by slot (w, n), 0 in padded slots: for numpy alone."""
+    def in_slots(self) -> tuple[Floats, Floats]:
+        """Return lengths at rest and stiffness slot by slot (w, n), 0 in padded slots: for numpy alone."""
+        return self._slots(self.rest_lengths), self._slots(self.stiffness)
+
+    @cached_property
+    def damping_in_slots(self) -> Floats:
+        """Return the damping slot by slot (w, n), 0 in padded slots."""
+        return self._slots(self.damping)
+
+    def _slots(self, values: Floats) -> Floats:
         at = self.rings.springs
-        rest, stiffness, damping = (
-            np.where(at >= 0, each[at], 0.0) for each in (self.rest_lengths, self.stiffness, self.damping)
-        )
-        return rest, stiffness, damping
+        found = values.take(at, mode="clip")
+        found[at < 0] = 0.0
+        return found
 
 
 def build_springs(mesh: Mesh, stiffness: Floats, damping: Floats) -> Springs:
@@ -88,13 +95,13 @@ def force(law: Springs, x: Floats, v: Floats | None = None, arms: Floats | None 
     d = around(law.rings, x) if arms is None else arms
     square = np.maximum(np.einsum("csn,csn->sn", d, d), _TINY)
     tension = np.sqrt(square)
-    rest, stiffness, damping = law.in_slots
+    rest, stiffness = law.in_slots
     np.divide(rest, tension, out=tension)
     np.subtract(1, tension, out=tension)
     tension *= stiffness
     if v is not None:
         growth = np.einsum("csn,csn->sn", d, around(law.rings, v))
-        growth *= damping
+        growth *= law.damping_in_slots
         growth /= square
         tension += growth
     f = np.einsum("sn,csn->cn", tension, d)

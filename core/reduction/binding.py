@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from .. import native
-from ..base import Floats, Ints, Singles, row_parts, sums_at
+from ..base import Floats, Ints, Singles, distinct, row_parts, sums_at
 from ..mesh.surface import Mesh
 from ..native.carry import EIGHT, FOLLOWED, Binding, Shorts, in_rows
 from .cells import vertex_normals
@@ -112,11 +112,11 @@ def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[Ints
 def _two_rings(edges: Ints, m: int) -> Ints:
     """Return the vertices (m, w) within two edges of each, itself too, in order; the rest of a row is -1."""
     (i, j), itself = edges.T, np.arange(m) * (m + 1)
-    near, far = np.divmod(np.unique(np.concatenate([i * m + j, j * m + i, itself])), m)
+    near, far = np.divmod(distinct(np.concatenate([i * m + j, j * m + i, itself])), m)
     start = np.searchsorted(near, np.arange(m + 1))
     count = np.diff(start)[far]  # each neighbour's row of neighbours, put in its place
     at = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + np.repeat(start[far], count)
-    first, second = np.divmod(np.unique(np.repeat(near, count) * m + far[at]), m)
+    first, second = np.divmod(distinct(np.repeat(near, count) * m + far[at]), m)
     begin = np.searchsorted(first, np.arange(m))
     column = np.arange(len(first)) - begin[first]
     around = np.full((m, max(FOLLOWED + 1, int(column.max()) + 1)), -1)

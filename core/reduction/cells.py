@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from .. import native
-from ..base import Bools, Floats, Ints, row_parts, sums_at, sums_of_three
+from ..base import Bools, Floats, Ints, distinct, row_parts, sums_at, sums_of_three
 from ..mesh.surface import Mesh
 
 CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the proxy must have too
@@ -171,6 +171,9 @@ def dual(corners: Ints) -> Ints:
     meet = corners[(a != b) & (b != c) & (c != a)]
     low = meet.argmin(axis=1)
     turned = np.take_along_axis(meet, (low[:, None] + np.arange(3)) % 3, axis=1)
-    ways, count = np.unique(turned, axis=0, return_counts=True)
-    mirrored = {tuple(row) for row in ways[:, [0, 2, 1]].tolist()}
-    return np.array([row for row in ways.tolist() if tuple(row) not in mirrored], np.int64).reshape(-1, 3)
+    m = int(corners.max(initial=0)) + 1  # m^3 fits for two million cells
+    ways = distinct((turned @ [m * m, m, 1]).astype(np.int64))
+    first, rest = np.divmod(ways, m * m)
+    second, third = np.divmod(rest, m)
+    alone = ~np.isin((first * m + third) * m + second, ways)
+    return np.stack([first, second, third], axis=1)[alone]

@@ -8,7 +8,7 @@ than in a sixtieth of a second, however long that step is, and at full speed fro
 The pressure of a fill fades as a number: as a load, which does not turn with the surface, it would buckle a soft skin.
 
 Where a body hardens under a fingertip that a force pushes, friction would keep its dent as wide as it was. So friction
-fades with the load, and the force goes back a little and returns after that, as if the body were pressed anew.
+fades with the load, and the force goes back most of the way and returns after that, as if the body were pressed anew.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..base import Floats
-from ..body.model import Model, law_forces
+from ..body.model import Model, Shape, law_forces, shape_of
 from ..body.shape_matching import fit_pose, pose_of
 
 LAG = 0.04  # [s] so that after a sixtieth of a second a hundredth has faded
@@ -27,7 +27,7 @@ FIRST_S = 1 / 60  # [s] by which a change fades at most in the step that shows i
 OVER = 12  # lags after which nothing is left of the load
 BACK = 8  # lags in which the force returns after that
 NOTICED = 1e-6  # of its force: by so much more a dent must resist to have hardened
-GIVES_WAY = 0.5  # of its force: what a fingertip gives way by where a body becomes twice as hard, or more
+GIVES_WAY = 0.7  # of its force: what a fingertip gives way by where a body becomes twice as hard, or more
 
 
 class Glide:
@@ -51,9 +51,10 @@ class Glide:
         pose = _pose(after, x)
         same = before.rigged == after.rigged and np.array_equal(before.pinned, after.pinned)
         pose_before = pose if same else _pose(before, x)
-        force, ends = _forces(pumped(before, self.pressure), x, pose_before), _forces(after, x, pose)
+        shape = shape_of(before, x)
+        force, ends = _forces(pumped(before, self.pressure), x, pose_before, shape), _forces(after, x, pose, shape)
         more = self._keep_pressure(before, after)
-        load = force - (_forces(pumped(after, self.pressure + more), x, pose) if self.pressure + more else ends)
+        load = force - (_forces(pumped(after, self.pressure + more), x, pose, shape) if self.pressure + more else ends)
         rotation, translation = pose_of(after.matching, x, pose)
         dent = x - rotation @ after.matching.rest - translation[:, None]
         self._fresh = (np.append(load, more),) * 3
@@ -151,7 +152,7 @@ def _pose(model: Model, x: Floats) -> tuple[Floats, Floats] | None:
     return fit_pose(model.mesh.rest_positions.T[:, pins], x[:, pins], np.ones(len(pins)))
 
 
-def _forces(model: Model, x: Floats, pose: tuple[Floats, Floats] | None) -> Floats:
+def _forces(model: Model, x: Floats, pose: tuple[Floats, Floats] | None, shape: Shape) -> Floats:
     """Return the forces (3, n) [N] on a body at rest; of one that is free without its weight, with which it falls."""
-    found, _, _ = law_forces(model, x, pose)
+    found, _, _ = law_forces(model, x, pose, shape=shape)
     return found if model.free else found + model.mass * model.gravity[:, None]

@@ -6,6 +6,7 @@ On a mesh as coarse as Make Soft leaves it the depth differs from place to place
 from dataclasses import replace
 from functools import lru_cache
 
+import numpy as np
 import pytest
 
 from core.body.model import Model, build_model
@@ -21,6 +22,7 @@ SIZE, CELLS, TIP = 0.165, 30, 0.010  # edges of 0.55 radii of the fingertip
 FORCE, FRAME_S = 15.0, 1 / 60
 SOFT, HARD = (replace(PRESETS[1].material, K1=K1) for K1 in (300, 3000))
 DEPTH = FORCE / HARD.K1
+PAINTED = 0.375  # three quarters of x0
 PLACES = {"edge": (0.5, 0.0), "vertex": (0.0, 0.0), "face": (0.5, 0.5)}  # [edges] from the middle of the top
 CLOSE = 0.05
 everywhere = pytest.mark.parametrize(
@@ -69,3 +71,21 @@ def test_k1_that_is_dragged_to_ten_times_ends_where_the_law_says_though_it_was_a
             frame = session.step(FRAME_S)
     assert -float(frame.finger_forces[0] @ (0.0, 0.0, -1.0)) == pytest.approx(FORCE, rel=0.01)
     assert frame.depths[0] == pytest.approx(DEPTH, rel=CLOSE)
+
+
+@everywhere
+def test_a_knee_that_is_painted_under_a_resting_force_lets_the_fingertip_out_to_where_a_new_press_ends(
+    place: str,
+) -> None:
+    material = models(PRESETS[1].material)[1].materials[0]
+    plain, painted = (
+        build_model(on(), [material], pinned=base_vertices(on()), knee=np.full(len(on().source), weight))
+        for weight in (0.5, PAINTED)
+    )
+    session, anew = pressed(plain, place), pressed(painted, place)
+    session.change(painted, glide=True)
+    for _ in range(75):
+        session.step(FRAME_S)
+    ratio = float(session.frame.depths[0] / anew.frame.depths[0])
+    print(f"a knee painted under a force, on the {place}: {ratio - 1:+.1%} of the depth of a new press")
+    assert ratio == pytest.approx(1, rel=0.03)

@@ -206,6 +206,7 @@ def ready_ball() -> Generator[float, None, tuple]:
     """Make a ball and look at it; return where it is on the screen, its positions, a picture, and what is on it."""
     yield from open_scene()
     yield from robot.show_tab("Dimple")
+    yield from clicking.wheel(clicking.FAR, "WHEELUPMOUSE")  # where an earlier scene has left it
     at = robot.on_screen((0.0, 0.0, 0.0))
     rest, before = robot.positions(BODY).copy(), traces()
     yield from robot.move(*at)

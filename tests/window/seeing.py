@@ -76,6 +76,7 @@ def paint_knee(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     cube.dimple.knee_group = "Reach"
     yield from tuning.leave_resting(at)
     yield from tuning.settle("it rests")
+    yield from clicking.open_tab("Dimple", at)  # the scene before may have closed it
     yield from show("KNEE")
     yield from clicking.mode("W", "PAINT_WEIGHT")
     yield from clicking.brush(PAINTED, 100)

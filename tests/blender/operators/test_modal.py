@@ -203,15 +203,16 @@ def test_undo_takes_a_constant_back_while_poking_but_nothing_from_before(
     poke.send("ESC")
 
 
-def test_undo_is_swallowed_and_navigation_is_not(bpy: ModuleType, hand: Any, rest: bytes) -> None:
+def test_undo_is_swallowed_and_navigation_and_the_side_regions_are_not(bpy: ModuleType, hand: Any, rest: bytes) -> None:
     poke = hand("poke")
     poke.invoke()
-    for kind, more in (("Z", {"ctrl": True}), ("Z", {"oskey": True}), ("X", {}), ("TAB", {}), ("G", {})):
+    swallowed = ("Z", {"ctrl": True}), ("Z", {"oskey": True}), ("X", {}), ("TAB", {}), ("G", {}), ("N", {"ctrl": True})
+    for kind, more in swallowed:
         assert poke.send(kind, **more) == {"RUNNING_MODAL"}, kind
     assert poke.send("Z", at=None, ctrl=True) == {"RUNNING_MODAL"}, "not even over the sidebar"
     for kind, more in (
         ("MIDDLEMOUSE", {}), ("NUMPAD_1", {}), ("NDOF_MOTION", {}), ("TRACKPADPAN", {}),
-        ("WHEELUPMOUSE", {"shift": True}), ("LEFTMOUSE", {"alt": True}),
+        ("WHEELUPMOUSE", {"shift": True}), ("LEFTMOUSE", {"alt": True}), ("N", {}), ("T", {}),
     ):  # fmt: skip
         assert poke.send(kind, **more) == {"PASS_THROUGH"}, kind
     for kind in ("LEFTMOUSE", "R", "SPACE", "RIGHTMOUSE", "RET"):
