@@ -14,7 +14,6 @@ static void *dm_roomy(dm_scene_state *s, void *array, uint32_t count, uint32_t *
 /* List the pairs of each vertex that is near, and note how far it may go before they are looked at. */
 static void dm_link_pairs(dm_scene_state *s) {
     s->pairs_of = dm_roomy(s, s->pairs_of, 4 * s->pair_count, &s->pairs_of_room, sizeof *s->pairs_of);
-    s->planes = dm_roomy(s, s->planes, s->pair_count, &s->plane_room, sizeof *s->planes);
     if (!dm_has_room(s)) return;
     uint32_t start = 0;
     for (uint32_t k = 0; k < s->near_count; k++) {
@@ -30,8 +29,17 @@ static void dm_link_pairs(dm_scene_state *s) {
 /* The pairs of a vertex that is near. */
 DM_INLINE const uint32_t *dm_pairs_of(const dm_scene_state *s, const dm_neighbour *n, uint32_t *count) {
     const dm_tally *t = s->tally + (n - s->near);
+    const uint32_t *mine = s->pairs_of + t->end - t->count;
     *count = t->count;
-    return s->pairs_of + t->end - t->count;
+    for (uint32_t k = 0; k < t->count; k++) __builtin_prefetch(s->planes + mine[k] / 4);
+    return mine;
+}
+
+/* How far a near vertex goes in a substep. */
+static double dm_stride_of(const dm_scene_state *s, const dm_neighbour *n) {
+    double v[3];
+    dm_velocity_of(s, n, v);
+    return sqrt(dm_inner3(v, v)) * s->dt;
 }
 
 /* How far a vertex may go from x before its planes are looked at: less than nothing where it may not be there. */
@@ -42,9 +50,11 @@ static __attribute__((noinline)) double dm_room_of(dm_scene_state *s, uint32_t v
     if (!(least >= 0)) return -1;
     if (s->place[vertex] == DM_NO_VERTEX) return least;
     uint32_t count;
-    const uint32_t *mine = dm_pairs_of(s, s->near + s->place[vertex], &count);
+    const dm_neighbour *n = s->near + s->place[vertex];
+    const uint32_t *mine = dm_pairs_of(s, n, &count);
+    double stride = dm_stride_of(s, n);
     for (uint32_t k = 0; k < count; k++) {
-        double left = dm_left_of(s, mine[k], x, gone, spent);
+        double left = dm_left_of(s, mine[k], x, gone, stride, spent);
         if (!(left >= 0)) return -1;
         least = left < least ? left : least;
     }
@@ -85,9 +95,8 @@ static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex
     for (int sweep = 0; sweep < DM_SWEEPS; sweep++) {
         int moved = 0;
         for (uint32_t k = 0; k < count; k++) {
-            dm_pair *p = s->pairs + mine[k] / 4;
-            int first = mine[k] % 4 < p->ones;
-            const dm_plane *plane = dm_plane_of(s, p);
+            const dm_plane *plane = s->planes + mine[k] / 4;
+            int first = mine[k] % 4 < plane->ones;
             double short_of = plane->keep[!first] * (1 + 1e-6) - dm_side(plane, first, x);
             if (!(short_of > 0)) continue;
             double by = first ? short_of : -short_of;
@@ -98,9 +107,8 @@ static void dm_hold_back(dm_scene_state *s, const dm_surface *f, uint32_t vertex
         dm_shorten(begin, x, most);
     }
     for (uint32_t k = 0; k < count; k++) {
-        dm_pair *p = s->pairs + mine[k] / 4;
-        int first = mine[k] % 4 < p->ones;
-        const dm_plane *plane = dm_plane_of(s, p);
+        const dm_plane *plane = s->planes + mine[k] / 4;
+        int first = mine[k] % 4 < plane->ones;
         double there = dm_side(plane, first, x), here = dm_side(plane, first, from), keep = plane->keep[!first];
         if (there < keep && here > there) {
             double part = (here - keep) / (here - there) * (1 - 1e-6);
@@ -149,7 +157,7 @@ static void dm_renew_bound(dm_scene_state *s, dm_neighbour *n) {
 /* Set the planes anew that what was held back, or has come near to them, has used up, where things are now: it may go on
  * from there in the next substep. What is stiff goes far in a substep: its planes are all set anew. */
 static void dm_renew_planes(dm_scene_state *s) {
-    s->renewal = s->renewal < UINT32_MAX ? s->renewal + 1 : 2; /* 0: never, 1: at the query */
+    s->renewal = s->renewal < UINT32_MAX ? s->renewal + 1 : 2; /* 0: as at the query */
     uint32_t count;
     for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
         const dm_neighbour *n = s->near + s->held[h];
@@ -157,12 +165,11 @@ static void dm_renew_planes(dm_scene_state *s) {
         double x[3], way[3];
         dm_world_of(s, s->surfaces + n->surface, n->vertex, x);
         dm_minus(x, s->before[n->vertex], way);
-        double gone = sqrt(dm_inner3(way, way));
+        double gone = sqrt(dm_inner3(way, way)), stride = dm_stride_of(s, n);
         for (uint32_t k = 0; k < count; k++) {
-            dm_pair *p = s->pairs + mine[k] / 4;
-            int spent = !(dm_surface_of(s, p, 0)->body && dm_surface_of(s, p, 3)->body);
-            dm_left_of(s, mine[k], x, gone, &spent);
-            if (spent) dm_renew_plane(s, p);
+            int spent = s->planes[mine[k] / 4].stiff;
+            dm_left_of(s, mine[k], x, gone, stride, &spent);
+            if (spent) dm_renew_plane(s, s->pairs + mine[k] / 4);
         }
     }
     for (uint32_t h = 0; h < s->held_count && !s->due; h++) {
@@ -170,7 +177,8 @@ static void dm_renew_planes(dm_scene_state *s) {
         dm_renew_bound(s, s->near + s->held[h]);
         for (uint32_t k = 0; k < count; k++) {
             const dm_pair *p = s->pairs + mine[k] / 4;
-            for (int j = 0; p->renewed == s->renewal && j < 4; j++) dm_renew_bound(s, s->near + p->at[j]);
+            int anew = s->planes[mine[k] / 4].renewed == s->renewal;
+            for (int j = 0; anew && j < 4; j++) dm_renew_bound(s, s->near + p->at[j]);
         }
     }
     s->held_count = 0;
@@ -231,8 +239,8 @@ DM_INLINE dm_lanes dm_bound_group(dm_scene_state *s, dm_surface *f, int64_t g) {
 /* Hold every vertex of a body to its bounds. None is looked at while they all together cannot have used up what was left
  * when they were; what is near something has little left, and is looked at more often. */
 static void dm_bound_body(dm_scene_state *s, dm_surface *f) {
-    double way = f->body->way > f->met_way ? f->body->way : f->met_way;
-    f->left -= way, f->near_left -= way;
+    double near_way = f->body->near_way > f->met_way ? f->body->near_way : f->met_way;
+    f->left -= f->body->way, f->near_left -= near_way;
     int all = !(f->left > 0) || f->body->finger_count;
     if (!all && f->near_left > 0) return;
     dm_lanes left = dm_splat(-INFINITY), near_left = left; /* negative: the least is sought */

@@ -5,8 +5,8 @@ DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
     dm_lanes p = dm_splat((dm_real)pressure), dt = dm_splat((dm_real)b->dt);
     dm_real limit = (dm_real)b->skin_travel;
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
-    dm_lanes most = dm_splat(0);
-    const uint32_t *stepped = b->stepped;
+    dm_lanes most[2] = {dm_splat(0), dm_splat(0)}; /* of groups that are near something, and of others */
+    const uint32_t *stepped = b->stepped, *near = b->near_groups, *end = near + b->near_group_count;
     for (int64_t k = 0, count = b->stepped_count; k < count; k++) {
         int64_t g = stepped[k];
         dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
@@ -25,11 +25,14 @@ DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
                 way.x *= share, way.y *= share, way.z *= share;
             }
         }
-        x.x += way.x, x.y += way.y, x.z += way.z, most = dm_vmax(dm_dot(way, way), most);
+        x.x += way.x, x.y += way.y, x.z += way.z;
+        while (near < end && *near < g) near++;
+        int far = near == end || *near != g;
+        most[far] = dm_vmax(dm_dot(way, way), most[far]);
         b->state[g] = (dm_group_state){x, v};
         dm_scatter8(x, v, b->records + g * DM_LANES);
     }
-    b->way = sqrt(dm_most_of(most));
+    b->near_way = sqrt(dm_most_of(most[0])), b->way = sqrt(dm_most_of(most[1]));
 }
 
 static void dm_advance_pinned(dm_state *b, double pressure) { dm_advance(b, pressure, 0); }

@@ -33,14 +33,20 @@ static void dm_note_candidate(dm_scene_state *s, const dm_surface *f, const dm_s
     if (dm_has_room(s)) s->candidates[s->candidate_count++] = made;
 }
 
-/* Note a pair that is near: for now with its vertices as they are numbered in the scene. */
+/* Note a pair that is near, for now with its vertices as they are numbered in the scene, and set its plane in the middle
+ * between the two. w, between: of their nearest points, as dm_measure_pair finds them. */
 static void dm_note_pair(dm_scene_state *s, const dm_surface *f, const dm_surface *g, uint32_t ones, uint32_t close,
-                         double gap) {
+                         double gap, const double *w, const double *between) {
     const uint32_t *at = s->close[ones - 1][close].at;
     s->pairs = dm_grown(s, s->pairs, s->pair_count, &s->pair_room, sizeof *s->pairs);
+    s->planes = dm_grown(s, s->planes, s->pair_count, &s->plane_room, sizeof *s->planes);
     if (!dm_has_room(s)) return;
-    dm_pair *p = s->pairs + s->pair_count++;
-    *p = (dm_pair){{at[0], at[1], at[2], at[3]}, close, ones, 0, gap / 2 - dm_keep_of(gap / 2, gap, dm_closest_of(f, g))};
+    const double *x[4] = {s->before[at[0]], s->before[at[1]], s->before[at[2]], s->before[at[3]]};
+    dm_plane *plane = s->planes + s->pair_count;
+    dm_set_plane(plane, ones, x, w, between, gap, dm_closest_of(f, g), 0.5);
+    plane->way = gap / 2 - plane->keep[0], plane->renewed = 0;
+    plane->ones = (uint16_t)ones, plane->stiff = !(f->body && g->body);
+    s->pairs[s->pair_count++] = (dm_pair){{at[0], at[1], at[2], at[3]}, close, ones};
     for (uint32_t k = 0; k < 4; k++) s->place[at[k]] = 0;
 }
 
@@ -51,14 +57,16 @@ static void dm_note_run(dm_scene_state *s, const dm_surface *f, const dm_surface
     for (uint32_t k = from; k < end && dm_has_room(s); k += DM_LANES) {
         uint32_t many = end - k < DM_LANES ? end - k : DM_LANES;
         dm_wide_mask inside;
-        dm_wide3 way = dm_wide_between((const double(*)[3])s->before, close + k, many, ones, &inside);
+        dm_wide w[4];
+        dm_wide3 way = dm_wide_between((const double(*)[3])s->before, close + k, many, ones, w, &inside);
         dm_wide gap = dm_wide_root(dm_wide_dot(way, way));
         for (uint32_t l = 0; l < many && dm_has_room(s); l++) {
             if (!(gap[l] < s->reach)) continue;
             double by = gap[l] > 0 && f != g ? (close[k + l].at[0] < g->first ? 1 : -1) / gap[l] : 0;
             normal[0] += by * way.x[l], normal[1] += by * way.y[l], normal[2] += by * way.z[l];
             s->gap = gap[l] < s->gap ? gap[l] : s->gap;
-            dm_note_pair(s, f, g, ones, k + l, gap[l]);
+            dm_note_pair(s, f, g, ones, k + l, gap[l], (double[]){w[0][l], w[1][l], w[2][l], w[3][l]},
+                         (double[]){way.x[l], way.y[l], way.z[l]});
             if (inside[l] && dm_has_room(s)) dm_note_candidate(s, f, g, s->pair_count - 1, gap[l]);
         }
     }
@@ -69,10 +77,11 @@ static void dm_number_near(dm_scene_state *s) {
     for (const dm_surface *f = s->surfaces; f < s->surfaces + s->surface_count; f++)
         for (uint32_t i = f->first; i < f->first + f->count && dm_has_room(s); i++)
             if (s->place[i] != DM_NO_VERTEX) dm_note_near(s, f, i);
-    for (dm_pair *p = s->pairs; p < s->pairs + s->pair_count && dm_has_room(s); p++)
+    for (uint32_t i = 0; i < s->pair_count && dm_has_room(s); i++)
         for (int k = 0; k < 4; k++) {
-            dm_tally *t = s->tally + (p->at[k] = s->place[p->at[k]]);
-            t->count++, t->way = p->way < t->way ? p->way : t->way;
+            double way = s->planes[i].way;
+            dm_tally *t = s->tally + (s->pairs[i].at[k] = s->place[s->pairs[i].at[k]]);
+            t->count++, t->way = way < t->way ? way : t->way;
         }
 }
 

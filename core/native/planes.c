@@ -32,28 +32,19 @@ static void dm_set_plane(dm_plane *p, uint32_t ones, const double *const *x, con
     p->keep[0] = dm_keep_of(share * gap, gap, closest), p->keep[1] = dm_keep_of((1 - share) * gap, gap, closest);
 }
 
-/* The plane of a pair: that of the query, in the middle between the two, where none was needed before. */
-static const dm_plane *dm_plane_of(dm_scene_state *s, dm_pair *p) {
-    dm_plane *plane = s->planes + (p - s->pairs);
-    if (p->renewed) return plane;
-    const double *x[4];
-    double w[4], between[3], closest = dm_closest_of(dm_surface_of(s, p, 0), dm_surface_of(s, p, 3));
-    for (int j = 0; j < 4; j++) x[j] = s->before[s->near[p->at[j]].vertex];
-    double gap = dm_measure_pair(x, p->ones, w, between);
-    dm_set_plane(plane, p->ones, x, w, between, gap, closest, 0.5);
-    p->renewed = 1;
-    return plane;
+/* The velocity of a vertex that is near. */
+DM_INLINE void dm_velocity_of(const dm_scene_state *s, const dm_neighbour *n, double *v) {
+    const dm_surface *f = s->surfaces + n->surface;
+    if (f->body) dm_velocity(f->body, n->vertex - f->first, v);
+    else memcpy(v, s->rate[n->vertex], 3 * sizeof *v);
 }
 
 DM_INLINE double dm_approach(const dm_scene_state *s, const dm_pair *p, uint32_t from, uint32_t to, const double *w,
                              const double *normal) {
     double speed = 0;
     for (uint32_t k = from; k < to; k++) {
-        const dm_neighbour *n = s->near + p->at[k];
-        const dm_surface *f = s->surfaces + n->surface;
         double v[3];
-        if (f->body) dm_velocity(f->body, n->vertex - f->first, v);
-        else memcpy(v, s->rate[n->vertex], sizeof v);
+        dm_velocity_of(s, s->near + p->at[k], v);
         speed -= w[k] * dm_inner3(normal, v);
     }
     return speed > 0 ? speed : 0;
@@ -63,8 +54,9 @@ DM_INLINE double dm_approach(const dm_scene_state *s, const dm_pair *p, uint32_t
  * are soft come and go, and a side that is slow now is soon fast. */
 static void dm_renew_plane(dm_scene_state *s, dm_pair *p) {
     double x[4][3], w[4], between[3], normal[3], share = 0.5;
-    if (p->renewed == s->renewal) return;
-    p->renewed = s->renewal;
+    dm_plane *plane = s->planes + (p - s->pairs);
+    if (plane->renewed == s->renewal) return;
+    plane->renewed = s->renewal;
     const dm_surface *f = dm_surface_of(s, p, 0), *g = dm_surface_of(s, p, 3);
     for (int j = 0; j < 4; j++) {
         const dm_neighbour *m = s->near + p->at[j];
@@ -80,7 +72,7 @@ static void dm_renew_plane(dm_scene_state *s, dm_pair *p) {
         share = u / (u + v);
         share = share < least ? least : share > 1 - least ? 1 - least : share;
     }
-    dm_set_plane(s->planes + (p - s->pairs), p->ones, at, w, between, gap, closest, share);
+    dm_set_plane(plane, p->ones, at, w, between, gap, closest, share);
 }
 
 /* How far a vertex is on its own side of a plane. */
@@ -90,14 +82,14 @@ DM_INLINE double dm_side(const dm_plane *plane, int first, const double *x) {
 }
 
 /* How far a vertex at x, a way `gone` from where it was at the query, is from what a pair lets it reach: less than nothing
- * beyond that. The plane of the query is not reached within its way. spent: set where a new plane is due. */
-DM_INLINE double dm_left_of(dm_scene_state *s, uint32_t which, const double *x, double gone, int *spent) {
-    dm_pair *p = s->pairs + which / 4;
-    int first = which % 4 < p->ones, anew = p->renewed > 1;
-    if (!anew) *spent |= gone > DM_SPENT / 2 * p->way;
-    if (!anew && gone <= p->way) return p->way - gone;
-    const dm_plane *plane = dm_plane_of(s, p);
-    double side = dm_side(plane, first, x);
-    if (anew) *spent |= side * (1 - DM_BOUND) < DM_SPENT * (plane->keep[0] + plane->keep[1]) / 2;
-    return side - plane->keep[!first];
+ * beyond that. spent: set where a new plane is due. stride: how far it goes in a substep. */
+DM_INLINE double dm_left_of(const dm_scene_state *s, uint32_t which, const double *x, double gone, double stride,
+                            int *spent) {
+    const dm_plane *plane = s->planes + which / 4;
+    int first = which % 4 < plane->ones;
+    double side = dm_side(plane, first, x), left = side - plane->keep[!first];
+    double used = stride > DM_QUICK * plane->way ? gone : plane->way - left;
+    *spent |= plane->renewed ? side * (1 - DM_BOUND) < DM_SPENT * (plane->keep[0] + plane->keep[1]) / 2
+                             : used > DM_SPENT / 2 * plane->way;
+    return left;
 }

@@ -61,7 +61,8 @@ static void dm_keep_waiting(dm_scene_state *s, uint32_t ones) {
     for (uint32_t i = 0; i < count && dm_has_room(s); i += DM_LANES) {
         uint32_t many = count - i < DM_LANES ? count - i : DM_LANES;
         dm_wide_mask inside;
-        dm_wide3 way = dm_wide_between((const double(*)[3])s->before, waiting + i, many, ones, &inside);
+        dm_wide w[4];
+        dm_wide3 way = dm_wide_between((const double(*)[3])s->before, waiting + i, many, ones, w, &inside);
         dm_wide square = dm_wide_dot(way, way);
         for (uint32_t l = 0; l < many && dm_has_room(s); l++) {
             if (!(square[l] < s->wide * s->wide)) continue;

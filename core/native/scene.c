@@ -179,7 +179,11 @@ static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, in
     while (bodies < s->surface_count && s->surfaces[bodies].body) bodies++;
     for (int64_t i = 0; i < bodies; i++) {
         int64_t k = s->backwards ? bodies - 1 - i : i;
-        if (!s->surfaces[k].body->asleep) dm_run_substep(s->surfaces[k].body, frames + k);
+        dm_surface *f = s->surfaces + k;
+        if (f->body->asleep) continue;
+        f->body->near_groups = f->near_groups, f->body->near_group_count = f->near_group_count;
+        dm_run_substep(f->body, frames + k);
+        f->body->near_group_count = 0;
     }
     s->backwards = !s->backwards;
     for (dm_surface *f = s->surfaces + bodies; f < s->surfaces + s->surface_count; f++)

@@ -28,7 +28,8 @@
 #define DM_SLOW 1e-3          /* [m/s] below this, both sides count as equally fast */
 #define DM_ALERT 0.5          /* of the way it may go, after which a vertex gets new planes */
 #define DM_SPENT 0.5          /* of half the distance: when a vertex is nearer to a plane, that is set anew; of the query, */
-                              /* when it has gone half as much of its way, for that is not measured */
+                              /* when it has gone half as much of its way towards it, or, */
+#define DM_QUICK 0.05         /* of its way, where it goes farther than that in a substep, anywhere */
 #define DM_SWEEPS 4           /* projections on the planes of a vertex before its way is cut short */
 #define DM_LOOK 0.5           /* of the touching distance: when anything near has moved so far, normals are set anew */
 #define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
@@ -78,12 +79,13 @@ typedef struct { /* those of two surfaces: up to these ends in the lists of face
 typedef struct { /* what is nearer than `reach` at the query */
     uint32_t at[4];           /* in the list of what is near */
     uint32_t close, ones;     /* in the list of faces or of edges; how many lie on the side of the normal: 1 or 2 */
-    uint32_t renewed;         /* when its plane was set: 0 where it never was */
-    double way;               /* [m] that each side may go from where it was at the query, whatever the plane */
 } dm_pair;
 
-typedef struct { /* between the two of a pair: each side keeps at least so far from normal . x = level */
+typedef struct { /* between the two of a pair: each side keeps at least so far from normal . x = level; a line of the cache */
     double normal[3], level, keep[2];
+    double way;             /* [m] that each side could go at the query */
+    uint32_t renewed;       /* when it was set anew: 0 where it is that of the query */
+    uint16_t ones, stiff;   /* stiff: one of the two gives nothing */
 } dm_plane;
 
 typedef struct { /* a pair that may touch */

@@ -10,7 +10,9 @@ from ..base import Bools, Floats, Ints
 from ..body.proximity import BOUND, Pairs, Surfaces, planes_between
 
 ALERT = 0.5  # of the way it may go, after which the planes of a vertex are looked at
-SPENT = 0.5  # of half the distance: when a vertex is nearer to a plane, that is set anew
+SPENT = 0.5  # of half the distance: when a vertex is nearer to a plane, that is set anew; one of the query, when it has
+# gone half as much of its way towards it, or,
+QUICK = 0.05  # of its way, where it goes farther than that in a substep, anywhere
 SWEEPS = 4  # projections on the planes of a vertex before its way is cut short
 
 
@@ -82,7 +84,9 @@ def is_near(b: Bounds, vertex: int) -> bool:
     return bool(b.start[vertex] < b.start[vertex + 1])
 
 
-def renewed(b: Bounds, vertices: list[int], x: Floats, v: Floats, closest: Floats, soft: Bools) -> Bounds:
+def renewed(
+    b: Bounds, vertices: list[int], x: Floats, v: Floats, closest: Floats, soft: Bools, dt: float
+) -> Bounds:
     """Return the bounds of some vertices where things are now, with new planes for those they have come near to.
 
     A plane holds until it is replaced, wherever the two have gone meanwhile on their sides of it: so what has moved
@@ -94,8 +98,9 @@ def renewed(b: Bounds, vertices: list[int], x: Floats, v: Floats, closest: Float
         x, v: (n, 3) positions [m] and velocities [m/s].
         closest: (n,) nearer than this [m], nothing goes nearer still.
         soft: (n,) whether each vertex is of a body. What is stiff goes far in a substep: its planes are all set anew.
+        dt: the substep [s].
     """
-    rows = np.unique(np.concatenate([_spent(b, vertex, x[vertex], soft) for vertex in vertices]))
+    rows = np.unique(np.concatenate([_spent(b, i, x[i], soft, dt * float(np.linalg.norm(v[i]))) for i in vertices]))
     at, ones = b.pairs.at[rows], b.pairs.ones[rows]
     some = planes_between(x, v, at, ones, closest[at].max(axis=1), soft[at])
     changed = {}
@@ -105,9 +110,7 @@ def renewed(b: Bounds, vertices: list[int], x: Floats, v: Floats, closest: Float
     b = replace(b, pairs=replace(b.pairs, **changed), since=b.since.copy(), roam=b.roam.copy(), anew=b.anew.copy())
     b.anew[rows] = True
     for vertex in np.union1d(at, vertices).tolist():
-        gone, way = float(np.linalg.norm(x[vertex] - b.before[vertex])), _ways(b, vertex)
-        left = _sides(b, vertex, x[vertex]) - _kept(b, vertex)
-        left = np.where(b.anew[_planes(b, vertex)] | (gone > way), left, way - gone)
+        gone, left = float(np.linalg.norm(x[vertex] - b.before[vertex])), _left(b, vertex, x[vertex])
         b.since[vertex], b.roam[vertex] = x[vertex], min(b.slack[vertex] - gone, left.min())
     return b
 
@@ -123,7 +126,7 @@ def is_allowed(b: Bounds, vertex: int, x: Floats) -> bool:
     """Tell whether a vertex may be at x (3,)."""
     if not float(np.linalg.norm(x - b.before[vertex])) <= b.slack[vertex]:
         return False
-    return bool((_sides(b, vertex, x) >= _kept(b, vertex)).all())
+    return bool((_left(b, vertex, x) >= 0).all())
 
 
 def hold_back(b: Bounds, vertex: int, x: Floats, last: Floats) -> Floats:
@@ -153,17 +156,18 @@ def _planes(b: Bounds, vertex: int) -> Ints:
     return b.rows[b.start[vertex] : b.start[vertex + 1]]
 
 
-def _spent(b: Bounds, vertex: int, x: Floats, soft: Bools) -> Ints:
-    """Return the planes that are due to be set anew for a vertex at x (3,); those of the query are not measured."""
-    planes, gone = _planes(b, vertex), float(np.linalg.norm(x - b.before[vertex]))
+def _spent(b: Bounds, vertex: int, x: Floats, soft: Bools, stride: float) -> Ints:
+    """Return the planes that are due to be set anew for a vertex at x (3,) that goes a stride [m] in a substep."""
+    planes, ways, gone = _planes(b, vertex), _ways(b, vertex), float(np.linalg.norm(x - b.before[vertex]))
     near = _sides(b, vertex, x) * (1 - BOUND) < SPENT * b.pairs.keep[planes].mean(axis=1)
-    near = np.where(b.anew[planes], near, gone > SPENT / 2 * _ways(b, vertex))
+    used = np.where(stride > QUICK * ways, gone, ways - _left(b, vertex, x))
+    near = np.where(b.anew[planes], near, used > SPENT / 2 * ways)
     spent: Ints = planes[near | ~soft[b.pairs.at[planes]].all(axis=1)]
     return spent
 
 
 def _ways(b: Bounds, vertex: int) -> Floats:
-    """Return how far the vertex may go from where it was at the query, for each of its planes [m]."""
+    """Return how far the vertex could go towards each of its planes at the query [m]."""
     planes, corners = _planes(b, vertex), b.corners[b.start[vertex] : b.start[vertex + 1]]
     ways: Floats = b.pairs.way[planes, (corners >= b.pairs.ones[planes]).astype(np.int64)]
     return ways
@@ -181,6 +185,12 @@ def _sides(b: Bounds, vertex: int, x: Floats) -> Floats:
     planes = _planes(b, vertex)
     along = b.pairs.normal[planes] @ x - b.pairs.level[planes]
     return np.where(b.corners[b.start[vertex] : b.start[vertex + 1]] < b.pairs.ones[planes], along, -along)
+
+
+def _left(b: Bounds, vertex: int, x: Floats) -> Floats:
+    """Return how far x (3,) is from what each of the vertex's planes lets it reach [m], below 0 beyond that."""
+    left: Floats = _sides(b, vertex, x) - _kept(b, vertex)
+    return left
 
 
 def _shortened(before: Floats, x: Floats, most: float) -> Floats:

@@ -376,7 +376,8 @@ class TwinScene:
             self._note_way(index, body.state.positions.T)
         if self._held and not self._due:
             closest, soft = self._sizes[self._surfaces.of_vertex], self._surfaces.of_vertex < len(self._bodies)
-            self._bounds = renewed(self._bounds, self._held, self._positions(), self._velocities(), closest, soft)
+            x, v = self._positions(), self._velocities()
+            self._bounds = renewed(self._bounds, self._held, x, v, closest, soft, self._dt)
 
     def _bound(self, body: Twin, vertex: int, own: int, x: Floats) -> None:
         at = hold_back(self._bounds, vertex, x, self._last[vertex])

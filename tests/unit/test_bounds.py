@@ -28,10 +28,14 @@ def bounds_of_squares() -> tuple[Bounds, Floats]:
     return replace(b, anew=np.ones_like(b.anew)), x
 
 
-def moved(b: Bounds, x: Floats, vertices: list[int], way: tuple[float, float, float]) -> tuple[Bounds, Floats]:
-    x = x.copy()
+def moved(
+    b: Bounds, x: Floats, vertices: list[int], way: tuple[float, float, float], *, stride: float = 0.0
+) -> tuple[Bounds, Floats]:
+    """Return the bounds after some vertices have gone a way, which go a stride [m] in each substep."""
+    x, v = x.copy(), np.zeros_like(x)
     x[vertices] += way
-    return renewed(b, vertices, x, np.zeros_like(x), np.full(8, 1e-8), np.ones(8, bool)), x
+    v[vertices] = stride / 1e-3 * np.array(way) / np.linalg.norm(way)
+    return renewed(b, vertices, x, v, np.full(8, 1e-8), np.ones(8, bool), 1e-3), x
 
 
 def test_what_moves_along_its_planes_keeps_them_and_may_go_as_far_again() -> None:
@@ -43,6 +47,19 @@ def test_what_moves_along_its_planes_keeps_them_and_may_go_as_far_again() -> Non
         assert (getattr(after.pairs, name)[flat] == getattr(b.pairs, name)[flat]).all()
     assert (after.since[:4] == there[:4]).all()
     assert (after.roam[:4] > 0).all()
+
+
+def test_what_goes_slowly_along_planes_of_the_query_or_away_from_them_keeps_them() -> None:
+    b, x = bounds_of_squares()
+    b = replace(b, anew=np.zeros_like(b.anew))
+    near = np.abs(b.pairs.gap - GAP) < 1e-9  # what is farther apart stands between others at a slant
+    assert near.any()
+    for way in ((0.4 * GAP, 0.0, 0.0), (0.0, 0.0, -0.4 * GAP)):
+        for stride, kept in ((0.01 * GAP, True), (0.1 * GAP, False)):
+            after, there = moved(b, x, [0, 1, 2, 3], way, stride=stride)
+            assert (~after.anew[near]).all() == kept
+            assert after.anew[near].all() != kept
+            assert all(is_allowed(after, vertex, there[vertex]) for vertex in range(4))
 
 
 def test_what_goes_together_keeps_its_planes() -> None:
@@ -73,7 +90,7 @@ def test_whatever_is_tried_two_squares_never_pass_through_each_other() -> None:
             held = not is_allowed(b, vertex, wanted[vertex])
             x[vertex] = hold_back(b, vertex, wanted[vertex], last[vertex]) if held else wanted[vertex]
         some = rng.choice(8, 3, replace=False).tolist()
-        b = renewed(b, some, x, np.zeros_like(x), np.full(8, 1e-8), np.ones(8, bool))
+        b = renewed(b, some, x, np.zeros_like(x), np.full(8, 1e-8), np.ones(8, bool), 1e-3)
         planes.add(float(b.pairs.level.sum()))
         assert all(is_allowed(b, vertex, x[vertex]) for vertex in range(8))
         assert find_crossings(s, x, np.ones(2, bool), [0, 0], np.zeros(8, bool)).pairs == 0
