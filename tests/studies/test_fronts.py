@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from core.base import TICK
-from core.reduction.planner import TOLERANCE
+from core.reduction.decision import TOLERANCE
 from studies import cost, space, stiff_nylon
 from studies.methods.registry import METHODS
 from studies.scenes import twisted_ball
