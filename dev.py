@@ -112,9 +112,10 @@ def wheels(options: argparse.Namespace) -> int:
 
 def bench(options: argparse.Namespace) -> int:
     """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --scale, --exports, --identify"""
-    if "--exports" in options.rest:
+    asks = {"-h", "--help"} & {*options.rest}  # of all kinds together
+    if "--exports" in options.rest and not asks:
         return in_blender("tests/bench/exports.py", options.blender, BUILD / "exports")
-    if "--identify" in options.rest:
+    if "--identify" in options.rest and not asks:
         words = [word for word in options.rest if word != "--identify"]
         return in_blender("tests/bench/identified.py", options.blender, BUILD / "identified", *words)
     python = environment(options.blender)
@@ -132,7 +133,7 @@ def charts(options: argparse.Namespace) -> int:
 
 
 def contact(options: argparse.Namespace) -> int:
-    """judge ten scenes in which nothing may pass through anything; --quick, --json FILE"""
+    """judge twelve scenes in which nothing may pass through anything; --quick, --json FILE"""
     paths = [str(Path(word).resolve()) if before == "--json" else word
              for before, word in zip(["", *options.rest], options.rest, strict=False)]  # fmt: skip
     python = environment(options.blender)
@@ -141,7 +142,7 @@ def contact(options: argparse.Namespace) -> int:
 
 
 def core(options: argparse.Namespace) -> int:
-    """run a study without Blender: calibrate, paper, emulator, haptics, grasp, solid, release, dents"""
+    """run a study without Blender, such as calibrate, paper, tips, dents, haptics; `core --help` lists them"""
     python = environment(options.blender)
     native_core.provide_library(python)
     return run([python, "-m", "studies", *options.rest])

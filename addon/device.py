@@ -25,7 +25,8 @@ class DevicePlace:
 
     device_port: StringProperty(
         name="Port",
-        description='Serial port of the device, a path, or udp:HOST:PORT. On Linux and macOS "emulated" is one to try',
+        description='Serial port of the device, a path, or udp:HOST:PORT. '
+        'On Linux and macOS "emulated" tries a simulated one',
         search=_ports, search_options={"SORT", "SUGGESTION"}, **_FIXED,
     )  # fmt: skip
     device_file: StringProperty(
@@ -33,7 +34,7 @@ class DevicePlace:
         subtype="FILE_PATH", **_FIXED,
     )  # fmt: skip
     device_scale: FloatProperty(
-        name="Workspace Scale", description="How much larger the movement on the body is than that of the hand",
+        name="Workspace Scale", description="How many times the movement of the hand is enlarged on the body",
         default=1.0, min=0.01, soft_min=0.1, soft_max=10.0, precision=2, **_FIXED,
     )  # fmt: skip
     device_origin: FloatVectorProperty(
@@ -43,7 +44,8 @@ class DevicePlace:
         **_FIXED,
     )
     device_centre_mm: FloatVectorProperty(
-        name="Centre (mm)", description="The position on the device that is at the origin", subtype="XYZ", **_FIXED
+        name="Center (mm)", description="The position of the device that corresponds to the origin", subtype="XYZ",
+        **_FIXED,
     )
 
 

@@ -25,7 +25,7 @@ _PINNED = (
     ("NONE", "None", "Nothing is pinned: the body can be pushed away, fall and roll"),
 )
 _SIZE_MODES = (
-    ("REAL", "As Modelled", "The body is as large as it is in the scene"),
+    ("REAL", "As Modeled", "The body is as large as it is in the scene"),
     ("CUSTOM", "Custom Size", "The body represents a real object of the given size, whatever its size in the scene"),
 )
 _POKE_ALONG = (
@@ -44,7 +44,7 @@ _PRESS_BY = (
 
 
 _FIELDS = (
-    ("NONE", "None", "The mesh looks as it does"),
+    ("NONE", "None", "The mesh keeps its own look"),
     ("PRESSURE", "Contact Pressure", "How hard the surface is pressed (kPa)"),
     ("DEPTH", "Depth", "How far the surface is below its shape at rest (mm)"),
     ("STRETCH", "Stretch", "How much longer or shorter its edges are than at rest (%)"),

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from .base import Floats, sums_at
-from .body.model import Model, State, forces
+from .body.forces import forces
+from .body.model import Model, State
 from .body.shape_matching import Pose, fit_pose, pose_of
 from .mesh.surface import Mesh
 from .reduction.binding import blend

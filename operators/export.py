@@ -58,8 +58,9 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
         default=0.0, min=0.0, soft_max=1.0, max=100.0, precision=3,
     )  # fmt: skip
     normals: BoolProperty(
-        name="Normals", description="Write how the surface is shaded; files are larger", default=True, update=_measure
-    )
+        name="Normals", description="Write the normals that shade the surface; files are larger",
+        default=True, update=_measure,
+    )  # fmt: skip
     overwrite: BoolProperty(name="Overwrite", description="Replace files that are there already", default=False)
 
     @classmethod

@@ -37,7 +37,7 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     preset: EnumProperty(
-        name="Material", description="Known object whose constants a mesh without a material gets",
+        name="Material", description="Object whose constants are given to a mesh without a material",
         items=presets, default=1,
     )  # fmt: skip
     subdivide: BoolProperty(

@@ -37,16 +37,19 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         name="Force (N)", description="Force to press with; 0 presses to the depth", default=0.0, min=0.0,
         soft_max=100.0,
     )  # fmt: skip
-    press_s: FloatProperty(name="Press (s)", description="Time of the way in", default=0.25, min=0.0, soft_max=5.0)
+    press_s: FloatProperty(
+        name="Press (s)", description="Time the fingertip takes to go in", default=0.25, min=0.0, soft_max=5.0
+    )
     hold_s: FloatProperty(name="Hold (s)", description="Time at full depth", default=0.25, min=0.0, soft_max=5.0)
     release_s: FloatProperty(
-        name="Release (s)", description="Time of the way out; 0 stays pressed", default=0.25, min=0.0, soft_max=5.0
-    )
+        name="Release (s)", description="Time the fingertip takes to come out; 0 stays pressed",
+        default=0.25, min=0.0, soft_max=5.0,
+    )  # fmt: skip
     radius_mm: FloatProperty(
         name="Radius (mm)", description="Radius of the fingertip; 0 is the scene's", default=0.0, min=0.0
     )
     finger: IntProperty(name="Finger", description="1, 2 or 3; 0 is the scene's", default=0, min=0, max=3)
-    keep: BoolProperty(name="Keep", description="Keep the shape at the end rather than put the rest shape back")
+    keep: BoolProperty(name="Keep", description="Keep the dent at the end instead of putting the rest shape back")
     record: BoolProperty(name="Record", description="Record the press and let the object play it")
 
     @classmethod

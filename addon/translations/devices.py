@@ -21,7 +21,7 @@ WORDS = {
         "今の指先の中央を 3D カーソルの位置に合わせます"
     ),
     "Port": "ポート",
-    'Serial port of the device, a path, or udp:HOST:PORT. On Linux and macOS "emulated" is one to try': (
+    'Serial port of the device, a path, or udp:HOST:PORT. On Linux and macOS "emulated" tries a simulated one': (
         "力覚デバイスのシリアルポート、パス、または udp:HOST:PORT。"
         "Linux と macOS では「emulated」で模擬デバイスを試せます"
     ),
@@ -31,11 +31,11 @@ WORDS = {
     ),
     "Workspace Scale": "作業空間の倍率",
     "Scale": "倍率",
-    "How much larger the movement on the body is than that of the hand": "手の動きに対する物体上の動きの倍率",
+    "How many times the movement of the hand is enlarged on the body": "手の動きに対する物体上の動きの倍率",
     "Origin": "原点",
     "Where in the scene the calibrated position of the device is": "デバイスの基準位置に対応するシーン内の位置",
-    "Centre (mm)": "中心 (mm)",
-    "The position on the device that is at the origin": "原点に対応するデバイス上の位置",
+    "Center (mm)": "中心 (mm)",
+    "The position of the device that corresponds to the origin": "原点に対応するデバイス上の位置",
     "Haptic Device": "力覚デバイス",
     "Disconnect": "切断",
     "Ready, no force": "準備完了、力なし",

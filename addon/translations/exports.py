@@ -57,7 +57,7 @@ WORDS = {
         "0 なら n フレームごとに一つ作ります"
     ),
     "Normals": "法線",
-    "Write how the surface is shaded; files are larger": "表面の陰影も書き出します。ファイルは大きくなります",
+    "Write the normals that shade the surface; files are larger": "表面の陰影も書き出します。ファイルは大きくなります",
     "Overwrite": "上書き",
     "Replace files that are there already": "すでにあるファイルを置き換えます",
     "Curves": "カーブ",

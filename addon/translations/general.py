@@ -103,7 +103,7 @@ BODY = {
     ),
     "Physical Size": "実物の大きさ",
     "How large the real object is": "実物がどれだけ大きいか",
-    "As Modelled": "モデルのまま",
+    "As Modeled": "モデルのまま",
     "The body is as large as it is in the scene": "シーンでの大きさをそのまま実物の大きさとします",
     "Custom Size": "指定した大きさ",
     "The body represents a real object of the given size, whatever its size in the scene": (
@@ -207,16 +207,16 @@ VERBS = {
     "Depth (mm)": "深さ (mm)",
     "How deep to press": "どこまで押し込むか",
     "Press (s)": "押す時間 (s)",
-    "Time of the way in": "押し込むのにかける時間",
+    "Time the fingertip takes to go in": "押し込むのにかける時間",
     "Hold (s)": "保つ時間 (s)",
     "Time at full depth": "一番深いところにとどまる時間",
     "Release (s)": "離す時間 (s)",
-    "Time of the way out; 0 stays pressed": "戻すのにかける時間。0 は押したままにします",
+    "Time the fingertip takes to come out; 0 stays pressed": "戻すのにかける時間。0 は押したままにします",
     "Radius (mm)": "半径 (mm)",
     "Radius of the fingertip; 0 is the scene's": "指先の半径。0 はシーンの設定を使います",
     "1, 2 or 3; 0 is the scene's": "1、2、3 のいずれか。0 はシーンの設定を使います",
     "Keep": "形を残す",
-    "Keep the shape at the end rather than put the rest shape back": "終わったときに元の形へ戻さず、その形を残します",
+    "Keep the dent at the end instead of putting the rest shape back": "終わったときに元の形へ戻さず、その形を残します",
     "Record the press and let the object play it": "押した動きを記録し、オブジェクトに再生させます",
     "Run or pause the selected bodies; fingertip objects press them. Esc ends and restores": (
         "選択した物体を動かす、または止めます。指先オブジェクトが押します。Esc で終えて元に戻します"

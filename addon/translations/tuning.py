@@ -66,7 +66,7 @@ WORDS = {
     "Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated": (
         "選択したメッシュを、すぐに押せる柔らかい物体にします。マテリアル、実物の大きさ、固定、計算の対象を決めます"
     ),
-    "Known object whose constants a mesh without a material gets": (
+    "Object whose constants are given to a mesh without a material": (
         "マテリアルのないメッシュに定数を与える、既知の物体"
     ),
     "Repair": "修復",
@@ -106,7 +106,7 @@ WORDS = {
         "面の厚さ。塗った値を含みます。100 は測定どおり (%)"
     ),
     "Other Constants": "その他の定数",
-    "The mesh looks as it does": "メッシュの見た目のまま",
+    "The mesh keeps its own look": "メッシュの見た目のまま",
     "Shape at Rest": "元の形",
     "Draw the edges of the shape at rest where the body has left it": "物体が離れたところに、元の形の辺を描く",
     "Profile": "断面",

@@ -16,7 +16,8 @@ import numpy as np
 from ..base import FINGER_TRAVEL, Bools, DimpleError, Floats
 from ..body import pressure
 from ..body.estimate import estimate, reach
-from ..body.model import Model, State, build_model, forces, initial_state
+from ..body.forces import forces
+from ..body.model import Model, State, build_model, initial_state
 from ..material import Indenter, Material
 from ..mesh.ray import ray_hit
 from ..mesh.surface import Mesh, base_vertices

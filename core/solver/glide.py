@@ -19,7 +19,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..base import Floats
-from ..body.model import Model, Shape, law_forces, shape_of
+from ..body.forces import Shape, law_forces, shape_of
+from ..body.model import Model
 from ..body.shape_matching import fit_pose, pose_of
 
 LAG = 0.04  # [s] so that after a sixtieth of a second a hundredth has faded

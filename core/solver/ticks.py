@@ -9,7 +9,8 @@ import numpy as np
 from ..base import SKIN_TRAVEL, Floats, Ints
 from ..body import contact
 from ..body.contact import Step, Touch
-from ..body.model import Model, State, forces
+from ..body.forces import forces
+from ..body.model import Model, State
 from .path import FingerPath
 
 # advance(model, state, dt, acceleration): move a state in place by dt [s], contact apart. The acceleration (3, n)

@@ -9,7 +9,8 @@ import pytest
 from core import native
 from core.base import Floats
 from core.body import pressure, shape_matching, springs
-from core.body.model import STIFFENS, Model, State, build_model, forces, initial_state
+from core.body.forces import forces
+from core.body.model import STIFFENS, Model, State, build_model, initial_state
 from core.material import PRESETS, Material, Preset
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session

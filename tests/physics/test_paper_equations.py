@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from core.body import paper
-from core.body.model import build_model, forces, initial_state
+from core.body.forces import forces
+from core.body.model import build_model, initial_state
 from core.body.springs import build_springs
 from core.material import PRESETS, Material
 from core.mesh.surface import mesh_from_triangles

@@ -12,7 +12,8 @@ import pytest
 
 from core.base import Floats
 from core.body import bound, paper, pressure, springs
-from core.body.model import Model, State, build_model, forces, initial_state
+from core.body.forces import forces
+from core.body.model import Model, State, build_model, initial_state
 from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.solver import semi_implicit
