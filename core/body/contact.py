@@ -1,14 +1,18 @@
 """Contact of fingertip spheres with vertices and faces, and of vertices with a ground plane.
 
-Velocities first: an impulse stops what moves into the sphere, and Coulomb friction what slides on it. The impulses,
-summed, are the reaction on the fingertip (Newton's third law holds to rounding).
+Speeds first: a point whose gap to the sphere is g when a step begins may close in at g / dt, one that touches it not at
+all. Sweeps over all contacts of a fingertip change each impulse by what stops its point: an impulse may shrink again
+where others do its part, though never below nothing, and friction stays within Coulomb's cone. A step begins with the
+impulses of the one before. Otherwise, under a deep press, dt^2 f / m would carry a held vertex farther than its
+neighbours are away, and contacts would be resolved that are none. The impulses, summed, are the reaction on the
+fingertip (Newton's third law holds to rounding).
+Source: Catto, Iterative Dynamics with Temporal Coherence, 2005.
 
-Positions second: what is inside is moved out without adding speed, and friction takes back the slip of the step. A
-point whose velocity alone is stopped would still creep by dt^2 a in each step, and friction would be viscous.
+Places then follow from speeds, so that what is held does not creep. What is inside all the same, as where a fingertip
+appears, is moved out without adding speed.
 
-Normals, and the points of faces that are met, are those at the begin of the step. At its end a point is dt^2 f / m
-inside the sphere, and where it slides, to one side: the normal there leans by an angle that grows with the step, and
-so would the cone of friction.
+Normals, and the points of faces that are met, are those at the begin of the step: where forces would have carried a
+point depends on how long the step is, and neither the way out nor friction may.
 
 Faces keep a fingertip smaller than an edge from slipping through. A facet stands for a surface that bends round the
 fingertip: where its corners lie on the sphere, its middle lies inside by the bulge
@@ -32,9 +36,10 @@ import numpy as np
 from ..base import Bools, Floats, Ints
 
 _TINY = 1e-30
-FACE_SWEEPS = 8  # at most, in one step
-LEAST_SWEEPS = 2  # where faces are touched: the second stops what slides on after the first, which splits masses
-FACE_SLACK = 1e-3  # of the radius: nearer than this needs no further sweep
+HELD_PART = 0.1  # of its gap or depth that what was held loses in a step; all of it would make facets rock
+CONTACT_SWEEPS = 16  # at most, in one step, over speeds and over places
+SPEED_SLACK = 1e-6  # of the radius: speeds that carry nothing farther in the step need no further sweep
+PLACE_SLACK = 1e-3  # of the radius: what is no deeper needs none either
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
 STIFF = 0.25  # of the radius: the bulge of a facet that is met whole
@@ -54,6 +59,9 @@ class Touch:
     vertices: (c,) near it.
     triangles: (t, 3) near it.
     radii: (t,) of the spheres that they meet [m].
+    faces: (t,) which of the mesh they are.
+    kept: (3, vertices and faces of the mesh) the impulses of the last step [N s], None where there was none; replaced
+        by those of the next.
     """
 
     centre: Floats
@@ -62,6 +70,8 @@ class Touch:
     vertices: Ints
     triangles: Ints
     radii: Floats
+    faces: Ints | None = None
+    kept: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,51 +92,58 @@ def candidates(
     """Find what a fingertip of a radius [m] may meet that is no farther from it than a margin [m].
 
     Returns:
-        the free vertices, the triangles (t, 3), and the radii (t,) [m] of the spheres that these meet.
+        the free vertices, which faces (t,), and the radii (t,) [m] of the spheres that these meet.
     """
     near = ((x - centre[:, None]) ** 2).sum(axis=0) < (radius + margin) ** 2
-    within = triangles_near(x, triangles, inverse_mass, centre, radius + margin)
+    faces = faces_near(x, triangles, inverse_mass, centre, radius + margin)
+    within = triangles[faces]
     radii, corners = met_radius(bulge(rest[:, within], radius), radius, SUNK * radius), x[:, within]
     offset = (corners * nearest_on_triangles(corners, centre)).sum(axis=2) - centre[:, None]
     met = np.sqrt((offset**2).sum(axis=0)) < radii + margin
-    return np.flatnonzero(near & (inverse_mass > 0)), within[met], radii[met]
+    return np.flatnonzero(near & (inverse_mass > 0)), faces[met], radii[met]
 
 
-def triangles_near(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, reach: float) -> Ints:
-    """Return the triangles (t, 3) that can move and whose bounding sphere is within reach [m] of a place (3,)."""
+def faces_near(x: Floats, triangles: Ints, inverse_mass: Floats, centre: Floats, reach: float) -> Ints:
+    """Return which triangles (t,) can move and whose bounding sphere is within reach [m] of a place (3,)."""
     corners = x[:, triangles.T]
     middle = corners.sum(axis=1) / 3
     extent = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=0).max(axis=0))
     hit = ((middle - centre[:, None]) ** 2).sum(axis=0) < (reach + extent) ** 2
-    return triangles[hit & (inverse_mass[triangles] > 0).any(axis=1)]
+    return np.flatnonzero(hit & (inverse_mass[triangles] > 0).any(axis=1))
 
 
 def resolve(
     x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, friction: Floats, step: Step, *, faces: bool = True
 ) -> Floats:
-    """Move vertices out of a fingertip, in place.
+    """Keep vertices, and faces if wanted, out of a fingertip after a step, in place.
 
     Args:
         x, v: (3, n) positions [m] and velocities [m/s].
         inverse_mass: (n,) [1/kg], 0 for pinned vertices.  friction: (n,).
         step: that brought them there.
-        faces: also keep the faces out.
 
     Returns:
         the impulse (3,) [N s] on the fingertip.
     """
-    at, begin = touch.vertices, touch.centre - step.dt * touch.velocity
-    before = x - v * step.slip(np.sqrt((v**2).sum(axis=0))) - begin[:, None]
-    whole = np.full(len(at), touch.radius)
-    impulse, _ = _push(x, v, before, touch, whole, at[:, None], np.ones((len(at), 1)), inverse_mass, friction, step)
-    sweeps = FACE_SWEEPS if faces and len(touch.triangles) else 0
-    weights = nearest_on_triangles(before[:, touch.triangles], np.zeros(3))
-    for sweep in range(1, sweeps + 1):
-        more, deepest = _push(x, v, before, touch, touch.radii, touch.triangles, weights, inverse_mass, friction, step)
-        impulse = impulse + more
-        if deepest <= 0 or (sweep >= LEAST_SWEEPS and deepest < FACE_SLACK * touch.radius):
+    before = x - v * step.slip(np.sqrt((v**2).sum(axis=0)))
+    met = _find(before, v, touch, inverse_mass, friction, step.dt, faces=faces)
+    push = (met.held * met.normal).sum(axis=0)
+    met.held[:, push <= 0] = 0
+    met.move(v, met.held)
+    for _ in range(CONTACT_SWEEPS):
+        if _sweep_speeds(v, touch, met, inverse_mass) * step.dt < SPEED_SLACK * touch.radius:
             break
-    return impulse
+    moved = np.unique(met.members)
+    moved = moved[inverse_mass[moved] > 0]
+    x[:, moved] = before[:, moved] + v[:, moved] * step.slip(np.sqrt((v[:, moved] ** 2).sum(axis=0)))
+    for sweep in range(CONTACT_SWEEPS):
+        if _sweep_places(x, touch, met, inverse_mass, first=sweep == 0) < PLACE_SLACK * touch.radius:
+            break
+    if touch.kept is not None:
+        touch.kept[:] = 0
+        moving = (inverse_mass[met.members] > 0).all(axis=1)  # what cannot give way would add up
+        touch.kept[:, met.numbers[moving]] = met.held[:, moving]
+    return np.asarray(-met.held.sum(axis=1))
 
 
 def rest_on_ground(x: Floats, v: Floats, height: float, inverse_mass: Floats, friction: Floats, dt: float) -> None:
@@ -142,69 +159,127 @@ def rest_on_ground(x: Floats, v: Floats, height: float, inverse_mass: Floats, fr
     x[2, low] = height
 
 
-def _push(
-    x: Floats,
-    v: Floats,
-    before: Floats,
-    touch: Touch,
-    radius: Floats,
-    members: Ints,
-    weights: Floats,
-    inverse_mass: Floats,
-    friction: Floats,
-    step: Step,
-) -> tuple[Floats, float]:
-    """Apply contacts at points sum_j weights[:, j] x[members[:, j]], one a row of members (c, j).
+@dataclass(slots=True, kw_only=True)
+class _Contacts:
+    """Points sum_j weights[:, j] x[members[:, j]] that a fingertip may meet in a step.
 
-    Args:
-        before: (3, n) positions at the begin of the step from the centre of the fingertip then. What friction takes
-            back is the way since then: a sweep before may have changed velocities that moved nothing.
-        radius: (c,) of the sphere that each meets [m].
+    numbers: (c,) of the vertex or, behind the vertices, of the face.
+    members, weights, mobility: (c, 3); mobility: what an impulse adds to the velocity of each member.
+    radius: (c,) of the sphere that each meets [m].
+    normal: (3, c).
+    part: (c,) of its gap or depth that each may lose in the step.
+    closing: (c,) speed along the normal, at most 0, at which it does [m/s].
+    friction: (c,).
+    held: (3, c) impulses so far [N s].
+    """
+
+    numbers: Ints
+    members: Ints
+    weights: Floats
+    mobility: Floats
+    radius: Floats
+    normal: Floats
+    part: Floats
+    closing: Floats
+    friction: Floats
+    held: Floats
+
+    def points(self, of: Floats) -> Floats:
+        """Return what (3, n) is at the points (3, c)."""
+        return np.asarray((of[:, self.members] * self.weights).sum(axis=2))
+
+    def move(self, what: Floats, by: Floats) -> None:
+        """Add to what (3, n) is at the members what impulses or ways by (3, c) give each, in place."""
+        for c in range(3):
+            np.add.at(what[c], self.members.ravel(), (by[c, :, None] * self.mobility).ravel())
+
+    def compliance(self, inverse_mass: Floats, at_work: Bools) -> Floats:
+        """Return what each contact gives (c,), 1 / mass: it moves its share m / count of a vertex.
+
+        The vertex then takes the mean of what its contacts at work do.
+        """
+        counted = self.members[at_work][self.weights[at_work] > WEIGHT_FLOOR]
+        count = np.bincount(counted, minlength=len(inverse_mass))
+        give = np.maximum((self.mobility * self.weights * count[self.members]).sum(axis=1), _TINY)
+        # beside pinned vertices: a free one must not be flung away to move a point it hardly carries
+        free = inverse_mass[self.members] > 0
+        share = np.maximum((self.weights * free).sum(axis=1), _TINY)
+        least = PINNED_GIVE * inverse_mass[self.members].max(axis=1) / share
+        return np.asarray(np.where(free.all(axis=1), give, np.maximum(give, least)))
+
+
+def _find(
+    before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, friction: Floats, dt: float, *, faces: bool
+) -> _Contacts:
+    """Return the contacts that may work in a step that began before (3, n) [m]: near enough, or held until then."""
+    n, some = len(inverse_mass), slice(None if faces else 0)
+    triangles, number = touch.triangles[some], np.arange(len(touch.triangles)) if touch.faces is None else touch.faces
+    offset = before - (touch.centre - dt * touch.velocity)[:, None]
+    alone = np.repeat(touch.vertices[:, None], 3, axis=1)
+    members = np.concatenate([alone, triangles])
+    weights = np.concatenate(
+        [np.tile([1.0, 0.0, 0.0], (len(alone), 1)), nearest_on_triangles(offset[:, triangles], np.zeros(3))]
+    )
+    radius = np.concatenate([np.full(len(alone), touch.radius), touch.radii[some]])
+    numbers = np.concatenate([touch.vertices, n + number[some]])
+    held = np.zeros((3, len(members))) if touch.kept is None else touch.kept[:, numbers]
+    was_held = (held != 0).any(axis=0)
+    first = (offset[:, members] * weights).sum(axis=2)
+    apart = np.sqrt((first**2).sum(axis=0))
+    noted = v[:, np.concatenate([touch.vertices, touch.triangles.ravel()])]
+    fastest = np.sqrt((noted**2).sum(axis=0).max(initial=0))
+    margin = dt * (2 * fastest + np.sqrt((touch.velocity**2).sum()))
+    at_centre = apart < TOO_NEAR * touch.radius
+    is_face = np.arange(len(members)) >= len(alone)
+    met = ((apart < radius + margin) | was_held) & (is_face | ~at_centre)  # a vertex has no direction
+    normal, part = first / np.maximum(apart, _TINY), np.where(was_held, HELD_PART, 1.0)[met]
+    inward = met & at_centre
+    normal[:, inward] = _inward(before[:, members[inward]])
+    return _Contacts(
+        numbers=numbers[met], members=members[met], weights=weights[met], radius=radius[met], held=held[:, met],
+        normal=normal[:, met], part=part, closing=-part * np.maximum(apart[met] - radius[met], 0) / dt,
+        friction=(friction[members[met]] * weights[met]).sum(axis=1),
+        mobility=weights[met] * inverse_mass[members[met]],
+    )  # fmt: skip
+
+
+def _sweep_speeds(v: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats) -> float:
+    """Change the impulses by what stops their points, all from the same speeds; return the largest change [m/s]."""
+    relative = met.points(v) - touch.velocity[:, None]
+    speed, was = (relative * met.normal).sum(axis=0), (met.held * met.normal).sum(axis=0)
+    at_work = (speed < met.closing) | (was > 0)
+    if not at_work.any():
+        return 0.0
+    give = met.compliance(inverse_mass, at_work)
+    push = np.maximum(was + (met.closing - speed) / give, 0)
+    drag = met.held - was * met.normal - (relative - speed * met.normal) / give
+    size = np.sqrt((drag**2).sum(axis=0))
+    held = push * met.normal + np.minimum(1, met.friction * push / np.maximum(size, _TINY)) * drag
+    change = np.where(at_work, held - met.held, 0)
+    met.held += change
+    met.move(v, change)
+    return float((np.sqrt((change**2).sum(axis=0)) * give).max())
+
+
+def _sweep_places(x: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats, *, first: bool) -> float:
+    """Move out what is inside, and first let what slides past its normal follow the sphere, all from the same places.
 
     Returns:
-        the impulse (3,) [N s] on the fingertip and how deep [m] the deepest point was.
+        how deep [m] the deepest was.
     """
-    offset = (x[:, members] * weights).sum(axis=2) - touch.centre[:, None]
-    distance = np.sqrt((offset**2).sum(axis=0))
-    hit = distance < radius * (1 - ROUNDING)
-    if not hit.any():
-        return np.zeros(3), 0.0
-    members, weights, radius, offset = members[hit], weights[hit], radius[hit], offset[:, hit]
-    first = (before[:, members] * weights).sum(axis=2)
-    distance = np.maximum(np.sqrt((first**2).sum(axis=0)), _TINY)
-    normal = first / distance
-    at_centre = distance < TOO_NEAR * touch.radius
-    if at_centre.any():
-        normal[:, at_centre] = _inward(x[:, members[at_centre]])
-    count = np.bincount(members[weights > WEIGHT_FLOOR], minlength=x.shape[1])
-    # each contact moves its share of a vertex, m / count; the vertex then takes the mean of its shares
-    mobility = weights * inverse_mass[members]
-    give = np.maximum((mobility * weights * count[members]).sum(axis=1), _TINY)
-    # beside pinned vertices: a free one must not be flung away to move a point it hardly carries
-    free = inverse_mass[members] > 0
-    share = np.maximum((weights * free).sum(axis=1), _TINY)
-    give = np.where(free.all(axis=1), give, np.maximum(give, PINNED_GIVE * inverse_mass[members].max(axis=1) / share))
-
-    relative = (v[:, members] * weights).sum(axis=2) - touch.velocity[:, None]
-    closing = (relative * normal).sum(axis=0)
-    push = np.maximum(-closing, 0) / give
-    slide = relative - closing * normal
-    speed = np.sqrt((slide**2).sum(axis=0))
-    mu = (friction[members] * weights).sum(axis=1)
-    drag = np.minimum(mu * push, speed / give) / np.maximum(speed, _TINY)
-    impulse = push * normal - drag * slide
-    reached = (offset * normal).sum(axis=0)
-    way = offset - reached * normal
-    held = step.dt * mu * push / np.maximum(np.sqrt((way**2).sum(axis=0)), _TINY)
-    back = np.minimum(held, 1 / give) * way
-    left = ((way - give * back) ** 2).sum(axis=0)
-    depth = np.maximum(np.sqrt(np.maximum(radius**2 - left, 0)) - reached, 0)
-    out = depth / give * normal - back
-    for c in range(3):
-        flat = members.ravel()
-        np.add.at(v[c], flat, (impulse[c, :, None] * mobility).ravel())
-        np.add.at(x[c], flat, (out[c, :, None] * mobility).ravel())
-    return -impulse.sum(axis=1), float(depth.max())
+    offset, held = met.points(x) - touch.centre[:, None], (met.held != 0).any(axis=0)
+    apart = np.sqrt((offset**2).sum(axis=0))
+    at_work = (apart < met.radius * (1 - ROUNDING)) | (first & held & (apart > met.radius))
+    if not at_work.any():
+        return 0.0
+    along = (offset * met.normal).sum(axis=0)
+    level = np.sqrt(np.maximum(met.radius**2 - ((offset - along * met.normal) ** 2).sum(axis=0), 0))
+    depth = level - along
+    out = np.where(
+        depth > 0, depth - np.minimum((1 - met.part) * depth, PLACE_SLACK / 2 * touch.radius), np.maximum(depth, level - met.radius)
+    )
+    met.move(x, np.where(at_work, out, 0) / met.compliance(inverse_mass, at_work) * met.normal)
+    return float(depth[at_work].max())
 
 
 def met_radius(bulge: Floats, radius: float, sunk: Floats | float) -> Floats:
@@ -219,12 +294,7 @@ def bulge(corners: Floats, radius: float) -> Floats:
 
 
 def _inward(corners: Floats) -> Floats:
-    """Return the inward unit normals (3, c) of faces (3, c, 3): a fingertip came from outside.
-
-    A vertex (3, c, 1) has none and leaves it to its faces.
-    """
-    if corners.shape[2] == 1:
-        return np.zeros(corners.shape[:2])
+    """Return the inward unit normals (3, c) of faces (3, c, 3): a fingertip came from outside."""
     a, b, c = corners.transpose(2, 0, 1)
     normal = np.cross(c - a, b - a, axis=0)
     return normal / np.maximum(np.sqrt((normal**2).sum(axis=0)), _TINY)

@@ -123,6 +123,7 @@ class State:
     pressure: [Pa] at the last evaluation.
     unsolved: implicit steps so far that found no solution.
     load: (3, n) what else pushes each vertex [N], None where nothing does.
+    kept: (3, vertices and faces) what each fingertip did in the last step: `contact.Touch`.
     """
 
     positions: Floats
@@ -135,6 +136,7 @@ class State:
     pressure: float = 0.0
     unsolved: int = 0
     load: Floats | None = None
+    kept: dict[int, Floats] = field(default_factory=dict)
 
 
 def build_model(

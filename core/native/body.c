@@ -7,7 +7,7 @@ static void dm_state_destroy(dm_state *b) {
         b->pieces, b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->tension, b->rest_rate, b->pull_rate, b->load,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
-        b->inverse_mass, b->friction, b->hits, b->facing, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
+        b->inverse_mass, b->friction, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws, b->stepped, b->border,
         b->regions.beside_start, b->regions.beside, b->regions.of, b->regions.awake, b->regions.wanted, b->regions.role,
         b->regions.settled, b->regions.moved, b->regions.volume,
@@ -15,6 +15,7 @@ static void dm_state_destroy(dm_state *b) {
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         dm_free(b->touches[k].vertices), dm_free(b->touches[k].faces), dm_free(b->touches[k].noted);
+        dm_free(b->fingers[k].kept), dm_free(b->fingers[k].kept_at);
         dm_free(b->touches[k].radii), dm_free(b->touches[k].listed_vertices), dm_free(b->touches[k].listed_faces);
     }
     dm_free(b);
@@ -53,8 +54,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->cap_hole = dm_alloc(d->cap_edges, sizeof(uint32_t)));
     whole = whole && (b->holes = dm_alloc(d->cap_edges, sizeof *b->holes));
     whole = whole && (b->triangles = dm_alloc(t + DM_LANES, sizeof *b->triangles));
-    whole = whole && (b->hits = dm_alloc(t, sizeof(dm_contact)));
-    whole = whole && (b->facing = dm_alloc(t / DM_LANES + 1, sizeof(dm_facing)));
+    whole = whole && (b->hits = dm_alloc(size + t, sizeof(dm_contact)));
     b->box_count = (t + DM_BLOCK - 1) / DM_BLOCK;
     whole = whole && (b->box_start = dm_alloc(b->box_count + 1, sizeof(uint32_t)));
     whole = whole && (b->box_vertex = dm_alloc(3 * t, sizeof(uint32_t)));
@@ -66,6 +66,8 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
         whole = whole && (b->touches[k].listed_faces = dm_alloc(t + DM_LANES, sizeof *b->touches[k].listed_faces));
         whole = whole && (b->touches[k].radii = dm_alloc(t + DM_LANES, sizeof(dm_real)));
         whole = whole && (b->touches[k].noted = dm_alloc(size, sizeof(uint32_t)));
+        whole = whole && (b->fingers[k].kept = dm_alloc(size + t, sizeof(dm_quad)));
+        whole = whole && (b->fingers[k].kept_at = dm_alloc(size + t, sizeof(uint32_t)));
     }
     return whole ? DM_OK : DM_MEMORY;
 }
@@ -77,11 +79,12 @@ static int32_t dm_lay_faces(dm_state *b, int64_t t, const int64_t *corners) {
     if (!seen || !next) return dm_free(seen), dm_free(next), DM_MEMORY;
     for (int pass = 0; pass < 2; pass++) { /* count, then place */
         for (int64_t k = 0; k < t; k++) {
-            uint32_t at[3], first = UINT32_MAX;
+            uint32_t at[4], first = UINT32_MAX;
             for (int c = 0; c < 3; c++) {
                 uint32_t rank = b->rank[corners[3 * k + c]];
                 at[c] = b->place[corners[3 * k + c]], first = rank < first ? rank : first;
             }
+            at[3] = next[first];
             if (pass) memcpy(b->triangles[next[first]++], at, sizeof at);
             else next[first + 1]++;
         }
@@ -171,6 +174,7 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     for (int k = 0; k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;
     memcpy(b->turned, b->pose, sizeof b->turned);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_forget_impulses(b, k);
     b->led = b->carried = b->moving = b->loaded = 0;
     dm_change(b);
     dm_forget_pressure(b);

@@ -8,9 +8,10 @@
 #include <string.h>
 
 #define DM_BLOCK 32 /* triangles that share a bounding box */
-#define DM_FACE_SWEEPS 8 /* as in core/body/contact.py */
-#define DM_LEAST_SWEEPS 2
-#define DM_FACE_SLACK 1e-3
+#define DM_CONTACT_SWEEPS 16 /* as in core/body/contact.py */
+#define DM_HELD_PART 0.1
+#define DM_SPEED_SLACK 1e-6
+#define DM_PLACE_SLACK 1e-3
 #define DM_PINNED_GIVE 0.1
 #define DM_ROUNDING 1e-6
 #define DM_TOO_NEAR 1e-5
@@ -77,27 +78,26 @@ typedef struct { /* a spring summed by itself, on the ends that say so */
     double rest, stiffness, damping, tension;
 } dm_irregular_spring;
 
-typedef struct { /* a point on a face, or a vertex, inside a fingertip */
-    uint32_t corner[3];
-    dm_real weight[3], mobility[3], radius; /* of the sphere there: a facet's is smaller than the fingertip's */
-    dm_quad at, normal, impulse, out;       /* at: from its centre */
+typedef struct { /* a fingertip and a vertex, or the point of a face that was nearest when the substep began */
+    uint32_t corner[3], number; /* number: of the vertex, or behind the vertices of the face */
+    int corners, at_work;
+    dm_quad weight;
+    dm_real mobility[3], radius; /* of the sphere there: a facet's is smaller than the fingertip's */
+    dm_real part, closing, friction; /* part: of its gap or depth that it loses in a substep; at this speed [m/s] */
+    dm_quad normal, held, change, at; /* held: the impulse so far [N s]; at: its velocity or place, from the fingertip's */
 } dm_contact;
-
-typedef struct { /* eight faces at the begin of a substep: weights of their nearest points, and those from the centre */
-    dm_vec3 weight, first;
-} dm_facing;
 
 typedef struct { /* what a fingertip may meet within a tick */
     int finger;
-    dm_quad centre, velocity;
+    dm_quad centre, velocity, now; /* at the end of the tick, over it, and at the end of the substep */
     dm_real radius;
     double reach; /* [m] from the centre: what a body that does not move may be touched by in the tick */
     int64_t vertex_count, face_count, noted_count;
-    uint32_t *vertices, (*faces)[3]; /* by their corners, the last one repeated to fill eight lanes */
+    uint32_t *vertices, (*faces)[4]; /* corners and number, the last one repeated to fill eight lanes */
     dm_real *radii;                  /* of the spheres that the faces meet [m] */
     uint32_t *noted;                 /* each of those vertices and corners once */
     int64_t listed_vertex_count, listed_face_count;
-    uint32_t *listed_vertices, (*listed_faces)[3]; /* what they are picked from: */
+    uint32_t *listed_vertices, (*listed_faces)[4]; /* what they are picked from: */
     double listed_at[3], listed; /* all within so much [m] of this place, 0 where that is not known, */
     dm_real listed_radius;       /* for this fingertip */
     int listed_finger;
@@ -182,7 +182,7 @@ struct dm_state {
     const uint32_t *near_groups;
     uint32_t near_group_count;
 
-    uint32_t (*triangles)[3], *box_start, *box_vertex;
+    uint32_t (*triangles)[4], *box_start, *box_vertex;
     dm_quad (*boxes)[2];
     int64_t box_count;
     dm_real *inverse_mass, *friction;
@@ -190,7 +190,6 @@ struct dm_state {
     dm_near touches[DM_MAX_FINGERTIPS];
     dm_vec3 *listed; /* (groups,) where vertices were when the lists were made */
     dm_contact *hits;
-    dm_facing *facing;
     dm_quad *before; /* where vertices near a fingertip were at the begin of the step */
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */
     uint8_t *is_moved, *touching;
@@ -213,6 +212,8 @@ struct dm_state {
         int has_side, rests;       /* rests: it was near when the body fell asleep, */
         double rests_at[3], rests_radius, begun[3], held[3]; /* there; its impulse when the tick began [N s]; force in it [N] */
         int64_t last; /* the facet it was nearest to */
+        dm_quad *kept; /* impulses on vertices and faces in the last substep [N s]; those that are not zero: */
+        uint32_t *kept_at, kept_count;
         dm_nearby nearby;
     } fingers[DM_MAX_FINGERTIPS];
 };

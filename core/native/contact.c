@@ -1,62 +1,36 @@
 /* Fingertips against vertices and faces, vertices against the ground. Source: core/body/contact.py. */
 #include "body.h"
 
+/* Let what a fingertip held be held no more. */
+static void dm_forget_impulses(dm_state *b, int finger) {
+    for (uint32_t k = 0; k < b->fingers[finger].kept_count; k++)
+        b->fingers[finger].kept[b->fingers[finger].kept_at[k]] = (dm_quad){0, 0, 0, 0};
+    b->fingers[finger].kept_count = 0;
+}
+
 static void dm_mark_moved(dm_state *b, uint32_t i, uint32_t *count) {
     if (!b->is_moved[i]) b->is_moved[i] = 1, b->moved[(*count)++] = i;
 }
 
-/* Note where a vertex was before this substep; none has gone farther than the skin may travel. */
-DM_INLINE void dm_note_before(dm_state *b, uint32_t i) {
-    const dm_record *r = b->records + i;
-    dm_real dt = (dm_real)b->dt, travel = (dm_real)b->skin_travel, speed = DM_SQRT(dm_dot3(r->v, r->v));
-    b->before[i] = r->x - r->v * (travel > 0 && speed * dt > travel ? travel / speed : dt);
+/* How far a vertex goes in this substep: none goes farther than the skin may travel. */
+DM_INLINE dm_quad dm_way_of(const dm_state *b, dm_quad v) {
+    dm_real dt = (dm_real)b->dt, travel = (dm_real)b->skin_travel, speed = DM_SQRT(dm_dot3(v, v));
+    return v * (travel > 0 && speed * dt > travel ? travel / speed : dt);
 }
 
-static void dm_note_all_before(dm_state *b, const dm_near *t) {
-    for (int64_t k = 0; k < t->noted_count; k++) dm_note_before(b, t->noted[k]);
-}
-
-/* Return the way of a point that is `at` from the centre, over what gives: back by so much of the substep's slip as
- * friction holds, and out to the sphere. The normal is that at the begin of the substep: where the forces of a substep
- * would have carried the point depends on how long it is, and friction may not. */
-DM_INLINE dm_quad dm_way_out(const dm_state *b, dm_quad at, dm_quad normal, dm_real radius, dm_real held, dm_real give,
-                             dm_real *depth) {
-    dm_real reached = dm_dot3(at, normal);
-    dm_quad slip = at - reached * normal;
-    dm_real length = DM_SQRT(dm_dot3(slip, slip)), share = (dm_real)b->dt * held / (length > DM_TINY ? length : DM_TINY);
-    share = share < 1 / give ? share : 1 / give;
-    dm_real left = length * (1 - give * share), square = radius * radius - left * left;
-    dm_real out = DM_SQRT(square > 0 ? square : 0) - reached;
-    *depth = out > 0 ? out : 0;
-    return *depth / give * normal - share * slip;
-}
-
-/* Move inside vertices to the surface of the sphere and stop them there, as far as friction goes. */
-static void dm_resolve_vertices(dm_state *b, const dm_near *t, double *impulse, uint32_t *moved) {
-    for (int64_t k = 0; k < t->vertex_count; k++) {
-        uint32_t i = t->vertices[k];
-        dm_record *r = b->records + i;
-        dm_quad offset = r->x - t->centre;
-        dm_real distance = DM_SQRT(dm_dot3(offset, offset));
-        if (!(distance < t->radius * (dm_real)(1 - DM_ROUNDING))) continue;
-        dm_real give = b->inverse_mass[i] > DM_TINY ? b->inverse_mass[i] : DM_TINY, depth;
-        dm_quad first = b->before[i] + (dm_real)b->dt * t->velocity - t->centre;
-        dm_real apart = DM_SQRT(dm_dot3(first, first));
-        if (apart < t->radius * (dm_real)DM_TOO_NEAR) continue; /* no direction: its faces have one */
-        dm_quad normal = first / apart, relative = r->v - t->velocity;
-        dm_real closing = dm_dot3(relative, normal), push = (closing < 0 ? -closing : 0) / give;
-        dm_quad slide = relative - closing * normal;
-        dm_real speed = DM_SQRT(dm_dot3(slide, slide)), drag = b->friction[i] * push, most = speed / give;
-        drag = (drag < most ? drag : most) / (speed > DM_TINY ? speed : DM_TINY);
-        dm_quad j = push * normal - drag * slide;
-        r->v += j * b->inverse_mass[i];
-        r->x += b->inverse_mass[i] * dm_way_out(b, offset, normal, t->radius, b->friction[i] * push, give, &depth);
-        for (int c = 0; c < 3; c++) impulse[c] -= j[c];
-        dm_mark_moved(b, i, moved);
+/* Note where the vertices near a fingertip were before this substep; return how fast the fastest is. */
+static dm_real dm_note_before(dm_state *b, const dm_near *t) {
+    dm_real fastest = 0;
+    for (int64_t k = 0; k < t->noted_count; k++) {
+        const dm_record *r = b->records + t->noted[k];
+        dm_real square = dm_dot3(r->v, r->v);
+        fastest = square > fastest ? square : fastest;
+        b->before[t->noted[k]] = r->x - dm_way_of(b, r->v);
     }
+    return DM_SQRT(fastest);
 }
 
-DM_INLINE dm_vec3 dm_corners_at(const dm_state *b, const uint32_t (*face)[3], int corner, dm_vec3 centre) {
+DM_INLINE dm_vec3 dm_corners_at(const dm_state *b, const uint32_t (*face)[4], int corner, dm_vec3 centre) {
     uint32_t at[DM_LANES];
     dm_vec3 x, v;
     for (int l = 0; l < DM_LANES; l++) at[l] = face[l][corner] * (uint32_t)sizeof(dm_record);
@@ -94,7 +68,7 @@ DM_INLINE dm_vec3 dm_nearest_weights(dm_vec3 a, dm_vec3 b, dm_vec3 c) {
 
 /* The inward unit normal of a face: a fingertip came from outside. */
 DM_INLINE dm_quad dm_inward_normal(const dm_state *b, const uint32_t *corner) {
-    dm_quad a = b->records[corner[0]].x, p = b->records[corner[2]].x - a, q = b->records[corner[1]].x - a;
+    dm_quad a = b->before[corner[0]], p = b->before[corner[2]] - a, q = b->before[corner[1]] - a;
     dm_quad normal = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0], 0};
     dm_real size = DM_SQRT(dm_dot3(normal, normal));
     return normal / (size > DM_TINY ? size : DM_TINY);
@@ -126,60 +100,72 @@ static dm_real dm_met_radius(const dm_state *b, const uint32_t *at, dm_real radi
     return radius - (sunk < left ? sunk : left > 0 ? left : 0);
 }
 
-/* Find the points of the faces that were nearest when the substep began. */
-static void dm_face_fingertip(dm_state *b, const dm_near *t) {
-    dm_quad from = t->centre - (dm_real)b->dt * t->velocity;
+DM_INLINE int dm_was_held(const dm_state *b, int finger, uint32_t number) {
+    dm_quad impulse = b->fingers[finger].kept[number];
+    return dm_dot3(impulse, impulse) > 0;
+}
+
+/* List the contact of a fingertip with a point of a vertex or a face, if it may work in this substep: the point comes
+ * nearer by the margin, or was held in the one before. */
+static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint32_t number, int corners,
+                               const uint32_t *corner, dm_quad weight, dm_real radius, dm_real margin, int64_t count) {
+    int held = dm_was_held(b, t->finger, number);
+    dm_real part = held ? (dm_real)DM_HELD_PART : 1;
+    dm_quad at = -from;
+    for (int j = 0; j < corners; j++) at += weight[j] * b->before[corner[j]];
+    dm_real apart = DM_SQRT(dm_dot3(at, at)), gap = apart - radius;
+    int at_centre = apart < t->radius * (dm_real)DM_TOO_NEAR; /* a vertex has no direction then: its faces have one */
+    if (!(held || gap < margin) || (at_centre && corners == 1)) return count;
+    dm_contact *h = b->hits + count;
+    *h = (dm_contact){.number = number, .corners = corners, .radius = radius, .part = part, .weight = weight};
+    memcpy(h->corner, corner, (size_t)corners * sizeof *corner);
+    h->held = b->fingers[t->finger].kept[number];
+    h->normal = at_centre ? dm_inward_normal(b, corner) : at / apart;
+    h->closing = gap > 0 ? -part * gap / (dm_real)b->dt : 0;
+    for (int j = 0; j < corners; j++) h->friction += weight[j] * b->friction[corner[j]];
+    return count + 1;
+}
+
+/* List the vertices and faces that a fingertip may meet in this substep, faces at the points that were nearest when it
+ * began. */
+static int64_t dm_find_contacts(dm_state *b, const dm_near *t, dm_real margin) {
+    dm_quad from = t->now - (dm_real)b->dt * t->velocity;
     dm_vec3 centre = {dm_splat(from[0]), dm_splat(from[1]), dm_splat(from[2])};
-    for (int64_t k = 0; k < t->face_count; k += DM_LANES) {
-        dm_vec3 x[3];
+    int64_t count = 0, faces = b->law_set != DM_LAWS_PAPER ? t->face_count : 0;
+    for (int64_t k = 0; k < t->vertex_count; k++)
+        count = dm_list_contact(b, t, from, t->vertices[k], 1, t->vertices + k, (dm_quad){1, 0, 0, 0}, t->radius, margin,
+                                count);
+    for (int64_t k = 0; k < faces; k += DM_LANES) {
+        const uint32_t (*face)[4] = (const uint32_t (*)[4])t->faces + k;
+        dm_vec3 x[3], weight;
         for (int j = 0; j < 3; j++) {
             uint32_t at[DM_LANES];
             dm_lanes fourth;
-            for (int l = 0; l < DM_LANES; l++) at[l] = t->faces[k + l][j] * (uint32_t)sizeof(dm_quad);
+            for (int l = 0; l < DM_LANES; l++) at[l] = face[l][j] * (uint32_t)sizeof(dm_quad);
             x[j] = dm_sub(dm_gather_quads(b->before, at, &fourth), centre);
         }
-        dm_facing *to = b->facing + k / DM_LANES;
-        to->first = dm_nearest_points(x[0], x[1], x[2], &to->weight);
-    }
-}
-
-/* List the faces whose nearest points are inside a sphere now, and count the contacts at each corner. */
-static int64_t dm_find_contacts(dm_state *b, const dm_near *t) {
-    dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
-    int64_t count = 0;
-    for (int64_t k = 0; k < t->face_count; k += DM_LANES) {
-        const uint32_t (*face)[3] = (const uint32_t (*)[3])t->faces + k;
-        dm_vec3 p = dm_corners_at(b, face, 0, centre), q = dm_corners_at(b, face, 1, centre);
-        dm_vec3 r = dm_corners_at(b, face, 2, centre), weight = b->facing[k / DM_LANES].weight;
-        dm_vec3 first = b->facing[k / DM_LANES].first, at = dm_point_on(p, q, r, weight);
-        dm_lanes distance = dm_vsqrt(dm_dot(at, at)), radius;
+        dm_vec3 near = dm_nearest_points(x[0], x[1], x[2], &weight);
+        dm_lanes radius;
         memcpy(&radius, t->radii + k, sizeof radius);
-        dm_mask inside = (dm_mask)(distance < radius * dm_splat((dm_real)(1 - DM_ROUNDING)));
-        if (!dm_any_of(inside)) continue;
-        for (int l = 0; l < DM_LANES && k + l < t->face_count; l++) {
-            if (!inside[l]) continue;
-            dm_contact *h = b->hits + count++;
-            memcpy(h->corner, face[l], sizeof h->corner);
-            h->weight[0] = weight.x[l], h->weight[1] = weight.y[l], h->weight[2] = weight.z[l];
-            h->at = (dm_quad){at.x[l], at.y[l], at.z[l], 0}, h->normal = (dm_quad){first.x[l], first.y[l], first.z[l], 0};
-            h->radius = radius[l];
-            dm_real apart = DM_SQRT(dm_dot3(h->normal, h->normal));
-            if (apart < t->radius * (dm_real)DM_TOO_NEAR) h->normal = dm_inward_normal(b, h->corner);
-            else h->normal /= apart;
-            for (int j = 0; j < 3; j++) b->shares[h->corner[j]] += h->weight[j] > (dm_real)DM_WEIGHT_FLOOR;
+        dm_mask met = (dm_mask)(dm_vsqrt(dm_dot(near, near)) < radius + dm_splat(margin));
+        for (int l = 0; l < DM_LANES && k + l < faces; l++) {
+            uint32_t number = (uint32_t)(b->groups * DM_LANES) + face[l][3];
+            if (!met[l] && !dm_was_held(b, t->finger, number)) continue;
+            dm_quad here = {weight.x[l], weight.y[l], weight.z[l], 0};
+            count = dm_list_contact(b, t, from, number, 3, face[l], here, radius[l], margin, count);
         }
     }
     return count;
 }
 
 /* What a contact gives, 1 / mass: each moves its share m / count of a vertex, which then takes the mean of them. */
-DM_INLINE dm_real dm_compliance_of(const dm_state *b, const dm_contact *h, dm_real *mobility) {
+DM_INLINE dm_real dm_compliance_of(const dm_state *b, dm_contact *h) {
     dm_real give = 0, free = 0, most = 0;
     int pinned = 0;
-    for (int j = 0; j < 3; j++) {
+    for (int j = 0; j < h->corners; j++) {
         dm_real inverse = b->inverse_mass[h->corner[j]];
-        mobility[j] = h->weight[j] * inverse;
-        give += mobility[j] * h->weight[j] * (dm_real)b->shares[h->corner[j]];
+        h->mobility[j] = h->weight[j] * inverse;
+        give += h->mobility[j] * h->weight[j] * (dm_real)b->shares[h->corner[j]];
         free += inverse > 0 ? h->weight[j] : 0;
         most = inverse > most ? inverse : most;
         pinned |= !(inverse > 0);
@@ -192,35 +178,108 @@ DM_INLINE dm_real dm_compliance_of(const dm_state *b, const dm_contact *h, dm_re
     return give;
 }
 
-/* One sweep over the faces, all from the same state; return how deep the deepest was. */
-static dm_real dm_resolve_faces(dm_state *b, const dm_near *t, double *impulse, uint32_t *moved) {
-    int64_t count = dm_find_contacts(b, t);
-    dm_real deepest = 0;
+DM_INLINE void dm_share(dm_state *b, const dm_contact *h) {
+    for (int j = 0; h->at_work && j < h->corners; j++)
+        b->shares[h->corner[j]] += h->weight[j] > (dm_real)DM_WEIGHT_FLOOR;
+}
+
+/* Give the vertices of a contact an impulse. */
+DM_INLINE void dm_push(dm_state *b, const dm_contact *h, dm_quad impulse) {
+    for (int j = 0; j < h->corners; j++) {
+        uint32_t i = h->corner[j];
+        b->records[i].v += h->weight[j] * b->inverse_mass[i] * impulse;
+    }
+}
+
+/* Begin with the impulses of the substep before, as far as they push along the normals of this one. */
+static void dm_push_as_before(dm_state *b, int64_t count) {
     for (dm_contact *h = b->hits; h < b->hits + count; h++) {
-        const uint32_t *at = h->corner;
-        dm_real mu = 0, give = dm_compliance_of(b, h, h->mobility), depth;
-        dm_quad relative = -t->velocity;
-        for (int j = 0; j < 3; j++) {
-            relative += h->weight[j] * b->records[at[j]].v, mu += h->weight[j] * b->friction[at[j]];
-        }
-        dm_real closing = dm_dot3(relative, h->normal), push = (closing < 0 ? -closing : 0) / give;
-        dm_quad slide = relative - closing * h->normal;
-        dm_real speed = DM_SQRT(dm_dot3(slide, slide)), drag = mu * push, most = speed / give;
-        drag = (drag < most ? drag : most) / (speed > DM_TINY ? speed : DM_TINY);
-        h->impulse = push * h->normal - drag * slide;
-        h->out = dm_way_out(b, h->at, h->normal, h->radius, mu * push, give, &depth);
+        dm_real push = dm_dot3(h->held, h->normal);
+        if (!(push > 0)) h->held = (dm_quad){0, 0, 0, 0};
+        dm_push(b, h, h->held);
+    }
+}
+
+/* One sweep over the speeds, all from the same state: change each impulse by what stops its point, never below nothing
+ * and not out of the cone of friction. Return how far [m] the change moves what it moves farthest. */
+static dm_real dm_sweep_speeds(dm_state *b, const dm_near *t, int64_t count) {
+    dm_contact *end = b->hits + count;
+    dm_real most = 0;
+    for (dm_contact *h = b->hits; h < end; h++) {
+        h->at = -t->velocity;
+        for (int j = 0; j < h->corners; j++) h->at += h->weight[j] * b->records[h->corner[j]].v;
+        h->at_work = dm_dot3(h->at, h->normal) < h->closing || dm_dot3(h->held, h->normal) > 0;
+        dm_share(b, h);
+    }
+    for (dm_contact *h = b->hits; h < end; h++) {
+        if (!h->at_work) continue;
+        dm_real give = dm_compliance_of(b, h), speed = dm_dot3(h->at, h->normal), was = dm_dot3(h->held, h->normal);
+        dm_real push = was + (h->closing - speed) / give;
+        push = push > 0 ? push : 0;
+        dm_quad drag = h->held - was * h->normal - (h->at - speed * h->normal) / give;
+        dm_real size = DM_SQRT(dm_dot3(drag, drag)), limit = h->friction * push;
+        dm_quad held = push * h->normal + (size > limit ? limit / (size > DM_TINY ? size : DM_TINY) : 1) * drag;
+        h->change = held - h->held, h->held = held;
+        dm_real moved = DM_SQRT(dm_dot3(h->change, h->change)) * give * (dm_real)b->dt;
+        most = moved > most ? moved : most;
+    }
+    for (const dm_contact *h = b->hits; h < end; h++) {
+        if (!h->at_work) continue;
+        dm_push(b, h, h->change);
+        for (int j = 0; j < h->corners; j++) b->shares[h->corner[j]] = 0;
+    }
+    return most;
+}
+
+/* One sweep over the places: move out what is inside, without a speed, and in the first let what slides past its normal
+ * follow the sphere. Return how deep the deepest was. */
+static dm_real dm_sweep_places(dm_state *b, const dm_near *t, int64_t count, int first) {
+    dm_contact *end = b->hits + count;
+    dm_real deepest = 0;
+    for (dm_contact *h = b->hits; h < end; h++) {
+        h->at = -t->now;
+        for (int j = 0; j < h->corners; j++) h->at += h->weight[j] * b->records[h->corner[j]].x;
+        dm_real apart = DM_SQRT(dm_dot3(h->at, h->at)), held = dm_dot3(h->held, h->held);
+        h->at_work = apart < h->radius * (dm_real)(1 - DM_ROUNDING) || (first && held > 0 && apart > h->radius);
+        dm_share(b, h);
+    }
+    for (dm_contact *h = b->hits; h < end; h++) {
+        if (!h->at_work) continue;
+        dm_real give = dm_compliance_of(b, h), along = dm_dot3(h->at, h->normal);
+        dm_quad aside = h->at - along * h->normal;
+        dm_real square = h->radius * h->radius - dm_dot3(aside, aside), depth = DM_SQRT(square > 0 ? square : 0) - along;
+        dm_real left = (1 - h->part) * depth, most = (dm_real)DM_PLACE_SLACK / 2 * t->radius, fall = depth + along - h->radius;
+        dm_real out = depth > 0 ? depth - (left < most ? left : most) : depth > fall ? depth : fall;
+        h->change = out / give * h->normal;
         deepest = depth > deepest ? depth : deepest;
     }
-    for (const dm_contact *h = b->hits; h < b->hits + count; h++) {
-        for (int j = 0; j < 3; j++) {
-            dm_record *r = b->records + h->corner[j];
-            r->x += h->out * h->mobility[j], r->v += h->impulse * h->mobility[j];
-            b->shares[h->corner[j]] = 0;
-            dm_mark_moved(b, h->corner[j], moved);
-        }
-        for (int c = 0; c < 3; c++) impulse[c] -= h->impulse[c];
+    for (const dm_contact *h = b->hits; h < end; h++) {
+        if (!h->at_work) continue;
+        for (int j = 0; j < h->corners; j++)
+            b->records[h->corner[j]].x += h->mobility[j] * h->change, b->shares[h->corner[j]] = 0;
     }
     return deepest;
+}
+
+/* Keep the impulses for the next substep, give the fingertip what is opposite to them, and let the vertices go as fast
+ * as they now are. */
+static void dm_keep_impulses(dm_state *b, const dm_near *t, int64_t count, double *impulse, uint32_t *moved) {
+    dm_forget_impulses(b, t->finger);
+    uint32_t *kept_count = &b->fingers[t->finger].kept_count;
+    for (const dm_contact *h = b->hits; h < b->hits + count; h++) {
+        int pinned = 0;
+        for (int c = 0; c < 3; c++) impulse[c] -= h->held[c];
+        for (int j = 0; j < h->corners; j++) {
+            uint32_t i = h->corner[j];
+            pinned |= !(b->inverse_mass[i] > 0);
+            if (b->is_moved[i] || !(b->inverse_mass[i] > 0)) continue;
+            b->records[i].x = b->before[i] + dm_way_of(b, b->records[i].v);
+            dm_mark_moved(b, i, moved);
+        }
+        if (pinned || !(dm_dot3(h->held, h->held) > 0)) continue; /* what cannot give way would add up */
+        b->fingers[t->finger].kept[h->number] = h->held;
+        b->fingers[t->finger].kept_at[(*kept_count)++] = h->number;
+    }
 }
 
 /* Bring the vertices that contacts moved back into the groups. */
@@ -259,26 +318,28 @@ static void dm_note_contact(dm_state *b) {
     for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++) {
         dm_real reach = t->radius * (dm_real)(1 + DM_ROUNDING);
         for (int64_t k = 0; k < t->vertex_count; k++) {
-            dm_quad offset = b->records[t->vertices[k]].x - t->centre;
+            dm_quad offset = b->records[t->vertices[k]].x - t->now;
             if (dm_dot3(offset, offset) < reach * reach) b->touching[t->vertices[k]] = 1;
         }
     }
 }
 
-static void dm_resolve_contact(dm_state *b, dm_frame *frame) {
+/* Resolve the contacts of a substep that ends so long before the tick does [s]. */
+static void dm_resolve_contact(dm_state *b, double ahead, dm_frame *frame) {
+    for (dm_near *t = b->touches; t < b->touches + b->finger_count; t++)
+        t->now = t->centre - (dm_real)ahead * t->velocity;
     if (b->law_set == DM_LAWS_PAPER) dm_note_contact(b);
     for (int k = 0; k < b->finger_count; k++) {
         const dm_near *t = b->touches + k;
-        double *impulse = frame->touches[t->finger].impulse;
         uint32_t moved = 0;
-        dm_note_all_before(b, t);
-        if (b->law_set != DM_LAWS_PAPER) dm_face_fingertip(b, t);
-        dm_resolve_vertices(b, t, impulse, &moved);
-        int sweeps = b->law_set != DM_LAWS_PAPER && t->face_count ? DM_FACE_SWEEPS : 0;
-        for (int sweep = 1; sweep <= sweeps; sweep++) {
-            dm_real depth = dm_resolve_faces(b, t, impulse, &moved);
-            if (depth <= 0 || (sweep >= DM_LEAST_SWEEPS && depth < (dm_real)DM_FACE_SLACK * t->radius)) break;
-        }
+        dm_real fastest = dm_note_before(b, t), dt = (dm_real)b->dt;
+        int64_t count = dm_find_contacts(b, t, dt * (2 * fastest + DM_SQRT(dm_dot3(t->velocity, t->velocity))));
+        dm_push_as_before(b, count);
+        for (int sweep = 0; sweep < DM_CONTACT_SWEEPS; sweep++)
+            if (dm_sweep_speeds(b, t, count) < (dm_real)DM_SPEED_SLACK * t->radius) break;
+        dm_keep_impulses(b, t, count, frame->touches[t->finger].impulse, &moved);
+        for (int sweep = 0; sweep < DM_CONTACT_SWEEPS; sweep++)
+            if (dm_sweep_places(b, t, count, sweep == 0) < (dm_real)DM_PLACE_SLACK * t->radius) break;
         dm_update_groups(b, moved);
     }
     if (b->ground > -INFINITY) dm_rest_on_ground(b);

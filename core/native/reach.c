@@ -64,8 +64,8 @@ static void dm_pick_vertices(const dm_state *b, dm_near *t, dm_real reach) {
 
 /* Pick the faces that the spheres they meet may come to within reach, and return how many: first those whose corners'
  * own sphere is. from: readable for whole lanes.  radii: of the spheres, NULL where they are not wanted. */
-static int64_t dm_pick_faces(const dm_state *b, const dm_near *t, const uint32_t (*from)[3], int64_t count,
-                             dm_real reach, uint32_t (*to)[3], dm_real *radii) {
+static int64_t dm_pick_faces(const dm_state *b, const dm_near *t, const uint32_t (*from)[4], int64_t count,
+                             dm_real reach, uint32_t (*to)[4], dm_real *radii) {
     dm_vec3 centre = {dm_splat(t->centre[0]), dm_splat(t->centre[1]), dm_splat(t->centre[2])};
     dm_lanes third = dm_splat((dm_real)1 / 3);
     int64_t picked = 0;
@@ -105,9 +105,9 @@ static void dm_list_faces(const dm_state *b, dm_near *t, dm_real reach) {
             away += gap > 0 ? gap * gap : 0;
         }
         if (DM_SQRT(away) > reach + span) continue;
-        const uint32_t (*block)[3] = (const uint32_t (*)[3])b->triangles + k * DM_BLOCK;
+        const uint32_t (*block)[4] = (const uint32_t (*)[4])b->triangles + k * DM_BLOCK;
         int64_t left = b->triangle_count - k * DM_BLOCK, count = left < DM_BLOCK ? left : DM_BLOCK;
-        uint32_t (*to)[3] = t->listed_faces + t->listed_face_count;
+        uint32_t (*to)[4] = t->listed_faces + t->listed_face_count;
         t->listed_face_count += dm_pick_faces(b, t, block, count, reach, to, NULL);
     }
 }
@@ -126,7 +126,7 @@ static void dm_list_noted(dm_state *b, dm_near *t) {
 /* Find what a fingertip may meet within reach of its centre, in the order in which it is listed. */
 static void dm_pick_near(dm_state *b, dm_near *t, dm_real reach) {
     dm_pick_vertices(b, t, reach);
-    const uint32_t (*listed)[3] = (const uint32_t (*)[3])t->listed_faces;
+    const uint32_t (*listed)[4] = (const uint32_t (*)[4])t->listed_faces;
     t->face_count = dm_pick_faces(b, t, listed, t->listed_face_count, reach, t->faces, t->radii);
     for (int64_t k = t->face_count; k % DM_LANES; k++) {
         memcpy(t->faces[k], t->faces[k - 1], sizeof *t->faces);

@@ -170,7 +170,7 @@ static int dm_is_changed(const dm_scene_state *s) {
     return 0;
 }
 
-static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, int64_t t, dm_frame *frames, double share) {
+static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, int64_t t, dm_frame *frames, int64_t left) {
     if (s->due) dm_query(s);
     dm_begin_contact(s);
     if (s->wakes) dm_wake_touched(s, motions, t, frames);
@@ -182,12 +182,12 @@ static void dm_run_scene_substep(dm_scene_state *s, const dm_motion *motions, in
         dm_surface *f = s->surfaces + k;
         if (f->body->asleep) continue;
         f->body->near_groups = f->near_groups, f->body->near_group_count = f->near_group_count;
-        dm_run_substep(f->body, frames + k);
+        dm_run_substep(f->body, left, frames + k);
         f->body->near_group_count = 0;
     }
     s->backwards = !s->backwards;
     for (dm_surface *f = s->surfaces + bodies; f < s->surfaces + s->surface_count; f++)
-        if (f->moving) dm_move_collider(s, f, share);
+        if (f->moving) dm_move_collider(s, f, 1 / (double)(left + 1));
     dm_move_props(s);
     dm_resolve_touching(s);
     dm_note_answers(s);
@@ -222,7 +222,7 @@ static int32_t dm_scene_state_step(dm_scene_state *s, const dm_motion *motions, 
         if (awake) dm_set_approach(s), s->wakes = 1;
         if (dm_is_changed(s)) s->due = 1;
         for (int64_t i = 0; i < substeps && awake && s->code == DM_OK; i++)
-            dm_run_scene_substep(s, motions, t, frames, 1 / (double)(substeps - i));
+            dm_run_scene_substep(s, motions, t, frames, substeps - 1 - i);
         dm_note_sag(s);
         for (int64_t k = 0; k < bodies; k++) {
             dm_end_tick(s->surfaces[k].body, motions + k, t, frames + k);

@@ -221,7 +221,7 @@ static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         const dm_fingertip *f = m->fingertips + k;
         frame->touches[k].triangle = -1;
-        if (!f->down || f->fresh) b->fingers[k].has_side = 0;
+        if (!f->down || f->fresh) b->fingers[k].has_side = 0, dm_forget_impulses(b, k);
         if (f->down) memcpy(b->fingers[k].centre, f->from, sizeof f->from);
     }
     if (!m->pins_to && b->led && m->ticks) dm_rest_pins(b);
@@ -250,9 +250,10 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
 }
 
 DM_FAST
-static void dm_run_substep(dm_state *b, dm_frame *frame) {
+/* Run a substep after which so many come in the tick. */
+static void dm_run_substep(dm_state *b, int64_t left, dm_frame *frame) {
     dm_substep(b);
-    DM_TIMED(DM_CONTACT, dm_resolve_contact(b, frame));
+    DM_TIMED(DM_CONTACT, dm_resolve_contact(b, (double)left * b->dt, frame));
 }
 
 DM_SMALL
@@ -299,7 +300,7 @@ static void dm_state_step(dm_state *b, const dm_motion *m, int64_t from, int64_t
     }
     for (int64_t t = from; t < to && frame->finite; t++) {
         dm_begin_tick(b, m, t, frame);
-        for (int64_t s = 0; s < m->substeps && !b->asleep; s++) dm_run_substep(b, frame);
+        for (int64_t s = 0; s < m->substeps && !b->asleep; s++) dm_run_substep(b, m->substeps - 1 - s, frame);
         dm_end_tick(b, m, t, frame);
         if (b->rested) dm_fall_asleep(b, m);
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -29,7 +30,7 @@ def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *,
     for touches in each_tick(model, state, path, tick):
         near = [h for h in touches if len(h.vertices) or len(h.triangles)]
         alone, limit = model.ground is None and not near, min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
-        for _ in range(substeps):
+        for i in range(substeps):
             before = state.positions.copy() if near else state.positions
             try:
                 acceleration = advance(model, state, tick / substeps, acceleration if alone else None)
@@ -38,7 +39,8 @@ def run_ticks(advance: Advance, model: Model, state: State, path: FingerPath, *,
                 return total
             if near:
                 slow_down(before, state.positions, limit)
-            total += meet(model, state, touches, Step(tick / substeps, limit))
+            now = moved_back(touches, (substeps - 1 - i) * tick / substeps)
+            total += meet(model, state, now, Step(tick / substeps, limit))
     return total
 
 
@@ -55,13 +57,20 @@ def slow_down(before: Floats, x: Floats, limit: float) -> None:
         x[:, far] = before[:, far] + way[:, far] * (limit / length[far])
 
 
+def moved_back(touches: Sequence[Touch], seconds: float) -> list[Touch]:
+    """Return where the fingertips were some seconds before."""
+    return [replace(touch, centre=touch.centre - seconds * touch.velocity) for touch in touches]
+
+
 def each_tick(model: Model, state: State, path: FingerPath, tick: float) -> Iterator[list[Touch]]:
     """Yield, for each tick [s] of a path, what the fingertips may touch in it."""
     for t in range(path.centres.shape[1] - 1):
         speed = float(np.sqrt((state.velocities**2).sum(axis=0).max(initial=0)))
         yield [
-            reach(model, state, start, end, radius, speed, tick)
-            for start, end, radius in zip(path.centres[:, t], path.centres[:, t + 1], path.radii, strict=True)
+            reach(model, state, finger, start, end, radius, speed, tick)
+            for finger, start, end, radius in zip(
+                path.fingers, path.centres[:, t], path.centres[:, t + 1], path.radii, strict=False
+            )
         ]
 
 
@@ -70,15 +79,20 @@ def acceleration_of(model: Model, state: State) -> Floats:
     return forces(model, state) * model.inverse_mass
 
 
-def reach(model: Model, state: State, start: Floats, end: Floats, radius: float, speed: float, tick: float) -> Touch:
+def reach(
+    model: Model, state: State, finger: int, start: Floats, end: Floats, radius: float, speed: float, tick: float
+) -> Touch:
     """Find what a fingertip going from start to end (3,) may touch in a tick [s], vertices moving at speed [m/s]."""
     # what a body at rest touches is near too, though nothing moves
     margin = 2 * float(np.linalg.norm(end - start)) + 2 * speed * tick + contact.NEAR * radius
-    vertices, triangles, radii = contact.candidates(
-        state.positions, model.matching.rest, model.mesh.triangles, model.inverse_mass, end, radius, margin
+    corners = model.mesh.triangles
+    vertices, faces, radii = contact.candidates(
+        state.positions, model.matching.rest, corners, model.inverse_mass, end, radius, margin
     )
+    kept = state.kept.setdefault(finger, np.zeros((3, len(model.mass) + len(corners))))
     return Touch(
-        centre=end, velocity=(end - start) / tick, radius=radius, vertices=vertices, triangles=triangles, radii=radii
+        centre=end, velocity=(end - start) / tick, radius=radius, vertices=vertices, triangles=corners[faces],
+        radii=radii, faces=faces, kept=kept,
     )  # fmt: skip
 
 

@@ -172,6 +172,7 @@ class Twin:
         for i, tip in enumerate((*tips, None, None, None)[:3]):
             if tip is None or tip.fresh:
                 self._sides[i] = None
+                self._state.kept.pop(i, None)
         if motion.pins is None and self._led and motion.ticks:
             self._rest_pins(self.model.pinned)
         down = [i for i, tip in enumerate(tips) if tip is not None]
@@ -189,7 +190,8 @@ class Twin:
         for row, i in enumerate(call.down):
             centres[row, 0] = call.here[i]
             centres[row, 1] = call.here[i] = _moved(call.here[i], tips[i], share)
-        path = FingerPath(centres=centres, radii=np.array([tips[i].radius for i in call.down]))  # type: ignore[union-attr]
+        radii = np.array([tips[i].radius for i in call.down])  # type: ignore[union-attr]
+        path = FingerPath(centres=centres, radii=radii, fingers=tuple(call.down))
         call.path, call.begun = path, call.impulses.copy()
         if self._rest.asleep and self._is_woken(call):
             self._rest = Rest()

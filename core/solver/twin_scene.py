@@ -17,7 +17,7 @@ from .islands import let_sleep, woken
 from .motion import Motion
 from .rolling import Turning, resist
 from .scene import LEAVES_OUT, Collider, ColliderMotion, Crossings, SceneFrame, Way
-from .ticks import each_tick, meet, slow_down
+from .ticks import each_tick, meet, moved_back, slow_down
 from .twin import Call, Twin
 from .twin_props import Props, move
 
@@ -147,7 +147,7 @@ class TwinScene:
             with np.errstate(all="ignore"):  # the frame says when it has blown up
                 for body, call, near, turning in zip(self._bodies, calls, touches, self._turning, strict=False):
                     if not body.rest.asleep:
-                        self._step_body(body, call, near, turning)
+                        self._step_body(body, call, moved_back(near, (substeps - 1 - step) * self._dt), turning)
                 self._move_colliders(1 / (substeps - step))
                 self._move_props()
                 self._resolve()

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.contact import Touch, rest_on_ground, triangles_near
+from core.body.contact import Touch, rest_on_ground, faces_near
 from core.body.model import Model, State
 from core.solver.path import FingerPath
-from core.solver.ticks import each_tick
+from core.solver.ticks import each_tick, moved_back
 
 # advance(model, state, touches, dt): move a state in place by dt [s], fingertips to where they are at its end, and
 # return the impulses (k, 3) [N s]
@@ -49,15 +49,10 @@ def run_implicit(
 
 def with_all_faces(model: Model, state: State, touch: Touch) -> Touch:
     """Return a fingertip that meets small faces too: the penalty knows faces alone, no vertices."""
-    near = triangles_near(
+    near = faces_near(
         state.positions, model.mesh.triangles, model.inverse_mass, touch.centre, WITHIN * touch.radius
     )
-    return replace(touch, triangles=near)
-
-
-def moved_back(touches: Sequence[Touch], seconds: float) -> list[Touch]:
-    """Return where the fingertips were some seconds before."""
-    return [replace(touch, centre=touch.centre - seconds * touch.velocity) for touch in touches]
+    return replace(touch, triangles=model.mesh.triangles[near])
 
 
 def require_energy(model: Model) -> None:
