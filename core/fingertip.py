@@ -72,10 +72,10 @@ class FingerOnItsWay:
         self.impulse = a + x, b + y, c + z
         return work
 
-    def push(self, model: Model, seconds: float, tick: float, share: float = 1.0) -> None:
-        """Move one that a share of its force pushes by a tick [s]; the last ticks took so many seconds."""
+    def push(self, model: Model, tick: float, share: float = 1.0) -> None:
+        """Move one that a share of its force pushes by a tick [s]."""
         if self.pushed and self.target.force is not None:
-            reaction = along(self.touch.impulse, NOWHERE, self.target.inward) / seconds if self.touch else 0.0
+            reaction = along(self.touch.force, NOWHERE, self.target.inward) if self.touch else 0.0
             go = partial(advance, self.pushed, reaction=reaction, model=model, radius=self.target.radius, tick=tick)
             self.pushed = go(share * self.target.force)
             if self.pushed.way > self.target.deepest:  # the body lifts it

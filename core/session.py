@@ -213,7 +213,7 @@ class Session:
         clock, push = self.clock, self._glide.push if self._glide else 1.0
         for tip in self._tips if self.most == 1 else ():
             if tip and tip.pushed:
-                tip.push(self.body.model, max(self._last.ticks, 1) * clock.part, clock.tick, push)
+                tip.push(self.body.model, clock.tick, push)
         if self._glide and (self._glide.seconds == 0 or clock.ticks >= self._faded + TICKS_AT_ONCE):
             self._fade()
         first = last = clock.share_after(ticks)

@@ -39,6 +39,7 @@ _TINY = 1e-30
 HELD_PART = 0.1  # of its gap or depth that what was held loses in a step; all of it would make facets rock
 CONTACT_SWEEPS = 16  # at most, in one step, over speeds and over places
 SPEED_SLACK = 1e-6  # of the radius: speeds that carry nothing farther in the step need no further sweep
+PUSH_FLOOR = 1e-8  # of the radius: an impulse that moves its point less far in the step is rounding, and holds nothing
 PLACE_SLACK = 1e-3  # of the radius: what is no deeper needs none either
 ROUNDING = 1e-6  # of the radius: what was brought to the surface is on it, whatever its last digits say
 TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction of its own
@@ -131,7 +132,7 @@ def resolve(
     met.held[:, push <= 0] = 0
     met.move(v, met.held)
     for _ in range(CONTACT_SWEEPS):
-        if _sweep_speeds(v, touch, met, inverse_mass) * step.dt < SPEED_SLACK * touch.radius:
+        if _sweep_speeds(v, touch, met, inverse_mass, step.dt) < SPEED_SLACK * touch.radius:
             break
     moved = np.unique(met.members)
     moved = moved[inverse_mass[moved] > 0]
@@ -243,22 +244,27 @@ def _find(
     )  # fmt: skip
 
 
-def _sweep_speeds(v: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats) -> float:
-    """Change the impulses by what stops their points, all from the same speeds; return the largest change [m/s]."""
+def _sweep_speeds(v: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats, dt: float) -> float:
+    """Change the impulses by what stops their points, all from the same speeds.
+
+    Returns:
+        how far [m] the change moves what it moves farthest.
+    """
     relative = met.points(v) - touch.velocity[:, None]
     speed, was = (relative * met.normal).sum(axis=0), (met.held * met.normal).sum(axis=0)
     at_work = (speed < met.closing) | (was > 0)
     if not at_work.any():
         return 0.0
     give = met.compliance(inverse_mass, at_work)
-    push = np.maximum(was + (met.closing - speed) / give, 0)
+    push = was + (met.closing - speed) / give
+    push[push * give * dt < PUSH_FLOOR * touch.radius] = 0
     drag = met.held - was * met.normal - (relative - speed * met.normal) / give
     size = np.sqrt((drag**2).sum(axis=0))
     held = push * met.normal + np.minimum(1, met.friction * push / np.maximum(size, _TINY)) * drag
     change = np.where(at_work, held - met.held, 0)
     met.held += change
     met.move(v, change)
-    return float((np.sqrt((change**2).sum(axis=0)) * give).max())
+    return float((np.sqrt((change**2).sum(axis=0)) * give).max()) * dt
 
 
 def _sweep_places(x: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats, *, first: bool) -> float:

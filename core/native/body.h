@@ -11,6 +11,7 @@
 #define DM_CONTACT_SWEEPS 16 /* as in core/body/contact.py */
 #define DM_HELD_PART 0.1
 #define DM_SPEED_SLACK 1e-6
+#define DM_PUSH_FLOOR 1e-8
 #define DM_PLACE_SLACK 1e-3
 #define DM_PINNED_GIVE 0.1
 #define DM_ROUNDING 1e-6
@@ -210,7 +211,7 @@ struct dm_state {
     struct {
         double centre[3], side[3]; /* where a fingertip is, and the outward normal where it came in */
         int has_side, rests;       /* rests: it was near when the body fell asleep, */
-        double rests_at[3], rests_radius, begun[3], held[3]; /* there; its impulse when the tick began [N s]; force in it [N] */
+        double rests_at[3], rests_radius, held[3]; /* there; force on it in the last substep [N] */
         int64_t last; /* the facet it was nearest to */
         dm_quad *kept; /* impulses on vertices and faces in the last substep [N s]; those that are not zero: */
         uint32_t *kept_at, kept_count;

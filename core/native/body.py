@@ -48,7 +48,7 @@ class CMotion(Structure):
 class CTouch(Structure):
     """How a fingertip meets a body: dm_touch."""
 
-    _fields_ = fields(impulse="d3", centre="d3", depth="d", outward="d3", law_force="d", triangle="n")
+    _fields_ = fields(impulse="d3", centre="d3", depth="d", outward="d3", law_force="d", triangle="n", force="d3")
 
 
 class CFrame(Structure):
@@ -234,7 +234,7 @@ class Body:
         touches: list[Touch | None] = []
         for tip in tips:
             i = len(touches) * _TOUCH_NUMBERS
-            touch = Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11])
+            touch = Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11], a[i + 12 : i + 15])
             touches.append(touch if tip else None)
         volume, pressure, ticks, finite, moved, stepped = a[-6:]
         if moved:

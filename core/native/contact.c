@@ -215,7 +215,7 @@ static dm_real dm_sweep_speeds(dm_state *b, const dm_near *t, int64_t count) {
         if (!h->at_work) continue;
         dm_real give = dm_compliance_of(b, h), speed = dm_dot3(h->at, h->normal), was = dm_dot3(h->held, h->normal);
         dm_real push = was + (h->closing - speed) / give;
-        push = push > 0 ? push : 0;
+        push = push * give * (dm_real)b->dt < (dm_real)DM_PUSH_FLOOR * t->radius ? 0 : push;
         dm_quad drag = h->held - was * h->normal - (h->at - speed * h->normal) / give;
         dm_real size = DM_SQRT(dm_dot3(drag, drag)), limit = h->friction * push;
         dm_quad held = push * h->normal + (size > limit ? limit / (size > DM_TINY ? size : DM_TINY) : 1) * drag;
@@ -266,9 +266,10 @@ static dm_real dm_sweep_places(dm_state *b, const dm_near *t, int64_t count, int
 static void dm_keep_impulses(dm_state *b, const dm_near *t, int64_t count, double *impulse, uint32_t *moved) {
     dm_forget_impulses(b, t->finger);
     uint32_t *kept_count = &b->fingers[t->finger].kept_count;
+    dm_quad sum = {0, 0, 0, 0};
     for (const dm_contact *h = b->hits; h < b->hits + count; h++) {
         int pinned = 0;
-        for (int c = 0; c < 3; c++) impulse[c] -= h->held[c];
+        sum += h->held;
         for (int j = 0; j < h->corners; j++) {
             uint32_t i = h->corner[j];
             pinned |= !(b->inverse_mass[i] > 0);
@@ -280,6 +281,7 @@ static void dm_keep_impulses(dm_state *b, const dm_near *t, int64_t count, doubl
         b->fingers[t->finger].kept[h->number] = h->held;
         b->fingers[t->finger].kept_at[(*kept_count)++] = h->number;
     }
+    for (int c = 0; c < 3; c++) impulse[c] -= sum[c], b->fingers[t->finger].held[c] = -sum[c] / b->dt;
 }
 
 /* Bring the vertices that contacts moved back into the groups. */

@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 20 /* changes with anything below */
+#define DM_ABI 21 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -138,6 +138,7 @@ typedef struct {
     double outward[3]; /* unit, the way the depth falls fastest */
     double law_force;  /* K(depth) of Eq. (1) [N] */
     int64_t triangle;  /* of the surface, the nearest; -1: not down */
+    double force[3];   /* that the body gave it in the last substep [N] */
 } dm_touch;
 
 typedef struct {

@@ -232,6 +232,7 @@ static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
 static void dm_enter_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double way = m->ticks > 1 ? (m->pins_last - m->pins_first) / (double)(m->ticks - 1) : 0;
     frame->moved = 1;
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) memset(b->fingers[k].held, 0, sizeof b->fingers[k].held);
     if (b->moving) dm_move_places(b, t ? 1 : (1 - 1 / (double)m->substeps) / 2 - (double)m->ticks, m->tick);
     if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
     DM_TIMED(DM_REACH, dm_find_near(b, m));
@@ -243,8 +244,6 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
     b->dt = m->tick / (double)m->substeps;
     if (b->law_set == DM_LAWS_PAPER && !b->asleep) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
     dm_carry_fingertips(b, m, t);
-    for (int k = 0; k < DM_MAX_FINGERTIPS; k++)
-        memcpy(b->fingers[k].begun, frame->touches[k].impulse, sizeof b->fingers[k].begun);
     if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
     if (!b->asleep) dm_enter_tick(b, m, t, frame);
 }
@@ -257,20 +256,20 @@ static void dm_run_substep(dm_state *b, int64_t left, dm_frame *frame) {
 }
 
 DM_SMALL
-/* What sleeps under a fingertip presses on it as in the last tick. */
-static void dm_note_impulses(dm_state *b, double tick, dm_frame *frame) {
+/* What sleeps under a fingertip presses on it as it did last. */
+static void dm_note_forces(dm_state *b, double tick, dm_frame *frame) {
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++)
         for (int c = 0; c < 3; c++) {
-            double *impulse = frame->touches[k].impulse + c;
-            if (b->asleep) *impulse += b->fingers[k].rests ? b->fingers[k].held[c] * tick : 0;
-            else b->fingers[k].held[c] = (*impulse - b->fingers[k].begun[c]) / tick;
+            double force = b->asleep && !b->fingers[k].rests ? 0 : b->fingers[k].held[c];
+            frame->touches[k].force[c] = force;
+            if (b->asleep) frame->touches[k].impulse[c] += force * tick;
         }
 }
 
 static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double centre[3];
     frame->ticks = t + 1;
-    dm_note_impulses(b, m->tick, frame);
+    dm_note_forces(b, m->tick, frame);
     if (b->asleep) return;
     frame->finite = dm_is_finite(b, m->tick, centre);
     if (!frame->finite) return;

@@ -70,6 +70,7 @@ class Touch(NamedTuple):
     outward: unit vector (3,), the way the depth falls fastest.
     law_force: K(depth) of Eq. (1) [N].
     triangle: of the surface, the nearest.
+    force: that the body gave it in the last substep (3,) [N].
     """
 
     impulse: Vector
@@ -78,6 +79,7 @@ class Touch(NamedTuple):
     outward: Vector
     law_force: float
     triangle: int
+    force: Vector = (0.0, 0.0, 0.0)
 
 
 class Frame(NamedTuple):

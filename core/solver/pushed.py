@@ -2,10 +2,10 @@
 
     m a = F - R - c v
 
-F is what it is pushed with, R what the body has given it over the last tick, c so large that it comes to rest without
-bouncing. Damping is taken at the end of the tick and the reaction at its begin, so it is stable while m is larger than
-K dt^2 (K the slope of the contact) and than the skin it moves with it; m is chosen so, and changes the way to the rest
-but not the rest itself.
+F is what it is pushed with, R what the body gave it at the end of the last tick (the mean over a tick is that of its
+middle, and would take half a tick times the slope of R from c), c so large that it comes to rest without bouncing. Damping is taken at the end of the tick and the reaction at its begin, so it is stable while m is larger than
+K dt^2 (K the slope of the contact, several times the law's where a body is stiff under a fingertip) and than the skin
+it moves with it; m is chosen so, and changes the way to the rest but not the rest itself.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from ..base import FINGER_TRAVEL
 from ..body.model import Model
 
 LEAST_MASS = 0.05  # [kg] that of a fingertip with its bones
-SAFETY = 4.0  # times the mass at which it would be unstable
+SAFETY = 4.0  # times the skin's mass at which it would be unstable
+SLOPE_SAFETY = 16.0  # times that of the law's slope
 SKIN_REACH = 2.0  # radii: so far the skin moves with a fingertip
 
 
@@ -34,7 +35,7 @@ def mass_and_damping(model: Model, radius: float, tick: float) -> tuple[float, f
     softest = min(min(material.K1, material.K2) for material in model.materials)
     stiffest = max(max(material.K1, material.K2) for material in model.materials)
     skin = float(model.mass.sum() / model.mesh.triangle_areas.sum()) * math.pi * (SKIN_REACH * radius) ** 2
-    mass = max(LEAST_MASS, SAFETY * skin, SAFETY * stiffest * tick**2)
+    mass = max(LEAST_MASS, SAFETY * skin, SLOPE_SAFETY * stiffest * tick**2)
     return mass, 2 * math.sqrt(math.sqrt(softest * stiffest) * mass)
 
 
@@ -45,7 +46,7 @@ def advance(
 
     Args:
         force: along the press, that pushes it [N].
-        reaction: along the press, that the body gave it in the last tick [N]; negative where it pushes it out.
+        reaction: along the press, that the body gave it last [N]; negative where it pushes it out.
     """
     mass, damping = mass_and_damping(model, radius, tick)
     speed = (mass * pushed.speed + tick * (force + reaction)) / (mass + tick * damping)

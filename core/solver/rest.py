@@ -23,7 +23,7 @@ class Rest:
     rested: it may sleep.
     asleep: it is not stepped.
     under: fingertips that were near when it fell asleep: where (3,) [m] and their radius [m].
-    held: (k, 3) forces on the fingertips in the last tick [N].
+    held: (k, 3) forces on the fingertips in the last substep [N].
     """
 
     quiet: float = 0.0

@@ -107,7 +107,9 @@ def meet(model: Model, state: State, touches: Sequence[Touch], step: Step) -> Fl
     ]
     if model.ground is not None:
         contact.rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction, step.dt)
-    return np.array(impulses).reshape(-1, 3)
+    given = np.array(impulses).reshape(-1, 3)
+    state.pushes = given / step.dt
+    return given
 
 
 def touched(x: Floats, touches: Sequence[Touch]) -> Ints:

@@ -15,7 +15,7 @@ from ..body.regions import Regions
 from ..body.shape_matching import Pose, carried_pose, fit_pose
 from ..mesh.depth import RestSurface, Touching, rest_surface, touching
 from . import semi_implicit
-from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch
+from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch, Vector
 from .path import FingerPath
 from .regions import Awake
 from .rest import Rest, reaches
@@ -29,7 +29,7 @@ class Call:
     motion: what happens.
     down: which fingertips are down.
     here: where each of them is (3,) [m].
-    impulses, begun: (k, 3) on the fingertips so far, and when the tick under way began [N s].
+    impulses: (k, 3) on the fingertips so far [N s].
     ticks: done.
     finite: False where the body has blown up.
     moved: it was not asleep all the time.
@@ -40,7 +40,6 @@ class Call:
     down: list[int]
     here: dict[int, Floats]
     impulses: Floats
-    begun: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     ticks: int = 0
     finite: bool = True
     moved: bool = False
@@ -192,7 +191,7 @@ class Twin:
             centres[row, 1] = call.here[i] = _moved(call.here[i], tips[i], share)
         radii = np.array([tips[i].radius for i in call.down])  # type: ignore[union-attr]
         path = FingerPath(centres=centres, radii=radii, fingers=tuple(call.down))
-        call.path, call.begun = path, call.impulses.copy()
+        call.path = path
         if self._rest.asleep and self._is_woken(call):
             self._rest = Rest()
         if not self._rest.asleep:
@@ -201,6 +200,7 @@ class Twin:
 
     def _enter_tick(self, call: Call) -> None:
         motion, call.moved = call.motion, True
+        self._state.pushes = np.zeros((len(call.down), 3))
         if self._rest_rate is not None:
             left = motion.ticks - call.ticks - (1 - 1 / motion.substeps) / 2
             self.model = on_its_way(self.model, self._rest_rate, left * motion.tick)
@@ -216,7 +216,8 @@ class Twin:
                 call.impulses[i] += self._rest.held[i] * call.motion.tick
             return
         state, tick, path = self._state, call.motion.tick, call.path
-        self._rest.held = (call.impulses - call.begun) / tick
+        self._rest.held = np.zeros_like(call.impulses)
+        self._rest.held[call.down] = state.pushes
         with np.errstate(all="ignore"):
             call.finite = self._is_finite(tick)
         if call.finite:
@@ -225,6 +226,12 @@ class Twin:
             size, led = self.model.mesh.size, call.motion.pins is not None or self._rest_rate is not None
             held = len(path.radii) > 0 and bool((path.centres[:, 0] == path.centres[:, 1]).all())
             self._rest.watch(state.positions, state.velocities, size, tick, led=led, sag=self.sag, held=held)
+
+    def _force(self, finger: int) -> Vector:
+        """Return the force on a fingertip in the last substep (3,) [N]."""
+        rest = self._rest
+        felt = finger < len(rest.held) and (not rest.asleep or finger in rest.under)
+        return _three(rest.held[finger] if felt else np.zeros(3))
 
     def end(self, call: Call) -> Frame:
         """End a motion and return what it came to."""
@@ -239,7 +246,7 @@ class Twin:
             touch = self._touching(tips, i, call.here[i])
             found[i] = Touch(
                 _three(call.impulses[i]), _three(call.here[i]), touch.depth, _three(touch.outward), self._law(touch),
-                touch.triangle,
+                touch.triangle, self._force(i),
             )  # fmt: skip
         pose = self._pose() if call.finite and down else (np.zeros((3, 3)), np.zeros(3))
         return Frame(

@@ -208,7 +208,7 @@ def test_laws_fill_and_pins_of_a_living_body_change_as_with_numpy() -> None:
 def test_a_fill_that_is_taken_out_leaves_no_pressure(backend: str) -> None:
     model, velocities, motion = build(CASES["liquid"])
     body = create(model, backend=backend)
-    assert abs(run(body, velocities, motion).pressure) > 50
+    assert abs(run(body, velocities, motion).pressure) > 10
     body.set_constants(build_model(model.mesh, [replace(SOFT, fill="none")], pinned=base_vertices(model.mesh)))
     assert body.step(motion._replace(ticks=0)).pressure == 0
     assert body.step(motion).pressure == 0

@@ -136,8 +136,8 @@ def test_what_falls_asleep_and_wakes_has_no_step(backend: str) -> None:
 
 
 CHANGES: dict[str, Callable[[Beside], None]] = {
-    "a stiffer material": lambda both: changed(both, K1=3 * FOAM.K1),
-    "a softer one that glides": lambda both: changed(both, glide=True, K1=0.5 * FOAM.K1),
+    "a stiffer material": lambda both: changed(both, K1=3 * FOAM.K1, spread=0.03),
+    "a softer one that glides": lambda both: changed(both, glide=True, K1=0.5 * FOAM.K1, spread=0.0),
     "gravity": lambda both: changed(both, gravity=(0.0, 0.0, -9.81)),
     "a state": lambda both: for_each(both, lambda body: body.body.set_state(1.01 * body.model.matching.rest)),
     "pins that are led": lambda both: for_each(both, lambda body: body.set_pins(moved(body))),
