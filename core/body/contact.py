@@ -281,8 +281,9 @@ def _sweep_places(x: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats,
     along = (offset * met.normal).sum(axis=0)
     level = np.sqrt(np.maximum(met.radius**2 - ((offset - along * met.normal) ** 2).sum(axis=0), 0))
     depth = level - along
+    left = np.minimum((1 - met.part) * depth, PLACE_SLACK / 2 * touch.radius)
     out = np.where(
-        depth > 0, depth - np.minimum((1 - met.part) * depth, PLACE_SLACK / 2 * touch.radius), np.maximum(depth, level - met.radius)
+        depth > 0, depth - left, np.maximum(depth, level - met.radius)
     )
     met.move(x, np.where(at_work, out, 0) / met.compliance(inverse_mass, at_work) * met.normal)
     return float(depth[at_work].max())

@@ -234,7 +234,9 @@ class Body:
         touches: list[Touch | None] = []
         for tip in tips:
             i = len(touches) * _TOUCH_NUMBERS
-            touch = Touch(a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11], a[i + 12 : i + 15])
+            touch = Touch(
+                a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11], a[i + 12 : i + 15]
+            )  # fmt: skip
             touches.append(touch if tip else None)
         volume, pressure, ticks, finite, moved, stepped = a[-6:]
         if moved:

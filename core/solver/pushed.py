@@ -3,9 +3,10 @@
     m a = F - R - c v
 
 F is what it is pushed with, R what the body gave it at the end of the last tick (the mean over a tick is that of its
-middle, and would take half a tick times the slope of R from c), c so large that it comes to rest without bouncing. Damping is taken at the end of the tick and the reaction at its begin, so it is stable while m is larger than
-K dt^2 (K the slope of the contact, several times the law's where a body is stiff under a fingertip) and than the skin
-it moves with it; m is chosen so, and changes the way to the rest but not the rest itself.
+middle, and would take half a tick times the slope of R from c), c so large that it comes to rest without bouncing.
+Damping is taken at the end of the tick and the reaction at its begin, so it is stable while m is larger than K dt^2 (K
+the slope of the contact, several times the law's where a body is stiff under a fingertip) and than the skin it moves
+with it; m is chosen so, and changes the way to the rest but not the rest itself.
 """
 
 from __future__ import annotations

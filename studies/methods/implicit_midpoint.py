@@ -8,8 +8,9 @@ from functools import partial
 from core.base import Floats
 from core.body.contact import Touch
 from core.body.model import Model, State
+from core.solver.ticks import moved_back
 
-from .implicit import moved_back, run_implicit
+from .implicit import run_implicit
 from .newton import solve
 
 

@@ -26,16 +26,16 @@ from core.solver.motion import FingertipMotion
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
-    ("liquid", 32, "SSE2"): "b4a3e6296db355c6f0679a81da61a96de484d813856c19827ae22ad9a40b783e",
-    ("liquid", 32, "AVX2"): "702de8ae7c8e4cac146ebb933307fba2067c526664db15e78c64ff6e4729ec23",
-    ("liquid", 64, ""): "7ecbefc2da27bb01dc0c7d0e3cb55c4873f8ea525546c3376c0b3ea03eb79984",
-    ("free on the ground", 32, "SSE2"): "951ede3ae2744ad04a1ab491829c2f11c955cc92ff24fb7abf7181062da966f3",
-    ("free on the ground", 32, "AVX2"): "18e5a619ef05104cc7585ed0139bdcfd6e35184b8f19bb8bdc9406f5eecbf6da",
-    ("free on the ground", 64, ""): "deef606d714bb6cf1f7e3ab8050df800d3a81b5d6ab98e1e3226c00c4ec1bb2e",
+    ("liquid", 32, "SSE2"): "26c9574a2347afc168cf63c6ad1cb2e0f90d056b80bd9fbcd5820098d49772b4",
+    ("liquid", 32, "AVX2"): "58203590192eda21d3a79be0bdd0276285ec4f0a750ccb585ab21a79807537d7",
+    ("liquid", 64, ""): "8a1c66ea904013faa4fd3208545cfc4a437128ab62a083a575fc04ba92c92ccf",
+    ("free on the ground", 32, "SSE2"): "added647bd77ff86b9a36026b5204eef023adff06cef5d98e5bdc155f1e70e1f",
+    ("free on the ground", 32, "AVX2"): "997b5be59d31a16da61b046542d06305e2827826803f19268ee007c377b459cb",
+    ("free on the ground", 64, ""): "92a121c337d90968309bc7e97b55dfd2bfa831c71aadd1ea9c71275f032f912c",
 }
 NUMPY = {
-    "liquid": "88b1ba3076974dd6152c891599f462b672ee6d8803a8d550eff1d77d031aeea5",
-    "paper laws": "1713bbb2c1f60cb6bcdbfc2db47f209e76f621c2740973fe55c8e91b33c2f318",
+    "liquid": "40d72b266debb544149aeb152ac7ffa9c3cc7bfa007033f771c802e1e5a34f85",
+    "paper laws": "9ae108b1ecc507d527eecb22de636f854e6464963097b35e2faf5992ad5836ac",
 }
 
 

@@ -87,7 +87,8 @@ def test_a_fingertip_with_its_centre_on_the_skin_pushes_it_inward_as_one_just_ou
         centre = weights @ corners + 0.1 * away * outward
         vertices, faces, radii = candidates(x, x, mesh.triangles, np.ones(42), centre, 0.1, 0.4)
         touch = Touch(
-            centre=centre, velocity=-outward, radius=0.1, vertices=vertices, triangles=mesh.triangles[faces], radii=radii
+            centre=centre, velocity=-outward, radius=0.1, vertices=vertices, triangles=mesh.triangles[faces],
+            radii=radii,
         )  # fmt: skip
         pushed.append((resolve(x, v, touch, np.ones(42), np.zeros(42), Step(1e-4)), x - mesh.rest_positions.T))
     for impulse, moved in pushed[:2]:

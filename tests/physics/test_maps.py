@@ -8,7 +8,7 @@ import pytest
 from core.base import DimpleError, Floats
 from core.body.maps import LEAST
 from core.body.model import Model, build_model
-from core.calibration.indent import find_site
+from core.calibration.place import typical_site
 from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session
@@ -22,9 +22,9 @@ RADIUS = 0.0825
 
 @pytest.fixture(scope="module")
 def measured() -> tuple[Mesh, Material]:
-    """A ball of vinyl whose press with a fingertip is the measured one."""
+    """A ball of vinyl whose press with a fingertip, where an artist's is identified, is the measured one."""
     mesh = ball(4, RADIUS)
-    return mesh, identify(mesh, VINYL, FINGERTIP, find_site(mesh, FINGERTIP), 0.023).material
+    return mesh, identify(mesh, VINYL, FINGERTIP, typical_site(mesh, FINGERTIP), 0.023).material
 
 
 def depth(model: Model, force: float) -> float:
