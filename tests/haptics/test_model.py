@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 from core.base import DimpleError
+from core.body.model import Model, build_model
+from core.calibration.place import measuring_site
 from core.haptics import touched_body
 from core.haptics.body_host import BLEW_UP, TOO_FINE, BodyHost
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
@@ -22,10 +24,11 @@ from core.haptics.servo_messages import BodyState, Order, ServoReport
 from core.haptics.spec import load_spec
 from core.haptics.touched_body import TouchedBody
 from core.haptics.wire import RAMP
-from core.material import PRESETS, Material
+from core.material import FINGERTIP, PRESETS, Material
 from core.session import Finger, Session
 from core.solver.motion import Frame, Motion
 from studies.scripted_press import swing
+from studies.virtual_press import identify
 from tests.haptics.model_rig import BEGIN, RADIUS, SIDES, WORKSPACE, ModelRig, holding, pressing, soft_cube
 
 SLOW = pytest.mark.slow
@@ -78,18 +81,28 @@ STIFF = [(1000, 1000, 0.01), pytest.param(4000, 4000, 0.01, marks=SLOW), (610, 9
 
 @pytest.mark.parametrize(("k1", "k2", "x0"), STIFF)
 def test_no_body_shakes_the_device_however_stiff(k1: float, k2: float, x0: float) -> None:
-    """Beyond the cap, and beyond a knee of 9 N/mm, it is rendered as stiff as the device can."""
-    rig = ModelRig(soft_cube(material(k1, k2, x0)), pressing(0.005, 0.010, 0.015))
+    """Beyond the cap, and beyond a knee of 9 N/mm, it is rendered as stiff as the device can: by each fingertip.
+
+    The body is identified, as an artist's is: else it is up to 1.9 times as stiff as its constants say.
+    """
+    rig = ModelRig(identified(soft_cube(material(k1, k2, x0))), pressing(0.005, 0.010, 0.015))
     rig.run(3.0)
     time, tips, forces, _ = rig.trace()
-    slopes = []
     for number in range(3):
-        during = holding(time, number)
-        assert np.ptp(tips[during], axis=0).max() < 2e-4
-        slopes.append((-tips[during, 0, 2].mean(), forces[during, 0, 2].mean()))
-    (x1, f1), _, (x3, f3) = slopes
-    assert (f3 - f1) / (x3 - x1) < 1.25 * rig.servo.cap
+        assert np.ptp(tips[holding(time, number)], axis=0).max() < 2e-4
+    (x1, f1), (x3, f3) = (
+        (-tips[during, :, 2].mean(axis=0), forces[during, :, 2].mean(axis=0))
+        for during in (holding(time, 0), holding(time, 2))
+    )
+    assert ((f3 - f1) / (x3 - x1)).max() < 1.1 * rig.servo.cap
     assert rig.energy() > -2e-3
+
+
+def identified(model: Model) -> Model:
+    """Return a body with the constants by which a press with its fingertip follows the law of its material."""
+    mesh, measured = model.mesh, replace(model.materials[0], indenter=FINGERTIP)
+    found = identify(mesh, measured, FINGERTIP, measuring_site(mesh, measured, 0.015), 0.015)
+    return build_model(mesh, [found.material], pinned=model.pinned)
 
 
 @pytest.mark.parametrize(("k", "cells", "hand"), [(1000, 20, (400.0, 4.0)), (1060, 8, (200.0, 2.0))])
@@ -244,10 +257,10 @@ def test_friction_and_stiffness_that_are_changed_are_rendered_at_once() -> None:
 
 
 def sliding(side: tuple[float, float]) -> tuple[Keyframe, ...]:
-    """Return the way of a fingertip that goes 7 mm in at a side of the top and then along it, at 20 mm/s."""
+    """Return the way of a fingertip that goes 6 mm in at a side of the top and then along it, at 20 mm/s."""
     x, y = side
-    ends = (BEGIN, x, y, 0.01), (BEGIN + 0.15, x, y, -0.007), (BEGIN + 0.3, x, y, -0.007)
-    return (*ends, (BEGIN + 1.3, x + 0.02, y, -0.007))
+    ends = (BEGIN, x, y, 0.01), (BEGIN + 0.15, x, y, -0.006), (BEGIN + 0.3, x, y, -0.006)
+    return (*ends, (BEGIN + 1.3, x + 0.02, y, -0.006))
 
 
 def test_a_body_is_read_after_one_answer_built_after_the_next_and_runs_once_it_has_a_state(tmp_path: Path) -> None:

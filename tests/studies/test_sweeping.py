@@ -105,7 +105,7 @@ def test_position_based_dynamics_nears_the_equilibrium_as_its_substeps_get_small
     errors = {n: abs(press(model, METHODS["xpbd"].run, substeps=n)[1] / wanted - 1) for n in (1, 4, 16)}
     assert errors[16] < 0.03
     # one step a tick is soft by h^2 k w: that is where it fails
-    assert errors[1] > 0.25 > 3 * errors[4] > 9 * errors[16]
+    assert errors[1] > 0.2 > 3 * errors[4] > 9 * errors[16]
 
 
 def test_a_weight_on_compliant_springs_hangs_as_low_at_any_substep() -> None:
