@@ -25,6 +25,7 @@ from core.haptics.spec import load_spec
 from core.haptics.touched_body import TouchedBody
 from core.haptics.wire import RAMP
 from core.material import FINGERTIP, PRESETS, Material
+from core.mesh.surface import base_vertices
 from core.session import Finger, Session
 from core.solver.motion import Frame, Motion
 from studies.scripted_press import swing
@@ -102,7 +103,7 @@ def identified(model: Model) -> Model:
     """Return a body with the constants by which a press with its fingertip follows the law of its material."""
     mesh, measured = model.mesh, replace(model.materials[0], indenter=FINGERTIP)
     found = identify(mesh, measured, FINGERTIP, measuring_site(mesh, measured, 0.015), 0.015)
-    return build_model(mesh, [found.material], pinned=model.pinned)
+    return build_model(mesh, [found.material], pinned=base_vertices(mesh))
 
 
 @pytest.mark.parametrize(("k", "cells", "hand"), [(1000, 20, (400.0, 4.0)), (1060, 8, (200.0, 2.0))])
