@@ -1,4 +1,4 @@
-"""Measure how a press is shown, beside writing it into the mesh: `python3 dev.py bench --show`."""
+"""Measure how a press is shown, beside other ways to show it: `python3 dev.py bench --show`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from tests.bench.enabling import INSTALL, in_blender
 from tools.environment import ROOT
 from tools.extension import build_zip
 
-# a square grid that is moved up and down, each way in turn, hidden while the other is measured
+# a square grid that is moved up and down, each way in turn, hidden while the others are measured: by the modifier that
+# ships; by one that gives a copy of the mesh, whose coordinates or shape key are written; and in the mesh itself
 IN_BLENDER = """
 import json
 import gpu
@@ -34,15 +35,38 @@ def evaluated(obj):
     return obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
 for obj in list(bpy.data.objects):
     bpy.data.objects.remove(obj)
-found = []
+class Seeing(bpy.types.RenderEngine):
+    bl_idname, bl_label = 'SEEING', 'Seeing'
+    def render(self, graph):
+        for way, obj in ways.items():
+            vertices = obj.evaluated_get(graph).data.vertices
+            moved[way] = max(abs(vertex.undeformed_co.z) for vertex in vertices)
+bpy.utils.register_class(Seeing)
+scene, found, moved = bpy.context.scene, [], {}
+scene.render.engine, scene.render.resolution_percentage = 'SEEING', 1
+scene.camera = bpy.data.objects.new('Camera', bpy.data.cameras.new('Camera'))
 for side, shading in ((100, 'flat'), (100, 'smooth'), (316, 'flat'), (316, 'smooth')):
     def grid(name):
         before = set(bpy.data.objects)
         bpy.ops.mesh.primitive_grid_add(x_subdivisions=side - 1, y_subdivisions=side - 1)
         (made,) = set(bpy.data.objects) - before
+        made.data.name = name
         made.data.polygons.foreach_set('use_smooth', [shading == 'smooth'] * len(made.data.polygons))
         return made
-    ways = {'modifier': grid('Modifier'), 'mesh': grid('Mesh')}
+    ways = {way: grid(way) for way in ('modifier', 'copy', 'key', 'mesh')}
+    written = {'mesh': ways['mesh'].data}
+    for way in ('copy', 'key'):
+        written[way] = ways[way].data.copy()
+        carrier = bpy.data.objects.new(way, written[way])
+        if way == 'key':
+            carrier.shape_key_add(name='Pressed')
+            written[way] = written[way].shape_keys
+        group = bpy.data.node_groups.new(way, 'GeometryNodeTree')
+        group.interface.new_socket('Geometry', in_out='OUTPUT', socket_type='NodeSocketGeometry')
+        info, result = group.nodes.new('GeometryNodeObjectInfo'), group.nodes.new('NodeGroupOutput')
+        info.inputs['Object'].default_value = carrier
+        group.links.new(info.outputs['Geometry'], result.inputs[0])
+        ways[way].modifiers.new(way, 'NODES').node_group = group
     rest = np.empty(3 * len(ways['mesh'].data.vertices), np.float32)
     ways['mesh'].data.attributes['position'].data.foreach_get('vector', rest)
     took = {way: ([], [], []) for way in ways}
@@ -57,12 +81,17 @@ for side, shading in ((100, 'flat'), (100, 'smooth'), (316, 'flat'), (316, 'smoo
             if way == 'modifier':
                 offset.show(obj, shown.reshape(-1, 3))
             else:
-                obj.data.attributes['position'].data.foreach_set('vector', rest + shown)
-                obj.data.update_tag()
+                if way == 'key':
+                    written[way].key_blocks[0].points.foreach_set('co', rest + shown)
+                else:
+                    written[way].attributes['position'].data.foreach_set('vector', rest + shown)
+                written[way].update_tag()
             bpy.context.view_layer.update()
             done = [time.process_time()]
             mesh = evaluated(obj)
             (mesh.vertex_normals if shading == 'smooth' else mesh.polygon_normals)[0].vector
+            mesh.calc_loop_triangles()
+            mesh.edges[0].is_loose
             done.append(time.process_time())
             draw()
             done.append(time.process_time())
@@ -74,13 +103,16 @@ for side, shading in ((100, 'flat'), (100, 'smooth'), (316, 'flat'), (316, 'smoo
         bpy.context.view_layer.update()
         ends.append(np.empty_like(rest))
         evaluated(obj).attributes['position'].data.foreach_get('vector', ends[-1])
-    assert np.array_equal(*ends) and (ends[0] != rest).any()
-    found.append((len(rest) // 3, shading, took))
+    assert all(np.array_equal(end, ends[0]) for end in ends) and (ends[0] != rest).any()
     for obj in ways.values():
-        bpy.data.objects.remove(obj)
-print('took', json.dumps(found))
+        obj.hide_render = False
+    bpy.ops.render.render()
+    names = {way: evaluated(obj).name for way, obj in ways.items()}
+    found.append((len(rest) // 3, shading, took))
+    bpy.data.batch_remove([*ways.values(), *(obj.data for obj in ways.values())])
+print('took', json.dumps((found, names, moved)))
 """
-STAGES = "evaluated", "and normals", "and drawn"
+STAGES = "evaluated", "and ready to draw", "and drawn"
 TURNS = 42  # of which the first two are not counted
 
 
@@ -89,11 +121,21 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="dimple-") as profile:
         in_blender(INSTALL.format(str(path)), profile)
         output = in_blender(IN_BLENDER.replace("TURNS", str(TURNS)), profile)
-    print(f"Blender {output.rpartition('in ')[2].strip()}, ms of processor time a frame:")
-    for vertices, shading, took in json.loads(output.partition("took ")[2].partition("\n")[0]):
+    found, names, moved = json.loads(output.partition("took ")[2].partition("\n")[0])
+    version = output.rpartition("in ")[2].strip()
+    print(f"Blender {version}, ms of processor time a frame (times that of writing the mesh):")
+    for vertices, shading, took in found:
         print(f"{vertices:,} vertices, {shading}:")
-        for stage, ours, plain in zip(STAGES, took["modifier"], took["mesh"], strict=True):
-            modifier, mesh = statistics.median(ours[2:]), statistics.median(plain[2:])
-            times = statistics.median(a / b for a, b in zip(ours[2:], plain[2:], strict=True))
-            print(f"  {stage}: modifier {modifier:.2f}, writing the mesh {mesh:.2f}, {times:.2f} times")
+        for number, stage in enumerate(STAGES):
+            plain = took["mesh"][number][2:]
+            words = [f"{way} {_against(times[number][2:], plain)}" for way, times in took.items()]
+            print(f"  {stage}: {', '.join(words)}")
+    print(f"The mesh that an exporter sees: {', '.join(f'{way} {name!r}' for way, name in names.items())}")
+    print(f"How far Generated coordinates move: {', '.join(f'{way} {far:.3f}' for way, far in moved.items())}")
     return 0
+
+
+def _against(times: list[float], plain: list[float]) -> str:
+    """Return the median of some times, and that of their ratios to those of the mesh in the same turns."""
+    ratio = statistics.median(a / b for a, b in zip(times, plain, strict=True))
+    return f"{statistics.median(times):.2f} ({ratio:.2f})"
