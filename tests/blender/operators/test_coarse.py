@@ -47,8 +47,8 @@ def test_a_click_on_a_bare_primitive_answers_the_law(
     force = float(np.linalg.norm(frame.finger_forces, axis=1).max())
     assert force == pytest.approx(float(frame.law_forces.max()), rel=NEAR)
     assert coordinates(obj) == before and obj.dimple.size_mode == "CUSTOM"
-    if name != "plane":  # the dent itself is 0.1 to 0.3 percent of it
-        assert frame.volume == pytest.approx(frame.rest_volume, rel=0.003)
+    if name != "plane":  # air gives way a little: the dent is 0.1 to 0.3 percent of it
+        assert frame.volume == pytest.approx(frame.rest_volume, rel=0.004)
 
 
 @pytest.mark.parametrize("name", ["cube", *(pytest.param(n, marks=pytest.mark.once) for n in ("cone", "cylinder"))])
