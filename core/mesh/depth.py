@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Floats, Ints
-from ..body.contact import nearest_on_triangles
+from ..body.facets import nearest_on_triangles
 from ..body.shape_matching import Pose
 from .surface import Mesh
 

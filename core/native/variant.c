@@ -14,6 +14,7 @@ DM_FAST
 DM_SMALL
 #include "paper.c"
 DM_FAST
+#include "facets.c"
 #include "contact.c"
 DM_SMALL
 #include "reach.c"

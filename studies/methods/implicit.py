@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.contact import Touch, faces_near, rest_on_ground
+from core.body.contact import Touch, rest_on_ground
+from core.body.facets import faces_near
 from core.body.model import Model, State
 from core.solver.path import FingerPath
 from core.solver.ticks import each_tick, moved_back

@@ -16,7 +16,7 @@ import pytest
 
 from core import base, native
 from core.base import Floats
-from core.body import contact, proximity, touching
+from core.body import contact, facets, proximity, touching
 from core.mesh import depth
 from core.mesh.surface import mesh_from_triangles
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
@@ -80,8 +80,8 @@ def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
 
 # where C's constants have their twins, and those that are called otherwise there
 TWINS = (
-    base, contact, proximity, touching, bounds, motion, regions, rolling, falling, scene, twin_scene, twin_props,
-    binding, depth,
+    base, contact, facets, proximity, touching, bounds, motion, regions, rolling, falling, scene, twin_scene,
+    twin_props, binding, depth,
 )  # fmt: skip
 RENAMED = {
     "ABI": native.ABI, "PINNED_GIVE": contact.PINNED_GIVE, "SWEEPS": bounds.SWEEPS,

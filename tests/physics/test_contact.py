@@ -6,17 +6,8 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body.contact import (
-    SUNK,
-    Step,
-    Touch,
-    bulge,
-    candidates,
-    met_radius,
-    nearest_on_triangles,
-    resolve,
-    rest_on_ground,
-)
+from core.body.contact import Step, Touch, candidates, resolve, rest_on_ground
+from core.body.facets import SUNK, bulge, met_radius, nearest_on_triangles
 from core.body.model import build_model
 from core.calibration.identify import identification
 from core.calibration.place import typical_site

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.body.contact import Step, Touch, nearest_on_triangles, resolve
+from core.body.contact import Step, Touch, resolve
+from core.body.facets import nearest_on_triangles
 from core.body.model import Model, build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices
