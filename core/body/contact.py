@@ -14,8 +14,8 @@ appears, is moved out without adding speed.
 Normals, and the points of faces that are met, are those at the begin of the step: where forces would have carried a
 point depends on how long the step is, and neither the way out nor friction may.
 
-A face is met at its point nearest to the fingertip (`facets`). Where several share a vertex, each moves its share of the
-vertex's mass (Tonge's mass splitting), so that the result does not depend on an order.
+A face is met at its point nearest to the fingertip (`facets`). Where several share a vertex, each moves its share of
+the vertex's mass (Tonge's mass splitting), so that the result does not depend on an order.
 """
 
 from __future__ import annotations
