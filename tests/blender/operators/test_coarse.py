@@ -51,6 +51,20 @@ def test_a_click_on_a_bare_primitive_answers_the_law(
         assert frame.volume == pytest.approx(frame.rest_volume, rel=0.002)
 
 
+@pytest.mark.parametrize("depth_mm", [5.0, pytest.param(KNEE_MM, marks=pytest.mark.once)])
+def test_a_click_on_the_pole_of_a_uv_sphere_answers_the_law(
+    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], depth_mm: float
+) -> None:
+    """Its neighbours are farther away than those of any other vertex: it answered 0.72 of the law at 5 mm."""
+    bare("uv_sphere")
+    pole = {"location": (0.0, 0.0, 1.0), "direction": (0.0, 0.0, -1.0), "depth_mm": depth_mm}
+    assert bpy.ops.dimple.poke(**(PRESS | pole)) == {"FINISHED"}
+    frame = frames[0].frame
+    force = float(np.linalg.norm(frame.finger_forces, axis=1).max())
+    print(f"{force:.2f} N for {frame.law_forces.max():.2f} N at {depth_mm:g} mm")
+    assert force == pytest.approx(float(frame.law_forces.max()), rel=NEAR)
+
+
 @pytest.mark.parametrize("name", ["cube", *(pytest.param(n, marks=pytest.mark.once) for n in ("cone", "cylinder"))])
 def test_a_liquid_keeps_its_volume_in_a_primitive_of_few_vertices(
     bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], name: str
