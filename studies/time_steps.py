@@ -12,7 +12,7 @@ from core.mesh.refine import is_coarse, refine
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session
 
-from .primitives import PRIMITIVES
+from .primitives import PRIMITIVES, Shape
 
 TIMES = (1, 3, 10)
 SHAPES = ("default cube", "UV sphere 32 x 16", "ico sphere 3")
@@ -27,7 +27,7 @@ def rows() -> Iterator[dict[str, object]]:
     """Yield a row for each press; shake: how fast the skin still moves at the end, in steps as a session takes."""
     for shape in SHAPES:
         for preset in PRESETS:
-            mesh = _as_simulated(shape, preset.size)
+            mesh = as_simulated(PRIMITIVES[shape](), preset.size)
             model = build_model(mesh, [preset.material], pinned=base_vertices(mesh))
             for speed in SPEEDS:
                 found = [list(_pressed(Session(model), speed, times)) for times in TIMES]
@@ -42,8 +42,9 @@ def rows() -> Iterator[dict[str, object]]:
                     }  # fmt: skip
 
 
-def _as_simulated(shape: str, size: float) -> Mesh:
-    points, faces = PRIMITIVES[shape]()
+def as_simulated(made: Shape, size: float) -> Mesh:
+    """Return a shape of a size [m], cut finer as a session does it."""
+    points, faces = made
     points = points * (size / np.ptp(points, axis=0).max())
     if is_coarse(points, faces, TIP):
         finer = refine(points, faces, np.zeros(len(faces), np.int64), TIP)
