@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
@@ -40,7 +40,6 @@ def reading_model(
     scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink, identify: str = "BACKGROUND"
 ) -> Parts:
     """Read a model in parts; see `read_model`. Blender is looked at before the first of them only."""
-    from ..core.body.model import build_model
     from ..core.mesh.surface import base_vertices
 
     params, surroundings = body.dimple.to_params(), scene.dimple
@@ -60,7 +59,7 @@ def reading_model(
         if link.refined:
             maps = {name: link.refined.at_vertices(weights) for name, weights in maps.items()}
         make = partial(
-            build_model, mesh, materials, law_set=params["law_set"], pinned=pinned, **maps,
+            _made, mesh, materials, law_set=params["law_set"], pinned=pinned, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
             ground=0.0 if surroundings.use_ground else None, rigged=rigged,
         )  # fmt: skip
@@ -69,6 +68,15 @@ def reading_model(
         raise DimpleError(f'"{name}": {error}') from error
     notes = (*filter(None, messages), *said, *advice.on_fill(model))
     return replace(model, notes=(*model.notes, *notes))
+
+
+def _made(*given: Any, **named: Any) -> Model:
+    """Build a model, with what the frame of a change to it would wait for."""
+    from ..core.body.model import build_model
+
+    model = build_model(*given, **named)
+    _ = model.springs.in_slots
+    return model
 
 
 def gravity(scene: bpy.types.Scene) -> tuple[float, ...]:
