@@ -61,7 +61,7 @@ def suzanne() -> None:
     head.dimple.pinned, head.dimple.pin_group, head.dimple.enabled = "GROUP", neck.name, True
     head.modifiers.new("Smooth", "SUBSURF").levels = 1
     tip = press_ball(1, FINGERTIP_MM / 1e3)
-    hit, place, normal, _ = head.ray_cast(Vector((0.008, -1.0, 0.068)), Vector((0.0, 1.0, 0.0)))
+    hit, place, normal, _ = head.ray_cast(Vector((0.012, -1.0, 0.0655)), Vector((0.0, 1.0, 0.0)))
     assert hit
     touch = head.matrix_world @ (place + normal * FINGERTIP_MM / 1e3)
     key_press(tip, touch, -normal * 0.022)

@@ -25,7 +25,11 @@ def test_suzanne_answers_the_law_she_was_identified_for_where_her_fingertip_pres
     for frame in (scene.frame_start, scene.frame_start + 10):
         scene.frame_set(frame)
         way.append(scene.dimple.finger_1.matrix_world.translation.copy())
-    scene.cursor.location = way[0] + (way[1] - way[0]).normalized() * settings.tip_radius_mm / 1e3
+    to_head = head.matrix_world.inverted()
+    start, end = (to_head @ place for place in way)
+    hit, met, _, _ = head.ray_cast(start, end - start)
+    assert hit, "the fingertip goes into her forehead"
+    scene.cursor.location = head.matrix_world @ met
     bench = indentation.set_up(bpy.context, head, "CURSOR", 0.0, identify="NO")
     _, model = bridge.read_body(bpy.context, head, identify="NO")
     assert calibration.changed(settings, model.mesh) == [], "another mesh is pressed than was identified"
