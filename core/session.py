@@ -219,7 +219,7 @@ class Session:
         first = last = clock.share_after(ticks)
         parts = ticks * clock.parts
         if parts > 1:
-            first = clock.share_after(1 / clock.parts)
+            first = max(clock.share_after(1 / clock.parts), 0.0)  # it may begin before the step does
         pins = self._pins.lead(first, last)
         if self._bent_target is not None and ticks:
             self._bend(self._bent_target, ticks)

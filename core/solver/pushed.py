@@ -19,6 +19,7 @@ from ..body.model import Model
 
 LEAST_MASS = 0.05  # [kg] that of a fingertip with its bones
 SAFETY = 4.0  # times the skin's mass at which it would be unstable
+FACE_SAFETY = 2.0  # times that of the heaviest face at its middle: a coarse skin moves whole faces
 SLOPE_SAFETY = 16.0  # times that of the law's slope
 SKIN_REACH = 2.0  # radii: so far the skin moves with a fingertip
 
@@ -36,7 +37,7 @@ def mass_and_damping(model: Model, radius: float, tick: float) -> tuple[float, f
     softest = min(min(material.K1, material.K2) for material in model.materials)
     stiffest = max(max(material.K1, material.K2) for material in model.materials)
     skin = float(model.mass.sum() / model.mesh.triangle_areas.sum()) * math.pi * (SKIN_REACH * radius) ** 2
-    mass = max(LEAST_MASS, SAFETY * skin, SLOPE_SAFETY * stiffest * tick**2)
+    mass = max(LEAST_MASS, SAFETY * skin, FACE_SAFETY * model.face_mass, SLOPE_SAFETY * stiffest * tick**2)
     return mass, 2 * math.sqrt(math.sqrt(softest * stiffest) * mass)
 
 

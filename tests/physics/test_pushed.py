@@ -12,6 +12,7 @@ from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
 from core.solver.pushed import mass_and_damping
+from studies.scenes import cube
 from tests.bodies import backends, ball
 
 RADIUS, TIP = 0.08, 0.02
@@ -100,6 +101,20 @@ def held_by(session: Session, model: Model) -> float:
     moving = 0.5 * float((model.mass * (v * v).sum(axis=0)).sum())
     shape = springs.energy(model.springs, x) + shape_matching.energy(model.matching, x, pose)
     return moving + shape + (pressure.energy(model.pressure, x) if model.pressure.fill != "none" else 0.0)
+
+
+@pytest.mark.parametrize("backend", backends("native", "native64"))
+@pytest.mark.parametrize("where", [(0.31, 0.18), (0.1, 0.02)], ids=["aside", "near the middle"])
+@pytest.mark.parametrize("cells", [1, 2, 3])
+def test_it_stands_still_on_faces_heavier_than_itself(cells: int, where: tuple[float, float], backend: str) -> None:
+    """Of a coarse mesh a fingertip moves whole faces, not the skin that is as large as itself."""
+    water, size, force = PRESETS[2].material, 0.165, 3.0
+    mesh = cube(cells, size)
+    session = Session(build_model(mesh, [water], pinned=base_vertices(mesh)), backend=backend)
+    session.set_fingers([Finger((where[0] * size, where[1] * size, size / 2 + 0.0101), 0.01, force)])
+    session.step(1.0)
+    forces = [session.step(0.001).finger_forces[0, 2] for _ in range(100)]
+    np.testing.assert_allclose(forces, force, rtol=0.01)
 
 
 def test_it_stands_still_on_a_stiff_body_that_a_prescribed_one_could_not_enter() -> None:

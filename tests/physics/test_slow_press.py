@@ -130,3 +130,15 @@ def test_the_planner_simulates_the_full_mesh_faster_where_that_makes_it_live(mod
     assert plan(model, budget=0.3 * cost, radius=RADIUS, pressed=slow._replace(speed=1.0)).faster == 1
     assert plan(model, budget=0.3 * cost, radius=RADIUS).faster == 1
     assert plan(model, budget=cost, radius=RADIUS, pressed=slow).faster == 1, "it runs live as it is"
+
+
+def test_pins_are_led_in_steps_that_are_no_whole_ticks(model: Model) -> None:
+    """The first part of a tick may begin before the step does: pins wait for it where they are."""
+    session, places = start(model, FASTER, np.inf), model.mesh.rest_positions
+    for step in range(1, 8):
+        session.set_pins(places + (1e-3 * step, 0, 0))
+        session.step(2.5 * TICK * FASTER)
+    assert session.frame.finite
+    session.step(2.5 * TICK * FASTER)
+    moved = session.positions()[base_vertices(model.mesh)] - places[base_vertices(model.mesh)]
+    np.testing.assert_allclose(moved, np.broadcast_to((7e-3, 0, 0), moved.shape), atol=1e-6)
