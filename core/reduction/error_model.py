@@ -11,8 +11,8 @@ from .proxy import SMALLEST, mean_spacing
 # with the powers of spacing over radius and spread over radius; and the same of the force, with the power of spacing
 # over radius up to COARSE and beyond. Fitted to the proxies of the 30 bodies in studies.bodies.FITTED, pressed by half
 # a radius: size, pins, fill and the knee add nothing, and to the error of the force the spread adds nothing
-ERROR = 0.077, 1.78, -0.41
-FORCE_ERROR = 0.38, 1.79, 3.5
+ERROR = 0.072, 1.72, -0.43
+FORCE_ERROR = 0.36, 1.76, 3.6
 COARSE = 0.8
 NARROWEST = 0.5  # spread over radius: narrower dents have not been fitted
 
