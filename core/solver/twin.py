@@ -230,8 +230,8 @@ class Twin:
     def _force(self, finger: int) -> Vector:
         """Return the force on a fingertip in the last substep (3,) [N]."""
         rest = self._rest
-        felt = finger < len(rest.held) and (not rest.asleep or finger in rest.under)
-        return _three(rest.held[finger] if felt else np.zeros(3))
+        presses = finger < len(rest.held) and (not rest.asleep or finger in rest.under)
+        return _three(rest.held[finger] if presses else np.zeros(3))
 
     def end(self, call: Call) -> Frame:
         """End a motion and return what it came to."""
