@@ -288,14 +288,14 @@ class Session:
 
     def positions(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are now, to be read."""
-        return self._skin.positions(self.body)
+        return self._skin.positions(self.body, self.placed)
 
     def seen(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are, as near as can be seen; to be read before the next call.
 
         It is the same array as long as nothing can be seen to move, and exact where the body sleeps.
         """
-        return self._skin.seen(self.body, exact=not self._last.moved)
+        return self._skin.seen(self.body, self.placed, exact=not self._last.moved)
 
     def touches(self) -> tuple[Touching | None, ...]:
         """Return how each fingertip meets the surface at rest, which a device renders."""
@@ -326,7 +326,7 @@ class Session:
         moves.substeps(self.clock.part)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
-        skin = scale * self.skin()
+        skin = scale * np.asarray(self._skin.surface(self.body), np.float64)
         led = self._pins.target
         self.clock.unsettle()
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
@@ -429,7 +429,7 @@ class Session:
 
     def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
-        return np.asarray(self._skin.surface(self.body), np.float64)
+        return np.asarray(self._skin.on(self.placed, self._skin.surface(self.body)), np.float64)
 
     def _show(self, impulses: tuple[motion.Vector, ...], seconds: float) -> Frame:
         last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume

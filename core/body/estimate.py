@@ -28,6 +28,7 @@ LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they 
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 AT_KNEE = 0.9  # of x0: where a knee is painted, pieces of the bed's law that begin deeper belong to K2
 JUMP = 0.6  # of x0: so they do where constants are rescaled, for a round tip's bed jumps early
+SOLID_SKIN = 40.0  # times as stiff as its bed the skin of a solid is under a fingertip
 # times: how far K1 and K2, and x0 and the spread, may change before the closed form is as good as what was identified
 NEAR, NEAR_LENGTH = 8.0, 2.0
 
@@ -92,6 +93,21 @@ def estimate(material: Material, size: float) -> ModelConstants:
         kappa1=kappa1, kappa2=max(kappa1 + root**2, kappa1 * min(material.K2 / material.K1, 1.0)), d0=knee,
         membrane_scale=min(scale, 1.0),
     )  # fmt: skip
+
+
+def skin_compliance(material: Material, constants: ModelConstants) -> float:
+    """Return how far the skin gives way under the pressure of a fingertip [m/Pa]: that of a solid does, others not.
+
+    A bed under a tension alone follows a fingertip as a sheet does, in a dent as steep beside it as far from it. Beside a
+    fingertip a solid's is steeper, and farther away it reaches farther. With a skin in series that has SOLID_SKIN times
+    the stiffness of the bed, forces and dents are a linear solid's from a tenth of the tip's radius on.
+    Source: Kerr, On the formal development of elastic foundation models, 1984.
+    """
+    if material.fill != "solid":
+        return 0.0
+    flat = constants.tension is None or not material.spread
+    bed = constants.kappa1 if flat else constants.tension / material.spread**2
+    return 1 / (SOLID_SKIN * bed)
 
 
 def rescaled(constants: ModelConstants, identified: Material, material: Material, size: float) -> ModelConstants | None:

@@ -50,6 +50,7 @@ class Model:
     inverse_mass: (n,) [1/kg], 0 where pinned.
     pinned: (n,) by the artist, or loose.
     friction: (n,) coefficient.
+    compliance: (n,) of the skin under a fingertip [m/N], 0 where it is hard.
     springs, pressure, matching: the laws with their parameters.
     gravity: (3,) [m/s2].
     ground: height of a plane [m], or None.
@@ -67,6 +68,7 @@ class Model:
     inverse_mass: Floats
     pinned: Bools
     friction: Floats
+    compliance: Floats
     springs: Springs
     pressure: Pressure
     matching: ShapeMatching
@@ -204,6 +206,7 @@ def assemble(
     mass: Floats,
     pinned: Bools,
     friction: Floats,
+    compliance: Floats,
     damping: Floats,
     stiffness: Floats,
     k1: Floats,
@@ -221,7 +224,7 @@ def assemble(
     """Put a model together from what its materials come to on its mesh.
 
     Args:
-        mass [kg], friction, damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
+        mass [kg], friction, compliance [m/N], damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
         more [N/m], knees [m]: (p, n) of further pieces of shape matching.
         stiffness, tension: (m,) along the mesh's edges [N/m].
         rest_pressure: of the fill, in the shape at rest [Pa].
@@ -246,7 +249,7 @@ def assemble(
     along, at = (3.0 if law_set == "paper" else 1.0) * stiffness + tension, shape_matching.stiffest(shape)
     return Model(
         mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, pinned=pinned,
-        friction=friction, springs=membrane, pressure=inside, matching=shape,
+        friction=friction, compliance=compliance, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=bound.of_body(mesh, along, at, inverse_mass, inside, STIFFENS[inside.fill]),
         decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
@@ -301,7 +304,8 @@ def _even_out(mass: Floats, stiffness: Floats, used: Bools) -> Floats:
 def _fill(mesh: Mesh, materials: Sequence[Material], law_set: str) -> tuple[str, float]:
     """Return the fill of the material with the most area, and its pressure; the paper's laws have one of their own."""
     most = materials[int(sums_at(mesh.triangle_material, mesh.triangle_areas, len(materials)).argmax())]
-    return "none" if law_set == "paper" else most.fill, most.pressure
+    inside = "liquid" if most.fill == "solid" else most.fill  # both keep their volume
+    return "none" if law_set == "paper" else inside, most.pressure
 
 
 def _on_vertices(mesh: Mesh, values: Bools | Floats | None, name: str, default: float) -> Floats:

@@ -51,8 +51,15 @@ static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint
     memcpy(h->corner, corner, (size_t)corners * sizeof *corner);
     h->held = b->fingers[t->finger].kept[number];
     h->normal = at_centre ? dm_inward_normal(b, corner) : at / apart;
-    h->closing = gap > 0 ? -part * gap / (dm_real)b->dt : 0;
-    for (int j = 0; j < corners; j++) h->friction += weight[j] * b->friction[corner[j]];
+    for (int j = 0; j < corners; j++) {
+        h->friction += weight[j] * b->friction[corner[j]];
+        h->yields += weight[j] * b->compliance[corner[j]];
+    }
+    dm_real sunk = gap < 0 ? gap / ((dm_real)DM_MOST_GIVEN * t->radius) : 0, left = 1 - sunk * sunk;
+    h->yields *= (dm_real)(corners > 1 ? DM_FACE_YIELDS : DM_VERTEX_YIELDS) / (dm_real)(b->dt * b->dt);
+    h->yields *= left > (dm_real)DM_LEAST_LEFT ? left : (dm_real)DM_LEAST_LEFT;
+    if (h->yields > 0) h->part = 1; /* it is as deep as its impulse says, and comes out by that alone */
+    h->closing = gap > 0 || h->yields > 0 ? -h->part * gap / (dm_real)b->dt : 0;
     return count + 1;
 }
 
@@ -138,13 +145,14 @@ static dm_real dm_sweep_speeds(dm_state *b, const dm_near *t, int64_t count) {
     for (dm_contact *h = b->hits; h < end; h++) {
         h->at = -t->velocity;
         for (int j = 0; j < h->corners; j++) h->at += h->weight[j] * b->records[h->corner[j]].v;
-        h->at_work = dm_dot3(h->at, h->normal) < h->closing || dm_dot3(h->held, h->normal) > 0;
+        dm_real push = dm_dot3(h->held, h->normal);
+        h->at_work = dm_dot3(h->at, h->normal) < h->closing - h->yields * push || push > 0;
         dm_share(b, h);
     }
     for (dm_contact *h = b->hits; h < end; h++) {
         if (!h->at_work) continue;
         dm_real give = dm_compliance_of(b, h), speed = dm_dot3(h->at, h->normal), was = dm_dot3(h->held, h->normal);
-        dm_real push = was + (h->closing - speed) / give;
+        dm_real push = was + (h->closing - speed - h->yields * was) / (give + h->yields);
         push = push * give * (dm_real)b->dt < (dm_real)DM_PUSH_FLOOR * t->radius ? 0 : push;
         dm_quad drag = h->held - was * h->normal - (h->at - speed * h->normal) / give;
         dm_real size = DM_SQRT(dm_dot3(drag, drag)), limit = h->friction * push;
@@ -197,9 +205,11 @@ static void dm_keep_impulses(dm_state *b, const dm_near *t, int64_t count, doubl
     dm_forget_impulses(b, t->finger);
     uint32_t *kept_count = &b->fingers[t->finger].kept_count;
     dm_quad sum = {0, 0, 0, 0};
-    for (const dm_contact *h = b->hits; h < b->hits + count; h++) {
+    for (dm_contact *h = b->hits; h < b->hits + count; h++) {
         int pinned = 0;
         sum += h->held;
+        dm_real left = h->radius - h->yields * dm_dot3(h->held, h->normal) * (dm_real)b->dt; /* the skin gives way */
+        h->radius = left > 0 ? left : 0;
         for (int j = 0; j < h->corners; j++) {
             uint32_t i = h->corner[j];
             pinned |= !(b->inverse_mass[i] > 0);
