@@ -10,6 +10,7 @@ from .base import DimpleError
 _LARGEST = 1e12  # in any unit: beyond it sums overflow
 _PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # of each in an SI unit
 FILLS = ("air", "liquid", "solid", "none")
+KEEP_VOLUME = ("liquid", "solid")  # of them
 LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa]: nearly a vacuum; and no skin holds more
 TIPS = ("point", "punch", "sphere")
 

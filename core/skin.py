@@ -75,7 +75,7 @@ class Skin:
             carried = kept.follow(body.positions(), exact=exact)
             if carried or seen is None or self._yields_somewhere:
                 self._pins.put_still(kept.positions)
-                seen = self._of_input(self.on(tips, kept.positions)).view()
+                seen = self._of_input(np.asarray(self.on(tips, kept.positions), np.float32)).view()
                 seen.setflags(write=False)
             self._kept, self._seen, self._seen_pins, self._seen_now = kept, seen, led, True
         return seen

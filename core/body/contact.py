@@ -8,8 +8,8 @@ neighbours are away, and contacts would be resolved that are none. The impulses,
 fingertip (Newton's third law holds to rounding).
 Source: Catto, Iterative Dynamics with Temporal Coherence, 2005.
 
-The skin of a solid gives way under a fingertip, in proportion to the pressure: its vertices go so deep into the sphere,
-and what shows lies on it (`skin`). So an impulse stops its point where the spring between both is as short as that says.
+The skin of a solid gives way under a fingertip, in proportion to the pressure at first: its vertices go so deep into
+the sphere, and what shows lies on it (`skin`). So an impulse stops its point where it is as deep as that says.
 
 Places then follow from speeds, so that what is held does not creep. What is inside all the same, as where a fingertip
 appears, is moved out without adding speed.
@@ -41,10 +41,10 @@ TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction
 NEAR = 0.0625  # of the radius: farther from a fingertip than that, what is at rest stays clear of it for a tick
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 PINNED_GIVE = 0.1  # of a free vertex: what a face gives at least where pinned vertices carry the rest of it
-# times the compliance of the skin at a vertex: half of the skin is that of vertices, half of it that of twice as many faces
+# times the compliance of the skin at a vertex: half of it is that of vertices, half that of twice as many faces
 VERTEX_YIELDS, FACE_YIELDS = 2.0, 4.0
-MOST_GIVEN = 0.5  # of the radius: so deep it could give way at most, so that a fingertip does not pass it;
-LEAST_LEFT = 0.05  # and so much of its compliance is left there
+MOST_GIVEN = 0.5  # of the radius: as deep it hardens, so that no fingertip passes it, to
+LEAST_LEFT = 0.05  # of its compliance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -234,7 +234,8 @@ def _find(
     is_face = np.arange(len(members)) >= len(alone)
     met = ((apart < radius + margin) | was_held) & (is_face | ~at_centre)  # a vertex has no direction
     normal = first / np.maximum(apart, _TINY)
-    compliance, friction = ((each[members[met]] * weights[met]).sum(axis=1) for each in (skin.compliance, skin.friction))
+    here, share = members[met], weights[met]
+    compliance, friction = ((each[here] * share).sum(axis=1) for each in (skin.compliance, skin.friction))
     sunk = np.minimum(apart - radius, 0)[met] / (MOST_GIVEN * touch.radius)
     left = np.maximum(1 - sunk**2, LEAST_LEFT)
     yields = np.where(is_face[met], FACE_YIELDS, VERTEX_YIELDS) * compliance / dt**2 * left

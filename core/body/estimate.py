@@ -29,6 +29,7 @@ BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 AT_KNEE = 0.9  # of x0: where a knee is painted, pieces of the bed's law that begin deeper belong to K2
 JUMP = 0.6  # of x0: so they do where constants are rescaled, for a round tip's bed jumps early
 SOLID_SKIN = 40.0  # times as stiff as its bed the skin of a solid is under a fingertip
+SETTLED = 5  # iterations: to a hundredth
 # times: how far K1 and K2, and x0 and the spread, may change before the closed form is as good as what was identified
 NEAR, NEAR_LENGTH = 8.0, 2.0
 
@@ -56,6 +57,20 @@ def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tu
     return (bed + 2 * math.pi * a * falloff(a, spread) * (depth - radius + rise)) / depth, a
 
 
+@functools.lru_cache(maxsize=64)
+def solid_area(indenter: Indenter, size: float, spread: float, depth: float) -> tuple[float, float]:
+    """Return the same of a solid, whose skin gives way.
+
+    A hard skin is too stiff by as many times, about, as one is too soft that gives way by the mean pressure everywhere.
+    """
+    hard, _ = bed_area(indenter, size, spread, depth)
+    down = depth
+    for _ in range(SETTLED):
+        area, radius = bed_area(indenter, size, spread, down)
+        down = depth / (1 + area / (SOLID_SKIN * math.pi * radius**2))
+    return math.sqrt(hard * area * down / depth), radius
+
+
 def falloff(radius: float, spread: float) -> float:
     """Return s = lambda K1(a / lambda) / K0(a / lambda) [m], from the integrals of exp(-z cosh t) and its moment."""
     z = radius / max(spread, 1e-3 * radius)
@@ -79,7 +94,7 @@ def estimate(material: Material, size: float) -> ModelConstants:
     if material.constants is not None:
         return material.constants
     spread, knee = material.spread, material.x0
-    area, radius = bed_area(material.indenter, size, spread, knee)
+    area, radius = (solid_area if material.fill == "solid" else bed_area)(material.indenter, size, spread, knee)
     kappa1 = material.K1 / area
     tension = kappa1 * spread**2
     # a quadratic in the root of kappa
@@ -98,15 +113,14 @@ def estimate(material: Material, size: float) -> ModelConstants:
 def skin_compliance(material: Material, constants: ModelConstants) -> float:
     """Return how far the skin gives way under the pressure of a fingertip [m/Pa]: that of a solid does, others not.
 
-    A bed under a tension alone follows a fingertip as a sheet does, in a dent as steep beside it as far from it. Beside a
-    fingertip a solid's is steeper, and farther away it reaches farther. With a skin in series that has SOLID_SKIN times
-    the stiffness of the bed, forces and dents are a linear solid's from a tenth of the tip's radius on.
+    A solid's dent is steeper beside a fingertip than that of a bed under a tension, and reaches farther. So is it with
+    a skin in series that is SOLID_SKIN times as stiff as the bed, and forces go with the tip's radius as a solid's do.
     Source: Kerr, On the formal development of elastic foundation models, 1984.
     """
     if material.fill != "solid":
         return 0.0
-    flat = constants.tension is None or not material.spread
-    bed = constants.kappa1 if flat else constants.tension / material.spread**2
+    # the tension tells it as it was scaled, whatever law in pieces the bed has been given since
+    bed = constants.tension / material.spread**2 if constants.tension and material.spread else constants.kappa1
     return 1 / (SOLID_SKIN * bed)
 
 

@@ -35,7 +35,8 @@ LAW_SETS = ("consistent", "paper")
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
-STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0}  # times as stiff as at rest a fill becomes in a body pressed flat
+# times as stiff as at rest a fill becomes in a body pressed flat
+STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0, "solid": 2.0}
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
@@ -304,8 +305,7 @@ def _even_out(mass: Floats, stiffness: Floats, used: Bools) -> Floats:
 def _fill(mesh: Mesh, materials: Sequence[Material], law_set: str) -> tuple[str, float]:
     """Return the fill of the material with the most area, and its pressure; the paper's laws have one of their own."""
     most = materials[int(sums_at(mesh.triangle_material, mesh.triangle_areas, len(materials)).argmax())]
-    inside = "liquid" if most.fill == "solid" else most.fill  # both keep their volume
-    return "none" if law_set == "paper" else inside, most.pressure
+    return "none" if law_set == "paper" else most.fill, most.pressure
 
 
 def _on_vertices(mesh: Mesh, values: Bools | Floats | None, name: str, default: float) -> Floats:

@@ -52,7 +52,8 @@ def paper_constants(mesh: Mesh, materials: Sequence[Material]) -> dict[str, Floa
     d0, friction = _vertex_means(mesh, d0, friction)
     none, n = np.zeros(len(mesh.rest_positions)), len(mesh.rest_positions)
     return {
-        "friction": friction, "compliance": none, "damping": none, "stiffness": _spring_mean(mesh, k), "k1": none, "k2": none, "d0": d0,
+        "friction": friction, "compliance": none, "damping": none, "stiffness": _spring_mean(mesh, k),
+        "k1": none, "k2": none, "d0": d0,
         "tension": np.zeros(len(mesh.springs)), "more": np.zeros((0, n)), "knees": np.zeros((0, n)),
     }  # fmt: skip
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..body.model import Model
 from ..body.regions import Regions
 
-FILLS = {"none": 0, "air": 1, "liquid": 2}
+FILLS = {"none": 0, "air": 1, "liquid": 2, "solid": 2}
 LAW_SETS = {"consistent": 0, "paper": 1}
 
 _TYPES: dict[str, Any] = {"p": c_void_p, "n": c_int64, "i": c_int32, "d": c_double}
