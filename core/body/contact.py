@@ -43,7 +43,7 @@ WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no 
 PINNED_GIVE = 0.1  # of a free vertex: what a face gives at least where pinned vertices carry the rest of it
 # times the compliance of the skin at a vertex: half of it is that of vertices, half that of twice as many faces
 VERTEX_YIELDS, FACE_YIELDS = 2.0, 4.0
-MOST_GIVEN = 0.5  # of the radius: as deep it hardens, so that no fingertip passes it, to
+MOST_GIVEN = 0.6  # of the radius: as deep it hardens, so that no fingertip passes it, to
 LEAST_LEFT = 0.05  # of its compliance
 
 

@@ -28,8 +28,7 @@ LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they 
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 AT_KNEE = 0.9  # of x0: where a knee is painted, pieces of the bed's law that begin deeper belong to K2
 JUMP = 0.6  # of x0: so they do where constants are rescaled, for a round tip's bed jumps early
-SOLID_SKIN = 40.0  # times as stiff as its bed the skin of a solid is under a fingertip
-SETTLED = 5  # iterations: to a hundredth
+SOLID_SKIN = 30.0  # times as stiff as its bed the skin of a solid is under a fingertip
 # times: how far K1 and K2, and x0 and the spread, may change before the closed form is as good as what was identified
 NEAR, NEAR_LENGTH = 8.0, 2.0
 
@@ -59,16 +58,22 @@ def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tu
 
 @functools.lru_cache(maxsize=64)
 def solid_area(indenter: Indenter, size: float, spread: float, depth: float) -> tuple[float, float]:
-    """Return the same of a solid, whose skin gives way.
+    """Return the same of a solid, whose skin gives way and whose bed is taken to sink evenly under the contact.
 
-    A hard skin is too stiff by as many times, about, as one is too soft that gives way by the mean pressure everywhere.
+    So it is a seventh off at most under a sphere that is no larger than the spread.
     """
-    hard, _ = bed_area(indenter, size, spread, depth)
-    down = depth
-    for _ in range(SETTLED):
-        area, radius = bed_area(indenter, size, spread, down)
-        down = depth / (1 + area / (SOLID_SKIN * math.pi * radius**2))
-    return math.sqrt(hard * area * down / depth), radius
+    radius, low, high = reach(indenter, size), 0.0, depth
+    for _ in range(40):
+        sunk = (low + high) / 2
+        given = depth - sunk
+        a, skin = radius, SOLID_SKIN * math.pi * radius**2 * given
+        if indenter.shape == "sphere":
+            rise = max(radius - given, 1e-3 * radius)
+            a = math.sqrt(radius**2 - rise**2)
+            skin = SOLID_SKIN * math.pi * (a**2 * (given - radius) + 2 / 3 * (radius**3 - rise**3))
+        bed = (math.pi * a**2 + 2 * math.pi * a * falloff(a, spread)) * sunk
+        low, high = (sunk, high) if skin > bed else (low, sunk)
+    return bed / depth, a
 
 
 def falloff(radius: float, spread: float) -> float:

@@ -16,7 +16,7 @@
 #define DM_PINNED_GIVE 0.1
 #define DM_VERTEX_YIELDS 2
 #define DM_FACE_YIELDS 4
-#define DM_MOST_GIVEN 0.5
+#define DM_MOST_GIVEN 0.6
 #define DM_LEAST_LEFT 0.05
 #define DM_ROUNDING 1e-6
 #define DM_TOO_NEAR 1e-5
