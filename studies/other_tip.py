@@ -51,10 +51,11 @@ def rows(
                     for other in TIPS:
                         wanted = np.interp(DEPTHS, *curve(body, law, other))
                         some = list(dents.settle(mesh, found.material, 1e-3 * other, DEPTHS))
+                        off = 100 * (np.array([one.force[2] for one in some]) / wanted - 1)
                         yield {
                             "body": body, "solid": law, "identified_mm": tip, "fill": fill, "tip_mm": other,
-                            **{f"force_{1e3 * one.depth:g}_mm_percent": round(100 * (float(one.force[2]) / force - 1), 1)
-                               for one, force in zip(some, wanted.tolist(), strict=True)},
+                            **{f"force_{1e3 * depth:g}_mm_percent": round(each, 1)
+                               for depth, each in zip(DEPTHS, off.tolist(), strict=True)},
                             **{f"dent_{1e3 * one.depth:g}_mm_percent":
                                round(100 * _dent_error(mesh, one, body, law, other), 2)
                                for one in some if one.depth in DENTED},
@@ -98,7 +99,7 @@ def _dent_error(mesh: Mesh, one: dents.Settled, body: str, law: str, tip: int) -
 
 
 def _along_skin(body: str, rest: Floats, now: Floats) -> tuple[Floats, Floats]:
-    """Return the ways (k,) from the touched place along the skin, and how far it went in along its normal at rest [m]."""
+    """Return the ways (k,) along the skin from where it is touched, and how far it went in along its normals [m]."""
     if body == "block":
         top = rest[:, 2] > rest[:, 2].max() - 1e-6
         return np.hypot(rest[top, 0], rest[top, 1]), (rest - now)[top, 2]

@@ -238,7 +238,7 @@ def test_the_constants_become_the_model():
         assert station.force == pytest.approx(area * (constants.kappa1 * station.depth + pieces), rel=0.01)
 
 
-@pytest.mark.parametrize("fill", ["air", "liquid", "solid", "none"])
+@pytest.mark.parametrize("fill", ["air", "liquid", "none"])
 def test_the_work_of_the_tip_is_the_energy_stored(fill):
     mesh, pinned = body(OBJECT_3, "cube 6")
     site = find_site(mesh, POINT, pinned=pinned)

@@ -95,8 +95,8 @@ def test_a_force_presses_it_as_deep_as_that_depth_answers() -> None:
 
 
 def test_a_proxy_gives_way_as_the_full_mesh_does() -> None:
-    full = ball(SOLID, 4)
-    proxy = build_proxy(full, 642)
+    full = ball(SOLID, 5)
+    proxy = build_proxy(full, 2562)
     assert (1 / proxy.model.compliance).sum() == pytest.approx((1 / full.compliance).sum(), rel=0.01)
     session = Session(full, proxy=proxy)
     tip, force = pressed(session)
