@@ -43,8 +43,9 @@ WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no 
 PINNED_GIVE = 0.1  # of a free vertex: what a face gives at least where pinned vertices carry the rest of it
 # times the compliance of the skin at a vertex: half of it is that of vertices, half that of twice as many faces
 VERTEX_YIELDS, FACE_YIELDS = 2.0, 4.0
-MOST_GIVEN = 0.6  # of the radius: as deep it hardens, so that no fingertip passes it, to
+MOST_GIVEN = 0.5  # of the radius: as deep it hardens, so that no fingertip passes it, to
 LEAST_LEFT = 0.05  # of its compliance
+NO_WAY = 0.1  # of the radius: so near to the point behind its centre there is no way from that
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,8 +131,6 @@ def resolve(
     for _ in range(CONTACT_SWEEPS):
         if _sweep_speeds(v, touch, met, inverse_mass, step.dt) < SPEED_SLACK * touch.radius:
             break
-    pushed = (met.held * met.normal).sum(axis=0)
-    met.radius[:] = np.maximum(met.radius - met.yields * pushed * step.dt, 0)
     moved = np.unique(met.members)
     moved = moved[inverse_mass[moved] > 0]
     x[:, moved] = before[:, moved] + v[:, moved] * step.slip(np.sqrt((v[:, moved] ** 2).sum(axis=0)))
@@ -234,20 +233,37 @@ def _find(
     is_face = np.arange(len(members)) >= len(alone)
     met = ((apart < radius + margin) | was_held) & (is_face | ~at_centre)  # a vertex has no direction
     normal = first / np.maximum(apart, _TINY)
-    here, share = members[met], weights[met]
-    compliance, friction = ((each[here] * share).sum(axis=1) for each in (skin.compliance, skin.friction))
-    sunk = np.minimum(apart - radius, 0)[met] / (MOST_GIVEN * touch.radius)
-    left = np.maximum(1 - sunk**2, LEAST_LEFT)
-    yields = np.where(is_face[met], FACE_YIELDS, VERTEX_YIELDS) * compliance / dt**2 * left
-    part = np.where(was_held[met] & (yields == 0), HELD_PART, 1.0)  # what yields comes out by its impulse alone
-    gap = np.where(yields > 0, 1, (apart > radius)[met]) * (apart - radius)[met]
     inward = met & at_centre
     normal[:, inward] = inward_normals(before[:, members[inward]])
+    here, share = members[met], weights[met]
+    compliance, friction = ((each[here] * share).sum(axis=1) for each in (skin.compliance, skin.friction))
+    yields = np.where(is_face[met], FACE_YIELDS, VERTEX_YIELDS) * compliance / dt**2
+    part = np.where(was_held[met] & (yields == 0), HELD_PART, 1.0)  # what yields comes out by its impulse alone
+    gap, normal = (apart - radius)[met], normal[:, met]
+    gives = (yields > 0) & (gap < 0)
+    if gives.any():
+        deep, normal[:, gives] = _given(touch, first[:, met][:, gives], radius[met][gives], normal[:, gives])
+        yields[gives] *= np.maximum(1 - (deep / (MOST_GIVEN * touch.radius)) ** 2, LEAST_LEFT)
+        gap[gives] = -deep
+    gap = np.where(yields > 0, gap, np.maximum(gap, 0))
     return _Contacts(
         numbers=numbers[met], members=members[met], weights=weights[met], radius=radius[met], held=held[:, met],
-        normal=normal[:, met], part=part, closing=-part * gap / dt, friction=friction, yields=yields,
+        normal=normal, part=part, closing=-part * gap / dt, friction=friction, yields=yields,
         mobility=weights[met] * inverse_mass[members[met]],
     )  # fmt: skip
+
+
+def _given(touch: Touch, offset: Floats, radius: Floats, normal: Floats) -> tuple[Floats, Floats]:
+    """Return how deep [m] a skin has given way at offsets (3, c) from the centre, and which way it springs back (3, c).
+
+    That is not straight away from the centre, but from a point behind it, so that it is pressed down and not aside.
+    """
+    pushed = np.zeros(3) if touch.kept is None else touch.kept.sum(axis=1)
+    way = offset + touch.radius * (pushed / max(np.sqrt((pushed**2).sum()), _TINY))[:, None]
+    length = np.sqrt((way**2).sum(axis=0))
+    normal = np.where(length > NO_WAY * touch.radius, way / np.maximum(length, _TINY), normal)
+    along = (offset * normal).sum(axis=0)
+    return np.sqrt(along**2 + radius**2 - (offset**2).sum(axis=0)) - along, normal
 
 
 def _sweep_speeds(v: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats, dt: float) -> float:
@@ -282,6 +298,7 @@ def _sweep_places(x: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats,
     offset, held = met.points(x) - touch.centre[:, None], (met.held != 0).any(axis=0)
     apart = np.sqrt((offset**2).sum(axis=0))
     at_work = (apart < met.radius * (1 - ROUNDING)) | (first & held & (apart > met.radius))
+    at_work &= met.yields == 0
     if not at_work.any():
         return 0.0
     along = (offset * met.normal).sum(axis=0)

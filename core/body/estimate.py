@@ -28,7 +28,7 @@ LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they 
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 AT_KNEE = 0.9  # of x0: where a knee is painted, pieces of the bed's law that begin deeper belong to K2
 JUMP = 0.6  # of x0: so they do where constants are rescaled, for a round tip's bed jumps early
-SOLID_SKIN = 30.0  # times as stiff as its bed the skin of a solid is under a fingertip
+SOLID_SKIN = 40.0  # times as stiff as its bed the skin of a solid is under a fingertip
 # times: how far K1 and K2, and x0 and the spread, may change before the closed form is as good as what was identified
 NEAR, NEAR_LENGTH = 8.0, 2.0
 

@@ -16,8 +16,9 @@
 #define DM_PINNED_GIVE 0.1
 #define DM_VERTEX_YIELDS 2
 #define DM_FACE_YIELDS 4
-#define DM_MOST_GIVEN 0.6
+#define DM_MOST_GIVEN 0.5
 #define DM_LEAST_LEFT 0.05
+#define DM_NO_WAY 0.1
 #define DM_ROUNDING 1e-6
 #define DM_TOO_NEAR 1e-5
 #define DM_WEIGHT_FLOOR 1e-6
@@ -96,6 +97,7 @@ typedef struct { /* a fingertip and a vertex, or the point of a face that was ne
 typedef struct { /* what a fingertip may meet within a tick */
     int finger;
     dm_quad centre, velocity, now; /* at the end of the tick, over it, and at the end of the substep */
+    dm_quad pushed;                /* unit vector of what it held in the substep before, or nothing */
     dm_real radius;
     double reach; /* [m] from the centre: what a body that does not move may be touched by in the tick */
     int64_t vertex_count, face_count, noted_count;

@@ -99,21 +99,22 @@ def test_a_dent_with_a_spread_reaches_further_than_one_without_and_nearer_to_the
     assert wide[0.0] < wide[0.040] < 1.1 * solid.reach(0.1)
 
 
-@pytest.mark.parametrize("body", ["ball", pytest.param("block", marks=pytest.mark.slow)])
-def test_a_solid_measured_through_one_tip_is_met_by_another(body: str) -> None:
-    """Force within a tenth from a tenth of its radius on, and of full scale within 1 % before; dents within 5 %.
+@pytest.mark.parametrize(
+    "body, depths", [("ball", (1, 2, 5, 10, 15, 20)), pytest.param("block", (2, 5, 10, 15), marks=pytest.mark.slow)]
+)
+def test_a_solid_measured_through_one_tip_is_met_by_another(body: str, depths: tuple[int, ...]) -> None:
+    """Force within a tenth, dents of both tips within 5 % of their depth, volume within a thousandth.
 
-    Full of liquid the same body answers up to twice as much at first, and its dents are up to 6 to 8 % off.
+    Full of liquid instead, the other tip is half or more off at first, and dents are up to 6 %.
     """
-    found = list(other_tip.rows(5, bodies=[body], laws=["neo-hookean"], tips=[20]))
+    found = list(other_tip.rows(5, bodies=[body], laws=["linear"], tips=[10]))
     solid, liquid = ([row for row in found if row["fill"] == fill] for fill in ("solid", "liquid"))
-    missed = [[float(str(row[f"dent_{mm}_mm_percent"])) for mm in (5, 10, 20)] for row in (*solid, *liquid)]
-    assert np.max(missed[:2]) < 5 < 5.5 < min(map(max, missed[2:]))
-    other = next(row for row in solid if row["tip_mm"] == 10)
-    assert all(abs(float(str(other[f"force_{mm}_mm_percent"]))) < 10 for mm in (2, 5, 10, 15, 20))
-    share = np.interp([0.001, 0.020], *other_tip.curve(body, "neo-hookean", 10))
-    assert abs(float(str(other["force_1_mm_percent"]))) * share[0] / share[1] < 1
-    assert any(abs(float(str(row["force_1_mm_percent"]))) > 50 for row in liquid)
+    dents = [[float(str(row[f"dent_{mm}_mm_percent"])) for mm in (5, 10, 20)] for row in (*solid, *liquid)]
+    assert np.max(dents[:2]) < 5 < 5.5 < min(map(max, dents[2:]))
+    forces = {row["fill"]: [float(str(row[f"force_{mm}_mm_percent"])) for mm in depths] for row in (solid[1], liquid[1])}
+    assert solid[1]["tip_mm"] == liquid[1]["tip_mm"] == 20
+    assert np.abs(forces["solid"]).max() < 10 < 11 < np.abs(forces["liquid"]).max()
+    assert all(float(str(row["volume_percent"])) < 0.1 for row in solid)
 
 
 def test_the_kept_dent_of_the_solid_is_as_deep_as_it_was_pressed() -> None:
