@@ -28,7 +28,8 @@ LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they 
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 AT_KNEE = 0.9  # of x0: where a knee is painted, pieces of the bed's law that begin deeper belong to K2
 JUMP = 0.6  # of x0: so they do where constants are rescaled, for a round tip's bed jumps early
-SOLID_SKIN = 40.0  # times as stiff as its bed the skin of a solid is under a fingertip
+SOLID_SKIN = 40.0  # times as stiff as its bed the skin of a solid is
+ELASTIC = 2.1  # times K1 is the K2 that a sphere measures on an elastic solid, whatever its size; a flat tip: once
 # times: how far K1 and K2, and x0 and the spread, may change before the closed form is as good as what was identified
 NEAR, NEAR_LENGTH = 8.0, 2.0
 
@@ -57,22 +58,25 @@ def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tu
 
 
 @functools.lru_cache(maxsize=64)
-def solid_area(indenter: Indenter, size: float, spread: float, depth: float) -> tuple[float, float]:
+def solid_area(indenter: Indenter, size: float, spread: float, depth: float, skin: float) -> tuple[float, float]:
     """Return the same of a solid, whose skin gives way and whose bed is taken to sink evenly under the contact.
 
     So it is a seventh off at most under a sphere that is no larger than the spread.
+
+    Args:
+        skin: times as stiff as the bed.
     """
     radius, low, high = reach(indenter, size), 0.0, depth
     for _ in range(40):
         sunk = (low + high) / 2
         given = depth - sunk
-        a, skin = radius, SOLID_SKIN * math.pi * radius**2 * given
+        a, push = radius, skin * math.pi * radius**2 * given
         if indenter.shape == "sphere":
             rise = max(radius - given, 1e-3 * radius)
             a = math.sqrt(radius**2 - rise**2)
-            skin = SOLID_SKIN * math.pi * (a**2 * (given - radius) + 2 / 3 * (radius**3 - rise**3))
+            push = skin * math.pi * (a**2 * (given - radius) + 2 / 3 * (radius**3 - rise**3))
         bed = (math.pi * a**2 + 2 * math.pi * a * falloff(a, spread)) * sunk
-        low, high = (sunk, high) if skin > bed else (low, sunk)
+        low, high = (sunk, high) if push > bed else (low, sunk)
     return bed / depth, a
 
 
@@ -99,7 +103,9 @@ def estimate(material: Material, size: float) -> ModelConstants:
     if material.constants is not None:
         return material.constants
     spread, knee = material.spread, material.x0
-    area, radius = (solid_area if material.fill == "solid" else bed_area)(material.indenter, size, spread, knee)
+    area, radius = bed_area(material.indenter, size, spread, knee)
+    if material.fill == "solid":
+        area, radius = solid_area(material.indenter, size, spread, knee, _solid_skin(material))
     kappa1 = material.K1 / area
     tension = kappa1 * spread**2
     # a quadratic in the root of kappa
@@ -120,13 +126,20 @@ def skin_compliance(material: Material, constants: ModelConstants) -> float:
 
     A solid's dent is steeper beside a fingertip than that of a bed under a tension, and reaches farther. So is it with
     a skin in series that is SOLID_SKIN times as stiff as the bed, and forces go with the tip's radius as a solid's do.
+    What hardens more than an elastic solid has a harder skin, or the skin would give all the depth beyond the knee.
     Source: Kerr, On the formal development of elastic foundation models, 1984.
     """
     if material.fill != "solid":
         return 0.0
     # the tension tells it as it was scaled, whatever law in pieces the bed has been given since
     bed = constants.tension / material.spread**2 if constants.tension and material.spread else constants.kappa1
-    return 1 / (SOLID_SKIN * bed)
+    return 1 / (_solid_skin(material) * bed)
+
+
+def _solid_skin(material: Material) -> float:
+    """Return how many times as stiff as its bed the skin of a solid is."""
+    elastic = ELASTIC if material.indenter.shape == "sphere" else 1.0
+    return SOLID_SKIN * max(material.K2 / (elastic * material.K1), 1.0) ** 2
 
 
 def rescaled(constants: ModelConstants, identified: Material, material: Material, size: float) -> ModelConstants | None:

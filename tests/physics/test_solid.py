@@ -16,7 +16,7 @@ from tests.bodies import after, backends
 
 BACKENDS = backends("numpy", "native64", "native")
 RADIUS, TIP, DEPTH = 0.08, 0.010, 0.012  # [m]
-SOLID = replace(DEFAULT_MATERIAL, fill="solid", density=1000, damping_ratio=1.0)
+SOLID = replace(DEFAULT_MATERIAL, K2=2.1 * DEFAULT_MATERIAL.K1, x0=0.006, fill="solid", density=1000, damping_ratio=1.0)
 
 
 def ball(material: Material, subdivisions: int = 3) -> Model:

@@ -100,7 +100,7 @@ def test_a_dent_with_a_spread_reaches_further_than_one_without_and_nearer_to_the
 
 
 @pytest.mark.parametrize(
-    "body, depths", [("ball", (1, 2, 5, 10, 15, 20)), pytest.param("block", (2, 5, 10, 15), marks=pytest.mark.slow)]
+    "body, depths", [("ball", (1, 2, 5, 10, 15, 20)), pytest.param("block", (5, 10, 15), marks=pytest.mark.slow)]
 )
 def test_a_solid_measured_through_one_tip_is_met_by_another(body: str, depths: tuple[int, ...]) -> None:
     """Force within a tenth, dents of both tips within 5 % of their depth, volume within a thousandth.
@@ -111,9 +111,9 @@ def test_a_solid_measured_through_one_tip_is_met_by_another(body: str, depths: t
     solid, liquid = ([row for row in found if row["fill"] == fill] for fill in ("solid", "liquid"))
     dents = [[float(str(row[f"dent_{mm}_mm_percent"])) for mm in (5, 10, 20)] for row in (*solid, *liquid)]
     assert np.max(dents[:2]) < 5 < 5.5 < min(map(max, dents[2:]))
-    forces = {row["fill"]: [float(str(row[f"force_{mm}_mm_percent"])) for mm in depths] for row in (solid[1], liquid[1])}
     assert solid[1]["tip_mm"] == liquid[1]["tip_mm"] == 20
-    assert np.abs(forces["solid"]).max() < 10 < 11 < np.abs(forces["liquid"]).max()
+    off = [max(abs(float(str(row[f"force_{mm}_mm_percent"]))) for mm in depths) for row in (solid[1], liquid[1])]
+    assert off[0] < 10 < 11 < off[1]
     assert all(float(str(row["volume_percent"])) < 0.1 for row in solid)
 
 
