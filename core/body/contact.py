@@ -43,8 +43,8 @@ WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no 
 PINNED_GIVE = 0.1  # of a free vertex: what a face gives at least where pinned vertices carry the rest of it
 # times the compliance of the skin at a vertex: half of it is that of vertices, half that of twice as many faces
 VERTEX_YIELDS, FACE_YIELDS = 2.0, 4.0
-MOST_GIVEN = 0.5  # of the radius: as deep it hardens, so that no fingertip passes it, to
-LEAST_LEFT = 0.05  # of its compliance
+MOST_GIVEN = 0.5  # of the radius: as deep it would be as hard as can be, so that no fingertip passes it; it
+HARDEST = 0.97  # hardens to this share of that
 NO_WAY = 0.1  # of the radius: so near to the point behind its centre there is no way from that
 
 
@@ -243,8 +243,12 @@ def _find(
     gives = (yields > 0) & (gap < 0)
     if gives.any():
         deep, normal[:, gives] = _given(touch, first[:, met][:, gives], radius[met][gives], normal[:, gives])
-        yields[gives] *= np.maximum(1 - (deep / (MOST_GIVEN * touch.radius)) ** 2, LEAST_LEFT)
-        gap[gives] = -deep
+        # p = deep / (c (1 - s^2)) with s = deep / most, along its tangent there
+        most = MOST_GIVEN * touch.radius
+        s = np.minimum(deep / most, HARDEST)
+        tangent = (1 - s**2) / (1 + s**2)
+        yields[gives] *= (1 - s**2) * tangent
+        gap[gives] = -(deep - most * s + most * s * tangent)
     gap = np.where(yields > 0, gap, np.maximum(gap, 0))
     return _Contacts(
         numbers=numbers[met], members=members[met], weights=weights[met], radius=radius[met], held=held[:, met],

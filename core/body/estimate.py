@@ -57,27 +57,19 @@ def bed_area(indenter: Indenter, size: float, spread: float, depth: float) -> tu
     return (bed + 2 * math.pi * a * falloff(a, spread) * (depth - radius + rise)) / depth, a
 
 
-@functools.lru_cache(maxsize=64)
-def solid_area(indenter: Indenter, size: float, spread: float, depth: float, skin: float) -> tuple[float, float]:
-    """Return the same of a solid, whose skin gives way and whose bed is taken to sink evenly under the contact.
+def solid_area(indenter: Indenter, size: float, spread: float, depth: float, skin: float) -> float:
+    """Return the area A [m2] in F = kappa A depth of a solid, whose skin is some times as stiff as its bed.
 
-    So it is a seventh off at most under a sphere that is no larger than the spread.
-
-    Args:
-        skin: times as stiff as the bed.
+    It is that of the bed and that of the skin alone, at the same depth, in series: 1 to 6 % too much from half a radius
+    of depth on, 13 % at a tenth.
     """
-    radius, low, high = reach(indenter, size), 0.0, depth
-    for _ in range(40):
-        sunk = (low + high) / 2
-        given = depth - sunk
-        a, push = radius, skin * math.pi * radius**2 * given
-        if indenter.shape == "sphere":
-            rise = max(radius - given, 1e-3 * radius)
-            a = math.sqrt(radius**2 - rise**2)
-            push = skin * math.pi * (a**2 * (given - radius) + 2 / 3 * (radius**3 - rise**3))
-        bed = (math.pi * a**2 + 2 * math.pi * a * falloff(a, spread)) * sunk
-        low, high = (sunk, high) if push > bed else (low, sunk)
-    return bed / depth, a
+    radius = reach(indenter, size)
+    volume = math.pi * radius**2 * depth
+    if indenter.shape == "sphere":
+        volume -= math.pi * radius**3 / 3
+        if depth < radius:
+            volume = math.pi * depth**2 * (radius - depth / 3)
+    return 1 / (1 / bed_area(indenter, size, spread, depth)[0] + depth / (skin * volume))
 
 
 def falloff(radius: float, spread: float) -> float:
@@ -105,7 +97,7 @@ def estimate(material: Material, size: float) -> ModelConstants:
     spread, knee = material.spread, material.x0
     area, radius = bed_area(material.indenter, size, spread, knee)
     if material.fill == "solid":
-        area, radius = solid_area(material.indenter, size, spread, knee, _solid_skin(material))
+        area = solid_area(material.indenter, size, spread, knee, _solid_skin(material))
     kappa1 = material.K1 / area
     tension = kappa1 * spread**2
     # a quadratic in the root of kappa

@@ -17,7 +17,7 @@
 #define DM_VERTEX_YIELDS 2
 #define DM_FACE_YIELDS 4
 #define DM_MOST_GIVEN 0.5
-#define DM_LEAST_LEFT 0.05
+#define DM_HARDEST 0.97
 #define DM_NO_WAY 0.1
 #define DM_ROUNDING 1e-6
 #define DM_TOO_NEAR 1e-5

@@ -45,7 +45,8 @@ static dm_quad dm_way_of_push(const dm_state *b, int finger) {
 }
 
 /* Let the skin of a solid give way as its spring does: not straight away from the fingertip's centre, but from a point
- * behind it, so that it is pressed down and not aside; as deep as it is along that way. Return that as a gap. */
+ * behind it, so that it is pressed down and not aside. Return the gap at which the spring, as stiff as it is there,
+ * would begin. */
 static dm_real dm_give_way(dm_state *b, const dm_near *t, dm_contact *h, dm_quad at, dm_real apart) {
     dm_real inverse = 1 / (dm_real)(b->dt * b->dt), gap = apart - h->radius;
     h->part = 1; /* it is as deep as its impulse says, and comes out by that alone */
@@ -55,9 +56,12 @@ static dm_real dm_give_way(dm_state *b, const dm_near *t, dm_contact *h, dm_quad
     dm_real length = DM_SQRT(dm_dot3(way, way));
     if (length > (dm_real)DM_NO_WAY * t->radius) h->normal = way / length;
     dm_real along = dm_dot3(at, h->normal), deep = DM_SQRT(along * along - gap * (apart + h->radius)) - along;
-    dm_real sunk = deep / ((dm_real)DM_MOST_GIVEN * t->radius), left = 1 - sunk * sunk;
-    h->yields *= left > (dm_real)DM_LEAST_LEFT ? left : (dm_real)DM_LEAST_LEFT;
-    return -deep;
+    /* p = deep / (c (1 - s^2)) with s = deep / most, along its tangent there */
+    dm_real most = (dm_real)DM_MOST_GIVEN * t->radius, s = deep / most;
+    s = s < (dm_real)DM_HARDEST ? s : (dm_real)DM_HARDEST;
+    dm_real left = 1 - s * s, tangent = left / (1 + s * s);
+    h->yields *= left * tangent;
+    return -(deep - most * s + most * s * tangent);
 }
 
 /* List the contact of a fingertip with a point of a vertex or a face, if it may work in this substep: the point comes

@@ -24,10 +24,10 @@ def ball(material: Material, subdivisions: int = 3) -> Model:
     return build_model(mesh, [material], pinned=base_vertices(mesh))
 
 
-def pressed(session: Session, depth: float = DEPTH) -> tuple[Finger, float]:
+def pressed(session: Session, depth: float = DEPTH, radius: float = TIP) -> tuple[Finger, float]:
     """Press from above, wait, and return the fingertip and its force [N]."""
-    above = Finger((0.0, 0.0, RADIUS + TIP), TIP)
-    tip = above._replace(position=(0.0, 0.0, RADIUS + TIP - depth))
+    above = Finger((0.0, 0.0, RADIUS + radius), radius)
+    tip = above._replace(position=(0.0, 0.0, RADIUS + radius - depth))
     session.set_fingers([above])
     session.set_fingers([tip])
     session.step(0.2)
@@ -67,14 +67,28 @@ def test_released_it_comes_back(backend: str) -> None:
     np.testing.assert_allclose(after(session, 2.0), session.model.mesh.rest_positions, rtol=0, atol=1e-3 * 2 * RADIUS)
 
 
-def test_no_fingertip_passes_it_down_to_three_radii() -> None:
-    session = Session(ball(SOLID))
+@pytest.mark.parametrize("radius", [0.003, 0.01, 0.02])
+def test_no_fingertip_passes_it_however_deep(radius: float) -> None:
+    session = Session(ball(SOLID, 4))
     forces = []
-    for depth in (0.5, 1, 2, 2.5, 3):
-        tip, force = pressed(session, depth * TIP)
+    for depth in np.linspace(0.5 * radius, min(10 * radius, 0.05), 5):
+        tip, force = pressed(session, depth, radius)
         forces.append(force)
-        assert inside(session.body.positions().T, tip) < 0.7 * TIP
+        assert inside(session.body.positions().T, tip) < 0.55 * radius
     assert np.all(np.diff(forces) > 0)
+
+
+def test_a_change_of_the_fill_comes_in_gently() -> None:
+    before = ball(replace(SOLID, fill="liquid"), 4)
+    after = build_model(before.mesh, [SOLID], pinned=base_vertices(before.mesh))
+    for first, then in ((before, after), (after, before)):
+        session, fresh = Session(first), Session(then)
+        _, old = pressed(session)
+        session.change(then, glide=True)
+        forces = [float(session.step(1 / 60).finger_forces[0][2]) for _ in range(90)]
+        assert abs(forces[0] / old - 1) < 0.01
+        assert np.abs(np.diff(forces)).max() < 0.1 * old
+        assert forces[-1] == pytest.approx(pressed(fresh)[1], rel=0.02)
 
 
 def test_the_force_does_not_depend_on_the_step() -> None:
