@@ -14,9 +14,11 @@ _MASS_FROM = (
     ("MASS", "Mass", "The mass of the whole body is given"),
 )
 _FILLS = (
-    ("AIR", "Air", "The enclosed air is compressed: the pressure rises and the volume falls a little"),
-    ("LIQUID", "Liquid", "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere"),
-    ("NONE", "None", "Nothing is enclosed, so there is no pressure. Suits open meshes"),
+    # with the numbers that files keep
+    ("AIR", "Air", "The enclosed air is compressed: the pressure rises and the volume falls a little", 0),
+    ("LIQUID", "Liquid", "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere", 1),
+    ("SOLID", "Solid", "Rubber, jelly or flesh to the core: it keeps its volume, and gives way round a fingertip", 3),
+    ("NONE", "None", "Nothing is enclosed, so there is no pressure. Suits open meshes", 2),
 )
 
 

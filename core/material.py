@@ -9,7 +9,8 @@ from .base import DimpleError
 
 _LARGEST = 1e12  # in any unit: beyond it sums overflow
 _PER_UNIT = {"N/mm": 1e-3, "mm": 1e3, "kPa": 1e-3}  # of each in an SI unit
-FILLS = ("air", "liquid", "none")
+FILLS = ("air", "liquid", "solid", "none")
+KEEP_VOLUME = ("liquid", "solid")  # of them
 LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa]: nearly a vacuum; and no skin holds more
 TIPS = ("point", "punch", "sphere")
 
@@ -78,7 +79,7 @@ class Material:
             twentieth of its size. Give exactly one of the two.
         damping_ratio: of springs and shape matching; 0 undamped, 1 critically damped.
         friction: Coulomb coefficient of the skin against a fingertip and the ground.
-        fill: "air", "liquid" or "none".
+        fill: "air", "liquid", "solid" (keeps its volume, and its skin gives way under a fingertip) or "none".
         pressure: of the fill above that outside, in the shape at rest [Pa]; K1, K2 and x0 were measured without.
         constants: of the model, identified on one mesh by a simulated press; None: estimated from K1, K2 and x0.
 

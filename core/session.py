@@ -288,14 +288,14 @@ class Session:
 
     def positions(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are now, to be read."""
-        return self._skin.positions(self.body)
+        return self._skin.positions(self.body, self.placed)
 
     def seen(self) -> Singles:
         """Return where the input vertices (N, 3) [m] are, as near as can be seen; to be read before the next call.
 
         It is the same array as long as nothing can be seen to move, and exact where the body sleeps.
         """
-        return self._skin.seen(self.body, exact=not self._last.moved)
+        return self._skin.seen(self.body, self.placed, exact=not self._last.moved)
 
     def touches(self) -> tuple[Touching | None, ...]:
         """Return how each fingertip meets the surface at rest, which a device renders."""
@@ -326,7 +326,7 @@ class Session:
         moves.substeps(self.clock.part)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
-        skin = scale * self.skin()
+        skin = scale * np.asarray(self._skin.surface(self.body), np.float64)
         led = self._pins.target
         self.clock.unsettle()
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
@@ -357,27 +357,34 @@ class Session:
             return
         self._glide, self._faded = self._glide or Glide(len(moves.mass)), self.clock.ticks
         self._glide.add(before, after, self.body.positions())
-        self.body.set_constants(pumped(moves, self._glide.pressure), surface=model)
+        self.body.set_constants(self._on_its_way(moves), surface=model)
 
     def _let_slip(self, *, pump: bool = False) -> None:
-        """Let the body have the share of its friction that acts while it hardens under a force, and its pressure."""
+        """Let the body have the share of its friction that acts while it hardens under a force, and what comes in."""
         slips = self._glide and self._glide.hardens and self.most == 1
         if self._glide and (slips or pump):
             share = self._glide.friction if slips else 1.0
             moves = replace(self._moves, friction=share * self._moves.friction)
-            self.body.set_constants(pumped(moves, self._glide.pressure), surface=self.model)
+            self.body.set_constants(self._on_its_way(moves), surface=self.model)
+
+    def _on_its_way(self, moves: Model) -> Model:
+        """Return a model with what its pressure and its compliance still are beside its constants."""
+        more = self._glide.compliance if self._glide else np.zeros(1)
+        if more.any():
+            moves = replace(moves, compliance=np.maximum(moves.compliance + more, 0))
+        return pumped(moves, self._glide.pressure if self._glide else 0.0)
 
     def _fade(self) -> None:
         """Let the load of what glides fade for the ticks since it did last."""
         if self._glide:
-            before, more = self._glide.friction, self._glide.pressure
+            before, more = self._glide.friction, self._glide.pressure != 0 or bool(self._glide.compliance.any())
             load = self._glide.fade((self.clock.ticks - self._faded) * self.clock.tick)
             self.body.set_load(load)
             self._faded = self.clock.ticks
             if load is None:
                 self._end_glide()
-            elif self._glide.friction > before or more:  # the force is about to return, or the pressure comes in
-                self._let_slip(pump=bool(more))
+            elif self._glide.friction > before or more:  # the force is about to return, or a number comes in
+                self._let_slip(pump=more)
 
     def _end_glide(self) -> None:
         if self._glide:
@@ -429,7 +436,7 @@ class Session:
 
     def skin(self) -> Floats:
         """Return where the vertices (n, 3) [m] of the mesh are."""
-        return np.asarray(self._skin.surface(self.body), np.float64)
+        return np.asarray(self._skin.on(self.placed, self._skin.surface(self.body)), np.float64)
 
     def _show(self, impulses: tuple[motion.Vector, ...], seconds: float) -> Frame:
         last, scale, rest = self._last, self._volume_scale, self.model.mesh.volume

@@ -1,17 +1,25 @@
-"""What a session shows: the surface of its body, or what its proxy carries, kept until something moves."""
+"""What a session shows: the surface of its body, or what its proxy carries, kept until something moves.
+
+Where the skin of a solid has given way under a fingertip, it lies on the fingertip.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from .base import Floats, Singles
+from .base import Bools, Floats, Ints, Singles
 from .body.model import Model
+from .fingertip import Finger
 from .mesh.surface import input_vertices
 from .pins import Pins
 from .reduction.binding import blend, carry
 from .reduction.kept_skin import KeptSkin
 from .reduction.proxy import Proxy
 from .solver.backend import Body
+
+NO_WAY = 1e-3  # of the radius: so near to the centre there is no way out
 
 
 class Skin:
@@ -23,6 +31,8 @@ class Skin:
     def __init__(self, model: Model, proxy: Proxy | None, pins: Pins) -> None:
         self._proxy, self._pins, self._source = proxy, pins, model.mesh.source
         self.input_of = input_vertices(model.mesh)
+        self._yields = model.compliance > 0
+        self._yields_somewhere = bool(self._yields.any())
         self._unwelded = len(self._source) == len(model.mass) and bool((self._source[1:] > self._source[:-1]).all())
         self.reset()
 
@@ -42,14 +52,14 @@ class Skin:
         """Look at the pins again when they are asked for next."""
         self._shown = None
 
-    def positions(self, body: Body) -> Singles:
+    def positions(self, body: Body, tips: Sequence[Finger | None]) -> Singles:
         """Return where the input vertices (N, 3) [m] are, to be read."""
         if self._shown is None:
-            self._shown = self._of_input(np.asarray(self.surface(body), np.float32))
+            self._shown = self._of_input(np.asarray(self.on(tips, self.surface(body)), np.float32))
             self._shown.setflags(write=False)
         return self._shown
 
-    def seen(self, body: Body, *, exact: bool) -> Singles:
+    def seen(self, body: Body, tips: Sequence[Finger | None], *, exact: bool) -> Singles:
         """Return where the input vertices (N, 3) [m] are, as near as can be seen; to be read before the next call.
 
         It is the same array as long as nothing can be seen to move.
@@ -58,17 +68,25 @@ class Skin:
             exact: to the bit.
         """
         if self._proxy is None:
-            return self.positions(body)
+            return self.positions(body, tips)
         kept, led = self._kept or KeptSkin(self._proxy.binding), self._pins.origin
         seen = self._seen if self._seen_pins is led else None
         if seen is None or not self._seen_now or (exact and not kept.exact):
             carried = kept.follow(body.positions(), exact=exact)
-            if carried or seen is None:
+            if carried or seen is None or self._yields_somewhere:
                 self._pins.put_still(kept.positions)
-                seen = self._of_input(kept.positions).view()
+                seen = self._of_input(np.asarray(self.on(tips, kept.positions), np.float32)).view()
                 seen.setflags(write=False)
             self._kept, self._seen, self._seen_pins, self._seen_now = kept, seen, led, True
         return seen
+
+    def on(self, tips: Sequence[Finger | None], surface: Floats | Singles) -> Floats | Singles:
+        """Return a surface (n, 3) [m] that lies on the fingertips where its skin has given way."""
+        for tip in tips if self._yields_somewhere else ():
+            if tip and len(inside := _inside(tip, surface, self._yields)):
+                surface = surface.copy()
+                surface[inside] += _way_out(surface[inside] - np.array(tip.position), tip.radius)
+        return surface
 
     def surface(self, body: Body) -> Floats | Singles:
         """Return where the vertices (n, 3) [m] of the mesh are."""
@@ -86,3 +104,23 @@ class Skin:
 
     def _of_input(self, surface: Singles) -> Singles:
         return surface if self._unwelded else surface[self._source]
+
+
+def _inside(tip: Finger, surface: Floats | Singles, which: Bools) -> Ints:
+    """Return which vertices lie in a fingertip."""
+    x, y, z = tip.position
+    near = np.flatnonzero(which & (np.abs(surface[:, 2] - z) < tip.radius))
+    return near[((surface[near] - np.array((x, y, z))) ** 2).sum(axis=1) < tip.radius**2]
+
+
+def _way_out(offset: Floats | Singles, radius: float) -> Floats:
+    """Return the way (k, 3) [m] onto a sphere from offsets (k, 3) within it.
+
+    It leads away from a point on the sphere behind them, so that a skin is pressed rather than spread.
+    """
+    apart = np.sqrt((offset**2).sum(axis=1))
+    mean = (radius - apart) @ offset
+    way = offset + radius / max(float(np.linalg.norm(mean)), NO_WAY * radius**2) * mean
+    way /= np.maximum(np.sqrt((way**2).sum(axis=1)), NO_WAY * radius)[:, None]
+    along = (offset * way).sum(axis=1)
+    return np.asarray((np.sqrt(along**2 + radius**2 - apart**2) - along)[:, None] * way)

@@ -260,7 +260,7 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, pressed: Pr
     law, number = model.matching, 0
     for array in (
         law.rest, model.mesh.triangles, model.mass, model.pinned, law.k1, law.k2, law.d0, law.damping, law.tension,
-        law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction,
+        law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction, model.compliance,
     ):  # fmt: skip
         number = zlib.crc32(np.ascontiguousarray(array), number)
     words = (model.law_set, model.pressure.fill, model.rigged, *around(scene, obj), *obj.dimple.to_plan().values())

@@ -303,8 +303,7 @@ def run_dents(options: argparse.Namespace) -> int:
             write(found, options.out / "profile.csv")
             draw_profiles(shapes, options.out / "profile.png")
         if "other-tip" in options.parts:
-            for name, table in other_tip.tables(min(FINE, BALLS[sizes[-1]])):
-                write(list(table), options.out / name)
+            write(list(other_tip.rows(min(FINE, BALLS[sizes[-1]]))), options.out / "other_tip.csv")
         if "forces" in options.parts:
             write(list(convergence_rows(names, most=options.most)), options.out / "forces.csv")
         if "turning" in options.parts:

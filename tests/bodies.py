@@ -9,6 +9,7 @@ import pytest
 
 from core import native
 from core.base import Floats, Ints
+from core.body.contact import Skin
 from core.body.model import State
 from core.session import Session
 from core.solver.backend import Body
@@ -116,6 +117,11 @@ def after(session: Session, seconds: float) -> npt.NDArray[np.float32]:
     """Step a session and return where it is then."""
     session.step(seconds)
     return session.positions()
+
+
+def hard(n: int, friction: float) -> Skin:
+    """Return a skin of n vertices that does not give way."""
+    return Skin(np.full(n, friction), np.zeros(n))
 
 
 def state_of(body: Body) -> State:

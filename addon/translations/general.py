@@ -58,6 +58,10 @@ MATERIAL = {
     "The enclosed liquid keeps its volume: where a dent goes in, the body bulges elsewhere": (
         "中の液体は体積を保ちます。押し込んだ分だけ別の場所が膨らみます"
     ),
+    "Solid": "固体",
+    "Rubber, jelly or flesh to the core: it keeps its volume, and gives way round a fingertip": (
+        "ゴム、ゼリー、肉のように中まで詰まったもの。体積を保ち、指先のまわりがやわらかくへこみます"
+    ),
     "None": "なし",
     "Nothing is enclosed, so there is no pressure. Suits open meshes": (
         "何も入っていないので圧力はありません。開いたメッシュに適しています"

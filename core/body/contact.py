@@ -8,6 +8,9 @@ neighbours are away, and contacts would be resolved that are none. The impulses,
 fingertip (Newton's third law holds to rounding).
 Source: Catto, Iterative Dynamics with Temporal Coherence, 2005.
 
+The skin of a solid gives way under a fingertip, in proportion to the pressure at first: its vertices go so deep into
+the sphere, and what shows lies on it (`skin`). So an impulse stops its point where it is as deep as that says.
+
 Places then follow from speeds, so that what is held does not creep. What is inside all the same, as where a fingertip
 appears, is moved out without adding speed.
 
@@ -38,6 +41,11 @@ TOO_NEAR = 1e-5  # of the radius: a point as near to the centre has no direction
 NEAR = 0.0625  # of the radius: farther from a fingertip than that, what is at rest stays clear of it for a tick
 WEIGHT_FLOOR = 1e-6  # a corner that carries less of a contact than this has no part in it
 PINNED_GIVE = 0.1  # of a free vertex: what a face gives at least where pinned vertices carry the rest of it
+# times the compliance of the skin at a vertex: half of it is that of vertices, half that of twice as many faces
+VERTEX_YIELDS, FACE_YIELDS = 2.0, 4.0
+MOST_GIVEN = 0.5  # of the radius: as deep it would be as hard as can be, so that no fingertip passes it; it
+HARDEST = 0.97  # hardens to this share of that
+NO_WAY = 0.1  # of the radius: so near to the point behind its centre there is no way from that
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +71,14 @@ class Touch:
     radii: Floats
     faces: Ints | None = None
     kept: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Skin:
+    """What the surface of a body is under a fingertip: friction (n,), and compliance (n,) [m/N], 0 where it is hard."""
+
+    friction: Floats
+    compliance: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,20 +111,20 @@ def candidates(
 
 
 def resolve(
-    x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, friction: Floats, step: Step, *, faces: bool = True
+    x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin, step: Step, *, faces: bool = True
 ) -> Floats:
     """Keep vertices, and faces if wanted, out of a fingertip after a step, in place.
 
     Args:
         x, v: (3, n) positions [m] and velocities [m/s].
-        inverse_mass: (n,) [1/kg], 0 for pinned vertices.  friction: (n,).
+        inverse_mass: (n,) [1/kg], 0 for pinned vertices.
         step: that brought them there.
 
     Returns:
         the impulse (3,) [N s] on the fingertip.
     """
     before = x - v * step.slip(np.sqrt((v**2).sum(axis=0)))
-    met = _find(before, v, touch, inverse_mass, friction, step.dt, faces=faces)
+    met = _find(before, v, touch, inverse_mass, skin, step.dt, faces=faces)
     push = (met.held * met.normal).sum(axis=0)
     met.held[:, push <= 0] = 0
     met.move(v, met.held)
@@ -150,8 +166,9 @@ class _Contacts:
     radius: (c,) of the sphere that each meets [m].
     normal: (3, c).
     part: (c,) of its gap or depth that each may lose in the step.
-    closing: (c,) speed along the normal, at most 0, at which it does [m/s].
+    closing: (c,) speed along the normal at which it does [m/s]; above 0 where the skin yields.
     friction: (c,).
+    yields: (c,) what the skin does under an impulse, over the step [1/kg].
     held: (3, c) impulses so far [N s].
     """
 
@@ -164,6 +181,7 @@ class _Contacts:
     part: Floats
     closing: Floats
     friction: Floats
+    yields: Floats
     held: Floats
 
     def points(self, of: Floats) -> Floats:
@@ -191,7 +209,7 @@ class _Contacts:
 
 
 def _find(
-    before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, friction: Floats, dt: float, *, faces: bool
+    before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin, dt: float, *, faces: bool
 ) -> _Contacts:
     """Return the contacts that may work in a step that began before (3, n) [m]: near enough, or held until then."""
     n, some = len(inverse_mass), slice(None if faces else 0)
@@ -214,15 +232,42 @@ def _find(
     at_centre = apart < TOO_NEAR * touch.radius
     is_face = np.arange(len(members)) >= len(alone)
     met = ((apart < radius + margin) | was_held) & (is_face | ~at_centre)  # a vertex has no direction
-    normal, part = first / np.maximum(apart, _TINY), np.where(was_held, HELD_PART, 1.0)[met]
+    normal = first / np.maximum(apart, _TINY)
     inward = met & at_centre
     normal[:, inward] = inward_normals(before[:, members[inward]])
+    here, share = members[met], weights[met]
+    compliance, friction = ((each[here] * share).sum(axis=1) for each in (skin.compliance, skin.friction))
+    yields = np.where(is_face[met], FACE_YIELDS, VERTEX_YIELDS) * compliance / dt**2
+    part = np.where(was_held[met] & (yields == 0), HELD_PART, 1.0)  # what yields comes out by its impulse alone
+    gap, normal = (apart - radius)[met], normal[:, met]
+    gives = (yields > 0) & (gap < 0)
+    if gives.any():
+        deep, normal[:, gives] = _given(touch, first[:, met][:, gives], radius[met][gives], normal[:, gives])
+        # p = deep / (c (1 - s^2)) with s = deep / most, along its tangent there
+        most = MOST_GIVEN * touch.radius
+        s = np.minimum(deep / most, HARDEST)
+        tangent = (1 - s**2) / (1 + s**2)
+        yields[gives] *= (1 - s**2) * tangent
+        gap[gives] = -(deep - most * s + most * s * tangent)
+    gap = np.where(yields > 0, gap, np.maximum(gap, 0))
     return _Contacts(
         numbers=numbers[met], members=members[met], weights=weights[met], radius=radius[met], held=held[:, met],
-        normal=normal[:, met], part=part, closing=-part * np.maximum(apart[met] - radius[met], 0) / dt,
-        friction=(friction[members[met]] * weights[met]).sum(axis=1),
+        normal=normal, part=part, closing=-part * gap / dt, friction=friction, yields=yields,
         mobility=weights[met] * inverse_mass[members[met]],
     )  # fmt: skip
+
+
+def _given(touch: Touch, offset: Floats, radius: Floats, normal: Floats) -> tuple[Floats, Floats]:
+    """Return how deep [m] a skin has given way at offsets (3, c) from the centre, and which way it springs back (3, c).
+
+    That is not straight away from the centre, but from a point behind it, so that it is pressed down and not aside.
+    """
+    pushed = np.zeros(3) if touch.kept is None else touch.kept.sum(axis=1)
+    way = offset + touch.radius * (pushed / max(np.sqrt((pushed**2).sum()), _TINY))[:, None]
+    length = np.sqrt((way**2).sum(axis=0))
+    normal = np.where(length > NO_WAY * touch.radius, way / np.maximum(length, _TINY), normal)
+    along = (offset * normal).sum(axis=0)
+    return np.sqrt(along**2 + radius**2 - (offset**2).sum(axis=0)) - along, normal
 
 
 def _sweep_speeds(v: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats, dt: float) -> float:
@@ -233,11 +278,11 @@ def _sweep_speeds(v: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats,
     """
     relative = met.points(v) - touch.velocity[:, None]
     speed, was = (relative * met.normal).sum(axis=0), (met.held * met.normal).sum(axis=0)
-    at_work = (speed < met.closing) | (was > 0)
+    at_work = (speed < met.closing - met.yields * was) | (was > 0)
     if not at_work.any():
         return 0.0
     give = met.compliance(inverse_mass, at_work)
-    push = was + (met.closing - speed) / give
+    push = was + (met.closing - speed - met.yields * was) / (give + met.yields)
     push[push * give * dt < PUSH_FLOOR * touch.radius] = 0
     drag = met.held - was * met.normal - (relative - speed * met.normal) / give
     size = np.sqrt((drag**2).sum(axis=0))
@@ -257,6 +302,7 @@ def _sweep_places(x: Floats, touch: Touch, met: _Contacts, inverse_mass: Floats,
     offset, held = met.points(x) - touch.centre[:, None], (met.held != 0).any(axis=0)
     apart = np.sqrt((offset**2).sum(axis=0))
     at_work = (apart < met.radius * (1 - ROUNDING)) | (first & held & (apart > met.radius))
+    at_work &= met.yields == 0
     if not at_work.any():
         return 0.0
     along = (offset * met.normal).sum(axis=0)

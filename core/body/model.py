@@ -35,7 +35,8 @@ LAW_SETS = ("consistent", "paper")
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
-STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0}  # times as stiff as at rest a fill becomes in a body pressed flat
+# times as stiff as at rest a fill becomes in a body pressed flat
+STIFFENS = {"none": 1.0, "air": 16.0, "liquid": 2.0, "solid": 2.0}
 LOOSE_MASS = 1e-15  # of its mass: a vertex that stays behind must not slow the body down
 
 
@@ -50,6 +51,7 @@ class Model:
     inverse_mass: (n,) [1/kg], 0 where pinned.
     pinned: (n,) by the artist, or loose.
     friction: (n,) coefficient.
+    compliance: (n,) of the skin under a fingertip [m/N], 0 where it is hard.
     springs, pressure, matching: the laws with their parameters.
     gravity: (3,) [m/s2].
     ground: height of a plane [m], or None.
@@ -67,6 +69,7 @@ class Model:
     inverse_mass: Floats
     pinned: Bools
     friction: Floats
+    compliance: Floats
     springs: Springs
     pressure: Pressure
     matching: ShapeMatching
@@ -204,6 +207,7 @@ def assemble(
     mass: Floats,
     pinned: Bools,
     friction: Floats,
+    compliance: Floats,
     damping: Floats,
     stiffness: Floats,
     k1: Floats,
@@ -221,7 +225,7 @@ def assemble(
     """Put a model together from what its materials come to on its mesh.
 
     Args:
-        mass [kg], friction, damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
+        mass [kg], friction, compliance [m/N], damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
         more [N/m], knees [m]: (p, n) of further pieces of shape matching.
         stiffness, tension: (m,) along the mesh's edges [N/m].
         rest_pressure: of the fill, in the shape at rest [Pa].
@@ -246,7 +250,7 @@ def assemble(
     along, at = (3.0 if law_set == "paper" else 1.0) * stiffness + tension, shape_matching.stiffest(shape)
     return Model(
         mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, pinned=pinned,
-        friction=friction, springs=membrane, pressure=inside, matching=shape,
+        friction=friction, compliance=compliance, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=bound.of_body(mesh, along, at, inverse_mass, inside, STIFFENS[inside.fill]),
         decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),

@@ -188,7 +188,8 @@ void dm_default_body_def(dm_body_def *def) {
 
 static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64_t springs, int64_t materials,
                                   double rest_volume) {
-    const double *of_vertices[] = {c->mass, c->inverse_mass, c->friction, c->k1, c->k2, c->d0, c->drag};
+    const double *of_vertices[] = {c->mass, c->inverse_mass, c->friction, c->compliance,
+                                   c->k1,   c->k2,           c->d0,       c->drag};
     for (size_t k = 0; k < sizeof of_vertices / sizeof *of_vertices; k++) {
         DM_CHECK(DM_ARRAY(vertices, of_vertices[k]));
         DM_CHECK(dm_check_numbers(vertices, of_vertices[k], 1));

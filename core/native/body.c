@@ -7,7 +7,7 @@ static void dm_state_destroy(dm_state *b) {
         b->pieces, b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->tension, b->rest_rate, b->pull_rate, b->load,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
-        b->inverse_mass, b->friction, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
+        b->inverse_mass, b->friction, b->compliance, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
         b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws, b->stepped, b->border,
         b->regions.beside_start, b->regions.beside, b->regions.of, b->regions.awake, b->regions.wanted, b->regions.role,
         b->regions.settled, b->regions.moved, b->regions.volume,
@@ -41,6 +41,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->next = dm_alloc(b->groups, sizeof(dm_group_next)));
     whole = whole && (b->inverse_mass = dm_alloc(size, sizeof(dm_real)));
     whole = whole && (b->friction = dm_alloc(size, sizeof(dm_real)));
+    whole = whole && (b->compliance = dm_alloc(size, sizeof(dm_real)));
     whole = whole && (b->before = dm_alloc(size, sizeof *b->before));
     whole = whole && (b->shares = dm_alloc(size, sizeof(uint32_t))) && (b->moved = dm_alloc(size, sizeof(uint32_t)));
     whole = whole && (b->is_moved = dm_alloc(size, 1)) && (b->touching = dm_alloc(size, 1));

@@ -14,6 +14,11 @@
 #define DM_PUSH_FLOOR 1e-8
 #define DM_PLACE_SLACK 1e-3
 #define DM_PINNED_GIVE 0.1
+#define DM_VERTEX_YIELDS 2
+#define DM_FACE_YIELDS 4
+#define DM_MOST_GIVEN 0.5
+#define DM_HARDEST 0.97
+#define DM_NO_WAY 0.1
 #define DM_ROUNDING 1e-6
 #define DM_TOO_NEAR 1e-5
 #define DM_WEIGHT_FLOOR 1e-6
@@ -85,12 +90,14 @@ typedef struct { /* a fingertip and a vertex, or the point of a face that was ne
     dm_quad weight;
     dm_real mobility[3], radius; /* of the sphere there: a facet's is smaller than the fingertip's */
     dm_real part, closing, friction; /* part: of its gap or depth that it loses in a substep; at this speed [m/s] */
+    dm_real yields;                  /* what the skin does under an impulse, over the substep [1/kg] */
     dm_quad normal, held, change, at; /* held: the impulse so far [N s]; at: its velocity or place, from the fingertip's */
 } dm_contact;
 
 typedef struct { /* what a fingertip may meet within a tick */
     int finger;
     dm_quad centre, velocity, now; /* at the end of the tick, over it, and at the end of the substep */
+    dm_quad pushed;                /* unit vector of what it held in the substep before, or nothing */
     dm_real radius;
     double reach; /* [m] from the centre: what a body that does not move may be touched by in the tick */
     int64_t vertex_count, face_count, noted_count;
@@ -186,7 +193,7 @@ struct dm_state {
     uint32_t (*triangles)[4], *box_start, *box_vertex;
     dm_quad (*boxes)[2];
     int64_t box_count;
-    dm_real *inverse_mass, *friction;
+    dm_real *inverse_mass, *friction, *compliance;
     int finger_count;
     dm_near touches[DM_MAX_FINGERTIPS];
     dm_vec3 *listed; /* (groups,) where vertices were when the lists were made */

@@ -93,6 +93,7 @@ static void dm_set_matter(dm_state *b, const dm_constants *c) {
         m->mass[l] = (dm_real)c->mass[k], m->inverse_mass[l] = b->inverse_mass[i] = (dm_real)c->inverse_mass[k];
         m->k1[l] = (dm_real)c->k1[k], m->k_more[l] = (dm_real)(c->k2[k] - c->k1[k]);
         m->d0[l] = (dm_real)c->d0[k], m->damping[l] = (dm_real)c->drag[k], b->friction[i] = (dm_real)c->friction[k];
+        b->compliance[i] = (dm_real)c->compliance[k];
         double first = c->d0[k];
         for (int64_t p = 0; p < b->piece_count; p++) {
             dm_piece *piece = b->pieces + i / DM_LANES * b->piece_count + p;

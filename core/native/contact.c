@@ -35,6 +35,35 @@ DM_INLINE int dm_was_held(const dm_state *b, int finger, uint32_t number) {
     return dm_dot3(impulse, impulse) > 0;
 }
 
+/* Return the way of all that a fingertip held in the substep before, or nothing. */
+static dm_quad dm_way_of_push(const dm_state *b, int finger) {
+    dm_quad sum = {0, 0, 0, 0};
+    for (uint32_t k = 0; k < b->fingers[finger].kept_count; k++)
+        sum += b->fingers[finger].kept[b->fingers[finger].kept_at[k]];
+    dm_real length = DM_SQRT(dm_dot3(sum, sum));
+    return length > 0 ? sum / length : sum;
+}
+
+/* Let the skin of a solid give way as its spring does: not straight away from the fingertip's centre, but from a point
+ * behind it, so that it is pressed down and not aside. Return the gap at which the spring, as stiff as it is there,
+ * would begin. */
+static dm_real dm_give_way(dm_state *b, const dm_near *t, dm_contact *h, dm_quad at, dm_real apart) {
+    dm_real inverse = 1 / (dm_real)(b->dt * b->dt), gap = apart - h->radius;
+    h->part = 1; /* it is as deep as its impulse says, and comes out by that alone */
+    h->yields *= (dm_real)(h->corners > 1 ? DM_FACE_YIELDS : DM_VERTEX_YIELDS) * inverse;
+    if (gap >= 0) return gap;
+    dm_quad way = at + t->radius * t->pushed;
+    dm_real length = DM_SQRT(dm_dot3(way, way));
+    if (length > (dm_real)DM_NO_WAY * t->radius) h->normal = way / length;
+    dm_real along = dm_dot3(at, h->normal), deep = DM_SQRT(along * along - gap * (apart + h->radius)) - along;
+    /* p = deep / (c (1 - s^2)) with s = deep / most, along its tangent there */
+    dm_real most = (dm_real)DM_MOST_GIVEN * t->radius, s = deep / most;
+    s = s < (dm_real)DM_HARDEST ? s : (dm_real)DM_HARDEST;
+    dm_real left = 1 - s * s, tangent = left / (1 + s * s);
+    h->yields *= left * tangent;
+    return -(deep - most * s + most * s * tangent);
+}
+
 /* List the contact of a fingertip with a point of a vertex or a face, if it may work in this substep: the point comes
  * nearer by the margin, or was held in the one before. */
 static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint32_t number, int corners,
@@ -51,8 +80,12 @@ static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint
     memcpy(h->corner, corner, (size_t)corners * sizeof *corner);
     h->held = b->fingers[t->finger].kept[number];
     h->normal = at_centre ? dm_inward_normal(b, corner) : at / apart;
-    h->closing = gap > 0 ? -part * gap / (dm_real)b->dt : 0;
-    for (int j = 0; j < corners; j++) h->friction += weight[j] * b->friction[corner[j]];
+    for (int j = 0; j < corners; j++) {
+        h->friction += weight[j] * b->friction[corner[j]];
+        h->yields += weight[j] * b->compliance[corner[j]];
+    }
+    if (h->yields > 0) gap = dm_give_way(b, t, h, at, apart);
+    h->closing = gap > 0 || h->yields > 0 ? -h->part * gap / (dm_real)b->dt : 0;
     return count + 1;
 }
 
@@ -138,13 +171,14 @@ static dm_real dm_sweep_speeds(dm_state *b, const dm_near *t, int64_t count) {
     for (dm_contact *h = b->hits; h < end; h++) {
         h->at = -t->velocity;
         for (int j = 0; j < h->corners; j++) h->at += h->weight[j] * b->records[h->corner[j]].v;
-        h->at_work = dm_dot3(h->at, h->normal) < h->closing || dm_dot3(h->held, h->normal) > 0;
+        dm_real push = dm_dot3(h->held, h->normal);
+        h->at_work = dm_dot3(h->at, h->normal) < h->closing - h->yields * push || push > 0;
         dm_share(b, h);
     }
     for (dm_contact *h = b->hits; h < end; h++) {
         if (!h->at_work) continue;
         dm_real give = dm_compliance_of(b, h), speed = dm_dot3(h->at, h->normal), was = dm_dot3(h->held, h->normal);
-        dm_real push = was + (h->closing - speed) / give;
+        dm_real push = was + (h->closing - speed - h->yields * was) / (give + h->yields);
         push = push * give * (dm_real)b->dt < (dm_real)DM_PUSH_FLOOR * t->radius ? 0 : push;
         dm_quad drag = h->held - was * h->normal - (h->at - speed * h->normal) / give;
         dm_real size = DM_SQRT(dm_dot3(drag, drag)), limit = h->friction * push;
@@ -171,6 +205,7 @@ static dm_real dm_sweep_places(dm_state *b, const dm_near *t, int64_t count, int
         for (int j = 0; j < h->corners; j++) h->at += h->weight[j] * b->records[h->corner[j]].x;
         dm_real apart = DM_SQRT(dm_dot3(h->at, h->at)), held = dm_dot3(h->held, h->held);
         h->at_work = apart < h->radius * (dm_real)(1 - DM_ROUNDING) || (first && held > 0 && apart > h->radius);
+        h->at_work &= !(h->yields > 0);
         dm_share(b, h);
     }
     for (dm_contact *h = b->hits; h < end; h++) {
@@ -262,8 +297,9 @@ static void dm_resolve_contact(dm_state *b, double ahead, dm_frame *frame) {
         t->now = t->centre - (dm_real)ahead * t->velocity;
     if (b->law_set == DM_LAWS_PAPER) dm_note_contact(b);
     for (int k = 0; k < b->finger_count; k++) {
-        const dm_near *t = b->touches + k;
+        dm_near *t = b->touches + k;
         uint32_t moved = 0;
+        t->pushed = dm_way_of_push(b, t->finger);
         dm_real fastest = dm_note_before(b, t), dt = (dm_real)b->dt;
         int64_t count = dm_find_contacts(b, t, dt * (2 * fastest + DM_SQRT(dm_dot3(t->velocity, t->velocity))));
         dm_push_as_before(b, count);

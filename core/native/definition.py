@@ -11,7 +11,7 @@ import numpy as np
 from ..body.model import Model
 from ..body.regions import Regions
 
-FILLS = {"none": 0, "air": 1, "liquid": 2}
+FILLS = {"none": 0, "air": 1, "liquid": 2, "solid": 2}
 LAW_SETS = {"consistent": 0, "paper": 1}
 
 _TYPES: dict[str, Any] = {"p": c_void_p, "n": c_int64, "i": c_int32, "d": c_double}
@@ -26,8 +26,8 @@ class Constants(Structure):
     """The numbers of a body that may change while it lives: dm_constants."""
 
     _fields_ = fields(
-        stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", k1="p", k2="p", d0="p",
-        pieces="n", more="p", knees="p", drag="p",
+        stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", compliance="p",
+        k1="p", k2="p", d0="p", pieces="n", more="p", knees="p", drag="p",
         laws="p", materials="n", gravity="d3", ground="d", rest_pressure="d", law_set="i", fill="i", free="i",
         rigged="i",
     )  # fmt: skip
@@ -117,9 +117,10 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
         stiffness=arrays.double(model.springs.stiffness), damping=arrays.double(model.springs.damping),
         tension=arrays.double(matching.tension), mass=arrays.double(matching.mass),
         inverse_mass=arrays.double(model.inverse_mass),
-        friction=arrays.double(model.friction), k1=arrays.double(matching.k1), k2=arrays.double(matching.k2),
-        d0=arrays.double(matching.d0), pieces=len(matching.more), more=arrays.double(matching.more),
-        knees=arrays.double(matching.knees), drag=arrays.double(matching.damping),
+        friction=arrays.double(model.friction), compliance=arrays.double(model.compliance),
+        k1=arrays.double(matching.k1), k2=arrays.double(matching.k2), d0=arrays.double(matching.d0),
+        pieces=len(matching.more), more=arrays.double(matching.more), knees=arrays.double(matching.knees),
+        drag=arrays.double(matching.damping),
         laws=arrays.double([(m.K1, m.K2, m.x0) for m in surface.materials]), materials=len(surface.materials),
         gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
         law_set=LAW_SETS[model.law_set], fill=FILLS[model.pressure.fill], free=model.free,

@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 21 /* changes with anything below */
+#define DM_ABI 22 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -57,6 +57,7 @@ typedef struct {
     const double *mass;         /* (vertices,) [kg] for rigid motion: that of loose vertices does not count */
     const double *inverse_mass; /* (vertices,) [1/kg], 0 where pinned */
     const double *friction;     /* (vertices,) coefficient */
+    const double *compliance;   /* (vertices,) of the skin under a fingertip [m/N] */
     const double *k1;           /* (vertices,) shape matching up to the knee [N/m] */
     const double *k2;           /* (vertices,) beyond the knee [N/m] */
     const double *d0;           /* (vertices,) displacement at the knee [m] */

@@ -222,7 +222,8 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
     tension = of_surface(matching.tension, fine.cotangents)
     coarse = assemble(
         mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), pinned=pinned,
-        friction=mean(model.friction), damping=mean(damping),
+        friction=mean(model.friction), compliance=mean(model.compliance * fine.vertex_areas) / area,
+        damping=mean(damping),
         stiffness=membrane_stiffness(mesh, k), tension=mesh.cotangents * tension,
         k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0),
         more=np.reshape([total(k) for k in matching.more], (-1, m)),

@@ -5,7 +5,8 @@ acceleration. It is the last of three lags in a row, so it starts to fade withou
 that follow each other, while a number is dragged, add up. In the step that shows a change first it fades no farther
 than in a sixtieth of a second, however long that step is, and at full speed from the next one on.
 
-The pressure of a fill fades as a number: as a load, which does not turn with the surface, it would buckle a soft skin.
+How far a skin gives way fades as a number, and so does the pressure of a fill: as a load, which does not turn with the
+surface, it would buckle a soft skin.
 
 Where a body hardens under a fingertip that a force pushes, friction would keep its dent as wide as it was. So friction
 fades with the load, and the force goes back most of the way and returns after that, as if the body were pressed anew.
@@ -35,13 +36,14 @@ class Glide:
     """How a body of n vertices comes from one rest to another.
 
     pressure: that its fill has more than the constants say [Pa].
+    compliance: that its skin has more than they say (n,) [m/N].
     seconds: since its constants were changed last.
     hardens: its dent meets more resistance than before, and
     since: so long a fingertip gives way to that [s].
     """
 
     def __init__(self, n: int) -> None:
-        self._lags: tuple[Floats, ...] = (np.zeros(3 * n + 1),) * 3  # of the load and, last, of the pressure
+        self._lags: tuple[Floats, ...] = (np.zeros(4 * n + 1),) * 3  # of the load, the compliance, and the pressure
         self._fresh: tuple[Floats, ...] = self._lags  # of a change that the step under way shows first
         self._rate = 1.0  # at which those fade
         self.seconds, self.since, self.hardens = 0.0, 0.0, False
@@ -58,7 +60,7 @@ class Glide:
         load = force - (_forces(pumped(after, self.pressure + more), x, pose, shape) if self.pressure + more else ends)
         rotation, translation = pose_of(after.matching, x, pose)
         dent = x - rotation @ after.matching.rest - translation[:, None]
-        self._fresh = (np.append(load, more),) * 3
+        self._fresh = (np.concatenate([load.ravel(), before.compliance - after.compliance, [more]]),) * 3
         hardening = -float(((force - ends) * dent).sum()) / min(float((force * dent).sum()), -1e-30)
         self.seconds, to_give = 0.0, min(self._given + hardening, 1.0)
         # what gives way to an earlier change, or returns from it, goes on with that, unless this one asks for more
@@ -80,12 +82,21 @@ class Glide:
             return None
         self._lags = _faded(self._lags, seconds)
         self._fresh = _faded(self._fresh, self._rate * seconds)
-        return (self._lags[0] + self._fresh[0])[:-1].reshape(3, -1)
+        return self._left[:-1].reshape(4, -1)[:3]
 
     @property
     def pressure(self) -> float:
         """Return how much more pressure [Pa] the fill has than the constants say."""
         return float(self._lags[0][-1] + self._fresh[0][-1])
+
+    @property
+    def compliance(self) -> Floats:
+        """Return how much further (n,) [m/N] the skin gives way than the constants say."""
+        return self._left[:-1].reshape(4, -1)[3]
+
+    @property
+    def _left(self) -> Floats:
+        return self._lags[0] + self._fresh[0]
 
     def _keep_pressure(self, before: Model, after: Model) -> float:
         """Return how much more pressure [Pa] the fill had before; a fill that is taken out has none to keep."""

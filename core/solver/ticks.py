@@ -101,8 +101,9 @@ def meet(model: Model, state: State, touches: Sequence[Touch], step: Step) -> Fl
     x, v = state.positions, state.velocities
     if model.law_set == "paper":
         state.contact = touched(x, touches)
+    skin = contact.Skin(model.friction, model.compliance)
     impulses = [
-        contact.resolve(x, v, touch, model.inverse_mass, model.friction, step, faces=model.law_set != "paper")
+        contact.resolve(x, v, touch, model.inverse_mass, skin, step, faces=model.law_set != "paper")
         for touch in touches
     ]
     if model.ground is not None:

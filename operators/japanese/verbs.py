@@ -310,6 +310,7 @@ MESSAGES = {
     "Measuring": "測定中",
     "air": "空気",
     "liquid": "液体",
+    "solid": "固体",
     "none": "なし",
     "Which is right?": "どれが正しいですか？",
     "Force-Depth Measurement": "力と深さの測定",

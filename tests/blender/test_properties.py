@@ -183,3 +183,11 @@ def test_a_material_of_ones_own_is_kept_and_found_again(
     assert body.active_material.dimple.provenance == "My kitchen scales"
     assert body.active_material.dimple.edited
     path.unlink()
+
+
+def test_a_file_from_before_solids_has_the_fill_it_had(material: Any) -> None:
+    """A file keeps the number of a choice."""
+    numbers = {item.identifier: item.value for item in material.bl_rna.properties["fill"].enum_items}
+    assert numbers == {"AIR": 0, "LIQUID": 1, "NONE": 2, "SOLID": 3}
+    material.fill = "SOLID"
+    assert material.to_params()["fill"] == "solid"

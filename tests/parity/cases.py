@@ -82,6 +82,7 @@ WHOLE = {
     "air": Case(shape=lambda: ball(2), material=replace(SOFT, fill="air")),
     "pumped air": Case(shape=lambda: ball(2), material=replace(SOFT, fill="air", pressure=2e4), hold="free"),
     "drawn liquid": Case(shape=lambda: ball(2), material=replace(SOFT, pressure=-2e4)),
+    "solid": Case(shape=lambda: ball(2), material=replace(SOFT, fill="solid"), fingers=2),
     "no fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="none")),
     "paper laws": Case(shape=lambda: ball(2), options={"law_set": "paper"}),
     "paper laws, two fingers": Case(shape=crumpled, fingers=2, options={"law_set": "paper"}),

@@ -16,7 +16,7 @@ from core.mesh.surface import Mesh, base_vertices, input_vertices, mesh_from_tri
 from core.session import Finger, Session
 from core.steps import result_of
 from studies.scenes import cube
-from tests.bodies import after, backends, ball
+from tests.bodies import after, backends, ball, hard
 
 SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.2, fill="liquid")
 BACKENDS = backends("numpy", "native64", "native")
@@ -59,7 +59,7 @@ def test_the_impulse_on_the_fingertip_is_minus_that_on_the_skin(seed: int, radiu
         centre=centre, velocity=towards, radius=radius, vertices=vertices, triangles=mesh.triangles[faces], radii=radii
     )  # fmt: skip
     before = v.copy()
-    impulse = resolve(x, v, touch, 1 / mass, np.full(42, friction), Step(1e-4))
+    impulse = resolve(x, v, touch, 1 / mass, hard(42, friction), Step(1e-4))
     gained = (mass * (v - before)).sum(axis=1)
     assert np.linalg.norm(gained) > 0
     np.testing.assert_allclose(impulse, -gained, atol=1e-13 * np.abs(mass * (v - before)).sum())
@@ -81,7 +81,7 @@ def test_a_fingertip_with_its_centre_on_the_skin_pushes_it_inward_as_one_just_ou
             centre=centre, velocity=-outward, radius=0.1, vertices=vertices, triangles=mesh.triangles[faces],
             radii=radii,
         )  # fmt: skip
-        pushed.append((resolve(x, v, touch, np.ones(42), np.zeros(42), Step(1e-4)), x - mesh.rest_positions.T))
+        pushed.append((resolve(x, v, touch, np.ones(42), hard(42, 0.0), Step(1e-4)), x - mesh.rest_positions.T))
     for impulse, moved in pushed[:2]:
         assert impulse @ outward > 0 and (weights @ moved.T[mesh.triangles[7]]) @ outward < -0.08
         np.testing.assert_allclose(impulse, pushed[2][0], rtol=0, atol=0.15 * np.linalg.norm(pushed[2][0]))

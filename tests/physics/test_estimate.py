@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp, trapezoid
+from scipy.sparse import diags
+from scipy.sparse.linalg import spsolve
 from scipy.special import k0, k1
 
-from core.body.estimate import bed_area, estimate, falloff, reach
+from core.body.estimate import bed_area, estimate, falloff, reach, solid_area
 from core.body.model import build_model
 from core.calibration.indent import find_site, press
 from core.material import POINT, PRESETS, Indenter, Preset
@@ -17,6 +19,7 @@ from studies.scenes import cube
 from tests.bodies import sheet
 
 SPREAD = 0.02  # [m]
+FINE = np.concatenate([np.linspace(0, 0.03, 241)[:-1], np.linspace(0.03, 0.3, 271)])  # [m] from the axis
 PUNCH, BALL = Indenter(shape="punch", radius=0.005), Indenter(shape="sphere", radius=0.01)
 
 
@@ -52,6 +55,33 @@ def test_the_force_of_the_closed_form_solves_the_membrane_on_its_bed(indenter: I
     assert area * depth == pytest.approx(bed if ball else bed, rel=2e-3)
     if ball and a < 0.999 * indenter.radius:
         assert slope == pytest.approx(-a / math.sqrt(indenter.radius**2 - a**2), rel=2e-3)
+
+
+@pytest.mark.parametrize("skin", [40.0, 1000.0])
+@pytest.mark.parametrize("spread", [0.02, 0.03])
+@pytest.mark.parametrize("radius", [0.005, 0.01, 0.02])
+def test_the_closed_form_of_a_solid_is_that_of_a_skin_in_series(radius: float, spread: float, skin: float) -> None:
+    """lambda^2 lap w = w - skin (u - w) under the tip, by finite volumes."""
+    for depth, near in ((0.1 * radius, 0.13), (0.5 * radius, 0.09), (radius, 0.06), (1.5 * radius, 0.02)):
+        area = solid_area(Indenter(shape="sphere", radius=radius), 0.165, spread, depth, skin)
+        assert area * depth == pytest.approx(force_of_skin_in_series(radius, spread, depth, skin), rel=near)
+
+
+def force_of_skin_in_series(radius: float, spread: float, depth: float, skin: float) -> float:
+    """Return the force [m3] over the stiffness of the bed: the tip presses the skin where it is below the bed."""
+    faces = (FINE[1:] + FINE[:-1]) / 2
+    rings = np.diff(np.concatenate([[0.0], faces**2 / 2, [FINE[-1] ** 2 / 2]]))
+    flux = spread**2 * faces / np.diff(FINE)
+    bed = diags([rings + np.append(flux, 0) + np.append(0, flux), -flux, -flux], [0, 1, -1])
+    tip = depth - radius + np.sqrt(np.maximum(radius**2 - FINE**2, 0))
+    pressed = (tip > 0) & (FINE < radius)
+    while True:
+        springs = np.where(pressed, skin * rings, 0)
+        down = spsolve((bed + diags([springs], [0])).tocsc(), springs * tip)
+        now = (tip > down) & (FINE < radius)
+        if (now == pressed).all():
+            return float(2 * np.pi * (springs * (tip - down)).sum())
+        pressed = now
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda p: p.name)

@@ -13,7 +13,7 @@ from core.mesh.surface import base_vertices
 from core.session import Finger, Session
 from studies.primitives import icosphere, sized
 from studies.scenes import cube
-from tests.bodies import after, backends
+from tests.bodies import after, backends, hard
 
 BACKENDS = backends("numpy", "native64", "native")
 FRICTION = 0.5  # holds up to 26.6 degrees
@@ -31,7 +31,7 @@ def test_friction_holds_inside_the_cone_and_slides_outside_it(slide: float, held
         radii=np.full(1, 0.1),
     )
     weights = nearest_on_triangles((x - 1e-4 * v)[:, touch.triangles], touch.centre)[0]  # where it was met
-    impulse = resolve(x, v, touch, np.ones(3), np.full(3, 0.5), Step(1e-4))
+    impulse = resolve(x, v, touch, np.ones(3), hard(3, 0.5), Step(1e-4))
     after = v @ weights
     assert after[2] == pytest.approx(0, abs=1e-12)
     assert after[0] == pytest.approx(0 if held else slide - 0.5)
@@ -49,7 +49,7 @@ def test_the_cone_of_friction_is_as_wide_in_long_steps_as_in_short_ones(dt: floa
         centre=np.zeros(3), velocity=np.zeros(3), radius=0.01, vertices=np.arange(1), radii=np.zeros(0),
         triangles=np.zeros((0, 3), np.int64),
     )  # fmt: skip
-    resolve(x, v, touch, np.ones(1), np.full(1, FRICTION), Step(dt))
+    resolve(x, v, touch, np.ones(1), hard(1, FRICTION), Step(dt))
     slid, speed = float(x[0, 0]), 0.0 if holds else 500 * dt * (share - FRICTION)
     assert float(v[0, 0]) == pytest.approx(speed, abs=1e-12) and slid == pytest.approx(dt * speed, abs=1e-12)
     assert np.linalg.norm(x) == pytest.approx(0.01, rel=1e-9), "it is on the fingertip"

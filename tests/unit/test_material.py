@@ -30,7 +30,7 @@ def test_a_constant_that_is_not_positive_nan_or_infinite_is_named(name: str, val
         ({"damping_ratio": math.nan}, "damping ratio"),
         ({"friction": -0.1}, "friction"),
         ({"friction": math.inf}, "friction"),
-        ({"fill": "jelly"}, "air, liquid, none"),
+        ({"fill": "jelly"}, "air, liquid, solid, none"),
         ({"pressure": -1.1e5}, r"between -100 kPa and 1000 kPa .it is -110 kPa"),
         ({"pressure": 2e6}, r"between -100 kPa and 1000 kPa .it is 2000 kPa"),
         ({"pressure": math.nan}, "pressure must"),

@@ -58,6 +58,15 @@ def test_of_several_fills_the_one_with_the_most_area_acts_and_a_note_says_so(bpy
         assert model.pressure.fill == fill and words.format(fill) in model.notes
 
 
+def test_of_a_solid_the_skin_gives_way(bpy: ModuleType, ball: Add) -> None:
+    obj = ball()
+    obj.data.materials.append(bpy.data.materials.new("Rubber"))
+    assert not read(bpy, obj).compliance.any()
+    obj.active_material.dimple.fill = "SOLID"
+    model = read(bpy, obj)
+    assert model.pressure.fill == "solid" and (model.compliance > 0).all()
+
+
 def test_one_fill_or_none_that_can_act_needs_no_note(bpy: ModuleType, ball: Add, add: Add) -> None:
     assert not any("materials differ" in note for note in read(bpy, ball()).notes)
     sheet = add(
