@@ -191,11 +191,12 @@ def profiles(solid: str = "neo-hookean") -> dict[tuple[str, float], Profile]:
 
 
 def solid_materials() -> dict[str, Material]:
-    """Return materials that answer in proportion, as a solid does, full of liquid; by their spread, none first."""
+    """Return materials full of liquid that answer in proportion, by their spread, none first; a solid; the default."""
     linear = replace(DEFAULT_MATERIAL, K2=DEFAULT_MATERIAL.K1, fill="liquid", density=1000)
     spreads = {f"spread {mm} mm": replace(linear, spread=1e-3 * mm) for mm in (0, 6, 20, 40, 80)}
+    solid = {"solid, spread 30 mm": replace(linear, K2=2.1 * linear.K1, x0=0.006, fill="solid", spread=0.03)}
     default = {"default material": DEFAULT_MATERIAL, "default, no spread": replace(DEFAULT_MATERIAL, spread=0.0)}
-    return {**spreads, **default}
+    return {**spreads, **solid, **default}
 
 
 def profile_rows(subdivisions: int) -> tuple[list[dict[str, object]], dict[tuple[str, str, float], Profile]]:
