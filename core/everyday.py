@@ -35,7 +35,7 @@ def _rubber(name: str, label: str, psi: float, density: float) -> Preset:
     """Return a block of silicone of 50 mm whose stress at 100 % is given in psi, and its density [kg/m3]."""
     stiffness = 2 * _PUNCH * psi * _PSI / 0.75
     material = Material(
-        K1=stiffness, K2=stiffness, x0=0.01, k=2_000, spread=0.005, density=density, fill="none", damping_ratio=0.3,
+        K1=stiffness, K2=stiffness, x0=0.01, k=2_000, spread=0.01, density=density, fill="solid", damping_ratio=0.3,
         indenter=Indenter(shape="punch", radius=_PUNCH),
     )  # fmt: skip
     source = (
