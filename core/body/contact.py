@@ -242,7 +242,9 @@ def _find(
     gap, normal = (apart - radius)[met], normal[:, met]
     gives = (yields > 0) & (gap < 0)
     if gives.any():
-        deep, normal[:, gives] = _given(touch, first[:, met][:, gives], radius[met][gives], normal[:, gives])
+        inside = np.where(skin.compliance[touch.vertices] > 0, touch.radius - apart[: len(alone)], 0)
+        pushed = first[:, : len(alone)] @ np.maximum(inside, 0)
+        deep, normal[:, gives] = _given(touch, pushed, first[:, met][:, gives], radius[met][gives], normal[:, gives])
         # p = deep / (c (1 - s^2)) with s = deep / most, along its tangent there
         most = MOST_GIVEN * touch.radius
         s = np.minimum(deep / most, HARDEST)
@@ -257,12 +259,16 @@ def _find(
     )  # fmt: skip
 
 
-def _given(touch: Touch, offset: Floats, radius: Floats, normal: Floats) -> tuple[Floats, Floats]:
+def _given(
+    touch: Touch, pushed: Floats, offset: Floats, radius: Floats, normal: Floats
+) -> tuple[Floats, Floats]:
     """Return how deep [m] a skin has given way at offsets (3, c) from the centre, and which way it springs back (3, c).
 
     That is not straight away from the centre, but from a point behind it, so that it is pressed down and not aside.
+
+    Args:
+        pushed: (3,) the mean way to what gives way, by its depth; friction has no part in it.
     """
-    pushed = np.zeros(3) if touch.kept is None else touch.kept.sum(axis=1)
     way = offset + touch.radius * (pushed / max(np.sqrt((pushed**2).sum()), _TINY))[:, None]
     length = np.sqrt((way**2).sum(axis=0))
     normal = np.where(length > NO_WAY * touch.radius, way / np.maximum(length, _TINY), normal)

@@ -8,13 +8,14 @@ those of the closed form: one curve does not tell them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..base import DimpleError, Floats
-from ..body.estimate import estimate
+from ..body.estimate import estimate, reach, skin_compliance
 from ..body.model import Model
 from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
@@ -38,6 +39,7 @@ NEAR = 0.03  # of the measured force, at the deepest
 ALLOWED = 0.10  # of the force, or
 ALLOWED_FORCE = 0.3  # [N] whichever is more: what a depth may be off
 WEAK = 0.02  # of full scale: what a depth of a weak press may be off
+LARGEST_PART = 0.5  # of the depth: what the skin of a solid gives under a flat tip
 NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
 
 
@@ -96,14 +98,31 @@ def identification(
     measured = replace(material, constants=None, indenter=indenter)
     deep, stopped = _deepest(deepest, site)
     done = SCALED_ROUND if indenter.shape == "sphere" else SCALED
-    first = yield from as_share(_scaled(mesh, measured, site, AT * min(material.x0, deep)), 0.0, done)
+    bed, given = measured, 0.0
+    if material.fill == "solid" and indenter.shape != "sphere":
+        bed, given = _below_its_skin(measured, mesh.size)
+        deep -= given * material.law(deep)
+    first = yield from as_share(_scaled(mesh, bed, site, AT * min(bed.x0, deep)), 0.0, done)
     find = _all_at_once if indenter.shape == "sphere" else _piece_by_piece
-    constants, stations = yield from as_share(find(mesh, measured, first, site, deep), done, 1 - done)
+    constants, stations = yield from as_share(find(mesh, bed, first, site, deep), done, 1 - done)
+    stations = [replace(station, depth=station.depth + given * station.force) for station in stations]
     if len(stations) < DEPTHS:
         depth = stations[-1].depth if stations else 0.0
         stopped = f"Deeper than {1e3 * depth:.3g} mm the simulated body finds no rest."
     wanted = np.array([material.law(station.depth) for station in stations])
     return _judged(replace(measured, constants=constants), stations, wanted, stopped)
+
+
+def _below_its_skin(material: Material, size: float) -> tuple[Material, float]:
+    """Return what a flat tip would measure on the bed of a solid alone, and how far its skin gives way [m/N].
+
+    Vertices under a flat tip go down with it, so their skin has no part in the simulated press. In series with it, the
+    two slopes and the knee of the measured law are those of the bed again, changed.
+    """
+    area, most = math.pi * reach(material.indenter, size) ** 2, LARGEST_PART / max(material.K1, material.K2)
+    given = min(skin_compliance(material, estimate(material, size)) / area, most)
+    K1, K2 = (k / (1 - given * k) for k in (material.K1, material.K2))
+    return replace(material, K1=K1, K2=K2, x0=material.x0 * (1 - given * material.K1), fill="liquid"), given
 
 
 def _all_at_once(

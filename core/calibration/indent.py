@@ -185,7 +185,7 @@ def going_down(
     model, under = session.model, _gripped(indenter, site)
     ticks = math.ceil(abs(depth - before) / (FINGER_TRAVEL * indenter.radius))
     if under.any():
-        places = model.mesh.rest_positions + _bed_depth(model, under, depth) * np.outer(under, site.inward)
+        places = model.mesh.rest_positions + depth * np.outer(under, site.inward)
         session.set_pins(places[model.mesh.source])
         if depth != before:
             session.step(max(MOVING, 2 * ticks * session.clock.tick))
@@ -225,14 +225,6 @@ def press_rows(
 def _gripped(indenter: Indenter, site: Site) -> Bools:
     """Return the vertices (n,) that go down with the tip: none with a sphere."""
     return site.under if indenter.shape != "sphere" else np.zeros_like(site.under)
-
-
-def _bed_depth(model: Model, under: Bools, depth: float) -> float:
-    """Return how deep [m] the bed under a flat tip is when its force is the measured one: the skin gives the rest."""
-    compliance = model.compliance[under]
-    if not compliance.all():
-        return depth
-    return max(depth - model.materials[0].law(depth) / float((1 / compliance).sum()), depth / 2)
 
 
 def _finger(site: Site, depth: float, radius: float) -> Finger:

@@ -97,7 +97,7 @@ typedef struct { /* a fingertip and a vertex, or the point of a face that was ne
 typedef struct { /* what a fingertip may meet within a tick */
     int finger;
     dm_quad centre, velocity, now; /* at the end of the tick, over it, and at the end of the substep */
-    dm_quad pushed;                /* unit vector of what it held in the substep before, or nothing */
+    dm_quad pushed;                /* unit vector to what gives way, or nothing */
     dm_real radius;
     double reach; /* [m] from the centre: what a body that does not move may be touched by in the tick */
     int64_t vertex_count, face_count, noted_count;

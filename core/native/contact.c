@@ -35,11 +35,16 @@ DM_INLINE int dm_was_held(const dm_state *b, int finger, uint32_t number) {
     return dm_dot3(impulse, impulse) > 0;
 }
 
-/* Return the way of all that a fingertip held in the substep before, or nothing. */
-static dm_quad dm_way_of_push(const dm_state *b, int finger) {
-    dm_quad sum = {0, 0, 0, 0};
-    for (uint32_t k = 0; k < b->fingers[finger].kept_count; k++)
-        sum += b->fingers[finger].kept[b->fingers[finger].kept_at[k]];
+/* Return the mean way from a fingertip's centre to the vertices in it that give way, by their depth, or nothing. Friction
+ * has no part in it. */
+static dm_quad dm_way_of_push(const dm_state *b, const dm_near *t) {
+    dm_quad sum = {0, 0, 0, 0}, from = t->now - (dm_real)b->dt * t->velocity;
+    for (int64_t k = 0; k < t->vertex_count; k++) {
+        if (!(b->compliance[t->vertices[k]] > 0)) continue;
+        dm_quad at = b->before[t->vertices[k]] - from;
+        dm_real deep = t->radius - DM_SQRT(dm_dot3(at, at));
+        if (deep > 0) sum += deep * at;
+    }
     dm_real length = DM_SQRT(dm_dot3(sum, sum));
     return length > 0 ? sum / length : sum;
 }
@@ -299,8 +304,8 @@ static void dm_resolve_contact(dm_state *b, double ahead, dm_frame *frame) {
     for (int k = 0; k < b->finger_count; k++) {
         dm_near *t = b->touches + k;
         uint32_t moved = 0;
-        t->pushed = dm_way_of_push(b, t->finger);
         dm_real fastest = dm_note_before(b, t), dt = (dm_real)b->dt;
+        t->pushed = dm_way_of_push(b, t);
         int64_t count = dm_find_contacts(b, t, dt * (2 * fastest + DM_SQRT(dm_dot3(t->velocity, t->velocity))));
         dm_push_as_before(b, count);
         for (int sweep = 0; sweep < DM_CONTACT_SWEEPS; sweep++)

@@ -7,11 +7,15 @@ import pytest
 
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.material import DEFAULT_MATERIAL, Material
+from core.calibration.identify import identification
+from core.calibration.indent import find_site
+from core.material import DEFAULT_MATERIAL, Indenter, Material
 from core.mesh.surface import base_vertices
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
+from core.steps import result_of
 from studies.primitives import icosphere, sized
+from studies.scenes import cube
 from tests.bodies import after, backends
 
 BACKENDS = backends("numpy", "native64", "native")
@@ -125,3 +129,29 @@ def test_beside_a_hard_material_only_the_solid_gives_way() -> None:
     compliance = build_model(half, [SOLID, replace(SOLID, fill="liquid")], pinned=base_vertices(mesh)).compliance
     x = mesh.rest_positions[:, 0]
     assert (compliance[x < -0.01] > 0).all() and not compliance[x > 0.01].any()
+
+
+def test_friction_drags_a_solid_no_more_than_what_is_hard() -> None:
+    """A shallow dent dragged along a flat face: sideways the coefficient times the push."""
+    mesh, friction = cube(30, 0.16), 0.3
+    session = Session(build_model(mesh, [replace(SOLID, friction=friction)], pinned=base_vertices(mesh)))
+    place = (-0.015, 0.002, 0.08 + TIP - 0.002)
+    session.set_fingers([Finger((*place[:2], 0.08 + TIP), TIP)])
+    session.set_fingers([Finger(place, TIP)])
+    session.step(0.3)
+    forces = []
+    for step in range(36):
+        session.set_fingers([Finger((place[0] + 0.03 * (step + 1) / 36, *place[1:]), TIP)])
+        forces.append(session.step(1 / 60).finger_forces[0])
+    side, _, up = np.mean(forces[24:], axis=0)
+    assert -side / up == pytest.approx(friction, rel=0.1)
+
+
+@pytest.mark.parametrize("tip", [Indenter(), Indenter(shape="punch", radius=0.005)], ids=lambda tip: tip.shape)
+@pytest.mark.parametrize("hardens", [1.0, 2.1])
+def test_a_solid_is_identified_with_a_flat_tip(tip: Indenter, hardens: float) -> None:
+    material = replace(SOLID, K2=hardens * SOLID.K1, indenter=tip)
+    mesh = ball(SOLID, 4).mesh
+    found = result_of(identification(mesh, material, tip, find_site(mesh, tip), 0.012))
+    assert found.rms < 0.01 and not found.stopped
+    assert found.depths[-1] == pytest.approx(0.012, rel=0.01)
