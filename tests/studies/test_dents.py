@@ -1,11 +1,14 @@
 """A settled dent is smooth and answers the same on any mesh; how that is measured is tested on dents known exactly."""
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from core.body.estimate import ELASTIC
+from core.calibration.fit import fit_law
 from core.material import DEFAULT_MATERIAL, PRESETS
 from core.mesh.surface import mesh_from_triangles
 from core.reduction.proxy import mean_spacing
@@ -152,3 +155,10 @@ def test_the_command_writes_tables_and_pictures(tmp_path: Path, capsys: pytest.C
     assert main(words) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"roughness.csv", "dents_default.png"}
     assert "vertices_percent" in capsys.readouterr().out
+
+
+def test_two_slopes_of_a_sphere_on_an_elastic_solid_are_about_2_1_apart() -> None:
+    """Whatever its law, shape and tip: a solid that hardens more has a harder skin."""
+    for body, law, tip in itertools.product(other_tip.BODIES, other_tip.LAWS, other_tip.TIPS):
+        fit = fit_law(*other_tip.curve(body, law, tip))
+        assert fit.K2.value / fit.K1.value == pytest.approx(ELASTIC, rel=0.07)
