@@ -18,7 +18,7 @@ from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
 from .identify import Identification
 
-VERSION = 11  # of the method: another one identifies anew
+VERSION = 12  # of the method: another one identifies anew
 
 
 def key(mesh: Mesh, material: Material, indenter: Indenter, deepest: float, *where: Floats | Bools) -> str:

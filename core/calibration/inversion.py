@@ -40,6 +40,7 @@ TICKS = 14  # of a depth
 BETTER = 0.8  # times what is good: asked of a body of fewer vertices, for the whole one answers a little otherwise
 LEFT = 0.98  # share of what is off that the derivative would leave: no more is to be had
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
+KNEE = 2.0  # times as much weighs an error at the knee, which a round tip makes round
 SMALL = 0.3  # of the work is on a body of fewer vertices
 EDGES = 2.0  # such a body is as fine as the mesh round the tip as if the tip's radius were so many edges at the least
 # shares of the knee where pieces end, dense where the law must jump (at the touch, for little touches there, and at the
@@ -198,6 +199,7 @@ def _swept(
     stations = [replace(station, force=force) for station, force in zip(presses[0], forces.tolist(), strict=False)]
     wanted = np.array([material.law(depth) for depth in depths.tolist()])
     weighs = np.sqrt(wanted.max() * (LIGHT * wanted.max() + wanted))
+    weighs[np.abs(depths - material.x0).argmin()] /= KNEE
     off, gains = wanted / weighs, np.zeros((0, len(slopes)))
     if reached:
         off[:reached] = (forces - wanted[:reached]) / weighs[:reached]
