@@ -10,7 +10,7 @@ from . import canvas, shapes
 from .canvas import FINGERTIP, FORCE, LINE_HEIGHT, MARGIN, Screen
 from .readout import iface_
 from .room import Room
-from .shapes import Point
+from .shapes import Law, Point
 
 LAW = (0.55, 0.75, 1.0, 0.9)
 BAND = (0.55, 0.75, 1.0, 0.35)
@@ -24,14 +24,14 @@ CROSS = 2.5  # half the width of a measured point
 class Curves(NamedTuple):
     """The curves of a chart, as points (depth [m], force [N]).
 
-    law: K1, K2 [N/m] and x0 [m] of Eq. (1).
+    law: what `shapes.law_curve` draws.
     band: the lower and upper end of the law's 95 % interval.
     measured: of the instrument.
     simulated: of the virtual press.
     trail: of the running session.
     """
 
-    law: Point
+    law: Law
     band: tuple[list[Point], list[Point]] = ([], [])
     measured: list[Point] = []
     simulated: list[Point] = []
@@ -50,7 +50,7 @@ def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
     material, slot = entry.session.model.materials[which], entry.link.slots[which]
     theirs = body.material_slots[slot].material if slot < len(body.material_slots) else None
     known = _material_curves(theirs.dimple) if theirs else None
-    law = (material.K1, material.K2, material.x0)
+    law = (material.K1, material.K2, material.x0, material.power)
     trail = [(float(depth), float(force)) for depth, force in entry.trail]
     return (known or Curves(law))._replace(law=law, trail=trail)
 
@@ -70,7 +70,7 @@ def calibrated_curves(context: bpy.types.Context) -> Curves | None:
     if not settings.show_overlay or not settings.show_chart:
         return None
     if record := calibration.load(settings.calibration):
-        law = (record["K1"] * 1e3, record["K2"] * 1e3, record["x0"] / 1e3)
+        law = (record["K1"] * 1e3, record["K2"] * 1e3, record["x0"] / 1e3, 1.0)
         return Curves(law, _band(record), _metres(record["points"]))
     material = body.active_material if body else None
     return _material_curves(material.dimple) if material else None
@@ -78,13 +78,16 @@ def calibrated_curves(context: bpy.types.Context) -> Curves | None:
 
 def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
     """Return the curves of a material, None where it has neither a measured nor a simulated press."""
+    from ..core.material import law_power
+
     record = calibration.load(settings.calibration)
     measured = record.get("points", [])
     simulated = calibration.identification(settings).get("points", [])
     if not measured and not simulated:
         return None
-    law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3)
-    band = ([], []) if settings.edited else _band(record)
+    power = law_power(settings.K1, settings.K2, settings.fill.lower(), settings.tip.lower())
+    law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3, power)
+    band = ([], []) if settings.edited or power > 1 else _band(record)  # it is that of two slopes
     return Curves(law, band, _metres(measured), _metres(simulated))
 
 
@@ -118,7 +121,7 @@ def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
     seen = [*curves.measured, *curves.simulated, *curves.trail]
     # the knee is always in view, to show how far the press has come
     deepest = max([curves.law[2] * 1.1, *(depth for depth, _ in seen)])
-    law = shapes.law_curve(*curves.law, deepest)
+    law = shapes.law_curve(curves.law, deepest)
     ends = (shapes.round_up(deepest), shapes.round_up(max(force for _, force in [*law, *seen])))
     right, top = corner[0] + size[0], corner[1] + size[1]
     canvas.draw_filled(corner, (right, top), canvas.paper())

@@ -5,8 +5,10 @@ from collections.abc import Sequence
 
 Point = tuple[float, ...]
 Segment = tuple[Point, Point]
+Law = tuple[float, float, float, float]  # K1, K2 [N/m], x0 [m] and the power with which the force begins
 
 CIRCLE_SIDES = 32
+BENT = 32  # lines of a law that is bent
 ARROW_PER_NEWTON = 1.0  # [fingertip radii]: long enough to compare two fingers by eye
 ARROW_LONGEST = 6.0  # [fingertip radii]: the number beside it says more
 
@@ -39,11 +41,12 @@ def arrow(start: Point, force: Point, radius: float) -> list[Segment]:
     return [(start, tip), *((tip, barb) for barb in barbs)]
 
 
-def law_curve(K1: float, K2: float, x0: float, deepest: float) -> list[Point]:
-    """Return the corners (depth [m], force [N]) of the law up to a depth [m]. Source: Eq. (1)."""
-    if deepest <= x0:
-        return [(0.0, 0.0), (deepest, K1 * deepest)]
-    return [(0.0, 0.0), (x0, K1 * x0), (deepest, K1 * x0 + K2 * (deepest - x0))]
+def law_curve(law: Law, deepest: float) -> list[Point]:
+    """Return points (depth [m], force [N]) of a law up to a depth [m]: its corners, or many where it is bent."""
+    from ..core.material import law_force
+
+    depths = [deepest * i / BENT for i in range(BENT + 1)] if law[3] > 1 else [0.0, min(law[2], deepest), deepest]
+    return [(depth, law_force(depth, *law)) for depth in depths]
 
 
 def round_up(value: float) -> float:

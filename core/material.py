@@ -13,6 +13,7 @@ FILLS = ("air", "liquid", "solid", "none")
 KEEP_VOLUME = ("liquid", "solid")  # of them
 LEAST_PRESSURE, MOST_PRESSURE = -1e5, 1e6  # [Pa]: nearly a vacuum; and no skin holds more
 TIPS = ("point", "punch", "sphere")
+HERTZ = 1.5  # power of the depth with which a sphere presses an elastic solid
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +69,8 @@ class Material:
     """Constants of one material.
 
     Args:
-        K1: slope of force over depth up to the knee [N/m], Eq. (1).
+        K1: slope of force over depth up to the knee [N/m], Eq. (1); a solid under a sphere has a power law that follows
+            from the same constants.
         K2: slope beyond the knee [N/m].
         x0: depth of the knee [m].
         k: surface spring constant [N/m], Eq. (4).
@@ -117,10 +119,38 @@ class Material:
         in_range = LEAST_PRESSURE <= self.pressure <= MOST_PRESSURE
         _require(in_range, "The pressure must lie between -100 kPa and 1000 kPa", self.pressure, "kPa")
 
+    @property
+    def power(self) -> float:
+        """Return the power of the depth with which the force begins, of `law_power`."""
+        return law_power(self.K1, self.K2, self.fill, self.indenter.shape)
+
     def law(self, depth: float) -> float:
-        """Return the force [N] at a depth [m]: K(x), two-piece linear. Source: Eq. (1)."""
-        x = max(depth, 0.0)
-        return self.K1 * min(x, self.x0) + self.K2 * max(x - self.x0, 0.0)
+        """Return the force [N] at a depth [m]."""
+        return law_force(depth, self.K1, self.K2, self.x0, self.power)
+
+
+def law_power(K1: float, K2: float, fill: str, tip: str) -> float:
+    """Return the power of the depth with which a force begins: 1, or up to Hertz's 1.5 of a solid under a sphere.
+
+    K2 / K1 tells it: of two slopes that take as much energy as c x^p and its tangent, it is p^2.
+    """
+    return min(max(math.sqrt(K2 / K1), 1.0), HERTZ) if (fill, tip) == ("solid", "sphere") else 1.0
+
+
+def law_force(depth: float, K1: float, K2: float, x0: float, power: float = 1.0) -> float:
+    """Return the force [N] of a law at a depth [m]: K(x), two-piece linear. Source: Eq. (1).
+
+    With a power p above 1 there is no knee: the force is c x^p up to (1 + 1/p) x0, and from there on straight, without
+    a bend, with the slope p^2 K1. Only what K2 is more than that begins at x0 still.
+    """
+    x = max(depth, 0.0)
+    if power == 1:
+        return K1 * min(x, x0) + K2 * max(x - x0, 0.0)
+    straight, slope, beyond = (1 + 1 / power) * x0, power**2 * K1, max(x - x0, 0.0)
+    more = (K2 - slope) * beyond
+    if x < straight:
+        return power * K1 * straight * (x / straight) ** power + more
+    return K1 * x0 + slope * beyond + more
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,7 +20,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..material import Indenter, Material, ModelConstants
+from ..material import HERTZ, Indenter, Material, ModelConstants
 
 POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
 MEMBRANE_SHARE = 0.05  # of the force at the knee: what the surface's own springs may answer
@@ -28,8 +28,7 @@ LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they 
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 AT_KNEE = 0.9  # of x0: where a knee is painted, pieces of the bed's law that begin deeper belong to K2
 JUMP = 0.6  # of x0: so they do where constants are rescaled, for a round tip's bed jumps early
-SOLID_SKIN = 40.0  # times as stiff as its bed the skin of a solid is
-ELASTIC = 2.1  # times K1 is the K2 that a sphere measures on an elastic solid, whatever its size; a flat tip: once
+SOLID_SKIN = 80.0  # times as stiff as its bed the skin of a solid is
 # times: how far K1 and K2, and x0 and the spread, may change before the closed form is as good as what was identified
 NEAR, NEAR_LENGTH = 8.0, 2.0
 
@@ -98,7 +97,7 @@ def estimate(material: Material, size: float) -> ModelConstants:
     area, radius = bed_area(material.indenter, size, spread, knee)
     if material.fill == "solid":
         area = solid_area(material.indenter, size, spread, knee, _solid_skin(material))
-    kappa1 = material.K1 / area
+    kappa1 = material.law(knee) / knee / area
     tension = kappa1 * spread**2
     # a quadratic in the root of kappa
     bed, rim = math.pi * radius**2, BEYOND * math.pi * radius * math.sqrt(tension)
@@ -130,7 +129,7 @@ def skin_compliance(material: Material, constants: ModelConstants) -> float:
 
 def _solid_skin(material: Material) -> float:
     """Return how many times as stiff as its bed the skin of a solid is."""
-    elastic = ELASTIC if material.indenter.shape == "sphere" else 1.0
+    elastic = HERTZ**2 if material.indenter.shape == "sphere" else 1.0  # a flat tip measures one slope
     return SOLID_SKIN * max(material.K2 / (elastic * material.K1), 1.0) ** 2
 
 

@@ -202,7 +202,8 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
     DM_CHECK(dm_check_numbers(springs, c->tension, 1));
     DM_CHECK(DM_COUNT(c->materials) | DM_ARRAY(c->materials, c->laws));
     if (c->materials < materials) return DM_INDEX;
-    DM_CHECK(dm_check_numbers(3 * c->materials, c->laws, 1) | dm_check_numbers(3, c->gravity, 0));
+    DM_CHECK(dm_check_numbers(4 * c->materials, c->laws, 1) | dm_check_numbers(3, c->gravity, 0));
+    for (int64_t m = 0; m < c->materials; m++) if (c->laws[4 * m + 3] < 1) return DM_NUMBER;
     DM_CHECK(dm_check_numbers(1, &c->rest_pressure, 0));
     if (isnan(c->ground) || c->ground == INFINITY) return DM_NUMBER;
     double total = 0;

@@ -214,7 +214,7 @@ struct dm_state {
     dm_facet *facets;
     double (*facet_boxes)[6]; /* low and high corners of runs of them */
     int64_t facet_count, facet_box_count;
-    double (*laws)[3];        /* K1, K2, x0 of each material */
+    double (*laws)[4];        /* K1, K2, x0, power of each material */
     struct {
         double centre[3], side[3]; /* where a fingertip is, and the outward normal where it came in */
         int has_side, rests;       /* rests: it was near when the body fell asleep, */

@@ -170,7 +170,7 @@ static void dm_forget_pressure(dm_state *b) {
 
 static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     dm_change(b);
-    double (*laws)[3] = dm_alloc(c->materials, sizeof *laws);
+    double (*laws)[4] = dm_alloc(c->materials, sizeof *laws);
     dm_piece *pieces = dm_alloc(b->groups * c->pieces, sizeof *pieces);
     if (!laws || !pieces) return dm_free(laws), dm_free(pieces), DM_MEMORY;
     memcpy(laws, c->laws, (size_t)c->materials * sizeof *laws * (c->materials > 0));

@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 22 /* changes with anything below */
+#define DM_ABI 23 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -65,7 +65,7 @@ typedef struct {
     const double *more;         /* (pieces, vertices) stiffness that they add [N/m], beyond */
     const double *knees;        /* (pieces, vertices) their knees [m] */
     const double *drag;         /* (vertices,) damping of shape matching [N s/m] */
-    const double *laws;         /* (materials, 3) K1, K2 [N/m] and x0 [m] of Eq. (1) */
+    const double *laws;         /* (materials, 4) K1, K2 [N/m], x0 [m] and the power, 1 or more, of each law */
     int64_t materials;
     double gravity[3];    /* [m/s2] */
     double ground;        /* height of a plane [m], -INFINITY where there is none */
@@ -137,7 +137,7 @@ typedef struct {
     double centre[3];  /* where it is [m] */
     double depth;      /* below the surface at rest [m], negative where it is clear */
     double outward[3]; /* unit, the way the depth falls fastest */
-    double law_force;  /* K(depth) of Eq. (1) [N] */
+    double law_force;  /* of the law at this depth [N] */
     int64_t triangle;  /* of the surface, the nearest; -1: not down */
     double force[3];   /* that the body gave it in the last substep [N] */
 } dm_touch;

@@ -143,6 +143,15 @@ static void dm_list_nearby(const dm_state *b, dm_nearby *nearby, const double *x
     if (found > DM_NEARBY) nearby->margin *= DM_NEARBY / (2.0 * (double)found);
 }
 
+/* The force of a law (K1, K2, x0, power) at a depth [m]: core/material.py says how. */
+static double dm_law_force(const double *law, double x) {
+    double p = law[3], slope = p * p * law[0], straight = (1 + 1 / p) * law[2], beyond = x > law[2] ? x - law[2] : 0;
+    if (p == 1) return law[0] * (x < law[2] ? x : law[2]) + law[1] * beyond;
+    double more = (law[1] - slope) * beyond;
+    if (x < straight) return p * law[0] * straight * pow(x / straight, p) + more;
+    return law[0] * law[2] + slope * beyond + more;
+}
+
 /* Measure a fingertip against the surface at rest in its pose, and remember by which side it came in. */
 static void dm_measure_depth(dm_state *b, int finger, double radius, const double *pose, dm_touch *touch) {
     const double *centre = b->fingers[finger].centre;
@@ -179,9 +188,7 @@ static void dm_measure_depth(dm_state *b, int finger, double radius, const doubl
         for (int d = 0; d < 3; d++) touch->outward[c] += row[d] * (on_it ? best->normal[d] : offset[d] / height);
     }
     touch->depth = radius - height, touch->triangle = best->index, b->fingers[finger].last = best - b->facets;
-    double x = touch->depth > 0 ? touch->depth : 0;
-    const double *law = b->laws[best->material];
-    touch->law_force = law[0] * (x < law[2] ? x : law[2]) + law[1] * (x > law[2] ? x - law[2] : 0);
+    touch->law_force = dm_law_force(b->laws[best->material], touch->depth > 0 ? touch->depth : 0);
     if (touch->depth < radius) { /* its centre is still outside */
         b->fingers[finger].has_side = touch->depth > 0;
         memcpy(b->fingers[finger].side, best->normal, sizeof best->normal);

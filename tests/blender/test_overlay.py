@@ -1,9 +1,11 @@
 """What is drawn over the viewport agrees with the frame, and nothing is drawn when nothing runs."""
 
+import itertools
 import json
 import math
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -117,9 +119,11 @@ def test_a_computer_too_slow_for_real_time_says_so(entry: Any) -> None:
 
 
 def test_the_curve_behind_the_chart_is_the_law_of_the_core(shapes: ModuleType, entry: Any) -> None:
-    material = entry.session.model.materials[0]
-    for deepest in (0.5 * material.x0, material.x0, 3 * material.x0):
-        curve = shapes.law_curve(material.K1, material.K2, material.x0, deepest)
+    hollow = entry.session.model.materials[0]
+    solid = replace(hollow, fill="solid", indenter=type(hollow.indenter)(shape="sphere", radius=0.01))
+    for material, depths in itertools.product((hollow, solid), (0.5, 1.0, 3.0)):
+        deepest = depths * material.x0
+        curve = shapes.law_curve((material.K1, material.K2, material.x0, material.power), deepest)
         assert curve[0] == (0, 0) and curve[-1][0] == pytest.approx(deepest)
         for depth, force in curve:
             assert force == pytest.approx(material.law(depth), abs=1e-12)

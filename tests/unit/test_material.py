@@ -3,10 +3,11 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from core.base import DimpleError
-from core.material import PRESETS, Material
+from core.material import FINGERTIP, POINT, PRESETS, Material
 
 SOFT = Material(K1=600.0, K2=2000.0, x0=0.01, k=5000.0, mass=0.1)
 
@@ -51,6 +52,33 @@ def test_zero_damping_and_friction_are_allowed() -> None:
 )
 def test_the_force_of_a_depth_is_two_piece_linear(depth: float, force: float) -> None:
     assert SOFT.law(depth) == pytest.approx(force)
+
+
+@pytest.mark.parametrize("hardens", [1.3, 2.1, 2.25])
+def test_a_solid_under_a_sphere_answers_a_power_law_of_the_same_energy_without_a_bend(hardens: float) -> None:
+    two_slopes = replace(SOFT, K2=hardens * SOFT.K1, indenter=FINGERTIP)
+    solid = replace(two_slopes, fill="solid")
+    p, depths = math.sqrt(hardens), np.linspace(0, 4 * SOFT.x0, 4001)
+    forces = np.array([solid.law(depth) for depth in depths])
+    straight = np.array([two_slopes.law(depth) for depth in depths])
+    assert solid.power == pytest.approx(p)
+    assert forces.sum() == pytest.approx(straight.sum(), rel=1e-5)
+    bend = np.abs(np.diff(forces, 2)) / (depths[1] * SOFT.K1)
+    assert bend[1000:].max() < 2e-3, "where two slopes jump"
+    begins = depths < (1 + 1 / p) * SOFT.x0
+    np.testing.assert_allclose(forces[begins], forces[1] * (depths[begins] / depths[1]) ** p, rtol=1e-9)
+    np.testing.assert_allclose(forces[~begins], straight[~begins], rtol=1e-9)
+
+
+def test_what_hardens_more_than_an_elastic_solid_keeps_a_knee_and_only_a_sphere_meets_a_power() -> None:
+    solid = replace(SOFT, fill="solid", indenter=FINGERTIP)
+    hard, elastic = replace(solid, K2=12 * SOFT.K1), replace(solid, K2=2.25 * SOFT.K1)
+    assert hard.power == elastic.power == 1.5
+    assert hard.law(SOFT.x0) == pytest.approx(elastic.law(SOFT.x0)) == pytest.approx(1.162 * SOFT.K1 * SOFT.x0, rel=1e-3)
+    assert hard.law(3 * SOFT.x0) == pytest.approx(25 * SOFT.K1 * SOFT.x0)
+    assert solid.law(0.004) != SOFT.law(0.004)
+    for other in (replace(solid, fill="liquid"), replace(solid, indenter=POINT), replace(solid, K2=0.5 * SOFT.K1)):
+        assert other.power == 1 and other.law(SOFT.x0) == SOFT.K1 * SOFT.x0
 
 
 def test_the_presets_are_table_2() -> None:
