@@ -9,7 +9,7 @@ import numpy as np
 
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.material import PRESETS, Material
+from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.solver.backend import Body
 from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion
@@ -82,7 +82,7 @@ WHOLE = {
     "air": Case(shape=lambda: ball(2), material=replace(SOFT, fill="air")),
     "pumped air": Case(shape=lambda: ball(2), material=replace(SOFT, fill="air", pressure=2e4), hold="free"),
     "drawn liquid": Case(shape=lambda: ball(2), material=replace(SOFT, pressure=-2e4)),
-    "solid": Case(shape=lambda: ball(2), material=replace(SOFT, fill="solid"), fingers=2),
+    "solid": Case(shape=lambda: ball(2), material=replace(SOFT, fill="solid", indenter=FINGERTIP), fingers=2),
     "no fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="none")),
     "paper laws": Case(shape=lambda: ball(2), options={"law_set": "paper"}),
     "paper laws, two fingers": Case(shape=crumpled, fingers=2, options={"law_set": "paper"}),

@@ -8,6 +8,7 @@ import pytest
 
 from core.base import Floats
 from core.body.model import Model, build_model
+from core.material import FINGERTIP
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.solver.backend import Body, create
 from core.solver.motion import FingertipMotion, Frame, Motion
@@ -173,7 +174,7 @@ def others(model: Model) -> list[Model]:
         build_model(model.mesh, [replace(air, pressure=2e4)], pinned=top),
         build_model(model.mesh, [replace(SOFT, fill="none", friction=0.1)], gravity=(0, 0, -9.81)),
         build_model(model.mesh, [SOFT], law_set="paper"),
-        build_model(model.mesh, [replace(SOFT, fill="solid")], pinned=base),
+        build_model(model.mesh, [replace(SOFT, fill="solid", indenter=FINGERTIP)], pinned=base),
         build_model(model.mesh, [SOFT], pinned=base, softness=np.linspace(0, 1, len(model.mesh.source))),
         build_model(model.mesh, [air], ground=-0.5 * SIZE),
     ]
