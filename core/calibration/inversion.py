@@ -40,7 +40,9 @@ TICKS = 14  # of a depth
 BETTER = 0.8  # times what is good: asked of a body of fewer vertices, for the whole one answers a little otherwise
 LEFT = 0.98  # share of what is off that the derivative would leave: no more is to be had
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
-KNEE = 2.0  # times as much weighs an error at the knee, which a round tip makes round
+# a knee that is more than this share of its force off weighs so many times as much, in so many more presses: a round
+# tip makes it round, and little is asked of it by what is good for full scale
+KNEE_OFF, KNEE, KNEE_SWEEPS = 0.04, 2.0, 3
 SMALL = 0.3  # of the work is on a body of fewer vertices
 EDGES = 2.0  # such a body is as fine as the mesh round the tip as if the tip's radius were so many edges at the least
 # shares of the knee where pieces end, dense where the law must jump (at the touch, for little touches there, and at the
@@ -117,10 +119,14 @@ def inverted(
     search, most, enough = _Search(material, site, ends, least, np.maximum(steepest, least), kappa1), SWEEPS[1], 1.0
     if small := _small(session, material, site):
         share = begun, (1 - begun) * SMALL
-        found = yield from _best(search, small, slopes, most, BETTER, share)
+        few, each = small.model.matching.k1 / kappa1, share[1] / 2
+        found = yield from _best(search, small, few, slopes, most, BETTER, (begun, each))
+        found = yield from _with_its_knee(search, small, few, found, (begun + each, each))
         slopes, begun, most = found.slopes, sum(share), SWEEPS[0]
         enough = 1.0 if _is_good(found, material, 1.0) else NEARLY  # no more is to be had, then
-    best = yield from _best(search, session, slopes, most, enough, (begun, 1 - begun))
+    each = (1 - begun) / 2
+    best = yield from _best(search, session, area, slopes, most, enough, (begun, each))
+    best = yield from _with_its_knee(search, session, area, best, (begun + each, each))
     return bed_in_pieces(first, ends, best.slopes), best.stations
 
 
@@ -135,17 +141,19 @@ def _small(session: Session, material: Material, site: Site) -> Session | None:
 
 
 def _best(
-    search: _Search, session: Session, slopes: Floats, most: int, enough: float, share: tuple[float, float]
+    search: _Search, session: Session, area: Floats, slopes: Floats, most: int, enough: float,
+    share: tuple[float, float],
 ) -> Generator[float, None, _Sweep]:
     """Press a body until it follows the measured law or comes no nearer, and return the best press.
 
     Args:
+        area: (n,) of the vertices [m2].
         slopes: (m,) of the pieces [N/m3] to begin with.
         most: presses.
         enough: times what is good, that needs no better law.
         share: of the whole, before and by these presses.
     """
-    best, failed, damped, area = None, 0, DAMPED, session.model.matching.k1 / search.kappa1
+    best, failed, damped = None, 0, DAMPED
     each = len(area) * session.substeps * DEPTHS * TICKS * (1 + len(search.site.others))
     sweeps = min(max(round(WORK / each), SWEEPS[0]), most)
     for sweep in range(sweeps):
@@ -161,6 +169,34 @@ def _best(
         if left > LEFT and damped <= DAMPED:
             break
     assert best
+    return best
+
+
+def _with_its_knee(
+    search: _Search, session: Session, area: Floats, best: _Sweep, share: tuple[float, float]
+) -> Generator[float, None, _Sweep]:
+    """Press a body a few times more where it misses the force at the knee, and return what then is the best press.
+
+    Args:
+        share: of the whole, before and by these presses.
+    """
+    material, damped = search.material, DAMPED
+    knee = int(np.abs(search.ends[-1] * np.arange(1, DEPTHS + 1) / DEPTHS - material.x0).argmin())
+    weighs = np.where(np.arange(DEPTHS) == knee, KNEE, 1.0)
+    for sweep in range(KNEE_SWEEPS):
+        if len(best.stations) < DEPTHS:
+            break
+        station = best.stations[knee]
+        if abs(station.force / material.law(station.depth) - 1) <= KNEE_OFF:
+            break
+        heavier = replace(best, off=best.off * weighs, gains=best.gains * weighs[:, None])
+        part = share[0] + share[1] * sweep / KNEE_SWEEPS, share[1] / KNEE_SWEEPS
+        found = yield from _swept(session, area, search, _improved(heavier, search, damped)[0], part)
+        stays_good = _is_good(found, material, 1.0) or not _is_good(best, material, 1.0)
+        if stays_good and np.linalg.norm(found.off * weighs) < np.linalg.norm(heavier.off):
+            best, damped = found, damped * LESS
+        else:
+            damped *= MORE
     return best
 
 
@@ -199,7 +235,6 @@ def _swept(
     stations = [replace(station, force=force) for station, force in zip(presses[0], forces.tolist(), strict=False)]
     wanted = np.array([material.law(depth) for depth in depths.tolist()])
     weighs = np.sqrt(wanted.max() * (LIGHT * wanted.max() + wanted))
-    weighs[np.abs(depths - material.x0).argmin()] /= KNEE
     off, gains = wanted / weighs, np.zeros((0, len(slopes)))
     if reached:
         off[:reached] = (forces - wanted[:reached]) / weighs[:reached]
