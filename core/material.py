@@ -134,7 +134,8 @@ def law_power(K1: float, K2: float, fill: str, tip: str) -> float:
 
     K2 / K1 tells it: of two slopes that take as much energy as c x^p and its tangent, it is p^2.
     """
-    return min(max(math.sqrt(K2 / K1), 1.0), HERTZ) if (fill, tip) == ("solid", "sphere") else 1.0
+    bent = (fill, tip) == ("solid", "sphere") and K2 > K1 > 0
+    return min(math.sqrt(K2 / K1), HERTZ) if bent else 1.0
 
 
 def law_force(depth: float, K1: float, K2: float, x0: float, power: float = 1.0) -> float:
