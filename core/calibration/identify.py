@@ -96,7 +96,9 @@ def identification(
         DimpleError: the body cannot be simulated.
     """
     measured = replace(material, constants=None, indenter=indenter)
-    deep, stopped = _deepest(deepest, site, material.x0)
+    deep, stopped = _deepest(deepest, site)
+    if stopped and site.others and material.x0 < deep:  # on thin parts, so deep that one depth is the knee
+        deep = DEPTHS * material.x0 / math.ceil(DEPTHS * material.x0 / deep)
     done = SCALED_ROUND if indenter.shape == "sphere" else SCALED
     bed, given = measured, 0.0
     if material.fill == "solid" and indenter.shape != "sphere":
@@ -293,12 +295,12 @@ def _scale_message(constants: ModelConstants) -> str:
     )
 
 
-def _deepest(deepest: float, site: Site, x0: float) -> tuple[float, str]:
-    """Return how deep [m] is pressed, and why no deeper, or "": on a thin body so deep that one depth is the knee."""
+def _deepest(deepest: float, site: Site) -> tuple[float, str]:
+    """Return how deep [m] is pressed, and why no deeper, or ""."""
     clear = CLEAR * site.thickness
     if deepest <= clear:
         return deepest, ""
-    return DEPTHS * x0 / math.ceil(DEPTHS * x0 / clear) if x0 < clear else clear, (
+    return clear, (
         f"Deeper than {1e3 * clear:.3g} mm the tip would meet the far side of the object, "
         f"which is {1e3 * site.thickness:.3g} mm thick there."
     )

@@ -40,9 +40,10 @@ TICKS = 14  # of a depth
 BETTER = 0.8  # times what is good: asked of a body of fewer vertices, for the whole one answers a little otherwise
 LEFT = 0.98  # share of what is off that the derivative would leave: no more is to be had
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
-# a knee that is more than this share of its force off weighs so many times as much, in so many more presses: a round
-# tip makes it round, and little is asked of it by what is good for full scale
-KNEE_OFF, KNEE, KNEE_SWEEPS = 0.04, 2.0, 3
+# a knee that is more than this share of its force off weighs so many times as much, in so many more presses (on a whole
+# body that a smaller one foretold, and else): a round tip makes it round, and what is good for full scale asks little
+KNEE_OFF, KNEE, KNEE_SWEEPS = 0.05, 2.0, (1, 3)
+KNEE_PART = 0.25  # of the work
 SMALL = 0.3  # of the work is on a body of fewer vertices
 EDGES = 2.0  # such a body is as fine as the mesh round the tip as if the tip's radius were so many edges at the least
 # shares of the knee where pieces end, dense where the law must jump (at the touch, for little touches there, and at the
@@ -119,14 +120,14 @@ def inverted(
     search, most, enough = _Search(material, site, ends, least, np.maximum(steepest, least), kappa1), SWEEPS[1], 1.0
     if small := _small(session, material, site):
         share = begun, (1 - begun) * SMALL
-        few, each = small.model.matching.k1 / kappa1, share[1] / 2
-        found = yield from _best(search, small, few, slopes, most, BETTER, (begun, each))
-        found = yield from _with_its_knee(search, small, few, found, (begun + each, each))
+        its, again = small.model.matching.k1 / kappa1, KNEE_PART * share[1]
+        found = yield from _best(search, small, its, slopes, most, BETTER, (begun, share[1] - again))
+        found = yield from _with_its_knee(search, small, its, found, KNEE_SWEEPS[1], (sum(share) - again, again))
         slopes, begun, most = found.slopes, sum(share), SWEEPS[0]
         enough = 1.0 if _is_good(found, material, 1.0) else NEARLY  # no more is to be had, then
-    each = (1 - begun) / 2
-    best = yield from _best(search, session, area, slopes, most, enough, (begun, each))
-    best = yield from _with_its_knee(search, session, area, best, (begun + each, each))
+    again, few = KNEE_PART * (1 - begun), KNEE_SWEEPS[0 if small else 1]
+    best = yield from _best(search, session, area, slopes, most, enough, (begun, 1 - begun - again))
+    best = yield from _with_its_knee(search, session, area, best, few, (1 - again, again))
     return bed_in_pieces(first, ends, best.slopes), best.stations
 
 
@@ -173,31 +174,36 @@ def _best(
 
 
 def _with_its_knee(
-    search: _Search, session: Session, area: Floats, best: _Sweep, share: tuple[float, float]
+    search: _Search, session: Session, area: Floats, best: _Sweep, most: int, share: tuple[float, float]
 ) -> Generator[float, None, _Sweep]:
-    """Press a body a few times more where it misses the force at the knee, and return what then is the best press.
+    """Press a body a few times more where it misses the force at the knee; return the press that meets it, or the best.
 
     Args:
+        area: (n,) of the vertices [m2].
+        best: press so far.
+        most: presses.
         share: of the whole, before and by these presses.
     """
-    material, damped = search.material, DAMPED
+    material, found, damped = search.material, best, DAMPED
     knee = int(np.abs(search.ends[-1] * np.arange(1, DEPTHS + 1) / DEPTHS - material.x0).argmin())
     weighs = np.where(np.arange(DEPTHS) == knee, KNEE, 1.0)
-    for sweep in range(KNEE_SWEEPS):
-        if len(best.stations) < DEPTHS:
+
+    def meets_it(sweep: _Sweep) -> bool:
+        station = sweep.stations[knee]
+        return abs(station.force / material.law(station.depth) - 1) <= KNEE_OFF
+
+    for sweep in range(most):
+        if len(found.stations) < DEPTHS or meets_it(found):
             break
-        station = best.stations[knee]
-        if abs(station.force / material.law(station.depth) - 1) <= KNEE_OFF:
-            break
-        heavier = replace(best, off=best.off * weighs, gains=best.gains * weighs[:, None])
-        part = share[0] + share[1] * sweep / KNEE_SWEEPS, share[1] / KNEE_SWEEPS
-        found = yield from _swept(session, area, search, _improved(heavier, search, damped)[0], part)
-        stays_good = _is_good(found, material, 1.0) or not _is_good(best, material, 1.0)
-        if stays_good and np.linalg.norm(found.off * weighs) < np.linalg.norm(heavier.off):
-            best, damped = found, damped * LESS
+        heavier = replace(found, off=found.off * weighs, gains=found.gains * weighs[:, None])
+        part = share[0] + share[1] * sweep / most, share[1] / most
+        tried = yield from _swept(session, area, search, _improved(heavier, search, damped)[0], part)
+        stays_good = _is_good(tried, material, 1.0) or not _is_good(best, material, 1.0)
+        if stays_good and np.linalg.norm(tried.off * weighs) < np.linalg.norm(heavier.off):
+            found, damped = tried, damped * LESS
         else:
             damped *= MORE
-    return best
+    return found if len(found.stations) == DEPTHS and meets_it(found) else best
 
 
 def bed_in_pieces(first: ModelConstants, ends: Floats, slopes: Floats) -> ModelConstants:
