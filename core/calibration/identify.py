@@ -39,6 +39,7 @@ NEAR = 0.03  # of the measured force, at the deepest
 ALLOWED = 0.10  # of the force, or
 ALLOWED_FORCE = 0.3  # [N] whichever is more: what a depth may be off
 WEAK = 0.02  # of full scale: what a depth of a weak press may be off
+NEARLY_CLEAR = 0.9  # of the depth that is clear: so much is pressed where one depth is to be the knee
 LARGEST_PART = 0.5  # of the depth: what the skin of a solid gives under a flat tip
 NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
 
@@ -96,7 +97,7 @@ def identification(
         DimpleError: the body cannot be simulated.
     """
     measured = replace(material, constants=None, indenter=indenter)
-    deep, stopped = _deepest(deepest, site, material.x0)
+    deep, stopped = _deepest(deepest, site, measured)
     done = SCALED_ROUND if indenter.shape == "sphere" else SCALED
     bed, given = measured, 0.0
     if material.fill == "solid" and indenter.shape != "sphere":
@@ -293,12 +294,17 @@ def _scale_message(constants: ModelConstants) -> str:
     )
 
 
-def _deepest(deepest: float, site: Site, x0: float) -> tuple[float, str]:
-    """Return how deep [m] is pressed, and why no deeper, or "": on a thin body so deep that one depth is the knee."""
+def _deepest(deepest: float, site: Site, material: Material) -> tuple[float, str]:
+    """Return how deep [m] is pressed, and why no deeper, or "".
+
+    On a thin body a round tip goes so deep that one depth is the knee, unless much of the depth would be left out.
+    """
     clear = CLEAR * site.thickness
     if deepest <= clear:
         return deepest, ""
-    return DEPTHS * x0 / math.ceil(DEPTHS * x0 / clear) if x0 < clear else clear, (
+    at_knee = DEPTHS * material.x0 / math.ceil(DEPTHS * material.x0 / clear)
+    one_is = material.indenter.shape == "sphere" and material.x0 < clear and at_knee >= NEARLY_CLEAR * clear
+    return at_knee if one_is else clear, (
         f"Deeper than {1e3 * clear:.3g} mm the tip would meet the far side of the object, "
         f"which is {1e3 * site.thickness:.3g} mm thick there."
     )
