@@ -108,9 +108,9 @@ def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple
     model = iface_("Model, {:.0f} % of a Tick").format(100 * report.load)
     lines.append((iface_("Rendered"), model if report.body.name == "RUNS" else iface_("Local Wall (Measured Law)")))
     lines.append((iface_("Renders up to"), f"{report.cap / 1e3:.2f} N/mm, {report.peak:.0f} N"))
-    for name in ("K1", "K2") if material else ():
+    for name, cap in _caps(report, material).items() if material else ():
         measured = getattr(material, name)
-        rendered = min(measured, report.cap / 1e3)
+        rendered = min(measured, cap)
         lines.append((iface_("{} Material / Rendered").format(name), f"{measured:.2f} / {rendered:.2f} N/mm"))
     return lines
 
@@ -120,14 +120,15 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
     if report.link.name != "READY":
         return []
     sentences = []
-    cap = report.cap / 1e3
-    if material and min(material.K1, material.K2) > cap:
+    caps = _caps(report, material) if material else {}
+    softer = [name for name, cap in caps.items() if getattr(material, name) > cap]
+    if len(softer) == 2:
         sentences.append(
             iface_("K1 and K2 are stiffer than the device can render without shaking, so both are rendered softer.")
         )
-    elif material and material.K2 > cap:
+    elif softer == ["K2"]:
         sentences.append(iface_("K2 is stiffer than the device can render without shaking, so it is rendered softer."))
-    elif material and material.K1 > cap:
+    elif softer == ["K1"]:
         sentences.append(iface_("K1 is stiffer than the device can render without shaking, so it is rendered softer."))
     if material and knee_force(material) > report.peak:
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
@@ -144,7 +145,20 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
 
 def knee_force(material: bpy.types.PropertyGroup) -> float:
     """Return the force [N] of a material at its knee."""
-    return material.K1 * material.x0
+    from ..core.material import law_force  # not at import: enabling must be quick
+
+    return law_force(material.x0, material.K1, material.K2, material.x0, _power(material))
+
+
+def _caps(report: object, material: bpy.types.PropertyGroup) -> dict[str, float]:
+    """Return the largest K1 and K2 [N/mm] whose law is nowhere steeper than the device can render."""
+    return {"K1": report.cap / 1e3 / _power(material) ** 2, "K2": report.cap / 1e3}
+
+
+def _power(material: bpy.types.PropertyGroup) -> float:
+    from ..core.material import law_power
+
+    return law_power(material.K1, material.K2, material.fill.lower(), material.tip.lower())
 
 
 SIDEBAR = (DIMPLE_PT_device,)

@@ -47,10 +47,9 @@ def fits(free: Room, scale: float, lines: int) -> bool:
 def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
     """Return the curves of a session's chart: force against depth, and the law of the material that is pressed."""
     which = pressed_material(body, entry)
-    material, slot = entry.session.model.materials[which], entry.link.slots[which]
+    law, slot = entry.session.model.laws[which], entry.link.slots[which]
     theirs = body.material_slots[slot].material if slot < len(body.material_slots) else None
     known = _material_curves(theirs.dimple) if theirs else None
-    law = (material.K1, material.K2, material.x0, material.power)
     trail = [(float(depth), float(force)) for depth, force in entry.trail]
     return (known or Curves(law))._replace(law=law, trail=trail)
 

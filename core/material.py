@@ -128,6 +128,15 @@ class Material:
         """Return the force [N] at a depth [m]."""
         return law_force(depth, self.K1, self.K2, self.x0, self.power)
 
+    def slope(self, depth: float) -> float:
+        """Return how steep the law is at a depth [N/m]: at a knee, just before it."""
+        power = self.power
+        if power == 1:
+            return self.K1 if depth <= self.x0 else self.K2
+        steepest, straight = power**2 * self.K1, (1 + 1 / power) * self.x0
+        begun = min(max(depth / straight, 0.0), 1.0) ** (power - 1)
+        return steepest * begun + (self.K2 - steepest if depth > self.x0 else 0.0)
+
 
 def law_power(K1: float, K2: float, fill: str, tip: str) -> float:
     """Return the power of the depth with which a force begins: 1, or up to Hertz's 1.5 of a solid under a sphere.

@@ -83,8 +83,8 @@ def falloff(radius: float, spread: float) -> float:
 def estimate(material: Material, size: float) -> ModelConstants:
     """Return the model constants of a material on a body: those identified, else those of the closed form.
 
-    kappa1 is that with which the measuring tip answers K1 x0 at the knee. Beyond it only what lies under the tip and a
-    rim of width sqrt(T / kappa2) is displaced far enough to be stiffer: (K2 - K1) = kappa pi a^2 + BEYOND 2 pi a
+    kappa1 is that with which the measuring tip answers the law at the knee. Beyond it only what lies under the tip and
+    a rim of width sqrt(T / kappa2) is displaced far enough to be stiffer: (K2 - K1) = kappa pi a^2 + BEYOND 2 pi a
     sqrt(kappa T), kappa = kappa2 - kappa1. Springs stretched over a dent of width lambda answer about pi/2 k x^3 /
     lambda^2; k is scaled down where that would be more than their share, or where they could buckle.
 

@@ -81,6 +81,12 @@ class Model:
     maps: Maps | None = None
     rigged: bool = False
 
+    @property
+    def laws(self) -> list[tuple[float, float, float, float]]:
+        """Return K1, K2 [N/m], x0 [m] and the power of each material's law; the paper's is that of Eq. (1) always."""
+        literal = self.law_set == "paper"
+        return [(m.K1, m.K2, m.x0, 1.0 if literal else m.power) for m in self.materials]
+
     @cached_property
     def free(self) -> bool:
         """Tell whether the shape at rest follows the body rather than the pins."""

@@ -39,6 +39,7 @@ NEAR = 0.03  # of the measured force, at the deepest
 ALLOWED = 0.10  # of the force, or
 ALLOWED_FORCE = 0.3  # [N] whichever is more: what a depth may be off
 WEAK = 0.02  # of full scale: what a depth of a weak press may be off
+NEARLY_CLEAR = 0.9  # of the depth that is clear: so much is pressed where one depth is to be the knee
 LARGEST_PART = 0.5  # of the depth: what the skin of a solid gives under a flat tip
 NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
 
@@ -96,9 +97,7 @@ def identification(
         DimpleError: the body cannot be simulated.
     """
     measured = replace(material, constants=None, indenter=indenter)
-    deep, stopped = _deepest(deepest, site)
-    if stopped and site.others and material.x0 < deep:  # on thin parts, so deep that one depth is the knee
-        deep = DEPTHS * material.x0 / math.ceil(DEPTHS * material.x0 / deep)
+    deep, stopped = _deepest(deepest, site, material.x0)
     done = SCALED_ROUND if indenter.shape == "sphere" else SCALED
     bed, given = measured, 0.0
     if material.fill == "solid" and indenter.shape != "sphere":
@@ -295,12 +294,16 @@ def _scale_message(constants: ModelConstants) -> str:
     )
 
 
-def _deepest(deepest: float, site: Site) -> tuple[float, str]:
-    """Return how deep [m] is pressed, and why no deeper, or ""."""
+def _deepest(deepest: float, site: Site, x0: float) -> tuple[float, str]:
+    """Return how deep [m] is pressed, and why no deeper, or "".
+
+    On a body of thin parts it is so deep that one depth is the knee, unless much would be left out.
+    """
     clear = CLEAR * site.thickness
     if deepest <= clear:
         return deepest, ""
-    return clear, (
+    at_knee = DEPTHS * x0 / math.ceil(DEPTHS * x0 / clear)
+    return at_knee if site.others and x0 < clear and at_knee >= NEARLY_CLEAR * clear else clear, (
         f"Deeper than {1e3 * clear:.3g} mm the tip would meet the far side of the object, "
         f"which is {1e3 * site.thickness:.3g} mm thick there."
     )

@@ -10,8 +10,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
+
+if TYPE_CHECKING:
+    from ..material import Material
 
 FADE_BEGINS, FADE_ENDS = 0.100, 0.200  # [s] age of a contact: that of a frozen simulation fades out
 LONGEST_SLEW = 0.050  # [s] a change is spread over one period of the simulation, but over no more than this
@@ -45,6 +49,14 @@ class Contact:
     gap: float
     friction: float
     stamp: float
+
+
+def wall_slope(material: Material, depth: float) -> float:
+    """Return the stiffness [N/m] of a contact at a depth [m]: of a law that begins without any, K1 at the least.
+
+    Until the next frame the fingertip may be deeper, and a contact that is too soft there gives more than it took.
+    """
+    return max(material.slope(depth), min(material.K1, material.K2))
 
 
 def stiffness_cap(viscous: float, period: float, delay: float) -> float:

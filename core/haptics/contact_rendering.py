@@ -27,7 +27,7 @@ from ..material import Material
 from ..mesh.depth import Touching
 from ..session import Finger, Session
 from ..vectors import Vector
-from .contact_model import SIDEWAYS, Contact
+from .contact_model import SIDEWAYS, Contact, wall_slope
 from .servo_messages import ServoReport
 
 
@@ -61,7 +61,7 @@ def fingers(report: ServoReport, workspace: Workspace, radius: float) -> list[Fi
 
 def rendered(material: Material, cap: float) -> Material:
     """Return a material with the slopes that a device can render, no steeper than a cap [N/m]."""
-    return replace(material, K1=min(material.K1, cap), K2=min(material.K2, cap))
+    return replace(material, K1=min(material.K1, cap / material.power**2), K2=min(material.K2, cap))
 
 
 @dataclass(slots=True)
@@ -95,7 +95,7 @@ class ContactRendering:
 
     def _contact(self, model: Model, i: int, touch: Touching, workspace: Workspace, cap: float, now: float) -> Contact:
         material = rendered(model.materials[int(model.mesh.triangle_material[touch.triangle])], cap)
-        slope = material.K1 if touch.depth <= material.x0 else material.K2
+        slope = wall_slope(material, touch.depth)
         push = material.law(touch.depth)
         grip = self._grip(i, touch, SIDEWAYS * slope, material.friction * push)
         turned, scale = np.array(workspace.turn).T, workspace.scale

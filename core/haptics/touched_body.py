@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from ..vectors import ZERO, Vector, along, dot, scaled
-from .contact_model import SIDEWAYS, Contact
+from .contact_model import SIDEWAYS, Contact, wall_slope
 from .coupling import STIFFER, Coupling, Slopes
 from .safety import QUIET_FORCE
 from .wire import FINGERS
@@ -73,7 +73,7 @@ class TouchedBody:
             self.body.set_constants(model, surface=surface)
         self.surface, self._materials = surface, surface.materials
         self._slopes = [
-            Slopes(k1=STIFFER * m.K1, k2=STIFFER * m.K2, knee=m.K1 * m.x0) for m in surface.materials
+            Slopes(k1=STIFFER * m.slope(m.x0), k2=STIFFER * m.K2, knee=m.law(m.x0)) for m in surface.materials
         ]
         self._material_of = surface.mesh.triangle_material.tolist()
 
@@ -165,7 +165,7 @@ class TouchedBody:
         force = coupling.take(self.forces[i], slopes, cap)
         material = self._materials[self._material_of[touch.triangle]]
         scale = self.where[1]
-        slope = min(SOFT_SLOPE * (material.K1 if touch.depth <= material.x0 else material.K2), cap)
+        slope = min(SOFT_SLOPE * wall_slope(material, touch.depth), cap)
         return Contact(
             force=scaled(self._turned(force), 1 / scale), at=self._to_device(coupling.near),
             normal=self._turned(touch.outward), k_n=slope, k_t=SIDEWAYS * slope if any(force) else 0.0,

@@ -121,7 +121,7 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
         k1=arrays.double(matching.k1), k2=arrays.double(matching.k2), d0=arrays.double(matching.d0),
         pieces=len(matching.more), more=arrays.double(matching.more), knees=arrays.double(matching.knees),
         drag=arrays.double(matching.damping),
-        laws=arrays.double([(m.K1, m.K2, m.x0, m.power) for m in surface.materials]), materials=len(surface.materials),
+        laws=arrays.double(surface.laws), materials=len(surface.materials),
         gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
         law_set=LAW_SETS[model.law_set], fill=FILLS[model.pressure.fill], free=model.free,
         rigged=model.rigged, rest_pressure=model.pressure.rest_pressure,

@@ -13,6 +13,7 @@ from ..body.model import Model, State, initial_state
 from ..body.moved_rest import on_its_way, with_rest
 from ..body.regions import Regions
 from ..body.shape_matching import Pose, carried_pose, fit_pose
+from ..material import law_force
 from ..mesh.depth import RestSurface, Touching, rest_surface, touching
 from . import semi_implicit
 from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch, Vector
@@ -292,7 +293,7 @@ class Twin:
 
     def _law(self, touch: Touching) -> float:
         material = int(self._fine.mesh.triangle_material[touch.triangle])
-        return self._fine.materials[material].law(touch.depth)
+        return law_force(touch.depth, *self._fine.laws[material])
 
     def _lead_pins(self, motion: Motion, pins: PinMotion, share: float) -> None:
         """Give the pins of a tick the velocity that brings them to their place, and the shape at rest with them."""

@@ -60,12 +60,13 @@ def entry(bpy: ModuleType) -> Any:
         time=1.25, volume=0.0044, rest_volume=0.0045, substeps=12, steps=33, cost=0.011, note="",
     )  # fmt: skip
     trail = [(i * 1e-3, material.law(i * 1e-3) * 1.02) for i in range(13)]
+    law = (material.K1, material.K2, material.x0, material.power)
     return SimpleNamespace(
         link=SimpleNamespace(slots=(0,)), frame=frame, trail=trail, refused="", recorder=None,
         fingers=(Finger((0.0, 0.0, 0.05), 0.01), None, None),
         session=SimpleNamespace(
             clock=SimpleNamespace(tick=1e-3), contact_note="",
-            model=SimpleNamespace(materials=(material,), notes=("An open mesh.",))
+            model=SimpleNamespace(materials=(material,), laws=[law], notes=("An open mesh.",))
         ),
         to_world=lambda point: tuple(12 * c for c in point),
     )  # fmt: skip

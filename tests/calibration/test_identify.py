@@ -3,6 +3,7 @@
 import functools
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from core.body.model import initial_state
 from core.calibration import cache
 from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
-from core.calibration.identify import ALLOWED, ALLOWED_FORCE, NOTICEABLE_FORCE, WEAK
+from core.calibration.identify import ALLOWED, ALLOWED_FORCE, NOTICEABLE_FORCE, WEAK, _deepest
 from core.calibration.indent import find_site, go_down, press, set_up
 from core.calibration.inversion import bounded
 from core.calibration.place import typical_site
@@ -196,6 +197,16 @@ def test_object_1_is_met_as_deep_as_its_thickness_allows_and_says_why_it_stops()
     assert found.depths[-1] == pytest.approx(0.9 * OBJECT_1.size, rel=1e-5)
     assert "far side" in found.stopped and found.stopped in found.notes
     assert off(found).max() < 0.01 and found.rms < 0.002
+
+
+@pytest.mark.parametrize(
+    ("x0", "pressed"), [(0.0005, 0.018), (0.005, 0.12 / 7), (0.0163, 24 / 22 * 0.0163), (0.03, 0.018)]
+)
+def test_on_thin_parts_one_depth_is_the_knee_if_little_is_left_out(x0, pressed):
+    one = SimpleNamespace(thickness=0.020, others=())
+    for site, depth in ((one, 0.018), (SimpleNamespace(thickness=0.020, others=(one,)), pressed)):
+        deep, stopped = _deepest(0.045, site, x0)
+        assert deep == pytest.approx(depth) and "far side" in stopped
 
 
 @pytest.mark.parametrize("deepest", [0.001, 0.006, 0.012], ids=lambda depth: f"{1e3 * depth:g} mm")

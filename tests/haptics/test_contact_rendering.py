@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from core.body.model import build_model
-from core.haptics.contact_model import Contact, force_at
+from core.haptics.contact_model import Contact, force_at, wall_slope
 from core.haptics.contact_rendering import ContactRendering, Workspace, rendered
-from core.material import PRESETS
+from core.material import FINGERTIP, PRESETS
 from core.mesh.surface import base_vertices
 from core.session import Finger, Session
 from studies import scenes
@@ -16,6 +16,7 @@ from studies import scenes
 CAP = 1e4  # [N/m] of a device that renders all
 RADIUS = 0.01
 MATERIAL = PRESETS[1].material  # vinyl and air: K1 = 610 N/m
+SOLID = replace(MATERIAL, K1=600.0, K2=1350.0, x0=0.006, fill="solid", indenter=FINGERTIP)
 TOP = PRESETS[1].size / 2 + RADIUS
 TURN = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))  # a quarter round z
 
@@ -61,6 +62,28 @@ def test_what_the_device_cannot_render_is_rendered_as_steep_as_it_can(session: S
     assert contact.force[2] == pytest.approx(610 * 0.0163 + 640 * (0.020 - 0.0163), rel=0.01)
     softer = rendered(MATERIAL, 640.0)
     assert (softer.K1, softer.K2) == (610.0, 640.0)
+
+
+def test_of_a_solid_the_rendered_law_is_softer_everywhere_and_no_steeper_than_the_cap() -> None:
+    """With other slopes it would begin with another power, and harder."""
+    depths = np.linspace(0, 4 * SOLID.x0, 400)
+    for cap in (1300.0, 800.0, 300.0):
+        softer = rendered(SOLID, cap)
+        forces, law = (np.array([each.law(depth) for depth in depths]) for each in (softer, SOLID))
+        assert (forces <= law + 1e-12).all() and softer.power == pytest.approx(SOLID.power)
+        assert np.diff(forces).max() <= cap * depths[1] * (1 + 1e-9)
+    assert rendered(SOLID, CAP) == SOLID
+
+
+def test_a_wall_of_a_solid_gives_no_more_than_it_took() -> None:
+    """Whatever the frames: with K1 up to the knee it would give a fifth of a mJ each time."""
+    frame = 1 / 60
+    for middle, way, rate in ((0.004, 0.0015, 3), (0.005, 0.0008, 5), (0.003, 0.003, 2), (0.007, 0.002, 3.3)):
+        t = np.linspace(0, 20 / rate, 60_001)  # twenty times
+        x, seen = (middle + way * np.sin(2 * np.pi * rate * at) for at in (t, frame * np.floor(t / frame)))
+        law, slope = np.array([(SOLID.law(depth), wall_slope(SOLID, depth)) for depth in seen]).T
+        forces = np.maximum(law + slope * (x - seen), 0)
+        assert -float(((forces[1:] + forces[:-1]) / 2) @ np.diff(x)) / 20 < 1e-5, "[J]"
 
 
 def test_two_frames_of_one_press_tell_the_same_curve(session: Session) -> None:

@@ -14,14 +14,14 @@ from core.body import paper
 from core.body.forces import forces
 from core.body.model import build_model, initial_state
 from core.body.springs import build_springs
-from core.material import PRESETS, Material
+from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Finger, Session
 from core.solver import semi_implicit
 from core.solver.path import FingerPath
 from studies.paper_laws import surface_stretch, surface_tension
 from studies.specimen import cube_triangles
-from tests.bodies import TETRAHEDRON, ball
+from tests.bodies import TETRAHEDRON, backends, ball
 
 Vector = Sequence[float]
 NOBODY = FingerPath(centres=np.zeros((0, 2, 3)), radii=np.zeros(0))
@@ -69,6 +69,17 @@ def test_eq_1_the_force_inside_is_the_two_piece_law_of_the_depth(preset: object,
     k1, k2, x0 = table.get(preset.name, (0.62, 9.13, 13.7))  # type: ignore[attr-defined]
     wanted = k1 * depth_mm if depth_mm <= x0 else k1 * x0 + k2 * (depth_mm - x0)
     assert preset.material.law(depth_mm / 1000) == pytest.approx(wanted)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("backend", backends("numpy", "native"))
+def test_eq_1_is_that_of_a_solid_too(backend: str) -> None:
+    """The power law of a solid is none of the paper's."""
+    material = replace(PRESETS[2].material, fill="solid", indenter=FINGERTIP)
+    mesh = mesh_from_triangles(*cube_triangles(4, 0.165))
+    session = Session(build_model(mesh, [material], law_set="paper"), backend=backend)
+    session.set_fingers([Finger((0.0, 0.0, 0.0825 + 0.02 - 0.003), 0.02)])
+    frame = session.step(0.001)
+    assert frame.law_forces == pytest.approx(material.K1 * frame.depths, rel=1e-4)
 
 
 def test_eq_1_the_forces_of_all_contacts_add_up() -> None:

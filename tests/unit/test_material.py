@@ -81,6 +81,16 @@ def test_what_hardens_more_than_an_elastic_solid_keeps_a_knee_and_only_a_sphere_
         assert other.power == 1 and other.law(SOFT.x0) == SOFT.K1 * SOFT.x0
 
 
+@pytest.mark.parametrize("hardens", [0.5, 1.0, 1.3, 2.25, 12.0])
+def test_the_slope_of_a_law_is_that_of_its_force(hardens: float) -> None:
+    for fill in ("liquid", "solid"):
+        material = replace(SOFT, K2=hardens * SOFT.K1, fill=fill, indenter=FINGERTIP)
+        for depth in (0.002, 0.0099, 0.0101, 0.016, 0.03):
+            found = (material.law(depth + 1e-8) - material.law(depth - 1e-8)) / 2e-8
+            assert material.slope(depth) == pytest.approx(found, rel=1e-4)
+        assert material.slope(SOFT.x0) == pytest.approx(material.slope(SOFT.x0 - 1e-9), rel=1e-4)
+
+
 def test_the_presets_are_table_2() -> None:
     table = {
         "object_1_nylon_air": (50, 0.59, 2.24, 36.3, 54.8, "air"),
