@@ -15,7 +15,7 @@ def iface_(text: str) -> str:
 
 
 def finger_numbers(frame: Any) -> list[tuple[int, float, float, float]]:
-    """Return (number, force [N], depth [mm], force by Eq. (1) [N]) of every fingertip in contact."""
+    """Return (number, force [N], depth [mm], force by the measured law [N]) of every fingertip in contact."""
     forces = [math.hypot(*force) for force in frame.finger_forces]
     rows = zip(forces, frame.depths, frame.law_forces, strict=False)
     return [

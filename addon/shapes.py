@@ -8,7 +8,7 @@ Segment = tuple[Point, Point]
 Law = tuple[float, float, float, float]  # K1, K2 [N/m], x0 [m] and the power with which the force begins
 
 CIRCLE_SIDES = 32
-BENT = 32  # lines of a law that is bent
+BENT_LINES = 32  # of a law that is bent
 ARROW_PER_NEWTON = 1.0  # [fingertip radii]: long enough to compare two fingers by eye
 ARROW_LONGEST = 6.0  # [fingertip radii]: the number beside it says more
 
@@ -45,7 +45,9 @@ def law_curve(law: Law, deepest: float) -> list[Point]:
     """Return points (depth [m], force [N]) of a law up to a depth [m]: its corners, or many where it is bent."""
     from ..core.material import law_force
 
-    depths = [deepest * i / BENT for i in range(BENT + 1)] if law[3] > 1 else [0.0, min(law[2], deepest), deepest]
+    depths = [0.0, min(law[2], deepest), deepest]
+    if law[3] > 1:
+        depths = [deepest * i / BENT_LINES for i in range(BENT_LINES + 1)]
     return [(depth, law_force(depth, *law)) for depth in depths]
 
 

@@ -52,7 +52,7 @@ class Frame(NamedTuple):
 
     @property
     def law_forces(self) -> Floats:
-        """Return K(x) of Eq. (1) of each fingertip (k,) [N]."""
+        """Return the force of the measured law at the depth of each fingertip (k,) [N]."""
         return np.array([touch.law_force if touch else 0.0 for touch in self.touches])
 
     @property

@@ -150,8 +150,8 @@ def law_power(K1: float, K2: float, fill: str, tip: str) -> float:
 def law_force(depth: float, K1: float, K2: float, x0: float, power: float = 1.0) -> float:
     """Return the force [N] of a law at a depth [m]: K(x), two-piece linear. Source: Eq. (1).
 
-    With a power p above 1 there is no knee: the force is c x^p up to (1 + 1/p) x0, and from there on straight, without
-    a bend, with the slope p^2 K1. Only what K2 is more than that begins at x0 still.
+    With a power p above 1 the force is c x^p up to (1 + 1/p) x0, and from there on straight, with the slope p^2 K1 that
+    it has reached. What K2 is more than that comes in at x0, as a knee.
     """
     x = max(depth, 0.0)
     if power == 1:

@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from ..base import DimpleError
-from ..material import POINT, Indenter
+from ..material import POINT, Indenter, law_force, law_power
 from .contact import settle
 from .doubts import doubts
 from .fit import Fit, fit_law
@@ -98,11 +100,21 @@ def calibrate(
         warnings=(
             *measurement.warnings,
             *loading.warnings,
-            *doubts(fit, loading, length, miss),
+            *doubts(fit, loading, length, miss, _as_solid(fit, loading, tip)),
             *filter(None, [doubt]),
         ),
         unsure=("contact_mm",) if doubt else (),
     )
+
+
+def _as_solid(fit: Fit, loading: LoadingCurve, tip: Indenter) -> Miss | None:
+    """Return the largest error of the law of a solid with the constants of a fit, None where that is no other."""
+    law = fit.K1.value, fit.K2.value, fit.x0.value
+    power = law_power(*law[:2], "solid", tip.shape)
+    if power == 1:
+        return None
+    forces = np.array([law_force(depth, *law, power) for depth in loading.depth.tolist()])
+    return largest_miss(loading.depth, loading.force, forces)
 
 
 def provenance(calibration: Calibration) -> str:

@@ -9,12 +9,21 @@ from .prepare import LoadingCurve
 _POOR = 0.05  # of full scale, RMS: a law that misses the curve by more gets a warning
 _FAR = 0.25  # of the force: points that the law misses by more get one too
 _LATE = 0.2  # of the depth: a press whose first row lies deeper has begun before
+_VISIBLE, _BETTER = 0.05, 0.5  # of the force: two slopes that miss by more, where a solid does by so many times less
 _WIDENED = 2.0  # times wider intervals are explained
 _DEPTHS, _FORCES = (2e-5, 0.5), (1e-3, 2e4)  # [m], [N]: presses outside have the wrong unit more often than not
 
 
-def doubts(fit: Fit, loading: LoadingCurve, length: float | None, miss: Miss | None) -> tuple[str, ...]:
-    """Return what a reader of the constants should know: of the knee, the shape, the intervals and the units."""
+def doubts(
+    fit: Fit, loading: LoadingCurve, length: float | None, miss: Miss | None, as_solid: Miss | None
+) -> tuple[str, ...]:
+    """Return what a reader of the constants should know: of the knee, the shape, the intervals and the units.
+
+    Args:
+        length: of the object [m].
+        miss: largest error of the law.
+        as_solid: that of the law of a solid with the same constants, None where a solid has no other.
+    """
     found = []
     deepest = float(loading.depth.max())
     if fit.model == "one":
@@ -43,6 +52,11 @@ def doubts(fit: Fit, loading: LoadingCurve, length: float | None, miss: Miss | N
             f"The law misses the measured points by up to {100 * miss.share:.0f} % of the force.\nThat is "
             f"{miss.error:+.3g} N at {1e3 * miss.depth:.3g} mm, and {100 * fit.misfit:.1f} % of full scale (RMS) over "
             "all: the curve has another shape than two straight slopes."
+        )
+    if miss and as_solid and miss.share > _VISIBLE and as_solid.share < _BETTER * miss.share:
+        found.append(
+            f"The curve is that of a solid: choose Fill: Solid.\nIts law with the same constants misses the measured "
+            f"points by up to {100 * as_solid.share:.0f} % of the force, two slopes by {100 * miss.share:.0f} %."
         )
     if fit.widened > _WIDENED:
         found.append(

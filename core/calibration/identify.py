@@ -15,13 +15,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import DimpleError, Floats
-from ..body.estimate import estimate, reach, skin_compliance
+from ..body.estimate import estimate
 from ..body.model import Model
 from ..material import Indenter, Material, ModelConstants
 from ..mesh.surface import Mesh
 from ..session import Session
 from ..steps import as_share
-from .indent import CLEAR, Site, Station, going_down, set_up
+from .indent import CLEAR, Site, Station, gives_way, going_down, set_up
 from .inversion import DEPTHS, SWEEPS, bed_in_pieces, inverted, piece_ends
 
 AT = 0.6  # of the knee: where the closed form is scaled to the measured force; a round tip makes it start too softly
@@ -40,7 +40,6 @@ ALLOWED = 0.10  # of the force, or
 ALLOWED_FORCE = 0.3  # [N] whichever is more: what a depth may be off
 WEAK = 0.02  # of full scale: what a depth of a weak press may be off
 NEARLY_CLEAR = 0.9  # of the depth that is clear: so much is pressed where one depth is to be the knee
-LARGEST_PART = 0.5  # of the depth: what the skin of a solid gives under a flat tip
 NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
 
 
@@ -117,11 +116,9 @@ def identification(
 def _below_its_skin(material: Material, size: float) -> tuple[Material, float]:
     """Return what a flat tip would measure on the bed of a solid alone, and how far its skin gives way [m/N].
 
-    Vertices under a flat tip go down with it, so their skin has no part in the simulated press. In series with it, the
-    two slopes and the knee of the measured law are those of the bed again, changed.
+    In series with the skin, the two slopes and the knee of the measured law are those of the bed again, changed.
     """
-    area, most = math.pi * reach(material.indenter, size) ** 2, LARGEST_PART / max(material.K1, material.K2)
-    given = min(skin_compliance(material, estimate(material, size)) / area, most)
+    given = gives_way(material, material.indenter, size)
     K1, K2 = (k / (1 - given * k) for k in (material.K1, material.K2))
     return replace(material, K1=K1, K2=K2, x0=material.x0 * (1 - given * material.K1), fill="liquid"), given
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base import FINGER_TRAVEL, Bools, DimpleError, Floats
 from ..body import pressure
-from ..body.estimate import estimate, reach
+from ..body.estimate import estimate, reach, skin_compliance
 from ..body.forces import forces
 from ..body.model import Model, State, build_model, initial_state
 from ..material import Indenter, Material
@@ -34,6 +34,7 @@ MOVING, SETTLING = 0.004, 0.004  # [s] between two depths of a flat tip, and of 
 # as a fingertip does, in a body as damped as the material is, at least so much
 SINKING, LISTENING, LEAST_DAMPING = 0.010, 0.004, 0.2
 RESTS = 3e-3  # of a round tip's radius: what moves by less rests where most does; the force differs by 1e-4
+LARGEST_PART = 0.5  # of the depth: what the skin of a solid gives under a flat tip
 MOST_AWAKE = 0.5  # of a body: where more is, there is nothing to gain
 
 
@@ -215,11 +216,22 @@ def press_rows(
     It ends before the far side, and where the body finds no rest.
     """
     yield 0.0, 0.0
-    deepest = min(deepest, CLEAR * site.thickness)
-    depths = deepest * np.arange(1, rows) / (rows - 1)
+    deepest, given = min(deepest, CLEAR * site.thickness), gives_way(material, indenter, mesh.size)
+    depths = (deepest - given * material.law(deepest)) * np.arange(1, rows) / (rows - 1)
     for station in press(mesh, material, indenter, site, depths.tolist()):
         if station.found:
-            yield station.depth, station.force
+            yield station.depth + given * station.force, station.force
+
+
+def gives_way(material: Material, indenter: Indenter, size: float) -> float:
+    """Return how far the skin of a solid gives way under a flat tip [m/N]; 0 for all else.
+
+    Vertices under a flat tip go down with it, so in a virtual press their skin has no part: it comes in series.
+    """
+    if material.fill != "solid" or indenter.shape == "sphere":
+        return 0.0
+    compliance = skin_compliance(material, estimate(replace(material, constants=None), size))
+    return min(compliance / (math.pi * reach(indenter, size) ** 2), LARGEST_PART / max(material.K1, material.K2))
 
 
 def _gripped(indenter: Indenter, site: Site) -> Bools:

@@ -1,7 +1,7 @@
 """Contact rendering: the measured law of each fingertip in a running session, as a local contact for the servo.
 
-The rendered force is the law K(x) of Eq. (1) at the depth below the surface at rest, as in the paper, and not the
-force of the simulated contact, for three reasons:
+The rendered force is that of the measured law at the depth below the surface at rest, as in the paper, Eq. (1), and not
+the force of the simulated contact, for three reasons:
 
 - What the hand is given is then what was measured, whatever the mesh, the step and the fingertip; the simulated
   contact comes near it only as far as the model's constants were identified.

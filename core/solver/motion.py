@@ -68,7 +68,7 @@ class Touch(NamedTuple):
     centre: where it is (3,) [m].
     depth: below the surface at rest [m], negative where it is clear.
     outward: unit vector (3,), the way the depth falls fastest.
-    law_force: K(depth) of Eq. (1) [N].
+    law_force: that the measured law gives at this depth [N].
     triangle: of the surface, the nearest.
     force: that the body gave it in the last substep (3,) [N].
     """

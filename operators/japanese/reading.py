@@ -111,6 +111,11 @@ MESSAGES = {
         "法則と測定点は、力の最大 {0} % ずれています。\n{2} mm で {1} N、全体ではフルスケールの {3} % (RMS) です。"
         "曲線は 2 本の直線とは違う形です。"
     ),
+    "The curve is that of a solid: choose Fill: Solid.\nIts law with the same constants misses the measured points by "
+    "up to {} % of the force, two slopes by {} %.": (
+        "曲線は固体のものです。「中身」で「固体」を選んでください。\n測定点とのずれは、同じ定数の固体の法則で力の最大 "
+        "{} %、2 本の直線では {} % です。"
+    ),
     "The curve bends where the law is straight.\nNeighbouring residuals agree with each other (r = {}), so the 95 "
     "% intervals are {} times wider than independent rows would give.": (
         "法則がまっすぐなところで曲線が曲がっています。\n隣り合う残差が似ているため (r = {})、95 % 区間は独立な行の"

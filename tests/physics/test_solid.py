@@ -10,7 +10,7 @@ from core.base import Floats
 from core.body.estimate import estimate
 from core.body.model import Model, build_model
 from core.calibration.identify import identification
-from core.calibration.indent import find_site
+from core.calibration.indent import find_site, press_rows
 from core.material import DEFAULT_MATERIAL, Indenter, Material
 from core.mesh.surface import base_vertices
 from core.reduction.proxy import build_proxy
@@ -168,3 +168,6 @@ def test_a_solid_is_identified_with_a_flat_tip(tip: Indenter, hardens: float) ->
     found = result_of(identification(mesh, material, tip, find_site(mesh, tip), 0.012))
     assert found.rms < 0.01 and not found.stopped
     assert found.depths[-1] == pytest.approx(0.012, rel=0.01)
+    depths, forces = np.array(list(press_rows(mesh, found.material, tip, find_site(mesh, tip), 0.012, rows=13))).T
+    assert depths[-1] == pytest.approx(0.012, rel=0.01)
+    np.testing.assert_allclose(forces, [material.law(depth) for depth in depths], rtol=0, atol=0.01 * forces[-1])

@@ -220,10 +220,10 @@ def test_clicks_on_the_front_of_text_answer_the_law_on_the_average(
         surface.append(mesh.triangle_areas[front] @ (away < AROUND) / (np.pi * AROUND**2))
     print(f"surface within {1e3 * AROUND:g} mm and force: correlation {np.corrcoef(surface, shares)[0, 1]:.2f}")
     print("of the law:", *(f"{share:.2f}" for share in np.quantile(shares, (0, 0.1, 0.5, 0.9, 1))))
-    assert np.median(shares) == pytest.approx(1, abs=0.12)
+    assert np.median(shares) == pytest.approx(1, abs=0.06)
     assert np.corrcoef(surface, shares)[0, 1] > 0.8, "it is the strokes that make the difference, not the mesh"
-    # Blender 4.5 cuts the text into other faces than 5.2: eight clicks in ten from 0.77 to 1.31, and 0.79 to 1.42
-    assert np.quantile(shares, 0.1) > 0.75 and np.quantile(shares, 0.9) < 1.6
+    # Blender 4.5 cuts the text into other faces than 5.2: eight clicks in ten from 0.75 to 1.28, and 0.77 to 1.39
+    assert np.quantile(shares, 0.1) > 0.7 and np.quantile(shares, 0.9) < 1.5
 
 
 def test_the_overlay_draws_the_dent_that_a_coarse_mesh_cannot_show(bpy: ModuleType, small: Any) -> None:
