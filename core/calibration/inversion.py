@@ -118,16 +118,18 @@ def inverted(
     least = np.where(ends == ends[0], LEAST, TINY) * kappa1
     steepest = max(STEEPEST * pulled(session.model, area), STEEPEST_COARSE * max(kappa1, first.kappa2))
     search, most, enough = _Search(material, site, ends, least, np.maximum(steepest, least), kappa1), SWEEPS[1], 1.0
+    for_knee = KNEE_SWEEPS[1]
     if small := _small(session, material, site):
         share = begun, (1 - begun) * SMALL
         its, again = small.model.matching.k1 / kappa1, KNEE_PART * share[1]
         found = yield from _best(search, small, its, slopes, most, BETTER, (begun, share[1] - again))
         found = yield from _with_its_knee(search, small, its, found, KNEE_SWEEPS[1], (sum(share) - again, again))
         slopes, begun, most = found.slopes, sum(share), SWEEPS[0]
+        for_knee = KNEE_SWEEPS[0] if _meets_its_knee(found, material) else 0
         enough = 1.0 if _is_good(found, material, 1.0) else NEARLY  # no more is to be had, then
-    again, few = KNEE_PART * (1 - begun), KNEE_SWEEPS[0 if small else 1]
+    again = KNEE_PART * (1 - begun)
     best = yield from _best(search, session, area, slopes, most, enough, (begun, 1 - begun - again))
-    best = yield from _with_its_knee(search, session, area, best, few, (1 - again, again))
+    best = yield from _with_its_knee(search, session, area, best, for_knee, (1 - again, again))
     return bed_in_pieces(first, ends, best.slopes), best.stations
 
 
@@ -185,16 +187,10 @@ def _with_its_knee(
         share: of the whole, before and by these presses.
     """
     material, found, damped = search.material, best, DAMPED
-    knee = int(np.abs(search.ends[-1] * np.arange(1, DEPTHS + 1) / DEPTHS - material.x0).argmin())
-    weighs = np.where(np.arange(DEPTHS) == knee, KNEE, 1.0)
-
-    def meets_it(sweep: _Sweep) -> bool:
-        station = sweep.stations[knee]
-        return abs(station.force / material.law(station.depth) - 1) <= KNEE_OFF
-
     for sweep in range(most):
-        if len(found.stations) < DEPTHS or meets_it(found):
+        if len(found.stations) < DEPTHS or _meets_its_knee(found, material):
             break
+        weighs = np.where(np.arange(DEPTHS) == _nearest(found, material.x0), KNEE, 1.0)
         heavier = replace(found, off=found.off * weighs, gains=found.gains * weighs[:, None])
         part = share[0] + share[1] * sweep / most, share[1] / most
         tried = yield from _swept(session, area, search, _improved(heavier, search, damped)[0], part)
@@ -203,7 +199,20 @@ def _with_its_knee(
             found, damped = tried, damped * LESS
         else:
             damped *= MORE
-    return found if len(found.stations) == DEPTHS and meets_it(found) else best
+    return found if _meets_its_knee(found, material) else best
+
+
+def _meets_its_knee(sweep: _Sweep, material: Material) -> bool:
+    """Tell whether a press answers the force where it is nearest to the knee, or does not reach it."""
+    if len(sweep.stations) < DEPTHS:
+        return False
+    station = sweep.stations[_nearest(sweep, material.x0)]
+    return abs(station.force / material.law(station.depth) - 1) <= KNEE_OFF
+
+
+def _nearest(sweep: _Sweep, depth: float) -> int:
+    """Return which station of a press is nearest to a depth [m]."""
+    return int(np.abs([station.depth - depth for station in sweep.stations]).argmin())
 
 
 def bed_in_pieces(first: ModelConstants, ends: Floats, slopes: Floats) -> ModelConstants:
