@@ -42,7 +42,7 @@ LEFT = 0.98  # share of what is off that the derivative would leave: no more is 
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
 # a knee that is more than this share of its force off weighs so many times as much, in so many more presses (on a whole
 # body that a smaller one foretold, and else): a round tip makes it round, and what is good for full scale asks little
-KNEE_OFF, KNEE, KNEE_SWEEPS = 0.05, 2.0, (1, 3)
+KNEE_OFF, KNEE, KNEE_SWEEPS = 0.05, 2.0, (1, 2)
 KNEE_PART = 0.25  # of the work
 SMALL = 0.3  # of the work is on a body of fewer vertices
 EDGES = 2.0  # such a body is as fine as the mesh round the tip as if the tip's radius were so many edges at the least
