@@ -43,6 +43,7 @@ LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root 
 # a knee that is more than this share of its force off weighs so many times as much, in so many more presses (on a whole
 # body that a smaller one foretold, and else): a round tip makes it round, and what is good for full scale asks little
 KNEE_OFF, KNEE, KNEE_SWEEPS = 0.05, 2.0, (1, 2)
+KNEE_FAR = 0.12  # off: then what is nearer is taken, if it does not meet it
 KNEE_PART = 0.25  # of the work
 SMALL = 0.3  # of the work is on a body of fewer vertices
 EDGES = 2.0  # such a body is as fine as the mesh round the tip as if the tip's radius were so many edges at the least
@@ -125,7 +126,7 @@ def inverted(
         found = yield from _best(search, small, its, slopes, most, BETTER, (begun, share[1] - again))
         found = yield from _with_its_knee(search, small, its, found, KNEE_SWEEPS[1], (sum(share) - again, again))
         slopes, begun, most = found.slopes, sum(share), SWEEPS[0]
-        for_knee = KNEE_SWEEPS[0] if _meets_its_knee(found, material) else 0
+        for_knee = KNEE_SWEEPS[0]
         enough = 1.0 if _is_good(found, material, 1.0) else NEARLY  # no more is to be had, then
     again = KNEE_PART * (1 - begun)
     best = yield from _best(search, session, area, slopes, most, enough, (begun, 1 - begun - again))
@@ -199,15 +200,15 @@ def _with_its_knee(
             found, damped = tried, damped * LESS
         else:
             damped *= MORE
-    return found if _meets_its_knee(found, material) else best
+    return found if _meets_its_knee(found, material) or not _meets_its_knee(best, material, KNEE_FAR) else best
 
 
-def _meets_its_knee(sweep: _Sweep, material: Material) -> bool:
+def _meets_its_knee(sweep: _Sweep, material: Material, off: float = KNEE_OFF) -> bool:
     """Tell whether a press answers the force where it is nearest to the knee, or does not reach it."""
     if len(sweep.stations) < DEPTHS:
         return False
     station = sweep.stations[_nearest(sweep, material.x0)]
-    return abs(station.force / material.law(station.depth) - 1) <= KNEE_OFF
+    return abs(station.force / material.law(station.depth) - 1) <= off
 
 
 def _nearest(sweep: _Sweep, depth: float) -> int:
