@@ -13,7 +13,8 @@ import numpy as np
 
 from core.base import Bools, Floats
 from core.body.estimate import estimate
-from core.calibration.inversion import DEPTHS, LEAST, LIGHT, TINY, bounded, piece_ends
+from core.calibration.inversion import DEPTHS, LEAST, LIGHT, TINY, piece_ends
+from core.calibration.least_squares import bounded
 from core.material import Indenter, Material
 
 NODES, SWEEPS, ROUNDS = 100, 16, 60

@@ -31,6 +31,7 @@ from ..reduction.proxy import coarser_elsewhere
 from ..session import Session
 from ..steps import as_share
 from .indent import Site, Station, going_down, put_back, set_up
+from .least_squares import bounded
 
 DEPTHS = 24  # of a press
 SWEEPS, WORK = (5, 9), 6e7  # presses, from and to, and steps of vertices after which there are no more
@@ -40,10 +41,10 @@ TICKS = 14  # of a depth
 BETTER = 0.8  # times what is good: asked of a body of fewer vertices, for the whole one answers a little otherwise
 LEFT = 0.98  # share of what is off that the derivative would leave: no more is to be had
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
-# a knee that is more than this share of its force off weighs so many times as much, in so many more presses (on a whole
-# body that a smaller one foretold, and else): a round tip makes it round, and what is good for full scale asks little
+# what is good for full scale asks little of the knee, which a round tip makes round: where it is off by more than this
+# share of its force it weighs so many times as much, in so many more presses (fewer after a smaller body's)
 KNEE_OFF, KNEE, KNEE_SWEEPS = 0.05, 2.0, (1, 2)
-KNEE_FAR = 0.12  # off: then what is nearer is taken, if it does not meet it
+KNEE_FAR = 0.12  # a knee that was farther off is taken as near as it comes, a nearer one only within KNEE_OFF
 KNEE_PART = 0.25  # of the work
 SMALL = 0.3  # of the work is on a body of fewer vertices
 EDGES = 2.0  # such a body is as fine as the mesh round the tip as if the tip's radius were so many edges at the least
@@ -58,7 +59,6 @@ LEAST = 0.2  # of the closed form, the first slope: the body must not become too
 DAMPED, MORE, LESS = 0.03, 10.0, 0.5  # share of a slope that counts as much as one of full scale; times it next
 TINY = 1e-6  # of the closed form, any other slope: the pieces of a law are stiff enough to be told apart
 UNMOVED = 1e-3  # of the deepest: a vertex that moved less stores nothing
-ROUNDS, SETTLED = 10, 1e-9  # of the bounded least squares: steps a slope at most, and a pull that is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +179,7 @@ def _best(
 def _with_its_knee(
     search: _Search, session: Session, area: Floats, best: _Sweep, most: int, share: tuple[float, float]
 ) -> Generator[float, None, _Sweep]:
-    """Press a body a few times more where it misses the force at the knee; return the press that meets it, or the best.
+    """Press a body a few times more where it misses the force at the knee; return what meets it, or the best so far.
 
     Args:
         area: (n,) of the vertices [m2].
@@ -204,7 +204,7 @@ def _with_its_knee(
 
 
 def _meets_its_knee(sweep: _Sweep, material: Material, off: float = KNEE_OFF) -> bool:
-    """Tell whether a press answers the force where it is nearest to the knee, or does not reach it."""
+    """Tell whether a press is complete and off by no more than a share of the force at the station nearest the knee."""
     if len(sweep.stations) < DEPTHS:
         return False
     station = sweep.stations[_nearest(sweep, material.x0)]
@@ -305,27 +305,3 @@ def _improved(sweep: _Sweep, search: _Search, damped: float) -> tuple[Floats, fl
     low, high = (search.least - sweep.slopes) / scale, (search.steepest - sweep.slopes) / scale
     more = bounded(gains, missed, low, high, damped)
     return sweep.slopes + scale * more, float(np.linalg.norm(gains @ more - missed) / np.linalg.norm(missed))
-
-
-def bounded(matrix: Floats, wanted: Floats, low: Floats, high: Floats, damped: float) -> Floats:
-    """Return y (m,) from low to high with the least |matrix y - wanted|^2 + |damped y|^2, by an active set."""
-    normal, right = matrix.T @ matrix + damped**2 * np.eye(len(low)), matrix.T @ wanted
-    y = np.clip(np.zeros_like(low), low, high)
-    free = (low < y) & (y < high)
-    for _ in range(ROUNDS * len(y)):
-        whole = y.copy()
-        whole[free] = np.linalg.solve(normal[np.ix_(free, free)], right[free] - normal[np.ix_(free, ~free)] @ y[~free])
-        beyond = np.where(whole < low, low, np.where(whole > high, high, whole)) != whole
-        if beyond.any():  # as far as the first bound
-            way = whole - y
-            room = np.where(beyond, (np.where(way < 0, low, high) - y) / np.where(beyond, way, 1.0), 1.0)
-            first = int(room.argmin())
-            y = np.clip(y + max(room[first], 0.0) * way, low, high)
-            free[first] = False
-            continue
-        y, pull = whole, right - normal @ whole
-        gain = np.where(free, 0.0, np.where(y <= low, pull, -pull)) * (low < high)
-        if gain.max() <= SETTLED * np.abs(right).max():
-            break
-        free[gain.argmax()] = True
-    return y

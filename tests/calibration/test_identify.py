@@ -17,7 +17,7 @@ from core.calibration.calibrate import calibrate
 from core.calibration.export import write_press
 from core.calibration.identify import ALLOWED, ALLOWED_FORCE, NOTICEABLE_FORCE, WEAK, _deepest
 from core.calibration.indent import find_site, go_down, press, set_up
-from core.calibration.inversion import bounded
+from core.calibration.least_squares import bounded
 from core.calibration.place import typical_site
 from core.material import FINGERTIP, POINT, PRESETS, Indenter, ModelConstants
 from core.mesh.surface import base_vertices

@@ -17,6 +17,7 @@ import pytest
 from core import base, native
 from core.base import Floats
 from core.body import contact, facets, proximity, touching
+from core.body.model import Model
 from core.mesh import depth
 from core.mesh.surface import mesh_from_triangles
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
@@ -168,6 +169,10 @@ def test_constants_that_are_none_are_refused(body: native.Body, wrong: float) ->
     stiffness[3] = wrong
     changed = replace(body.model, springs=replace(body.model.springs, stiffness=stiffness))
     assert code_of(lambda: body.set_constants(changed)) == NUMBER
+    for power in (wrong, 0.5):  # a law begins with the power 1 at the least
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(Model, "laws", [(*law[:3], power) for law in body.model.laws])
+            assert code_of(lambda: body.set_constants(body.model)) == NUMBER
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
