@@ -240,7 +240,7 @@ def finish(body: LiveBody) -> list[str]:
     body.fingers = merged(body.session.placed, ())
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
-        body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
+        body.trail.append((float(frame.depths[deepest]), float(frame.pushes[deepest])))
     showing.show(_object(body), body)
     if body.recorder:
         try:
