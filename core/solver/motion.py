@@ -71,6 +71,8 @@ class Touch(NamedTuple):
     law_force: that the measured law gives at this depth [N].
     triangle: of the surface, the nearest.
     force: that the body gave it in the last substep (3,) [N].
+    friction: Coulomb coefficient of the body there.
+    law: there: K1, K2 [N/m], x0 [m] and the power.
     """
 
     impulse: Vector
@@ -80,6 +82,8 @@ class Touch(NamedTuple):
     law_force: float
     triangle: int
     force: Vector = (0.0, 0.0, 0.0)
+    friction: float = 0.0
+    law: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
 
 
 class Frame(NamedTuple):
