@@ -134,16 +134,6 @@ def load(path: Path) -> ctypes.CDLL:
     return library
 
 
-def take_tested() -> None:
-    """Load the library that another process of this installation has tested, so that it need not be tested again.
-
-    Raises:
-        OSError, NativeError: as in `load`; where there is none, nothing happens.
-    """
-    if found := next((path for path in places() if path.exists()), None):
-        _loaded.append(load(found))
-
-
 def use(own: ctypes.CDLL) -> None:
     """Run on this library from now on: a test's own build."""
     _loaded.append(own)
