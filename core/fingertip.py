@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import hypot, inf, isfinite
+from math import inf, isfinite
 from typing import NamedTuple
 
 from .body.model import Model
@@ -84,11 +84,6 @@ class FingerOnItsWay:
     def finger(self) -> Finger:
         """Return where it is to be; one that is pushed, where it has been pushed."""
         return self.target._replace(position=self.here) if self.pushed else self.target
-
-    def outruns(self, way: float) -> bool:
-        """Tell whether it goes farther than a way [m] in a step, or comes from nowhere, or is pushed."""
-        gone = [b - a for a, b in zip(self.origin, self.target.position, strict=True)]
-        return self.fresh or self.pushed is not None or not hypot(*gone) <= way
 
     def scale(self, scale: float) -> None:
         """Multiply all lengths, as if it had just been put down."""

@@ -37,7 +37,7 @@ from .definition import BodyDef, Constants
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 23
+ABI = 24
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
 

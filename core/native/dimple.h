@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 23 /* changes with anything below */
+#define DM_ABI 24 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -105,11 +105,6 @@ typedef struct {
     int64_t surface_triangles;
     const int64_t *surface_corners;  /* (surface_triangles, 3) */
     const int64_t *surface_material; /* (surface_triangles,) */
-    int64_t regions;               /* that are stepped only while something moves in them or beside; 0: all is stepped */
-    const int64_t *region;         /* (vertices,) of each: whole eights of vertices, but for the last */
-    const int64_t *beside_start;   /* (regions + 1,) */
-    const int64_t *beside;         /* those beside each */
-    double slack;                  /* [m] what goes no farther within a tenth of a second is at rest */
     dm_constants constants;
 } dm_body_def;
 
@@ -150,7 +145,6 @@ typedef struct {
     int64_t ticks;    /* done */
     int64_t finite;   /* 0: it has blown up in the last of them */
     int64_t moved;    /* 0: it was asleep all the time, at rest, and is where it was */
-    int64_t stepped;  /* vertices in the last tick, in eights */
 } dm_frame;
 
 DM_API int32_t dm_abi(void);

@@ -20,7 +20,6 @@ DM_SMALL
 #include "reach.c"
 #include "surface.c"
 #include "constants.c"
-#include "regions.c"
 #include "body.c"
 #include "moved_rest.c"
 #include "rest.c"
