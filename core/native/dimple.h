@@ -224,10 +224,9 @@ typedef struct {
 } dm_cells;
 
 /* Choose (most,) of points at places (points, 6) beside the first `taken`, the farthest from all of those and from all
- * chosen before, as long as the square of that distance, by the point's weight (points,), is more than `least` [m2].
- * Return how many. */
-DM_API int64_t dm_farthest_first(int64_t points, const double *place, const double *weights, int64_t taken,
-                                 double least, int64_t most, int64_t *chosen);
+ * chosen before, as long as the square of that distance is more than `least` [m2]. Return how many. */
+DM_API int64_t dm_farthest_first(int64_t points, const double *place, int64_t taken, double least, int64_t most,
+                                 int64_t *chosen);
 /* Set the seed (vertices,) that each vertex belongs to, the nearest of those that its neighbours belong to, -1 where
  * none spreads to; and whether its cell joins it to that seed (vertices,). */
 DM_API int32_t dm_grow_cells(const dm_cells *surface, int64_t *cells, uint8_t *joined);

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from tests.blender.operators.test_paths import bake, keyed
 
 __all__ = ["keyed"]
