@@ -9,11 +9,12 @@ import numpy as np
 
 from core.base import TICK, DimpleError, Floats, Ints, Singles
 from core.body.model import Model
-from core.mesh.curve import along_curve
 from core.mesh.surface import Mesh
 from core.reduction.cells import vertex_normals
 from core.solver.backend import create
 from core.solver.motion import FingertipMotion, Motion
+
+from .curve import along_curve
 
 DOWN, HOLD = 0.15, 0.1  # [s]
 DEPTH = 0.5  # of the fingertip's radius
