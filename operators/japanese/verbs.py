@@ -103,7 +103,6 @@ MESSAGES = {
     "{} is ambiguous: {} Calibrate from this file alone to answer, or state it in its header.": (
         "{} だけでは決まりません: {} このファイルだけでキャリブレーションして答えるか、見出しに書いてください。"
     ),
-    "The object is gone, so nothing was kept.": "オブジェクトがなくなったため、何も残していません。",
     'Collider "{}" is gone. Start again.': 'コライダー "{}" がなくなりました。もう一度始めてください。',
     'Collider "{}" has no faces, or a coordinate that is not a number. Repair it, or switch Dimple Collider off.': (
         'コライダー "{}" に面がないか、数でない座標があります。直すか、Dimple コライダーをオフにしてください。'

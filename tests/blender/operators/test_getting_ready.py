@@ -33,16 +33,16 @@ def slow(monkeypatch: pytest.MonkeyPatch) -> Iterator[SimpleNamespace]:
     from bl_ext.user_default.dimple.operators import planning
 
     found = SimpleNamespace(begun=threading.Event(), go_on=threading.Event())
-    build = planning.build_proxy
+    build = planning._proxy
 
-    def waiting(model: Any, vertices: int) -> Any:
+    def waiting(*given: Any) -> Any:
         found.begun.set()
         assert found.go_on.wait(LONGEST_S), "nobody went on meanwhile"
-        return build(model, vertices)
+        return build(*given)
 
     planning._choices.clear()  # of another test
     planning._moving.clear()
-    monkeypatch.setattr(planning, "build_proxy", waiting)
+    monkeypatch.setattr(planning, "_proxy", waiting)
     yield found
     found.go_on.set()
 
