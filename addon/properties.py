@@ -191,10 +191,6 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
 class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
     """The state of the interface, which is never saved."""
 
-    show_comparison: BoolProperty(
-        name="Show Comparison", description="Draw the comparison of the active object over the viewport",
-        options={"SKIP_SAVE"}, translation_context=CONTEXT,
-    )  # fmt: skip
     state: StringProperty(
         name="State", description="What the session is doing", options={"SKIP_SAVE"}, translation_context=CONTEXT
     )

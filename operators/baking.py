@@ -27,7 +27,6 @@ from . import (
     contact,
     live,
     offset,
-    paths,
     planning,
     props,
     recorder,
@@ -192,10 +191,8 @@ def _opening(
     if link.shaped:
         files.enter_context(rest_shape.unbaked(obj))
         files.enter_context(offset.attached(obj))
-    pressed = paths.pressed_along(context.scene, obj, model, link)
-    proxy, reason = yield from planning.planning_for(context.scene, obj, model, pressed=pressed)
-    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy, slack=obj.dimple.plan_slack)
-    planning.follow(context.scene, obj, session, pressed)
+    proxy, reason = yield from planning.planning_for(context.scene, obj, model)
+    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):

@@ -48,7 +48,7 @@ def is_own(operator: type, body: bpy.types.Object) -> bool:
 def is_free(operator: type) -> bool:
     """Tell whether nothing runs that may not be disturbed."""
     if modal_runs.at_work():
-        return refuse(operator, "A bake, a comparison or a virtual press is running; Esc cancels it")
+        return refuse(operator, "A bake or a virtual press is running; Esc cancels it")
     return True
 
 

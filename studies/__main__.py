@@ -22,12 +22,7 @@ COMMANDS = {
     "release": ("press a hundred meshes, let go, and see what comes back", ".release_report", "add_release"),
     "dents": ("draw settled dents, measure how smooth they are and how they converge", ".dents", "add_dents"),
     "experiment": ("simulate or analyse the sensory comparison of chapter 5", ".experiment", "add_experiment"),
-    "graded": ("measure what proxies gain that are fine near one fingertip", ".graded", "add_graded"),
-    "small-tips": ("press with small fingertips on proxies fine near them", ".small_tips", "add_small_tips"),
     "meeting": ("let bodies meet by their proxies and in full", ".meeting", "add_meeting"),
-    "regions": ("step only what moves of a large body", ".active_regions", "add_regions"),
-    "quasi-static": ("count what slow presses take without inertia", ".quasi_static", "add_quasi_static"),
-    "slow-presses": ("press slowly, simulated k times faster", ".slow_presses", "add_slow_presses"),
     "machines": ("compute what a graphics processor or many machines would bring", ".machines", "add_machines"),
     "haptics": ("press with an emulated device and print what it rendered", ".haptics", "add_haptics"),
 }

@@ -2,8 +2,8 @@
 
 The fingertip goes 10 mm down in 0.12 s and stays for 0.04 s, without friction, which only some of the methods have.
 Compared are the skin at SAMPLES moments, of which the worst counts, and the mean force between them. The reference is
-the product's own method in double precision with FINE times its steps. The tolerances and the budget are the planner's,
-and so is one of the variants.
+the product's own method in double precision with FINE times its steps. The budget is the planner's, and so is one of
+the variants.
 """
 
 from __future__ import annotations
@@ -21,9 +21,7 @@ from core.body.model import Model, initial_state
 from core.body.model import build_model as build
 from core.material import PRESETS
 from core.mesh.surface import Mesh, base_vertices
-from core.reduction.benchmark import dent_error
 from core.reduction.binding import carry
-from core.reduction.decision import FORCE_TOLERANCE, TOLERANCE
 from core.reduction.planner import plan
 from core.reduction.processor_time import BUDGET
 from core.reduction.proxy import Proxy, build_proxy
@@ -32,11 +30,13 @@ from core.solver.path import FingerPath
 
 from .methods import native as native_method
 from .methods.registry import METHODS, Run
+from .presses import dent_error
 from .scenes import FINGERTIP, cube, whole_skin
 
 DEPTH = 0.010  # [m]
 DOWN, TICKS = 120, 160
 SAMPLES = 8
+TOLERANCE, FORCE_TOLERANCE = 0.5e-3, 0.1  # [m] between the surfaces, over the dent; of the force
 FINE = 4  # steps of the reference over the product's
 PROXIES = (300, 600, 1200, 2500, 4000)
 

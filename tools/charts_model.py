@@ -9,11 +9,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from core.reduction.decision import FORCE_TOLERANCE, TOLERANCE
 from core.reduction.processor_time import BUDGET
 from studies import conservation, cost, literal_against_consistent, space, stiff_nylon
 from studies.methods.registry import METHODS
-from studies.stiff_nylon import Outcome
+from studies.stiff_nylon import FORCE_TOLERANCE, TOLERANCE, Outcome
 
 from .drawing import LABELS, MARKERS, STYLES, save, table, write_csv
 

@@ -2,8 +2,8 @@
 
 OPERATORS: dict[str, str] = {}
 WORDS = {
-    "A bake, a comparison or a virtual press is running; Esc cancels it": (
-        "ベイク、比較、または仮想の押し込みを実行中です。Esc で中止できます"
+    "A bake or a virtual press is running; Esc cancels it": (
+        "ベイクまたは仮想の押し込みを実行中です。Esc で中止できます"
     ),
     "A poke is running; Esc leaves it": "押しているところです。Esc で終了します",
     "All three fingertips are in use; take one out of its slot first": (

@@ -21,7 +21,6 @@ from ..body.model import Model, State, build_model, initial_state
 from ..material import Indenter, Material
 from ..mesh.ray import ray_hit
 from ..mesh.surface import Mesh, base_vertices
-from ..reduction.active_regions import may_rest, share_awake
 from ..session import Finger, Session
 from ..steps import result_of
 
@@ -33,9 +32,7 @@ MOVING, SETTLING = 0.004, 0.004  # [s] between two depths of a flat tip, and of 
 # [s] between two depths of a round tip, and of taking the mean of its force: friction remembers the way, so it sinks
 # as a fingertip does, in a body as damped as the material is, at least so much
 SINKING, LISTENING, LEAST_DAMPING = 0.010, 0.004, 0.2
-RESTS = 3e-3  # of a round tip's radius: what moves by less rests where most does; the force differs by 1e-4
 LARGEST_PART = 0.5  # of the depth: what the skin of a solid gives under a flat tip
-MOST_AWAKE = 0.5  # of a body: where more is, there is nothing to gain
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,9 +150,7 @@ def set_up(mesh: Mesh, material: Material, indenter: Indenter, site: Site) -> Se
         [light] * (int(mesh.triangle_material.max()) + 1),
         pinned=(site.pinned | under)[mesh.source],
     )
-    slack = RESTS * indenter.radius
-    rests = not under.any() and may_rest(model) and share_awake(model, indenter.radius, slack) < MOST_AWAKE
-    session = Session(model, slack=slack if rests else 0.0)
+    session = Session(model)
     put_back(session, indenter, site)
     return session
 

@@ -16,18 +16,15 @@ scale of what the whole body does, which has the last word.
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Generator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import DimpleError, Floats, sums_at
+from ..base import Floats, sums_at
 from ..body.model import Model, with_bed
 from ..material import Material, ModelConstants
 from ..mesh.surface import Mesh
-from ..reduction.grading import Pressed
-from ..reduction.proxy import coarser_elsewhere
 from ..session import Session
 from ..steps import as_share
 from .indent import Site, Station, going_down, put_back, set_up
@@ -38,7 +35,6 @@ SWEEPS, WORK = (5, 9), 6e7  # presses, from and to, and steps of vertices after 
 GOOD, GOOD_WORST = 0.01, 0.05  # RMS and largest error over full scale that need no better law
 NEARLY, FAILURES = 1.5, 2  # times that: where so many presses in a row come out no better, there are no more
 TICKS = 14  # of a depth
-BETTER = 0.8  # times what is good: asked of a body of fewer vertices, for the whole one answers a little otherwise
 LEFT = 0.98  # share of what is off that the derivative would leave: no more is to be had
 LIGHT = 0.05  # of full scale, added to each force: an error weighs as the root of its share of the force and of all
 # what is good for full scale asks little of the knee, which a round tip makes round: where it is off by more than this
@@ -47,7 +43,6 @@ KNEE_OFF, KNEE, KNEE_SWEEPS = 0.05, 2.0, (1, 2)
 KNEE_FAR = 0.12  # a knee that was farther off is taken as near as it comes, a nearer one only within KNEE_OFF
 KNEE_PART = 0.25  # of the work
 SMALL = 0.3  # of the work is on a body of fewer vertices
-EDGES = 2.0  # such a body is as fine as the mesh round the tip as if the tip's radius were so many edges at the least
 # shares of the knee where pieces end, dense where the law must jump (at the touch, for little touches there, and at the
 # knee), and of what is left beyond it; all of them shares of the deepest where no knee is reached
 BEFORE = (0.01, 0.03, 0.07, 0.15, 0.3, 0.5, 0.7, 0.85, 0.94, 1.0)
@@ -120,28 +115,10 @@ def inverted(
     steepest = max(STEEPEST * pulled(session.model, area), STEEPEST_COARSE * max(kappa1, first.kappa2))
     search, most, enough = _Search(material, site, ends, least, np.maximum(steepest, least), kappa1), SWEEPS[1], 1.0
     for_knee = KNEE_SWEEPS[1]
-    if small := _small(session, material, site):
-        share = begun, (1 - begun) * SMALL
-        its, again = small.model.matching.k1 / kappa1, KNEE_PART * share[1]
-        found = yield from _best(search, small, its, slopes, most, BETTER, (begun, share[1] - again))
-        found = yield from _with_its_knee(search, small, its, found, KNEE_SWEEPS[1], (sum(share) - again, again))
-        slopes, begun, most = found.slopes, sum(share), SWEEPS[0]
-        for_knee = KNEE_SWEEPS[0]
-        enough = 1.0 if _is_good(found, material, 1.0) else NEARLY  # no more is to be had, then
     again = KNEE_PART * (1 - begun)
     best = yield from _best(search, session, area, slopes, most, enough, (begun, 1 - begun - again))
     best = yield from _with_its_knee(search, session, area, best, for_knee, (1 - again, again))
     return bed_in_pieces(first, ends, best.slopes), best.stations
-
-
-def _small(session: Session, material: Material, site: Site) -> Session | None:
-    """Return a body of far fewer vertices that answers a tip at these places alike, None where there is none."""
-    places = tuple(tuple(each.point.tolist()) for each in (site, *site.others))
-    wide = max(material.indenter.radius, EDGES * float(np.median(session.model.mesh.rest_lengths)))
-    with contextlib.suppress(DimpleError):
-        model = coarser_elsewhere(session.model, Pressed(places, wide))
-        return Session(model) if model else None
-    return None
 
 
 def _best(

@@ -125,7 +125,7 @@ def load(path: Path) -> ctypes.CDLL:
     for name in ("dm_destroy", "dm_scene_destroy"):
         getattr(library, name).argtypes, getattr(library, name).restype = [c_void_p], None
     library.dm_rest_volume.argtypes, library.dm_rest_volume.restype = [c_void_p], c_double
-    library.dm_farthest_first.argtypes = [c_int64, c_void_p, c_void_p, c_int64, c_double, c_int64, c_void_p]
+    library.dm_farthest_first.argtypes = [c_int64, c_void_p, c_int64, c_double, c_int64, c_void_p]
     library.dm_farthest_first.restype = c_int64
     library.dm_default_body_def.argtypes, library.dm_default_body_def.restype = [POINTER(BodyDef)], None
     for name, arguments in _SIGNATURES.items():

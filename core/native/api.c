@@ -222,24 +222,6 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
     return c->fill != DM_FILL_NONE && !(rest_volume > 0) ? DM_NUMBER : DM_OK;
 }
 
-/* Whole eights of vertices in each, but for the last. */
-static int32_t dm_check_regions(const dm_body_def *d) {
-    int64_t count = d->regions;
-    if (!count) return DM_OK;
-    if (count < 0 || count > d->vertices || !d->region || !d->beside_start) return DM_SIZE;
-    DM_CHECK(dm_check_indices(d->vertices, d->region, 0, count));
-    DM_CHECK(dm_check_numbers(1, &d->slack, 1) | DM_COUNT(d->beside_start[count]));
-    DM_CHECK(dm_check_starts(count, d->beside_start, d->beside_start[count]));
-    DM_CHECK(DM_ARRAY(d->beside_start[count], d->beside));
-    DM_CHECK(dm_check_indices(d->beside_start[count], d->beside, 0, count));
-    int64_t *held = calloc((size_t)count, sizeof *held), uneven = 0;
-    if (!held) return DM_MEMORY;
-    for (int64_t k = 0; k < d->vertices; k++) held[d->region[k]]++;
-    for (int64_t k = 0; k < count - 1; k++) uneven |= held[k] % 8;
-    free(held);
-    return uneven ? DM_SIZE : DM_OK;
-}
-
 static int32_t dm_check_def(const dm_body_def *d) {
     int64_t n = d->vertices, w = d->width;
     if (n < 1 || n > DM_MAX_VERTICES || w < 0 || w > DM_MAX_NEIGHBOURS) return DM_SIZE;
@@ -261,7 +243,6 @@ static int32_t dm_check_def(const dm_body_def *d) {
     DM_CHECK(dm_check_indices(d->cap_edges, d->cap_hole, 0, d->cap_edges));
     DM_CHECK(dm_check_indices(3 * d->surface_triangles, d->surface_corners, 0, d->surface_vertices));
     DM_CHECK(dm_check_indices(d->surface_triangles, d->surface_material, 0, DM_MAX_COUNT));
-    DM_CHECK(dm_check_regions(d));
     DM_CHECK(dm_check_numbers(3 * n, d->rest, 0) | dm_check_numbers(3 * d->surface_vertices, d->surface_rest, 0));
     DM_CHECK(dm_check_numbers(d->springs, d->rest_length, 1) | dm_check_numbers(1, &d->rest_area, 1));
     return dm_check_numbers(1, &d->rest_volume, 0) | dm_check_numbers(1, &d->size, 1);

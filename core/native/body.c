@@ -8,9 +8,7 @@ static void dm_state_destroy(dm_state *b) {
         b->tension, b->rest_rate, b->pull_rate,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
         b->inverse_mass, b->friction, b->compliance, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
-        b->is_moved, b->touching, b->facets, b->facet_boxes, b->facet_regions, b->painted, b->laws, b->stepped, b->border,
-        b->regions.beside_start, b->regions.beside, b->regions.of, b->regions.awake, b->regions.wanted, b->regions.role,
-        b->regions.settled, b->regions.moved, b->regions.volume,
+        b->is_moved, b->touching, b->facets, b->facet_boxes, b->facet_regions, b->painted, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
@@ -24,9 +22,7 @@ static void dm_state_destroy(dm_state *b) {
 /* Make room for everything whose size the definition knows. */
 static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     int64_t n = d->vertices, size = b->groups * DM_LANES, t = d->triangles;
-    b->stepped = dm_alloc(b->groups, sizeof *b->stepped), b->border = dm_alloc(b->groups, sizeof *b->border);
-    int whole = b->stepped && b->border;
-    whole = whole && (b->place = dm_alloc(n, sizeof *b->place)) && (b->rank = dm_alloc(n, sizeof *b->rank));
+    int whole = (b->place = dm_alloc(n, sizeof *b->place)) && (b->rank = dm_alloc(n, sizeof *b->rank));
     whole = whole && (b->pinned = dm_alloc(n, sizeof *b->pinned)) && (b->loose = dm_alloc(n, 1));
     whole = whole && (b->rest = dm_alloc(3 * n, sizeof(double))) && (b->mass = dm_alloc(n, sizeof(double)));
     whole = whole && (b->pins = dm_alloc(3 * n, sizeof(double))) && (b->pin_room = dm_alloc(9 * size, sizeof(double)));
@@ -136,9 +132,8 @@ static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
     if (code == DM_OK) {
         memcpy(b->rest, d->rest, (size_t)(3 * n) * sizeof(double));
         for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0, b->any_loose |= b->loose[k];
-        code = dm_lay_out(b, d->width, d->ring, d->ring_spring, d->regions ? d->region : NULL);
+        code = dm_lay_out(b, d->width, d->ring, d->ring_spring);
     }
-    if (code == DM_OK) code = dm_lay_regions(b, d);
     if (code == DM_OK) code = dm_lay_rings(b, d->width, d->ring, d->ring_spring);
     if (code == DM_OK) code = dm_lay_faces(b, d->triangles, d->corners);
     if (code == DM_OK) code = dm_lay_surface(b, d);

@@ -31,7 +31,6 @@
 #define DM_LARGEST_GROWTH 100.0
 #define DM_FASTEST 1e6
 #define DM_PIN_BEHIND 1e-4 /* of the size: a pin that is farther from its place was held back */
-#define DM_REGION_TIME 0.1 /* as in core/solver/regions.py */
 #define DM_REST_SPEED 1e-3 /* as in core/base.py, with the three below */
 #define DM_REST_TIME 0.25
 #define DM_REST_WAY 1e-6
@@ -116,20 +115,6 @@ typedef struct { /* a triangle of the surface at rest, below which fingertips ar
     int64_t index, material;
 } dm_facet;
 
-typedef struct { /* parts of the surface that are stepped while something moves there; count 0: it is stepped whole */
-    int64_t count, *beside_start, *beside;
-    uint32_t *of;               /* (groups,) */
-    uint8_t *awake, *wanted;    /* (count,) now, and in the tick that begins */
-    uint8_t *role;              /* (groups,) DM_SLEEPS, ... */
-    dm_vec3 *settled;           /* (groups,) where it last was beyond the slack */
-    double slack, clock;        /* [m], [s] */
-    double *moved;              /* (count,) when it last went beyond the slack [s] */
-    double pressure;            /* that what rests has settled under [Pa] */
-    double *volume, resting;    /* (groups,) of each that rests beyond the border, and all of it [m3] */
-    double gone;                /* [m] the farthest that what rests now has gone since the lists were made */
-    int changed;                /* what is displaced is to wake */
-} dm_regions;
-
 enum { DM_NORMALS = 8 }; /* that hold a sphere: more walls than a fingertip touches at once */
 typedef struct { /* a fingertip; vectors but centre and force are in the space of the shape at rest */
     double centre[3], radius;        /* where it is [m] */
@@ -152,9 +137,6 @@ typedef struct { /* a fingertip; vectors but centre and force are in the space o
 
 struct dm_state {
     int64_t n, groups;
-    uint32_t *stepped, *border; /* groups that are stepped; that rest beside them, whose volume changes with those */
-    int64_t stepped_count, border_count;
-    dm_regions regions;
     uint32_t *place, *rank; /* of each of the caller's vertices: in memory, along a curve in space */
     uint32_t *pinned;       /* (pinned_count,) the caller's vertices without an inverse mass */
     uint8_t *loose, any_loose, any_k1;

@@ -13,7 +13,6 @@ import numpy as np
 
 from ..base import Floats
 from ..body.model import Model
-from ..body.regions import Regions
 from ..solver.motion import Frame, Motion, PinMotion, Touch
 from .definition import Arrays, constants, define, fields
 
@@ -60,7 +59,7 @@ class CFrame(Structure):
 
     _fields_ = [
         ("touches", CTouch * 3),
-        *fields(volume="d", pressure="d", ticks="n", finite="n", moved="n", stepped="n"),
+        *fields(volume="d", pressure="d", ticks="n", finite="n", moved="n"),
     ]
 
 
@@ -94,7 +93,6 @@ class Body:
         model: what moves.
         library: that runs it.
         surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
-        regions: that rest and wake by themselves, None where all of it is stepped.
         bits: 32 or 64, of the state.
         instruction_set: BEST, or another where a test compares them.
 
@@ -108,7 +106,6 @@ class Body:
         library: ctypes.CDLL,
         *,
         surface: Model | None = None,
-        regions: Regions | None = None,
         bits: int = 32,
         instruction_set: int = BEST,
     ) -> None:
@@ -118,7 +115,7 @@ class Body:
         self._placed: Floats | None = model.matching.rest  # where it is, while that is known
         self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
         with Arrays() as arrays:
-            definition = define(self.library, model, self._surface, arrays, regions)
+            definition = define(self.library, model, self._surface, arrays)
             self._call("dm_create", byref(self._handle), byref(definition), bits, instruction_set)
         weakref.finalize(self, self.library.dm_destroy, self._handle.value)
         # what every step hands over: made once
@@ -240,10 +237,10 @@ class Body:
                 a[i + 15 : i + 19], a[i + 19],
             )  # fmt: skip
             touches.append(touch if tip else None)
-        volume, pressure, ticks, finite, moved, stepped = a[-6:]
+        volume, pressure, ticks, finite, moved = a[-5:]
         if moved:
             self._placed = None
-        return Frame(tuple(touches), volume, pressure, ticks, finite != 0, moved != 0, stepped)
+        return Frame(tuple(touches), volume, pressure, ticks, finite != 0, moved != 0)
 
     def _places(self, pins: PinMotion) -> list[Floats]:
         """Return where pins start and end, as the library reads it."""

@@ -51,13 +51,11 @@ def follow_cells(
     return first, followed[: first[-1]].copy(), weights[: first[-1]].copy()
 
 
-def farthest_first(
-    library: ctypes.CDLL, places: Floats, weights: Floats, taken: int, least: float, most: int
-) -> Ints:
+def farthest_first(library: ctypes.CDLL, places: Floats, taken: int, least: float, most: int) -> Ints:
     """Return what `reduction.cells.farthest_first` does."""
     chosen = np.empty(max(most, 0), np.int64)
     with Arrays() as arrays:
-        given = len(places), arrays.double(places), arrays.double(weights), taken, least, most, chosen.ctypes.data
+        given = len(places), arrays.double(places), taken, least, most, chosen.ctypes.data
         return chosen[: library.dm_farthest_first(*given)]
 
 

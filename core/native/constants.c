@@ -148,7 +148,7 @@ static void dm_wake(dm_state *b) { b->asleep = b->rested = 0, b->quiet = 0; }
 
 /* The same where a caller has changed it. */
 static void dm_change(dm_state *b) {
-    dm_wake(b), b->changes++, b->regions.changed = 1;
+    dm_wake(b), b->changes++;
     memset(b->resisted, 0, sizeof b->resisted);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
 }

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..body.model import Model
-from ..body.regions import Regions
 
 FILLS = {"none": 0, "air": 1, "liquid": 2, "solid": 2}
 LAW_SETS = {"consistent": 0, "paper": 1}
@@ -41,7 +40,6 @@ class BodyDef(Structure):
         rest_length="p", irregular="n", irregular_spring="p", irregular_end="p", triangles="n", corners="p",
         fans="n", fan="p", cap_edges="n", cap_edge="p", cap_hole="p", rest_volume="d", rest_area="d", size="d",
         surface_vertices="n", surface_rest="p", surface_triangles="n", surface_corners="p", surface_material="p",
-        regions="n", region="p", beside_start="p", beside="p", slack="d",
     ) + [("constants", Constants)]  # fmt: skip
 
 
@@ -72,9 +70,7 @@ class Arrays:
         return self.of(array, np.int64)
 
 
-def define(
-    library: ctypes.CDLL, model: Model, surface: Model, arrays: Arrays, regions: Regions | None = None
-) -> BodyDef:
+def define(library: ctypes.CDLL, model: Model, surface: Model, arrays: Arrays) -> BodyDef:
     """Return what the library asks for of a model, and of the one below whose surface fingertips are measured."""
     definition, mesh, springs = BodyDef(), model.mesh, model.springs
     library.dm_default_body_def(byref(definition))
@@ -99,12 +95,6 @@ def define(
         "surface_material": arrays.index(surface.mesh.triangle_material),
         "constants": constants(model, surface, arrays),
     }  # fmt: skip
-    if regions:
-        values |= {
-            "regions": len(regions.starts) - 1, "region": arrays.index(regions.of),
-            "beside_start": arrays.index(regions.starts), "beside": arrays.index(regions.beside),
-            "slack": regions.slack,
-        }  # fmt: skip
     for name, value in values.items():
         setattr(definition, name, value)
     return definition

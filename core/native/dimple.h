@@ -111,11 +111,6 @@ typedef struct {
     int64_t surface_triangles;
     const int64_t *surface_corners;  /* (surface_triangles, 3) */
     const int64_t *surface_material; /* (surface_triangles,) */
-    int64_t regions;               /* that are stepped only while something moves in them or beside; 0: all is stepped */
-    const int64_t *region;         /* (vertices,) of each: whole eights of vertices, but for the last */
-    const int64_t *beside_start;   /* (regions + 1,) */
-    const int64_t *beside;         /* those beside each */
-    double slack;                  /* [m] what goes no farther within a tenth of a second is at rest */
     dm_constants constants;
 } dm_body_def;
 
@@ -162,7 +157,6 @@ typedef struct {
     int64_t ticks;    /* done */
     int64_t finite;   /* 0: it has blown up in the last of them */
     int64_t moved;    /* 0: it was asleep all the time, at rest, and is where it was */
-    int64_t stepped;  /* vertices in the last tick, in eights */
 } dm_frame;
 
 DM_API int32_t dm_abi(void);
@@ -242,10 +236,9 @@ typedef struct {
 } dm_cells;
 
 /* Choose (most,) of points at places (points, 6) beside the first `taken`, the farthest from all of those and from all
- * chosen before, as long as the square of that distance, by the point's weight (points,), is more than `least` [m2].
- * Return how many. */
-DM_API int64_t dm_farthest_first(int64_t points, const double *place, const double *weights, int64_t taken,
-                                 double least, int64_t most, int64_t *chosen);
+ * chosen before, as long as the square of that distance is more than `least` [m2]. Return how many. */
+DM_API int64_t dm_farthest_first(int64_t points, const double *place, int64_t taken, double least, int64_t most,
+                                 int64_t *chosen);
 /* Set the seed (vertices,) that each vertex belongs to, the nearest of those that its neighbours belong to, -1 where
  * none spreads to; and whether its cell joins it to that seed (vertices,). */
 DM_API int32_t dm_grow_cells(const dm_cells *surface, int64_t *cells, uint8_t *joined);

@@ -85,9 +85,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
     dm_vec3 rows[3] = {dm_splat3(b->rotation), dm_splat3(b->rotation + 3), dm_splat3(b->rotation + 6)};
     dm_vec3 turning[3] = {dm_splat3(b->turning), dm_splat3(b->turning + 3), dm_splat3(b->turning + 6)};
     dm_vec3 shifting = dm_splat3(b->turning + 9);
-    const uint32_t *stepped = b->stepped;
-    for (int64_t k = 0, count = b->stepped_count; k < count; k++) {
-        int64_t g = stepped[k];
+    for (int64_t g = 0; g < b->groups; g++) {
         const dm_group_matter *m = b->matter + g;
         if (!fitted && !dm_any_of((dm_mask)(m->inverse_mass > dm_splat(0)))) {
             volume += dm_pass_pinned(b, g);
@@ -111,7 +109,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
             dm_vec3 torque = dm_cross(x, force);
             part[0] += force.x, part[1] += force.y, part[2] += force.z;
             part[3] += torque.x, part[4] += torque.y, part[5] += torque.z;
-            if (k % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 6);
+            if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 6);
         }
         const dm_slot *s = b->ring.slots + b->ring.start[g];
         int64_t slots = b->ring.start[g + 1] - b->ring.start[g];
@@ -127,8 +125,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
         by *= sixth;
         b->next[g].per_pascal = (dm_vec3){by * normal.x, by * normal.y, by * normal.z};
     }
-    for (int64_t k = 0; k < b->border_count; k++) volume += dm_pass_pinned(b, b->border[k]);
-    b->volume = dm_sum_of(volume) / 18 + b->regions.resting;
+    b->volume = dm_sum_of(volume) / 18;
     if (!fitted) return;
     dm_fold(part, sum, 6);
     double net[6];

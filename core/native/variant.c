@@ -21,7 +21,6 @@ DM_FAST
 DM_SMALL
 #include "reach.c"
 #include "constants.c"
-#include "regions.c"
 #include "body.c"
 #include "moved_rest.c"
 #include "rest.c"

@@ -16,7 +16,7 @@ from ..mesh.surface import Mesh
 CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the proxy must have too
 CREASED = 0.3  # of the vertices: where more lie on creases, these are the roughness of a scan
 BESIDE = 0.75  # of the spacing: how near to each other seeds may lie on a crease
-MANY = 20_000  # candidates for a seed; a finer mesh offers every second, third... vertex
+MANY = 40_000  # candidates for a seed; a finer mesh offers every second, third... vertex
 
 
 def vertex_normals(triangles: Ints, x: Floats) -> Floats:
@@ -40,44 +40,28 @@ def _face_vectors(triangles: Ints, x: Floats) -> Floats:
     return vectors
 
 
-def spread_seeds(
-    mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float, coarser: Floats | None = None
-) -> Ints:
-    """Choose seeds farthest first: on creases and borders to their spacing, then all over.
-
-    Args:
-        spacing: of the seeds where they are the closest [m].
-        coarser: times as much as is wanted at each vertex (n,), None where they are to be even.
-    """
+def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float) -> Ints:
+    """Choose seeds farthest first: on creases and borders to their spacing [m], then all over."""
     creased = np.intersect1d(_creased(mesh), used)
     if len(creased) > CREASED * len(used):
         creased = creased[:0]
-    seeds, weights = np.zeros(0, np.int64), np.ones(len(place)) if coarser is None else coarser**-2
+    seeds, offered = np.zeros(0, np.int64), used[:: -(-len(used) // MANY)]
     choose = farthest_first if native.why_not() else partial(native.farthest_first, native.library())
-    for pool, least in ((creased, BESIDE * spacing), (_offered(used, weights), 0.0)):
+    for pool, least in ((creased, BESIDE * spacing), (offered, 0.0)):
         points = place[pool]
         if len(pool) and not len(seeds):  # the first is the point farthest from the middle
             seeds = pool[[int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())]]
         both = np.concatenate([seeds, pool])
-        chosen = choose(place[both], weights[both], len(seeds), least**2, count - len(seeds))
+        chosen = choose(place[both], len(seeds), least**2, count - len(seeds))
         seeds = np.concatenate([seeds, both[chosen]])
     return seeds
 
 
-def _offered(used: Ints, weights: Floats) -> Ints:
-    """Return the vertices that seeds are chosen from: as many to a seed wherever they are."""
-    if len(used) <= MANY or (weights == 1).all():
-        return used[:: -(-len(used) // MANY)]
-    total = np.cumsum(weights[used])
-    return used[np.unique(np.searchsorted(total, total[-1] * (np.arange(MANY) + 0.5) / MANY))]
-
-
-def farthest_first(places: Floats, weights: Floats, taken: int, least: float, most: int) -> Ints:
+def farthest_first(places: Floats, taken: int, least: float, most: int) -> Ints:
     """Choose points one by one, each the farthest from all chosen before: what the native core does, to read.
 
     Args:
         places: (n, 6) [m].
-        weights: (n,) by which the square of a distance of each counts.
         taken: how many of the first were chosen before.
         least: square of a distance that is too near [m2].
         most: to choose.
@@ -85,10 +69,10 @@ def farthest_first(places: Floats, weights: Floats, taken: int, least: float, mo
     chosen: list[int] = []
     near = np.full(len(places), np.inf)
     for place in places[:taken]:
-        np.minimum(near, weights * ((places - place) ** 2).sum(axis=1), out=near)
+        np.minimum(near, ((places - place) ** 2).sum(axis=1), out=near)
     while len(near) and len(chosen) < most and near[at := int(near.argmax())] > least:
         chosen.append(at)
-        np.minimum(near, weights * ((places - places[at]) ** 2).sum(axis=1), out=near)
+        np.minimum(near, ((places - places[at]) ** 2).sum(axis=1), out=near)
     return np.array(chosen, np.int64)
 
 

@@ -9,7 +9,6 @@ from typing import Protocol, cast
 from .. import native
 from ..base import DimpleError, Floats
 from ..body.model import Model
-from ..body.regions import Regions
 from .motion import Frame, Motion
 from .scene import Collider, Scene
 from .twin import Twin
@@ -51,23 +50,20 @@ def choose_backend(wanted: str = "auto") -> tuple[str, str]:
     return ("numpy" if note or wanted == "numpy" else wanted.replace("auto", "native")), note
 
 
-def create(
-    model: Model, *, surface: Model | None = None, backend: str = "auto", regions: Regions | None = None
-) -> Body:
+def create(model: Model, *, surface: Model | None = None, backend: str = "auto") -> Body:
     """Return a body at rest that owns its state.
 
     Args:
         surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
         backend: as in `choose_backend`.
-        regions: that rest and wake by themselves, None where all of it is stepped.
 
     Raises:
         DimpleError: as in `choose_backend`.
     """
     name, _ = choose_backend(backend)
     if name == "numpy":
-        return Twin(model, surface=surface, regions=regions)
-    return native.Body(model, native.library(), surface=surface, regions=regions, bits=64 if name == "native64" else 32)
+        return Twin(model, surface=surface)
+    return native.Body(model, native.library(), surface=surface, bits=64 if name == "native64" else 32)
 
 
 def step_bodies(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[Frame]:

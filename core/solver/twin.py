@@ -11,16 +11,13 @@ from ..base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Bools, Floats, Ints
 from ..body import pressure
 from ..body.model import Model, State, initial_state
 from ..body.moved_rest import on_its_way, with_rest
-from ..body.regions import Regions
 from ..body.shape_matching import Pose, carried_pose, fit_pose
 from ..material import law_force
 from ..mesh.depth import RestSurface, Touching, rest_surface, touching
 from . import semi_implicit
 from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch, Vector
 from .path import FingerPath
-from .regions import Awake
 from .rest import Rest, reaches
-from .ticks import each_tick
 
 
 @dataclass(slots=True, kw_only=True)
@@ -50,9 +47,8 @@ class Call:
 class Twin:
     """A body that numpy steps; what it owns and does is said in `native.Body`."""
 
-    def __init__(self, model: Model, *, surface: Model | None = None, regions: Regions | None = None) -> None:
+    def __init__(self, model: Model, *, surface: Model | None = None) -> None:
         self.model, self._fine = model, surface or model
-        self._awake = Awake(regions) if regions else None
         self._surface: RestSurface = rest_surface(self._fine.mesh)
         self._sides: list[Floats | None] = [None] * 3
         self._moved: Floats | None = None  # the shape at rest, where it is not the model's
@@ -74,7 +70,6 @@ class Twin:
         self._rest_pins(model.pinned)
         self._fine = surface or (model if self._fine is old else self._fine)
         self.model, self._rest = model, Rest()
-        self._changed()
         if self._moved is not None:
             self.set_rest(self._moved)
 
@@ -87,7 +82,6 @@ class Twin:
         if len(self._fine.mesh.rest_positions) != len(self.model.mesh.rest_positions):
             raise ValueError("a proxy has a surface of its own")
         self._moved, self._rest_rate, self._rest = np.array(rest), rate, Rest()
-        self._changed()
         if rate is not None and self.model.free:  # only the shape counts
             k1 = self.model.matching.k1
             self._rest_rate = rate - (rate @ k1 / max(k1.sum(), 1e-300))[:, None]
@@ -97,7 +91,6 @@ class Twin:
     def set_load(self, load: Floats | None) -> None:
         """Push each vertex by a force (3, n) [N] from now on, None by none; the paper's laws take none."""
         self._state.load, self._rest = load, Rest()
-        self._changed()
 
     @property
     def rest_volume(self) -> float:
@@ -111,7 +104,6 @@ class Twin:
         state.positions[:] = positions
         state.velocities[:] = 0.0 if velocities is None else velocities
         self._led, self._rest = False, Rest()
-        self._changed()
 
     def positions(self) -> Floats:
         """Return where the vertices are, (3, n) [m]."""
@@ -129,21 +121,12 @@ class Twin:
             with np.errstate(all="ignore"):  # the frame says when it has blown up
                 if not self._rest.asleep:
                     call.impulses[call.down] += semi_implicit.run(
-                        self._stepped(call), self._state, path, tick=motion.tick, substeps=motion.substeps
+                        self.model, self._state, path, tick=motion.tick, substeps=motion.substeps
                     )
             self.end_tick(call)
             if self._rest.rested:
                 self.fall_asleep(call)
         return self.end(call)
-
-    def _stepped(self, call: Call) -> Model:
-        """Return the model of a tick that begins, in which what sleeps does not move."""
-        if self._awake is None:
-            return self.model
-        (touches,) = each_tick(self.model, self._state, call.path, call.motion.tick)
-        noted = [part for touch in touches for part in (touch.vertices, touch.triangles.ravel())]
-        led = call.motion.pins is not None or self._rest_rate is not None
-        return self._awake.choose(self.model, self._state, np.concatenate([*noted, []]).astype(np.int64), led=led)
 
     @property
     def state(self) -> State:
@@ -222,8 +205,6 @@ class Twin:
         with np.errstate(all="ignore"):
             call.finite = self._is_finite(tick)
         if call.finite:
-            if self._awake is not None:
-                self._awake.watch(state.positions, tick)
             size, led = self.model.mesh.size, call.motion.pins is not None or self._rest_rate is not None
             held = len(path.radii) > 0 and bool((path.centres[:, 0] == path.centres[:, 1]).all())
             self._rest.watch(state.positions, state.velocities, size, tick, led=led, sag=self.sag, held=held)
@@ -253,7 +234,7 @@ class Twin:
         return Frame(
             touches=tuple(found), pose=(*pose[0].ravel().tolist(), *pose[1].tolist()),
             volume=self._volume(call.ticks) if call.finite else 0.0, pressure=state.pressure, ticks=call.ticks,
-            finite=call.finite, moved=call.moved, stepped=self._count() if call.moved else 0,
+            finite=call.finite, moved=call.moved,
         )  # fmt: skip
 
     def _is_woken(self, call: Call) -> bool:
@@ -321,14 +302,6 @@ class Twin:
             used: Ints = np.flatnonzero(~self.model.mesh.loose[pinned])
             rest = self.model.mesh.rest_positions.T[:, pinned][:, used]
             self._state.pose = fit_pose(rest, pins.end[:, used], np.ones(len(used)))
-
-    def _count(self) -> int:
-        awake = self._awake.vertices.sum() if self._awake else len(self.model.mass)
-        return 8 * -(-int(awake) // 8)
-
-    def _changed(self) -> None:
-        if self._awake is not None:
-            self._awake.changed = True
 
     def _rest_pins(self, pinned: Floats | np.ndarray) -> None:
         self._state.velocities[:, pinned] = 0.0

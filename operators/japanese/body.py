@@ -127,47 +127,21 @@ MESSAGES = {
     "{} has a sample every {} frames, not one a frame. Bake again.": (
         "{} のサンプルは {} フレームごとで、1 フレームごとではありません。もう一度ベイクしてください。"
     ),
-    "No part of the surface is free to be pressed. Pin fewer vertices.": (
-        "押せる表面が残っていません。固定する頂点を減らしてください。"
-    ),
-    "the simulation became unstable": "計算が不安定になりました",
     "The full mesh is too stiff to simulate": "元のメッシュは硬すぎて計算できません",
     "The full mesh runs live: {}.": "元のメッシュのまま実時間で動きます（{}）。",
-    "The presses are slow, so the full mesh runs live with 1/{} of its steps, within {} of the force: {}.": (
-        "ゆっくり押すので、元のメッシュのまま 1/{} のステップ数で実時間で動きます。力の差は {} 以内です（{}）。"
-    ),
     "The full mesh would run at {} real time ({})": "元のメッシュでは実時間の {} の速さです（{}）",
-    "{} mm and {}": "{} mm と {}",
-    "no proxy of up to {} vertices is within {}": "{} 頂点までの代理メッシュに、{} 以内のものはありません",
     "{}. It is simulated anyway: {}.": "{}。それでもそのまま計算します。{}。",
-    "no proxy within the tolerances runs live": "許容差に収まる代理メッシュで、リアルタイムで動くものはありません",
-    "no proxy within the tolerances is faster": "許容差に収まる代理メッシュで、これより速いものはありません",
     "{}, the full mesh: {}, at {} real time.": "{}。元のメッシュ（{}）、実時間の {} の速さです。",
-    "{}. What moves by less than {} mm rests; a fingertip moves about {} of it, {}.": (
-        "{}。動きが {} mm 未満の所は休ませます。指先が動かすのは全体の約 {} で、{}。"
-    ),
-    "which runs live": "実時間で動きます",
-    "at {} real time": "実時間の {} の速さです",
     "For self contact": "自己接触があります",
-    "In contact there the force is within {}, and the mesh shown may overlap by up to {} mm.": (
-        "そこでの接触では、力の誤差は {} 以内で、表示メッシュが最大 {} mm 重なることがあります。"
-    ),
-    "In contact the force is within {}, and the mesh shown may overlap by up to {} mm.": (
-        "接触では、力の誤差は {} 以内で、表示メッシュが最大 {} mm 重なることがあります。"
-    ),
     'Its proxy would intersect "{}" at the start, so the full mesh is simulated.': (
         "代理メッシュが開始時に「{}」と交わるため、元のメッシュを計算します。"
     ),
     "For its rig": "リグで動きます",
     "runs at {} real time": "は実時間の {} の速さで動き",
     "runs live": "は実時間で動き",
-    "is to be made": "をこれから作り",
     "As chosen": "選択どおりです",
-    "It is fine where it will be pressed.": "押される所の近くだけ細かくします。",
-    "{} A proxy within the tolerances would not run live.": "{}許容差に収まる代理メッシュでは実時間で動きません。",
-    "{} A proxy cannot have the vertices to keep the tolerances.": "{}代理メッシュの頂点数では許容差に収まりません。",
-    "{}. A proxy of {} vertices {}, within {} mm and {} of the force.": (
-        "{}。{} 頂点の代理メッシュ{}、誤差は {} mm 以内、力の {} 以内です。"
+    "{}. A proxy of {} vertices {}; its dents are within {} mm of the mesh's.": (
+        "{}。{} 頂点の代理メッシュ{}、くぼみの形は元のメッシュと {} mm 以内で一致します。"
     ),
     "{} vertices at {} steps per millisecond": "{} 頂点、1 ミリ秒に {} ステップ",
     "a proxy of this mesh has from {} to {} vertices, not {}": (

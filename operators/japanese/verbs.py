@@ -103,10 +103,6 @@ MESSAGES = {
     "{} is ambiguous: {} Calibrate from this file alone to answer, or state it in its header.": (
         "{} だけでは決まりません: {} このファイルだけでキャリブレーションして答えるか、見出しに書いてください。"
     ),
-    "The comparison was stopped; nothing has changed": "比較を中止しました。何も変わっていません",
-    "The object is gone, so nothing was kept.": "オブジェクトがなくなったため、何も残していません。",
-    "A proxy of {} vertices: {}": "{} 頂点の代理メッシュ: {}",
-    "Compared {} variants of {}": "{1} の {0} 通りを比較しました",
     'Collider "{}" is gone. Start again.': 'コライダー "{}" がなくなりました。もう一度始めてください。',
     'Collider "{}" has no faces, or a coordinate that is not a number. Repair it, or switch Dimple Collider off.': (
         'コライダー "{}" に面がないか、数でない座標があります。直すか、Dimple コライダーをオフにしてください。'
@@ -304,7 +300,6 @@ MESSAGES = {
     ),
     "{} {}, {} left | Esc: cancel": "{} {}、残り {} | Esc: 中止",
     "Baking": "ベイク中",
-    "Comparing": "比較中",
     "Exporting": "エクスポート中",
     "Identifying": "同定中",
     "Measuring": "測定中",

@@ -18,7 +18,6 @@ from core.calibration.export import write_press
 from core.calibration.identify import ALLOWED, ALLOWED_FORCE, NOTICEABLE_FORCE, WEAK, _deepest
 from core.calibration.indent import find_site, go_down, press, set_up
 from core.calibration.least_squares import bounded
-from core.calibration.place import typical_site
 from core.material import FINGERTIP, POINT, PRESETS, Indenter, ModelConstants
 from core.mesh.surface import base_vertices
 from core.session import Session
@@ -120,23 +119,6 @@ def test_little_is_pressed_to_identify_a_body_by_a_point(monkeypatch):
     mesh, pinned = body(OBJECT_3, "ball 4")
     found = identify(mesh, OBJECT_3.material, POINT, find_site(mesh, POINT, pinned=pinned), DEEPEST[OBJECT_3.name])
     assert sum(simulated) < 0.5 and found.rms < 0.02
-
-
-@pytest.mark.parametrize(("preset", "words"), [(OBJECT_2, "cube 20"), (OBJECT_3, "ball 4")], ids=["cube", "ball"])
-def test_little_of_a_body_is_pressed_to_identify_it_by_a_round_tip(monkeypatch, preset, words):
-    """In simulated time of a vertex; where the whole body was pressed each time it was 3,270 and 7,800 s."""
-    simulated, step = [], Session.step
-
-    def counted(session, dt, **given):
-        simulated.append(dt * len(session.body.model.mass))
-        return step(session, dt, **given)
-
-    monkeypatch.setattr(Session, "step", counted)
-    mesh, pinned = body(preset, words)
-    site = typical_site(mesh, FINGERTIP, pinned=pinned)
-    found = identify(mesh, preset.material, FINGERTIP, site, DEEPEST[preset.name])
-    assert sum(simulated) < 2000 and found.rms < 0.017
-    assert found.stopped == "" and found.depths[-1] == pytest.approx(DEEPEST[preset.name])
 
 
 @pytest.mark.parametrize("tip", [FINGERTIP, WIDE], ids=["10 mm", "25 mm"])

@@ -27,7 +27,7 @@ from core.native.definition import Arrays, BodyDef, Constants, define
 from core.native.scene import CColliderMotion, ColliderDef, CProp
 from core.reduction import binding, kept_skin
 from core.session import MAX_FINGERS, Session
-from core.solver import bounds, falling, motion, regions, rolling, scene, twin_props, twin_scene
+from core.solver import bounds, falling, motion, rolling, scene, twin_props, twin_scene
 from core.solver.motion import FingertipMotion, Motion
 from tests.bodies import TETRAHEDRON, after
 from tests.native_core import missing
@@ -81,7 +81,7 @@ def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
 
 # where C's constants have their twins, and those that are called otherwise there
 TWINS = (
-    base, contact, facets, proximity, touching, bounds, motion, regions, rolling, falling, scene, twin_scene,
+    base, contact, facets, proximity, touching, bounds, motion, rolling, falling, scene, twin_scene,
     twin_props, binding, depth,
 )  # fmt: skip
 RENAMED = {

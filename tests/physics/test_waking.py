@@ -244,9 +244,6 @@ def test_under_a_fingertip_that_rests_it_sleeps_and_presses_on_it_as_before(back
         assert not body.moved and np.array_equal(before, (body.body.positions(), body.body.velocities()))
         assert force == pytest.approx(goal, abs=1e-4 * np.linalg.norm(goal)) and force[2] > 1.0
         assert body.touches()[0].depth == pytest.approx(HELD, rel=1e-6)
-    body.set_clock(body.clock.tick, faster=4)  # in shorter ticks it presses as hard
-    slept.step(0.1)
-    assert not body.moved and np.array(body.frame.impulses[0])[2] / body.frame.seconds == pytest.approx(force[2])
 
 
 @pytest.mark.parametrize("backend", EVERY)

@@ -269,7 +269,6 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
     """Return a function that takes an operator in hand: it looks from above, and time is its own."""
     from bl_ext.user_default.dimple.operators import (
         bake,
-        compare_proxies,
         identify,
         live,
         measure,
@@ -302,7 +301,7 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
         operators = {
             "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake.DIMPLE_OT_bake,
             "identify": identify.DIMPLE_OT_identify, "measure": measure.DIMPLE_OT_measure,
-            "compare_proxies": compare_proxies.DIMPLE_OT_compare_proxies, "start": start.DIMPLE_OT_start,
+            "start": start.DIMPLE_OT_start,
         }  # fmt: skip
         hands.append(Hand(name, operators[name], Context(bpy)))
         return hands[-1]

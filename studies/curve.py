@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import Floats, Ints
+from core.base import Floats, Ints
 
 GRID = 10  # bits per coordinate: the curve passes 2^30 boxes
 
