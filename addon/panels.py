@@ -135,7 +135,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
             labels.label(text=label, translate=False)
             values.label(text=value, translate=False)
         session = entry.session
-        notes = [*session.model.notes, *filter(None, [session.backend_note, session.contact_note, entry.refused])]
+        notes = [*session.model.notes, *filter(None, [session.contact_note, entry.refused])]
         draw_notes(context, layout, readout.sentences(notes, entry.frame))
 
 

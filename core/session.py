@@ -28,7 +28,7 @@ from .pins import Pins
 from .reduction.proxy import Proxy
 from .skin import Skin
 from .solver import motion
-from .solver.backend import Body, choose_backend, create
+from .solver.backend import Body, create
 from .solver.glide import Glide, may_glide, pumped
 from .solver.motion import MAX_STEPS, Motion
 
@@ -41,8 +41,7 @@ class Session:
     model: what is pressed.
     proxy: what moves in its place, None where it moves itself.
     body: what moves, and owns its state.
-    backend: "native" (single precision), "native64" or "numpy".
-    backend_note: "" or why it is numpy, for the artist.
+    backend: "native" (single precision) or "native64".
     contact_note: "" or what is left out of its self contact, for the artist.
     frame: what the last step showed.
     slack: [m] regions of the body that go no farther rest, 0 where all is stepped, see `set_slack`.
@@ -51,11 +50,16 @@ class Session:
     """
 
     def __init__(
-        self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None, slack: float = 0.0
+        self,
+        model: Model,
+        *,
+        tick: float = TICK,
+        backend: str = "native",
+        proxy: Proxy | None = None,
+        slack: float = 0.0,
     ) -> None:
         self.clock, self._slow = Clock(tick), math.inf
-        self.backend, self.backend_note = choose_backend(backend)
-        self.contact_note = ""
+        self.backend, self.contact_note = backend, ""
         self.slack = slack
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         self._glide: Glide | None = None  # of constants that were changed

@@ -24,7 +24,6 @@ TOO_COARSE = (
     "larger fingertip."
 )
 RIGGED = "A rig moves this body, so a local wall of the measured law is rendered."
-NO_CORE = "There is no native core for this machine, so a local wall of the measured law is rendered."
 
 
 def _parcels() -> Parcels:
@@ -110,9 +109,7 @@ class Beside:
         model = body.session.body.model
         if self._looked[0] is not model or self._looked[1] != radius:
             self._looked, self.reason = (model, radius), ""
-            if body.session.backend != "native":
-                self.reason = NO_CORE
-            elif model.rigged:
+            if model.rigged:
                 self.reason = RIGGED
             elif cost_of(model) > HEAVIEST:
                 self.reason = TOO_FINE

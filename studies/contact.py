@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from core.base import Floats, Ints
-from core.body.facets import nearest_on_triangles
+from core.mesh.nearest import nearest_on_triangles
 from core.props import PropWorld
 from core.session import Session
 

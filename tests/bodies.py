@@ -9,11 +9,11 @@ import pytest
 
 from core import native
 from core.base import Floats, Ints
-from core.body.contact import Skin
 from core.body.model import State
 from core.session import Session
 from core.solver.backend import Body
 from core.solver.rigid import rotation
+from studies.reference.contact import Skin
 
 Shape = tuple[Floats, Ints]
 REAL = ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")  # scans and exports as they come

@@ -54,7 +54,7 @@ class TouchedBody:
     def __init__(self, model: Model, surface: Model, tick: float) -> None:
         from ..solver.backend import create
 
-        self.body: Body = create(model, surface=surface, backend="native")
+        self.body: Body = create(model, surface=surface)
         self.frame: Frame | None = None
         self.load, self._ticks, self._borrowed = 0.0, 0, 0.0
         self.where: Where = (ZERO, 1.0, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), 0.0)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Floats, Ints
-from ..body.facets import nearest_on_triangles
 from ..body.shape_matching import Pose
+from .nearest import nearest_on_triangles
 from .surface import Mesh
 
 SAME_SIDE = 0.5  # cosine: a deep fingertip may be nearer to another side than to the one it entered through

@@ -84,7 +84,7 @@ _TOUCH_NUMBERS = len(_letters(CTouch))
 
 
 class Body:
-    """A body in the library, which owns its state; freed with this object. Its twin is `solver.twin.Twin`.
+    """A body in the library, which owns its state; freed with this object.
 
     Args:
         model: what moves.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..body.proximity import OFFSET
 from ..mesh.surface import Mesh
+from ..solver.scene import OFFSET
 from .planner import Plan
 
 BENT = 0.07  # of the spacing: how far a mesh stands out where a sharp edge bends its proxy (dev.py core meeting)

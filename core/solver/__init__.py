@@ -1,7 +1,5 @@
-"""What owns the state of a body and steps it.
+"""What goes into a call of the native core and comes out, and what makes a body.
 
-motion (what goes into a call and comes out), backend (native core or numpy), twin (the numpy implementation),
-semi_implicit (its method), ticks, path.
-
-A method is `run(model, state, path, *, tick, substeps) -> impulses`; those that do not ship are in studies/methods.
+motion and scene (what happens in a call, and what comes of it), backend (makes bodies and scenes), rigid (props),
+glide and pushed (changing constants, and fingertips that a force pushes).
 """

@@ -1,4 +1,4 @@
-"""Which code owns and steps a body: the native core where there is one, else its numpy twin."""
+"""What owns and steps a body: the native core, here or in the process of a device."""
 
 from __future__ import annotations
 
@@ -11,15 +11,14 @@ from ..base import DimpleError, Floats
 from ..body.model import Model
 from ..body.regions import Regions
 from .motion import Frame, Motion
-from .scene import Collider, Scene
-from .twin import Twin
-from .twin_scene import TwinScene
+from .scene import Collider
 
 WORKERS = min(os.cpu_count() or 1, 64)  # the library takes no more
+BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 
 
 class Body(Protocol):
-    """What either backend offers; `native.Body` says more."""
+    """What steps a body; `native.Body` says more."""
 
     model: Model
 
@@ -34,67 +33,34 @@ class Body(Protocol):
     def step(self, motion: Motion) -> Frame: ...
 
 
-def choose_backend(wanted: str = "auto") -> tuple[str, str]:
-    """Return the name of what steps, and why it is not the native core.
-
-    Args:
-        wanted: "auto", "native" (single precision), "native64" or "numpy".
-
-    Raises:
-        DimpleError: it does not exist, or cannot run here and was asked for by name.
-    """
-    if wanted not in ("auto", "native", "native64", "numpy"):
-        raise DimpleError(f"There is no backend {wanted}: take auto, native, native64 or numpy.")
-    note = "" if wanted == "numpy" else native.why_not()
-    if note and wanted != "auto":
-        raise DimpleError(note)
-    return ("numpy" if note or wanted == "numpy" else wanted.replace("auto", "native")), note
-
-
 def create(
-    model: Model, *, surface: Model | None = None, backend: str = "auto", regions: Regions | None = None
+    model: Model, *, surface: Model | None = None, backend: str = "native", regions: Regions | None = None
 ) -> Body:
     """Return a body at rest that owns its state.
 
     Args:
         surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
-        backend: as in `choose_backend`.
+        backend: "native" (single precision) or "native64".
         regions: that rest and wake by themselves, None where all of it is stepped.
 
     Raises:
-        DimpleError: as in `choose_backend`.
+        DimpleError: no such backend, or no native core runs here.
     """
-    name, _ = choose_backend(backend)
-    if name == "numpy":
-        return Twin(model, surface=surface, regions=regions)
-    return native.Body(model, native.library(), surface=surface, regions=regions, bits=64 if name == "native64" else 32)
+    if backend not in BITS:
+        raise DimpleError(f"There is no backend {backend}: take native or native64.")
+    return native.Body(model, native.library(), surface=surface, regions=regions, bits=BITS[backend])
 
 
 def step_bodies(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[Frame]:
-    """Run a motion of each of several bodies that do not meet: in one call, on all cores, where they are native."""
+    """Run a motion of each of several bodies that do not meet: in one call, on all cores, where they are here."""
     if len(bodies) > 1 and all(isinstance(body, native.Body) for body in bodies):
         return native.step_many(cast(Sequence[native.Body], bodies), motions, workers=WORKERS)
     return [body.step(motion) for body, motion in zip(bodies, motions, strict=True)]
 
 
 def create_scene(
-    bodies: Sequence[Body],
-    colliders: Sequence[Collider],
-    *,
-    itself: Sequence[int],
-    backend: str,
-    offsets: Sequence[float] = (),
-) -> Scene:
-    """Return bodies and colliders that are stepped together.
-
-    Args:
-        bodies: of one backend.
-        itself: whether each body meets itself too; LEAVES_OUT: but for what passes through itself now.
-        backend: that the bodies have.
-        offsets: the distance [m] that each body holds, 0 for a share of its edges, as all do by default; colliders hold
-            the least of them.
-    """
-    if backend == "numpy":
-        return TwinScene(cast(Sequence[Twin], bodies), colliders, itself=itself, offsets=offsets)
+    bodies: Sequence[Body], colliders: Sequence[Collider], *, itself: Sequence[int], offsets: Sequence[float] = ()
+) -> native.Scene:
+    """Return bodies and colliders that are stepped together; see `native.Scene`."""
     soft = cast(Sequence[native.Body], bodies)
     return native.Scene(soft, colliders, native.library(), itself=itself, offsets=offsets)

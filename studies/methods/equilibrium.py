@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.contact import Touch
 from core.body.model import Model, State, initial_state
 
+from ..reference.contact import Touch
 from .newton import pressed, solve
 
 FIRST_STEP = 0.01  # [s]

@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.contact import Touch, rest_on_ground
-from core.body.facets import faces_near
 from core.body.model import Model, State
-from core.solver.path import FingerPath
-from core.solver.ticks import each_tick, moved_back
+
+from ..reference.contact import Touch, rest_on_ground
+from ..reference.facets import faces_near
+from ..reference.path import FingerPath
+from ..reference.ticks import each_tick, moved_back
 
 # advance(model, state, touches, dt): move a state in place by dt [s], fingertips to where they are at its end, and
 # return the impulses (k, 3) [N s]

@@ -19,9 +19,9 @@ import numpy as np
 from core.base import Floats, Ints
 from core.body import pressure, shape_matching
 from core.body.model import Model, State
-from core.solver.path import FingerPath
-from core.solver.ticks import run_ticks
 
+from ..reference.path import FingerPath
+from ..reference.ticks import run_ticks
 from .cached import kept
 from .colours import colours
 from .implicit import require_energy

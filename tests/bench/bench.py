@@ -32,7 +32,7 @@ from core.mesh.surface import Mesh, base_vertices
 from core.session import Finger, Session
 from core.solver.backend import Body
 from core.solver.motion import FingertipMotion, Motion
-from core.solver.twin import Twin
+from studies.reference.twin import Twin
 from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 from tests.bench.chart import draw
 

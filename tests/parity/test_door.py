@@ -16,7 +16,6 @@ import pytest
 
 from core import base, native
 from core.base import Floats
-from core.body import contact, facets, proximity, touching
 from core.body.model import Model
 from core.mesh import depth
 from core.mesh.surface import mesh_from_triangles
@@ -27,8 +26,20 @@ from core.native.definition import Arrays, BodyDef, Constants, define
 from core.native.scene import CColliderMotion, ColliderDef, CProp
 from core.reduction import binding, kept_skin
 from core.session import MAX_FINGERS, Session
-from core.solver import bounds, falling, motion, regions, rolling, scene, twin_props, twin_scene
+from core.solver import motion, scene
 from core.solver.motion import FingertipMotion, Motion
+from studies.reference import (
+    bounds,
+    contact,
+    facets,
+    falling,
+    proximity,
+    regions,
+    rolling,
+    touching,
+    twin_props,
+    twin_scene,
+)
 from tests.bodies import TETRAHEDRON, after
 from tests.native_core import missing
 from tests.parity.cases import CASES, TICK, build, run

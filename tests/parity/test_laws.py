@@ -10,8 +10,9 @@ from core.base import Floats
 from core.body.model import Model, build_model
 from core.material import FINGERTIP
 from core.mesh.surface import base_vertices, mesh_from_triangles
-from core.solver.backend import Body, create
+from core.solver.backend import Body
 from core.solver.motion import FingertipMotion, Frame, Motion
+from studies.reference import create
 from tests.parity.cases import CASES, SIZE, SOFT, TICK, build, run
 
 DOUBLE, SINGLE = 1e-9, 1e-4  # of the size

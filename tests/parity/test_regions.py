@@ -11,8 +11,9 @@ from core.body.model import Model, build_model
 from core.body.regions import divide
 from core.material import PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
-from core.solver.backend import Body, create
+from core.solver.backend import Body
 from core.solver.motion import FingertipMotion, Frame, Motion
+from studies.reference import create
 from tests.bodies import ball, hemisphere, sheet
 
 RADIUS, SLACK, SPEED = 0.01, 5e-5, 0.1

@@ -7,9 +7,9 @@ import pytest
 
 from core.base import DimpleError
 from core.session import Session
-from core.solver.backend import create
 from core.solver.motion import FingertipMotion, Motion
 from studies import scenes
+from studies.reference import create
 
 
 def pressed(backend: str, subdivisions: int, seconds: float) -> list[np.ndarray]:

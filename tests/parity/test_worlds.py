@@ -11,8 +11,8 @@ from core.props import PropWorld
 from core.session import Session
 from core.solver.motion import Motion
 from core.solver.scene import Collider, ColliderMotion
-from core.solver.twin import Twin
-from core.solver.twin_scene import TwinScene
+from studies.reference.twin import Twin
+from studies.reference.twin_scene import TwinScene
 from tests.bodies import ball, block, sheet
 
 SOFT = Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.2)

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.body.contact import Step, Touch, resolve
-from core.body.facets import nearest_on_triangles
 from core.body.model import Model, build_model
 from core.material import PRESETS
+from core.mesh.nearest import nearest_on_triangles
 from core.mesh.surface import base_vertices
 from core.session import Finger, Session
 from studies.primitives import icosphere, sized
+from studies.reference.contact import Step, Touch, resolve
 from studies.scenes import cube
 from tests.bodies import after, backends, hard
 

@@ -14,10 +14,10 @@ from core.body.model import STIFFENS, Model, State, build_model, initial_state
 from core.material import PRESETS, Material, Preset
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Session
-from core.solver import semi_implicit
-from core.solver.path import FingerPath
 from studies import scenes
 from studies.methods import native as native_method
+from studies.reference import semi_implicit
+from studies.reference.path import FingerPath
 from tests.bodies import TETRAHEDRON, after, backends, ball, hemisphere, sheet, state_of
 
 RATES = (24.0, 30.0, 60.0, 120.0)

@@ -17,9 +17,9 @@ from core.body.springs import build_springs
 from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Finger, Session
-from core.solver import semi_implicit
-from core.solver.path import FingerPath
 from studies.paper_laws import surface_stretch, surface_tension
+from studies.reference import semi_implicit
+from studies.reference.path import FingerPath
 from studies.specimen import cube_triangles
 from tests.bodies import TETRAHEDRON, backends, ball
 

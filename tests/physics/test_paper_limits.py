@@ -16,9 +16,9 @@ from core.body.forces import forces
 from core.body.model import Model, State, build_model, initial_state
 from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
-from core.solver import semi_implicit
-from core.solver.path import FingerPath
 from studies.paper_laws import spring_energy, surface_stretch, surface_tension
+from studies.reference import semi_implicit
+from studies.reference.path import FingerPath
 from studies.scenes import cube
 from tests.bodies import ball
 

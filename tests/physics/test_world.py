@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation
 import core.world
 from core.base import DimpleError
 from core.body.model import build_model
-from core.body.proximity import OFFSET, find_pairs, join_surfaces
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
-from core.solver.scene import SceneFrame
+from core.solver.scene import OFFSET, SceneFrame
 from core.world import Collider, World
+from studies.reference.proximity import find_pairs, join_surfaces
 from studies.scenes import cube
 from tests.bodies import ball, sheet
 

@@ -10,11 +10,11 @@ import pytest
 from core.base import DimpleError
 from core.body.model import build_model, initial_state
 from core.mesh.surface import base_vertices
-from core.solver.path import FingerPath
 from studies.conservation import energy
 from studies.methods import newton
 from studies.methods.registry import METHODS
 from studies.motion import move
+from studies.reference.path import FingerPath
 from studies.scenes import BALL, FINGERTIP, ball, twisted_ball
 from studies.work_precision import cases, exact, run
 

@@ -12,7 +12,6 @@ from core.base import DimpleError, Floats
 from core.body.model import Model, State, build_model, initial_state
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
-from core.solver.path import FingerPath
 from studies.methods import vertex_block_descent
 from studies.methods.colours import colours
 from studies.methods.equilibrium import Equilibrium, equilibrium, spheres
@@ -20,6 +19,7 @@ from studies.methods.implicit import run_implicit
 from studies.methods.newton import CONTACT_STIFFNESS
 from studies.methods.registry import METHODS, Run
 from studies.motion import move, relative_error
+from studies.reference.path import FingerPath
 from studies.scenes import BALL, FINGERTIP, ball, cube, twisted_ball
 
 SWEEPING = [name for name, method in METHODS.items() if method.kind == "sweeping"]

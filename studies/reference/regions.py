@@ -11,10 +11,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..base import Bools, Floats, Ints
-from ..body.model import Model, State
-from ..body.regions import Regions
-from ..body.shape_matching import Pose
+from core.base import Bools, Floats, Ints
+from core.body.model import Model, State
+from core.body.regions import Regions
+from core.body.shape_matching import Pose
 
 REGION_TIME = 0.1  # [s]
 

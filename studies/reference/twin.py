@@ -7,20 +7,24 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Bools, Floats, Ints
-from ..body import pressure
-from ..body.model import Model, State, initial_state
-from ..body.moved_rest import on_its_way, with_rest
-from ..body.regions import Regions
-from ..body.shape_matching import Pose, carried_pose, fit_pose
-from ..material import law_force
-from ..mesh.depth import RestSurface, Touching, rest_surface, touching
+from core.base import FINGER_TRAVEL, Bools, Floats, Ints
+from core.body import pressure
+from core.body.model import Model, State, initial_state
+from core.body.moved_rest import on_its_way, with_rest
+from core.body.regions import Regions
+from core.body.shape_matching import Pose, carried_pose, fit_pose
+from core.material import law_force
+from core.mesh.depth import RestSurface, Touching, rest_surface, touching
+from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion, Touch, Vector
+
 from . import semi_implicit
-from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch, Vector
 from .path import FingerPath
 from .regions import Awake
 from .rest import Rest, reaches
 from .ticks import each_tick
+
+LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
+FASTEST = 1e6  # sizes in a tick: so has one as fast
 
 
 @dataclass(slots=True, kw_only=True)

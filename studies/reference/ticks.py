@@ -7,12 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base import SKIN_TRAVEL, Floats, Ints
-from ..body import contact
-from ..body.contact import Step, Touch
-from ..body.forces import forces
-from ..body.model import Model, State
+from core.base import Floats, Ints
+from core.body.forces import forces
+from core.body.model import Model, State
+
+from . import contact
+from .contact import Step, Touch
 from .path import FingerPath
+
+SKIN_TRAVEL = 0.5  # of a fingertip's radius: the most the skin may move in a substep, or it would pass the fingertip
 
 # advance(model, state, dt, acceleration): move a state in place by dt [s], contact apart. The acceleration (3, n)
 # [m/s2] at the start is given where the step before left it, and returned where the next one may have it.

@@ -1,0 +1,26 @@
+"""The reference: what the native core does, in numpy, to be read and tested against.
+
+twin (a body) and twin_scene (bodies that meet) step by semi_implicit; ticks, path and rest, contact and facets are of
+the fingertip, touching, proximity, bounds, crossing, islands and rolling of what meets, falling and twin_props of
+props, cells and carry of proxies. The laws are those of `core.body`.
+
+A method is `run(model, state, path, *, tick, substeps) -> impulses`; those that lost are in studies/methods.
+"""
+
+from __future__ import annotations
+
+from core.body.model import Model
+from core.body.regions import Regions
+from core.solver import backend as native
+from core.solver.backend import Body
+
+from .twin import Twin
+
+
+def create(
+    model: Model, *, surface: Model | None = None, backend: str = "native", regions: Regions | None = None
+) -> Body:
+    """Return a body of the product, or its twin where the backend is "numpy"; see `core.solver.backend.create`."""
+    if backend == "numpy":
+        return Twin(model, surface=surface, regions=regions)
+    return native.create(model, surface=surface, backend=backend, regions=regions)
