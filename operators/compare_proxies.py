@@ -41,12 +41,11 @@ class DIMPLE_OT_compare_proxies(Working, bpy.types.Operator):
     def _begin(self, context: bpy.types.Context):
         """Return the steps; live sessions end first, for a body is pressed from rest."""
         from ..core.reduction.benchmark import choose_presses, compare_proxies
-        from ..core.reduction.proxy import check, most_of
+        from ..core.reduction.proxy import most_of
         from . import bridge
 
         sessions.stop_all()
         link, model = bridge.read_body(context, context.object, identify="WAIT")
-        check(model)
         self._link, self._found = link, []
         radius = context.scene.dimple.finger_radius_mm / 1e3
         presses = choose_presses(model, radius, self.presses)

@@ -7,7 +7,6 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from core import native
 from core.base import Floats, Ints
 from core.body.model import State
 from core.session import Session
@@ -106,11 +105,6 @@ def signed_volume(points: Floats, faces: Ints) -> float:
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = points[i], points[j], points[k]
         total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
     return total / 6
-
-
-def backends(*wanted: str) -> list[str]:
-    """Return those of the backends that run here; numpy always does."""
-    return [b for b in wanted if b == "numpy" or not native.why_not()]
 
 
 def after(session: Session, seconds: float) -> npt.NDArray[np.float32]:

@@ -77,9 +77,6 @@ WORDS = {
     "A rig moves this body, so a local wall of the measured law is rendered.": (
         "この物体はリグで動くため、測定した法則の局所的な壁を提示します。"
     ),
-    "There is no native core for this machine, so a local wall of the measured law is rendered.": (
-        "このコンピューター用のネイティブコアがないため、測定した法則の局所的な壁を提示します。"
-    ),
     "Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.": (
         "Blender の描画が遅すぎます。デッドマンキーが切れて力が出ません。プロキシを使ってください。"
     ),

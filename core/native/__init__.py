@@ -34,7 +34,7 @@ from .first_use import check
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
-ABI = 23
+ABI = 24
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
 
 _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip

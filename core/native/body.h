@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define DM_BLOCK 32 /* triangles that share a bounding box */
-#define DM_CONTACT_SWEEPS 16 /* as in core/body/contact.py */
+#define DM_CONTACT_SWEEPS 16 /* as in studies/reference/contact.py */
 #define DM_HELD_PART 0.1
 #define DM_SPEED_SLACK 1e-6
 #define DM_PUSH_FLOOR 1e-8
@@ -32,7 +32,7 @@
 #define DM_FASTEST 1e6
 #define DM_PIN_BEHIND 1e-4 /* of the size: a pin that is farther from its place was held back */
 #define DM_SAME_SIDE 0.5 /* as in core/mesh/depth.py */
-#define DM_REGION_TIME 0.1 /* as in core/solver/regions.py */
+#define DM_REGION_TIME 0.1 /* as in studies/reference/regions.py */
 #define DM_REST_SPEED 1e-3 /* as in core/base.py, with the three below */
 #define DM_REST_TIME 0.25
 #define DM_REST_WAY 1e-6
@@ -166,7 +166,7 @@ struct dm_state {
     uint32_t (*fans)[3], (*caps)[2], *cap_hole;
     double (*holes)[7]; /* centre, pull of the rim, number of edges: room for one step */
 
-    int32_t fill, law_set;
+    int32_t fill;
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure, rest_pressure;
     int pins_met;  /* something held a pin back */
     double jumped; /* [m] the farthest that a pin was put after the last tick, to be where it was sent to the digit */
@@ -200,8 +200,7 @@ struct dm_state {
     dm_contact *hits;
     dm_quad *before; /* where vertices near a fingertip were at the begin of the step */
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */
-    uint8_t *is_moved, *touching;
-    double inner_force;
+    uint8_t *is_moved;
 
     int meets;             /* it is stepped in a scene */
     uint64_t changes;      /* counts what was done to it but by a scene */

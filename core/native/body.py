@@ -152,8 +152,7 @@ class Body:
             self._call("dm_set_rest", self._handle, arrays.double(rest), arrays.double(rate))
 
     def set_load(self, load: Floats | None) -> None:
-        """Push each vertex by a force (3, n) [N] from now on, None by none; the paper's laws take none,
-        and `set_state` ends it.
+        """Push each vertex by a force (3, n) [N] from now on, None by none; `set_state` ends it.
 
         Raises:
             NativeError: a force that is no number.

@@ -1,6 +1,6 @@
 /* Regions: parts of a pinned body that are stepped only while something moves in them or beside. Where nothing has gone
  * farther than the slack for DM_REGION_TIME, a region rests where it is, without a speed, and it goes on from there.
- * Source: core/solver/regions.py. */
+ * Source: studies/reference/regions.py. */
 #include "body.h"
 
 enum { DM_SLEEPS, DM_BORDERS, DM_STEPS };
@@ -87,7 +87,7 @@ static void dm_choose_stepped(dm_state *b, const dm_motion *m) {
     double bulge = b->fill == DM_FILL_NONE ? 0 : fabs(b->pressure - r->pressure) * b->rest_area / b->k1_total;
     int pushed = r->changed && (b->rest_pressure != 0 || dm_inner3(b->gravity, b->gravity) > 0);
     int all = pushed || bulge > r->slack || !b->any_k1 || b->free || b->meets || b->moving || m->pins_to;
-    all |= b->law_set != DM_LAWS_CONSISTENT || b->ground > -INFINITY;
+    all |= b->ground > -INFINITY;
     if (all || r->changed) dm_wake_displaced(b, all);
     for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++)
         for (int64_t k = 0; k < t->noted_count; k++) dm_note_moved(b, t->noted[k]);

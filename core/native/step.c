@@ -1,4 +1,4 @@
-/* Semi-implicit Euler, then contact. Source: core/solver/semi_implicit.py, core/body/model.py forces; and what of a
+/* Semi-implicit Euler, then contact. Source: studies/reference/semi_implicit.py, core/body/forces.py; and what of a
  * body changes from tick to tick: its pins, where its numbers are counted from, and whether it is still whole. */
 #include "body.h"
 #include "profile.h"
@@ -49,14 +49,6 @@ static void dm_take_moment(dm_state *b) {
 }
 
 static void dm_substep(dm_state *b) {
-    if (b->law_set == DM_LAWS_PAPER) {
-        b->pressure = dm_paper_pressure(b);
-        dm_apply_gravity(b);
-        if (b->pressure != 0) dm_paper_pressure_force(b);
-        dm_paper_spring_force(b);
-        dm_advance_pinned(b, b->pressure);
-        return;
-    }
     if (b->free) DM_TIMED(DM_FITS, dm_fit_body(b));
     DM_TIMED(DM_RINGS, (b->free ? dm_ring_pass_free : dm_ring_pass_pinned)(b));
     if (b->free) dm_take_moment(b);
@@ -207,11 +199,9 @@ static int dm_is_finite(dm_state *b, double tick, double *centre) {
 }
 
 static void dm_measure_depths(dm_state *b, const dm_motion *m, dm_frame *frame) {
-    b->inner_force = 0;
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         if (!m->fingertips[k].down) continue;
         dm_measure_depth(b, k, m->fingertips[k].radius, frame->pose, frame->touches + k);
-        b->inner_force += frame->touches[k].law_force;
     }
 }
 
@@ -242,7 +232,6 @@ static void dm_enter_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
 
 static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     b->dt = m->tick / (double)m->substeps;
-    if (b->law_set == DM_LAWS_PAPER && !b->asleep) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
     dm_carry_fingertips(b, m, t);
     if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
     if (!b->asleep) dm_enter_tick(b, m, t, frame);
@@ -282,7 +271,7 @@ static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     if (m->pins_to && frame->moved) dm_finish_pins(b, m);
     frame->pressure = b->pressure;
     if (!frame->finite) return;
-    int known = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE && frame->ticks;
+    int known = b->fill != DM_FILL_NONE && frame->ticks;
     frame->volume = b->asleep ? b->still_volume : known ? b->volume : dm_volume_of_faces(b, NULL);
     if (m->fingertips[0].down || m->fingertips[1].down || m->fingertips[2].down) {
         if (b->asleep) memcpy(frame->pose, b->still_pose, sizeof b->still_pose);

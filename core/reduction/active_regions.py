@@ -34,7 +34,7 @@ def may_rest(model: Model) -> bool:
     """Tell whether parts of a body can rest while others are pressed."""
     pushed = model.pressure.rest_pressure or model.gravity.any() or model.ground is not None
     holds = model.matching.k1.any() and not model.free and not model.rigged
-    return bool(holds and not pushed) and model.law_set == "consistent" and model.pressure.fill not in KEEP_VOLUME
+    return bool(holds and not pushed) and model.pressure.fill not in KEEP_VOLUME
 
 
 def share_awake(model: Model, radius: float, slack: float) -> float:

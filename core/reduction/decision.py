@@ -23,7 +23,7 @@ from .active_regions import may_rest, share_awake, slack_of
 from .error_model import expected, vertices_for
 from .grading import Pressed, share_of
 from .processor_time import BUDGET, ESTIMATED, speed_of, work_of
-from .proxy import LARGEST, check, most_of
+from .proxy import LARGEST, most_of
 from .slow_press import MOST, times_faster
 
 TOLERANCE = 0.5e-3  # [m] between the surfaces, over the dent
@@ -159,12 +159,8 @@ def _sized(decided: Decision, pressed: Pressed | None) -> Decision:
     if least > most and decided.cost > TOO_SLOW * decided.budget:
         least = vertices_for(model, radius, COARSEST, radius, share)
     decided = replace(decided, keeping=keeping, least=least, most=most, pressed=pressed)
-    try:
-        check(model)
-        if least > most:
-            raise too_few(decided)
-    except DimpleError as error:
-        return replace(decided, reason=anyway(decided, error))
+    if least > most:
+        return replace(decided, reason=anyway(decided, too_few(decided)))
     number = min(wanted, most)
     errors = expected(model, number, radius, share)
     reason = proxys_reason(decided.because, number, pressed, "is to be made", *errors)

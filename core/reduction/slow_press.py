@@ -46,7 +46,7 @@ def times_faster(model: Model, pressed: Pressed, tolerance: float, force_toleran
 def answer_time(model: Model, depth: float) -> float:
     """Return the longest time tau [s] in which a vertex answers within a depth [m], infinite where nothing holds it."""
     law, moves = model.matching, model.inverse_mass > 0
-    if model.free or model.rigged or model.law_set == "paper" or not (moves.any() and depth > 0):
+    if model.free or model.rigged or not (moves.any() and depth > 0):
         return math.inf
     softest = np.full(len(model.mass), np.inf)
     for d in depth * np.arange(1, LOOKS + 1) / LOOKS:

@@ -68,10 +68,10 @@ def equilibrium(
         the equilibrium downhill from the start; `converged` is False where STEPS did not reach it.
 
     Raises:
-        DimpleError: the laws have no energy (Eq. (2)), or there is a ground plane, which is not solved for.
+        DimpleError: there is a ground plane, which is not solved for.
     """
-    if model.law_set == "paper" or model.ground is not None:
-        raise DimpleError("An equilibrium needs laws with an energy and no ground plane. Use the consistent law set.")
+    if model.ground is not None:
+        raise DimpleError("An equilibrium needs a body without a ground plane.")
     state = initial_state(model)
     if start is not None:
         state.positions[:] = start

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.base import DimpleError, Floats
+from core.base import Floats
 from core.body.model import Model, State
 
 from ..reference.contact import Touch, rest_on_ground
@@ -32,7 +32,6 @@ def run_implicit(
     Raises:
         DimpleError: the laws have no energy, so no implicit method may be used.
     """
-    require_energy(model)
     total = np.zeros((len(path.radii), 3))
     for near in each_tick(model, state, path, tick):
         touches = [with_all_faces(model, state, touch) for touch in near]
@@ -55,16 +54,3 @@ def with_all_faces(model: Model, state: State, touch: Touch) -> Touch:
         state.positions, model.mesh.triangles, model.inverse_mass, touch.centre, WITHIN * touch.radius
     )
     return replace(touch, triangles=model.mesh.triangles[near])
-
-
-def require_energy(model: Model) -> None:
-    """Refuse laws without an energy.
-
-    Raises:
-        DimpleError: the pressure is Eq. (2).
-    """
-    if model.law_set == "paper":
-        raise DimpleError(
-            "This method needs laws with an energy, and Eq. (2) has none. "
-            "Choose the consistent law set, or an explicit method."
-        )

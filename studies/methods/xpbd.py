@@ -24,7 +24,6 @@ from ..reference.path import FingerPath
 from ..reference.ticks import run_ticks
 from .cached import kept
 from .colours import colours
-from .implicit import require_energy
 from .tangent import stiffness_parts
 
 _TINY = 1e-30
@@ -73,7 +72,6 @@ def run(model: Model, state: State, path: FingerPath, *, tick: float, substeps: 
     Raises:
         DimpleError: the laws have no energy.
     """
-    require_energy(model)
     return run_ticks(advance, model, state, path, tick=tick, substeps=substeps)
 
 

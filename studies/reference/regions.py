@@ -60,7 +60,7 @@ class Awake:
         pushed = self.changed and bool(model.pressure.rest_pressure or model.gravity.any())
         if (
             pushed or led or bulge > regions.slack or model.free or not model.matching.k1.any()
-            or model.law_set != "consistent" or model.ground is not None
+            or model.ground is not None
         ):  # fmt: skip
             self.moved[:], self.pressure = self.clock, state.pressure
         elif self.changed:

@@ -74,7 +74,7 @@ def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int
     model_mb, substeps = memory_mb() - before, model.substeps(TICK)
 
     bodies: dict[str, tuple[Body, float, float]] = {}
-    for name, options in KINDS.items() if not native.why_not() else ():
+    for name, options in KINDS.items():
         if n <= slowest or name == "native":
             before, started = memory_mb(), time.perf_counter()
             body: Body = native.Body(model, native.library(), **options)
@@ -294,8 +294,7 @@ def main(words: list[str]) -> int:
         from tests.bench import profile
 
         return profile.main()
-    note = native.why_not()
-    print(f"{note or native.instructions()}; {machine()}; Python {platform.python_version()}, numpy {np.__version__}")
+    print(f"{native.instructions()}; {machine()}; Python {platform.python_version()}, numpy {np.__version__}")
     print("scene      vertices backend         ns/vertex/step    least real time   set-up     MB")
     cases: list[dict[str, Any]] = []
     seconds, repeats, slowest = (0.4, 1, 12_000) if options.quick else (0.8, 2, 50_000)

@@ -120,7 +120,7 @@ def measured(bpy: ModuleType) -> Iterator[str]:
     from bl_ext.user_default.dimple.operators import beside
 
     yield from (CONSENT, *STEPS)
-    yield from (body_host.TOO_FINE, beside.TOO_COARSE, beside.RIGGED, beside.NO_CORE)
+    yield from (body_host.TOO_FINE, beside.TOO_COARSE, beside.RIGGED)
     yield from (text for preset in (*PRESETS, *EVERYDAY) for text in (preset.label, preset.provenance))
 
 

@@ -12,10 +12,10 @@ from core.material import PRESETS, Material
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.reduction.active_regions import may_rest, share_awake
 from core.session import Finger, Session
-from tests.bodies import backends, ball, sheet
+from tests.bodies import ball, sheet
 
 RADIUS, SLACK = 0.01, 1e-4  # [m]
-EVERY = backends("native64", "native")
+EVERY = ["native64", "native"]
 FOAM = Material(K1=400, K2=1200, x0=0.01, k=500, mass=3.0, fill="none", spread=0.01)
 AIR = replace(PRESETS[1].material, mass=3.0, spread=0.01)
 
@@ -42,7 +42,7 @@ class Beside:
 
     model: Model
     slack: float = SLACK
-    backend: str = "auto"
+    backend: str = "native"
 
     def __post_init__(self) -> None:
         self.pair = [Session(self.model, backend=self.backend, slack=slack) for slack in (self.slack, 0.0)]

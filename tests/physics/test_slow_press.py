@@ -106,9 +106,8 @@ def test_only_a_slow_press_on_a_pinned_body_is_simulated_faster(model: Model) ->
     assert times_faster(model, slow, *TOLERANCES)[0] == FASTER
     assert times_faster(model, slow._replace(speed=slow.speed / 100), *TOLERANCES)[0] == 8, "and no more"
     free = build_model(model.mesh, [BALL])
-    paper = build_model(model.mesh, [BALL], law_set="paper", pinned=base_vertices(model.mesh))
     rigged = replace(model, rigged=True)
-    for other in (free, paper, rigged):
+    for other in (free, rigged):
         assert times_faster(other, slow, *TOLERANCES) == (1, 0.0)
     for press in (
         slow._replace(speed=5 * slow.speed), slow._replace(depth=DEPTH / 5), slow._replace(depth=0.0), slow.where,

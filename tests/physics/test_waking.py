@@ -18,9 +18,9 @@ from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
 from core.world import Collider, World
 from studies import scenes
-from tests.bodies import backends, ball, sheet
+from tests.bodies import ball, sheet
 
-EVERY = backends("native64", "native")
+EVERY = ["native64", "native"]
 RADIUS, TIP = scenes.BALL_RADIUS, 0.02
 TOP = float(scenes.ball(2).rest_positions[:, 2].max())
 SIZE = 2 * RADIUS

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from core.base import DimpleError, Floats
+from core.base import Floats
 from core.body.model import Model, State, build_model, initial_state
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
@@ -121,13 +121,6 @@ def test_a_weight_on_compliant_springs_hangs_as_low_at_any_substep() -> None:
     # plain position based dynamics would hang a third as low again at 12 as at 4
     assert sag[4] == pytest.approx(wanted, rel=0.01)
     assert sag[12] == pytest.approx(wanted, rel=0.01)
-
-
-@pytest.mark.parametrize("method", SWEEPING)
-def test_laws_without_an_energy_are_refused(method: str) -> None:
-    model = build_model(ball(1), [BALL], law_set="paper")
-    with pytest.raises(DimpleError, match="energy"):
-        move(model, initial_state(model), method, seconds=0.01, steps=1)
 
 
 def hung_corner() -> Model:

@@ -18,10 +18,10 @@ TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
 SECONDS = [0.05, 0.02, 0.0, 0.0335]
 
 
-def pressed(kind: str = "auto") -> list[Session]:
+def pressed() -> list[Session]:
     """Return balls: one pressed, one pushed by a force, one left alone, and a larger one."""
-    found = [Session(scenes.poke_ball(2).model, backend=kind) for _ in SECONDS[:-1]]
-    found.append(Session(scenes.poke_ball(3).model, backend=kind))
+    found = [Session(scenes.poke_ball(2).model) for _ in SECONDS[:-1]]
+    found.append(Session(scenes.poke_ball(3).model))
     for session, force in zip(found, (None, 1.0, None, None), strict=True):
         session.set_fingers([Finger((0.0, 0.0, TOP), scenes.FINGERTIP)])
         session.step(0.0)
@@ -29,12 +29,12 @@ def pressed(kind: str = "auto") -> list[Session]:
     return found
 
 
-@pytest.mark.parametrize(("kind", "workers"), [("auto", 1), ("auto", 2), ("auto", 7), ("numpy", 1)])
+@pytest.mark.parametrize("workers", [1, 2, 7])
 def test_bodies_stepped_together_move_to_the_bits_of_each_alone(
-    kind: str, workers: int, monkeypatch: pytest.MonkeyPatch
+    workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(backend, "WORKERS", workers)
-    alone, together = pressed(kind), pressed(kind)
+    alone, together = pressed(), pressed()
     expected = [session.step(dt) for session, dt in zip(alone, SECONDS, strict=True)]
     for frame, wanted, a, b in zip(step_all(together, SECONDS), expected, together, alone, strict=True):
         assert (frame.time, frame.impulses, frame.touches) == (wanted.time, wanted.impulses, wanted.touches)

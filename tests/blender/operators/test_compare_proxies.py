@@ -147,12 +147,6 @@ def test_escape_stops_a_comparison_and_nothing_has_changed(
     assert not bpy.context.window_manager.dimple.show_comparison
 
 
-def test_paper_laws_are_not_compared_and_the_message_says_why(bpy: ModuleType, ball: Any) -> None:
-    ball().dimple.law_set = "PAPER"
-    with pytest.raises(RuntimeError, match="paper's equations"):
-        bpy.ops.dimple.compare_proxies()
-
-
 def test_the_budget_is_shared_by_the_bodies_of_a_scene_and_a_new_one_plans_again(
     bpy: ModuleType, fine: Any, heavy: None, ball: Any
 ) -> None:
