@@ -207,8 +207,8 @@ def wheel_content(tag: str, name: str, library: bytes) -> bytes:
     memory = io.BytesIO()
     with zipfile.ZipFile(memory, "w") as archive:
         for path, content in files.items():  # LZMA is a fifth smaller, and every Python of Blender reads it
-            kind = zipfile.ZIP_LZMA if len(content) > SHORT else zipfile.ZIP_DEFLATED
-            archive.writestr(zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0)), content, kind, 9)
+            packed = zipfile.ZIP_LZMA if len(content) > SHORT else zipfile.ZIP_DEFLATED
+            archive.writestr(zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0)), content, packed, 9)
     return memory.getvalue()
 
 

@@ -307,7 +307,7 @@ def main(words: list[str]) -> int:
     for name, line in lines.items():
         print(f"{name}: " + ", ".join(f"{key} {value}" for key, value in line.items()))
     if options.json:
-        whole = {"machine": machine(), "instructions": note or native.instructions(), "bandwidth": speed}
+        whole = {"machine": machine(), "instructions": native.instructions(), "bandwidth": speed}
         options.json.write_text(json.dumps(whole | {"cases": cases, "summary": lines}, indent=1) + "\n")
     if not options.quick:
         path = Path(__file__).parent / f"{machine()}.csv"

@@ -15,28 +15,33 @@ import numpy as np
 import pytest
 
 from core import base, native
-from core.base import Floats
+from core.base import DimpleError, Floats
 from core.body.model import Model
 from core.mesh import depth
 from core.mesh.surface import mesh_from_triangles
+from core.native import first_use
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
 from core.native.carry import CBinding, CKept
 from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
 from core.native.scene import CColliderMotion, ColliderDef, CProp
-from core.reduction import binding, kept_skin
+from core.reduction import binding
 from core.session import MAX_FINGERS, Session
 from core.solver import motion, scene
 from core.solver.motion import FingertipMotion, Motion
 from studies.reference import (
     bounds,
+    carry,
     contact,
     facets,
     falling,
     proximity,
     regions,
+    rest,
     rolling,
+    ticks,
     touching,
+    twin,
     twin_props,
     twin_scene,
 )
@@ -92,12 +97,12 @@ def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
 # where C's constants have their twins, and those that are called otherwise there
 TWINS = (
     base, contact, facets, proximity, touching, bounds, motion, regions, rolling, falling, scene, twin_scene,
-    twin_props, binding, depth,
+    twin_props, binding, depth, rest, ticks, twin,
 )  # fmt: skip
 RENAMED = {
     "ABI": native.ABI, "PINNED_GIVE": contact.PINNED_GIVE, "SWEEPS": bounds.SWEEPS,
     "SCENE_IMPULSES": scene.MAX_IMPULSES, "ROLL_ARM": rolling.ARM, "ROLL_PART": rolling.PART, "PART": touching.PART,
-    "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS, "CARRY_REACH": kept_skin.REACH,
+    "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS, "CARRY_REACH": carry.REACH,
 }  # fmt: skip
 # what only C has: how much it takes, how it searches and lays things out, and what numpy writes into a formula
 OF_C = set(
@@ -212,8 +217,8 @@ def test_a_state_or_constants_of_another_body_are_refused(body: native.Body) -> 
 
 
 def test_steps_beyond_all_measure_are_refused(body: native.Body) -> None:
-    for ticks, substeps in ((-1, 1), (1, 0), (2**40, 1), (1, 2**62), (2**31, 2**33)):
-        assert code_of(lambda: body.step(Motion(ticks, substeps, 1e-3))) == SIZE  # noqa: B023
+    for count, substeps in ((-1, 1), (1, 0), (2**40, 1), (1, 2**62), (2**31, 2**33)):
+        assert code_of(lambda: body.step(Motion(count, substeps, 1e-3))) == SIZE  # noqa: B023
 
 
 def test_an_unknown_precision_or_fill_is_refused() -> None:

@@ -17,8 +17,10 @@ from core.reduction.binding import WHOLE, carry
 from core.reduction.cells import grow_cells, spread_seeds, vertex_normals
 from core.reduction.proxy import NORMAL_SHARE, Proxy, build_proxy, mean_spacing, painted
 from core.session import Finger, Session
-from studies import bodies, reference
+from studies import bodies
 from studies.dents import jittered
+from studies.reference import carry as in_numpy
+from studies.reference.cells import farthest_first, nearest_seeds, spread_cells
 from studies.scenes import BALL, ball, cube
 from tests.bodies import REAL, after, hemisphere, joined, real, soup
 from tests.bodies import ball as ball_shape
@@ -129,9 +131,9 @@ def test_the_native_core_carries_a_surface_as_numpy_does(model: Model, proxy: Pr
     rng = np.random.default_rng(2)
     x = proxy.model.matching.rest + 0.01 * rng.normal(size=(3, len(proxy.seeds)))
     skin, motions = native.carry(native.library(), proxy.binding, x)
-    twins = reference.carry.motions_of(proxy.binding, x)
+    twins = in_numpy.motions_of(proxy.binding, x)
     np.testing.assert_allclose(motions, twins, rtol=1e-6, atol=1e-7 * np.abs(twins).max())
-    np.testing.assert_allclose(skin, reference.carry.carry(proxy.binding, twins), atol=4e-7 * model.mesh.size)
+    np.testing.assert_allclose(skin, in_numpy.carry(proxy.binding, twins), atol=4e-7 * model.mesh.size)
     assert not np.array_equal(skin, proxy.binding.rest)
 
 
@@ -145,14 +147,14 @@ def test_the_native_core_grows_and_follows_cells_as_numpy_does(make: Callable[[]
     for taken, least in ((1, 0.0), (40, 0.0), (1, spacing**2)):
         for weights in (np.ones(len(place)), rng.uniform(0.02, 1, len(place))):
             chosen = native.farthest_first(library, place, weights, taken, least, 300)
-            assert np.array_equal(chosen, reference.cells.farthest_first(place, weights, taken, least, 300)) and len(chosen)
-    found, wanted = native.grow_cells(library, mesh.springs, place, seeds), reference.cells.spread_cells(mesh.springs, place, seeds)
+            assert np.array_equal(chosen, farthest_first(place, weights, taken, least, 300)) and len(chosen)
+    found, wanted = native.grow_cells(library, mesh.springs, place, seeds), spread_cells(mesh.springs, place, seeds)
     assert np.array_equal(found[0], wanted[0]) and np.array_equal(found[1], wanted[1])
     cells = np.maximum(wanted[0], 0)
     around = np.array([rng.permutation(len(seeds))[:30] for _ in seeds])
     around[::3, 5:] = -1
     first, followed, weights = native.follow_cells(library, place, seeds, cells, around)
-    twins = reference.cells.nearest_seeds(place, seeds, cells, around)
+    twins = nearest_seeds(place, seeds, cells, around)
     assert np.array_equal(first, twins[0]) and np.array_equal(followed, twins[1])
     assert np.abs(weights.astype(int) - twins[2]).max() <= 1
     sums = np.add.reduceat(weights, first[:-1], dtype=int).ravel()[: len(place)]
