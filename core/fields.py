@@ -90,10 +90,10 @@ def profile(session: Session, finger: int) -> tuple[Floats, Floats]:
     The cut lies across the press, along the axis of the scene that is most across it.
     """
     tip, mesh = session.placed[finger], session.model.mesh
-    touch = session.touches()[finger]
+    touch = session.frame.touches[finger]
     if tip is None or touch is None:
         return np.zeros(0), np.zeros(0)
-    inward, rest = -touch.outward, at_rest(session)
+    inward, rest = -np.array(touch.outward), at_rest(session)
     along = np.eye(3)[int(np.abs(inward[:2]).argmin())]
     along = along - (along @ inward) * inward
     along /= np.linalg.norm(along)

@@ -39,10 +39,11 @@ class Sample:
 
 def presses(*, cells: int) -> Iterator[Sample]:
     """Press Object 3 down to DEPTH in a quarter of a second by both; stop where the paper's blows up."""
+    law = PRESETS[2].material.law
     for frame in poke(poke_cube(cells), depth=DEPTH, frame_rate=FRAMES / SECONDS, seconds=SECONDS):
         yield Sample(
             laws="consistent", depth=float(frame.depths[0]), volume_ratio=frame.volume / frame.rest_volume,
-            force=float(frame.finger_forces[0, 2]), law_force=float(frame.law_forces[0]),
+            force=float(frame.finger_forces[0, 2]), law_force=law(float(frame.depths[0])),
         )  # fmt: skip
     yield from literal_press(cells)
 

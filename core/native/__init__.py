@@ -41,7 +41,7 @@ _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_create": (POINTER(c_void_p), POINTER(BodyDef), c_int32, c_int32),
     "dm_set_constants": (c_void_p, POINTER(Constants)),
     "dm_set_rest": (c_void_p, c_void_p, c_void_p),
-    "dm_set_load": (c_void_p, c_void_p),
+    "dm_wake_body": (c_void_p,),
     "dm_set_state": (c_void_p, c_void_p, c_void_p),
     "dm_get_state": (c_void_p, c_void_p, c_void_p),
     "dm_step": None,  # its arguments are made once, and quicker to hand over unchecked
@@ -126,16 +126,6 @@ def load(path: Path) -> ctypes.CDLL:
         getattr(library, name).argtypes = arguments
         getattr(library, name).restype = c_int32
     return library
-
-
-def take_tested() -> None:
-    """Load the library that another process of this installation has tested, so that it need not be tested again.
-
-    Raises:
-        OSError, NativeError: as in `load`; where there is none, nothing happens.
-    """
-    if found := next((path for path in places() if path.exists()), None):
-        _loaded.append(load(found))
 
 
 def use(own: ctypes.CDLL) -> None:
