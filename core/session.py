@@ -21,12 +21,12 @@ from .crowd import step_all
 from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
+from .native import Body, create
 from .other_tip import factors
 from .pins import Pins
 from .reduction.proxy import Proxy
 from .skin import Skin
 from .solver import motion
-from .solver.backend import Body, create
 from .solver.motion import MAX_STEPS, Motion
 
 MAX_FINGERS = 3

@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from . import native
 from .apart import pressed_clear, way_out
 from .base import DimpleError, Floats
 from .crowd import is_spent, ticks_that_fit
 from .session import Session
-from .solver.backend import create_scene
 from .solver.motion import MAX_STEPS
 from .solver.scene import LEAVES_OUT, ColliderMotion, Crossings, SceneFrame, Way
 from .solver.scene import Collider as Collider
@@ -205,11 +205,11 @@ class World:
         notes = [""] * len(itself)
         for i, body in enumerate(self._bodies):
             if itself[i] and self._apart[i]:
-                found = create_scene([body], (), itself=[True]).crossings()
+                found = native.Scene([body], (), native.library(), itself=[True]).crossings()
                 if found.pairs:
                     itself[i], notes[i] = LEAVES_OUT, _left_out(found)
         offsets = [session.proxy.offset if session.proxy else 0.0 for session in self.sessions]
-        self._scene = create_scene(self._bodies, now, itself=itself, offsets=offsets)
+        self._scene = native.Scene(self._bodies, now, native.library(), itself=itself, offsets=offsets)
         self.notes = notes
 
     def _place(self) -> None:
@@ -247,7 +247,7 @@ def drop_proxies(
     notes = [""] * len(sessions)
     while any(session.proxy for session in sessions):
         bodies = [session.body for session in sessions]
-        found = create_scene(bodies, colliders, itself=[0] * len(bodies)).crossings()
+        found = native.Scene(bodies, colliders, native.library(), itself=[0] * len(bodies)).crossings()
         pair = [i for i in found.surfaces if i < len(sessions)] if found.pairs else []
         proxied = [i for i in pair if sessions[i].proxy]
         if not proxied or any(apart[i] for i in pair):

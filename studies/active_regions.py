@@ -16,10 +16,10 @@ from core.body.model import Model, build_model
 from core.body.regions import divide
 from core.material import PRESETS, Material
 from core.mesh.surface import base_vertices
+from core.native import create
 from core.reduction.active_regions import may_rest, share_awake, slack_of
 from core.reduction.benchmark import DOWN, HOLD, BenchmarkPress, PressResult, choose_presses, outcome_of, press_body
 from core.reduction.decision import TOLERANCE
-from core.solver.backend import create
 from core.solver.motion import Frame, Motion
 
 from . import bodies
@@ -35,7 +35,7 @@ SEED = 3
 
 @dataclass(slots=True)
 class Counted:
-    """A body whose stepped vertices are counted; see `solver.backend.Body`."""
+    """A body whose stepped vertices are counted; see `native.Body`."""
 
     body: object
     stepped: list[int]

@@ -24,10 +24,10 @@ import numpy as np
 
 from core.base import TICK, DimpleError, Floats
 from core.body.model import Model
+from core.native import create
 from core.reduction.benchmark import BenchmarkPress, PressResult, choose_presses, outcome_of, press_body, press_variant
 from core.reduction.grading import Pressed
 from core.reduction.proxy import build_proxy
-from core.solver.backend import create
 from core.steps import result_of
 
 from . import bodies

@@ -13,11 +13,11 @@ import numpy as np
 from core.base import TICK
 from core.body.model import Model, build_model
 from core.mesh.surface import base_vertices
+from core.native import create
 from core.reduction.benchmark import DOWN, HOLD, BenchmarkPress, PressResult, choose_presses, outcome_of, press_body
 from core.reduction.grading import pressed_by
 from core.reduction.planner import plan, plan_proxy
 from core.reduction.proxy import LARGEST
-from core.solver.backend import create
 
 from . import bodies
 

@@ -9,8 +9,8 @@ import pytest
 
 from core.base import Floats, Ints
 from core.body.model import State
+from core.native import Body
 from core.session import Session
-from core.solver.backend import Body
 from core.solver.rigid import rotation
 from studies.reference.contact import Skin
 

@@ -14,6 +14,8 @@ from ctypes import POINTER, c_double, c_int32, c_int64, c_uint8, c_void_p
 from pathlib import Path
 from typing import Any
 
+from ..body.model import Model
+from ..body.regions import Regions
 from ..errors import DimpleError
 from .body import AVX2 as AVX2
 from .body import BASE as BASE
@@ -36,6 +38,7 @@ from .scene import Scene as Scene
 
 ABI = 24
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
+BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 
 _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_create": (POINTER(c_void_p), POINTER(BodyDef), c_int32, c_int32),
@@ -97,6 +100,24 @@ def _tested() -> ctypes.CDLL:
             f"The compiled core for {here} was refused ({error}). Install the zip of Dimple for that platform again."
         ) from error
     return library
+
+
+def create(
+    model: Model, *, surface: Model | None = None, backend: str = "native", regions: Regions | None = None
+) -> Body:
+    """Return a body at rest that owns its state.
+
+    Args:
+        surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
+        backend: "native" (single precision) or "native64".
+        regions: that rest and wake by themselves, None where all of it is stepped.
+
+    Raises:
+        DimpleError: no such backend, or no library runs here.
+    """
+    if backend not in BITS:
+        raise DimpleError(f"There is no backend {backend}: take native or native64.")
+    return Body(model, library(), surface=surface, regions=regions, bits=BITS[backend])
 
 
 def instructions(instruction_set: int = BEST) -> str:

@@ -17,7 +17,7 @@ from ..base import TICK, DimpleError, Floats, Ints, Singles
 from ..body.model import Model
 from ..mesh.curve import along_curve
 from ..mesh.surface import Mesh
-from ..solver.backend import Body, create
+from ..native import Body, create
 from ..solver.motion import FingertipMotion, Motion
 from .binding import carry
 from .cells import vertex_normals

@@ -9,18 +9,18 @@ A method is `run(model, state, path, *, tick, substeps) -> impulses`; those that
 
 from __future__ import annotations
 
+from core import native
 from core.body.model import Model
 from core.body.regions import Regions
-from core.solver import backend as native
-from core.solver.backend import Body
+from core.native import Body
 
 from .twin import Twin
 
 
 def create(
     model: Model, *, surface: Model | None = None, backend: str = "native", regions: Regions | None = None
-) -> Body:
-    """Return a body of the product, or its twin where the backend is "numpy"; see `core.solver.backend.create`."""
+) -> Body | Twin:
+    """Return a body of the product, or its twin where the backend is "numpy"; see `core.native.create`."""
     if backend == "numpy":
         return Twin(model, surface=surface, regions=regions)
     return native.create(model, surface=surface, backend=backend, regions=regions)

@@ -29,8 +29,8 @@ from core.body.model import Model, build_model
 from core.crowd import TICKS_AT_ONCE
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
+from core.native import Body
 from core.session import Finger, Session
-from core.solver.backend import Body
 from core.solver.motion import FingertipMotion, Motion
 from studies.reference.twin import Twin
 from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube

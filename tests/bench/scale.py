@@ -23,13 +23,13 @@ from core.base import TICK
 from core.body.model import build_model
 from core.crowd import step_all
 from core.mesh.surface import base_vertices, mesh_from_triangles
+from core.native import create
 from core.native.body import step_many
 from core.reduction.benchmark import BenchmarkPress, dent_error, press_body
 from core.reduction.binding import carry
 from core.reduction.decision import decide
 from core.reduction.planner import carry_out
 from core.session import Finger, Session
-from core.solver.backend import create
 from core.solver.motion import Motion
 from studies import bodies, scenes
 from tests.bench.bench import stir, straight

@@ -11,7 +11,7 @@ from core.base import Floats
 from core.body.model import Model, build_model
 from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
-from core.solver.backend import Body
+from core.native import Body
 from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion
 from tests.bodies import REAL, ball, hemisphere, joined, real, sheet, soup
 

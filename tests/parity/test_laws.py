@@ -10,7 +10,7 @@ from core.base import Floats
 from core.body.model import Model, build_model
 from core.material import FINGERTIP
 from core.mesh.surface import base_vertices, mesh_from_triangles
-from core.solver.backend import Body
+from core.native import Body
 from core.solver.motion import FingertipMotion, Frame, Motion
 from studies.reference import create
 from tests.parity.cases import CASES, SIZE, SOFT, TICK, build, run

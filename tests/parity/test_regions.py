@@ -11,7 +11,7 @@ from core.body.model import Model, build_model
 from core.body.regions import divide
 from core.material import PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
-from core.solver.backend import Body
+from core.native import Body
 from core.solver.motion import FingertipMotion, Frame, Motion
 from studies.reference import create
 from tests.bodies import ball, hemisphere, sheet

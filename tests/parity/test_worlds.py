@@ -6,15 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-import core.world
 from core import native
 from core.body.model import Model, build_model
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.props import PropWorld
 from core.session import Session
-from core.solver import backend
-from core.solver.backend import Body
 from core.solver.motion import Motion
 from core.solver.scene import Collider, ColliderMotion
 from studies.reference.twin import Twin
@@ -27,13 +24,14 @@ SOFT = Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.2)
 @pytest.fixture
 def in_either(monkeypatch: pytest.MonkeyPatch) -> None:
     """A world of twins is stepped by the twin of a scene."""
+    own = native.Scene
 
-    def create_scene(bodies: Sequence[Body], colliders: Sequence[Collider], **options: Any) -> Any:
+    def scene(bodies: Sequence[Any], colliders: Sequence[Collider], library: Any, **options: Any) -> Any:
         if isinstance(bodies[0], Twin):
             return TwinScene(bodies, colliders, **options)
-        return backend.create_scene(bodies, colliders, **options)
+        return own(bodies, colliders, library, **options)
 
-    monkeypatch.setattr(core.world, "create_scene", create_scene)
+    monkeypatch.setattr(native, "Scene", scene)
 
 
 def sessions(model: Model) -> list[Session]:

@@ -7,9 +7,9 @@ import pytest
 
 from core import crowd
 from core.crowd import step_all
+from core.native import Body
+from core.native import body as native_body
 from core.session import Finger, Session
-from core.solver import backend
-from core.solver.backend import Body
 from core.solver.motion import Frame as MotionFrame
 from core.solver.motion import Motion
 from studies import scenes
@@ -33,7 +33,7 @@ def pressed() -> list[Session]:
 def test_bodies_stepped_together_move_to_the_bits_of_each_alone(
     workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(backend, "WORKERS", workers)
+    monkeypatch.setattr(native_body, "WORKERS", workers)
     alone, together = pressed(), pressed()
     expected = [session.step(dt) for session, dt in zip(alone, SECONDS, strict=True)]
     for frame, wanted, a, b in zip(step_all(together, SECONDS), expected, together, alone, strict=True):

@@ -11,13 +11,13 @@ from core.calibration.indent import go_down, put_back, set_up
 from core.calibration.place import typical_site
 from core.material import FINGERTIP, PRESETS
 from core.mesh.surface import Mesh, base_vertices
+from core.native import create
 from core.reduction import decision, planner, processor_time
 from core.reduction.benchmark import BenchmarkPress, PressResult, choose_presses, outcome_of, press_body
 from core.reduction.grading import FAR, FINE, MOST, Led, Pressed, coarser, pressed_by
 from core.reduction.planner import plan
 from core.reduction.proxy import Proxy, build_proxy, coarser_elsewhere
 from core.session import Session
-from core.solver.backend import create
 from studies import bodies
 from studies.scenes import ball, cube
 
