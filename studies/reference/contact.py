@@ -28,9 +28,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import Bools, Floats, Ints
-from core.mesh.nearest import nearest_on_triangles
 
-from .facets import SUNK, bulge, faces_near, inward_normals, met_radius
+from .facets import SUNK, bulge, faces_near, inward_normals, met_radius, nearest_on_triangles
 
 _TINY = 1e-30
 HELD_PART = 0.1  # of its gap or depth that what was held loses in a step; all of it would make facets rock

@@ -14,10 +14,10 @@ from core.body.moved_rest import on_its_way, with_rest
 from core.body.regions import Regions
 from core.body.shape_matching import Pose, carried_pose, fit_pose
 from core.material import law_force
-from core.mesh.depth import RestSurface, Touching, rest_surface, touching
 from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion, Touch, Vector
 
 from . import semi_implicit
+from .depth import RestSurface, Touching, rest_surface, touching
 from .path import FingerPath
 from .regions import Awake
 from .rest import Rest, reaches

@@ -17,7 +17,6 @@ import pytest
 from core import base, native
 from core.base import DimpleError, Floats
 from core.body.model import Model
-from core.mesh import depth
 from core.mesh.surface import mesh_from_triangles
 from core.native import first_use
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
@@ -33,6 +32,7 @@ from studies.reference import (
     bounds,
     carry,
     contact,
+    depth,
     facets,
     falling,
     proximity,

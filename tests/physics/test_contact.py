@@ -10,12 +10,11 @@ from core.body.model import build_model
 from core.calibration.identify import identification
 from core.calibration.place import typical_site
 from core.material import PRESETS, Material, Preset
-from core.mesh.nearest import nearest_on_triangles
 from core.mesh.surface import Mesh, base_vertices, input_vertices, mesh_from_triangles
 from core.session import Finger, Session
 from core.steps import result_of
 from studies.reference.contact import Step, Touch, candidates, resolve, rest_on_ground
-from studies.reference.facets import SUNK, bulge, met_radius
+from studies.reference.facets import SUNK, bulge, met_radius, nearest_on_triangles
 from studies.scenes import cube
 from tests.bodies import after, ball, hard
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from core import crowd
+from core import crowd, native
 from core.crowd import step_all
 from core.native import Body
 from core.native import body as native_body
@@ -50,14 +50,14 @@ def test_a_budget_is_that_of_all_and_none_runs_far_ahead() -> None:
 @pytest.mark.parametrize(("cost", "ticks"), [(0.060, 1), (0.012, 2), (0.0101, 2), (0.00101, 24)])
 def test_a_budget_is_exceeded_by_a_first_tick_only(cost: float, ticks: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """A tick of all takes so long [s], by a clock of its own, and there are 25 ms."""
-    now, step_bodies = 0.0, crowd.step_bodies
+    now, step_many = 0.0, native.step_many
 
     def step(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[MotionFrame]:
         nonlocal now
         now += cost * max(each.ticks for each in motions)
-        return step_bodies(bodies, motions)
+        return step_many(bodies, motions)
 
-    monkeypatch.setattr(crowd, "step_bodies", step)
+    monkeypatch.setattr(native, "step_many", step)
     monkeypatch.setattr(crowd.time, "perf_counter", lambda: now)
     frames = step_all(pressed()[:3:2], [1.0, 1.0], budget=0.025)
     assert [frame.steps for frame in frames] == [ticks, ticks]
