@@ -81,7 +81,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     pressure_kpa: FloatProperty(
         name="Pressure (kPa)",
         description="How much higher the pressure inside is than outside before the body gives way: above 0 it swells, "
-        "below 0 it shrinks. The constants are those without; with the paper's laws it does nothing",
+        "below 0 it shrinks. The constants are those without",
         default=0.0, min=-100.0, max=1000.0, soft_min=-20.0, soft_max=100.0, step=10, precision=2, **KEYED,
     )  # fmt: skip
     tip: EnumProperty(

@@ -35,7 +35,7 @@ class DIMPLE_PT_body(bpy.types.Panel):
         self.layout.prop(context.object.dimple, "enabled", text="")
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw laws, pins, softness and size."""
+        """Draw pins, softness and size."""
         body, layout = context.object, self.layout
         settings = body.dimple
         layout.use_property_split = True
@@ -43,7 +43,6 @@ class DIMPLE_PT_body(bpy.types.Panel):
             draw_notes(context, layout, ["Dimple presses meshes. Make Soft converts this object to one."])
         layout = layout.column()
         layout.enabled = body.type == "MESH" and settings.enabled
-        layout.prop(settings, "law_set")
         layout.prop(settings, "pinned")
         row = layout.row()
         row.active = settings.pinned == "GROUP"
@@ -135,7 +134,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
             labels.label(text=label, translate=False)
             values.label(text=value, translate=False)
         session = entry.session
-        notes = [*session.model.notes, *filter(None, [session.backend_note, session.contact_note, entry.refused])]
+        notes = [*session.model.notes, *filter(None, [session.contact_note, entry.refused])]
         draw_notes(context, layout, readout.sentences(notes, entry.frame))
 
 

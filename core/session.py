@@ -20,12 +20,12 @@ from .crowd import step_all
 from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
+from .native import Body, create
 from .other_tip import factors
 from .pins import Pins
 from .reduction.proxy import Proxy
 from .skin import Skin
 from .solver import motion
-from .solver.backend import Body, choose_backend, create
 from .solver.motion import MAX_STEPS, Motion
 
 MAX_FINGERS = 3
@@ -37,8 +37,7 @@ class Session:
     model: what is pressed.
     proxy: what moves in its place, None where it moves itself.
     body: what moves, and owns its state.
-    backend: "native" (single precision), "native64" or "numpy".
-    backend_note: "" or why it is numpy, for the artist.
+    backend: "native" (single precision) or "native64".
     contact_note: "" or what is left out of its self contact, for the artist.
     frame: what the last step showed.
     most: ticks in a motion of the step under way.
@@ -46,11 +45,10 @@ class Session:
     """
 
     def __init__(
-        self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None
+        self, model: Model, *, tick: float = TICK, backend: str = "native", proxy: Proxy | None = None
     ) -> None:
         self.clock = Clock(tick)
-        self.backend, self.backend_note = choose_backend(backend)
-        self.contact_note = ""
+        self.backend, self.contact_note = backend, ""
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         self.substeps: int  # in a tick
         self.body = self._create(self._define(model, proxy), model)

@@ -179,7 +179,7 @@ def _refining(
     from ..core.mesh.refine import is_coarse, refine
 
     radius = scene.dimple.finger_radius_mm / 1e3
-    as_it_is = body.dimple.simulated != "AUTO" or body.dimple.to_params()["law_set"] == "paper"
+    as_it_is = body.dimple.simulated != "AUTO"
 
     def refined() -> Refinement | None:
         if as_it_is or not is_coarse(points, triangles, radius):

@@ -50,8 +50,6 @@ def reading_model(
         if params["pinned"] == "group":
             pinned = _pins(body, params["pin_group"])
             pinned = link.refined.least_at_vertices(pinned) if link.refined else pinned
-        if params["law_set"] == "paper":  # its equations have no model constants
-            identify = "NO"
         found = [_material(body, slot, mesh, pinned, identify) for slot in link.slots]
         materials, messages = zip(*found, strict=True)
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
@@ -59,7 +57,7 @@ def reading_model(
         if link.refined:
             maps = {name: link.refined.at_vertices(weights) for name, weights in maps.items()}
         make = partial(
-            _made, mesh, materials, law_set=params["law_set"], pinned=pinned, **maps,
+            _made, mesh, materials, pinned=pinned, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
             ground=0.0 if surroundings.use_ground else None, rigged=rigged,
         )  # fmt: skip

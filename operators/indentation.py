@@ -71,8 +71,6 @@ def set_up(
     material = body.active_material
     if material is None:
         raise DimpleError(f'"{body.name}" has no material. Give it one: calibrate, or choose one of the presets.')
-    if body.dimple.to_params()["law_set"] != "consistent":
-        raise DimpleError("The paper's literal laws have no model constants. Choose Consistent in Physics > Dimple.")
     link, model = bridge.read_body(context, body, baked=False, identify=identify)
     settings, mesh = material.dimple, model.mesh
     tip = tip or Indenter(shape=settings.tip.lower(), radius=settings.tip_radius_mm / 1e3)

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
 
 from ..core.base import DimpleError
 from ..core.crowd import step_all

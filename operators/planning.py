@@ -184,5 +184,5 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
         law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction, model.compliance,
     ):  # fmt: skip
         number = zlib.crc32(np.ascontiguousarray(array), number)
-    words = (model.law_set, model.pressure.fill, model.rigged, *around(scene, obj), *obj.dimple.to_plan().values())
+    words = (model.pressure.fill, model.rigged, *around(scene, obj), *obj.dimple.to_plan().values())
     return f"{zlib.crc32(repr(words).encode(), number):08x}"

@@ -171,5 +171,5 @@ def _is_coarse(obj: bpy.types.Object, model: Model, radius: float) -> bool:
     """Tell whether a body would be cut finer for a fingertip of a radius [m] if it were started now."""
     from ..core.mesh.refine import is_coarse
 
-    cut = obj.dimple.simulated == "AUTO" and model.law_set != "paper"
-    return cut and is_coarse(model.mesh.rest_positions, model.mesh.triangles, radius)
+    auto = obj.dimple.simulated == "AUTO"
+    return auto and is_coarse(model.mesh.rest_positions, model.mesh.triangles, radius)

@@ -27,8 +27,8 @@ from core.calibration.surface import string_balance
 from core.material import POINT, PRESETS, Preset
 
 from .assessment import FINGERTIP, Assessment, assess, bed_slopes
-from .paper_laws import surface_stretch, surface_tension
 from .reconstruct import DEEPEST, write_samples
+from .reference.paper import surface_stretch, surface_tension
 from .specimen import cube
 from .virtual_press import identify, press_curve
 

@@ -85,10 +85,10 @@ def poke_ball(subdivisions: int) -> Session:
     return _under_a_fingertip(ball(subdivisions), BALL)
 
 
-def poke_cube(cells: int, *, law_set: str = "consistent") -> Session:
+def poke_cube(cells: int) -> Session:
     """Return Object 3, the cube of vinyl and water, on its base, a 20 mm fingertip above it."""
     preset = PRESETS[2]
-    return _under_a_fingertip(cube(cells, preset.size), preset.material, law_set=law_set)
+    return _under_a_fingertip(cube(cells, preset.size), preset.material)
 
 
 def whole_skin(preset: Preset) -> Material:
@@ -121,6 +121,6 @@ def _placed(model: Model, positions: Floats) -> State:
     return state
 
 
-def _under_a_fingertip(mesh: Mesh, material: Material, *, law_set: str = "consistent") -> Session:
-    model: Model = build_model(mesh, [material], law_set=law_set, pinned=base_vertices(mesh))
+def _under_a_fingertip(mesh: Mesh, material: Material) -> Session:
+    model: Model = build_model(mesh, [material], pinned=base_vertices(mesh))
     return Session(model)

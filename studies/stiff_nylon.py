@@ -25,12 +25,11 @@ from core.reduction.binding import carry
 from core.reduction.planner import plan
 from core.reduction.processor_time import BUDGET
 from core.reduction.proxy import Proxy, build_proxy
-from core.solver.backend import choose_backend
-from core.solver.path import FingerPath
 
 from .methods import native as native_method
 from .methods.registry import METHODS, Run
 from .presses import dent_error
+from .reference.path import FingerPath
 from .scenes import FINGERTIP, cube, whole_skin
 
 DEPTH = 0.010  # [m]
@@ -98,9 +97,8 @@ def outcomes(cells: int, *, whole: bool, slow: bool) -> Iterator[Outcome]:
         slow: XPBD with smaller substeps too, half a minute on a fine mesh.
     """
     model = nylon(cells, whole=whole)
-    backend, why = choose_backend()
-    fast: Run = METHODS["semi_implicit"].run if why else partial(native_method.run, bits=32)
-    exact: Run = fast if why else native_method.run
+    fast: Run = partial(native_method.run, bits=32)
+    exact: Run = native_method.run
     substeps, n = model.substeps(TICK), len(model.mass)
     wanted = pressed(model, exact, FINE * substeps)
 
@@ -113,15 +111,16 @@ def outcomes(cells: int, *, whole: bool, slow: bool) -> Iterator[Outcome]:
 
     # how accurate the reference itself is: the fold of a wrinkling skin is uncertain
     half = pressed(model, exact, FINE // 2 * substeps)
-    yield outcome("reference", "semi_implicit", backend, n, TICK / substeps / (FINE // 2), half)
+    yield outcome("reference", "semi_implicit", "native", n, TICK / substeps / (FINE // 2), half)
     taken = plan(model, radius=FINGERTIP).proxy
     yield outcome(
-        "mesh" if taken else "planner", "semi_implicit", backend, n, TICK / substeps, pressed(model, fast, substeps)
+        "mesh" if taken else "planner", "semi_implicit", "native", n, TICK / substeps, pressed(model, fast, substeps)
     )
     proxies = [("proxy", build_proxy(model, size)) for size in PROXIES if size <= n / 2]
     for variant, proxy in [("planner", taken), *proxies] if taken else proxies:
         few = proxy.model.substeps(TICK)
-        yield outcome(variant, "semi_implicit", backend, len(proxy.seeds), TICK / few, _proxy_pressed(proxy, fast, few))
+        found = _proxy_pressed(proxy, fast, few)
+        yield outcome(variant, "semi_implicit", "native", len(proxy.seeds), TICK / few, found)
     for method, steps in (("vertex_block_descent", 1), ("xpbd", 8), ("xpbd", 32))[: 3 if slow else 2]:
         yield outcome("mesh", method, "numpy", n, TICK / steps, pressed(model, METHODS[method].run, steps))
 

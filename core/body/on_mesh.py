@@ -15,7 +15,7 @@ from .springs import membrane_stiffness
 
 
 def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[str, Floats]:
-    """Return the constants of the consistent laws, as `model.assemble` takes them.
+    """Return the constants of the laws, as `model.assemble` takes them.
 
     Args:
         materials: one for each index in mesh.triangle_material.
@@ -42,19 +42,6 @@ def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[
         "tension": mesh.cotangents * _spring_mean(mesh, tension) * stiffer * wider**2,
         "more": np.reshape(more, (-1, len(k1))),
         "knees": np.reshape([maps.deeper * knee for knee in at_vertices[4:]], (-1, len(k1))),
-    }  # fmt: skip
-
-
-def paper_constants(mesh: Mesh, materials: Sequence[Material]) -> dict[str, Floats]:
-    """Return the constants of the paper's equations, as `model.assemble` takes them."""
-    table = np.array([_row(m, mesh.size) for m in materials]).T
-    d0, friction, k = (table[row][mesh.triangle_material] for row in (2, 6, 7))
-    d0, friction = _vertex_means(mesh, d0, friction)
-    none, n = np.zeros(len(mesh.rest_positions)), len(mesh.rest_positions)
-    return {
-        "friction": friction, "compliance": none, "damping": none, "stiffness": _spring_mean(mesh, k),
-        "k1": none, "k2": none, "d0": d0,
-        "tension": np.zeros(len(mesh.springs)), "more": np.zeros((0, n)), "knees": np.zeros((0, n)),
     }  # fmt: skip
 
 

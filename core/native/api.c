@@ -15,9 +15,7 @@ extern const dm_methods dm_avx2_32, dm_avx2_64;
 #else
 #define DM_X86 0
 #endif
-#ifndef DM_NO_BASE
 extern const dm_methods dm_base_32, dm_base_64;
-#endif
 
 /* double precision is for tests: what ships does without */
 #ifdef DM_DOUBLE
@@ -50,11 +48,7 @@ static const dm_methods *dm_choose(int32_t bits, int32_t set) {
 #if DM_X86
     if (set != DM_SET_BASE && dm_has_avx2()) return DM_OF_BITS(avx2);
 #endif
-#ifdef DM_NO_BASE
-    return NULL;
-#else
     return set == DM_SET_AVX2 ? NULL : DM_OF_BITS(base);
-#endif
 }
 
 /* Numbers too small to matter cost a hundred times as much: a body coming to rest would grow slow. */
@@ -217,7 +211,6 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
     double total = 0;
     for (int64_t k = 0; k < vertices; k++) total += c->mass[k];
     if (!(total > 0)) return DM_NUMBER;
-    if (c->law_set < DM_LAWS_CONSISTENT || c->law_set > DM_LAWS_PAPER) return DM_OPTION;
     if (c->fill < DM_FILL_NONE || c->fill > DM_FILL_LIQUID) return DM_OPTION;
     return c->fill != DM_FILL_NONE && !(rest_volume > 0) ? DM_NUMBER : DM_OK;
 }

@@ -8,7 +8,7 @@ static void dm_state_destroy(dm_state *b) {
         b->tension, b->rest_rate, b->pull_rate,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
         b->inverse_mass, b->friction, b->compliance, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
-        b->is_moved, b->touching, b->facets, b->facet_boxes, b->facet_regions, b->painted, b->laws,
+        b->is_moved, b->facets, b->facet_boxes, b->facet_regions, b->painted, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
@@ -39,7 +39,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->compliance = dm_alloc(size, sizeof(dm_real)));
     whole = whole && (b->before = dm_alloc(size, sizeof *b->before));
     whole = whole && (b->shares = dm_alloc(size, sizeof(uint32_t))) && (b->moved = dm_alloc(size, sizeof(uint32_t)));
-    whole = whole && (b->is_moved = dm_alloc(size, 1)) && (b->touching = dm_alloc(size, 1));
+    whole = whole && (b->is_moved = dm_alloc(size, 1));
     whole = whole && (b->irregular = dm_alloc(d->irregular, sizeof *b->irregular));
     whole = whole && (b->ends = dm_alloc(d->springs, sizeof *b->ends));
     whole = whole && (b->rest_length = dm_alloc(d->springs, sizeof(double)));
@@ -172,7 +172,7 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_forget_impulses(b, k), dm_lift(b->fingers + k);
     b->led = b->carried = b->moving = 0;
     dm_change(b);
-    dm_forget_pressure(b);
+    b->pressure = 0;
     dm_place_pose(b);
 }
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define DM_BLOCK 32 /* triangles that share a bounding box */
-#define DM_CONTACT_SWEEPS 16 /* as in core/body/contact.py */
+#define DM_CONTACT_SWEEPS 16 /* as in studies/reference/contact.py */
 #define DM_HELD_PART 0.1
 #define DM_SPEED_SLACK 1e-6
 #define DM_PUSH_FLOOR 1e-8
@@ -161,7 +161,7 @@ struct dm_state {
     uint32_t (*fans)[3], (*caps)[2], *cap_hole;
     double (*holes)[7]; /* centre, pull of the rim, number of edges: room for one step */
 
-    int32_t fill, law_set;
+    int32_t fill;
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure, rest_pressure;
     int pins_met;  /* something held a pin back */
     double jumped; /* [m] the farthest that a pin was put after the last tick, to be where it was sent to the digit */
@@ -193,8 +193,7 @@ struct dm_state {
     dm_contact *hits;
     dm_quad *before; /* where vertices near a fingertip were at the begin of the step */
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */
-    uint8_t *is_moved, *touching;
-    double inner_force;
+    uint8_t *is_moved;
 
     int meets;             /* it is stepped in a scene */
     uint64_t changes;      /* counts what was done to it but by a scene */

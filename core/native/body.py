@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import struct
 import weakref
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ from ..solver.motion import Frame, Motion, PinMotion, Touch
 from .definition import Arrays, constants, define, fields
 
 BEST, BASE, AVX2 = 0, 1, 2  # instruction sets
+WORKERS = min(os.cpu_count() or 1, 64)  # threads; the library takes no more
 
 
 class NativeError(RuntimeError):
@@ -87,7 +89,7 @@ _TOUCH_NUMBERS = len(_letters(CTouch))
 
 
 class Body:
-    """A body in the library, which owns its state; freed with this object. Its twin is `solver.twin.Twin`.
+    """A body in the library, which owns its state; freed with this object.
 
     Args:
         model: what moves.
@@ -256,8 +258,11 @@ class Body:
             raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
 
 
-def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int) -> list[Frame]:
-    """Run a motion of each of several bodies of one library, on so many threads; the bits are those of `Body.step`.
+def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int = 0) -> list[Frame]:
+    """Run a motion of each of several bodies of one library; the bits are those of `Body.step`.
+
+    Args:
+        workers: threads, 0 for one a core.
 
     Raises:
         NativeError: a motion has a number that is none, or a body is there twice; none has moved.
@@ -268,7 +273,7 @@ def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int
     kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]
     places = [(body._handle.value, addressof(body._motion), addressof(body._frame)) for body in bodies]
     columns = [(c_void_p * count)(*column) for column in zip(*places, strict=True)]
-    code = library.dm_step_many(count, *columns, workers)
+    code = library.dm_step_many(count, *columns, workers or WORKERS)
     del kept
     if code:
         raise NativeError(f"dm_step_many: {library.dm_message(code).decode()}", code)

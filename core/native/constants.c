@@ -153,12 +153,6 @@ static void dm_change(dm_state *b) {
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
 }
 
-/* Start without a pressure, and without the contact that Eq. (2) takes from the step before. */
-static void dm_forget_pressure(dm_state *b) {
-    b->pressure = 0;
-    memset(b->touching, 0, (size_t)(b->groups * DM_LANES));
-}
-
 static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     dm_change(b);
     double (*laws)[DM_LAW] = dm_alloc(c->materials, sizeof *laws);
@@ -173,8 +167,8 @@ static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     b->laws = laws, b->pieces = pieces, b->piece_count = c->pieces;
     dm_set_springs(b, c), dm_set_matter(b, c), dm_set_pull(b);
     dm_pin(b, c->inverse_mass);
-    if (c->law_set != b->law_set || c->fill != b->fill) dm_forget_pressure(b);
-    b->law_set = c->law_set, b->fill = c->fill, b->rest_pressure = c->rest_pressure, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
+    if (c->fill != b->fill) b->pressure = 0;
+    b->fill = c->fill, b->rest_pressure = c->rest_pressure, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
     int laid = !b->rigged && c->rigged;
     b->rigged = c->rigged != 0;
     for (int k = 0; laid && k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;

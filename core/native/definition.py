@@ -11,7 +11,6 @@ import numpy as np
 from ..body.model import Model
 
 FILLS = {"none": 0, "air": 1, "liquid": 2, "solid": 2}
-LAW_SETS = {"consistent": 0, "paper": 1}
 
 _TYPES: dict[str, Any] = {"p": c_void_p, "n": c_int64, "i": c_int32, "d": c_double}
 
@@ -27,7 +26,7 @@ class Constants(Structure):
     _fields_ = fields(
         stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", compliance="p",
         k1="p", k2="p", d0="p", pieces="n", more="p", knees="p", drag="p",
-        laws="p", materials="n", painted="p", gravity="d3", ground="d", rest_pressure="d", law_set="i", fill="i", free="i",
+        laws="p", materials="n", painted="p", gravity="d3", ground="d", rest_pressure="d", fill="i", free="i",
         rigged="i",
     )  # fmt: skip
 
@@ -114,6 +113,6 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
         laws=arrays.double(surface.laws), materials=len(surface.materials),
         painted=arrays.double(surface.maps and np.column_stack([surface.maps.stiffer, surface.maps.deeper])),
         gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
-        law_set=LAW_SETS[model.law_set], fill=FILLS[model.pressure.fill], free=model.free,
+        fill=FILLS[model.pressure.fill], free=model.free,
         rigged=model.rigged, rest_pressure=model.pressure.rest_pressure,
     )  # fmt: skip

@@ -1,5 +1,5 @@
 /* Dimple's native core: soft bodies, each defined once, which then own their state and are stepped.
- * The readable twin of all of it is core/solver/twin.py.
+ * The readable twin of all of it is studies/reference/twin.py.
  *
  * SI units. Arrays belong to the caller and are read or written during the call only; vectors of many vertices are
  * component-major, (3, n) doubles. Functions that may fail return a code, and nothing is done unless it is DM_OK.
@@ -42,7 +42,7 @@ enum {
     DM_INDEX,  /* a vertex, spring, hole or material that does not exist */
     DM_NUMBER, /* NaN, infinite, or negative where that makes no sense */
     DM_MEMORY, /* the machine has none left */
-    DM_OPTION  /* an unknown law set, fill or precision, or an instruction set this machine lacks */
+    DM_OPTION  /* an unknown fill or precision, or an instruction set this machine lacks */
 };
 
 /* of the law of a material: K1, K2 [N/m], x0 [m] and its power, 1 or more; Coulomb's coefficient; damping ratio; and where
@@ -51,7 +51,6 @@ enum { DM_FRICTION = 4, DM_DAMPING, DM_LAYER, DM_LAW };
 enum { DM_FACTORS = 33 }; /* of another tip, at depths that go up with the square of their number */
 
 enum { DM_FILL_NONE, DM_FILL_AIR, DM_FILL_LIQUID };
-enum { DM_LAWS_CONSISTENT, DM_LAWS_PAPER };
 enum { DM_SET_BEST, DM_SET_BASE, DM_SET_AVX2 }; /* base: SSE2 on x86-64, NEON on arm64 */
 
 /* The numbers of a body that may change while it lives. */
@@ -76,7 +75,6 @@ typedef struct {
     double gravity[3];    /* [m/s2] */
     double ground;        /* height of a plane [m], -INFINITY where there is none */
     double rest_pressure; /* of the fill in the shape at rest, above that outside [Pa] */
-    int32_t law_set;
     int32_t fill;
     int32_t free;   /* the shape at rest follows the body; 0: it stays with the pins */
     int32_t rigged; /* it stays where it is laid, wherever the pins are */

@@ -1,4 +1,4 @@
-/* Semi-implicit Euler, then contact. Source: core/solver/semi_implicit.py, core/body/model.py forces; and what of a
+/* Semi-implicit Euler, then contact. Source: studies/reference/semi_implicit.py, core/body/forces.py; and what of a
  * body changes from tick to tick: its pins, where its numbers are counted from, and whether it is still whole. */
 #include "body.h"
 #include "profile.h"
@@ -39,14 +39,6 @@ static void dm_take_moment(dm_state *b) {
 }
 
 static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {
-    if (b->law_set == DM_LAWS_PAPER) {
-        b->pressure = dm_paper_pressure(b);
-        dm_apply_gravity(b);
-        if (b->pressure != 0) dm_paper_pressure_force(b);
-        dm_paper_spring_force(b);
-        dm_advance_pinned(b, b->pressure);
-        return;
-    }
     if (b->free) {
         DM_TIMED(DM_FITS, dm_fit_body(b));
         dm_press_free(b, left, frame);
@@ -221,7 +213,6 @@ static void dm_enter_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
 
 static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     b->dt = m->tick / (double)m->substeps;
-    b->inner_force = b->fingers[0].law + b->fingers[1].law + b->fingers[2].law;
     dm_carry_fingertips(b, m, t);
     if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
     if (!b->asleep) dm_enter_tick(b, m, t, frame);
@@ -251,7 +242,7 @@ static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     if (m->pins_to && frame->moved) dm_finish_pins(b, m);
     frame->pressure = b->pressure;
     if (!frame->finite) return;
-    int known = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE && frame->ticks;
+    int known = b->fill != DM_FILL_NONE && frame->ticks;
     frame->volume = b->asleep ? b->still_volume : known ? b->volume : dm_volume_of_faces(b, NULL);
     dm_show_fingertips(b, m, frame);
 }

@@ -11,9 +11,6 @@ DM_FAST
 #include "pose.c"
 #include "rings.c"
 #include "motion.c"
-DM_SMALL
-#include "paper.c"
-DM_FAST
 #include "facets.c"
 #include "contact.c"
 #include "surface.c"

@@ -59,7 +59,6 @@ def build_proxy(model: Model, vertices: int) -> Proxy:
         DimpleError: no such proxy can be made; the message says why.
     """
     mesh = model.mesh
-    check(model)
     used = np.flatnonzero(~mesh.loose)
     most = most_of(model)
     if not SMALLEST <= vertices <= most:
@@ -114,9 +113,8 @@ def with_constants(proxy: Proxy, model: Model) -> Proxy:
     """Return a proxy that moves as another model of the same fine mesh, on the same coarse one.
 
     Raises:
-        DimpleError: its laws or pins need another proxy.
+        DimpleError: its pins need another proxy.
     """
-    check(model)
     coarse = _constants(model, proxy.model.mesh, proxy.cells)
     return replace(proxy, model=coarse, still=np.flatnonzero(model.pinned | model.mesh.loose))
 
@@ -129,16 +127,6 @@ def mean_spacing(mesh: Mesh, vertices: float) -> float:
 def most_of(model: Model) -> int:
     """Return the largest number of vertices that a proxy may have."""
     return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
-
-
-def check(model: Model) -> None:
-    """Raise where no proxy of any size can be made.
-
-    Raises:
-        DimpleError: the laws or springs of the model need its own mesh.
-    """
-    if model.law_set == "paper":
-        raise DimpleError("the paper's equations depend on the mesh, so they need the full mesh")
 
 
 def _coarse_mesh(fine: Mesh, seeds: Ints, cells: Ints) -> Mesh:
@@ -180,7 +168,7 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
     k = of_surface(model.springs.stiffness, membrane_stiffness(fine, np.ones(len(fine.springs))))
     tension = of_surface(matching.tension, fine.cotangents)
     coarse = assemble(
-        mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), pinned=pinned,
+        mesh, model.materials, mass=np.maximum(total(model.mass), 1e-30), pinned=pinned,
         friction=mean(model.friction), compliance=mean(model.compliance * fine.vertex_areas) / area,
         damping=mean(damping),
         stiffness=membrane_stiffness(mesh, k), tension=mesh.cotangents * tension,

@@ -18,7 +18,6 @@ MESSAGES = {
     "The material is so stiff or light on this mesh that a millisecond needs over {} steps.": (
         "このメッシュではマテリアルが硬すぎるか軽すぎて、1 ミリ秒に {} を超えるステップが必要です。"
     ),
-    "The law set must be one of {} (it is {}).": "法則は {} のいずれかにしてください（現在 {}）。",
     "Gravity must be three numbers and the ground's height one.": (
         "重力は 3 つの数、地面の高さは 1 つの数にしてください。"
     ),
@@ -106,14 +105,15 @@ MESSAGES = {
         "頂点 {} の座標が NaN か無限大、または {} m を超えています（そのような頂点は {} 個）。削除するか動かしてく"
         "ださい。"
     ),
-    "Runs on numpy, slower: this installation has no native core for this machine.": (
-        "numpy で動くため低速です。このインストールには、このコンピューター用のネイティブコアがありません。"
+    "There is no compiled core for {} here. Install the zip of Dimple for that platform.": (
+        "{} 用のコンパイル済みコアがありません。その環境用の Dimple の zip をインストールしてください。"
     ),
-    "Runs on numpy, slower: the native core was refused ({}).": (
-        "numpy で動くため低速です。ネイティブコアが使えませんでした（{}）。"
+    "The compiled core for {} was refused ({}). Install the zip of Dimple for that platform again.": (
+        "{} 用のコンパイル済みコアが使えませんでした（{}）。その環境用の Dimple の zip をもう一度インストールしてくだ"
+        "さい。"
     ),
     "it has version {}, not {}": "バージョンが {} で、{} ではありません",
-    "it differs from numpy by {} mm": "numpy と {} mm 違います",
+    "its check is off by {} mm": "確認の結果が {} mm ずれています",
     "The recording has {} vertices but the mesh now has {}. Start a new recording after changing the mesh.": (
         "記録は {} 頂点ですが、メッシュは今 {} 頂点です。メッシュを変えたあとは新しく記録してください。"
     ),
@@ -148,9 +148,6 @@ MESSAGES = {
         "このメッシュの代理メッシュは {} から {} 頂点で、{} にはできません"
     ),
     "its pieces are too small for a proxy": "部分が小さすぎて代理メッシュを作れません",
-    "the paper's equations depend on the mesh, so they need the full mesh": (
-        "論文の式はメッシュに依存するため、元のメッシュが必要です"
-    ),
     "its surface is too crumpled for a proxy of this size": (
         "表面の凹凸が激しく、この大きさの代理メッシュを作れません"
     ),
@@ -174,8 +171,8 @@ MESSAGES = {
     "The mesh has other vertices than when it was started. Reset it and start again.": (
         "開始したときとメッシュの頂点が違います。リセットしてもう一度始めてください。"
     ),
-    "There is no backend {}: take auto, native, native64 or numpy.": (
-        "計算方式 {} はありません。auto、native、native64、numpy のいずれかを選んでください。"
+    "There is no backend {}: take native or native64.": (
+        "計算方式 {} はありません。native か native64 を選んでください。"
     ),
     "The mass of a prop must be greater than 0 kg (it is {}).": (
         "小道具の質量は 0 kg より大きくしてください（現在 {}）。"

@@ -187,9 +187,6 @@ MESSAGES = {
     '"{}" has no material. Give it one: calibrate, or choose one of the presets.': (
         '"{}" にマテリアルがありません。キャリブレーションするか、プリセットを選んでください。'
     ),
-    "The paper's literal laws have no model constants. Choose Consistent in Physics > Dimple.": (
-        "論文そのままの法則にはモデル定数がありません。物理演算 > Dimple で「整合的」を選んでください。"
-    ),
     "Press At: 3D Cursor puts the tip elsewhere.": "「押す場所: 3D カーソル」で先端を別の場所に置けます。",
     "The material is gone, so nothing was written.": "マテリアルがなくなったため、何も書き込んでいません。",
     "The object has several materials: it was pressed as if all of it were the active one.": (

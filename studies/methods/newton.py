@@ -13,10 +13,10 @@ import numpy as np
 
 from core.base import Floats, sums_at
 from core.body import shape_matching
-from core.body.contact import Touch
 from core.body.model import Model, State
-from core.solver.ticks import acceleration_of
 
+from ..reference.contact import Touch
+from ..reference.ticks import acceleration_of
 from . import penalty
 from .cached import kept
 from .penalty import Meeting

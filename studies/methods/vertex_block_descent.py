@@ -17,10 +17,10 @@ import numpy as np
 
 from core.base import Floats, Ints
 from core.body import pressure, shape_matching
-from core.body.contact import Touch
 from core.body.model import Model, State
 from core.body.shape_matching import Pose, ShapeMatching
 
+from ..reference.contact import Touch
 from . import penalty
 from .cached import kept
 from .colours import colours

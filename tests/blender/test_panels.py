@@ -148,30 +148,19 @@ def test_a_running_session_shows_force_depth_pressure_and_volume_with_units(bpy:
     assert "Nothing is being pressed" in draw(bpy, bpy.types.DIMPLE_PT_readout, object=body)
 
 
-@pytest.mark.parametrize(("content", "word"), [(None, "no native core"), (b"not a library", "was refused")])
-def test_without_a_native_core_a_press_runs_on_numpy_and_the_panel_says_why(
+@pytest.mark.parametrize(("content", "word"), [(None, "no compiled core"), (b"not a library", "was refused")])
+def test_without_a_native_core_nothing_is_pressed_and_the_message_says_what_to_install(
     bpy: ModuleType, body: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: bytes | None, word: str
 ) -> None:
     from bl_ext.user_default.dimple.core import native
-    from bl_ext.user_default.dimple.operators import sessions
 
     library = tmp_path / native.LIBRARY
     if content:
         library.write_bytes(content)
     monkeypatch.setattr(native, "_loaded", [])
     monkeypatch.setattr(native, "places", lambda: [library])
-    native.why_not.cache_clear()
-    settings = body.active_material.dimple  # given, not identified: numpy is slow
-    settings.kappa1, settings.kappa2, settings.d0, settings.membrane_scale = 1.0, 9.0, 16.0, 0.01
-    try:
-        entry, _ = sessions.start(body, bpy.context)
-        entry.session.step(0.002)
-        shown = " ".join(draw(bpy, bpy.types.DIMPLE_PT_readout, object=body))
-    finally:
-        sessions.stop_all()
-        monkeypatch.undo()
-        native.why_not.cache_clear()
-    assert entry.session.backend == "numpy" and "Runs on numpy, slower" in shown and word in shown
+    with pytest.raises(RuntimeError, match=f"{word}.*Install the zip"):
+        bpy.ops.dimple.poke(depth_mm=1.0, press_s=0.01, hold_s=0.0, release_s=0.0)
 
 
 @pytest.mark.parametrize(("share", "shown"), [(None, False), (0.0, True), (0.4, True)])

@@ -18,8 +18,8 @@ from core.calibration.surface import surface_constants
 from core.material import PRESETS
 from studies.__main__ import main
 from studies.calibrate import fitted_material
-from studies.paper_laws import surface_stretch, surface_tension
 from studies.reconstruct import DEEPEST, write_samples
+from studies.reference.paper import surface_stretch, surface_tension
 from studies.specimen import load_mesh
 from tools.environment import ROOT
 

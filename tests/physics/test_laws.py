@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body import paper, pressure, shape_matching, springs
-from core.body.contact import Touch
+from core.body import pressure, shape_matching, springs
 from core.body.shape_matching import fit_pose
 from core.mesh.surface import Mesh, mesh_from_triangles
 from studies.methods import penalty
-from studies.paper_laws import spring_energy
+from studies.reference import paper
+from studies.reference.contact import Touch
+from studies.reference.paper import spring_energy
 from tests.bodies import ball, sheet
 from tests.physics.disturbed import SHAPES, difference, disturbed, turn
 

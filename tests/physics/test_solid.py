@@ -18,9 +18,9 @@ from core.session import Finger, Session
 from core.steps import result_of
 from studies.primitives import icosphere, sized
 from studies.scenes import cube
-from tests.bodies import after, backends
+from tests.bodies import after
 
-BACKENDS = backends("numpy", "native64", "native")
+BACKENDS = ["native64", "native"]
 RADIUS, TIP, DEPTH = 0.08, 0.010, 0.012  # [m]
 SOLID = replace(DEFAULT_MATERIAL, K2=2.1 * DEFAULT_MATERIAL.K1, x0=0.006, fill="solid", density=1000, damping_ratio=1.0)
 
@@ -62,7 +62,6 @@ def test_the_skin_gives_way_and_shows_on_the_fingertip(backend: str) -> None:
 def test_no_other_fill_has_a_skin_that_gives_way() -> None:
     for fill in ("air", "liquid", "none"):
         assert not ball(replace(SOLID, fill=fill)).compliance.any()
-    assert not build_model(ball(SOLID).mesh, [SOLID], law_set="paper").compliance.any()
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -17,7 +17,7 @@ from core.reduction.proxy import build_proxy, with_constants
 from core.session import Finger, Session
 from core.steps import result_of
 from studies.scenes import cube
-from tests.bodies import backends, ball
+from tests.bodies import ball
 
 SOFT = Material(K1=600, K2=2000, x0=0.02, k=600, mass=0.5, damping_ratio=0.5, fill="none")
 RADIUS, TIP = 0.08, 0.02
@@ -151,10 +151,9 @@ def test_a_resting_pressed_body_glides_to_its_new_rest(
         assert force(session) == pytest.approx(force_anew, rel=0.05)
 
 
-@pytest.mark.parametrize("backend", backends("native", "numpy"))
-def test_a_body_that_is_filled_while_it_is_pressed_takes_its_volume_back(backend: str) -> None:
+def test_a_body_that_is_filled_while_it_is_pressed_takes_its_volume_back() -> None:
     mesh = mesh_from_triangles(*ball(1, RADIUS))
-    session = pressed(on_its_base(mesh), backend=backend)
+    session = pressed(on_its_base(mesh))
     before = session.positions()
     assert session.frame.volume < 0.993 * session.frame.rest_volume
     session.change(on_its_base(mesh, replace(SOFT, fill="liquid")))

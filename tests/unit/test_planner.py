@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core import native
 from core.base import TICK, DimpleError
 from core.body.model import Model, build_model
 from core.material import PRESETS, ModelConstants
@@ -114,8 +113,8 @@ def test_a_mesh_is_live_where_its_cost_is_as_near_to_the_budget_as_costs_are_kno
 
 
 def test_the_cost_counts_vertices_and_steps(round_model: Model) -> None:
-    cost = processor_time.NUMPY_COST if native.why_not() else processor_time.NATIVE_COST
-    assert processor_time.cost_of(round_model) == pytest.approx(2562 * round_model.substeps(1e-3) * cost / 1e-3)
+    steps = round_model.substeps(1e-3) / 1e-3
+    assert processor_time.cost_of(round_model) == pytest.approx(2562 * steps * processor_time.COST)
 
 
 def test_where_none_of_any_size_can_be_made_the_full_mesh_is_simulated_or_its_stiffness_is_said(

@@ -193,10 +193,6 @@ def test_a_baked_press_is_no_part_of_the_shape_that_is_pressed(bpy: ModuleType, 
 
 
 def test_what_cannot_be_pressed_says_why(bpy: ModuleType, vinyl: Any, cube: Any) -> None:
-    cube.dimple.law_set = "PAPER"
-    with pytest.raises(RuntimeError, match="Choose Consistent"):
-        bpy.ops.dimple.identify()
-    cube.dimple.law_set = "CONSISTENT"
     vinyl.k = 0
     with pytest.raises(RuntimeError, match="k must be greater than 0"):
         bpy.ops.dimple.identify()

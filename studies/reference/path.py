@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..base import Floats
+from core.base import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,7 +11,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..base import REST_CLEAR, REST_SPEED, REST_TIME, REST_WAY, Floats
+from core.base import Floats
+
+REST_SPEED = 1e-3  # sizes a second: what moves faster is not at rest
+REST_TIME = 0.25  # [s] what has been slower for so long, and
+REST_WAY = 1e-6  # of its size: is no farther from where it was then, sleeps
+REST_CLEAR = 0.05  # of a fingertip's radius: nearer to the box round a body, it keeps it awake
 
 
 @dataclass(slots=True)

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Floats, Ints
-from ..body.facets import nearest_on_triangles
-from ..body.shape_matching import Pose
-from .surface import Mesh
+from core.base import Floats, Ints
+from core.body.shape_matching import Pose
+from core.mesh.surface import Mesh
+
+from .facets import nearest_on_triangles
 
 SAME_SIDE = 0.5  # cosine: a deep fingertip may be nearer to another side than to the one it entered through
 

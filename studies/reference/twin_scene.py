@@ -6,18 +6,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import SKIN_TRAVEL, Bools, Floats, Ints
-from ..body import touching
-from ..body.contact import Step, Touch
-from ..body.proximity import CLOSEST, OFFSET, Pairs, find_pairs, join_surfaces, touching_distance
-from . import semi_implicit
+from core.base import Bools, Floats, Ints
+from core.solver.motion import Motion
+from core.solver.scene import LEAVES_OUT, OFFSET, Collider, ColliderMotion, Crossings, SceneFrame, Way
+
+from . import semi_implicit, touching
 from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
+from .contact import Step, Touch
 from .crossing import crossing_vertices, find_crossings
 from .islands import let_sleep, woken
-from .motion import Motion
+from .proximity import CLOSEST, Pairs, find_pairs, join_surfaces, touching_distance
 from .rolling import Turning, resist
-from .scene import LEAVES_OUT, Collider, ColliderMotion, Crossings, SceneFrame, Way
-from .ticks import each_tick, meet, moved_back, slow_down
+from .ticks import SKIN_TRAVEL, each_tick, meet, moved_back, slow_down
 from .twin import Call, Twin
 from .twin_props import Props, move
 

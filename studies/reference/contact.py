@@ -27,7 +27,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Bools, Floats, Ints
+from core.base import Bools, Floats, Ints
+
 from .facets import SUNK, bulge, faces_near, inward_normals, met_radius, nearest_on_triangles
 
 _TINY = 1e-30
@@ -110,10 +111,8 @@ def candidates(
     return np.flatnonzero(near & (inverse_mass > 0)), faces[met], radii[met]
 
 
-def resolve(
-    x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin, step: Step, *, faces: bool = True
-) -> Floats:
-    """Keep vertices, and faces if wanted, out of a fingertip after a step, in place.
+def resolve(x: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin, step: Step) -> Floats:
+    """Keep vertices and faces out of a fingertip after a step, in place.
 
     Args:
         x, v: (3, n) positions [m] and velocities [m/s].
@@ -124,7 +123,7 @@ def resolve(
         the impulse (3,) [N s] on the fingertip.
     """
     before = x - v * step.slip(np.sqrt((v**2).sum(axis=0)))
-    met = _find(before, v, touch, inverse_mass, skin, step.dt, faces=faces)
+    met = _find(before, v, touch, inverse_mass, skin, step.dt)
     push = (met.held * met.normal).sum(axis=0)
     met.held[:, push <= 0] = 0
     met.move(v, met.held)
@@ -208,20 +207,18 @@ class _Contacts:
         return np.asarray(np.where(free.all(axis=1), give, np.maximum(give, least)))
 
 
-def _find(
-    before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin, dt: float, *, faces: bool
-) -> _Contacts:
+def _find(before: Floats, v: Floats, touch: Touch, inverse_mass: Floats, skin: Skin, dt: float) -> _Contacts:
     """Return the contacts that may work in a step that began before (3, n) [m]: near enough, or held until then."""
-    n, some = len(inverse_mass), slice(None if faces else 0)
-    triangles, number = touch.triangles[some], np.arange(len(touch.triangles)) if touch.faces is None else touch.faces
+    n, triangles = len(inverse_mass), touch.triangles
+    number = np.arange(len(triangles)) if touch.faces is None else touch.faces
     offset = before - (touch.centre - dt * touch.velocity)[:, None]
     alone = np.repeat(touch.vertices[:, None], 3, axis=1)
     members = np.concatenate([alone, triangles])
     weights = np.concatenate(
         [np.tile([1.0, 0.0, 0.0], (len(alone), 1)), nearest_on_triangles(offset[:, triangles], np.zeros(3))]
     )
-    radius = np.concatenate([np.full(len(alone), touch.radius), touch.radii[some]])
-    numbers = np.concatenate([touch.vertices, n + number[some]])
+    radius = np.concatenate([np.full(len(alone), touch.radius), touch.radii])
+    numbers = np.concatenate([touch.vertices, n + number])
     held = np.zeros((3, len(members))) if touch.kept is None else touch.kept[:, numbers]
     was_held = (held != 0).any(axis=0)
     first = (offset[:, members] * weights).sum(axis=2)

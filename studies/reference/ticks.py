@@ -7,12 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base import SKIN_TRAVEL, Floats, Ints
-from ..body import contact
-from ..body.contact import Step, Touch
-from ..body.forces import forces
-from ..body.model import Model, State
+from core.base import Floats
+from core.body.forces import forces
+from core.body.model import Model, State
+
+from . import contact
+from .contact import Step, Touch
 from .path import FingerPath
+
+SKIN_TRAVEL = 0.5  # of a fingertip's radius: the most the skin may move in a substep, or it would pass the fingertip
 
 # advance(model, state, dt, acceleration): move a state in place by dt [s], contact apart. The acceleration (3, n)
 # [m/s2] at the start is given where the step before left it, and returned where the next one may have it.
@@ -99,25 +102,10 @@ def reach(
 def meet(model: Model, state: State, touches: Sequence[Touch], step: Step) -> Floats:
     """Resolve the contacts of a step in place and return the impulses (k, 3) [N s] on the fingertips."""
     x, v = state.positions, state.velocities
-    if model.law_set == "paper":
-        state.contact = touched(x, touches)
     skin = contact.Skin(model.friction, model.compliance)
-    impulses = [
-        contact.resolve(x, v, touch, model.inverse_mass, skin, step, faces=model.law_set != "paper")
-        for touch in touches
-    ]
+    impulses = [contact.resolve(x, v, touch, model.inverse_mass, skin, step) for touch in touches]
     if model.ground is not None:
         contact.rest_on_ground(x, v, model.ground, model.inverse_mass, model.friction, step.dt)
     given = np.array(impulses).reshape(-1, 3)
     state.pushes = given / step.dt
     return given
-
-
-def touched(x: Floats, touches: Sequence[Touch]) -> Ints:
-    """Return the vertices inside any fingertip or on its surface: the paper's contact."""
-    reach = 1 + contact.ROUNDING
-    hits = [
-        touch.vertices[((x[:, touch.vertices] - touch.centre[:, None]) ** 2).sum(axis=0) < (reach * touch.radius) ** 2]
-        for touch in touches
-    ]
-    return np.unique(np.concatenate(hits)) if hits else np.zeros(0, np.int64)

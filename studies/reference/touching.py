@@ -17,7 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Bools, Floats, Ints
+from core.base import Bools, Floats, Ints
+
 from .proximity import FLAT, Pairs, Surfaces, measure
 
 BACK = 0.2  # of what it has slipped, what sticks goes back in a substep

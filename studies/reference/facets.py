@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import Bools, Floats, Ints
+from core.base import Bools, Floats, Ints
 
 _TINY = 1e-30
 STIFF = 0.25  # of the radius: the bulge of a facet that is met whole

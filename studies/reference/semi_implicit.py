@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..base import Floats
-from ..body.model import Model, State
+from core.base import Floats
+from core.body.model import Model, State
+
 from .ticks import acceleration_of, run_ticks
 
 

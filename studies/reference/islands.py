@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import Bools, Ints
+from core.base import Bools, Ints
 
 
 def woken(moving: Bools, asleep: Bools, sides: Ints, free: Bools) -> list[int]:

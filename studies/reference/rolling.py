@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..base import Bools, Floats, Ints
+from core.base import Bools, Floats, Ints
 
 ARM = 0.005  # of its size: a hundredth of a ball's radius
 PART = 0.1  # of what would stop it in a substep

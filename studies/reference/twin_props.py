@@ -6,12 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import Floats, Ints
-from ..body.proximity import Surfaces
-from ..body.touching import Meetings
+from core.base import Floats, Ints
+from core.solver.scene import Collider, ColliderMotion, Fall, Way
+
 from .bounds import Bounds, is_allowed
 from .falling import NOBODY, Prop, Support, ground_supports, resolve_supports
-from .scene import Collider, ColliderMotion, Fall, Way
+from .proximity import Surfaces
+from .touching import Meetings
 
 HALVINGS = 8  # of the way of a prop that is held back
 

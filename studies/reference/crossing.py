@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..base import Bools, Floats, Ints
-from ..body.proximity import Surfaces, near_boxes
-from .scene import Crossings
+from core.base import Bools, Floats, Ints
+from core.solver.scene import Crossings
+
+from .proximity import Surfaces, near_boxes
 
 
 def find_crossings(s: Surfaces, x: Floats, free: Bools, itself: Sequence[int], left_out: Bools) -> Crossings:

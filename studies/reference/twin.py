@@ -1,4 +1,4 @@
-"""The numpy twin of the native core: the same body, the same calls, to be read, tested against and fallen back on."""
+"""The numpy twin of the native core: the same body, the same calls, to be read and tested against."""
 
 from __future__ import annotations
 
@@ -7,17 +7,21 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Bools, Floats, Ints
-from ..body import pressure
-from ..body.model import Model, State, initial_state
-from ..body.moved_rest import on_its_way, with_rest
-from ..body.shape_matching import Pose, carried_pose, fit_pose
-from ..material import law_force
-from ..mesh.depth import RestSurface, Touching, rest_surface, touching
+from core.base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Bools, Floats, Ints
+from core.body import pressure
+from core.body.model import Model, State, initial_state
+from core.body.moved_rest import on_its_way, with_rest
+from core.body.shape_matching import Pose, carried_pose, fit_pose
+from core.material import law_force
+from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion, Touch, Vector
+
 from . import semi_implicit
-from .motion import FingertipMotion, Frame, Motion, PinMotion, Touch, Vector
+from .depth import RestSurface, Touching, rest_surface, touching
 from .path import FingerPath
 from .rest import Rest, reaches
+
+LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
+FASTEST = 1e6  # sizes in a tick: so has one as fast
 
 
 @dataclass(slots=True, kw_only=True)
@@ -59,8 +63,8 @@ class Twin:
     def set_constants(self, model: Model, *, surface: Model | None = None) -> None:
         """Give the living body the numbers of other models of the same meshes."""
         old = self.model
-        if (model.law_set, model.pressure.fill) != (old.law_set, old.pressure.fill):
-            self._state.pressure, self._state.contact = 0.0, self._state.contact[:0]
+        if model.pressure.fill != old.pressure.fill:
+            self._state.pressure = 0.0
         if old.free and not model.free:
             self._state.pose = self._pose()
         elif model.free:
@@ -89,7 +93,7 @@ class Twin:
         self._surface = rest_surface(self._fine.mesh)
 
     def set_load(self, load: Floats | None) -> None:
-        """Push each vertex by a force (3, n) [N] from now on, None by none; the paper's laws take none."""
+        """Push each vertex by a force (3, n) [N] from now on, None by none."""
         self._state.load, self._rest = load, Rest()
 
     @property
@@ -166,9 +170,6 @@ class Twin:
         """Lead the pins of a tick and return where the fingertips go in it."""
         motion, tips = call.motion, call.motion.fingertips
         share = call.ticks / (motion.ticks - 1) if motion.ticks > 1 else 0.0
-        if self.model.law_set == "paper" and not self._rest.asleep:
-            touches = [self._touching(tips, i, call.here[i]) for i in call.down]
-            self._state.inner_force = sum(self._law(touch) for touch in touches)
         centres = np.empty((len(call.down), 2, 3))
         for row, i in enumerate(call.down):
             centres[row, 0] = call.here[i]
@@ -255,7 +256,7 @@ class Twin:
         return np.array([reaches(used, start, end, radius) for start, end, radius in ways], bool)
 
     def _volume(self, ticks: int) -> float:
-        known = self.model.law_set == "consistent" and self.model.pressure.fill != "none" and ticks
+        known = self.model.pressure.fill != "none" and ticks
         return self._state.volume if known else pressure.volume(self.model.pressure, self._state.positions)
 
     def _pose(self) -> Pose:

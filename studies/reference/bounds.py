@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import Bools, Floats, Ints
-from ..body.proximity import BOUND, Pairs, Surfaces, planes_between
+from core.base import Bools, Floats, Ints
+
+from .proximity import BOUND, Pairs, Surfaces, planes_between
 
 ALERT = 0.5  # of the way it may go, after which the planes of a vertex are looked at
 SPENT = 0.5  # of half the distance: when a vertex is nearer to a plane, that is set anew; one of the query, when it has

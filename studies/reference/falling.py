@@ -15,11 +15,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..base import REST_SPEED, REST_TIME, REST_WAY, Floats, Ints
-from ..body.touching import BACK, PART, ROUNDING
-from . import rigid
+from core.base import Floats, Ints
+from core.solver import rigid
+from core.solver.scene import Fall, Falling
+
+from .rest import REST_SPEED, REST_TIME, REST_WAY
 from .rolling import ARM
-from .scene import Fall, Falling
+from .touching import BACK, PART, ROUNDING
 
 FALL_SWEEPS = 20  # over all that props touch, at most
 FALL_SETTLED = 1e-7  # of all impulses: what a sweep may still change
