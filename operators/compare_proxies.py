@@ -45,7 +45,7 @@ class DIMPLE_OT_compare_proxies(Working, bpy.types.Operator):
         from . import bridge
 
         sessions.stop_all()
-        link, model = bridge.read_body(context, context.object, identify="WAIT")
+        link, model = bridge.read_body(context, context.object)
         check(model)
         self._link, self._found = link, []
         radius = context.scene.dimple.finger_radius_mm / 1e3

@@ -22,7 +22,7 @@ from ..core.reduction.planner import Maker, Plan, carry_out, plan_full_mesh, pla
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
-from . import bridge, contact, identified, timeline
+from . import contact, timeline
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -142,23 +142,6 @@ def set_clock(scene: bpy.types.Scene, session: Session, faster: int = 1, pressed
         session.set_clock(timeline.tick_s(scene, faster), faster=faster, slow=slow)
 
 
-def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Callable[[], Proxy | None]:
-    """Return what finds the proxy on which the materials of an object are identified: the one that moves already, if
-    any does.
-    """
-    for known, proxy in _moving:
-        if known is mesh and not (proxy and proxy.pressed):  # one that is graded may be coarse where it is measured
-            return lambda: proxy
-    obj = bridge.find(uid)
-    if obj is None:
-        return lambda: None
-    planned = choosing(bpy.context.scene, obj)
-    return lambda: planned(model())[1](build_proxy).proxy
-
-
-identified.choosing.append(_to_identify)
-
-
 def _proxy(
     moving: Proxy | None,
     model: Model,
@@ -260,7 +243,7 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model, pressed: Pr
     law, number = model.matching, 0
     for array in (
         law.rest, model.mesh.triangles, model.mass, model.pinned, law.k1, law.k2, law.d0, law.damping, law.tension,
-        law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction, model.compliance,
+        model.springs.stiffness, model.springs.damping, model.friction, model.compliance,
     ):  # fmt: skip
         number = zlib.crc32(np.ascontiguousarray(array), number)
     words = (model.law_set, model.pressure.fill, model.rigged, *around(scene, obj), *obj.dimple.to_plan().values())

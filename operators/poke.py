@@ -232,7 +232,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         begun = self._settings
         chosen = [
             uid for uid, body in sessions.sessions.items()
-            if uid not in begun or begun[uid]._replace(identified=0) != body.seen._replace(identified=0)
+            if uid not in begun or begun[uid] != body.seen
         ]  # fmt: skip
         changed = chosen or self._typed or self._contacts != _contacts(context)
         return bool(changed) and not self._state.pressing

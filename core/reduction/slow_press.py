@@ -51,8 +51,6 @@ def answer_time(model: Model, depth: float) -> float:
     softest = np.full(len(model.mass), np.inf)
     for d in depth * np.arange(1, LOOKS + 1) / LOOKS:
         force = law.k1 * np.minimum(d, law.d0) + law.k2 * np.maximum(d - law.d0, 0.0)
-        for more, knee in zip(law.more, law.knees, strict=True):
-            force += more * np.maximum(d - knee, 0.0)
         softest = np.minimum(softest, force / d)
     if not softest[moves].min() > 0:
         return math.inf
