@@ -3,8 +3,7 @@
 The rendered force is that of the measured law at the depth below the surface at rest, as in the paper, Eq. (1), and not
 the force of the simulated contact, for three reasons:
 
-- What the hand is given is then what was measured, whatever the mesh, the step and the fingertip; the simulated
-  contact comes near it only as far as the model's constants were identified.
+- What the hand is given is then what was measured, whatever the mesh, the step and the fingertip.
 - The law is known beyond the frame: its slope gives the servo a stiffness to evaluate 1000 times a second. The
   simulated force is a frame old, and held for a frame it is stable only below 217 N/m.
 - As a function of the depth alone it creates no energy: the hand gets back what it put in.
