@@ -9,15 +9,12 @@ import pytest
 from core.base import DimpleError, Floats, Ints
 from core.body import pressure, shape_matching, springs
 from core.body.model import Model, build_model
-from core.calibration.identify import identification
-from core.calibration.place import typical_site
 from core.material import PRESETS, Indenter
 from core.mesh.surface import base_vertices
 from core.props import PropWorld, shrunk, touching_gap
 from core.session import Session
 from core.solver import rigid
 from core.solver.scene import Collider
-from core.steps import result_of
 from core.world import World
 from studies.scenes import cube
 from tests.bodies import backends
@@ -85,11 +82,10 @@ def test_it_rests_at_the_depth_at_which_the_body_answers_its_weight(mass: float)
 
 @pytest.fixture(scope="module")
 def punched() -> Model:
-    """Object 2, whose constants are identified with a punch of the weight's radius."""
+    """Object 2, as if measured with a punch of the weight's radius."""
     mesh, tip = cube(24, SIDE), Indenter(shape="punch", radius=DISC)
     material = replace(PRESETS[1].material, indenter=tip)
-    steps = identification(mesh, material, tip, typical_site(mesh, tip), 1.3 * material.x0)
-    return build_model(mesh, [result_of(steps).material], pinned=base_vertices(mesh))
+    return build_model(mesh, [material], pinned=base_vertices(mesh))
 
 
 @pytest.mark.parametrize("mass", [0.5, pytest.param(1.0, marks=pytest.mark.slow), 2.0])
