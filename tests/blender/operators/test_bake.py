@@ -212,7 +212,7 @@ def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed
 
 
 @pytest.mark.parametrize(("simulated", "near"), [("MESH", 0.05), pytest.param("PROXY", 0.1, marks=pytest.mark.once)])
-def test_a_bake_with_keyframed_constants_answers_as_one_that_is_identified_for_each(
+def test_a_bake_with_keyframed_constants_answers_as_one_that_has_them_all_the_time(
     bpy: ModuleType, scene: Any, ball: Add, simulated: str, near: float
 ) -> None:
     def baked(*keys: tuple[int, float]) -> list[dict[str, float]]:
