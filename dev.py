@@ -112,13 +112,10 @@ def wheels(options: argparse.Namespace) -> int:
 
 
 def bench(options: argparse.Namespace) -> int:
-    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --scale, --exports, --identify"""
+    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --scale, --exports"""
     asks = {"-h", "--help"} & {*options.rest}  # of all kinds together
     if "--exports" in options.rest and not asks:
         return in_blender("tests/bench/exports.py", options.blender, BUILD / "exports")
-    if "--identify" in options.rest and not asks:
-        words = [word for word in options.rest if word != "--identify"]
-        return in_blender("tests/bench/identified.py", options.blender, BUILD / "identified", *words)
     python = environment(options.blender)
     native_core.provide_library(python)
     variables = {"OPENBLAS_NUM_THREADS": "1"}
@@ -143,7 +140,7 @@ def contact(options: argparse.Namespace) -> int:
 
 
 def core(options: argparse.Namespace) -> int:
-    """run a study without Blender, such as calibrate, paper, tips, dents, haptics; `core --help` lists them"""
+    """run a study without Blender, such as calibrate, paper, dents, haptics; `core --help` lists them"""
     python = environment(options.blender)
     native_core.provide_library(python)
     return run([python, "-m", "studies", *options.rest])

@@ -7,7 +7,7 @@ import bpy
 
 from ..operators import twins
 from ..operators.names import MAPS, Op
-from ..operators.sessions import identifying, sessions
+from ..operators.sessions import sessions
 from ..operators.under_way import is_blind
 from . import calibration, device, experiment, materials, readout, room
 from .contact import DIMPLE_PT_contact
@@ -97,15 +97,12 @@ class DIMPLE_PT_state(SidebarPanel, bpy.types.Panel):
     bl_options = {"HIDE_HEADER"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the state, and how far an identification is."""
+        """Draw the state."""
         layout, body = self.layout, context.object
         if body is None or body.type != "MESH":
             draw_notes(context, layout, ["Select a mesh to press it."])
         elif context.window_manager.dimple.state:
             draw_notes(context, layout, [context.window_manager.dimple.state])
-        share = identifying()
-        if share is not None:
-            layout.progress(factor=share, text=readout.iface_("Identifying: the force is an estimate so far"))
 
 
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):

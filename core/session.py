@@ -6,7 +6,6 @@ Time runs in whole ticks of a millisecond whatever the frame rate, so the same p
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Sequence
 
@@ -291,7 +290,7 @@ class Session:
         """Return the motion of each fingertip in some ticks."""
         materials, size = self.model.materials, self.model.mesh.size
         return tuple([
-            tip and tip.motion(first, last, factors(materials, tip.target.radius, size)) for tip in self._tips
+            tip.motion(first, last, factors(materials, tip.target.radius, size)) if tip else None for tip in self._tips
         ])  # fmt: skip
 
     def _measured(self) -> motion.Frame:

@@ -18,7 +18,7 @@ from ..core.reduction.planner import Maker, Plan, plan, plan_full_mesh, plan_pro
 from ..core.reduction.proxy import build_proxy, mean_spacing, painted, with_constants
 from ..core.session import MAX_FINGERS
 from ..core.steps import Parts, at_once
-from . import bridge, contact, identified
+from . import contact
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -87,23 +87,6 @@ def planning_for(
         del _choices[next(iter(_choices))]
     settings.plan_key, settings.plan_vertices, settings.plan_reason = now, made.vertices, made.reason
     return made.proxy, f'"{obj.name}": {made.reason}' if made.proxy and not known else ""
-
-
-def _to_identify(uid: int, mesh: Mesh, model: Callable[[], Model]) -> Callable[[], Proxy | None]:
-    """Return what finds the proxy on which the materials of an object are identified: the one that moves already, if
-    any does.
-    """
-    for known, proxy in _moving:
-        if known is mesh:
-            return lambda: proxy
-    obj = bridge.find(uid)
-    if obj is None:
-        return lambda: None
-    planned = choosing(bpy.context.scene, obj)
-    return lambda: planned(model(), build_proxy).proxy
-
-
-identified.choosing.append(_to_identify)
 
 
 def _proxy(moving: Proxy | None, model: Model, vertices: int) -> Proxy:
@@ -181,7 +164,7 @@ def key(scene: bpy.types.Scene, obj: bpy.types.Object, model: Model) -> str:
     law, number = model.matching, 0
     for array in (
         law.rest, model.mesh.triangles, model.mass, model.pinned, law.k1, law.k2, law.d0, law.damping, law.tension,
-        law.more, law.knees, model.springs.stiffness, model.springs.damping, model.friction, model.compliance,
+        model.springs.stiffness, model.springs.damping, model.friction, model.compliance,
     ):  # fmt: skip
         number = zlib.crc32(np.ascontiguousarray(array), number)
     words = (model.pressure.fill, model.rigged, *around(scene, obj), *obj.dimple.to_plan().values())

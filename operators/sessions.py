@@ -6,7 +6,6 @@ and renaming.
 
 from __future__ import annotations
 
-import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
@@ -114,12 +113,6 @@ disarming: list[Callable[[], None]] = []  # what ends all force of the haptic de
 def get(obj: bpy.types.Object | None) -> LiveBody | None:
     """Return the session of an object."""
     return sessions.get(obj.session_uid) if obj else None
-
-
-def identifying() -> float | None:
-    """Return the share that is done of what is identified in the background, None where nothing is."""
-    identified = sys.modules.get(f"{__package__}.identified")  # with the core: not before it is needed
-    return identified.progress() if identified else None
 
 
 def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:

@@ -17,7 +17,6 @@ COMMANDS = {
     "paper": ("reproduce the paper's tables and figures, beside the printed numbers", ".paper", "add_command"),
     "emulator": ("run an emulated haptic device, with faults on demand", ".emulator", "add_emulator"),
     "grasp": ("lift a cube with three emulated fingertips and put it down", ".grasp", "add_grasp"),
-    "tips": ("identify Table 2's objects with points, punches and balls on several meshes", ".tips", "add_tips"),
     "solid": ("press solids by finite elements, to compare bodies with", ".solid_report", "add_solid"),
     "release": ("press a hundred meshes, let go, and see what comes back", ".release_report", "add_release"),
     "dents": ("draw settled dents, measure how smooth they are and how they converge", ".dents", "add_dents"),

@@ -10,8 +10,8 @@ import numpy as np
 from core.base import TICK, DimpleError, Floats, Ints, Singles
 from core.body.model import Model
 from core.mesh.surface import Mesh
+from core.native import create
 from core.reduction.cells import vertex_normals
-from core.solver.backend import create
 from core.solver.motion import FingertipMotion, Motion
 
 from .curve import along_curve

@@ -83,9 +83,8 @@ Pressed = tuple[list[Floats], Floats, float, int]  # skins (n, 3) [m], forces (S
 
 def nylon(cells: int, *, whole: bool) -> Model:
     """Return Object 1 on its base; whole: with all of k in its skin, which makes it far stiffer than it measured."""
-    mesh = cube(cells, PRESETS[0].size)
-    material = whole_skin(PRESETS[0]) if whole else PRESETS[0].material
-    return build(mesh, [replace(material, friction=0.0)], pinned=base_vertices(mesh))
+    mesh, material = cube(cells, PRESETS[0].size), replace(PRESETS[0].material, friction=0.0)
+    return whole_skin(mesh, material) if whole else build(mesh, [material], pinned=base_vertices(mesh))
 
 
 def outcomes(cells: int, *, whole: bool, slow: bool) -> Iterator[Outcome]:

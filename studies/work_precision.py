@@ -96,7 +96,7 @@ def cases(*, quick: bool) -> list[Case]:
     water = PRESETS[2]
     return [
         *found,
-        _poke("whole_skin", "the same, all of k in the skin", stiff_mesh, whole_skin(nylon), 0.005),
+        _poke("whole_skin", "the same, all of k in the skin", stiff_mesh, nylon.material, 0.005, whole_skin),
         _poke("poke_cube", "poked cube of vinyl and water", cube(5, water.size), water.material, 0.06),
     ]
 
@@ -158,9 +158,13 @@ def front(points: Sequence[Point]) -> dict[float, Point | None]:
     return found
 
 
-def _poke(name: str, label: str, mesh: Mesh, material: Material, seconds: float) -> Case:
+def _poke(
+    name: str, label: str, mesh: Mesh, material: Material, seconds: float,
+    made: Callable[[Mesh, Material], Model] | None = None,
+) -> Case:  # fmt: skip
     """Return a press without friction, which only some of the methods have."""
-    model = build_model(mesh, [replace(material, friction=0.0)], pinned=base_vertices(mesh))
+    smooth = replace(material, friction=0.0)
+    model = made(mesh, smooth) if made else build_model(mesh, [smooth], pinned=base_vertices(mesh))
     return Case(name=name, label=label, model=model, start=initial_state(model), seconds=seconds, depth=mesh.size / 16)
 
 

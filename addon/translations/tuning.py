@@ -14,7 +14,6 @@ WORDS = {
     ),
     "Spread (mm)": "広がり (mm)",
     "How far a dent reaches beyond the fingertip": "くぼみが指先の外へどこまで広がるか",
-    "Identifying: the force is an estimate so far": "同定中：力はまだ推定値です",
     "Press By": "押し方",
     "Whether a press, Ctrl + wheel and pen pressure set a depth or a force": (
         "押すとき、Ctrl とホイール、ペンの筆圧が深さと力のどちらを決めるか"

@@ -206,8 +206,6 @@ def assemble(
     k2: Floats,
     d0: Floats,
     tension: Floats,
-    more: Floats,
-    knees: Floats,
     fill: str,
     rest_pressure: float,
     gravity: Sequence[float] | Floats,
@@ -218,15 +216,14 @@ def assemble(
 
     Args:
         mass [kg], friction, compliance [m/N], damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
-        more [N/m], knees [m]: (p, n) of further pieces of shape matching.
         stiffness, tension: (m,) along the mesh's edges [N/m].
         rest_pressure: of the fill, in the shape at rest [Pa].
     """
     n, ends = len(mass), mesh.springs
     shape = shape_matching.build_shape_matching(
-        mesh, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, tension=tension, more=more, knees=knees
+        mesh, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, tension=tension
     )
-    met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + shape_matching.stiffest(shape)
+    met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + np.maximum(k1, k2)
     mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + met, ~mesh.loose)
     i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
@@ -243,26 +240,11 @@ def assemble(
         friction=friction, compliance=compliance, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
         omega_squared=bound.of_body(
-            mesh, stiffness + tension, shape_matching.stiffest(shape), inverse_mass, inside, STIFFENS[inside.fill]
+            mesh, stiffness + tension, np.maximum(k1, k2), inverse_mass, inside, STIFFENS[inside.fill]
         ),
         decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
         notes=mesh.notes + notes + ((_ALL_PINS,) if pinned.all() else ()),
     )  # fmt: skip
-
-
-def with_bed(model: Model, k1: Floats, knees: Floats, more: Floats) -> Model:
-    """Return a model whose shape matching has another law in the displacement, with steps that are short enough for it.
-
-    Args:
-        k1: (n,) stiffness to begin with [N/m].
-        knees, more: (p, n) of its further pieces [m], [N/m].
-    """
-    law = replace(model.matching, k1=k1, k2=k1, knees=knees, more=more)
-    along, inside = model.springs.stiffness + law.tension, model.pressure
-    omega_squared = bound.of_body(
-        model.mesh, along, shape_matching.stiffest(law), model.inverse_mass, inside, STIFFENS[inside.fill]
-    )
-    return replace(model, matching=law, omega_squared=omega_squared)
 
 
 def initial_state(model: Model) -> State:

@@ -196,9 +196,6 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
         DM_CHECK(DM_ARRAY(vertices, of_vertices[k]));
         DM_CHECK(dm_check_numbers(vertices, of_vertices[k], 1));
     }
-    if (c->pieces < 0 || c->pieces > DM_MAX_PIECES) return DM_SIZE;
-    DM_CHECK(DM_ARRAY(c->pieces, c->more) | DM_ARRAY(c->pieces, c->knees));
-    DM_CHECK(dm_check_numbers(c->pieces * vertices, c->more, 0) | dm_check_numbers(c->pieces * vertices, c->knees, 1));
     DM_CHECK(DM_ARRAY(springs, c->stiffness) | DM_ARRAY(springs, c->damping) | DM_ARRAY(springs, c->tension));
     DM_CHECK(dm_check_numbers(springs, c->stiffness, 1) | dm_check_numbers(springs, c->damping, 1));
     DM_CHECK(dm_check_numbers(springs, c->tension, 1));

@@ -4,7 +4,7 @@
 static void dm_state_destroy(dm_state *b) {
     void *const parts[] = {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
-        b->pieces, b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
+        b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->tension, b->rest_rate, b->pull_rate,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
         b->inverse_mass, b->friction, b->compliance, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,

@@ -44,12 +44,8 @@ typedef struct {
 
 typedef struct { /* what does not change within a step; rest from its own centre, k_more = k2 - k1 */
     dm_vec3 rest, pull; /* pull: sum of the tensions t (r_j - r_i) of the shape at rest */
-    dm_lanes k1, k_more, d0, first_knee, damping, mass, inverse_mass;
+    dm_lanes k1, k_more, d0, damping, mass, inverse_mass;
 } dm_group_matter;
-
-typedef struct { /* a further piece of shape matching */
-    dm_lanes more, knee;
-} dm_piece;
 
 typedef struct { /* velocities after a step but for the pressure, and what a pascal adds to them */
     dm_vec3 v, per_pascal;
@@ -148,8 +144,6 @@ struct dm_state {
     dm_record *records;
     dm_group_state *state;
     dm_group_matter *matter;
-    dm_piece *pieces; /* (groups, piece_count) */
-    int64_t piece_count;
     dm_group_next *next;
 
     dm_rows ring;

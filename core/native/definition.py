@@ -25,7 +25,7 @@ class Constants(Structure):
 
     _fields_ = fields(
         stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", compliance="p",
-        k1="p", k2="p", d0="p", pieces="n", more="p", knees="p", drag="p",
+        k1="p", k2="p", d0="p", drag="p",
         laws="p", materials="n", painted="p", gravity="d3", ground="d", rest_pressure="d", fill="i", free="i",
         rigged="i",
     )  # fmt: skip
@@ -108,7 +108,6 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
         inverse_mass=arrays.double(model.inverse_mass),
         friction=arrays.double(model.friction), compliance=arrays.double(model.compliance),
         k1=arrays.double(matching.k1), k2=arrays.double(matching.k2), d0=arrays.double(matching.d0),
-        pieces=len(matching.more), more=arrays.double(matching.more), knees=arrays.double(matching.knees),
         drag=arrays.double(matching.damping),
         laws=arrays.double(surface.laws), materials=len(surface.materials),
         painted=arrays.double(surface.maps and np.column_stack([surface.maps.stiffer, surface.maps.deeper])),

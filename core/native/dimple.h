@@ -23,7 +23,6 @@
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
-#define DM_MAX_PIECES 32
 #define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
 #define DM_MAX_BODIES 4096   /* in one call */
 #define DM_MAX_WORKERS 64
@@ -65,9 +64,6 @@ typedef struct {
     const double *k1;           /* (vertices,) shape matching up to the knee [N/m] */
     const double *k2;           /* (vertices,) beyond the knee [N/m] */
     const double *d0;           /* (vertices,) displacement at the knee [m] */
-    int64_t pieces;             /* further ones of shape matching */
-    const double *more;         /* (pieces, vertices) stiffness that they add [N/m], beyond */
-    const double *knees;        /* (pieces, vertices) their knees [m] */
     const double *drag;         /* (vertices,) damping of shape matching [N s/m] */
     const double *laws;         /* (materials, DM_LAW) */
     int64_t materials;

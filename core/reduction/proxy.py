@@ -172,9 +172,7 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
         friction=mean(model.friction), compliance=mean(model.compliance * fine.vertex_areas) / area,
         damping=mean(damping),
         stiffness=membrane_stiffness(mesh, k), tension=mesh.cotangents * tension,
-        k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0),
-        more=np.reshape([total(k) for k in matching.more], (-1, m)),
-        knees=np.reshape([mean(knee) for knee in matching.knees], (-1, m)), fill=model.pressure.fill,
+        k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0), fill=model.pressure.fill,
         rest_pressure=model.pressure.rest_pressure, gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
     if coarse.free != model.free or pinned.all():

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from core.base import FASTEST, FINGER_TRAVEL, LARGEST_GROWTH, Bools, Floats, Ints
+from core.base import FINGER_TRAVEL, Bools, Floats, Ints
 from core.body import pressure
 from core.body.model import Model, State, initial_state
 from core.body.moved_rest import on_its_way, with_rest
@@ -19,9 +19,6 @@ from . import semi_implicit
 from .depth import RestSurface, Touching, rest_surface, touching
 from .path import FingerPath
 from .rest import Rest, reaches
-
-LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
-FASTEST = 1e6  # sizes in a tick: so has one as fast
 
 
 @dataclass(slots=True, kw_only=True)

@@ -23,7 +23,6 @@ from core.base import TICK
 from core.body.model import build_model
 from core.crowd import step_all
 from core.mesh.surface import base_vertices, mesh_from_triangles
-from core.native import create
 from core.native.body import step_many
 from core.reduction.binding import carry
 from core.reduction.planner import plan

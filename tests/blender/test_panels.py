@@ -163,18 +163,6 @@ def test_without_a_native_core_nothing_is_pressed_and_the_message_says_what_to_i
         bpy.ops.dimple.poke(depth_mm=1.0, press_s=0.01, hold_s=0.0, release_s=0.0)
 
 
-@pytest.mark.parametrize(("share", "shown"), [(None, False), (0.0, True), (0.4, True)])
-def test_while_the_background_identifies_the_panel_says_that_the_force_is_an_estimate(
-    bpy: ModuleType, body: Any, monkeypatch: pytest.MonkeyPatch, share: float | None, shown: bool
-) -> None:
-    from bl_ext.user_default.dimple.operators import identified
-
-    assert identified.progress() is None
-    monkeypatch.setattr(identified, "progress", lambda: share)
-    drawn = draw(bpy, bpy.types.DIMPLE_PT_state, object=body)
-    assert ("Identifying: the force is an estimate so far" in drawn) == shown
-
-
 @pytest.mark.parametrize("shape, said", [("CUBE", True), ("EMPTY", False)])
 def test_a_mesh_as_a_fingertip_is_said_to_press_as_a_ball(bpy: ModuleType, shape: str, said: bool) -> None:
     mesh = bpy.data.meshes.new("Knuckle") if shape == "CUBE" else None
@@ -221,36 +209,6 @@ def test_the_plan_is_shown_with_its_reason(bpy: ModuleType, body: Any) -> None:
     assert "DIMPLE_PG_object.simulated" in draw(bpy, panel, object=body)
     settings.plan_reason = "The full mesh runs live: 8 vertices at 1 steps per millisecond."
     assert "8 vertices at 1 steps per millisecond." in " ".join(draw(bpy, panel, object=body))
-
-
-def test_an_identification_is_shown_until_the_material_changes(bpy: ModuleType, body: Any) -> None:
-    import json
-
-    from bl_ext.user_default.dimple.operators import calibration
-
-    panel, settings = bpy.types.DIMPLE_PT_identification, body.active_material.dimple
-    settings.kappa1 = settings.kappa2 = settings.d0 = settings.membrane_scale = 0.02
-    settings.identification = json.dumps({
-        "object": "Cube", "fingerprint": calibration.fingerprint(settings) | {"vertices": 98}, "size": 165.0,
-        "tip": "point", "tip_radius": 2.0, "deepest": 22.0,
-        "rms": 0.0123, "force_off": 0.45, "volume_change": 0.001, "noticeable": [0.06, 0.08],
-        "notes": ["The skin's k is taken at 2 %."],
-    })  # fmt: skip
-    shown = draw(bpy, panel, object=body)
-    for text in (
-        "Cube, 165 mm",
-        "98",
-        "1.2% of full scale",
-        "45.0%",
-        "2.00%",
-        "6% – 8%",
-        "The skin's k is taken at 2 %.",
-    ):
-        assert text in shown, text
-    assert "This error can be felt." in shown, "1.2 % of full scale, but 45 % of a force"
-    settings.x0 = 5.0
-    shown = draw(bpy, panel, object=body)
-    assert "identify again" in " ".join(shown) and "Cube, 165 mm" not in shown
 
 
 def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -58,7 +58,6 @@ def shape_matching_law(mesh: Mesh, rng: np.random.Generator, knee: float) -> sha
     return shape_matching.build_shape_matching(
         mesh, k1=k1, k2=k1 * rng.uniform(0.5, 8, n), d0=np.full(n, knee), damping=rng.uniform(0, 1, n),
         mass=rng.uniform(0.1, 1, n), tension=rng.uniform(0, 5, len(mesh.springs)),
-        more=rng.uniform(0, 8, (2, n)), knees=knee * rng.uniform(1, 2, (2, n)),
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from core.base import TICK, DimpleError
 from core.body.model import Model, build_model
-from core.material import PRESETS, ModelConstants
+from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.reduction import planner, processor_time
 from core.reduction.planner import plan
@@ -17,7 +17,7 @@ from core.reduction.proxy import LARGEST, SMALLEST, Proxy, build_proxy
 from core.session import Finger, Session
 from studies import bodies
 from studies.presses import choose_presses
-from studies.scenes import BALL, ball, cube
+from studies.scenes import BALL, ball, cube, whole_skin
 
 NYLON = PRESETS[0]
 EVER_LIVE, NEVER_LIVE = 1e9, 0.0  # [s] per second
@@ -136,9 +136,7 @@ def test_a_budget_that_pays_for_nothing_gets_the_smallest_proxy(round_model: Mod
 
 def test_a_membrane_as_stiff_as_the_papers_runs_on_a_proxy() -> None:
     """The literal k = 54.8 N/mm needs 196 steps per tick of 10,088 vertices: 25 times what runs live."""
-    literal = ModelConstants(kappa1=8e5, kappa2=3e6, d0=0.0363, membrane_scale=1.0)
-    mesh = cube(41, NYLON.size)
-    model = build_model(mesh, [replace(NYLON.material, constants=literal)], pinned=base_vertices(mesh))
+    model = whole_skin(cube(41, NYLON.size), NYLON.material)
     assert model.substeps(TICK) > 190
     chosen = plan(model)
     assert chosen.proxy is not None and chosen.cost <= ESTIMATED * BUDGET
