@@ -22,8 +22,8 @@ import numpy as np
 from ..material import HERTZ, Indenter, Material
 
 POINT_SHARE = 1 / 16  # of the size: the patch that stands for a point
-MEMBRANE_SHARE = 0.05  # of the force at the knee: what the surface's own springs may answer
-LEAST_TENSION = 0.5  # of it, k may be: stiffer springs would buckle where they are compressed, and keep the dent
+SETTLED = 6  # times the spread is found from the last one: then it is right within a thousandth
+SPRINGS = 1 / 4  # of the tension: as stiff as it, springs that are compressed could buckle and keep the dent
 BEYOND = 0.6  # of the rim's length: beyond the knee the dent widens meanwhile
 SOLID_SKIN = 80.0  # times as stiff as its bed the skin of a solid is
 
@@ -33,13 +33,13 @@ class ModelConstants(NamedTuple):
 
     kappa1, kappa2: stiffness of shape matching per area, up to the knee and beyond it [N/m3].
     d0: displacement at the knee [m].
-    membrane_scale: factor on the surface spring constant k.
+    tension: between the displacements of neighbours [N/m].
     """
 
     kappa1: float
     kappa2: float
     d0: float
-    membrane_scale: float
+    tension: float
 
 
 def reach(indenter: Indenter, size: float) -> float:
@@ -89,34 +89,54 @@ def falloff(radius: float, spread: float) -> float:
     return spread * float(weight @ np.cosh(t)) / float(weight.sum())
 
 
+@functools.lru_cache(maxsize=64)
+def spread_on(material: Material, size: float) -> float:
+    """Return how far a dent reaches beyond the fingertip [m]: as typed, or as far as springs of constant k carry it.
+
+    Springs over a dent of depth x0 and width lambda stretch by (x0 / lambda)^2 and pull with T = k' (x0 / lambda)^2.
+    Stiff ones pull the skin along, from all over the body, against the bed that holds it in its place: 1 / k' = 1 / k +
+    1 / (kappa size^2). With T = kappa lambda^2 that is lambda^4 = x0^2 / (kappa / k + 1 / size^2), and kappa depends on
+    lambda a little. tests/physics/test_spread.py says how wide the springs themselves make a dent.
+
+    Args:
+        size: longest side of the body [m].
+    """
+    if material.spread is not None:
+        return material.spread
+    spread = math.sqrt(material.x0 * size)  # of a skin that does not stretch
+    for _ in range(SETTLED):
+        gives = _bed(material, size, spread)[0] / material.k + size**-2
+        spread = math.sqrt(material.x0 / math.sqrt(gives))
+    return spread
+
+
 def estimate(material: Material, size: float) -> ModelConstants:
     """Return the model constants of a material on a body, in closed form.
 
     kappa1 is that with which the measuring tip answers the law at the knee. Beyond it only what lies under the tip and
     a rim of width sqrt(T / kappa2) is displaced far enough to be stiffer: (K2 - K1) = kappa pi a^2 + BEYOND 2 pi a
-    sqrt(kappa T), kappa = kappa2 - kappa1. Springs stretched over a dent of width lambda answer about pi/2 k x^3 /
-    lambda^2; k is scaled down where that would be more than their share, or where they could buckle.
+    sqrt(kappa T), kappa = kappa2 - kappa1.
 
     Args:
         size: longest side of the body [m].
     """
-    spread, knee = material.spread, material.x0
-    area, radius = bed_area(material.indenter, size, spread, knee)
-    if material.fill == "solid":
-        area = solid_area(material.indenter, size, spread, knee, _solid_skin(material))
-    kappa1 = material.law(knee) / knee / area
+    spread = spread_on(material, size)
+    kappa1, radius = _bed(material, size, spread)
     tension = kappa1 * spread**2
     # a quadratic in the root of kappa
     bed, rim = math.pi * radius**2, BEYOND * math.pi * radius * math.sqrt(tension)
     more = max(material.K2 - material.K1, 0.0)
     root = (math.sqrt(rim**2 + bed * more) - rim) / bed
-    width = max(spread, radius)
-    skin = math.pi / 2 * material.k * knee**3 / width**2
-    scale = min(MEMBRANE_SHARE * material.K1 * knee / skin, LEAST_TENSION * (tension + kappa1 * radius**2) / material.k)
-    return ModelConstants(
-        kappa1=kappa1, kappa2=max(kappa1 + root**2, kappa1 * min(material.K2 / material.K1, 1.0)), d0=knee,
-        membrane_scale=min(scale, 1.0),
-    )  # fmt: skip
+    kappa2 = max(kappa1 + root**2, kappa1 * min(material.K2 / material.K1, 1.0))
+    return ModelConstants(kappa1=kappa1, kappa2=kappa2, d0=material.x0, tension=tension)
+
+
+def _bed(material: Material, size: float, spread: float) -> tuple[float, float]:
+    """Return the stiffness of the bed up to the knee [N/m3] and the radius of contact there [m]."""
+    area, radius = bed_area(material.indenter, size, spread, material.x0)
+    if material.fill == "solid":
+        area = solid_area(material.indenter, size, spread, material.x0, _solid_skin(material))
+    return material.law(material.x0) / material.x0 / area, radius
 
 
 def skin_compliance(material: Material, constants: ModelConstants) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..base import Floats, Ints, distinct
 from ..mesh.curve import along_curve
+from .estimate import spread_on
 from .model import Model
 
 FEWEST, MOST = 2, 32  # eights of vertices in a region, for eight are stepped at a time: it is half a halo wide
@@ -44,7 +45,7 @@ def divide(model: Model, slack: float) -> Regions:
 
 def halo_of(model: Model) -> float:
     """Return how far round what moves all is awake at least [m]."""
-    spread = max(each.spread for each in model.materials)
+    spread = max(spread_on(each, model.mesh.size) for each in model.materials)
     return max(HALO * spread, LEAST_EDGES * float(model.springs.rest_lengths.mean()))
 
 
