@@ -139,7 +139,7 @@ def contact(options: argparse.Namespace) -> int:
 
 
 def core(options: argparse.Namespace) -> int:
-    """run a study without Blender, such as calibrate, paper, tips, dents, haptics; `core --help` lists them"""
+    """run a study without Blender, such as calibrate, paper, dents, haptics; `core --help` lists them"""
     python = environment(options.blender)
     native_core.provide_library(python)
     return run([python, "-m", "studies", *options.rest])

@@ -158,14 +158,12 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def _take(self, context: bpy.types.Context, event: "PokeEvent | None") -> set[str]:
         """Let an event change the state, and do what it asks for."""
         from ..core.poke import Kind, on_event
-        from . import fingertip, press
+        from . import fingertip
 
         if event is None:
             return {"RUNNING_MODAL"}
         was_pressing = self._state.pressing
         self._state, effects = on_event(self._state, event)
-        if event.kind is Kind.PRESS:
-            report(self, press.bare(event, self._state.radius))
         if self._run.paused != self._state.paused:
             modal_runs.pause(context, self._run, self._state.paused)
         if self._state.pressing and not was_pressing:

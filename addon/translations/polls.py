@@ -10,9 +10,6 @@ WORDS = {
         "3 つの指先はすべて使われています。先にどれかをスロットから外してください"
     ),
     "Calibrate with a file first": "先にファイルでキャリブレーションしてください",
-    "Give the object a material first: calibrate, or choose a preset": (
-        "先に物体にマテリアルを付けてください。キャリブレーションするか、プリセットを選びます"
-    ),
     "Go back to Object Mode first": "先にオブジェクトモードに戻ってください",
     "Go back to Object Mode to bake": "ベイクするにはオブジェクトモードに戻ってください",
     "Go back to Object Mode to calibrate": "キャリブレーションするにはオブジェクトモードに戻ってください",

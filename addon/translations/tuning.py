@@ -17,7 +17,6 @@ WORDS = {
     "How far a dent reaches beyond the fingertip; 0: as far as the surface k carries it": (
         "くぼみが指先の外へどこまで広がるか。0 なら表面の k が運ぶところまで"
     ),
-    "Identifying: the force is an estimate so far": "同定中：力はまだ推定値です",
     "Press By": "押し方",
     "Whether a press, Ctrl + wheel and pen pressure set a depth or a force": (
         "押すとき、Ctrl とホイール、ペンの筆圧が深さと力のどちらを決めるか"

@@ -27,7 +27,6 @@ SMALLEST = 60  # vertices: fewer no longer have the shape of a body
 LARGEST = 8000  # more take too long to choose
 NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
 STIFFER = 16.0  # times as stiff, as softness of 0 is beside 1: what is painted so is a spacing apart
-FEWER = 0.3  # of the vertices: a body with more is no faster for being coarser elsewhere
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
@@ -91,23 +90,6 @@ def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None, rec
         spacing=spacing, offset=offset, stands_out=stands_out, pressed=pressed,
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
-
-
-def coarser_elsewhere(model: Model, pressed: Pressed) -> Model | None:
-    """Return a body that is as fine as its mesh where it is pressed; None where it would not have far fewer vertices.
-
-    Raises:
-        DimpleError: there is none of its shape; the message says why.
-    """
-    mesh = model.mesh
-    used = np.flatnonzero(~mesh.loose)
-    vertices = max(round(share_of(mesh, pressed) * len(used)), SMALLEST)
-    if vertices > FEWER * len(used):
-        return None
-    wanted, spacing = coarser(mesh.rest_positions, pressed), mean_spacing(mesh, len(used))
-    place = _places(mesh, painted(model), spacing, wanted)
-    seeds, cells = _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing, wanted))
-    return _constants(model, _coarse_mesh(mesh, seeds, cells), cells)
 
 
 def _places(mesh: Mesh, stiffer: Singles, spacing: float, wanted: Floats | None) -> Floats:

@@ -40,9 +40,6 @@ MESSAGES = {
     "The radius of the tip must be greater than 0 mm (it is {}).": (
         "先端の半径は 0 mm より大きくしてください（現在 {}）。"
     ),
-    "The tension must not be negative": "張力は負にできません",
-    "A piece needs a knee greater than 0": "区間の折れ点は 0 より大きくしてください",
-    "The model constant {} must be greater than 0": "モデル定数 {} は 0 より大きくしてください",
     "{} must be greater than 0 {}": "{} は 0 {} より大きくしてください",
     "The spread must not be negative": "広がりは負にできません",
     "Give either a mass or a density": "質量か密度のどちらか一方を設定してください",
@@ -62,7 +59,6 @@ MESSAGES = {
     "The damping ratio": "減衰比",
     "The friction": "摩擦",
     "The pressure": "圧力",
-    "The tension": "張力",
     "both": "両方",
     "neither": "どちらもなし",
     "All vertices lie at one point, so there is nothing to press. Give the mesh a size.": (

@@ -261,7 +261,6 @@ def main(words: list[str]) -> int:
     parser.add_argument("--show", action="store_true", help="how a press is shown, beside writing the mesh, instead")
     parser.add_argument("--scale", action="store_true", help="many bodies, many vertices, instead")
     parser.add_argument("--exports", action="store_true", help="what an export costs in each format, instead")
-    parser.add_argument("--identify", action="store_true", help="how long identification takes in Blender, instead")
     parser.add_argument("--full", action="store_true", help="with --scale: the full million too, minutes")
     options = parser.parse_args(words)
     if options.scale:

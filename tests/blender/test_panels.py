@@ -161,8 +161,6 @@ def test_without_a_native_core_a_press_runs_on_numpy_and_the_panel_says_why(
     monkeypatch.setattr(native, "_loaded", [])
     monkeypatch.setattr(native, "places", lambda: [library])
     native.why_not.cache_clear()
-    settings = body.active_material.dimple  # given, not identified: numpy is slow
-    settings.kappa1, settings.kappa2, settings.d0, settings.membrane_scale = 1.0, 9.0, 16.0, 0.01
     try:
         entry, _ = sessions.start(body, bpy.context)
         entry.session.step(0.002)
@@ -172,18 +170,6 @@ def test_without_a_native_core_a_press_runs_on_numpy_and_the_panel_says_why(
         monkeypatch.undo()
         native.why_not.cache_clear()
     assert entry.session.backend == "numpy" and "Runs on numpy, slower" in shown and word in shown
-
-
-@pytest.mark.parametrize(("share", "shown"), [(None, False), (0.0, True), (0.4, True)])
-def test_while_the_background_identifies_the_panel_says_that_the_force_is_an_estimate(
-    bpy: ModuleType, body: Any, monkeypatch: pytest.MonkeyPatch, share: float | None, shown: bool
-) -> None:
-    from bl_ext.user_default.dimple.operators import identified
-
-    assert identified.progress() is None
-    monkeypatch.setattr(identified, "progress", lambda: share)
-    drawn = draw(bpy, bpy.types.DIMPLE_PT_state, object=body)
-    assert ("Identifying: the force is an estimate so far" in drawn) == shown
 
 
 @pytest.mark.parametrize("shape, said", [("CUBE", True), ("EMPTY", False)])
@@ -256,36 +242,6 @@ def test_the_plan_is_shown_with_its_reason_and_a_comparison_as_a_table(bpy: Modu
     assert outdated not in " ".join(draw(bpy, panel, object=body))
     bpy.context.scene.dimple.finger_radius_mm *= 2
     assert outdated in " ".join(draw(bpy, panel, object=body))
-
-
-def test_an_identification_is_shown_until_the_material_changes(bpy: ModuleType, body: Any) -> None:
-    import json
-
-    from bl_ext.user_default.dimple.operators import calibration
-
-    panel, settings = bpy.types.DIMPLE_PT_identification, body.active_material.dimple
-    settings.kappa1 = settings.kappa2 = settings.d0 = settings.membrane_scale = 0.02
-    settings.identification = json.dumps({
-        "object": "Cube", "fingerprint": calibration.fingerprint(settings) | {"vertices": 98}, "size": 165.0,
-        "tip": "point", "tip_radius": 2.0, "deepest": 22.0,
-        "rms": 0.0123, "force_off": 0.45, "volume_change": 0.001, "noticeable": [0.06, 0.08],
-        "notes": ["The skin's k is taken at 2 %."],
-    })  # fmt: skip
-    shown = draw(bpy, panel, object=body)
-    for text in (
-        "Cube, 165 mm",
-        "98",
-        "1.2% of full scale",
-        "45.0%",
-        "2.00%",
-        "6% – 8%",
-        "The skin's k is taken at 2 %.",
-    ):
-        assert text in shown, text
-    assert "This error can be felt." in shown, "1.2 % of full scale, but 45 % of a force"
-    settings.x0 = 5.0
-    shown = draw(bpy, panel, object=body)
-    assert "identify again" in " ".join(shown) and "Cube, 165 mm" not in shown
 
 
 def test_the_measured_objects_stand_above_ones_own(bpy: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:

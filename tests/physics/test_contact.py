@@ -9,12 +9,9 @@ from core.base import Floats
 from core.body.contact import Step, Touch, candidates, resolve, rest_on_ground
 from core.body.facets import SUNK, bulge, met_radius, nearest_on_triangles
 from core.body.model import build_model
-from core.calibration.identify import identification
-from core.calibration.place import typical_site
 from core.material import PRESETS, Material, Preset
 from core.mesh.surface import Mesh, base_vertices, input_vertices, mesh_from_triangles
 from core.session import Finger, Session
-from core.steps import result_of
 from studies.scenes import cube
 from tests.bodies import after, backends, ball, hard
 
@@ -178,8 +175,7 @@ def test_a_fingertip_does_not_part_what_it_presses() -> None:
     """
     preset = PRESETS[1]
     mesh, tip = cube(34, preset.size), preset.material.indenter
-    found = result_of(identification(mesh, preset.material, tip, typical_site(mesh, tip), 1.5 * preset.material.x0))
-    session = Session(build_model(mesh, [replace(found.material, friction=0.0)], pinned=base_vertices(mesh)))
+    session = Session(build_model(mesh, [replace(preset.material, friction=0.0)], pinned=base_vertices(mesh)))
     for way in np.linspace(0, 0.024, 400):
         finger = Finger((0.0165, -0.0198, preset.size / 2 + tip.radius - float(way)), tip.radius)
         session.set_fingers([finger])

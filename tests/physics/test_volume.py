@@ -8,7 +8,8 @@ import pytest
 
 from core.base import AIR_PRESSURE, LIQUID_BULK_MODULUS
 from core.body.model import build_model
-from core.material import PRESETS, Material, ModelConstants
+from core.body.springs import membrane_stiffness
+from core.material import PRESETS, Material
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
 from studies import scenes
@@ -72,11 +73,12 @@ BALL = mesh_from_triangles(*ball(2, RADIUS))
 
 def pumped(pressure: float, *, bed: float, k: float, fill: str = "air", pinned: bool = False) -> Session:
     """Return a ball that has swollen: its bed [N/m3], the springs of its skin [N/m]."""
-    constants = ModelConstants(kappa1=bed, kappa2=bed, d0=RADIUS, membrane_scale=1.0, tension=0.0)
-    material = Material(
-        K1=600, K2=600, x0=0.01, k=k, mass=0.5, damping_ratio=1.0, fill=fill, pressure=pressure, constants=constants
-    )
-    session = Session(build_model(BALL, [material], pinned=base_vertices(BALL) if pinned else None))
+    material = Material(K1=600, K2=600, x0=0.01, k=k, mass=0.5, damping_ratio=1.0, fill=fill, pressure=pressure)
+    model = build_model(BALL, [material], pinned=base_vertices(BALL) if pinned else None)
+    stiffness = membrane_stiffness(BALL, np.full(len(BALL.springs), k))
+    held = bed * BALL.vertex_areas
+    model = scenes.reassembled(model, k1=held, k2=held, stiffness=stiffness, tension=0 * stiffness)
+    session = Session(model)
     for _ in range(6):
         session.step(0.25)
     return session

@@ -1,25 +1,19 @@
 """Where the way of a fingertip is known, a proxy is fine there and coarse elsewhere, if no even one would do."""
 
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from core.base import DimpleError
 from core.body.model import Model, build_model
-from core.calibration.indent import go_down, put_back, set_up
-from core.calibration.place import typical_site
-from core.material import FINGERTIP, PRESETS
-from core.mesh.surface import Mesh, base_vertices
+from core.mesh.surface import base_vertices
 from core.reduction import decision, planner, processor_time
 from core.reduction.benchmark import BenchmarkPress, PressResult, choose_presses, outcome_of, press_body
 from core.reduction.grading import FAR, FINE, MOST, Led, Pressed, coarser, pressed_by
 from core.reduction.planner import plan
-from core.reduction.proxy import Proxy, build_proxy, coarser_elsewhere
-from core.session import Session
+from core.reduction.proxy import Proxy, build_proxy
 from core.solver.backend import create
 from studies import bodies
-from studies.scenes import ball, cube
 
 RADIUS = 0.004
 
@@ -178,29 +172,3 @@ def test_a_mesh_that_is_hardly_finer_than_a_proxy_is_simulated_itself(press: Ben
     chosen = plan(model, radius=RADIUS, pressed=there, budget=0.1 * processor_time.cost_of(model))
     assert chosen.reason == plan(model, radius=RADIUS, budget=0.1 * processor_time.cost_of(model)).reason
     assert chosen.proxy is None or chosen.proxy.pressed is None
-
-
-@pytest.mark.parametrize("mesh", [ball(4, 0.08), cube(24, 0.16)], ids=["ball", "cube"])
-def test_a_body_that_is_coarser_away_from_the_tip_answers_it_as_the_whole_does(mesh: Mesh) -> None:
-    """Within 2 % of the largest force, pressed beyond the knee; with an eighth of the vertices."""
-    material, site = replace(PRESETS[2].material, indenter=FINGERTIP), typical_site(mesh, FINGERTIP)
-    whole = set_up(mesh, material, FINGERTIP, site)
-    wide = Pressed((tuple(site.point.tolist()),), 2 * float(np.median(mesh.rest_lengths)))
-    model = coarser_elsewhere(whole.model, wide)
-    assert model
-    small = Session(model)
-    assert len(small.model.mass) < len(whole.model.mass) / 8
-    assert small.model.mass.sum() == pytest.approx(whole.model.mass.sum(), rel=1e-3)
-    forces = []
-    for session in (whole, small):
-        put_back(session, FINGERTIP, site)
-        depths = [0.0, *np.linspace(0.003, 0.018, 6).tolist()]
-        steps = zip(depths, depths[1:], strict=False)
-        forces.append([go_down(session, FINGERTIP, site, *step).force for step in steps])
-    assert forces[1] == pytest.approx(forces[0], abs=0.02 * max(forces[0]))
-
-
-def test_a_body_that_is_pressed_all_over_has_no_coarser_one() -> None:
-    mesh = ball(3, 0.03)
-    model = build_model(mesh, [PRESETS[2].material])
-    assert coarser_elsewhere(model, Pressed(((0.0, 0.0, 0.03),), 0.02)) is None

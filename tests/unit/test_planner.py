@@ -9,7 +9,7 @@ import pytest
 from core import native
 from core.base import TICK, DimpleError
 from core.body.model import Model, build_model
-from core.material import PRESETS, ModelConstants
+from core.material import PRESETS
 from core.mesh.surface import base_vertices
 from core.reduction import decision, error_model, planner, processor_time
 from core.reduction.active_regions import share_awake
@@ -19,7 +19,7 @@ from core.reduction.planner import Plan, plan
 from core.reduction.proxy import Proxy, build_proxy
 from core.session import Finger, Session
 from studies import bodies
-from studies.scenes import BALL, ball, cube
+from studies.scenes import BALL, ball, cube, whole_skin
 
 NYLON = PRESETS[0]
 EVER_LIVE, NEVER_LIVE = 1e9, 0.0  # [s] per second
@@ -272,9 +272,7 @@ def test_stiff_nylon_runs_for_a_fraction_of_its_work(nylon: Model) -> None:
 
 def test_a_membrane_as_stiff_as_the_papers_runs_on_a_proxy() -> None:
     """The literal k = 54.8 N/mm needs 196 steps per tick of 10,088 vertices: 25 times what runs live."""
-    literal = ModelConstants(kappa1=8e5, kappa2=3e6, d0=0.0363, membrane_scale=1.0)
-    mesh = cube(41, NYLON.size)
-    model = build_model(mesh, [replace(NYLON.material, constants=literal)], pinned=base_vertices(mesh))
+    model = whole_skin(cube(41, NYLON.size), NYLON.material)
     assert model.substeps(TICK) > 190
     chosen = plan(model)
     assert chosen.proxy is not None

@@ -179,7 +179,7 @@ def test_a_constant_that_is_changed_goes_to_the_body_that_runs(
 ) -> None:
     body, entry = pressed(bpy, port, add)
     remote, before = entry.session.body, connection().report.parcel
-    body.active_material.dimple.damping_ratio = 0.9  # which asks for no new identification
+    body.active_material.dimple.damping_ratio = 0.9
     report = wait(lambda report: report.parcel > before, bpy)
     assert runs(report) and entry.session.body is remote
     assert remote.model.materials[0].damping_ratio == pytest.approx(0.9)

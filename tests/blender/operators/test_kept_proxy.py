@@ -51,7 +51,7 @@ def test_a_file_that_is_opened_again_has_its_proxy_without_a_search(
 ) -> None:
     first = proxy_of(bpy, fine)
     assert searched and len(fine.dimple.plan_cells) < 2 * len(fine.data.vertices)
-    searched.clear()  # one was to identify on
+    searched.clear()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "kept.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "kept.blend"))
     opened = proxy_of(bpy, bpy.data.objects["Fine"])
@@ -73,7 +73,7 @@ def test_a_record_that_is_damaged_or_of_another_mesh_is_not_used(
 ) -> None:
     first = proxy_of(bpy, fine)
     record = fine.dimple.plan_cells
-    searched.clear()  # one was to identify on
+    searched.clear()
     damaged = "", "no record", "é", record[:-40], record[:50] + "A" + record[51:], record[:8] + record[12:]
     for text in damaged:
         fine.dimple.plan_cells = text

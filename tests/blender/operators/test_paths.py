@@ -87,7 +87,7 @@ def test_play_along_the_timeline_shows_the_bake_and_a_poke_is_planned_for_any_pl
 def test_play_wound_back_is_fine_where_the_keyframes_lead_now(
     bpy: ModuleType, scene: Any, keyed: Any, hand: Any, monkeypatch: pytest.MonkeyPatch, sessions: Any
 ) -> None:
-    from bl_ext.user_default.dimple.operators import planning, timeline
+    from bl_ext.user_default.dimple.operators import timeline
 
     monkeypatch.setattr(timeline, "is_playing", lambda _context: True)
     scene.frame_set(1)
@@ -103,9 +103,6 @@ def test_play_wound_back_is_fine_where_the_keyframes_lead_now(
                 play.ticks(1)
         pressed.append(np.array(sessions.get(keyed).session.proxy.pressed.places))
     assert pressed[0][:, 0].min() > 0 > pressed[1][:, 0].min()
-    session = sessions.get(keyed).session
-    measured = planning._to_identify(keyed.session_uid, session.model.mesh, lambda: session.model)()
-    assert measured and measured.pressed is None, "a material is identified where the proxy is as fine everywhere"
     play.send("ESC")
 
 
@@ -114,7 +111,7 @@ def test_paths_that_change_are_planned_again_and_unknown_ones_are_not_planned_fo
 ) -> None:
     from bl_ext.user_default.dimple.operators import bridge, paths
 
-    link, model = bridge.read_body(bpy.context, keyed, identify="NO")
+    link, model = bridge.read_body(bpy.context, keyed)
 
     def places() -> Any:
         return paths.pressed_along(scene, keyed, model, link)
@@ -153,7 +150,7 @@ def test_a_bake_is_fine_where_keyframes_lead_a_collider_and_even_where_what_fall
     for frame, height in ((1, 1.15), (6, 1.05)):
         other.location = (0, 0, height)
         other.keyframe_insert("location", frame=frame)
-    link, model = bridge.read_body(bpy.context, keyed, identify="NO")
+    link, model = bridge.read_body(bpy.context, keyed)
 
     def places() -> Any:
         bpy.context.view_layer.update()
@@ -183,7 +180,7 @@ def test_a_bake_is_fine_where_keyframes_lead_a_collider_and_even_where_what_fall
 def test_a_muted_curve_does_not_lead_the_fingertip(bpy: ModuleType, scene: Any, keyed: Any) -> None:
     from bl_ext.user_default.dimple.operators import bridge, paths, shape_keys
 
-    link, model = bridge.read_body(bpy.context, keyed, identify="NO")
+    link, model = bridge.read_body(bpy.context, keyed)
     tip = scene.dimple.finger_1
     (curves,) = (bag.fcurves for bag in shape_keys.curve_bags(tip))
     before = paths.pressed_along(scene, keyed, model, link)
@@ -203,7 +200,7 @@ def test_what_a_bone_carries_is_not_planned_for_however_far_up(bpy: ModuleType, 
     """A bone may be led by its own constraints, of which its armature has none."""
     from bl_ext.user_default.dimple.operators import bridge, paths
 
-    link, model = bridge.read_body(bpy.context, keyed, identify="NO")
+    link, model = bridge.read_body(bpy.context, keyed)
     tip, rig = scene.dimple.finger_1, bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
     scene.collection.objects.link(rig)
     bpy.context.view_layer.objects.active = rig
