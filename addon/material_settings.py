@@ -49,7 +49,8 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         "Surface k (N/mm)", 9.2, "Stiffness of the surface against stretching: the stiffer, the farther a dent reaches"
     )
     spread_mm: FloatProperty(
-        name="Spread (mm)", description="How far a dent reaches beyond the fingertip; 0: as far as the surface k carries it",
+        name="Spread (mm)",
+        description="How far a dent reaches beyond the fingertip; 0: as far as the surface k carries it",
         default=0.0, min=0.0, soft_max=200.0, step=100, precision=1, **KEYED,
     )  # fmt: skip
     mass_from: EnumProperty(

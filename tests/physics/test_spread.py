@@ -2,7 +2,7 @@
 
 Half and third: distance [mm] from the axis at which a dent of x0 has fallen to so much of its depth, on the top of the
 paper's cubes. Membrane: by its own equation below. Springs: with all of k, no tension and the stiffness of the bed with
-which they answer K1 x0; nylon's, 22.5 mm deep in 50 mm, buckle and keep 4 mm of the dent. Steps a tick, of light bodies.
+which they answer K1 x0; nylon's, 22.5 mm deep in 50 mm, buckle and keep 4 mm of the dent. Steps of a light body.
 
                  spread   half: skin, membrane, springs   third                steps: skin, springs
     vinyl, air     48.5         15.1   18.1   18.9        24.1   25.1   26.3     28     278
