@@ -93,20 +93,21 @@ def falloff(radius: float, spread: float) -> float:
 def spread_on(material: Material, size: float) -> float:
     """Return how far a dent reaches beyond the fingertip [m]: as typed, or as far as springs of constant k carry it.
 
-    Springs over a dent of depth x0 and width lambda stretch by (x0 / lambda)^2 and pull with T = k' (x0 / lambda)^2.
-    Stiff ones pull the skin along, from all over the body, against the bed that holds it in its place: 1 / k' = 1 / k +
-    1 / (kappa size^2). With T = kappa lambda^2 that is lambda^4 = x0^2 / (kappa / k + 1 / size^2), and kappa depends on
-    lambda a little. tests/physics/test_spread.py says how wide the springs themselves make a dent.
+    A net of springs is a sheet of stiffness Y = 2 k / 3^(1/2). Over a dent of depth x0 and width lambda it is longer by
+    (x0 / lambda)^2 / 2, and pulls with T = Y' (x0 / lambda)^2 / 2. A stiff one pulls the skin along, from all over the
+    body, against the bed that holds it in its place: 1 / Y' = 1 / Y + 1 / (kappa size^2). With T = kappa lambda^2 that
+    is lambda^4 = x0^2 / 2 / (kappa / Y + 1 / size^2), where kappa depends on lambda a little.
+    tests/physics/test_spread.py says how wide the springs themselves make a dent.
 
     Args:
         size: longest side of the body [m].
     """
     if material.spread is not None:
         return material.spread
-    spread = math.sqrt(material.x0 * size)  # of a skin that does not stretch
+    sheet, spread = 2 * material.k / math.sqrt(3), size
     for _ in range(SETTLED):
-        gives = _bed(material, size, spread)[0] / material.k + size**-2
-        spread = math.sqrt(material.x0 / math.sqrt(gives))
+        gives = _bed(material, size, spread)[0] / sheet + size**-2
+        spread = math.sqrt(material.x0 / math.sqrt(2 * gives))
     return spread
 
 

@@ -78,7 +78,7 @@ def on_a_slope(degrees: float, cells: int) -> Model:
     """Return a cube of 0.1 m on a slope."""
     a = np.radians(degrees)
     down = GRAVITY * np.array([np.sin(a), 0.0, -np.cos(a)])
-    vinyl = replace(PRESETS[1].material, friction=FRICTION)
+    vinyl = replace(PRESETS[1].material, friction=FRICTION, spread=0.02)
     return build_model(cube(cells, 0.1), [vinyl], gravity=tuple(down.tolist()), ground=-0.05)
 
 
@@ -188,7 +188,7 @@ def test_a_fingertip_that_sinks_in_ploughs_a_little(speed: float) -> None:
 def grasped(friction: float, squeeze: float, *, cells: int = 4 if len(BACKENDS) > 1 else 2) -> tuple[Session, float]:
     """Squeeze a free cube of nylon with three fingertips, lift it 10 cm and hold it; return its height then."""
     size, radius = PRESETS[0].size, 0.01
-    nylon = replace(PRESETS[0].material, friction=friction)
+    nylon = replace(PRESETS[0].material, friction=friction, spread=0.02)
     model = build_model(cube(cells, size), [nylon], gravity=(0, 0, -GRAVITY), ground=-size / 2)
     session = Session(model)
 

@@ -53,26 +53,26 @@ def width(material: Material, spread: float, share: float) -> float:
 def test_the_spread_is_where_springs_and_bed_are_in_balance(k: float, size: float, x0: float) -> None:
     material = replace(VINYL, k=k, x0=x0)
     kappa, spread = estimate(material, size).kappa1, spread_on(material, size)
-    carries = 1 / (1 / k + 1 / (kappa * size**2))
-    assert estimate(material, size).tension == pytest.approx(carries * (x0 / spread) ** 2, rel=0.005)
+    sheet = 1 / (3**0.5 / (2 * k) + 1 / (kappa * size**2))
+    assert estimate(material, size).tension == pytest.approx(sheet * (x0 / spread) ** 2 / 2, rel=0.005)
 
 
-WIDE = [(p.material, p.size, 0.12) for p in PRESETS[1:]]  # and how near: what is less wide at half is wider at a third
+WIDE = [(p.material, p.size, 0.03, 0.11) for p in PRESETS[1:]]  # and how near, at a third and at half of the depth
 WIDE += [
-    (replace(VINYL, k=k, x0=x0), size, near)
-    for k, x0, size, near in (
-        (1e3, 0.0163, 0.165, 0.2), (1e6, 0.0163, 0.165, 0.1), (9_200, 0.008, 0.165, 0.16), (9_200, 0.0163, 0.4, 0.2),
-        (54_800, 0.036, 0.4, 0.3),  # deeper than the tip is wide, the membrane is not as steep beside it
+    (replace(VINYL, k=k, x0=x0), size, *near)
+    for k, x0, size, *near in (
+        (1e3, 0.0163, 0.165, 0.1, 0.11), (1e6, 0.0163, 0.165, 0.03, 0.14), (9_200, 0.008, 0.165, 0.06, 0.1),
+        (9_200, 0.0163, 0.4, 0.11, 0.25), (54_800, 0.036, 0.4, 0.2, 0.35),  # the wider, the less steep beside the tip
     )
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("material, size, near", WIDE)
+@pytest.mark.parametrize("material, size, third, half", WIDE)
 def test_a_dent_is_as_wide_as_a_membrane_makes_it_that_is_never_compressed(
-    material: Material, size: float, near: float
+    material: Material, size: float, third: float, half: float
 ) -> None:
     spread = spread_on(material, size)
-    for share in (1 / 3, 1 / 2):
+    for share, near in ((1 / 3, third), (1 / 2, half)):
         assert width(material, spread, share) == pytest.approx(relaxed_width(material, size, share), rel=near)
 
 
@@ -105,7 +105,7 @@ def test_the_skin_of_a_body_follows_k_and_nothing_stays_of_a_dent() -> None:
         session.set_fingers([])
         session.step(0.4)
         assert np.abs(session.skin() - rest).max() < 1e-5
-    assert beside == pytest.approx([0.8, 5.1, 6.5], abs=0.3)
+    assert beside == pytest.approx([0.5, 4.5, 5.8], abs=0.3)
 
 
 def relaxed_width(material: Material, size: float, share: float) -> float:
