@@ -81,7 +81,8 @@ def run(options: argparse.Namespace) -> int:
         print(
             f"{len(model.mass):,} vertices, {size:g} m, {material.fill}, spread "
             f"{1e3 * spread_on(material, size):.3g} mm, tip {1e3 * radius:g} mm, {steps} steps: {whole:.3g} s a second "
-            f"in full, {part:.3g} s with regions ({part / whole:.3f}); {np.mean(shares):.1%} stepped, {share_awake(model, radius, slack):.1%} expected; "
+            f"in full, {part:.3g} s with regions ({part / whole:.3f}); {np.mean(shares):.1%} stepped, "
+            f"{share_awake(model, radius, slack):.1%} expected; "
             f"force {off.force_error:.2%} off, surface {1e6 * off.error:.1f} um", flush=True,
         )  # fmt: skip
     return 0

@@ -1,15 +1,16 @@
 """k carries a dent outwards: how far, in closed form, against a membrane that is never compressed and against springs.
 
 Half and third: distance [mm] from the axis at which a dent of x0 has fallen to so much of its depth, on the top of the
-paper's cubes. Membrane: by its own equation below. Springs: with all of k, no tension and the stiffness of the bed with
-which they answer K1 x0; nylon's, 22.5 mm deep in 50 mm, buckle and keep 4 mm of the dent. Steps of a light body.
+paper's cubes. Membrane: relaxed, by finite elements. Springs: with all of k, no tension, and the stiffness of the bed
+with which they answer K1 x0; nylon's, 22.5 mm deep in 50 mm, buckle and keep 5 mm of the dent: half at 19.6 mm, and of
+the skin at 12.6. Steps of a light body.
 
-                 spread   half: skin, membrane, springs   third                steps: skin, springs
-    vinyl, air     48.5         15.1   18.1   18.9        24.1   25.1   26.3     28     278
-    vinyl, water   43.9         14.1   16.3   17.2        22.4   22.7   25.3     25     251
-    on a ball of 165 mm, which is shorter where it is flattened, full of
-    vinyl, air     48.5         14.8   14.8   15.6        23.1   20.0   20.9     39     419
-    vinyl, water   43.9         13.8   13.3   14.5        21.5   17.9   18.5     36     378
+                   spread   half: skin, membrane, springs   third: the same         steps: skin, springs
+    vinyl, air       40.5         14.4   18.1   18.8        22.4   25.1   26.4        23     242
+    vinyl, water     36.6         13.4   16.3   17.2        20.8   22.7   25.3        21     218
+    on a ball of 165 mm, where springs become shorter as it is flattened
+    vinyl, air       40.5         14.1   14.8   15.6        21.5   20.0   20.9        33     365
+    vinyl, water     36.6         13.1   13.3   14.4        20.0   17.9   18.5        30     330
 """
 
 from dataclasses import replace
