@@ -105,8 +105,6 @@ def rows(report: object, material: bpy.types.PropertyGroup | None) -> list[tuple
         force = sum(c * c for c in tip.force) ** 0.5
         full = f" ({iface_('full')})" if tip.full or force > FULL * report.peak else ""
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N{full}"))
-    model = iface_("Model, {:.0f} % of a Tick").format(100 * report.load)
-    lines.append((iface_("Rendered"), model if report.body.name == "RUNS" else iface_("Local Wall (Measured Law)")))
     lines.append((iface_("Renders up to"), f"{report.cap / 1e3:.2f} N/mm, {report.peak:.0f} N"))
     for name, cap in _caps(report, material).items() if material else ():
         measured = getattr(material, name)
@@ -134,9 +132,6 @@ def notes(report: object, material: bpy.types.PropertyGroup | None) -> list[str]
         sentences.append(iface_("At its knee the material needs more force than the device can exert."))
     if report.arming.name == "WAITING":
         sentences.append(iface_("The force comes on once Shift is held and the fingertips touch nothing."))
-    connection = haptic.get()
-    if connection and connection.beside.reason and haptic.sessions.sessions:
-        sentences.append(iface_(connection.beside.reason))
     sentences += slow()
     if not haptic.sessions.sessions:
         sentences.append(iface_("Press Play to feel the selected object."))

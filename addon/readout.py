@@ -1,6 +1,5 @@
 """The numbers of a session with their units: all of them in the sidebar, fewer over the viewport."""
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,15 +13,10 @@ def iface_(text: str) -> str:
     return pgettext_iface(text, CONTEXT)
 
 
-def finger_numbers(frame: Any) -> list[tuple[int, float, float, float]]:
-    """Return (number, force [N], depth [mm], force by the measured law [N]) of every fingertip in contact."""
-    forces = [math.hypot(*force) for force in frame.finger_forces]
-    rows = zip(forces, frame.depths, frame.law_forces, strict=False)
-    return [
-        (i, force, float(depth) * 1e3, float(law))
-        for i, (force, depth, law) in enumerate(rows, start=1)
-        if depth > 0 or force > 0
-    ]
+def finger_numbers(frame: Any) -> list[tuple[int, float, float]]:
+    """Return (number, force [N], depth [mm]) of every fingertip in contact."""
+    rows = enumerate(zip(frame.pushes, frame.depths, strict=True), start=1)
+    return [(i, float(force), float(depth) * 1e3) for i, (force, depth) in rows if depth > 0]
 
 
 def volume_change(frame: Any) -> float:
@@ -50,10 +44,9 @@ def rows(frame: Any, tick: float) -> list[tuple[str, str]]:
     """
     # every value has a row of its own, so that a narrow sidebar does not cut off its unit; + 0.0 turns -0 into 0
     lines = []
-    for number, force, depth, law in finger_numbers(frame):
+    for number, force, depth in finger_numbers(frame):
         lines.append((iface_("Force {}").format(number), f"{force:.2f} N"))
         lines.append((iface_("Depth {}").format(number), f"{depth:.2f} mm"))
-        lines.append((iface_("Law {}").format(number), f"{law:.2f} N"))
     lines.append((iface_("Pressure"), f"{round(frame.pressure / 1e3, 3) + 0.0:.3f} kPa"))
     lines.append((iface_("Volume"), volume_text(frame.volume)))
     lines.append((iface_("Change of Volume"), f"{round(volume_change(frame), 4) + 0.0:+.2%}"))

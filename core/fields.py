@@ -75,7 +75,7 @@ def pressure(session: Session) -> Floats:
     model, x = session.body.model, session.body.positions()
     pose = None if model.free else pose_now(model, x)
     state = State(positions=x, velocities=np.zeros_like(x), pose=pose)
-    state.inner_force = float(session.frame.law_forces.sum())
+    state.inner_force = float(session.frame.pushes.sum())
     normals = vertex_normals(model.mesh.triangles, x.T)
     outward = (forces(model, state).T * normals).sum(axis=1)
     area = np.maximum(model.mesh.vertex_areas, 1e-12 * model.mesh.size**2)
@@ -91,10 +91,10 @@ def profile(session: Session, finger: int) -> tuple[Floats, Floats]:
     The cut lies across the press, along the axis of the scene that is most across it.
     """
     tip, mesh = session.placed[finger], session.model.mesh
-    touch = session.touches()[finger]
+    touch = session.frame.touches[finger]
     if tip is None or touch is None:
         return np.zeros(0), np.zeros(0)
-    inward, rest = -touch.outward, at_rest(session)
+    inward, rest = -np.array(touch.outward), at_rest(session)
     along = np.eye(3)[int(np.abs(inward[:2]).argmin())]
     along = along - (along @ inward) * inward
     along /= np.linalg.norm(along)

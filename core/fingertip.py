@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
-from math import hypot, inf, isfinite
+from math import hypot, isfinite
 from typing import NamedTuple
 
-from .body.model import Model
+from .base import Floats
 from .solver.motion import FingertipMotion, Touch, Vector
-from .solver.pushed import Pushed, advance
 
 NOWHERE = (0.0, 0.0, 0.0)
+Factors = tuple[Floats, float] | None
 
 
 class Finger(NamedTuple):
@@ -23,7 +22,6 @@ class Finger(NamedTuple):
     force: that pushes it from there [N], None where its place is prescribed.
     inward: unit vector (3,) of that force.
     via: where it is at even times of the next step before its end, (3,) each [m]; in between it goes straight.
-    deepest: way that the force may push it [m].
     anew: it comes down there from elsewhere, not over the surface.
     """
 
@@ -32,7 +30,6 @@ class Finger(NamedTuple):
     force: float | None = None
     inward: Vector = (0.0, 0.0, -1.0)
     via: tuple[Vector, ...] = ()
-    deepest: float = inf
     anew: bool = False
 
 
@@ -45,8 +42,6 @@ class FingerOnItsWay:
     here: where it is [m].
     fresh: no tick has moved it since it was put down.
     impulse: that the body has given it in the step under way [N s].
-    touch: how it met the body at the end of the last ticks, None where there were none.
-    pushed: how far the force has pushed it, None where its place is prescribed.
     """
 
     target: Finger
@@ -54,46 +49,38 @@ class FingerOnItsWay:
     here: Vector
     fresh: bool = True
     impulse: Vector = NOWHERE
-    touch: Touch | None = None
-    pushed: Pushed | None = None
 
-    def motion(self, first: float, last: float) -> FingertipMotion:
-        """Return the motion of some ticks, as shares of the way that are over at the end of the first and the last."""
-        soon = self._at(first)
-        late = soon if last == first else self._at(last)
-        return FingertipMotion(self.here, soon, late, self.target.radius, self.fresh)
+    def motion(self, first: float, last: float, factors: Factors = None) -> FingertipMotion:
+        """Return the motion of some ticks, as shares of the way that are over at the end of the first and the last.
+
+        Args:
+            factors: of the force of its tip.
+        """
+        soon, to = self.place(first), self.target
+        late = soon if last == first else self.place(last)
+        return FingertipMotion(self.here, soon, late, to.radius, self.fresh, to.force or 0.0, to.inward, factors)
 
     def take(self, touch: Touch, seconds: float) -> float:
         """Go where it is after some ticks; return what work it did on the body in those seconds [J]."""
         # force and way of straight, even motion: the work is exact
         work = -along(touch.centre, self.here, touch.impulse) / seconds
-        self.here, self.fresh, self.touch = touch.centre, False, touch
+        self.here, self.fresh = touch.centre, False
         (a, b, c), (x, y, z) = self.impulse, touch.impulse
         self.impulse = a + x, b + y, c + z
         return work
 
-    def push(self, model: Model, tick: float, share: float = 1.0) -> None:
-        """Move one that a share of its force pushes by a tick [s]."""
-        if self.pushed and self.target.force is not None:
-            reaction = along(self.touch.force, NOWHERE, self.target.inward) if self.touch else 0.0
-            go = partial(advance, self.pushed, reaction=reaction, model=model, radius=self.target.radius, tick=tick)
-            self.pushed = go(share * self.target.force)
-            if self.pushed.way > self.target.deepest:  # the body lifts it
-                self.pushed = min(self.pushed, max(go(0.0), Pushed(way=self.target.deepest), key=_way), key=_way)
-
     def finger(self) -> Finger:
         """Return where it is to be; one that is pushed, where it has been pushed."""
-        return self.target._replace(position=self.here) if self.pushed else self.target
+        return self.target if self.target.force is None else self.target._replace(position=self.here)
 
     def outruns(self, way: float) -> bool:
         """Tell whether it goes farther than a way [m] in a step, or comes from nowhere, or is pushed."""
         gone = [b - a for a, b in zip(self.origin, self.target.position, strict=True)]
-        return self.fresh or self.pushed is not None or not hypot(*gone) <= way
+        return self.fresh or self.target.force is not None or not hypot(*gone) <= way
 
     def scale(self, scale: float) -> None:
         """Multiply all lengths, as if it had just been put down."""
         self.origin, self.here, self.fresh = scaled(self.origin, scale), scaled(self.here, scale), True
-        self.pushed = self.pushed and Pushed(way=scale * self.pushed.way)
 
     def place(self, share: float) -> Vector:
         """Return where it is at a share of the step; of one that is pushed, where it would be without the force."""
@@ -101,17 +88,10 @@ class FingerOnItsWay:
         leg = min(int(share * (len(places) - 1)), len(places) - 2)
         return between(places[leg], places[leg + 1], share * (len(places) - 1) - leg)
 
-    def _at(self, share: float) -> Vector:
-        at = self.place(share)
-        if self.pushed is None:
-            return at
-        way, (x, y, z) = self.pushed.way, self.target.inward
-        return at[0] + way * x, at[1] + way * y, at[2] + way * z
-
 
 def is_possible(finger: Finger) -> bool:
     """Tell whether a fingertip has a place and a force that are numbers, and a size."""
-    position, radius, force, (a, b, c), via, _, _ = finger
+    position, radius, force, (a, b, c), via, _ = finger
     if len(position) != 3 or not radius > 0:
         return False
     x, y, z = map(sum, zip(position, *via, strict=True))
@@ -126,15 +106,7 @@ def sent(tip: FingerOnItsWay | None, finger: Finger | None) -> FingerOnItsWay | 
         place = vector(finger.position)
         tip = FingerOnItsWay(finger, place, place)
     tip.target = finger
-    if finger.force is None:
-        tip.pushed = None
-    elif tip.pushed is None or tip.fresh:
-        tip.pushed = Pushed(way=along(tip.here, tip.origin, finger.inward))
     return tip
-
-
-def _way(pushed: Pushed) -> float:
-    return pushed.way
 
 
 def vector(a: Sequence[float]) -> Vector:

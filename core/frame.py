@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from .base import Floats
+from .fingertip import NOWHERE
 from .mesh.surface import Mesh
 from .solver.motion import Touch, Vector
+from .vectors import dot
 
 
 class Frame(NamedTuple):
@@ -47,13 +49,13 @@ class Frame(NamedTuple):
 
     @property
     def finger_forces(self) -> Floats:
-        """Return the mean forces (k, 3) on the fingertips [N]."""
-        return np.reshape(self.impulses, (-1, 3)) / self.seconds
+        """Return the forces (k, 3) on the fingertips [N]: of the measured law at their depths, and of friction."""
+        return np.array([touch.force if touch else NOWHERE for touch in self.touches]).reshape(-1, 3)
 
     @property
-    def law_forces(self) -> Floats:
-        """Return the force of the measured law at the depth of each fingertip (k,) [N]."""
-        return np.array([touch.law_force if touch else 0.0 for touch in self.touches])
+    def pushes(self) -> Floats:
+        """Return how hard each fingertip is pushed out of the surface (k,) [N]: what a gauge reads there."""
+        return np.array([dot(touch.force, touch.outward) if touch else 0.0 for touch in self.touches])
 
     @property
     def depths(self) -> Floats:

@@ -130,12 +130,7 @@ class Material:
 
     def slope(self, depth: float) -> float:
         """Return how steep the law is at a depth [N/m]: at a knee, just before it."""
-        power = self.power
-        if power == 1:
-            return self.K1 if depth <= self.x0 else self.K2
-        steepest, straight = power**2 * self.K1, (1 + 1 / power) * self.x0
-        begun = min(max(depth / straight, 0.0), 1.0) ** (power - 1)
-        return steepest * begun + (self.K2 - steepest if depth > self.x0 else 0.0)
+        return law_slope(depth, self.K1, self.K2, self.x0, self.power)
 
 
 def law_power(K1: float, K2: float, fill: str, tip: str) -> float:
@@ -161,6 +156,15 @@ def law_force(depth: float, K1: float, K2: float, x0: float, power: float = 1.0)
     if x < straight:
         return power * K1 * straight * (x / straight) ** power + more
     return K1 * x0 + slope * beyond + more
+
+
+def law_slope(depth: float, K1: float, K2: float, x0: float, power: float = 1.0) -> float:
+    """Return how steep a law is at a depth [N/m]: at a knee, just before it. Source: the derivative of `law_force`."""
+    if power == 1:
+        return K1 if depth <= x0 else K2
+    steepest, straight = power**2 * K1, (1 + 1 / power) * x0
+    begun = min(max(depth / straight, 0.0), 1.0) ** (power - 1)
+    return steepest * begun + (K2 - steepest if depth > x0 else 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ from enum import Enum, auto
 
 from .poke_tip import Aim, PokeTip, leaving, led, stepped, unit
 from .session import Finger
-from .vectors import ZERO, Vector, along, dot, length, scaled
+from .vectors import Vector, along, dot, length, scaled
 
 FINGERS = 3
 WHEEL_STEP = 1.1  # a click of the wheel changes radius, depth or force by this factor
@@ -171,7 +171,7 @@ def _move(state: PokeState, event: PokeEvent) -> PokeState:
     on_body = event.hit and event.hit.body == tip.body
     goal = _aim(state, event.hit, event.view, by_force=tip.by_force) if event.hit and on_body else tip.goal
     if _leaps(along(goal.at, tip.goal.at, -1.0), event.view, tip.radius):
-        tip = replace(tip, aim=goal, goal=goal, way=(), reached=0.0, depth=0.0, slid=ZERO)
+        tip = replace(tip, aim=goal, goal=goal, way=(), reached=0.0, depth=0.0)
     wanted = _amount(state, tip.by_force) * event.pressure
     return _pinched(_with_tip(state, replace(led(tip, goal), wanted=wanted)))
 

@@ -2,10 +2,6 @@
 
 A fingertip starts where its sphere touches the surface and goes in from there. A drag leads it over the surface, where
 the pointer went, not straight through the body. Points are in the session's space [m].
-
-Friction holds the skin on the flank before a deep sphere: with 0.5 one deeper than its radius no longer glides, but
-ploughs up the skin at three to nine times the force of the press; on an uneven mesh that begins above. So while it
-slides it is no deeper than it can glide, as a hand would let it be lifted.
 """
 
 from __future__ import annotations
@@ -15,11 +11,9 @@ import math
 from dataclasses import dataclass, replace
 
 from .session import Finger
-from .vectors import ZERO, Vector, along, capped, dot, length, scaled
+from .vectors import Vector, along, length, scaled
 
 SLIDE_S = 0.04  # [s] a dragged fingertip lags this much: no jump tears at the skin
-GLIDE = 0.75  # of its radius: as deep as it slides
-REST_S = 1.0  # [s] in which one that slid by its radius or more is at rest again: it sinks in meanwhile
 PART = 0.25  # of its radius: it goes farther on a bent surface in parts
 MOST_PARTS = 32  # of one step
 
@@ -46,7 +40,6 @@ class PokeTip:
     by_force: it is pushed by a force.
     reached: of what is wanted, so far.
     depth: of one that no force pushes [m].
-    slid: how far it has slid since it rested, at most its radius (3,) [m].
     via: where it touched at even times of the last step, before its end.
     anew: it has come down in the last step.
     leaving: it moves out of the body.
@@ -61,7 +54,6 @@ class PokeTip:
     by_force: bool = False
     reached: float = 0.0
     depth: float = 0.0
-    slid: Vector = ZERO
     via: tuple[Vector, ...] = ()
     anew: bool = False
     leaving: bool = False
@@ -71,13 +63,7 @@ class PokeTip:
         """Return where the fingertip is, for a session."""
         if not self.by_force:
             return Finger(self.place, self.radius, via=self.via, anew=self.anew)
-        return Finger(self.place, self.radius, self.reached, self.aim.inward, self.via, self.deepest, self.anew)
-
-    @property
-    def deepest(self) -> float:
-        """Return how far in it can be along the press [m]: the less, the farther it has slid."""
-        straight = max(-dot(self.aim.inward, self.aim.outward), 0.0)
-        return GLIDE * self.radius**2 / max(length(self.slid) * straight, 1e-30)
+        return Finger(self.place, self.radius, self.reached, self.aim.inward, self.via, self.anew)
 
     @property
     def place(self) -> Vector:
@@ -131,10 +117,7 @@ def moved(tip: PokeTip, dt: float, *, amount: float, press_s: float, release_s: 
         most = _travel(max(tip.wanted, amount), press_s, dt)
         reached = tip.reached + max(-most, min(most, tip.wanted - tip.reached))
     aim, way = _slid(tip, _share(dt))
-    slid = along(tip.slid, along(aim.at, tip.aim.at, -1.0), 1.0)
-    left = capped(slid, max(min(length(slid), tip.radius) - tip.radius * dt / REST_S, 0.0))
-    tip = replace(tip, aim=aim, way=way, reached=reached, slid=left)
-    return replace(tip, depth=min(reached, tip.deepest, tip.depth + most))
+    return replace(tip, aim=aim, way=way, reached=reached, depth=min(reached, tip.depth + most))
 
 
 def _share(dt: float) -> float:

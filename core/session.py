@@ -9,27 +9,24 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from . import vectors
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
 from .body.regions import divide
 from .clock import Clock
-from .crowd import TICKS_AT_ONCE, step_all
+from .crowd import step_all
 from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
-from .mesh.depth import Touching
+from .other_tip import factors
 from .pins import Pins
 from .reduction.proxy import Proxy
 from .skin import Skin
 from .solver import motion
 from .solver.backend import Body, choose_backend, create
-from .solver.glide import Glide, may_glide, pumped
 from .solver.motion import MAX_STEPS, Motion
 
 MAX_FINGERS = 3
@@ -58,7 +55,6 @@ class Session:
         self.contact_note = ""
         self.slack = slack
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
-        self._glide: Glide | None = None  # of constants that were changed
         self.substeps: int  # in a tick
         self.body = self._create(self._define(model, proxy), model)
         self.reset()
@@ -79,7 +75,6 @@ class Session:
         """Let regions of the body rest that go no farther than a slack [m], 0 for none; it goes on as it is."""
         if slack != self.slack:
             self.slack, before = slack, self.body
-            self._end_glide()
             self.body = self._create(self._moves, self.model)
             self.body.set_state(before.positions(), before.velocities())
 
@@ -90,7 +85,6 @@ class Session:
         self._bent = None
         self._bent_target: Floats | None = None  # the shape at rest at the end of the next step
         self.body.set_state(self._moves.matching.rest)
-        self._end_glide()
         self._work, self._total = 0.0, 0
         self.clock.reset()
         if self._moves.gravity.any() or self._moves.pressure.rest_pressure:
@@ -98,7 +92,7 @@ class Session:
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._pins.rest_at(self.model.matching.rest)
         self._skin.reset()
-        self._last = motion.Frame((), (0.0,) * 12, self.body.model.mesh.volume, 0.0, 0, True)
+        self._last = motion.Frame((), self.body.model.mesh.volume, 0.0, 0, True)
         self._done, self._note, self.most, self._started = 0, "", MAX_STEPS, time.perf_counter()
         self.frame = self._show((), self.clock.tick)
 
@@ -174,30 +168,15 @@ class Session:
         self._done, self._note, self._started = 0, "", time.perf_counter()
         if self.clock.faster > 1 and dt:
             led = self._pins.target is not None or self._bent_target is not None
-            if led or self._glide or any(tip and tip.outruns(self._slow * dt) for tip in self._tips):
+            if led or any(tip and tip.outruns(self._slow * dt) for tip in self._tips):
                 self.clock.unsettle()
             self.clock.pace()
-        if self._glide:
-            self._glide.begin(dt)
-        self._bring_in()
-        self.most = TICKS_AT_ONCE if self._glide else MAX_STEPS // (self.substeps * self.clock.parts) - 1
+        self.most = MAX_STEPS // (self.substeps * self.clock.parts) - 1
         for tip in self._tips:
             if tip:
                 tip.impulse = NOWHERE
-                if tip.pushed:
-                    self.most = 1  # each tick moves it
-                elif tip.target.via:  # it turns at each of them
+                if tip.target.via:  # it turns at each of them
                     self.most = max(1, min(self.most, self.clock.due // (len(tip.target.via) + 1)))
-        self._let_slip()
-
-    def _bring_in(self) -> None:
-        """Let fingertips that are put down with their centres inside come from outside: skin would close over them."""
-        if any(tip and tip.fresh and not tip.pushed for tip in self._tips):
-            tips = tuple([tip.motion(0.0, 0.0) if tip else None for tip in self._tips])
-            touches = self.body.step(Motion(0, self.substeps, self.clock.part, tips)).touches
-            for tip, touch in zip(self._tips, touches, strict=True):
-                if tip and touch and tip.fresh and not tip.pushed and touch.depth > tip.target.radius:
-                    tip.origin = tip.here = vectors.along(tip.here, touch.outward, touch.depth)
 
     @property
     def due(self) -> int:
@@ -210,12 +189,7 @@ class Session:
         Args:
             substeps: in each of them, if not as many as the model needs.
         """
-        clock, push = self.clock, self._glide.push if self._glide else 1.0
-        for tip in self._tips if self.most == 1 else ():
-            if tip and tip.pushed:
-                tip.push(self.body.model, clock.tick, push)
-        if self._glide and (self._glide.seconds == 0 or clock.ticks >= self._faded + TICKS_AT_ONCE):
-            self._fade()
+        clock = self.clock
         first = last = clock.share_after(ticks)
         parts = ticks * clock.parts
         if parts > 1:
@@ -223,8 +197,7 @@ class Session:
         pins = self._pins.lead(first, last)
         if self._bent_target is not None and ticks:
             self._bend(self._bent_target, ticks)
-        tips = tuple([tip.motion(first, last) if tip else None for tip in self._tips])
-        return Motion(parts, substeps or self.substeps, clock.part, tips, pins)
+        return Motion(parts, substeps or self.substeps, clock.part, self._motions(first, last), pins)
 
     def take(self, result: motion.Frame) -> bool:
         """Take what a motion came to; tell whether the step goes on."""
@@ -254,7 +227,6 @@ class Session:
             if not self._done:
                 self._last = self._measured()
             self._move_origins(self.clock.stop(early=early))
-            self._fade()
         impulses, seconds = self.frame.impulses, self.frame.seconds  # as before where no tick was due
         if self._done or len(impulses) != len(self._tips):
             impulses = tuple([tip.impulse if tip else NOWHERE for tip in self._tips])
@@ -273,8 +245,7 @@ class Session:
 
     def wake(self) -> None:
         """Let the body move again where it sleeps: what it rested on may be gone."""
-        if not self._glide:  # what glides does not sleep
-            self.body.set_load(None)
+        self.body.wake()
 
     @property
     def placed(self) -> tuple[Finger | None, ...]:
@@ -297,19 +268,7 @@ class Session:
         """
         return self._skin.seen(self.body, self.placed, exact=not self._last.moved)
 
-    def touches(self) -> tuple[Touching | None, ...]:
-        """Return how each fingertip meets the surface at rest, which a device renders."""
-        rows, (x, y, z) = np.reshape(self._last.pose[:9], (3, 3)), self._last.pose[9:]
-        pose = rows, np.array((x, y, z))
-        return tuple(
-            None if touch is None or touch.triangle < 0 else Touching(
-                depth=touch.depth, outward=np.array(touch.outward), triangle=touch.triangle,
-                centre=np.array(touch.centre), local=rows.T @ (np.array(touch.centre) - pose[1]), pose=pose,
-            )
-            for touch in self._last.touches
-        )  # fmt: skip
-
-    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0, glide: bool = False) -> None:
+    def change(self, model: Model, *, proxy: Proxy | None = None, scale: float = 1.0) -> None:
         """Go on as another model of the same vertices, from where the body is: nothing moves at the change.
 
         A vertex that is pinned by it stays where it is then, until pins are led elsewhere.
@@ -317,7 +276,6 @@ class Session:
         Args:
             proxy: what moves in place of the new model, None where it moves itself.
             scale: by which all lengths of the new model are larger.
-            glide: other constants of the same mesh come in within some tenths of a second.
 
         Raises:
             DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
@@ -330,9 +288,8 @@ class Session:
         led = self._pins.target
         self.clock.unsettle()
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
-            self._change_constants(model, moves, glide)
+            self.body.set_constants(moves, surface=model)
         else:
-            self._glide = None
             at, speed = skin, scale * self._skin.velocities(self.body)
             if proxy:
                 at, speed = at[proxy.seeds], speed[proxy.seeds]
@@ -341,56 +298,8 @@ class Session:
             for tip in filter(None, self._tips):
                 tip.scale(scale)
             led = self._bent = self._bent_target = None
-        substeps = self.substeps * math.sqrt(before.mass.sum() / moves.mass.sum())
         self._define(model, proxy)
-        # in steps that are longer for it what friction holds would slip, and a pressure that is still there blow up
-        if self._glide and (any(self._tips) or self._glide.pressure):
-            self.substeps = max(self.substeps, math.ceil(substeps))
         self._pins.origin, self._pins.target = skin.T, led
-
-    def _change_constants(self, model: Model, moves: Model, glide: bool) -> None:
-        """Give the body other constants: at once, or so that it glides to its new rest."""
-        before, after = self.bent_model(), moves if self._bent is None else with_rest(moves, self._bent)
-        if not (glide and may_glide(before, after)):
-            self._end_glide()
-            self.body.set_constants(moves, surface=model)
-            return
-        self._glide, self._faded = self._glide or Glide(len(moves.mass)), self.clock.ticks
-        self._glide.add(before, after, self.body.positions())
-        self.body.set_constants(self._on_its_way(moves), surface=model)
-
-    def _let_slip(self, *, pump: bool = False) -> None:
-        """Let the body have the share of its friction that acts while it hardens under a force, and what comes in."""
-        slips = self._glide and self._glide.hardens and self.most == 1
-        if self._glide and (slips or pump):
-            share = self._glide.friction if slips else 1.0
-            moves = replace(self._moves, friction=share * self._moves.friction)
-            self.body.set_constants(self._on_its_way(moves), surface=self.model)
-
-    def _on_its_way(self, moves: Model) -> Model:
-        """Return a model with what its pressure and its compliance still are beside its constants."""
-        more = self._glide.compliance if self._glide else np.zeros(1)
-        if more.any():
-            moves = replace(moves, compliance=np.maximum(moves.compliance + more, 0))
-        return pumped(moves, self._glide.pressure if self._glide else 0.0)
-
-    def _fade(self) -> None:
-        """Let the load of what glides fade for the ticks since it did last."""
-        if self._glide:
-            before, more = self._glide.friction, self._glide.pressure != 0 or bool(self._glide.compliance.any())
-            load = self._glide.fade((self.clock.ticks - self._faded) * self.clock.tick)
-            self.body.set_load(load)
-            self._faded = self.clock.ticks
-            if load is None:
-                self._end_glide()
-            elif self._glide.friction > before or more:  # the force is about to return, or a number comes in
-                self._let_slip(pump=more)
-
-    def _end_glide(self) -> None:
-        if self._glide:
-            self.body.set_load(None)
-            self.body.set_constants(self._moves, surface=self.model)
-        self._glide = None
 
     def _define(self, model: Model, proxy: Proxy | None) -> Model:
         """Set what follows from a model and its proxy; return the one that moves."""
@@ -413,15 +322,21 @@ class Session:
         if self._pins.move(share):
             self._skin.pins_moved()
 
+    def _motions(self, first: float, last: float) -> tuple[motion.FingertipMotion | None, ...]:
+        """Return the motion of each fingertip in some ticks."""
+        materials, size = self.model.materials, self.model.mesh.size
+        return tuple([
+            tip and tip.motion(first, last, factors(materials, tip.target.radius, size)) for tip in self._tips
+        ])  # fmt: skip
+
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
-        tips = tuple([tip.motion(0.0, 0.0) if tip else None for tip in self._tips])
-        result = self.body.step(Motion(0, self.substeps, self.clock.part, tips))
+        result = self.body.step(Motion(0, self.substeps, self.clock.part, self._motions(0.0, 0.0)))
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch and touch.depth > 0:  # it was put down inside
                 self.clock.unsettle()
             if tip:
-                tip.fresh, tip.touch = False, None
+                tip.fresh = False
         return result
 
     def _bend(self, target: Floats, ticks: int) -> None:

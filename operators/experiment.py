@@ -218,7 +218,7 @@ class DIMPLE_OT_show_trial(_UnderWay, bpy.types.Operator):
             frame = body.frame
             if len(frame.depths) and experiments:
                 i = int(frame.depths.argmax())
-                force = float((frame.finger_forces[i] ** 2).sum() ** 0.5)
+                force = float(frame.pushes[i])
                 experiments[0].samples.append((self._time, float(frame.depths[i]), force))
 
     def _end(self) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,11 +15,10 @@ from typing import TYPE_CHECKING
 import bpy
 
 from . import modal_runs, sessions
-from .beside import Beside
 
 if TYPE_CHECKING:
     from ..core.haptics.contact_model import Contact
-    from ..core.haptics.contact_rendering import ContactRendering, Workspace
+    from ..core.haptics.contact_rendering import Workspace
     from ..core.haptics.device import Device
     from ..core.haptics.servo_messages import ServoReport
     from ..core.session import Finger
@@ -38,23 +36,20 @@ class Connection:
     device: what was opened.
     report: its last one.
     watch: token of the operator that follows the dead-man key.
-    renderings: contact rendering of each body.
-    workspaces: of the device in each body's space, for each of its fingertips, and the fingertip's radius [mm].
+    known: bodies with which of its fingertips they know since the last frame, its place in their space, and the
+        fingertips' radius [mm].
     note: a sentence for the artist that was not shown yet.
     read_at: when it was read last [s].
     slow: Blender draws too slowly for the dead-man key.
-    beside: what runs beside the device.
     """
 
     device: Device
     report: ServoReport
     watch: object = None
-    renderings: dict[LiveBody, ContactRendering] = field(default_factory=dict)
-    workspaces: dict[tuple[LiveBody, int], tuple[Workspace, float]] = field(default_factory=dict)
+    known: set[tuple[LiveBody, int, Workspace, float]] = field(default_factory=set)
     note: str = ""
     read_at: float = 0.0
     slow: bool = False
-    beside: Beside = field(default_factory=Beside)
 
 
 connections: list[Connection] = []  # the device, where one is connected
@@ -101,16 +96,9 @@ def connect(scene: bpy.types.Scene) -> Connection:
 def disconnect() -> None:
     """Disconnect the device; without one nothing happens."""
     while connections:
-        take_back()
         connections.pop().device.close()
     if bpy.app.timers.is_registered(_look):
         bpy.app.timers.unregister(_look)
-
-
-def take_back() -> None:
-    """Let Blender step all bodies, also the one that runs beside the device."""
-    if connection := get():
-        connection.beside.take_back()
 
 
 def hold(seconds: float) -> None:
@@ -169,57 +157,39 @@ def fingertips(scene: bpy.types.Scene, body: LiveBody) -> list[Finger | None]:
     return fingers(connection.report, workspace(scene, body.link.scale), scene.dimple.finger_radius_mm / 1e3)
 
 
-def write(scene: bpy.types.Scene, *, beside: bool = False) -> None:
-    """Let the body nearest to a fingertip run beside the device; else render the nearest contact of each fingertip.
+def write(scene: bpy.types.Scene) -> None:
+    """Render the nearest contact of each fingertip.
 
     A body that is suddenly under a fingertip, by a new session, another place of the device, another radius or the end
     of a poke, must not push, as when the device is armed: else it is disarmed.
     """
-    from ..core.haptics.contact_rendering import ContactRendering
+    from ..core.haptics.contact_rendering import contact_of
     from ..core.haptics.safety import QUIET_FORCE
-    from ..core.haptics.servo_messages import LinkState
+    from ..core.haptics.servo_messages import TIPS, LinkState
 
     connection = get()
-    if connection is None:
+    if connection is None or connection.report.link is not LinkState.READY:
         return
-    if connection.report.link is not LinkState.READY:
-        take_back()
-        return
-    radius, other = scene.dimple.finger_radius_mm, connection.beside
-    other.choose(list(sessions.sessions.values()) if beside else [], connection.report, radius / 1e3)
-    where = workspace(scene, other.body.link.scale) if other.body else None
-    parcel = other.parcel(connection.report, where, radius / 1e3)
-    if other.runs:
-        connection.renderings, connection.workspaces = {}, {}
-        connection.device.write([], parcel)
-        return
-    now, chosen, workspaces, kicks = time.perf_counter(), [], {}, False
+    now, radius, known, kicks = time.perf_counter(), scene.dimple.finger_radius_mm, set(), False
+    nearest: list[Contact | None] = [None] * TIPS
     for body in sessions.sessions.values():
-        rendering, where = connection.renderings.setdefault(body, ContactRendering()), workspace(scene, body.link.scale)
-        contacts = rendering.contacts(body.session, where, connection.report.cap, now, body.poked)
-        chosen = nearer(chosen, contacts)
-        pushed = [i for i, contact in enumerate(contacts) if contact and math.hypot(*contact.force) >= QUIET_FORCE]
-        kicks |= any(connection.workspaces.get((body, i)) != (where, radius) for i in pushed)
-        workspaces |= {(body, i): (where, radius) for i in range(len(contacts)) if i not in body.poked}
+        where = workspace(scene, body.link.scale)
+        for i, touch in enumerate(body.frame.touches):
+            if i in body.poked:
+                continue
+            known.add(which := (body, i, where, radius))
+            if contact := contact_of(touch, where, connection.report.cap, now):
+                kicks |= math.hypot(*contact.force) >= QUIET_FORCE and which not in connection.known
+                nearest[i] = min(filter(None, (nearest[i], contact)), key=_distance)
     if kicks and connection.report.arming.name != "OFF":
         connection.device.disarm()
         connection.note = "What is under a fingertip has changed. Lift it and arm the device again."
-    running = list(sessions.sessions.values())
-    connection.renderings = {body: each for body, each in connection.renderings.items() if body in running}
-    connection.workspaces = workspaces
-    connection.device.write(chosen, parcel)
+    connection.known = known
+    connection.device.write(nearest)
 
 
-def nearer(some: Sequence[Contact | None], others: Sequence[Contact | None]) -> list[Contact | None]:
-    """Return, of two contacts of each fingertip, the one that presses more, or else has the smaller gap."""
-    from ..core.haptics.servo_messages import TIPS
-
-    first, second = ([*each, *[None] * TIPS][:TIPS] for each in (some, others))
-    pairs = zip(first, second, strict=True)
-    return [min((c for c in pair if c), key=_order, default=None) for pair in pairs]
-
-
-def _order(contact: Contact) -> tuple[float, float]:
+def _distance(contact: Contact) -> tuple[float, float]:
+    """Return the gap of a contact, and less than nothing where it presses."""
     return contact.gap, -sum(c * c for c in contact.force)
 
 

@@ -17,13 +17,11 @@ from . import (
     bridge,
     contact,
     haptic,
-    modal_runs,
     planning,
     props,
     rest_shape,
     sessions,
     showing,
-    timeline,
     tuning,
     twins,
 )
@@ -119,9 +117,6 @@ def advance(
     """
     messages = [*haptic.read(), *showing.end_changed(context.view_layer)]
     pressed = twins.shared(pressed or {}, context.scene)
-    beside = _may_run_beside(context, pressed)
-    if not beside:
-        haptic.take_back()
     began = time.perf_counter()
     for uid, body in list(sessions.sessions.items()):
         messages += _trying(uid, prepare, context, body, pressed.get(uid, ()))
@@ -142,18 +137,8 @@ def advance(
     slowest = min((body.lead for body in sessions.sessions.values()), default=0.0)
     for body in sessions.sessions.values():
         body.done, body.lead = body.lead, body.lead - slowest  # the others wait for it: all have one clock
-    haptic.write(context.scene, beside=beside)
+    haptic.write(context.scene)
     return messages
-
-
-def _may_run_beside(context: bpy.types.Context, pressed: Mapping[int, Sequence[Finger | None]]) -> bool:
-    """Tell whether a body may run beside the haptic device, on the device's clock: what plays has none of its own.
-
-    Bodies that meet are stepped together, and what the mouse presses is stepped where the mouse is.
-    """
-    mouse, timed = any(any(fingers) for fingers in pressed.values()), timeline.is_playing(context)
-    plays = any(not run.paused for run in modal_runs.runs)
-    return plays and not (mouse or timed or contact.is_on(context.scene))
 
 
 def _trying(uid: int, do: Callable[..., list[str]], *arguments: Any) -> list[str]:
@@ -169,7 +154,6 @@ def _meet(context: bpy.types.Context) -> list[str]:
     if not contact.is_on(context.scene):
         sessions.set_worlds(())
         return []
-    haptic.take_back()
     for body in sessions.sessions.values():
         planning.set_clock(context.scene, body.session)  # bodies that meet have one
     bodies = {
@@ -240,7 +224,7 @@ def finish(body: LiveBody) -> list[str]:
     body.fingers = merged(body.session.placed, ())
     if frame.depths.any():
         deepest = int(frame.depths.argmax())
-        body.trail.append((float(frame.depths[deepest]), float(np.linalg.norm(frame.finger_forces[deepest]))))
+        body.trail.append((float(frame.depths[deepest]), float(frame.pushes[deepest])))
     showing.show(_object(body), body)
     if body.recorder:
         try:

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import bpy
 import numpy as np
+from mathutils.bvhtree import BVHTree
 
 from ..core.base import DimpleError
 from ..core.calibration.place import bare_message
-from ..core.mesh.depth import rest_surface, touching
 from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
 from . import bridge, live, pointer, polls, record, sessions
 from .messages import report, say
@@ -131,11 +131,10 @@ def _nearest(bodies: dict[int, LiveBody], place: Vector) -> Hit:
     found = []
     for uid, body in bodies.items():
         at = np.array(place) * body.link.scale
-        mesh, pose = body.session.model.mesh, (np.eye(3), np.zeros(3))
-        touch = touching(rest_surface(mesh), pose, at, mesh.size)
-        height = mesh.size - touch.depth
-        point, away = at - height * touch.outward, abs(height) / body.link.scale
-        found.append((away, Hit(point=tuple(point.tolist()), normal=tuple(touch.outward.tolist()), body=uid)))
+        mesh = body.session.model.mesh
+        tree = BVHTree.FromPolygons(mesh.rest_positions.tolist(), mesh.triangles.tolist())
+        point, normal, _, away = tree.find_nearest(at)
+        found.append((away / body.link.scale, Hit(point=tuple(point), normal=tuple(normal), body=uid)))
     return min(found, key=lambda each: each[0])[1]
 
 
@@ -165,7 +164,7 @@ def run(
                 raise DimpleError(messages[-1])
             if len(body.frame.depths):
                 deepest = max(deepest, float(body.frame.depths[active]))
-                strongest = max(strongest, float(np.linalg.norm(body.frame.finger_forces[active])))
+                strongest = max(strongest, float(body.frame.pushes[active]))
     return deepest, strongest
 
 

@@ -18,7 +18,7 @@ FINGERS = 3
 
 
 class ForceTable:
-    """Write one line a frame: force [N], depth [mm], pressure [Pa], volume [m3], energy [J]; steps.
+    """Write one line a frame: force and friction [N], depth [mm], pressure [Pa], volume [m3], energy [J]; steps.
 
     work_j is what the fingertips have put in, elastic_j what the shape holds, kinetic_j what the motion does.
     """
@@ -28,7 +28,7 @@ class ForceTable:
         self._rows = csv.writer(self._file)
         columns = ["frame", "time_s"]
         for number in range(1, FINGERS + 1):
-            columns += [f"force_{number}_n", f"law_force_{number}_n", f"depth_{number}_mm"]
+            columns += [f"force_{number}_n", f"friction_{number}_n", f"depth_{number}_mm"]
         columns += ["pressure_pa", "volume_m3", "rest_volume_m3", "work_j", "elastic_j", "kinetic_j", "steps"]
         self._rows.writerow(columns)
 
@@ -38,10 +38,11 @@ class ForceTable:
 
         frame, row = session.frame, list[float]()
         for i in range(FINGERS):
-            down = i < len(frame.finger_forces)
-            force = float((frame.finger_forces[i] ** 2).sum() ** 0.5) if down else 0.0
-            law, depth = (float(frame.law_forces[i]), float(frame.depths[i])) if down else (0.0, 0.0)
-            row += [force, law, depth * 1e3]
+            push = depth = friction = 0.0
+            if i < len(frame.touches):
+                push, depth = float(frame.pushes[i]), float(frame.depths[i])
+                friction = max(float((frame.finger_forces[i] ** 2).sum()) - push**2, 0.0) ** 0.5
+            row += [push, friction, depth * 1e3]
         numbers = [
             time_s, *row, frame.pressure, frame.volume, frame.rest_volume, frame.work, *energies(session),
             frame.total_steps,

@@ -1,4 +1,4 @@
-"""Settings that are changed while a body runs: they act on it at its next step, and it glides to its new rest.
+"""Settings that are changed while a body runs: they act on it at its next step.
 
 Weights of vertex groups are read again with any other change, and all the time while they are painted.
 """
@@ -143,10 +143,9 @@ def _change(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody, n
     slots, slots_before = (max(len(each.materials), 1) for each in (now, before))
     again = now.plan != before.plan
     if scale == body.link.scale and slots == slots_before:
-        glide = not timeline.is_playing(context)  # keyframes act as in a bake
         model = yield from bridge_model.reading_model(context.scene, obj, session.model.mesh, body.link)
         proxy, messages = yield from _proxy(body, model, again=again)
-        session.change(model, proxy=proxy, glide=glide)
+        session.change(model, proxy=proxy)
         return messages
     link, model = bridge.read_body(context, obj, refined=body.link.refined)
     proxy, messages = yield from _proxy(body, model, again=again)

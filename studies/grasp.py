@@ -15,14 +15,13 @@ import numpy as np
 
 from core.base import DimpleError
 from core.body.model import build_model
-from core.haptics.contact_rendering import ContactRendering, Workspace, fingers
+from core.haptics.contact_rendering import Workspace, contact_of, fingers
 from core.haptics.emulated_hand import EmulatedHand, Keyframe
 from core.haptics.emulator import Emulator
 from core.haptics.safety import LEASE, Arming
 from core.haptics.servo import Servo
 from core.haptics.servo_messages import LinkState, ServoReport
 from core.haptics.spec import Spec, load_spec
-from core.haptics.touched_body import TouchedBody
 from core.material import PRESETS
 from core.session import Session
 from core.vectors import Vector
@@ -85,44 +84,27 @@ def _way(side: float, y: float) -> tuple[Keyframe, ...]:
     return tuple((time, x, y, z) for time, x, z in way)
 
 
-def run(
-    session: Session, *, spec: Spec | None = None, seconds: float = END, wall: bool = False
-) -> Iterator[Moment]:
-    """Grasp; yield each frame once there is force.
-
-    Args:
-        wall: a local wall is rendered, and the body runs with the frames; else it runs beside the servo.
-    """
+def run(session: Session, *, spec: Spec | None = None, seconds: float = END) -> Iterator[Moment]:
+    """Grasp; yield each frame once there is force."""
     spec = spec or load_spec()
     emulator, servo = Emulator(spec, hand=hand()), Servo(spec)
-    rendering, workspace, touched = ContactRendering(), Workspace(), None
-    if not wall:
-        touched = TouchedBody(session.model, session.model, spec.tick)
-        touched.where = workspace.origin, workspace.scale, workspace.turn, RADIUS
-    answered = 0
+    workspace = Workspace()
     now, next_frame, began, to_device = 0.0, 0.0, None, b""
     while began is None or now - began < seconds:
         now += STEP
         to_device = servo.step(now, emulator.step(now, to_device))
-        if touched and servo.answered != answered:
-            answered = servo.answered
-            contacts = touched.advance(servo.places, servo.cap, now)
-            servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=contacts)
         if now < next_frame or servo.link is not LinkState.READY:
             continue
         next_frame = now + FRAME
         report = servo.report()
         session.set_fingers(fingers(report, workspace, RADIUS))
-        if touched is None:
-            borne = [*map(tuple, session.step(FRAME).finger_forces)]
-            contacts = rendering.contacts(session, workspace, report.cap, now)
-            servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=contacts)
-        else:
-            borne = list(touched.forces)
+        frame = session.step(FRAME)
+        contacts = tuple([contact_of(touch, workspace, report.cap, now) for touch in frame.touches])
+        servo.order = replace(servo.order, arm=1, held_until=now + LEASE, contacts=contacts)
         if began is None and report.arming is Arming.RAMP:
             began = now
         if began is not None:
-            x = touched.body.positions().T if touched else session.positions()
+            x, borne = session.positions(), [*map(tuple, frame.finger_forces)]
             size = float(np.ptp(x, axis=0).max())
             yield Moment(now - began, borne, report, float(x[:, 2].mean()), size, list(emulator.forces))
 
@@ -131,14 +113,13 @@ def add_grasp(command: argparse.ArgumentParser) -> None:
     """Give the command its options."""
     command.set_defaults(run=run_grasp)
     command.add_argument("--friction", type=float, default=PRESET.material.friction, help="coefficient, 0: none")
-    command.add_argument("--wall", action="store_true", help="render a local wall, not the model")
     command.add_argument("--json", type=Path, metavar="OUT", help="write height and forces of each frame")
 
 
 def run_grasp(options: argparse.Namespace) -> int:
     """Grasp, then print how high the cube was and the forces on the fingertips."""
     session = grasp(friction=options.friction)
-    moments, weight = list(run(session, wall=options.wall)), GRAVITY * float(session.model.mass.sum())
+    moments, weight = list(run(session)), GRAVITY * float(session.model.mass.sum())
     print("when        time   cube up   thumb          index          middle: force inward, force down")
     for name, time in MOMENTS.items():
         moment = min(moments, key=lambda moment: abs(moment.time - time))

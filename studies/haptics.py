@@ -20,10 +20,9 @@ import numpy as np
 
 from core.base import DimpleError
 from core.body.model import build_model
-from core.haptics.contact_rendering import ContactRendering, fingers
-from core.haptics.remote_body import Parcels, RemoteBody
+from core.haptics.contact_rendering import contact_of, fingers
 from core.haptics.safety import Arming
-from core.haptics.servo_messages import BodyState, LinkState, ServoReport
+from core.haptics.servo_messages import LinkState, ServoReport
 from core.mesh.surface import base_vertices
 from core.session import Session
 
@@ -35,6 +34,7 @@ from .scripted_press import CYCLE, PRESET, RADIUS, READY_AFTER, SHORTEST, WORKSP
 FRAME = 1 / 60  # [s]
 STALL, STALL_EVERY = 0.200, 1.0  # [s] of Blender's main thread
 CONNECT = 5.0  # [s] at most
+CELLS = 8  # of the cube along an edge
 
 
 def add_haptics(command: argparse.ArgumentParser) -> None:
@@ -44,8 +44,6 @@ def add_haptics(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--seconds", type=float, default=10.0, metavar="N", help=f"of pressing, {SHORTEST:.2f} at least"
     )
-    command.add_argument("--model", action="store_true", help="the model in the servo's process, not a local wall")
-    command.add_argument("--cells", type=int, default=8, metavar="N", help="along an edge: 6 N^2 + 2 vertices")
     command.add_argument("--stiffness", type=float, metavar="K", help="of the cube [N/m], with no knee")
     command.add_argument("--loads", type=int, default=0, metavar="N", help="processes that keep processors busy")
     command.add_argument("--busy", action="store_true", help="stall the main thread for 200 ms each second")
@@ -61,8 +59,8 @@ def run_haptics(options: argparse.Namespace) -> int:
     words += [] if options.baud is None else ["--baud", str(options.baud)]
     machine = machine_lateness()
     record = press(
-        options.seconds, busy=options.busy, words=words, cells=options.cells, in_servo=options.model,
-        loads=options.loads, udp=options.udp, stiffness=options.stiffness,
+        options.seconds, busy=options.busy, words=words, loads=options.loads, udp=options.udp,
+        stiffness=options.stiffness,
     )  # fmt: skip
     figures = {**judge(record), **machine}
     if record.report.arming is not Arming.ON:
@@ -79,16 +77,14 @@ def run_haptics(options: argparse.Namespace) -> int:
 
 
 def press(
-    seconds: float, *, busy: bool = False, words: list[str] | None = None, cells: int = 8, in_servo: bool = False,
-    loads: int = 0, udp: bool = False, stiffness: float | None = None,
+    seconds: float, *, busy: bool = False, words: list[str] | None = None, loads: int = 0, udp: bool = False,
+    stiffness: float | None = None,
 ) -> PressRecord:  # fmt: skip
     """Press a cube with three fingers for some seconds [s].
 
     Args:
         busy: the main thread stalls for STALL each second.
         words: more options of the emulator.
-        cells: of the cube along an edge.
-        in_servo: the model runs in the servo's process; else a local wall is rendered.
         loads: other processes that only compute.
         udp: the device is on the network of this computer.
         stiffness: of the cube [N/m], with no knee; else the preset's.
@@ -108,15 +104,15 @@ def press(
             emulator_words=["--trace", str(trace), "--json", str(measured), *(words or [])],
             servo_words=["--log", str(log)],
         )
-        frames: list[tuple[float, float, float]] = []
-        mesh, material = cube(cells, PRESET.size), PRESET.material
+        frames: list[tuple[float, float]] = []
+        mesh, material = cube(CELLS, PRESET.size), PRESET.material
         if stiffness:
             material = replace(material, K1=stiffness, K2=stiffness)
         session = Session(build_model(mesh, [material], pinned=base_vertices(mesh)))
         others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(loads)]
         try:
             device.open()
-            report = _drive(device, session, seconds, busy, frames, in_servo=in_servo)
+            report = _drive(device, session, seconds, busy, frames)
         finally:
             device.close()
             for other in others:
@@ -126,20 +122,15 @@ def press(
         rows = np.loadtxt(trace, delimiter=",", skiprows=1, ndmin=2)
         answers = np.loadtxt(log, delimiter=",", ndmin=2)
         return PressRecord(
-            cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames)[:, :2], session.model,
-            max(load for _, _, load in frames), in_servo,
-        )  # fmt: skip
+            cycles, report, json.loads(measured.read_text()), rows, answers, np.array(frames), material
+        )
 
 
 def _drive(
-    device: InstrumentedDevice, session: Session, seconds: float, busy: bool, frames: list[tuple[float, float, float]],
-    *, in_servo: bool,
-) -> ServoReport:  # fmt: skip
+    device: InstrumentedDevice, session: Session, seconds: float, busy: bool, frames: list[tuple[float, float]]
+) -> ServoReport:
     """Step session and device together, as Blender does: 60 times a second."""
-    rendering, armed, remote, parcels = ContactRendering(), 0.0, None, Parcels()
-    if in_servo:
-        remote = RemoteBody(session.body, session.model, parcels)
-        remote.set_place(WORKSPACE, RADIUS)
+    armed = 0.0
     begun = last = stalled = time.perf_counter()
     while not armed or time.perf_counter() - armed < seconds:
         report = device.read()
@@ -147,20 +138,13 @@ def _drive(
             raise DimpleError(report.note or "The emulated device did not arm.")
         now = time.perf_counter()
         if report.link is LinkState.READY:
-            if remote and session.body is not remote and report.body is BodyState.BUILT:
-                remote.begin(session.model)
-                session.body = remote
             session.set_fingers(fingers(report, WORKSPACE, RADIUS))
-            session.step(min(now - last, 2 * FRAME))
-            contacts = () if remote else rendering.contacts(session, WORKSPACE, report.cap, time.perf_counter())
-            device.write(contacts, parcels.take(report))
-            if report.body is BodyState.REFUSED:
-                raise DimpleError(report.note)
-            ready = not remote or report.body is BodyState.RUNS
-            if report.arming is Arming.OFF and not armed and ready:
+            touches, shown = session.step(min(now - last, 2 * FRAME)).touches, time.perf_counter()
+            device.write([contact_of(touch, WORKSPACE, report.cap, shown) for touch in touches])
+            if report.arming is Arming.OFF and not armed:
                 device.arm()
             armed = armed or (now if report.arming in (Arming.RAMP, Arming.ON) else 0.0)
-            frames.append((now, report.cap, report.load))
+            frames.append((now, report.cap))
         last = now
         if busy and now - stalled > STALL_EVERY:
             stalled = now

@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import DimpleError, Floats
-from core.body.model import Model
 from core.haptics.contact_rendering import Workspace
 from core.haptics.emulated_hand import Keyframe
 from core.haptics.servo_messages import ServoReport
 from core.haptics.wire import RAMP
-from core.material import PRESETS
-from core.session import Finger, Session
+from core.material import PRESETS, Material
 
 PRESET = PRESETS[1]  # vinyl and air: K1 = 610 N/m
 RADIUS = 0.010  # [m] of the fingertips
@@ -39,9 +37,7 @@ class PressRecord:
     trace: of the device: time [s], mode, three positions [m], three forces [N].
     log: of the servo: time [us], then position [m] and force [N] of each tip.
     frames: of the session: time [s], stiffness cap then [N/m].
-    model: what was pressed.
-    load: the largest share of a tick that the model took in the servo's process.
-    in_servo: the model ran in the servo's process.
+    material: of what was pressed.
     """
 
     cycles: int
@@ -50,9 +46,7 @@ class PressRecord:
     trace: Floats
     log: Floats
     frames: Floats
-    model: Model
-    load: float
-    in_servo: bool
+    material: Material
 
 
 def judge(record: PressRecord) -> dict[str, float]:
@@ -60,16 +54,13 @@ def judge(record: PressRecord) -> dict[str, float]:
     device, report = record.device, record.report
     time, places, forces = record.trace[:, 0], _tips(record.trace, 2), _tips(record.trace, 11)
     begin = time[np.flatnonzero(record.trace[:, 1] == RAMP)[0]]
-    law = record.model.materials[0].law
-    held = [_holding(record.cycles, time - begin, places[:, i], forces[:, i], law) for i in range(3)]
+    held = [_holding(record.cycles, time - begin, places[:, i], forces[:, i], record.material.law) for i in range(3)]
     slopes = np.array([slope for slope, _ in held])
     errors = np.concatenate([error for _, error in held])
     measured = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
     row = np.searchsorted(time, record.log[:, 0] * 1e-6 - 1e-6)
     off = np.linalg.norm(measured - places[np.minimum(row, len(time) - 1)], axis=2)
     given = -np.cumsum((forces[:-1] * np.diff(places, axis=0)).sum(axis=2), axis=0)
-    K1 = record.model.materials[0].K1
-    static = static_errors(record, time - begin, begin, forces) if record.in_servo else np.zeros(1)
     swung, crept = shake(record.cycles, time - begin, places)
     return {
         "real_time": device["real_time"],
@@ -86,12 +77,9 @@ def judge(record: PressRecord) -> dict[str, float]:
         "refused_frames": report.wrong + device["bad"],
         "force_rms_error_n": float(np.sqrt((errors**2).mean())),
         "force_largest_n": float(np.abs(forces).max()),
-        "static_error": float(np.abs(static).max()),
-        "static_rms_error": float(np.sqrt((static**2).mean())),
         "shake_mm": 1e3 * swung,
         "creep_mm": 1e3 * crept,
-        "model_load": record.load,
-        "stiffness_error": float(np.abs(slopes / K1 - 1).max()),
+        "stiffness_error": float(np.abs(slopes / record.material.K1 - 1).max()),
         "stiffness_rendered_n_m": float(slopes.mean()),
         "stiffness_cap_n_m": float(np.median(record.frames[:, 1])),
         "longest_frame_ms": 1e3 * float(np.diff(record.frames[:, 0]).max()),
@@ -136,28 +124,6 @@ def swing(x: Floats) -> float:
     """Return how far places (t, ...) go and come back [m]."""
     up, down = (x - np.minimum.accumulate(x)).max(axis=0), (np.maximum.accumulate(x) - x).max(axis=0)
     return float(np.minimum(up, down).max())
-
-
-def static_errors(record: PressRecord, time: Floats, offset: float, forces: Floats) -> Floats:
-    """Return by what share the force in each hold differs from that of a session with its fingertips there.
-
-    Forces along the press; friction sideways depends on how a fingertip came.
-    """
-    session, errors = Session(record.model), []
-    measured = record.log[:, 1:].reshape(-1, 3, 2, 3)[:, :, 0]
-    for begin in holds(record.cycles)[: len(LEVELS)]:
-        during = (time > begin + SETTLE) & (time < begin + HOLD)
-        seconds = record.log[:, 0] * 1e-6 - offset
-        sensed = measured[(seconds > begin + SETTLE) & (seconds < begin + HOLD)].mean(axis=0)  # as the model was given
-        for share in np.linspace(0.0, 1.0, 60):  # from above
-            lifted = sensed + [0.0, 0.0, (1 - share) * CLEAR]
-            session.set_fingers([Finger(WORKSPACE.to_session(tuple(tip)), RADIUS) for tip in lifted])
-            session.step(0.005)
-        session.step(0.5)
-        wanted = session.step(0.05).finger_forces[:, 2]
-        errors.append(forces[during, :, 2].mean(axis=0) / wanted - 1)
-        session.reset()
-    return np.array(errors)
 
 
 def holds(cycles: int) -> list[float]:

@@ -63,23 +63,6 @@ WORDS = {
     "K1 is stiffer than the device can render without shaking, so it is rendered softer.": (
         "K1 は、デバイスが振動せずに提示できる硬さを超えるため、柔らかく提示されます。"
     ),
-    "Rendered": "提示",
-    "Model, {:.0f} % of a Tick": "モデル（1ティックの {:.0f} %）",
-    "Local Wall (Measured Law)": "局所的な壁（測定した法則）",
-    "This body is too fine to run at the device's rate, so a local wall is rendered. Simulate a proxy to feel the "
-    "model.": (
-        "この細かさの物体はデバイスの速さに追いつけないため、局所的な壁を提示します。モデルに触れるにはプロキシを使ってください。"
-    ),
-    "The mesh is too coarse for this fingertip, so a local wall is rendered. Set Simulate to Automatic, or use a "
-    "larger fingertip.": (
-        "粗すぎる物体は指先の下で振動するため、局所的な壁を提示します。シミュレーション対象を自動にしてください。"
-    ),
-    "A rig moves this body, so a local wall of the measured law is rendered.": (
-        "この物体はリグで動くため、測定した法則の局所的な壁を提示します。"
-    ),
-    "There is no native core for this machine, so a local wall of the measured law is rendered.": (
-        "このコンピューター用のネイティブコアがないため、測定した法則の局所的な壁を提示します。"
-    ),
     "Blender draws too slowly: the dead-man key lapses and there is no force. Simulate a proxy.": (
         "Blender の描画が遅すぎます。デッドマンキーが切れて力が出ません。プロキシを使ってください。"
     ),

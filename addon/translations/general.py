@@ -182,7 +182,6 @@ PANELS = {
     ),
     "Force {}": "力 {}",
     "Depth {}": "深さ {}",
-    "Law {}": "法則 {}",
     "Pressure": "圧力",
     "Volume": "体積",
     "Change of Volume": "体積の変化",

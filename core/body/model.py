@@ -24,6 +24,7 @@ from ..base import (
 )
 from ..material import Material
 from ..mesh.surface import Mesh, spans_a_plane
+from ..other_tip import layer
 from . import bound, pressure, shape_matching, springs
 from .maps import Maps, painted
 from .on_mesh import constants_on, mass_on, paper_constants
@@ -82,10 +83,12 @@ class Model:
     rigged: bool = False
 
     @property
-    def laws(self) -> list[tuple[float, float, float, float]]:
-        """Return K1, K2 [N/m], x0 [m] and the power of each material's law; the paper's is that of Eq. (1) always."""
-        literal = self.law_set == "paper"
-        return [(m.K1, m.K2, m.x0, 1.0 if literal else m.power) for m in self.materials]
+    def laws(self) -> list[tuple[float, ...]]:
+        """Return the law of each material at a fingertip, as dimple.h asks for it."""
+        size = self.mesh.size
+        return [
+            (m.K1, m.K2, m.x0, m.power, m.friction, m.damping_ratio, layer(m, size)) for m in self.materials
+        ]
 
     @cached_property
     def free(self) -> bool:

@@ -10,12 +10,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from ..vectors import ZERO, Vector, along, capped, dot, is_finite, scaled
-
-if TYPE_CHECKING:
-    from ..material import Material
 
 FADE_BEGINS, FADE_ENDS = 0.100, 0.200  # [s] age of a contact: that of a frozen simulation fades out
 LONGEST_SLEW = 0.050  # [s] a change is spread over one period of the simulation, but over no more than this
@@ -23,8 +19,6 @@ SHORTEST_SLEW = 0.001  # [s] one tick
 MOST_AHEAD = 0.005  # [s] a stamp farther in the future is not of this clock
 MOST_FORCE, MOST_STIFFNESS, FARTHEST = 1e3, 1e6, 10.0  # [N], [N/m], [m] more is an error
 UNIT = 1e-3  # how far from 1 the length of a normal may be
-# of the normal stiffness: a contact of a soft body yields sideways by 2 (1 - nu) / (2 - nu), nu = 1/2. Mindlin 1949
-SIDEWAYS = 2 / 3
 PASSIVE_SHARE = 0.8  # of the passive stiffness: the rest covers errors in the estimates of b and of the delay
 
 
@@ -49,14 +43,6 @@ class Contact:
     gap: float
     friction: float
     stamp: float
-
-
-def wall_slope(material: Material, depth: float) -> float:
-    """Return the stiffness [N/m] of a contact at a depth [m]: of a law that begins without any, K1 at the least.
-
-    Until the next frame the fingertip may be deeper, and a contact that is too soft there gives more than it took.
-    """
-    return max(material.slope(depth), min(material.K1, material.K2))
 
 
 def stiffness_cap(viscous: float, period: float, delay: float) -> float:

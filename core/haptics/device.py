@@ -15,7 +15,6 @@ from ..errors import DimpleError
 from . import pseudo_terminal
 from .contact_model import Contact
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
-from .parcel import parcel_path
 from .process import end, start
 from .safety import LEASE, Arming
 from .servo_messages import REPORT_SIZE, LinkState, Order, ServoReport, pack_order, unpack_report
@@ -33,11 +32,8 @@ class Device(Protocol):
     def read(self) -> ServoReport:
         """Return where its fingertips are, and its state; never wait."""
 
-    def write(self, contacts: Sequence[Contact | None], parcel: bytes | None = None) -> None:
-        """Set the contact to render on each of its fingertips; give a parcel to the body that runs beside the device.
-
-        While a body runs there its own contacts are rendered. The report says which parcel was taken last.
-        """
+    def write(self, contacts: Sequence[Contact | None]) -> None:
+        """Set the contact to render on each of its fingertips."""
 
     def arm(self) -> None:
         """Request force."""
@@ -78,7 +74,6 @@ class HapticMaster:
     _order: Order = field(default_factory=Order)
     _report: ServoReport = field(default_factory=ServoReport)
     _errors: IO[bytes] | None = None
-    _parcel: Path | None = None  # the last
 
     def open(self) -> None:
         """Start the servo.
@@ -122,15 +117,9 @@ class HapticMaster:
             self._lose("The servo process does not answer, so the device has no force. Disconnect, then connect again.")
         return self._report
 
-    def write(self, contacts: Sequence[Contact | None], parcel: bytes | None = None) -> None:
-        """Set the contact to render on each of its fingertips; give a parcel to the body in the servo's process."""
-        order = replace(self._order, contacts=tuple(contacts), written=time.perf_counter())
-        if parcel is not None and self._box:
-            self._parcel.unlink(missing_ok=True) if self._parcel else None
-            order = replace(order, parcel=order.parcel + 1)
-            self._parcel = parcel_path(self._box.path, order.parcel)
-            self._parcel.write_bytes(parcel)
-        self._post(order)
+    def write(self, contacts: Sequence[Contact | None]) -> None:
+        """Set the contact to render on each of its fingertips."""
+        self._post(replace(self._order, contacts=tuple(contacts)))
 
     def arm(self) -> None:
         """Request force."""
@@ -157,9 +146,7 @@ class HapticMaster:
             self._box.close()
         if self._errors:
             self._errors.close()
-        if self._parcel:
-            self._parcel.unlink(missing_ok=True)
-        self.process = self._box = self._errors = self._parcel = None
+        self.process = self._box = self._errors = None
 
     def _post(self, order: Order) -> None:
         self._order = replace(order, held_until=min(self.held_until, time.perf_counter() + LEASE))

@@ -1,4 +1,4 @@
-"""Messages that two processes share in a file: the order of Blender to the servo and the servo's report, or a frame.
+"""Messages that two processes share in a file: the order of Blender to the servo, and the servo's report.
 
 Each message is written under a sequence number that is odd meanwhile (a seqlock), and carries its own CRC-32: a
 reader that comes in between keeps the message before, in whatever order a processor shows its stores.
@@ -17,7 +17,7 @@ from typing import Final
 from ..errors import DimpleError
 
 _HEAD: Final = struct.Struct("<II")  # sequence number, CRC-32 of the message
-SIZE: Final = 4088  # bytes of an order or a report, at most
+_SLOT: Final = 4096  # bytes of a message and its head, at most
 TRIES = 4
 TO_SERVO, FROM_SERVO = 0, 1
 MEMORY: Final = "/dev/shm"  # files in memory, on Linux: writing a page to a disk takes milliseconds
@@ -30,26 +30,24 @@ class Mailbox:
         path: of the file; None makes one. The process that is given a path removes the file where the system allows
             it: it stays mapped, and no file is left whichever process is killed. Else `close` removes it where it was
             made.
-        size: of the largest message [bytes].
-        slots: how many messages there are.
 
     Raises:
         DimpleError: it cannot be made or opened.
     """
 
-    def __init__(self, path: Path | None = None, *, size: int = SIZE, slots: int = 2) -> None:
-        self._own, self._slot = path is None, size + _HEAD.size
+    def __init__(self, path: Path | None = None) -> None:
+        self._own = path is None
         try:
-            self.path, self._map = _map(path, slots * self._slot)
+            self.path, self._map = _map(path, 2 * _SLOT)
         except (OSError, ValueError) as error:  # ValueError: a file that is shorter
             where = path or _folder()
             raise DimpleError(f"The mailbox of the device's servo cannot be used: {where} ({error}).") from None
 
     def post(self, which: int, message: bytes) -> None:
         """Publish a message in place of the last one."""
-        if len(message) > self._slot - _HEAD.size:
+        if len(message) > _SLOT - _HEAD.size:
             raise ValueError(f"A message of {len(message)} bytes is too long.")
-        at = which * self._slot
+        at = which * _SLOT
         number = _HEAD.unpack_from(self._map, at)[0] | 1
         _HEAD.pack_into(self._map, at, number, 0)
         self._map[at + _HEAD.size : at + _HEAD.size + len(message)] = message
@@ -63,7 +61,7 @@ class Mailbox:
             size: of the message [bytes].
             seen: number of the one that was read last, 0 for none.
         """
-        at = which * self._slot
+        at = which * _SLOT
         for _ in range(TRIES):
             number, check = _HEAD.unpack_from(self._map, at)
             if number == seen or number & 1 or number == 0:

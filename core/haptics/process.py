@@ -24,7 +24,7 @@ def start(words: Sequence[str], errors: IO[bytes] | None, *, script: Path = STAR
     Args:
         words: of its command line, see command.py.
         errors: file for what it writes to standard error, None for none.
-        script: what Python runs; its first argument is the folders of what it needs.
+        script: what Python runs; its first argument is the folder of pyserial.
 
     Raises:
         DimpleError: there is no Python or no pyserial to start it with, or the system refuses.
@@ -32,23 +32,15 @@ def start(words: Sequence[str], errors: IO[bytes] | None, *, script: Path = STAR
     serial = importlib.util.find_spec("serial")
     if serial is None or serial.origin is None:
         raise DimpleError("pyserial is not installed, so no serial device can be used. Install the extension's zip.")
-    folders = [str(Path(serial.origin).parents[1]), *_folders_of("numpy"), *_folders_of("dimple_native")]
     clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    clean["OPENBLAS_NUM_THREADS"] = "1"  # its threads would wait for a processor
     try:
         return subprocess.Popen(
-            [python(), "-I", "-S", str(script), os.pathsep.join(dict.fromkeys(folders)), *words],
+            [python(), "-I", "-S", str(script), str(Path(serial.origin).parents[1]), *words],
             stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=errors or subprocess.DEVNULL, env=clean,
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "HIGH_PRIORITY_CLASS", 0),
         )  # fmt: skip
     except OSError as error:
         raise DimpleError(f"The process for the device cannot be started: {error.strerror}.") from None
-
-
-def _folders_of(package: str) -> list[str]:
-    """Return the folders that a package is in; none where it is not installed."""
-    found = importlib.util.find_spec(package)
-    return [str(Path(place).parent) for place in (found and found.submodule_search_locations) or ()]
 
 
 def end(process: subprocess.Popen[bytes]) -> None:

@@ -54,7 +54,6 @@ class Servo:
         self._heard = self._device_time = 0.0  # when the last STATE came, on our clock and on the device's [s]
         self._measured: wire.LinkReport | None = None
         self._acting = ActingForces()
-        self._ended = ""  # why the force must end at the next answer
         self.unsent = 0
         self.cap = stiffness_cap(spec.viscous, spec.tick, FIRST_DELAY)
 
@@ -91,21 +90,6 @@ class Servo:
         if self._session < 0:
             return b""
         return self._command(wire.NO_TORQUE) + self._disarm(wire.FAULT_HOST)
-
-    @property
-    def answered(self) -> int:
-        """Return how many STATEs were taken."""
-        return self._losses.taken
-
-    @property
-    def places(self) -> list[Vector | None]:
-        """Return where the fingertips are [m]; None where the sensor is not trusted."""
-        return [None if f.bad or f.angles is None else f.at for f in self._fingers]
-
-    def end(self, reason: str) -> None:
-        """End all force at the next answer, for a reason that is shown; waiting for it goes on."""
-        if self._switch.arming is not Arming.WAITING:
-            self._ended = reason
 
     def report(self) -> ServoReport:
         """Return the state of device and link."""
@@ -165,14 +149,12 @@ class Servo:
     def _take_requests(self) -> bytes:
         """Take new requests to arm and to disarm; return the frames they need."""
         before, self._taken = self._taken, self.order
-        reason, self._ended = self._ended, ""
-        out = self._end(reason, wire.FAULT_HOST) if reason else b""
         if self.order.disarm != before.disarm:
-            return out + self._end("", wire.FAULT_HOST)
+            return self._end("", wire.FAULT_HOST)
         if self.order.arm != before.arm:
             self._switch.arm()
             self._old_fault = True
-        return out
+        return b""
 
     def _take_fault(self, fault: wire.Fault) -> None:
         """Disarm on a FAULT of the device; while waiting, an old fault and a late refusal do not count."""

@@ -12,9 +12,9 @@ from .safety import LEASE, Arming
 from .wire import FINGERS
 
 TIPS = FINGERS
-_ORDER = struct.Struct("<IIIdd")  # arm, disarm, parcel, held until, written
+_ORDER = struct.Struct("<IId")  # arm, disarm, held until
 _CONTACT = struct.Struct("<B14d")
-_REPORT = struct.Struct("<BBB5I5dBId")
+_REPORT = struct.Struct("<BBB5I5d")
 _TIP = struct.Struct("<BB7d")
 _NOTE = 400  # bytes of the note
 ORDER_SIZE = _ORDER.size + TIPS * _CONTACT.size
@@ -30,31 +30,18 @@ class LinkState(Enum):
     REFUSED = 3  # of another protocol, another baud rate, in use...
 
 
-class BodyState(Enum):
-    """What became of the body that Blender gave to the servo's process."""
-
-    NONE = 0
-    BUILT = 1  # it waits to be put somewhere; contacts of Blender are rendered
-    RUNS = 2
-    REFUSED = 3  # too heavy, or it cannot run there: contacts of Blender are rendered
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Order:
     """What Blender wants of the servo.
 
     arm, disarm: counters; one more is one more request.
-    parcel: number of the last parcel for the body in the servo's process.
     held_until: until when the dead-man key counts as held, on the clock of both [s]; to be renewed within LEASE.
-    written: when Blender showed a frame last [s]; while it is paused a body beside the device has no force either.
     contacts: up to three.
     """
 
     arm: int = 0
     disarm: int = 0
-    parcel: int = 0
     held_until: float = 0.0
-    written: float = 0.0
     contacts: tuple[Contact | None, ...] = ()
 
     def is_held(self, now: float) -> bool:
@@ -100,9 +87,6 @@ class ServoReport:
     delay_p50, delay_p99: from a STATE to the arrival of its answer [s].
     cap: largest stiffness to render [N/m].
     peak: largest force of a fingertip [N].
-    body: what became of the body in the servo's process.
-    parcel: number of the last parcel taken.
-    load: what the body costs of a tick of the device.
     note: "" or a sentence for the artist.
     """
 
@@ -119,16 +103,12 @@ class ServoReport:
     delay_p99: float = 0.0
     cap: float = 0.0
     peak: float = 0.0
-    body: BodyState = BodyState.NONE
-    parcel: int = 0
-    load: float = 0.0
     note: str = ""
 
 
 def pack_order(order: Order) -> bytes:
     """Return an order as bytes."""
-    requests = order.arm & 0xFFFFFFFF, order.disarm & 0xFFFFFFFF, order.parcel
-    parts = [_ORDER.pack(*requests, order.held_until, order.written)]
+    parts = [_ORDER.pack(order.arm & 0xFFFFFFFF, order.disarm & 0xFFFFFFFF, order.held_until)]
     for i in range(TIPS):
         c = order.contacts[i] if i < len(order.contacts) else None
         numbers = (*c.force, *c.at, *c.normal, c.k_n, c.k_t, c.gap, c.friction, c.stamp) if c else (0.0,) * 14
@@ -138,7 +118,7 @@ def pack_order(order: Order) -> bytes:
 
 def unpack_order(message: bytes) -> Order:
     """Return the order in a message."""
-    arm, disarm, parcel, held_until, written = _ORDER.unpack_from(message)
+    arm, disarm, held_until = _ORDER.unpack_from(message)
     contacts: list[Contact | None] = []
     for i in range(TIPS):
         given, *v = _CONTACT.unpack_from(message, _ORDER.size + i * _CONTACT.size)
@@ -148,9 +128,7 @@ def unpack_order(message: bytes) -> Order:
                 k_n=v[9], k_t=v[10], gap=v[11], friction=v[12], stamp=v[13],
             ) if given else None
         )  # fmt: skip
-    return Order(
-        arm=arm, disarm=disarm, parcel=parcel, held_until=held_until, written=written, contacts=tuple(contacts)
-    )
+    return Order(arm=arm, disarm=disarm, held_until=held_until, contacts=tuple(contacts))
 
 
 def pack_report(report: ServoReport) -> bytes:
@@ -159,7 +137,7 @@ def pack_report(report: ServoReport) -> bytes:
     parts = [
         _REPORT.pack(
             r.link.value, r.arming.value, len(r.tips), r.states, r.lost, r.unsent, r.wrong, r.stale,
-            r.rate, r.delay_p50, r.delay_p99, r.cap, r.peak, r.body.value, r.parcel, r.load,
+            r.rate, r.delay_p50, r.delay_p99, r.cap, r.peak,
         )
     ]  # fmt: skip
     for i in range(TIPS):
@@ -171,8 +149,7 @@ def pack_report(report: ServoReport) -> bytes:
 
 def unpack_report(message: bytes) -> ServoReport:
     """Return the report in a message."""
-    link, arming, count, states, lost, unsent, wrong, stale, *numbers = _REPORT.unpack_from(message)
-    rate, p50, p99, cap, peak, body, parcel, load = numbers
+    link, arming, count, states, lost, unsent, wrong, stale, rate, p50, p99, cap, peak = _REPORT.unpack_from(message)
     tips = []
     for i in range(count):
         masked, full, *v = _TIP.unpack_from(message, _REPORT.size + i * _TIP.size)
@@ -185,5 +162,5 @@ def unpack_report(message: bytes) -> ServoReport:
     return ServoReport(
         link=LinkState(link), arming=Arming(arming), tips=tuple(tips), states=states, lost=lost, unsent=unsent,
         wrong=wrong, stale=stale, rate=rate, delay_p50=p50, delay_p99=p99, cap=cap, peak=peak,
-        body=BodyState(body), parcel=parcel, load=load, note=message[-_NOTE:].rstrip(b"\0").decode(errors="ignore"),
+        note=message[-_NOTE:].rstrip(b"\0").decode(errors="ignore"),
     )  # fmt: skip

@@ -18,7 +18,6 @@ from typing import Final, Protocol
 
 from ..errors import DimpleError
 from . import scheduling
-from .body_host import BodyHost, load
 from .byte_poller import Poller
 from .mailbox import FROM_SERVO, TO_SERVO, Mailbox
 from .serial_link import WINDOWS, LineLost, SerialLine, open_line
@@ -56,17 +55,14 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
     scheduling.request_priority()
     scheduling.keep_processors_awake()
     gc.disable()  # nothing here is in a cycle, and a collection would be late for a tick
-    load()  # before the device is greeted: it counts a second from then
     box, servo = Mailbox(mailbox), None
     try:
         spec = load_spec(device)
-        host = BodyHost(mailbox)
         servo, line = make_servo(spec, nonce=os.getpid() & 0xFFFF), open_to(port, spec.baud)
         try:
-            serve(servo, line, box, listener(line), host)
+            serve(servo, line, box, listener(line))
         finally:
             release(servo, line)
-            host.close()
         return 0 if servo.link is not LinkState.REFUSED else 2
     except DimpleError as error:
         link = LinkState.LOST if isinstance(error, LineLost) else LinkState.REFUSED
@@ -77,9 +73,7 @@ def run(make_servo: MakeServo, port: str, mailbox: Path, device: Path | None) ->
         box.close()
 
 
-def serve(
-    servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callable[[float], bytes | None], host: BodyHost
-) -> None:
+def serve(servo: Servo, line: SerialLine | UdpLine, box: Mailbox, listen: Callable[[float], bytes | None]) -> None:
     """Answer the device until Blender is gone or the device refused.
 
     Args:
@@ -87,7 +81,6 @@ def serve(
         line: to the device.
         box: shared with Blender.
         listen: see `listener`.
-        host: of the body that is touched.
 
     Raises:
         LineLost: the line is gone.
@@ -98,16 +91,15 @@ def serve(
         out = servo.step(now, data)
         if out:
             servo.unsent += not line.write(out)
-        host.advance(servo, now)
         if now - posted > REPORT_EVERY or servo.link is LinkState.REFUSED:
             posted = now
-            box.post(FROM_SERVO, pack_report(host.joined(servo.report())))
+            box.post(FROM_SERVO, pack_report(servo.report()))
         if servo.link is LinkState.REFUSED:
             return
         seen, message = box.read(TO_SERVO, ORDER_SIZE, seen)  # after the answer: no device waits for Blender
         if message:
             ordered = time.perf_counter()
-            servo.order = host.order(unpack_order(message), servo, ordered)
+            servo.order = unpack_order(message)
 
 
 def open_to(port: str, baud: int) -> SerialLine | UdpLine:

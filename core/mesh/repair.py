@@ -1,8 +1,7 @@
 """The repair of a surface: near vertices are welded, winding is made consistent, closed parts face outward.
 
 trimesh does what it can with numpy alone. What joins pieces (`connected`, `consistent_winding`, parts) is ours: there
-trimesh needs scipy or networkx, and Blender has neither. It is imported where it is used: the servo's process is given
-meshes that are made, and starts without.
+trimesh needs scipy or networkx, and Blender has neither.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from collections import deque
 from itertools import product
 
 import numpy as np
+from trimesh.grouping import unique_rows
 
 from ..base import Bools, Floats, Ints, sums_at
 from .edges import edges_of
@@ -46,8 +46,6 @@ def weld(positions: Floats, cell: float) -> tuple[Ints, Ints]:
     Returns:
         one vertex of each merged group (n,), and the group of every vertex (N,).
     """
-    from trimesh.grouping import unique_rows
-
     itself = np.arange(len(positions))
     if _all_apart(positions, cell):
         return itself, itself

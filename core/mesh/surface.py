@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from trimesh.triangles import area
 
 from ..base import (
     FARTHEST,
@@ -133,8 +134,6 @@ def mesh_from_triangles(positions: Floats, triangles: Ints, *, triangle_material
         raise DimpleError(
             "Every face has shrunk to a line or a point. Dissolve the degenerate geometry or scale it up."
         )
-    from trimesh.triangles import area  # here: the servo's process is given meshes that are made, and starts without
-
     areas = np.concatenate([area(positions[triangles[part]]) for part in row_parts(len(triangles))])
     if areas.sum() <= (1e-6 * size) ** 2:
         raise DimpleError("The faces have no area. Dissolve the degenerate geometry first.")

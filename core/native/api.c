@@ -186,8 +186,16 @@ void dm_default_body_def(dm_body_def *def) {
     def->constants.free = 1;
 }
 
+static int32_t dm_check_law(int64_t materials, const double *laws) {
+    for (const double *law = laws; law < laws + materials * DM_LAW; law += DM_LAW) {
+        DM_CHECK(dm_check_numbers(DM_LAYER, law, 1) | dm_check_numbers(1, law + DM_LAYER, 0));
+        if (!(law[2] > 0) || law[3] < 1) return DM_NUMBER;
+    }
+    return DM_OK;
+}
+
 static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64_t springs, int64_t materials,
-                                  double rest_volume) {
+                                  int64_t surface_vertices, double rest_volume) {
     const double *of_vertices[] = {c->mass, c->inverse_mass, c->friction, c->compliance,
                                    c->k1,   c->k2,           c->d0,       c->drag};
     for (size_t k = 0; k < sizeof of_vertices / sizeof *of_vertices; k++) {
@@ -202,8 +210,8 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
     DM_CHECK(dm_check_numbers(springs, c->tension, 1));
     DM_CHECK(DM_COUNT(c->materials) | DM_ARRAY(c->materials, c->laws));
     if (c->materials < materials) return DM_INDEX;
-    DM_CHECK(dm_check_numbers(4 * c->materials, c->laws, 1) | dm_check_numbers(3, c->gravity, 0));
-    for (int64_t m = 0; m < c->materials; m++) if (c->laws[4 * m + 3] < 1) return DM_NUMBER;
+    DM_CHECK(dm_check_law(c->materials, c->laws) | dm_check_numbers(3, c->gravity, 0));
+    if (c->painted) DM_CHECK(dm_check_numbers(2 * surface_vertices, c->painted, 1));
     DM_CHECK(dm_check_numbers(1, &c->rest_pressure, 0));
     if (isnan(c->ground) || c->ground == INFINITY) return DM_NUMBER;
     double total = 0;
@@ -268,7 +276,8 @@ int32_t dm_create(dm_body **body, const dm_body_def *def, int32_t bits, int32_t 
     int64_t materials = 0;
     for (int64_t k = 0; k < def->surface_triangles; k++)
         materials = def->surface_material[k] >= materials ? def->surface_material[k] + 1 : materials;
-    DM_CHECK(dm_check_constants(&def->constants, def->vertices, def->springs, materials, def->rest_volume));
+    DM_CHECK(dm_check_constants(&def->constants, def->vertices, def->springs, materials, def->surface_vertices,
+                                def->rest_volume));
     dm_body *made = malloc(sizeof *made);
     if (!made) return DM_MEMORY;
     *made = (dm_body){NULL, does, def->vertices, def->springs, materials, def->surface_vertices,
@@ -287,7 +296,8 @@ void dm_destroy(dm_body *body) {
 
 int32_t dm_set_constants(dm_body *body, const dm_constants *constants) {
     if (!body || !constants) return DM_SIZE;
-    DM_CHECK(dm_check_constants(constants, body->vertices, body->springs, body->materials, body->rest_volume));
+    DM_CHECK(dm_check_constants(constants, body->vertices, body->springs, body->materials,
+                                body->surface_vertices, body->rest_volume));
     return body->does->set_constants(body->state, constants);
 }
 
@@ -300,10 +310,9 @@ int32_t dm_set_rest(dm_body *body, const double *rest, const double *rate) {
     return DM_OK;
 }
 
-int32_t dm_set_load(dm_body *body, const double *load) {
+int32_t dm_wake_body(dm_body *body) {
     if (!body) return DM_SIZE;
-    if (load) DM_CHECK(dm_check_numbers(3 * body->vertices, load, 0));
-    body->does->set_load(body->state, load);
+    body->does->wake(body->state);
     return DM_OK;
 }
 
@@ -332,6 +341,10 @@ int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
         if (!f->down) continue;
         DM_CHECK(dm_check_numbers(3, f->from, 0) | dm_check_numbers(3, f->first, 0) | dm_check_numbers(3, f->last, 0));
         if (!(f->radius > 0 && f->radius < INFINITY)) return DM_NUMBER;
+        DM_CHECK(dm_check_numbers(1, &f->force, 1) | dm_check_numbers(3, f->inward, 0));
+        if (!f->factors) continue;
+        DM_CHECK(dm_check_numbers(body->materials * DM_FACTORS, f->factors, 1));
+        if (!(f->factors_end > 0 && f->factors_end < INFINITY)) return DM_NUMBER;
     }
     if (m->pins_from || m->pins_to) {
         int64_t count = 3 * body->does->pinned(body->state);

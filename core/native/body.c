@@ -5,10 +5,10 @@ static void dm_state_destroy(dm_state *b) {
     void *const parts[] = {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
         b->pieces, b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
-        b->tension, b->rest_rate, b->pull_rate, b->load,
+        b->tension, b->rest_rate, b->pull_rate,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
         b->inverse_mass, b->friction, b->compliance, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
-        b->is_moved, b->touching, b->facets, b->facet_boxes, b->laws, b->stepped, b->border,
+        b->is_moved, b->touching, b->facets, b->facet_boxes, b->facet_regions, b->painted, b->laws, b->stepped, b->border,
         b->regions.beside_start, b->regions.beside, b->regions.of, b->regions.awake, b->regions.wanted, b->regions.role,
         b->regions.settled, b->regions.moved, b->regions.volume,
     };
@@ -37,7 +37,6 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->listed = dm_alloc(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->rest_rate = dm_alloc(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->pull_rate = dm_alloc(b->groups, sizeof(dm_vec3)));
-    whole = whole && (b->load = dm_alloc(b->groups, sizeof(dm_vec3)));
     whole = whole && (b->next = dm_alloc(b->groups, sizeof(dm_group_next)));
     whole = whole && (b->inverse_mass = dm_alloc(size, sizeof(dm_real)));
     whole = whole && (b->friction = dm_alloc(size, sizeof(dm_real)));
@@ -175,8 +174,8 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     for (int k = 0; k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;
     memcpy(b->turned, b->pose, sizeof b->turned);
     memset(b->pose_rate, 0, sizeof b->pose_rate);
-    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_forget_impulses(b, k);
-    b->led = b->carried = b->moving = b->loaded = 0;
+    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_forget_impulses(b, k), dm_lift(b->fingers + k);
+    b->led = b->carried = b->moving = 0;
     dm_change(b);
     dm_forget_pressure(b);
     dm_place_pose(b);

@@ -31,7 +31,6 @@
 #define DM_LARGEST_GROWTH 100.0
 #define DM_FASTEST 1e6
 #define DM_PIN_BEHIND 1e-4 /* of the size: a pin that is farther from its place was held back */
-#define DM_SAME_SIDE 0.5 /* as in core/mesh/depth.py */
 #define DM_REGION_TIME 0.1 /* as in core/solver/regions.py */
 #define DM_REST_SPEED 1e-3 /* as in core/base.py, with the three below */
 #define DM_REST_TIME 0.25
@@ -117,12 +116,6 @@ typedef struct { /* a triangle of the surface at rest, below which fingertips ar
     int64_t index, material;
 } dm_facet;
 
-enum { DM_NEARBY = 256 };
-typedef struct { /* every facet within `reach` [m] of a point of the shape at rest, 0: not known */
-    double centre[3], reach, margin; /* margin: beyond the nearest facet, when they are listed [m] */
-    uint32_t facets[DM_NEARBY], count;
-} dm_nearby;
-
 typedef struct { /* parts of the surface that are stepped while something moves there; count 0: it is stepped whole */
     int64_t count, *beside_start, *beside;
     uint32_t *of;               /* (groups,) */
@@ -136,6 +129,26 @@ typedef struct { /* parts of the surface that are stepped while something moves 
     double gone;                /* [m] the farthest that what rests now has gone since the lists were made */
     int changed;                /* what is displaced is to wake */
 } dm_regions;
+
+enum { DM_NORMALS = 8 }; /* that hold a sphere: more walls than a fingertip touches at once */
+typedef struct { /* a fingertip; vectors but centre and force are in the space of the shape at rest */
+    double centre[3], radius;        /* where it is [m] */
+    double way;                      /* [m] that a force has pushed it */
+    const double *factors;           /* of the force of another tip, null where it is the measuring one, */
+    double factors_end;              /* at depths up to this [m] */
+    int met, felt, slides, beside;   /* it lies on the surface at rest; touches the skin; slides over it; others did when */
+    double depth, zero, height;      /* it began. Its x [m], counted from so far below that surface; where the skin is */
+    double foot[3], anchor[3];       /* spheres on that surface: above it; where friction holds it */
+    double outward[3], local[3];     /* unit; its centre when it was evaluated last */
+    int64_t facet, material;         /* of the place below its foot, with */
+    double weight[3], stiffer, deeper, thickness, thick_at[3]; /* what is painted there, and the thickness [m] at a place */
+    double law, slope, stick;        /* [N], [N/m]; of the spring sideways [N/m] */
+    double force[3];                 /* on it [N] */
+    int rests;                       /* it was near when the body fell asleep, */
+    double rests_at[3], rests_radius; /* there */
+    dm_quad *kept;                   /* impulses on vertices and faces in the last substep [N s]; those that are not zero: */
+    uint32_t *kept_at, kept_count;
+} dm_tip;
 
 struct dm_state {
     int64_t n, groups;
@@ -174,8 +187,6 @@ struct dm_state {
     int rigged, moving;     /* the shape at rest stays where it is laid; it changes in the next motion, */
     dm_vec3 *rest_rate;     /* (groups,) so fast [m/s], */
     dm_vec3 *pull_rate;     /* and the pull of its tension with it [N/s] */
-    dm_vec3 *load;          /* (groups,) what else pushes each vertex [N], */
-    int loaded;             /* if anything does */
     double *pin_room;       /* (9, groups * 8) for one tick */
     double pose[12], pose_rate[12]; /* of the shape at rest with its pins, and how fast it changes */
     double turning[12];  /* the rate about the centre of the shape at rest */
@@ -212,18 +223,14 @@ struct dm_state {
     double bounds[2][3], still_pose[12], still_volume; /* of what is asleep */
 
     dm_facet *facets;
-    double (*facet_boxes)[6]; /* low and high corners of runs of them */
+    double (*facet_boxes)[6], (*facet_regions)[6]; /* low and high corners of runs of them, and of runs of those */
     int64_t facet_count, facet_box_count;
-    double (*laws)[4];        /* K1, K2, x0, power of each material */
-    struct {
-        double centre[3], side[3]; /* where a fingertip is, and the outward normal where it came in */
-        int has_side, rests;       /* rests: it was near when the body fell asleep, */
-        double rests_at[3], rests_radius, held[3]; /* there; force on it in the last substep [N] */
-        int64_t last; /* the facet it was nearest to */
-        dm_quad *kept; /* impulses on vertices and faces in the last substep [N s]; those that are not zero: */
-        uint32_t *kept_at, kept_count;
-        dm_nearby nearby;
-    } fingers[DM_MAX_FINGERTIPS];
+    double (*laws)[DM_LAW];   /* of each material */
+    double (*painted)[2];     /* of each vertex of the surface: how many times as stiff, and as deep the knee */
+    int64_t surface_count;
+    int own_surface;          /* its vertices are the body's own */
+    double skin_push[6]; /* that contact with fingertips gave the skin in a substep: impulse [N s], and its moment */
+    dm_tip fingers[DM_MAX_FINGERTIPS];
 };
 
 /* one vertex of the vectors of its group */

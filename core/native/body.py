@@ -31,7 +31,9 @@ class NativeError(RuntimeError):
 class Fingertip(Structure):
     """Where one fingertip goes during a call: dm_fingertip."""
 
-    _fields_ = fields(first="d3", last="d3", radius="d", down="n", fresh="n")
+    _fields_ = fields(
+        first="d3", last="d3", radius="d", force="d", inward="d3", factors="n", factors_end="d", down="n", fresh="n"
+    )
     _fields_.insert(0, ("from_", c_double * 3))
 
 
@@ -48,7 +50,9 @@ class CMotion(Structure):
 class CTouch(Structure):
     """How a fingertip meets a body: dm_touch."""
 
-    _fields_ = fields(impulse="d3", centre="d3", depth="d", outward="d3", law_force="d", triangle="n", force="d3")
+    _fields_ = fields(
+        impulse="d3", centre="d3", depth="d", outward="d3", force="d3", slope="d", friction="d", law="d4", triangle="n"
+    )
 
 
 class CFrame(Structure):
@@ -56,7 +60,7 @@ class CFrame(Structure):
 
     _fields_ = [
         ("touches", CTouch * 3),
-        *fields(pose="d12", volume="d", pressure="d", ticks="n", finite="n", moved="n", stepped="n"),
+        *fields(volume="d", pressure="d", ticks="n", finite="n", moved="n", stepped="n"),
     ]
 
 
@@ -78,7 +82,7 @@ def _packed(kind: Any, each: Any) -> list[struct.Struct]:
 
 # whole structures, written and read as flat numbers: far faster than field by field
 _PACKED_MOTION, _PACKED_FRAME = _packed(CMotion, Fingertip), _packed(CFrame, CTouch)
-_LIFTED = (*[0.0] * 10, 0, 0)
+_LIFTED = (*[0.0] * 14, 0, 0.0, 0, 0)
 _NO_PINS = 0, 0, 0.0, 0.0
 _TOUCH_NUMBERS = len(_letters(CTouch))
 
@@ -151,17 +155,9 @@ class Body:
                 raise NativeError(f"the shape at rest must have the shape {self._shape}")
             self._call("dm_set_rest", self._handle, arrays.double(rest), arrays.double(rate))
 
-    def set_load(self, load: Floats | None) -> None:
-        """Push each vertex by a force (3, n) [N] from now on, None by none; the paper's laws take none,
-        and `set_state` ends it.
-
-        Raises:
-            NativeError: a force that is no number.
-        """
-        with Arrays() as arrays:
-            if load is not None and np.shape(load) != self._shape:
-                raise NativeError(f"the load must have the shape {self._shape}")
-            self._call("dm_set_load", self._handle, arrays.double(load))
+    def wake(self) -> None:
+        """Let the body move again where it sleeps: what it rested on may be gone."""
+        self._call("dm_wake_body", self._handle)
 
     @property
     def rest_volume(self) -> float:
@@ -212,18 +208,23 @@ class Body:
         """Write a motion as the library reads it; return the arrays it points to."""
         ticks, substeps, tick, tips, pins = motion
         numbers: list[Any] = [ticks, substeps, tick]
+        arrays: list[Floats] = []
         for tip in tips:
             if tip is None:
                 numbers += _LIFTED
             else:
-                start, first, last, radius, fresh = tip
-                numbers += (*start, *first, *last, radius, True, fresh)
-        arrays: list[Floats] = []
+                start, first, last, radius, fresh, force, inward, factors = tip
+                table, end = factors or (None, 0.0)
+                if table is not None:
+                    arrays.append(table := np.ascontiguousarray(table, np.float64))
+                place = 0 if table is None else table.ctypes.data
+                numbers += (*start, *first, *last, radius, force, *inward, place, end, True, fresh)
         if pins is None:
             numbers += _NO_PINS
         else:
-            arrays = self._places(pins)
-            numbers += (*(a.ctypes.data for a in arrays), pins.first, pins.last)
+            places = self._places(pins)
+            numbers += (*(a.ctypes.data for a in places), pins.first, pins.last)
+            arrays += places
         _PACKED_MOTION[len(tips)].pack_into(to, 0, *numbers)
         return arrays
 
@@ -235,13 +236,14 @@ class Body:
         for tip in tips:
             i = len(touches) * _TOUCH_NUMBERS
             touch = Touch(
-                a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10], a[i + 11], a[i + 12 : i + 15]
+                a[i : i + 3], a[i + 3 : i + 6], a[i + 6], a[i + 7 : i + 10], a[i + 10 : i + 13], a[i + 13], a[i + 14],
+                a[i + 15 : i + 19], a[i + 19],
             )  # fmt: skip
             touches.append(touch if tip else None)
         volume, pressure, ticks, finite, moved, stepped = a[-6:]
         if moved:
             self._placed = None
-        return Frame(tuple(touches), a[-18:-6], volume, pressure, ticks, finite != 0, moved != 0, stepped)
+        return Frame(tuple(touches), volume, pressure, ticks, finite != 0, moved != 0, stepped)
 
     def _places(self, pins: PinMotion) -> list[Floats]:
         """Return where pins start and end, as the library reads it."""

@@ -1,4 +1,4 @@
-/* What a living body may be given: the numbers of its laws, its pins, a load. */
+/* What a living body may be given: the numbers of its laws, its pins. */
 #include "body.h"
 
 static double dm_weighted_mean(const dm_state *b, const double *a) {
@@ -153,15 +153,6 @@ static void dm_change(dm_state *b) {
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
 }
 
-static void dm_state_set_load(dm_state *b, const double *load) {
-    b->loaded = load != NULL;
-    for (int64_t k = 0; load && k < b->n; k++) {
-        double force[3] = {load[k], load[b->n + k], load[2 * b->n + k]};
-        dm_set_lane3(&b->load[b->place[k] / DM_LANES], b->place[k], dm_quad_of(force));
-    }
-    dm_change(b);
-}
-
 /* Start without a pressure, and without the contact that Eq. (2) takes from the step before. */
 static void dm_forget_pressure(dm_state *b) {
     b->pressure = 0;
@@ -170,10 +161,12 @@ static void dm_forget_pressure(dm_state *b) {
 
 static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     dm_change(b);
-    double (*laws)[4] = dm_alloc(c->materials, sizeof *laws);
+    double (*laws)[DM_LAW] = dm_alloc(c->materials, sizeof *laws);
     dm_piece *pieces = dm_alloc(b->groups * c->pieces, sizeof *pieces);
     if (!laws || !pieces) return dm_free(laws), dm_free(pieces), DM_MEMORY;
     memcpy(laws, c->laws, (size_t)c->materials * sizeof *laws * (c->materials > 0));
+    for (int64_t k = 0; k < b->surface_count; k++)
+        for (int j = 0; j < 2; j++) b->painted[k][j] = c->painted ? c->painted[2 * k + j] : 1;
     if (b->laws && b->free && !c->free) dm_fit_whole(b, b->pose);
     dm_free(b->laws);
     dm_free(b->pieces);

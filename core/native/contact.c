@@ -84,9 +84,10 @@ static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint
     *h = (dm_contact){.number = number, .corners = corners, .radius = radius, .part = part, .weight = weight};
     memcpy(h->corner, corner, (size_t)corners * sizeof *corner);
     h->held = b->fingers[t->finger].kept[number];
+    int slides = b->fingers[t->finger].slides; /* as the fingertip does on the surface */
     h->normal = at_centre ? dm_inward_normal(b, corner) : at / apart;
     for (int j = 0; j < corners; j++) {
-        h->friction += weight[j] * b->friction[corner[j]];
+        h->friction += slides ? 0 : weight[j] * b->friction[corner[j]];
         h->yields += weight[j] * b->compliance[corner[j]];
     }
     if (h->yields > 0) gap = dm_give_way(b, t, h, at, apart);
@@ -231,15 +232,17 @@ static dm_real dm_sweep_places(dm_state *b, const dm_near *t, int64_t count, int
     return deepest;
 }
 
-/* Keep the impulses for the next substep, give the fingertip what is opposite to them, and let the vertices go as fast
- * as they now are. */
-static void dm_keep_impulses(dm_state *b, const dm_near *t, int64_t count, double *impulse, uint32_t *moved) {
+/* Keep the impulses for the next substep, note what they are together, and let the vertices go as fast as they now are. */
+static void dm_keep_impulses(dm_state *b, const dm_near *t, int64_t count, uint32_t *moved) {
     dm_forget_impulses(b, t->finger);
     uint32_t *kept_count = &b->fingers[t->finger].kept_count;
-    dm_quad sum = {0, 0, 0, 0};
     for (const dm_contact *h = b->hits; h < b->hits + count; h++) {
         int pinned = 0;
-        sum += h->held;
+        double at[3] = {0}, held[3] = {h->held[0], h->held[1], h->held[2]}, turn[3];
+        for (int j = 0; j < h->corners; j++)
+            for (int c = 0; c < 3; c++) at[c] += (double)h->weight[j] * (double)b->before[h->corner[j]][c];
+        dm_cross3(at, held, turn);
+        for (int c = 0; c < 3; c++) b->skin_push[c] += held[c], b->skin_push[3 + c] += turn[c];
         for (int j = 0; j < h->corners; j++) {
             uint32_t i = h->corner[j];
             pinned |= !(b->inverse_mass[i] > 0);
@@ -251,7 +254,6 @@ static void dm_keep_impulses(dm_state *b, const dm_near *t, int64_t count, doubl
         b->fingers[t->finger].kept[h->number] = h->held;
         b->fingers[t->finger].kept_at[(*kept_count)++] = h->number;
     }
-    for (int c = 0; c < 3; c++) impulse[c] -= sum[c], b->fingers[t->finger].held[c] = -sum[c] / b->dt;
 }
 
 /* Bring the vertices that contacts moved back into the groups. */
@@ -297,7 +299,8 @@ static void dm_note_contact(dm_state *b) {
 }
 
 /* Resolve the contacts of a substep that ends so long before the tick does [s]. */
-static void dm_resolve_contact(dm_state *b, double ahead, dm_frame *frame) {
+static void dm_resolve_contact(dm_state *b, double ahead) {
+    memset(b->skin_push, 0, sizeof b->skin_push);
     for (dm_near *t = b->touches; t < b->touches + b->finger_count; t++)
         t->now = t->centre - (dm_real)ahead * t->velocity;
     if (b->law_set == DM_LAWS_PAPER) dm_note_contact(b);
@@ -310,7 +313,7 @@ static void dm_resolve_contact(dm_state *b, double ahead, dm_frame *frame) {
         dm_push_as_before(b, count);
         for (int sweep = 0; sweep < DM_CONTACT_SWEEPS; sweep++)
             if (dm_sweep_speeds(b, t, count) < (dm_real)DM_SPEED_SLACK * t->radius) break;
-        dm_keep_impulses(b, t, count, frame->touches[t->finger].impulse, &moved);
+        dm_keep_impulses(b, t, count, &moved);
         for (int sweep = 0; sweep < DM_CONTACT_SWEEPS; sweep++)
             if (dm_sweep_places(b, t, count, sweep == 0) < (dm_real)DM_PLACE_SLACK * t->radius) break;
         dm_update_groups(b, moved);

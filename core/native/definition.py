@@ -28,7 +28,7 @@ class Constants(Structure):
     _fields_ = fields(
         stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", compliance="p",
         k1="p", k2="p", d0="p", pieces="n", more="p", knees="p", drag="p",
-        laws="p", materials="n", gravity="d3", ground="d", rest_pressure="d", law_set="i", fill="i", free="i",
+        laws="p", materials="n", painted="p", gravity="d3", ground="d", rest_pressure="d", law_set="i", fill="i", free="i",
         rigged="i",
     )  # fmt: skip
 
@@ -122,6 +122,7 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
         pieces=len(matching.more), more=arrays.double(matching.more), knees=arrays.double(matching.knees),
         drag=arrays.double(matching.damping),
         laws=arrays.double(surface.laws), materials=len(surface.materials),
+        painted=arrays.double(surface.maps and np.column_stack([surface.maps.stiffer, surface.maps.deeper])),
         gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
         law_set=LAW_SETS[model.law_set], fill=FILLS[model.pressure.fill], free=model.free,
         rigged=model.rigged, rest_pressure=model.pressure.rest_pressure,

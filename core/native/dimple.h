@@ -19,7 +19,7 @@
 #define DM_API __attribute__((visibility("default")))
 #endif
 
-#define DM_ABI 23 /* changes with anything below */
+#define DM_ABI 24 /* changes with anything below */
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
@@ -45,6 +45,11 @@ enum {
     DM_OPTION  /* an unknown law set, fill or precision, or an instruction set this machine lacks */
 };
 
+/* of the law of a material: K1, K2 [N/m], x0 [m] and its power, 1 or more; Coulomb's coefficient; damping ratio; and where
+ * an elastic solid was measured, the radius of the sphere, or minus that of the flat tip, that did [m], else 0 */
+enum { DM_FRICTION = 4, DM_DAMPING, DM_LAYER, DM_LAW };
+enum { DM_FACTORS = 33 }; /* of another tip, at depths that go up with the square of their number */
+
 enum { DM_FILL_NONE, DM_FILL_AIR, DM_FILL_LIQUID };
 enum { DM_LAWS_CONSISTENT, DM_LAWS_PAPER };
 enum { DM_SET_BEST, DM_SET_BASE, DM_SET_AVX2 }; /* base: SSE2 on x86-64, NEON on arm64 */
@@ -65,8 +70,9 @@ typedef struct {
     const double *more;         /* (pieces, vertices) stiffness that they add [N/m], beyond */
     const double *knees;        /* (pieces, vertices) their knees [m] */
     const double *drag;         /* (vertices,) damping of shape matching [N s/m] */
-    const double *laws;         /* (materials, 4) K1, K2 [N/m], x0 [m] and the power, 1 or more, of each law */
+    const double *laws;         /* (materials, DM_LAW) */
     int64_t materials;
+    const double *painted;      /* (surface_vertices, 2) times K1 and K2, and x0, of the laws; null: 1 */
     double gravity[3];    /* [m/s2] */
     double ground;        /* height of a plane [m], -INFINITY where there is none */
     double rest_pressure; /* of the fill in the shape at rest, above that outside [Pa] */
@@ -113,10 +119,15 @@ typedef struct {
     dm_constants constants;
 } dm_body_def;
 
-/* Where one fingertip goes during a call: straight from `from` to `first` in the first tick, then evenly to `last`. */
+/* Where one fingertip goes during a call: straight from `from` to `first` in the first tick, then evenly to `last`; from
+ * there a force pushes it on to the depth at which the law answers that force. */
 typedef struct {
     double from[3], first[3], last[3]; /* centres [m] */
     double radius;                     /* [m] */
+    double force;                      /* [N] 0: none pushes it */
+    double inward[3];                  /* unit, the way it does */
+    const double *factors;             /* (materials, DM_FACTORS) of the force of this tip; null: it is the measuring one */
+    double factors_end;                /* depth of the last of them [m] */
     int64_t down;                      /* 0: this one is lifted and the rest does not count */
     int64_t fresh;                     /* it was not down before, or elsewhere */
 } dm_fingertip;
@@ -135,16 +146,17 @@ typedef struct {
 typedef struct {
     double impulse[3]; /* that the body gave it [N s] */
     double centre[3];  /* where it is [m] */
-    double depth;      /* below the surface at rest [m], negative where it is clear */
-    double outward[3]; /* unit, the way the depth falls fastest */
-    double law_force;  /* of the law at this depth [N] */
+    double depth;      /* below the surface at rest, from where the skin was met [m], negative where it is clear */
+    double outward[3]; /* unit, of the surface there */
+    double force[3];   /* on it: of the law, outward, and of friction [N] */
+    double slope;      /* of the law there [N/m] */
+    double friction;   /* Coulomb's coefficient there */
+    double law[4];     /* K1, K2, x0 and power there, with what is painted and the factor of the tip at this depth */
     int64_t triangle;  /* of the surface, the nearest; -1: not down */
-    double force[3];   /* that the body gave it in the last substep [N] */
 } dm_touch;
 
 typedef struct {
     dm_touch touches[DM_MAX_FINGERTIPS];
-    double pose[12];  /* where the shape at rest is, if a fingertip is down: rotation by rows, translation [m] */
     double volume;    /* [m3] and */
     double pressure;  /* [Pa] when the forces were last evaluated */
     int64_t ticks;    /* done */
@@ -168,8 +180,8 @@ DM_API int32_t dm_set_constants(dm_body *body, const dm_constants *constants);
 /* Give a living body another shape at rest (3, vertices) [m], and with it lengths and volume. Over the next motion it
  * comes there at a rate (3, vertices) [m/s]; null: at once. Fingertips must be measured below the body's own surface. */
 DM_API int32_t dm_set_rest(dm_body *body, const double *rest, const double *rate);
-/* Push each vertex by a force (3, vertices) [N] from now on; null: by none. */
-DM_API int32_t dm_set_load(dm_body *body, const double *load);
+/* Let a body move again where it sleeps: what it rested on may be gone. */
+DM_API int32_t dm_wake_body(dm_body *body);
 DM_API double dm_rest_volume(const dm_body *body); /* [m3] */
 /* positions, velocities: (3, vertices); null velocities are 0. */
 DM_API int32_t dm_set_state(dm_body *body, const double *positions, const double *velocities);

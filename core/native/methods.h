@@ -13,7 +13,7 @@ typedef struct {
     void (*destroy)(dm_state *state);
     int32_t (*set_constants)(dm_state *state, const dm_constants *constants);
     void (*set_rest)(dm_state *state, const double *rest, const double *rate);
-    void (*set_load)(dm_state *state, const double *load);
+    void (*wake)(dm_state *state);
     double (*rest_volume)(const dm_state *state);
     void (*set_state)(dm_state *state, const double *positions, const double *velocities);
     void (*get_state)(const dm_state *state, double *positions, double *velocities);

@@ -45,7 +45,7 @@ static void dm_state_set_rest(dm_state *b, const double *rest, const double *rat
     dm_set_lengths(b), dm_set_places(b), dm_set_pull(b);
     double volume = dm_volume_of_faces(b, at);
     if (volume > 0) b->rest_volume = volume; /* a rig may turn a body inside out */
-    dm_shape_facets(b, rest, n);
+    dm_reshape_facets(b, rest, n);
     double drift[3] = {0};
     if (rate && b->free) dm_mean_by_k1(b, rate, drift); /* of a free body only the shape counts */
     for (int64_t k = 0; rate && k < n; k++) {

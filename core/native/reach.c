@@ -151,8 +151,10 @@ static void dm_carry_fingertips(dm_state *b, const dm_motion *m, int64_t t) {
         if (!f->down) continue;
         dm_near *to = b->touches + b->finger_count++;
         double *here = b->fingers[k].centre, way[3], at[3], far = 0;
+        if (f->force > 0) dm_push_on(b, b->fingers + k, f, m->tick);
         for (int c = 0; c < 3; c++) {
             way[c] = f->first[c] + share * (f->last[c] - f->first[c]) - here[c];
+            if (f->force > 0) way[c] += b->fingers[k].way * f->inward[c];
             far += way[c] * way[c];
         }
         double most = DM_FINGER_TRAVEL * f->radius, slow = sqrt(far) > most ? most / sqrt(far) : 1;

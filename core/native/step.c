@@ -28,16 +28,6 @@ static void dm_apply_fill(dm_state *b) {
     b->pressure = dm_pressure_at(b);
 }
 
-static void dm_apply_load(dm_state *b) {
-    dm_lanes dt = dm_splat((dm_real)b->dt);
-    for (int64_t k = 0; b->loaded && k < b->stepped_count; k++) {
-        int64_t g = b->stepped[k];
-        dm_lanes by = dt * b->matter[g].inverse_mass;
-        dm_vec3 *v = &b->next[g].v, f = b->load[g];
-        v->x += by * f.x, v->y += by * f.y, v->z += by * f.z;
-    }
-}
-
 /* Take out the moment with which what it touches resists its turning: with the drift, as it is no motion. */
 static void dm_take_moment(dm_state *b) {
     const double *m = b->resisted, *row = b->moments.inverse, *o = b->moments.centre;
@@ -48,7 +38,7 @@ static void dm_take_moment(dm_state *b) {
     b->drift.linear[2] -= a[0] * o[1] - a[1] * o[0];
 }
 
-static void dm_substep(dm_state *b) {
+static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {
     if (b->law_set == DM_LAWS_PAPER) {
         b->pressure = dm_paper_pressure(b);
         dm_apply_gravity(b);
@@ -57,11 +47,13 @@ static void dm_substep(dm_state *b) {
         dm_advance_pinned(b, b->pressure);
         return;
     }
-    if (b->free) DM_TIMED(DM_FITS, dm_fit_body(b));
+    if (b->free) {
+        DM_TIMED(DM_FITS, dm_fit_body(b));
+        dm_press_free(b, left, frame);
+    }
     DM_TIMED(DM_RINGS, (b->free ? dm_ring_pass_free : dm_ring_pass_pinned)(b));
     if (b->free) dm_take_moment(b);
     DM_TIMED(DM_IRREGULAR_AND_FILL, dm_apply_fill(b));
-    dm_apply_load(b);
     DM_TIMED(DM_ADVANCE, (b->free ? dm_advance_free : dm_advance_pinned)(b, b->fill != DM_FILL_NONE ? b->pressure : 0));
 }
 
@@ -206,23 +198,14 @@ static int dm_is_finite(dm_state *b, double tick, double *centre) {
     return 1;
 }
 
-static void dm_measure_depths(dm_state *b, const dm_motion *m, dm_frame *frame) {
-    b->inner_force = 0;
-    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
-        if (!m->fingertips[k].down) continue;
-        dm_measure_depth(b, k, m->fingertips[k].radius, frame->pose, frame->touches + k);
-        b->inner_force += frame->touches[k].law_force;
-    }
-}
-
 static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     b->pins_met = 0;
     memset(frame, 0, sizeof *frame);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         const dm_fingertip *f = m->fingertips + k;
         frame->touches[k].triangle = -1;
-        if (!f->down || f->fresh) b->fingers[k].has_side = 0, dm_forget_impulses(b, k);
-        if (f->down) memcpy(b->fingers[k].centre, f->from, sizeof f->from);
+        if (!f->down || f->fresh) dm_forget_impulses(b, k);
+        dm_take_fingertip(b, b->fingers + k, f);
     }
     if (!m->pins_to && b->led && m->ticks) dm_rest_pins(b);
     frame->finite = 1;
@@ -232,7 +215,6 @@ static void dm_begin_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
 static void dm_enter_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double way = m->ticks > 1 ? (m->pins_last - m->pins_first) / (double)(m->ticks - 1) : 0;
     frame->moved = 1;
-    for (int k = 0; k < DM_MAX_FINGERTIPS; k++) memset(b->fingers[k].held, 0, sizeof b->fingers[k].held);
     if (b->moving) dm_move_places(b, t ? 1 : (1 - 1 / (double)m->substeps) / 2 - (double)m->ticks, m->tick);
     if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
     DM_TIMED(DM_REACH, dm_find_near(b, m));
@@ -242,7 +224,7 @@ static void dm_enter_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
 
 static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     b->dt = m->tick / (double)m->substeps;
-    if (b->law_set == DM_LAWS_PAPER && !b->asleep) dm_fit_whole(b, frame->pose), dm_measure_depths(b, m, frame);
+    b->inner_force = b->fingers[0].law + b->fingers[1].law + b->fingers[2].law;
     dm_carry_fingertips(b, m, t);
     if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
     if (!b->asleep) dm_enter_tick(b, m, t, frame);
@@ -251,25 +233,16 @@ static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
 DM_FAST
 /* Run a substep after which so many come in the tick. */
 static void dm_run_substep(dm_state *b, int64_t left, dm_frame *frame) {
-    dm_substep(b);
-    DM_TIMED(DM_CONTACT, dm_resolve_contact(b, (double)left * b->dt, frame));
+    dm_substep(b, left, frame);
+    DM_TIMED(DM_CONTACT, dm_resolve_contact(b, (double)left * b->dt));
+    if (b->free && b->finger_count) dm_react(b);
 }
 
 DM_SMALL
-/* What sleeps under a fingertip presses on it as it did last. */
-static void dm_note_forces(dm_state *b, double tick, dm_frame *frame) {
-    for (int k = 0; k < DM_MAX_FINGERTIPS; k++)
-        for (int c = 0; c < 3; c++) {
-            double force = b->asleep && !b->fingers[k].rests ? 0 : b->fingers[k].held[c];
-            frame->touches[k].force[c] = force;
-            if (b->asleep) frame->touches[k].impulse[c] += force * tick;
-        }
-}
-
 static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     double centre[3];
     frame->ticks = t + 1;
-    dm_note_forces(b, m->tick, frame);
+    if (!b->free || b->asleep) dm_press_held(b, m->tick, frame);
     if (b->asleep) return;
     frame->finite = dm_is_finite(b, m->tick, centre);
     if (!frame->finite) return;
@@ -284,11 +257,7 @@ static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     if (!frame->finite) return;
     int known = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE && frame->ticks;
     frame->volume = b->asleep ? b->still_volume : known ? b->volume : dm_volume_of_faces(b, NULL);
-    if (m->fingertips[0].down || m->fingertips[1].down || m->fingertips[2].down) {
-        if (b->asleep) memcpy(frame->pose, b->still_pose, sizeof b->still_pose);
-        else dm_fit_whole(b, frame->pose);
-        dm_measure_depths(b, m, frame);
-    }
+    dm_show_fingertips(b, m, frame);
 }
 
 /* Run the ticks of a motion from one to before another: the first begins it, and the last ends it. */

@@ -16,9 +16,10 @@ DM_SMALL
 DM_FAST
 #include "facets.c"
 #include "contact.c"
+#include "surface.c"
+#include "fingertip.c"
 DM_SMALL
 #include "reach.c"
-#include "surface.c"
 #include "constants.c"
 #include "regions.c"
 #include "body.c"
@@ -53,7 +54,7 @@ DM_FAST
 
 extern const dm_methods DM_NAME(DM_SET, DM_BITS);
 const dm_methods DM_NAME(DM_SET, DM_BITS) = {
-    dm_state_create, dm_state_destroy, dm_state_set_constants, dm_state_set_rest, dm_state_set_load,
+    dm_state_create, dm_state_destroy, dm_state_set_constants, dm_state_set_rest, dm_change,
     dm_state_rest_volume, dm_state_place, dm_state_read, dm_state_pinned, dm_state_asleep, dm_state_step,
     dm_carry_surface,
     dm_scene_state_create, dm_scene_state_destroy, dm_scene_state_find, dm_scene_state_place, dm_scene_state_read,

@@ -17,6 +17,9 @@ class FingertipMotion(NamedTuple):
     start, first, last: centres (3,) [m].
     radius: of the fingertip [m].
     fresh: it was not down before, or elsewhere.
+    force: that pushes it on from there, to the depth at which the law answers it [N], 0 for none.
+    inward: unit vector (3,) of that.
+    factors: of the force of a tip that is another than the measuring one, see `other_tip.factors`.
     """
 
     start: Vector
@@ -24,6 +27,9 @@ class FingertipMotion(NamedTuple):
     last: Vector
     radius: float
     fresh: bool = False
+    force: float = 0.0
+    inward: Vector = (0.0, 0.0, -1.0)
+    factors: tuple[Floats, float] | None = None
 
     @staticmethod
     def straight(start: Vector, end: Vector, *, ticks: int, radius: float, fresh: bool = False) -> FingertipMotion:
@@ -66,27 +72,30 @@ class Touch(NamedTuple):
 
     impulse: that the body gave it in the call (3,) [N s].
     centre: where it is (3,) [m].
-    depth: below the surface at rest [m], negative where it is clear.
-    outward: unit vector (3,), the way the depth falls fastest.
-    law_force: that the measured law gives at this depth [N].
+    depth: below the surface at rest, from where the skin was met [m], negative where it is clear.
+    outward: unit vector (3,) of the surface there.
+    force: on it (3,) [N], of the measured law, outward, and of friction.
+    slope: of the law there [N/m].
+    friction: Coulomb's coefficient there.
+    law: K1, K2 [N/m], x0 [m] and power there, with what is painted and the factor of another tip at this depth.
     triangle: of the surface, the nearest.
-    force: that the body gave it in the last substep (3,) [N].
     """
 
     impulse: Vector
     centre: Vector
     depth: float
     outward: Vector
-    law_force: float
+    force: Vector
+    slope: float
+    friction: float
+    law: tuple[float, float, float, float]
     triangle: int
-    force: Vector = (0.0, 0.0, 0.0)
 
 
 class Frame(NamedTuple):
     """What a call came to.
 
     touches: one for each fingertip, None where it is lifted.
-    pose: where the shape at rest is, if a fingertip is down: rotation by rows, translation [m], (12,).
     volume: [m3] and
     pressure: [Pa] when the forces were last evaluated.
     ticks: done.
@@ -96,7 +105,6 @@ class Frame(NamedTuple):
     """
 
     touches: tuple[Touch | None, ...]
-    pose: tuple[float, ...]
     volume: float
     pressure: float
     ticks: int

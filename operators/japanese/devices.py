@@ -48,20 +48,6 @@ MESSAGES = {
     "{} has more answers than the experiment has trials.": "{} の回答が実験の試行より多くなっています。",
     "All trials are answered.": "すべての試行に回答しました。",
     "There is no answer {}.": "回答 {} はありません。",
-    "The simulation blew up and was put back to rest. Lower k or K2, or raise the mass, then arm the device again.": (
-        "計算が発散したため、元の形に戻しました。k か K2 を下げるか質量を増やしてから、デバイスの力をもう一度オンに"
-        "してください。"
-    ),
-    "The body cannot run beside the device ({}), so a local wall is rendered.": (
-        "物体をデバイスと並行して計算できないため（{}）、局所的な壁を提示します。"
-    ),
-    "What is under the fingertips has changed. Lift them and arm the device again.": (
-        "指先の下のものが変わりました。指を上げて、デバイスの力をもう一度オンにしてください。"
-    ),
-    "This body is too fine to run at the device's rate, so a local wall is rendered. Simulate a proxy to feel the "
-    "model.": (
-        "物体が細かすぎてデバイスの速さで計算できないため、局所的な壁を提示します。プロキシで計算すると感じられます。"
-    ),
     "The device cannot be opened: {}.": "デバイスを開けません: {}。",
     "The servo process ended ({}). Connect and arm again.": (
         "サーボのプロセスが終了しました（{}）。接続し直して力をオンにしてください。"
@@ -88,8 +74,6 @@ MESSAGES = {
         "デバイスのサーボとの受け渡しができません: {}（{}）。"
     ),
     "A message of {} bytes is too long.": "{} バイトのメッセージは長すぎます。",
-    "The body for the device cannot be read ({}).": "デバイス用の物体を読めません（{}）。",
-    "{}.{} is not a part of a body": "{}.{} は物体の一部ではありません",
     "pyserial is not installed, so no serial device can be used. Install the extension's zip.": (
         "pyserial がないため、シリアルのデバイスを使えません。エクステンションの zip をインストールしてください。"
     ),
@@ -107,7 +91,6 @@ MESSAGES = {
         "い。"
     ),
     "{} cannot be made: {}.": "{} を作れません: {}。",
-    "A body beside the device keeps its shape at rest.": "デバイスと並行して計算する物体は、元の形を変えられません。",
     "The connection to {} is lost ({}). Plug it in, connect, then arm again.": (
         "{} との接続が切れました（{}）。差し込んで接続し、もう一度力をオンにしてください。"
     ),

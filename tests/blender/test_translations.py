@@ -112,15 +112,12 @@ def drawn_texts() -> Iterator[str]:
 
 
 def measured(bpy: ModuleType) -> Iterator[str]:
-    """Yield what the presets are called and where they come from, what an experiment says, why there is a wall."""
+    """Yield what the presets are called and where they come from, what an experiment says."""
     from bl_ext.user_default.dimple.core.everyday import EVERYDAY
     from bl_ext.user_default.dimple.core.experiment.plan import CONSENT, STEPS
-    from bl_ext.user_default.dimple.core.haptics import body_host
     from bl_ext.user_default.dimple.core.material import PRESETS
-    from bl_ext.user_default.dimple.operators import beside
 
     yield from (CONSENT, *STEPS)
-    yield from (body_host.TOO_FINE, beside.TOO_COARSE, beside.RIGGED, beside.NO_CORE)
     yield from (text for preset in (*PRESETS, *EVERYDAY) for text in (preset.label, preset.provenance))
 
 

@@ -10,28 +10,24 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from core.haptics import wire
-from core.haptics.contact_model import Contact
 from core.haptics.device import HapticMaster
 from core.haptics.process import end
-from core.haptics.remote_body import Parcels, RemoteBody
 from core.haptics.safety import Arming
-from core.haptics.servo_messages import BodyState, LinkState, ServoReport
-from core.material import PRESETS
-from core.solver.backend import create
+from core.haptics.servo_messages import LinkState, ServoReport
 from core.vectors import length
 from studies.processes import start_emulator
 from tests.haptics.bench_device import wall
 from tests.haptics.host import SPEC
 from tests.haptics.machine import UNABLE, unable
-from tests.haptics.model_rig import RADIUS, SIDES, WORKSPACE, soft_cube
 
+SIDES = ((-0.04, 0.0), (0.02, 0.035), (0.02, -0.035))  # [m] of the fingertips
 BEGIN = 1.2  # [s] after the device's ramp begins, when the servo's is over too
 # the hand lifts now and then: a fingertip that sank in while the device had no commands meets a soft body until then
 LIFTS = [(at + 0.35, at + 2.85, at + 3.0) for at in (BEGIN + 3.2 * i for i in range(10))]
@@ -85,32 +81,6 @@ class Rig:
         recent = np.max([np.roll(speeds, back, axis=0) for back in range(20)], axis=0)
         left = forces - SPEC.brake * recent
         return float(left[ended - LETS_GO : ended + 100].max())
-
-
-@dataclass(slots=True)
-class WithModel(HapticMaster):
-    """A device that is given a body to run beside its servo, whatever contacts a test renders."""
-
-    parcels: Parcels = field(default_factory=Parcels)
-    remote: RemoteBody | None = None
-    begun: bool = False
-
-    def open(self) -> None:
-        """Connect, and let the body be built."""
-        HapticMaster.open(self)
-        model = soft_cube(replace(PRESETS[1].material, K1=300.0, K2=300.0))
-        self.parcels, self.begun = Parcels(), False
-        self.remote = RemoteBody(create(model), model, self.parcels)
-        self.remote.set_place(WORKSPACE, RADIUS)
-
-    def write(self, contacts: Sequence[Contact | None], parcel: bytes | None = None) -> None:
-        """Let the body run once it is built."""
-        report = self.read()
-        assert self.remote and report.body is not BodyState.REFUSED, report.note
-        if report.body is BodyState.BUILT and not self.begun:
-            self.begun = True
-            self.remote.begin(self.remote.model)
-        HapticMaster.write(self, (), self.parcels.take(report))
 
 
 def rig(folder: Path, *words: str) -> Rig:
@@ -188,7 +158,7 @@ def press(device: HapticMaster) -> ServoReport:
 
 
 if __name__ == "__main__":  # what Blender is in the tests that kill it
-    device = {"wall": HapticMaster, "model": WithModel}[sys.argv[2]](sys.argv[1])
+    device = HapticMaster(sys.argv[1])
     try:
         press(device)
     except UNABLE as busy:

@@ -24,7 +24,7 @@ from core.haptics.servo_notes import FAULTS, NO_ANSWER, SILENT, STOOD_STILL, WAS
 from core.vectors import length
 from studies import haptics
 from tests.haptics.machine import NEEDS_PTY, unable
-from tests.haptics.pressing import Rig, WithModel, drive, gone, press, pressed, ready, rig
+from tests.haptics.pressing import Rig, drive, gone, press, pressed, ready, rig
 from tests.haptics.test_firmware import BRAKE_NOISE, CONVERTERS
 from tools.environment import ROOT
 
@@ -60,14 +60,10 @@ def needs_a_new_arm(port: str) -> bool:
         device.close()
 
 
-WHAT = {"wall": HapticMaster, "model": WithModel}
-
-
-@pytest.mark.parametrize("what", WHAT)
-def test_blender_is_killed(emulator: Rig, what: str) -> None:
+def test_blender_is_killed(emulator: Rig) -> None:
     """Its pipe closes: the servo tells the device to let go, and ends."""
     blender = subprocess.Popen(
-        [sys.executable, "-m", "tests.haptics.pressing", emulator.port, what],
+        [sys.executable, "-m", "tests.haptics.pressing", emulator.port],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT,
     )  # fmt: skip
     assert blender.stdout and blender.stderr
@@ -83,10 +79,9 @@ def test_blender_is_killed(emulator: Rig, what: str) -> None:
     assert emulator.force_left() == 0.0
 
 
-@pytest.mark.parametrize("what", WHAT)
-def test_the_servo_is_killed(emulator: Rig, what: str) -> None:
+def test_the_servo_is_killed(emulator: Rig) -> None:
     """The device lets go by itself and latches the fault; Blender reads on and reports it."""
-    device = WHAT[what](emulator.port)
+    device = HapticMaster(emulator.port)
     press(device)
     assert device.process
     device.process.send_signal(signal.SIGKILL)
@@ -99,10 +94,9 @@ def test_the_servo_is_killed(emulator: Rig, what: str) -> None:
     assert emulator.force_left() < NOISE
 
 
-@pytest.mark.parametrize("what", WHAT)
-def test_the_servo_hangs(emulator: Rig, what: str) -> None:
+def test_the_servo_hangs(emulator: Rig) -> None:
     """The device lets go by itself; Blender reports it, and ends the servo."""
-    device = WHAT[what](emulator.port)
+    device = HapticMaster(emulator.port)
     press(device)
     assert device.process
     pid = device.process.pid
@@ -126,12 +120,11 @@ def test_the_mailbox_is_out_of_sight_once_both_have_it(emulator: Rig) -> None:
     device.close()
 
 
-@pytest.mark.parametrize("what", WHAT)
 @pytest.mark.parametrize("how", ["killed", "unplugged"])
-def test_the_device_goes_away(tmp_path: Path, how: str, what: str) -> None:
+def test_the_device_goes_away(tmp_path: Path, how: str) -> None:
     """The servo reports the loss and ends; another device is started at the same path and found, unarmed."""
     made = rig(tmp_path)
-    device = WHAT[what](made.port)
+    device = HapticMaster(made.port)
     press(device)
     assert device.process
     pid = device.process.pid

@@ -72,7 +72,7 @@ def test_the_command_tells_how_high_the_cube_was(
     moments: list[Moment], capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "grasp.json"
-    monkeypatch.setattr(grasp, "run", lambda _session, wall: moments)
+    monkeypatch.setattr(grasp, "run", lambda _session: moments)
     assert main(["grasp", "--json", str(out)]) == 0
     output = capsys.readouterr().out
     assert "lifted" in output and "weighs 0.98 N" in output

@@ -86,16 +86,11 @@ def connect(bpy: ModuleType, path: str) -> Any:
     raise AssertionError(report)
 
 
-def run(bpy: ModuleType, body: Any, *, plays: bool = False) -> Any:
-    """Start a session on a body under the fingertips: the middle of the workspace is where they touch its top.
-
-    plays: as by Play, in real time, so that the body may run beside the device.
-    """
-    from bl_ext.user_default.dimple.operators import live, modal_runs, sessions
+def run(bpy: ModuleType, body: Any) -> Any:
+    """Start a session on a body under the fingertips: the middle of the workspace is where they touch its top."""
+    from bl_ext.user_default.dimple.operators import live, sessions
 
     live.start_all(bpy.context)
-    if plays:
-        modal_runs.runs.append(modal_runs.ModalRun(kind="play", timer=None))
     entry = sessions.get(body)
     bpy.context.scene.dimple.device_origin = (0.0, 0.0, 1.0 + 0.010 / entry.link.scale)
     return entry

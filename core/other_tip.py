@@ -1,0 +1,60 @@
+"""The force of a fingertip that is another than the tip that measured: times A(tip, x) / A(measuring tip, x).
+
+A is what a tip presses on, the force over depth and stiffness. On a bed with tension it follows in closed form
+(`estimate`); on an elastic solid a ball has 4/3 (R x)^(1/2) and a flat tip 2 a (Hertz 1882; Boussinesq 1885), and a
+layer is stiffer under the wider of the two (Dimitriadis and others 2002): that is worked out where it is pressed,
+with the thickness there.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from .base import Floats
+from .body.estimate import bed_area, reach
+from .material import Indenter, Material
+
+COUNT = 33  # depths at which factors are known, as in dimple.h
+FARTHEST = 4.0  # radii, and times x0: the deepest of them
+
+
+def factors(materials: Sequence[Material], radius: float, size: float) -> tuple[Floats, float] | None:
+    """Return the factors (materials, COUNT) on the force of a ball, at depths that grow with the square of their
+    number, and the deepest [m]; None where it is the one that measured them all.
+
+    Args:
+        radius: of the ball [m].
+        size: longest side of the body [m].
+    """
+    ball = Indenter(shape="sphere", radius=radius)
+    if all(material.indenter == ball for material in materials):
+        return None
+    end = FARTHEST * max(radius, *(material.x0 for material in materials))
+    return np.stack([_factors(material, ball, size, end) for material in materials]), end
+
+
+@functools.lru_cache(maxsize=64)  # asked for with each press
+def _factors(material: Material, ball: Indenter, size: float, end: float) -> Floats:
+    depths = end * np.linspace(0, 1, COUNT) ** 2
+    depths[0] = depths[1] / 16
+    return area(material, ball, size, depths) / area(material, material.indenter, size, depths)
+
+
+def area(material: Material, tip: Indenter, size: float, depths: Floats) -> Floats:
+    """Return what a tip presses on at depths (d,) [m]: on a bed [m2], on an elastic solid [m]."""
+    if material.fill != "solid":
+        return np.array([bed_area(tip, size, material.spread, depth)[0] for depth in depths.tolist()])
+    if tip.shape == "sphere":
+        return 4 / 3 * np.sqrt(tip.radius * depths)
+    return np.full(len(depths), 2 * reach(tip, size))
+
+
+def layer(material: Material, size: float) -> float:
+    """Return where a solid was measured the radius of the ball, or minus that of the flat tip, that did [m], else 0."""
+    if material.fill != "solid":
+        return 0.0
+    return math.copysign(reach(material.indenter, size), 1 if material.indenter.shape == "sphere" else -1)
