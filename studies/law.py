@@ -19,9 +19,8 @@ from typing import Any
 import numpy as np
 
 from core.base import TICK, DimpleError, Floats, Ints
-from core.body.estimate import bed_area
 from core.body.model import Model, build_model
-from core.material import PRESETS, Indenter, Material
+from core.material import PRESETS, Material, law_force
 from core.mesh.ray import ray_hit
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.reduction.planner import plan
@@ -178,11 +177,9 @@ def drag_figures(touches: Sequence[Touch], material: Material) -> tuple[Floats, 
     return normal / law, sideways / (material.friction * law), float(jumps.max(initial=0.0))
 
 
-def expected(material: Material, tip: float, size: float, depth: float) -> float:
+def expected(material: Material, tip: float, depth: float, touch: Touch) -> float:
     """Return the force [N] of a tip [m] at a depth [m]: the law, for another tip than the measuring one predicted."""
-    tips = Indenter(shape="sphere", radius=tip), material.indenter
-    other, own = (bed_area(each, size, material.spread, depth)[0] for each in tips)
-    return material.law(depth) * other / own
+    return material.law(depth) if tip == material.indenter.radius else law_force(depth, *touch.law)
 
 
 def ready(points: Floats, faces: Ints, material: Material) -> tuple[Session, float]:
@@ -191,7 +188,7 @@ def ready(points: Floats, faces: Ints, material: Material) -> tuple[Session, flo
     mesh = mesh_from_triangles(points * (SIZE / np.ptp(points[np.unique(faces)], axis=0).max()), faces)
     model = build_model(mesh, [material], pinned=base_vertices(mesh))
     chosen = plan(model, radius=material.indenter.radius)
-    session = Session(model, proxy=chosen.proxy, slack=chosen.slack)
+    session = Session(model, proxy=chosen.proxy)
     return session, time.perf_counter() - began
 
 
@@ -203,7 +200,7 @@ def press_rows(session: Session, name: str, tip: float, count: int, seed: int) -
         shares = [share for share in SHARES if share * material.x0 <= THICKNESS * place.thickness]
         touches = press(session, place, tip, [share * material.x0 for share in shares]) if shares else ()
         for share, touch in zip(shares, touches, strict=True):
-            wanted = expected(material, tip, session.model.mesh.size, share * material.x0)
+            wanted = expected(material, tip, share * material.x0, touch)
             found[share].append(normal_force(touch) / wanted)
     for share, some in found.items():
         yield {"material": name, "tip_mm": 1e3 * tip, "depth_share": share, **spread_of(some)}
