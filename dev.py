@@ -98,26 +98,24 @@ def build(options: argparse.Namespace) -> int:
 
 def native(options: argparse.Namespace) -> int:
     """compile the native core for this machine, into core/native/"""
-    return 0 if native_core.provide_library(environment(options.blender)) else 1
+    native_core.provide_library(environment(options.blender))
+    return 0
 
 
 def wheels(options: argparse.Namespace) -> int:
     """compile the native core for every platform, and build one zip for each"""
     python, out = environment(options.blender), options.out or BUILD / "platforms"
-    made = [*native_core.provide_wheels(python, must=True), build_zip(python, out, split=True)]
+    made = [*native_core.provide_wheels(python), build_zip(python, out, split=True)]
     for path in sorted({*made, *out.glob("*.zip")}):
         say(f"{path.name}: {path.stat().st_size / 1e3:.0f} kB")
     return 0
 
 
 def bench(options: argparse.Namespace) -> int:
-    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --scale, --exports, --identify"""
+    """measure what steps and sessions cost; --quick, --json FILE, --profile, --peers, --scale, --exports"""
     asks = {"-h", "--help"} & {*options.rest}  # of all kinds together
     if "--exports" in options.rest and not asks:
         return in_blender("tests/bench/exports.py", options.blender, BUILD / "exports")
-    if "--identify" in options.rest and not asks:
-        words = [word for word in options.rest if word != "--identify"]
-        return in_blender("tests/bench/identified.py", options.blender, BUILD / "identified", *words)
     python = environment(options.blender)
     native_core.provide_library(python)
     variables = {"OPENBLAS_NUM_THREADS": "1"}
@@ -142,7 +140,7 @@ def contact(options: argparse.Namespace) -> int:
 
 
 def core(options: argparse.Namespace) -> int:
-    """run a study without Blender, such as calibrate, paper, tips, dents, haptics; `core --help` lists them"""
+    """run a study without Blender, such as calibrate, paper, dents, haptics; `core --help` lists them"""
     python = environment(options.blender)
     native_core.provide_library(python)
     return run([python, "-m", "studies", *options.rest])

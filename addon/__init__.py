@@ -2,7 +2,6 @@
 
 from .. import operators
 from . import (
-    comparison_chart,
     overlay,
     panels,
     preferences,
@@ -19,7 +18,7 @@ from . import (
 # the preferences move the panels
 PARTS = (
     translations, properties, operators, presets, panels, reduction, preferences, surface_colours, overlay,
-    comparison_chart, tool, still_warning,
+    tool, still_warning,
 )  # fmt: skip
 
 

@@ -1,6 +1,5 @@
-"""The results of calibration and identification as rows and notes, the same in every panel."""
+"""The results of calibration as rows and notes, the same in every panel."""
 
-from functools import lru_cache
 from typing import Any
 
 from ..operators import calibration
@@ -53,60 +52,7 @@ def sentences(record: dict[str, Any]) -> list[str]:
     return [*warnings, *(each["assumes"] for each in estimates if each["value"] is not None), *record["notes"]]
 
 
-def noticed(share: float, noticeable: list[float]) -> str:
-    """Return whether an error of the force can be felt, in words.
-
-    Args:
-        share: the error, as a share of the force.
-        noticeable: the range of just-noticeable differences, as shares.
-    """
-    if share < noticeable[0]:
-        return iface_("This error is too small to be felt.")
-    if share < noticeable[1]:
-        return iface_("A trained hand may just notice this error.")
-    return iface_("This error can be felt.")
-
-
-def identified(record: dict[str, Any], settings: Any) -> list[tuple[str, str]]:
-    """Return (label, value with unit) of an identification."""
-    tip = settings.bl_rna.properties["tip"].enum_items[record["tip"].upper()].name
-    return [
-        (iface_("Object"), f"{record['object']}, {record['size']:.4g} mm"),
-        (iface_("Vertices"), f"{record['fingerprint']['vertices']}"),
-        (iface_("Tip"), f"{iface_(tip)}, {record['tip_radius']:.3g} mm"),
-        (iface_("Indentation Depth"), f"{record['deepest']:.4g} mm"),
-        (iface_("RMS Error"), iface_("{} of full scale").format(f"{record['rms']:.1%}")),
-        (iface_("Largest Force Error"), f"{record['force_off']:.1%}"),
-        *_from_points(settings.calibration, settings.identification),
-        _noticeable(record),
-        (iface_("Change of Volume"), f"{record['volume_change']:.2%}"),
-        ("κ1, κ2", f"{settings.kappa1:.4g}, {settings.kappa2:.4g} N/cm³"),
-        ("d0", f"{settings.d0:.4g} mm"),
-        (iface_("Share of k"), f"{settings.membrane_scale:.2%}"),
-    ]
-
-
-def identified_sentences(record: dict[str, Any]) -> list[str]:
-    """Return whether the error of the virtual press can be felt, then the notes of the core."""
-    return [noticed(record["force_off"], record["noticeable"]), *record["notes"]]
-
-
 _METHODS = ("equations_9_10", "force_balance")
-
-
-@lru_cache(maxsize=8)
-def _from_points(measured: str, identified: str) -> list[tuple[str, str]]:
-    """Return the largest error of the identified press against the measured points, nothing where there are none."""
-    import numpy as np
-
-    from ..core.calibration.misfit import largest_miss
-
-    points, press = (np.array(calibration.load(text).get("points", [])) for text in (measured, identified))
-    if not len(points) or not len(press):
-        return []
-    here = points[points[:, 0] <= press[-1, 0]]
-    miss = largest_miss(here[:, 0], here[:, 1], np.interp(here[:, 0], [0, *press[:, 0]], [0, *press[:, 1]]))
-    return [(iface_("Largest Error from Points"), f"{miss.share:.1%}")] if miss else []
 
 
 def _noticeable(record: dict[str, Any]) -> tuple[str, str]:

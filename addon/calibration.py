@@ -1,4 +1,4 @@
-"""The panels of calibration: from a file to a result, from there to a material, and its identification on a body."""
+"""The panels of calibration: from a file to a result, from there to a material; and a virtual press."""
 
 import bpy
 
@@ -71,34 +71,23 @@ class DIMPLE_PT_calibration_notes(SidebarPanel, bpy.types.Panel):
         draw_notes(context, self.layout, calibrated.sentences(shown(context)[0]))
 
 
-class DIMPLE_PT_identification(SidebarPanel, bpy.types.Panel):
-    """Identifying the model constants on the active object, and measuring it."""
+class DIMPLE_PT_virtual_press(SidebarPanel, bpy.types.Panel):
+    """Measuring the active object."""
 
     bl_label = "Virtual Press"
     bl_parent_id = "DIMPLE_PT_session"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw tip and place, both operators, and the results."""
+        """Draw the tip that measured, the place and the operator."""
         layout, body = self.layout, context.object
-        material = body.active_material if body else None
         layout.use_property_split = True
-        if material is not None:
+        if body and body.active_material:
             column = layout.column(align=True)
-            column.prop(material.dimple, "tip")
-            column.prop(material.dimple, "tip_radius_mm")
+            column.prop(body.active_material.dimple, "tip")
+            column.prop(body.active_material.dimple, "tip_radius_mm")
         layout.prop(context.scene.dimple, "tip_place")
-        column = layout.column(align=True)
-        column.operator(Op.IDENTIFY, icon="VIEWZOOM")
-        column.operator(Op.MEASURE, text="Measure to File...", icon="EXPORT")
-        if material is None:
-            return
-        settings = material.dimple
-        if calibration.changed(settings):
-            draw_notes(context, layout, ["The material was changed since it was identified: identify again."], "ERROR")
-        if record := calibration.identification(settings):
-            draw_rows(layout, calibrated.identified(record, settings))
-            draw_notes(context, layout, calibrated.identified_sentences(record))
+        layout.operator(Op.MEASURE, text="Measure to File...", icon="EXPORT")
 
 
 class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
@@ -121,5 +110,5 @@ class DIMPLE_PT_material_calibration(MaterialPanel, bpy.types.Panel):
         draw_notes(context, self.layout, calibrated.sentences(record))
 
 
-SIDEBAR = (DIMPLE_PT_calibration, DIMPLE_PT_calibration_notes, DIMPLE_PT_identification)
+SIDEBAR = (DIMPLE_PT_calibration, DIMPLE_PT_calibration_notes, DIMPLE_PT_virtual_press)
 PROPERTIES = (DIMPLE_PT_material_calibration,)

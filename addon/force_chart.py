@@ -15,7 +15,6 @@ from .shapes import Law, Point
 LAW = (0.55, 0.75, 1.0, 0.9)
 BAND = (0.55, 0.75, 1.0, 0.35)
 MEASURED = (1.0, 1.0, 0.55, 0.9)
-SIMULATED = (0.3, 0.95, 0.45, 0.95)
 # sizes in pixels at a resolution scale of 1
 SIZE = (230.0, 130.0)
 CROSS = 2.5  # half the width of a measured point
@@ -27,14 +26,12 @@ class Curves(NamedTuple):
     law: what `shapes.law_curve` draws.
     band: the lower and upper end of the law's 95 % interval.
     measured: of the instrument.
-    simulated: of the virtual press.
     trail: of the running session.
     """
 
     law: Law
     band: tuple[list[Point], list[Point]] = ([], [])
     measured: list[Point] = []
-    simulated: list[Point] = []
     trail: list[Point] = []
 
 
@@ -76,18 +73,17 @@ def calibrated_curves(context: bpy.types.Context) -> Curves | None:
 
 
 def _material_curves(settings: bpy.types.PropertyGroup) -> Curves | None:
-    """Return the curves of a material, None where it has neither a measured nor a simulated press."""
+    """Return the curves of a material, None where nothing was measured."""
     from ..core.material import law_power
 
     record = calibration.load(settings.calibration)
     measured = record.get("points", [])
-    simulated = calibration.identification(settings).get("points", [])
-    if not measured and not simulated:
+    if not measured:
         return None
     power = law_power(settings.K1, settings.K2, settings.fill.lower(), settings.tip.lower())
     law = (settings.K1 * 1e3, settings.K2 * 1e3, settings.x0 / 1e3, power)
     band = ([], []) if settings.edited or power > 1 else _band(record)  # it is that of two slopes
-    return Curves(law, band, _metres(measured), _metres(simulated))
+    return Curves(law, band, _metres(measured))
 
 
 def _band(record: dict[str, Any]) -> tuple[list[Point], list[Point]]:
@@ -102,8 +98,10 @@ def _metres(rows: Sequence[Sequence[float]]) -> list[Point]:
 def draw_key(curves: Curves, corner: Point, scale: float) -> float:
     """Write the names of the curves in their colours, from a corner [px]; return where the line ends [px]."""
     law = iface_("Law") + (" ± 95 %" if curves.band[0] else "")
-    words = [(law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured)]
-    words += [(iface_("Simulated"), SIMULATED, curves.simulated), (iface_("Pressed"), FORCE, curves.trail)]
+    words = [
+        (law, LAW, curves.law), (iface_("Measured"), MEASURED, curves.measured),
+        (iface_("Pressed"), FORCE, curves.trail),
+    ]  # fmt: skip
     words = [(word, colour, shown) for word, colour, shown in words if shown]
     wide = sum(canvas.width(word, scale) + MARGIN * scale for word, _, _ in words)
     left, top = corner[0], corner[1] + LINE_HEIGHT * scale
@@ -117,7 +115,7 @@ def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
     """Draw a chart and its key upwards from a corner [px] and return where they end [px]."""
     scale = screen.scale
     size = (SIZE[0] * scale, SIZE[1] * scale)
-    seen = [*curves.measured, *curves.simulated, *curves.trail]
+    seen = [*curves.measured, *curves.trail]
     # the knee is always in view, to show how far the press has come
     deepest = max([curves.law[2] * 1.1, *(depth for depth, _ in seen)])
     law = shapes.law_curve(curves.law, deepest)
@@ -130,7 +128,6 @@ def draw_curves(curves: Curves, corner: Point, screen: Screen) -> float:
     for end in curves.band:
         canvas.draw_lines(shapes.chained(shapes.into_box(end, ends, corner, size)), BAND, screen)
     canvas.draw_lines(shapes.chained(shapes.into_box(law, ends, corner, size)), LAW, screen)
-    canvas.draw_lines(shapes.chained(shapes.into_box(curves.simulated, ends, corner, size)), SIMULATED, screen)
     trail = shapes.into_box(curves.trail, ends, corner, size)
     canvas.draw_lines(shapes.chained(trail), FORCE, screen)
     if trail:

@@ -1,13 +1,10 @@
-"""The settings of a material: its constants, as they were measured, and those of the model that were identified."""
+"""The settings of a material: its constants, as they were measured."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
-from ..operators.calibration import further_constants
 from ..operators.names import TIPS
 from .reduction_settings import FIXED, KEYED, exact, kept_text
-
-_MODEL_CONSTANTS = ("kappa1", "kappa2", "d0", "membrane_scale")
 
 _MASS_FROM = (
     ("DENSITY", "Density", "The mass follows from the density and the volume of the body"),
@@ -37,10 +34,6 @@ def _stiffness(name: str, default: float, description: str) -> FloatProperty:
         name=name, description=description, default=default, min=0.0, soft_min=0.01, soft_max=100.0,
         step=10, precision=3, update=_mark_edited, **KEYED,
     )  # fmt: skip
-
-
-def _model_constant(name: str, description: str) -> FloatProperty:
-    return FloatProperty(name=name, description=description, default=0.0, min=0.0, precision=4, **FIXED)
 
 
 class DIMPLE_PG_material(bpy.types.PropertyGroup):
@@ -81,7 +74,7 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
     pressure_kpa: FloatProperty(
         name="Pressure (kPa)",
         description="How much higher the pressure inside is than outside before the body gives way: above 0 it swells, "
-        "below 0 it shrinks. The constants are those without; with the paper's laws it does nothing",
+        "below 0 it shrinks. The constants are those without",
         default=0.0, min=-100.0, max=1000.0, soft_min=-20.0, soft_max=100.0, step=10, precision=2, **KEYED,
     )  # fmt: skip
     tip: EnumProperty(
@@ -99,11 +92,6 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
         name="Edited", description="The constants were changed by hand after they had been measured", **FIXED
     )
     calibration: kept_text("Calibration", "The measurement behind these constants")
-    kappa1: _model_constant("Shape Matching κ1 (N/cm³)", "Identified: force per area and depth, up to the knee")
-    kappa2: _model_constant("Shape Matching κ2 (N/cm³)", "Identified: force per area and depth, beyond the knee")
-    d0: _model_constant("Knee d0 (mm)", "Identified: displacement at which shape matching changes from κ1 to κ2")
-    membrane_scale: _model_constant("Share of k", "Identified: share of k that the membrane has")
-    identification: kept_text("Identification", "How the model constants were found")
 
     def to_params(self) -> dict[str, object]:
         """Return the keyword arguments of `core.material.Material`, in SI units."""
@@ -122,19 +110,4 @@ class DIMPLE_PG_material(bpy.types.PropertyGroup):
             "friction": exact(self.friction),
             "fill": self.fill.lower(),
             "pressure": exact(self.pressure_kpa, 1),  # [Pa]
-            **_identified(self),
         }
-
-
-def _identified(settings: bpy.types.PropertyGroup) -> dict[str, object]:
-    """Return the model constants where there are any; `operators.calibration.changed` says whether they still hold."""
-    if not all(getattr(settings, name) > 0 for name in _MODEL_CONSTANTS):
-        return {}
-    from ..core.material import ModelConstants
-
-    kappa = {"kappa1": exact(settings.kappa1, 2), "kappa2": exact(settings.kappa2, 2)}  # [N/m3]
-    constants = ModelConstants(
-        **kappa, d0=exact(settings.d0, -1), membrane_scale=exact(settings.membrane_scale),
-        **further_constants(settings.identification),
-    )  # fmt: skip
-    return {"constants": constants}

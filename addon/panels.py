@@ -7,7 +7,7 @@ import bpy
 
 from ..operators import twins
 from ..operators.names import MAPS, Op
-from ..operators.sessions import identifying, sessions
+from ..operators.sessions import sessions
 from ..operators.under_way import is_blind
 from . import calibration, device, experiment, materials, readout, room
 from .contact import DIMPLE_PT_contact
@@ -35,7 +35,7 @@ class DIMPLE_PT_body(bpy.types.Panel):
         self.layout.prop(context.object.dimple, "enabled", text="")
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw laws, pins, softness and size."""
+        """Draw pins, softness and size."""
         body, layout = context.object, self.layout
         settings = body.dimple
         layout.use_property_split = True
@@ -43,7 +43,6 @@ class DIMPLE_PT_body(bpy.types.Panel):
             draw_notes(context, layout, ["Dimple presses meshes. Make Soft converts this object to one."])
         layout = layout.column()
         layout.enabled = body.type == "MESH" and settings.enabled
-        layout.prop(settings, "law_set")
         layout.prop(settings, "pinned")
         row = layout.row()
         row.active = settings.pinned == "GROUP"
@@ -98,15 +97,12 @@ class DIMPLE_PT_state(SidebarPanel, bpy.types.Panel):
     bl_options = {"HIDE_HEADER"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the state, and how far an identification is."""
+        """Draw the state."""
         layout, body = self.layout, context.object
         if body is None or body.type != "MESH":
             draw_notes(context, layout, ["Select a mesh to press it."])
         elif context.window_manager.dimple.state:
             draw_notes(context, layout, [context.window_manager.dimple.state])
-        share = identifying()
-        if share is not None:
-            layout.progress(factor=share, text=readout.iface_("Identifying: the force is an estimate so far"))
 
 
 class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
@@ -135,7 +131,7 @@ class DIMPLE_PT_readout(SidebarPanel, bpy.types.Panel):
             labels.label(text=label, translate=False)
             values.label(text=value, translate=False)
         session = entry.session
-        notes = [*session.model.notes, *filter(None, [session.backend_note, session.contact_note, entry.refused])]
+        notes = [*session.model.notes, *filter(None, [session.contact_note, entry.refused])]
         draw_notes(context, layout, readout.sentences(notes, entry.frame))
 
 

@@ -15,10 +15,6 @@ from .material_settings import DIMPLE_PG_material
 from .reduction_settings import FIXED, KEYED, ReductionSettings, exact, kept_text
 from .translations import CONTEXT
 
-_LAW_SETS = (
-    ("CONSISTENT", "Consistent", "All forces derive from one energy: they sum to zero, and the volume is preserved"),
-    ("PAPER", "Paper (literal)", "Equations 1 to 8 of the paper, taken literally, with their known limits"),
-)
 _PINNED = (
     ("BASE", "Base", "The lowest tenth of the body is pinned; a flat sheet is pinned along its border"),
     ("GROUP", "Vertex Group", "Vertices with a weight of 0.5 or more in the pin group are pinned"),
@@ -68,7 +64,6 @@ class DIMPLE_PG_object(ContactSettings, ReductionSettings, bpy.types.PropertyGro
     """The settings that make an object a soft body."""
 
     enabled: BoolProperty(name="Dimple", description="Make this mesh a soft body that can be pressed", **FIXED)
-    law_set: EnumProperty(name="Laws", description="Which equations move the body", items=_LAW_SETS, **FIXED)
     pinned: EnumProperty(name="Pinned", description="Which part of the body is pinned", items=_PINNED, **KEYED)
     pin_group: StringProperty(
         name="Pin Group", description="Vertex group that is pinned, where its weight is 0.5 or more", **FIXED
@@ -90,9 +85,8 @@ class DIMPLE_PG_object(ContactSettings, ReductionSettings, bpy.types.PropertyGro
     )  # fmt: skip
 
     def to_params(self) -> dict[str, float | str | None]:
-        """Return law_set, pinned, pin_group, the groups of the maps, and size: the largest [m], None as modelled."""
+        """Return pinned, pin_group, the groups of the maps, and size: the largest [m], None as modelled."""
         return {
-            "law_set": self.law_set.lower(),
             "pinned": self.pinned.lower(),
             "pin_group": self.pin_group,
             **{f"{name}_group": getattr(self, f"{name}_group") for name, _, _ in MAPS},
@@ -191,10 +185,6 @@ class DIMPLE_PG_scene(DevicePlace, bpy.types.PropertyGroup):
 class DIMPLE_PG_window_manager(bpy.types.PropertyGroup):
     """The state of the interface, which is never saved."""
 
-    show_comparison: BoolProperty(
-        name="Show Comparison", description="Draw the comparison of the active object over the viewport",
-        options={"SKIP_SAVE"}, translation_context=CONTEXT,
-    )  # fmt: skip
     state: StringProperty(
         name="State", description="What the session is doing", options={"SKIP_SAVE"}, translation_context=CONTEXT
     )

@@ -1,13 +1,7 @@
-"""The panel on how a body is simulated: the planner's choice with its reason, other choices, and their comparison."""
-
-from collections.abc import Sequence
-from typing import Any
+"""The panel on how a body is simulated: the choice, and why."""
 
 import bpy
 
-from ..operators import calibration, compare_proxies
-from ..operators.names import Op
-from .comparison_chart import load, name_of
 from .drawing import draw_notes
 
 
@@ -26,49 +20,19 @@ class DIMPLE_PT_reduction(bpy.types.Panel):
         return context.object is not None and context.object.type == "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draw the choice, the tolerances, the reason and the comparison."""
-        body, layout = context.object, self.layout
+        """Draw the choice and the reason."""
+        settings, layout = context.object.dimple, self.layout
         layout.use_property_split = True
-        layout.enabled = body.dimple.enabled
-        settings = body.dimple
+        layout.enabled = settings.enabled
         layout.prop(settings, "simulated")
         row = layout.row()
         row.active = settings.simulated == "PROXY"
         row.prop(settings, "proxy_vertices")
-        column = layout.column(align=True)
-        column.active = settings.simulated == "AUTO"
-        column.prop(settings, "tolerance_mm")
-        column.prop(settings, "tolerance_percent")
-        column.prop(context.scene.dimple, "frame_budget_percent")
+        row = layout.row()
+        row.active = settings.simulated == "AUTO"
+        row.prop(context.scene.dimple, "frame_budget_percent")
         if settings.plan_reason:
             draw_notes(context, layout, [settings.plan_reason])
-        layout.operator(Op.COMPARE_PROXIES, icon="SORTSIZE")
-        variants = load(settings)
-        if variants:
-            layout.prop(context.window_manager.dimple, "show_comparison")
-            kept = calibration.load(settings.comparison).get("depends_on")
-            if kept != compare_proxies.depends_on(context.scene, body):
-                draw_notes(context, layout, ["The body or the fingertip has changed: compare again"])
-            draw_table(layout, variants)
-
-
-def draw_table(layout: bpy.types.UILayout, variants: Sequence[dict[str, Any]]) -> None:
-    """List every variant that was compared, each with a button that chooses it."""
-    for variant in variants:
-        row = layout.row(align=True)
-        for number in numbers(variant):
-            row.label(text=number, translate=False)
-        row.operator(Op.APPLY_PROXY, text="", icon="CHECKMARK").vertices = variant["asked"]
-
-
-def numbers(variant: dict[str, Any]) -> tuple[str, ...]:
-    """Return a row of the table: name, processor time [s] per second, errors of the surface and of the force."""
-    return (
-        name_of(variant),
-        f"{variant['cost']:.2g} s/s",
-        f"{variant['error']:.2g} mm",
-        f"{variant['force_error']:.0%}",
-    )
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_PT_reduction])

@@ -10,7 +10,6 @@ import csv
 import json
 import math
 import os
-import shutil
 import sys
 import time
 from collections.abc import Sequence
@@ -25,12 +24,7 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 
 HERE = Path(__file__).parent
-# the law sets that press each sample, the one that stays last: under the paper's laws a head in several pieces (its
-# eyes are apart) flies asunder and blows up
-SAMPLES = {"three_objects": ("PAPER", "CONSISTENT"), "suzanne": ("CONSISTENT",)}
-LAST_FRAME = {"PAPER": DOWN, "CONSISTENT": REST}  # of each law set's bake
-STYLES = {"PAPER": "s--", "CONSISTENT": "o-"}
-LABELS = {"PAPER": "the paper's laws, to the letter", "CONSISTENT": "simulated"}
+SAMPLES = "three_objects", "suzanne"
 MOMENTS = {"rest": 1, "pressed": DOWN, "held": HELD, "released": REST}
 RENDER_WORTH = 6  # of the progress bar: a picture takes about as long as this many frames of a bake
 
@@ -40,8 +34,7 @@ def main() -> int:
     options = install()
     out: Path = options.out
     bpy.context.preferences.filepaths.save_version = 0
-    frames = sum(LAST_FRAME[law_set] for law_sets in SAMPLES.values() for law_set in law_sets)
-    progress = Progress(frames + len(SAMPLES) * RENDER_WORTH * len(MOMENTS), out / "blender.log")
+    progress = Progress(len(SAMPLES) * (REST + RENDER_WORTH * len(MOMENTS)), out / "blender.log")
     rows = []
     for name in SAMPLES:
         rows += sample(name, out, progress)
@@ -67,26 +60,20 @@ def sample(name: str, out: Path, progress: Progress) -> list[dict[str, object]]:
     for thing in scene.objects:
         thing.select_set(thing in bodies)
     bpy.context.view_layer.objects.active = bodies[0]
-    tables: dict[str, dict[str, list[dict[str, float]]]] = {}
-    for law_set in SAMPLES[name]:
-        progress.say(f"{name}: press and bake, {law_set.lower()} laws")
-        folder = out / ("cache" if law_set == "CONSISTENT" else "cache_paper")
-        scene.dimple.cache_dir = bpy.path.relpath(str(folder))
-        for body in bodies:
-            body.dimple.law_set = law_set
-        bpy.app.handlers.frame_change_post.append(progress.frame)
-        bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=LAST_FRAME[law_set])
-        bpy.app.handlers.frame_change_post.remove(progress.frame)
-        tables[law_set] = {body.name: read_table(next(folder.glob(f"{name}_{bpy.path.clean_name(body.name)}*.csv")))
-                           for body in bodies}  # fmt: skip
-        if law_set == "PAPER":
-            bpy.ops.dimple.unbake()
-            shutil.rmtree(folder)
+    progress.say(f"{name}: press and bake")
+    folder = out / "cache"
+    scene.dimple.cache_dir = bpy.path.relpath(str(folder))
+    bpy.app.handlers.frame_change_post.append(progress.frame)
+    bpy.ops.dimple.bake(target="MESH_CACHE", frame_start=1, frame_end=REST)
+    bpy.app.handlers.frame_change_post.remove(progress.frame)
+    tables = {
+        body.name: read_table(next(folder.glob(f"{name}_{bpy.path.clean_name(body.name)}*.csv"))) for body in bodies
+    }
     bpy.ops.wm.save_mainfile()
     bpy.ops.wm.alembic_export(filepath=str(out / f"{name}.abc"), start=1, end=REST)
     photograph(name, out, progress)
     draw_curves(name, out, bodies, tables)
-    return [summary_row(body, tables["CONSISTENT"][body.name]) for body in bodies]
+    return [summary_row(body, tables[body.name]) for body in bodies]
 
 
 def read_table(path: Path) -> list[dict[str, float]]:
@@ -121,27 +108,25 @@ def draw_curves(
     name: str,
     out: Path,
     bodies: Sequence[bpy.types.Object],
-    tables: dict[str, dict[str, list[dict[str, float]]]],
+    tables: dict[str, list[dict[str, float]]],
 ) -> None:
-    """Draw force against depth while the fingertip goes in: each law set and Eq. (1); write the numbers beside."""
+    """Draw force against depth while the fingertip goes in, simulated and by Eq. (1); write the numbers beside."""
     figure, axes = plt.subplots(1, len(bodies), figsize=(4.4 * len(bodies), 3.8), squeeze=False)
     with (out / f"{name}_force_depth.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["object", "laws", "depth_mm", "force_n", "law_force_n"])
+        writer.writerow(["object", "depth_mm", "force_n", "law_force_n"])
         for axis, body in zip(axes[0], bodies, strict=True):
-            for law_set in reversed(tables):
-                table = tables[law_set][body.name]
-                finger = finger_of(table)
-                down = [row for row in table[:DOWN] if row[f"depth_{finger}_mm"] > 0]
-                depth, force, law = (
-                    np.array([row[f"{kind}_{finger}_{unit}"] for row in down])
-                    for kind, unit in (("depth", "mm"), ("force", "n"), ("law_force", "n"))
-                )
-                axis.plot(depth, force, STYLES[law_set], markersize=3, label=LABELS[law_set])
-                writer.writerows((body.name, law_set.lower(), *row) for row in zip(depth, force, law, strict=True))
-                if law_set == "CONSISTENT":
-                    axis.plot(depth, law, "k-", linewidth=1, label="K(x), Eq. (1)")
-                    top = 1.4 * max(law.max(), force.max())
+            table = tables[body.name]
+            finger = finger_of(table)
+            down = [row for row in table[:DOWN] if row[f"depth_{finger}_mm"] > 0]
+            depth, force, law = (
+                np.array([row[f"{kind}_{finger}_{unit}"] for row in down])
+                for kind, unit in (("depth", "mm"), ("force", "n"), ("law_force", "n"))
+            )
+            axis.plot(depth, force, "o-", markersize=3, label="simulated")
+            writer.writerows((body.name, *row) for row in zip(depth, force, law, strict=True))
+            axis.plot(depth, law, "k-", linewidth=1, label="K(x), Eq. (1)")
+            top = 1.4 * max(law.max(), force.max())
             axis.set(title=body.name, xlabel="depth of the fingertip [mm]", ylabel="force [N]", xlim=(0, None))
             axis.set_ylim(0, top)
             axis.legend(fontsize=7)

@@ -11,7 +11,7 @@ from scene_parts import frame, install, key_press, look, painted, press_ball, sa
 
 HERE = Path(__file__).parent
 FINGERTIP_MM = 10.0
-CUT_MM = 0.49 * FINGERTIP_MM  # edges: so long, the force differs by some 3 % from place to place
+CUT_MM = 0.49 * FINGERTIP_MM  # edges, fine enough for the dent to be round
 FEWEST = 14  # cells a side of a small cube: with more it would not be simulated itself beside the others, live
 
 
@@ -32,7 +32,6 @@ def three_objects() -> None:
         top = Vector((x + 0.1 * edge, y - 0.12 * edge, edge + FINGERTIP_MM / 1e3))
         key_press(tip, top, Vector((0.0, 0.0, -depth / 1e3)))
         setattr(scene.dimple, f"finger_{number}", tip)
-        identify(body, Vector((top.x, top.y, edge)))
     scene.dimple.finger_radius_mm = FINGERTIP_MM
     choose(body)
     frame(centre=(0.0, -0.03, 0.08), distance=0.75)
@@ -68,17 +67,8 @@ def suzanne() -> None:
     scene.dimple.finger_1 = tip
     scene.dimple.finger_radius_mm = FINGERTIP_MM
     choose(head)
-    identify(head, head.matrix_world @ place)
     frame(centre=(0.0, 0.0, 0.11), distance=0.52)
     save(HERE / "suzanne.blend")
-
-
-def identify(body: bpy.types.Object, place: Vector) -> None:
-    """Identify a body where it is pressed: elsewhere the force differs by some percent, on a head by a tenth."""
-    choose(body)
-    bpy.context.scene.cursor.location = place
-    bpy.ops.dimple.identify(place="CURSOR")
-    bpy.context.scene.cursor.location = Vector()
 
 
 def choose(body: bpy.types.Object) -> None:

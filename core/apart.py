@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from . import native
 from .base import Bools, Floats, Ints
-from .solver.backend import Body, create_scene
 from .solver.scene import Collider
 
 STEPS = 64  # of the body's size: the first of a way
@@ -19,16 +19,15 @@ MARGIN = 0.1  # of the mean edge: the distance that it is left with
 FLATTEST = 0.8  # of what stands out from the pins, is pressed away at most
 
 
-def way_out(body: Body, x: Floats, triangles: Ints, others: Sequence[Collider], *, backend: str) -> Floats | None:
+def way_out(body: native.Body, x: Floats, triangles: Ints, others: Sequence[Collider]) -> Floats | None:
     """Return the shortest of some ways (3,) [m] that bring a body clear of all others, None where none does.
 
     Args:
         body: that is to go, at x (n, 3) [m].
         triangles: (t, 3) of it.
         others: where they are.
-        backend: that the body has.
     """
-    scene = create_scene([body], others, itself=[False], backend=backend)
+    scene = native.Scene([body], others, native.library(), itself=[False])
 
     def is_clear(way: Floats) -> bool:
         for index, other in enumerate(others):
@@ -53,17 +52,16 @@ def way_out(body: Body, x: Floats, triangles: Ints, others: Sequence[Collider], 
     return best
 
 
-def pressed_clear(
-    body: Body, pinned: Bools, triangles: Ints, others: Sequence[Collider], *, backend: str
-) -> Floats | None:
+def pressed_clear(body: native.Body, pinned: Bools, triangles: Ints, others: Sequence[Collider]) -> Floats | None:
     """Return where a body (3, n) [m] is clear of all others: what stands out from its pins on one side is pressed flat
     evenly, so that nothing passes through anything there; None where that does not help.
 
     Args:
         pinned: (n,) vertices; they stay.
-        triangles, others, backend: as in `way_out`.
+        triangles, others: as in `way_out`.
     """
-    scene, x, speed = create_scene([body], others, itself=[False], backend=backend), body.positions(), body.velocities()
+    scene = native.Scene([body], others, native.library(), itself=[False])
+    x, speed = body.positions(), body.velocities()
     best, least = None, np.inf
     margin = MARGIN * float(np.linalg.norm(x[:, triangles[:, 0]] - x[:, triangles[:, 1]], axis=0).mean())
     for direction in (sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)):

@@ -34,15 +34,8 @@ STEP_SAFETY = 0.9  # of the stability bound: springs stiffen a little as they tu
 LONGEST_STEP = 1.35  # over omega: an undamped body stiffens as it folds, and at 1.5 its energy grows
 LONGEST_CONTACT = 1.25e-4  # [s] contact is resolved once a step: with longer ones a free body that is held rocks on
 MAX_SUBSTEPS = 2000  # of a tick: with more, a body could not run live
-SKIN_TRAVEL = 0.5  # of a fingertip's radius: the most the skin may move in a substep, or it would pass the fingertip
-LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
-FASTEST = 1e6  # sizes in a tick: so has one as fast
 FINGER_TRAVEL = 0.25  # of its radius: the most a fingertip may move in a tick, or it would skip over the skin
-REST_SPEED = 1e-3  # sizes a second: what moves faster is not at rest
-REST_TIME = 0.25  # [s] what has been slower for so long, and
-REST_WAY = 1e-6  # of its size: is no farther from where it was then, sleeps
 ROWS = 1 << 15  # of an array at a time: what is worked out of them stays in the cache
-REST_CLEAR = 0.05  # of a fingertip's radius: nearer to the box round a body, it keeps it awake
 
 
 def row_parts(count: int, wide: int = 1) -> Iterator[slice]:

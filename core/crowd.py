@@ -6,9 +6,9 @@ import time
 from collections.abc import Sequence
 from typing import Protocol
 
+from . import native
 from .frame import Frame
 from .solver import motion
-from .solver.backend import Body, step_bodies
 from .solver.motion import Motion
 
 TICKS_AT_ONCE = 8  # at most between looks at the clock, where there is a budget
@@ -17,7 +17,7 @@ TICKS_AT_ONCE = 8  # at most between looks at the clock, where there is a budget
 class Stepped(Protocol):
     """What is asked of a session; `session.Session` says more."""
 
-    body: Body
+    body: native.Body
     most: int
 
     def begin(self, dt: float) -> None: ...
@@ -65,7 +65,7 @@ def step_all(
     while going:
         at_once = ticks_that_fit(done, spent, budget)
         motions = [session.next_motion(min(session.due, session.most, at_once)) for session in going]
-        results = step_bodies([session.body for session in going], motions)
+        results = native.step_many([session.body for session in going], motions)
         going = [each for each, result in zip(going, results, strict=True) if each.take(result) and each.due]
         done, spent = done + max(each.ticks for each in motions), time.perf_counter() - started
         if is_spent(done, spent, budget):

@@ -75,7 +75,6 @@ def pressure(session: Session) -> Floats:
     model, x = session.body.model, session.body.positions()
     pose = None if model.free else pose_now(model, x)
     state = State(positions=x, velocities=np.zeros_like(x), pose=pose)
-    state.inner_force = float(session.frame.pushes.sum())
     normals = vertex_normals(model.mesh.triangles, x.T)
     outward = (forces(model, state).T * normals).sum(axis=1)
     area = np.maximum(model.mesh.vertex_areas, 1e-12 * model.mesh.size**2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot, isfinite
+from math import isfinite
 from typing import NamedTuple
 
 from .base import Floats
@@ -72,11 +72,6 @@ class FingerOnItsWay:
     def finger(self) -> Finger:
         """Return where it is to be; one that is pushed, where it has been pushed."""
         return self.target if self.target.force is None else self.target._replace(position=self.here)
-
-    def outruns(self, way: float) -> bool:
-        """Tell whether it goes farther than a way [m] in a step, or comes from nowhere, or is pushed."""
-        gone = [b - a for a, b in zip(self.origin, self.target.position, strict=True)]
-        return self.fresh or self.target.force is not None or not hypot(*gone) <= way
 
     def scale(self, scale: float) -> None:
         """Multiply all lengths, as if it had just been put down."""

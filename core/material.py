@@ -35,36 +35,6 @@ FINGERTIP = Indenter(shape="sphere", radius=0.010)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ModelConstants:
-    """Constants of the model that make it answer a press as the material does.
-
-    kappa1, kappa2: stiffness of shape matching per area, up to the knee and beyond it [N/m3].
-    d0: displacement at the knee [m].
-    membrane_scale: factor on the surface spring constant k.
-    tension: between the displacements of neighbours [N/m]; None: kappa1 times the spread squared.
-    pieces: (p, 2) further knees [m] and the stiffness that shape matching has more beyond each [N/m3].
-
-    Raises:
-        DimpleError: one of them is not greater than 0, or a piece is no pair of numbers.
-    """
-
-    kappa1: float
-    kappa2: float
-    d0: float
-    membrane_scale: float
-    tension: float | None = None
-    pieces: tuple[tuple[float, float], ...] = ()
-
-    def __post_init__(self) -> None:
-        if self.tension is not None:
-            _require(self.tension >= 0, "The tension must not be negative", self.tension)
-        for knee, more in self.pieces:
-            _require(knee > 0 and abs(more) < _LARGEST, "A piece needs a knee greater than 0", knee)
-        for name in ("kappa1", "kappa2", "d0", "membrane_scale"):
-            _require(getattr(self, name) > 0, f"The model constant {name} must be greater than 0", getattr(self, name))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
     """Constants of one material.
 
@@ -83,7 +53,6 @@ class Material:
         friction: Coulomb coefficient of the skin against a fingertip and the ground.
         fill: "air", "liquid", "solid" (keeps its volume, and its skin gives way under a fingertip) or "none".
         pressure: of the fill above that outside, in the shape at rest [Pa]; K1, K2 and x0 were measured without.
-        constants: of the model, identified on one mesh by a simulated press; None: estimated from K1, K2 and x0.
 
     Raises:
         DimpleError: a constant is out of its range.
@@ -101,7 +70,6 @@ class Material:
     friction: float = 0.5
     fill: str = "air"
     pressure: float = 0.0
-    constants: ModelConstants | None = None
 
     def __post_init__(self) -> None:
         for name, unit in (("K1", "N/mm"), ("K2", "N/mm"), ("x0", "mm"), ("k", "N/mm")):

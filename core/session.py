@@ -6,7 +6,6 @@ Time runs in whole ticks of a millisecond whatever the frame rate, so the same p
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Sequence
 
@@ -15,18 +14,17 @@ import numpy as np
 from .base import TICK, DimpleError, Floats, Singles
 from .body.model import Model
 from .body.moved_rest import with_rest
-from .body.regions import divide
 from .clock import Clock
 from .crowd import step_all
 from .fingertip import NOWHERE, FingerOnItsWay, is_possible, sent
 from .fingertip import Finger as Finger
 from .frame import Frame as Frame
+from .native import Body, create
 from .other_tip import factors
 from .pins import Pins
 from .reduction.proxy import Proxy
 from .skin import Skin
 from .solver import motion
-from .solver.backend import Body, choose_backend, create
 from .solver.motion import MAX_STEPS, Motion
 
 MAX_FINGERS = 3
@@ -38,45 +36,22 @@ class Session:
     model: what is pressed.
     proxy: what moves in its place, None where it moves itself.
     body: what moves, and owns its state.
-    backend: "native" (single precision), "native64" or "numpy".
-    backend_note: "" or why it is numpy, for the artist.
+    backend: "native" (single precision) or "native64".
     contact_note: "" or what is left out of its self contact, for the artist.
     frame: what the last step showed.
-    slack: [m] regions of the body that go no farther rest, 0 where all is stepped, see `set_slack`.
     most: ticks in a motion of the step under way.
     clock: which the fingertips go by.
     """
 
     def __init__(
-        self, model: Model, *, tick: float = TICK, backend: str = "auto", proxy: Proxy | None = None, slack: float = 0.0
+        self, model: Model, *, tick: float = TICK, backend: str = "native", proxy: Proxy | None = None
     ) -> None:
-        self.clock, self._slow = Clock(tick), math.inf
-        self.backend, self.backend_note = choose_backend(backend)
-        self.contact_note = ""
-        self.slack = slack
+        self.clock = Clock(tick)
+        self.backend, self.contact_note = backend, ""
         self._bent: Floats | None = None  # the shape at rest that the body has, where a rig has moved it
         self.substeps: int  # in a tick
         self.body = self._create(self._define(model, proxy), model)
         self.reset()
-
-    def set_clock(self, tick: float, *, faster: int = 1, slow: float = math.inf) -> None:
-        """Let the body be simulated some times faster than its fingertips go.
-
-        Args:
-            tick: of the fingertips' time [s].
-            faster: how often.
-            slow: speed of fingertips [m/s] above which it is not, nor shortly after.
-        """
-        self._slow = slow
-        if self.clock.set(tick, faster):
-            self.substeps = self._moves.substeps(self.clock.part)
-
-    def set_slack(self, slack: float) -> None:
-        """Let regions of the body rest that go no farther than a slack [m], 0 for none; it goes on as it is."""
-        if slack != self.slack:
-            self.slack, before = slack, self.body
-            self.body = self._create(self._moves, self.model)
-            self.body.set_state(before.positions(), before.velocities())
 
     def reset(self) -> None:
         """Put the body back to rest, in the shape of its model, and let go of it."""
@@ -87,8 +62,6 @@ class Session:
         self.body.set_state(self._moves.matching.rest)
         self._work, self._total = 0.0, 0
         self.clock.reset()
-        if self._moves.gravity.any() or self._moves.pressure.rest_pressure:
-            self.clock.unsettle()
         self._tips: list[FingerOnItsWay | None] = []  # None where one is lifted
         self._pins.rest_at(self.model.matching.rest)
         self._skin.reset()
@@ -109,7 +82,7 @@ class Session:
                 raise DimpleError("A fingertip needs a place that is a number and a radius greater than 0.")
         self._tips = list(map(sent, [*self._tips, None, None, None], fingers))
         if not any(self._tips):
-            self.substeps = self._moves.substeps(self.clock.part)
+            self.substeps = self._moves.substeps(self.clock.tick)
 
     def set_pins(self, positions: Floats) -> None:
         """Say where every input vertex (N, 3) [m] would be at the end of the next step if it were pinned.
@@ -166,12 +139,7 @@ class Session:
         """
         self.clock.start(dt)
         self._done, self._note, self._started = 0, "", time.perf_counter()
-        if self.clock.faster > 1 and dt:
-            led = self._pins.target is not None or self._bent_target is not None
-            if led or any(tip and tip.outruns(self._slow * dt) for tip in self._tips):
-                self.clock.unsettle()
-            self.clock.pace()
-        self.most = MAX_STEPS // (self.substeps * self.clock.parts) - 1
+        self.most = MAX_STEPS // self.substeps - 1
         for tip in self._tips:
             if tip:
                 tip.impulse = NOWHERE
@@ -191,27 +159,25 @@ class Session:
         """
         clock = self.clock
         first = last = clock.share_after(ticks)
-        parts = ticks * clock.parts
-        if parts > 1:
-            first = max(clock.share_after(1 / clock.parts), 0.0)  # it may begin before the step does
+        if ticks > 1:
+            first = max(clock.share_after(1), 0.0)  # it may begin before the step does
         pins = self._pins.lead(first, last)
         if self._bent_target is not None and ticks:
             self._bend(self._bent_target, ticks)
-        return Motion(parts, substeps or self.substeps, clock.part, self._motions(first, last), pins)
+        return Motion(ticks, substeps or self.substeps, clock.tick, self._motions(first, last), pins)
 
     def take(self, result: motion.Frame) -> bool:
         """Take what a motion came to; tell whether the step goes on."""
         self._last = result
-        ticks = result.ticks // self.clock.parts
-        self.clock.ticks += ticks
-        self._done += ticks
+        self.clock.ticks += result.ticks
+        self._done += result.ticks
         self._total += result.ticks * self.substeps
         if result.moved:
             self._skin.body_moved()
         self._pins.take()
         for tip, touch in zip(self._tips, result.touches, strict=True):
             if tip and touch:
-                self._work += tip.take(touch, result.ticks * self.clock.part)
+                self._work += tip.take(touch, result.ticks * self.clock.tick)
         if not result.finite:
             at, done = self.clock.ticks * self.clock.tick, self._done
             self.reset()
@@ -230,7 +196,7 @@ class Session:
         impulses, seconds = self.frame.impulses, self.frame.seconds  # as before where no tick was due
         if self._done or len(impulses) != len(self._tips):
             impulses = tuple([tip.impulse if tip else NOWHERE for tip in self._tips])
-            seconds = max(self._done, 1) * self.clock.parts * self.clock.part
+            seconds = max(self._done, 1) * self.clock.tick
         self.frame = self._show(impulses, seconds)
         return self.frame
 
@@ -281,12 +247,11 @@ class Session:
             DimpleError: it cannot be simulated, or has other vertices; the body goes on as it was.
         """
         moves, before, surface = proxy.model if proxy else model, self.body.model, self.model
-        moves.substeps(self.clock.part)
+        moves.substeps(self.clock.tick)
         if len(model.matching.rest.T) != len(surface.matching.rest.T):
             raise DimpleError("The mesh has other vertices than when it was started. Reset it and start again.")
         skin = scale * np.asarray(self._skin.surface(self.body), np.float64)
         led = self._pins.target
-        self.clock.unsettle()
         if model.mesh is surface.mesh and moves.mesh is before.mesh:
             self.body.set_constants(moves, surface=model)
         else:
@@ -304,7 +269,7 @@ class Session:
     def _define(self, model: Model, proxy: Proxy | None) -> Model:
         """Set what follows from a model and its proxy; return the one that moves."""
         moves = proxy.model if proxy else model
-        self.substeps = moves.substeps(self.clock.part)
+        self.substeps = moves.substeps(self.clock.tick)
         self.model, self.proxy, self._moves = model, proxy, moves
         self._volume_scale = model.mesh.volume / moves.mesh.volume if moves.mesh.volume > 0 else 1.0
         self._pins = Pins(model, proxy)
@@ -312,8 +277,7 @@ class Session:
         return moves
 
     def _create(self, moves: Model, surface: Model) -> Body:
-        regions = divide(moves, self.slack) if self.slack else None
-        return create(moves, surface=surface, backend=self.backend, regions=regions)
+        return create(moves, surface=surface, backend=self.backend)
 
     def _move_origins(self, share: float) -> None:
         for tip in self._tips:
@@ -326,17 +290,14 @@ class Session:
         """Return the motion of each fingertip in some ticks."""
         materials, size = self.model.materials, self.model.mesh.size
         return tuple([
-            tip and tip.motion(first, last, factors(materials, tip.target.radius, size)) for tip in self._tips
+            tip.motion(first, last, factors(materials, tip.target.radius, size)) if tip else None for tip in self._tips
         ])  # fmt: skip
 
     def _measured(self) -> motion.Frame:
         """Measure fingertips that were put down or lifted without a tick."""
-        result = self.body.step(Motion(0, self.substeps, self.clock.part, self._motions(0.0, 0.0)))
-        for tip, touch in zip(self._tips, result.touches, strict=True):
-            if tip and touch and touch.depth > 0:  # it was put down inside
-                self.clock.unsettle()
-            if tip:
-                tip.fresh = False
+        result = self.body.step(Motion(0, self.substeps, self.clock.tick, self._motions(0.0, 0.0)))
+        for tip in filter(None, self._tips):
+            tip.fresh = False
         return result
 
     def _bend(self, target: Floats, ticks: int) -> None:
@@ -345,7 +306,7 @@ class Session:
         share, left = self.clock.share_after(ticks), 1 - max(self.clock.share_after(0), 0.0)
         done = 1.0 if share >= 1 else 1 - (1 - share) / left
         self._bent = target if done == 1 else before + done * (target - before)
-        self.body.set_rest(self._bent, (self._bent - before) / (ticks * self.clock.parts * self.clock.part))
+        self.body.set_rest(self._bent, (self._bent - before) / (ticks * self.clock.tick))
         if done == 1:
             self._bent_target = None
 

@@ -13,11 +13,11 @@ from .base import Bools, Floats, Ints, Singles
 from .body.model import Model
 from .fingertip import Finger
 from .mesh.surface import input_vertices
+from .native import Body
 from .pins import Pins
 from .reduction.binding import blend, carry
 from .reduction.kept_skin import KeptSkin
 from .reduction.proxy import Proxy
-from .solver.backend import Body
 
 NO_WAY = 1e-3  # of the radius: so near to the centre there is no way out
 

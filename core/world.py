@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from . import native
 from .apart import pressed_clear, way_out
 from .base import DimpleError, Floats
 from .crowd import is_spent, ticks_that_fit
 from .session import Session
-from .solver.backend import create_scene
 from .solver.motion import MAX_STEPS
 from .solver.scene import LEAVES_OUT, ColliderMotion, Crossings, SceneFrame, Way
 from .solver.scene import Collider as Collider
@@ -48,7 +48,7 @@ class World:
     notes: for each session, "" or what is left out of its self contact, for the artist.
 
     Args:
-        sessions: of one tick and one backend.
+        sessions: of one tick and one precision.
         colliders: where they are now.
         itself: whether each body meets itself too.
         apart: whether each body is moved out of what it intersects at the start; what is pinned stays. Where it passes
@@ -186,13 +186,13 @@ class World:
 
     def _cleared(self, index: int, others: Sequence[int]) -> Floats | None:
         """Return where a body (3, n) [m] is clear of some other bodies and all colliders, None where nowhere."""
-        body, bodies, backend = self._bodies[index], [self._bodies[i] for i in others], self.sessions[0].backend
+        body, bodies = self._bodies[index], [self._bodies[i] for i in others]
         at = [Collider(other.positions(), other.model.mesh.triangles) for other in bodies]
         at += [c._replace(positions=x) for c, x in zip(self.colliders, self._at, strict=True)]
         triangles = body.model.mesh.triangles
         if not body.model.free:
-            return pressed_clear(body, body.model.pinned, triangles, at, backend=backend)
-        way = way_out(body, body.positions().T, triangles, at, backend=backend)
+            return pressed_clear(body, body.model.pinned, triangles, at)
+        way = way_out(body, body.positions().T, triangles, at)
         return None if way is None else body.positions() + way[:, None]
 
     def _make(self) -> None:
@@ -201,15 +201,15 @@ class World:
             session.wake()
         self._bodies = [session.body for session in self.sessions]
         now = [collider._replace(positions=at) for collider, at in zip(self.colliders, self._at, strict=True)]
-        backend, itself = self.sessions[0].backend, [int(meets) for meets in self._itself]
+        itself = [int(meets) for meets in self._itself]
         notes = [""] * len(itself)
         for i, body in enumerate(self._bodies):
             if itself[i] and self._apart[i]:
-                found = create_scene([body], (), itself=[True], backend=backend).crossings()
+                found = native.Scene([body], (), native.library(), itself=[True]).crossings()
                 if found.pairs:
                     itself[i], notes[i] = LEAVES_OUT, _left_out(found)
         offsets = [session.proxy.offset if session.proxy else 0.0 for session in self.sessions]
-        self._scene = create_scene(self._bodies, now, itself=itself, backend=backend, offsets=offsets)
+        self._scene = native.Scene(self._bodies, now, native.library(), itself=itself, offsets=offsets)
         self.notes = notes
 
     def _place(self) -> None:
@@ -247,7 +247,7 @@ def drop_proxies(
     notes = [""] * len(sessions)
     while any(session.proxy for session in sessions):
         bodies = [session.body for session in sessions]
-        found = create_scene(bodies, colliders, itself=[0] * len(bodies), backend=sessions[0].backend).crossings()
+        found = native.Scene(bodies, colliders, native.library(), itself=[0] * len(bodies)).crossings()
         pair = [i for i in found.surfaces if i < len(sessions)] if found.pairs else []
         proxied = [i for i in pair if sessions[i].proxy]
         if not proxied or any(apart[i] for i in pair):

@@ -54,7 +54,7 @@ def on_fill(model: Model) -> tuple[str, ...]:
     fills, inside = {(each.fill, each.pressure) for each in model.materials}, model.pressure
     if not model.mesh.pressurable and any(pressure for _, pressure in fills):
         return ("A pressure needs an inside: close the mesh.",)
-    if len(fills) < 2 or model.law_set == "paper" or not model.mesh.pressurable:
+    if len(fills) < 2 or not model.mesh.pressurable:
         return ()
     kpa = inside.rest_pressure / 1e3
     return (f"Its materials differ in fill or pressure: {inside.fill}, {kpa:g} kPa acts, on the most area.",)

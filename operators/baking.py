@@ -27,7 +27,6 @@ from . import (
     contact,
     live,
     offset,
-    paths,
     planning,
     props,
     recorder,
@@ -82,7 +81,6 @@ class BakePlan:
     target: "MESH_CACHE", "SHAPE_KEYS", or "FILES": nothing plays it.
     step: frames from one shape key to the next.
     folder: where the files go; None is where bakes of the scene go.
-    identify: what is done about model constants that are not known yet, as for `bridge.read_body`.
     """
 
     objects: Sequence[bpy.types.Object]
@@ -91,7 +89,6 @@ class BakePlan:
     target: str
     step: int = 1
     folder: Path | None = None
-    identify: str = "WAIT"
 
 
 def bake(context: bpy.types.Context, plan: BakePlan, messages: list[str]) -> Iterator[float]:
@@ -188,14 +185,12 @@ def _opening(
     context: bpy.types.Context, plan: BakePlan, obj: bpy.types.Object, messages: list[str], files: contextlib.ExitStack
 ) -> Parts:
     """Get an object ready to be baked, in parts; its files are closed, and deleted where they are, with `files`."""
-    link, model = yield from bridge.reading_body(context, obj, baked=False, identify=plan.identify)
+    link, model = yield from bridge.reading_body(context, obj, baked=False)
     if link.shaped:
         files.enter_context(rest_shape.unbaked(obj))
         files.enter_context(offset.attached(obj))
-    pressed = paths.pressed_along(context.scene, obj, model, link)
-    proxy, reason = yield from planning.planning_for(context.scene, obj, model, pressed=pressed)
-    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy, slack=obj.dimple.plan_slack)
-    planning.follow(context.scene, obj, session, pressed)
+    proxy, reason = yield from planning.planning_for(context.scene, obj, model)
+    session = Session(model, tick=timeline.tick_s(context.scene), proxy=proxy)
     messages += [reason] if reason else []
     messages += [f'"{obj.name}": {note}' for note in model.notes]
     if plan.target == "SHAPE_KEYS" and bridge_write.is_shared(obj.data):

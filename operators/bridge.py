@@ -46,15 +46,12 @@ def reading_body(
     body: bpy.types.Object,
     *,
     baked: bool = True,
-    identify: str = "BACKGROUND",
     refined: Refinement | None = None,
 ) -> Parts:
     """Read a mesh object with its materials and settings into a link and a model, in parts; change nothing.
 
     Args:
         baked: take the shape keys of an earlier bake as part of the rest shape.
-        identify: what is done about model constants that are not known yet: "BACKGROUND" (they come later), "WAIT"
-            (they are found now) or "NO" (the closed form takes their place).
         refined: how its surface was cut finer before; None cuts it where it is too coarse for a fingertip.
 
     Raises:
@@ -89,7 +86,7 @@ def reading_body(
         refined=refined, shaped=shape.shaped, follows=shape.follows,
         carried=shape.follows and stack.is_carried(body),
     )  # fmt: skip
-    model = yield from bridge_model.reading_model(context.scene, body, mesh, link, identify)
+    model = yield from bridge_model.reading_model(context.scene, body, mesh, link)
     return link, replace(model, notes=(*model.notes, shape.note)) if shape.note else model
 
 
@@ -179,7 +176,7 @@ def _refining(
     from ..core.mesh.refine import is_coarse, refine
 
     radius = scene.dimple.finger_radius_mm / 1e3
-    as_it_is = body.dimple.simulated != "AUTO" or body.dimple.to_params()["law_set"] == "paper"
+    as_it_is = body.dimple.simulated != "AUTO"
 
     def refined() -> Refinement | None:
         if as_it_is or not is_coarse(points, triangles, radius):

@@ -11,34 +11,27 @@ import numpy as np
 
 from ..core.base import DimpleError
 from ..core.steps import Parts, at_once
-from . import advice, calibration
+from . import advice
 from .names import MAPS
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
-    from ..core.material import Material, ModelConstants
+    from ..core.material import Material
     from ..core.mesh.surface import Mesh
     from .object_link import Floats, ObjectLink
 
 
-def read_model(
-    scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink, *, identify: str = "BACKGROUND"
-) -> Model:
+def read_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Model:
     """Read the materials and settings of an object into a model on the mesh that it was linked with.
-
-    Args:
-        identify: as for `read_body`.
 
     Raises:
         DimpleError: it cannot be pressed with them, with the reason and what to do.
     """
-    found: Model = at_once(reading_model(scene, body, mesh, link, identify))
+    found: Model = at_once(reading_model(scene, body, mesh, link))
     return found
 
 
-def reading_model(
-    scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink, identify: str = "BACKGROUND"
-) -> Parts:
+def reading_model(scene: bpy.types.Scene, body: bpy.types.Object, mesh: Mesh, link: ObjectLink) -> Parts:
     """Read a model in parts; see `read_model`. Blender is looked at before the first of them only."""
     from ..core.mesh.surface import base_vertices
 
@@ -50,24 +43,20 @@ def reading_model(
         if params["pinned"] == "group":
             pinned = _pins(body, params["pin_group"])
             pinned = link.refined.least_at_vertices(pinned) if link.refined else pinned
-        if params["law_set"] == "paper":  # its equations have no model constants
-            identify = "NO"
-        found = [_material(body, slot, mesh, pinned, identify) for slot in link.slots]
-        materials, messages = zip(*found, strict=True)
+        materials = [_material(body, slot) for slot in link.slots]
         groups = {name: params[f"{name}_group"] for name, _, _ in MAPS}
         maps = {name: _weights(body, group, name) for name, group in groups.items() if group}
         if link.refined:
             maps = {name: link.refined.at_vertices(weights) for name, weights in maps.items()}
         make = partial(
-            _made, mesh, materials, law_set=params["law_set"], pinned=pinned, **maps,
+            _made, mesh, materials, pinned=pinned, **maps,
             gravity=gravity(scene) if surroundings.use_gravity else (0.0, 0.0, 0.0),
             ground=0.0 if surroundings.use_ground else None, rigged=rigged,
         )  # fmt: skip
         model: Model = yield 0.4, make
     except DimpleError as error:
         raise DimpleError(f'"{name}": {error}') from error
-    notes = (*filter(None, messages), *said, *advice.on_fill(model))
-    return replace(model, notes=(*model.notes, *notes))
+    return replace(model, notes=(*model.notes, *said, *advice.on_fill(model)))
 
 
 def _made(*given: Any, **named: Any) -> Model:
@@ -84,68 +73,21 @@ def gravity(scene: bpy.types.Scene) -> tuple[float, ...]:
     return tuple(scene.gravity) if scene.use_gravity else (0.0, 0.0, 0.0)
 
 
-def _material(
-    body: bpy.types.Object, slot: int, mesh: Mesh, pinned: Floats | None, identify: str
-) -> tuple[Material, str]:
-    """Return the constants of a body's material with those of its model, where they are known, and a note."""
-    from ..core.body.estimate import between
-    from ..core.material import DEFAULT_MATERIAL
-
-    material = body.material_slots[slot].material if body.material_slots else None
-    constants = DEFAULT_MATERIAL if material is None else constants_on(mesh, material)
-    if constants.constants is not None or identify == "NO":
-        return constants, ""
-    from . import identified
-
-    owner, note = (body.session_uid, slot), ""
-    pins = None if pinned is None else np.asarray(pinned) >= 0.5
-
-    def ask(wanted: Material) -> tuple[ModelConstants | None, str]:
-        deepest = calibration.deepest(material and material.dimple, wanted.x0)
-        wait = identify == "WAIT" or bpy.app.background
-        return identified.model_constants(owner, mesh, wanted, deepest, pinned=pins, wait=wait)
-
-    near = _recorded(material, mesh, constants)
-    if not calibration.animated(material):
-        found, note = ask(constants)
-        if found is not None or note:
-            return replace(constants, constants=found), note
-        near = near or identified.latest(owner, mesh)  # until it is there
-    known = [near] if near else []
-    if calibration.animated(material) and not near:
-        for values in calibration.ends_of_keyframes(material):
-            end = replace(constants, **values)
-            found, note = ask(end)
-            if found is None:  # in the background one is looked for at a time
-                break
-            known.append(replace(end, constants=found))
-    return replace(constants, constants=between(known, constants, mesh.size)), note
-
-
-def _recorded(material: bpy.types.Material | None, mesh: Mesh, constants: Material) -> Material | None:
-    """Return what was identified on a mesh and is kept in a material, None where that says nothing of it now."""
-    from ..core.material import ModelConstants
-
-    measured = material and calibration.identified_for(material.dimple, mesh)
-    known = material and material.dimple.to_params().get("constants")
-    return replace(constants, **measured, constants=known) if measured and isinstance(known, ModelConstants) else None
-
-
-def constants_on(mesh: Mesh, material: bpy.types.Material) -> Material:
-    """Return the constants of a material on a mesh; without its model constants where they do not hold there.
+def _material(body: bpy.types.Object, slot: int) -> Material:
+    """Return the constants of a body's material.
 
     Raises:
-        DimpleError: a constant is out of its range.
+        DimpleError: one of them is out of its range.
     """
-    from ..core.material import Material
+    from ..core.material import DEFAULT_MATERIAL, Material
 
+    material = body.material_slots[slot].material if body.material_slots else None
+    if material is None:
+        return DEFAULT_MATERIAL
     try:
-        constants = Material(**material.dimple.to_params())
+        return Material(**material.dimple.to_params())
     except DimpleError as error:
         raise DimpleError(f'material "{material.name}": {error}') from error
-    if constants.constants is not None and calibration.changed(material.dimple, mesh):
-        return replace(constants, constants=None)
-    return constants
 
 
 def _pins(body: bpy.types.Object, group: str) -> Floats:

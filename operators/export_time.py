@@ -94,9 +94,7 @@ def _total(cost: Cost, frames: int) -> float:
 
 
 def _simulated(context: bpy.types.Context, obj: bpy.types.Object, first: int, folder: Path) -> Cost:
-    plan = baking.BakePlan(
-        objects=[obj], first=first, last=first + 1000, target="FILES", folder=folder, identify="BACKGROUND"
-    )
+    plan = baking.BakePlan(objects=[obj], first=first, last=first + 1000, target="FILES", folder=folder)
     with contextlib.closing(baking.simulate(context, plan, [])) as steps:
         _get_ready(steps)  # the first time, it is decided how the body is simulated
     began, frames = time.perf_counter(), 0

@@ -2,7 +2,6 @@
 press.
 """
 
-import sys
 
 import bpy
 
@@ -87,7 +86,5 @@ def register() -> None:
 def unregister() -> None:
     """End everything that runs and stop listening."""
     sessions.stop_all()
-    if identified := sys.modules.get(f"{__package__}.identified"):  # with the core: not before it was needed
-        identified.stop()
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)

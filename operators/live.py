@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
 
 from ..core.base import DimpleError
 from ..core.crowd import step_all
@@ -17,7 +16,6 @@ from . import (
     bridge,
     contact,
     haptic,
-    planning,
     props,
     rest_shape,
     sessions,
@@ -54,18 +52,8 @@ def candidates(context: bpy.types.Context) -> list[bpy.types.Object]:
     raise DimpleError("Nothing is selected. Select a mesh to press it.")
 
 
-def by_keyframes() -> bool:
-    """Tell whether what plays goes along the keyframes of the fingertips: those of a haptic device go anywhere."""
-    return haptic.get() is None
-
-
-def start_all(
-    context: bpy.types.Context, *, along: bool = False
-) -> tuple[list[LiveBody], list[str], list[str]]:
+def start_all(context: bpy.types.Context) -> tuple[list[LiveBody], list[str], list[str]]:
     """Start a session on every candidate.
-
-    Args:
-        along: fingertip objects go along their keyframes.
 
     Returns:
         The bodies, sentences for the artist, and what is wrong with objects that had to be left out.
@@ -73,19 +61,16 @@ def start_all(
     Raises:
         DimpleError: none of them can be pressed.
     """
-    found: tuple[list[LiveBody], list[str], list[str]] = at_once(starting_all(context, along=along))
+    found: tuple[list[LiveBody], list[str], list[str]] = at_once(starting_all(context))
     return found
 
 
-def starting_all(context: bpy.types.Context, *, along: bool = False) -> Parts:
+def starting_all(context: bpy.types.Context) -> Parts:
     """Start a session on every candidate, in parts; see `start_all`."""
     bodies, messages, wrong = [], [], []
     for obj in twins.joined(candidates(context), context.scene):
         try:
-            known = sessions.get(obj)
-            body, notes = yield from sessions.starting(obj, context, along=along)
-            if known:
-                notes = yield from tuning.planning_for_paths(context, body, along=along)
+            body, notes = yield from sessions.starting(obj, context)
         except DimpleError as error:
             wrong.append(str(error))
         else:
@@ -154,8 +139,6 @@ def _meet(context: bpy.types.Context) -> list[str]:
     if not contact.is_on(context.scene):
         sessions.set_worlds(())
         return []
-    for body in sessions.sessions.values():
-        planning.set_clock(context.scene, body.session)  # bodies that meet have one
     bodies = {
         uid: (obj, body.session, body.link.scale)
         for uid, body in sessions.sessions.items()

@@ -1,19 +1,18 @@
-"""The experiment itself: press the selected body with the measuring tip and write what an instrument would."""
+"""The experiment itself: press the active body with a round tip and write what an instrument would."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from . import modal_runs, polls, sessions
-from .identify import place_of
+from . import calibration, modal_runs, polls, sessions
 from .messages import say
-from .names import PLACES, TIPS, Op
+from .names import PLACES, Op
 from .working import Working
 
-_AS_MEASURED = ("MEASURED", "As Measured", "The tip that measured the material; any other is a prediction")
+_ASKED = ("tip_radius_mm", "place", "depth_mm", "rows")
 
 
 class DIMPLE_OT_measure(Working, bpy.types.Operator):
-    """Press the active object with its measuring tip, virtually, and write force against depth as a CSV file"""
+    """Press the active object with a round tip, virtually, and write force against depth as a CSV file"""
 
     bl_idname = Op.MEASURE
     bl_label = "Measure"
@@ -24,10 +23,9 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
     check_existing: BoolProperty(
         name="Check Existing", description="Ask before a file is overwritten", options={"HIDDEN"}, default=True
     )
-    tip: EnumProperty(name="Tip", description="What presses the object", items=(_AS_MEASURED, *TIPS))
     tip_radius_mm: FloatProperty(
-        name="Tip Radius (mm)", description="Radius of what presses, where it is not the tip that measured",
-        default=10.0, min=0.01, soft_max=50.0,
+        name="Tip Radius (mm)", description="Radius of the tip; 0 is that of the tip that measured the material",
+        default=0.0, min=0.0, soft_max=50.0,
     )  # fmt: skip
     place: EnumProperty(name="Press At", description="Where the tip presses", items=PLACES)
     depth_mm: FloatProperty(
@@ -38,8 +36,8 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Need Object Mode, a mesh with a material, and nothing else at work."""
-        return polls.can_measure(cls, context)
+        """Need Object Mode, a mesh, and nothing else at work."""
+        return polls.can_press(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file, then measure between Blender's events."""
@@ -64,9 +62,7 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
         layout = self.layout
         layout.use_property_split = True
         for name in _ASKED:
-            row = layout.row()
-            row.active = name != "tip_radius_mm" or self.tip != _AS_MEASURED[0]
-            row.prop(self, name)
+            layout.prop(self, name)
 
     def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:
         return modal_runs.open_run(context, "measure", "Measuring: Esc cancels", interval=0.01)
@@ -74,65 +70,64 @@ class DIMPLE_OT_measure(Working, bpy.types.Operator):
     def _begin(self, context: bpy.types.Context):
         """Return the steps; a body is at rest before it is pressed."""
         from ..core.base import DimpleError
-        from ..core.material import Indenter
-        from . import indentation
+        from ..core.calibration.virtual_press import find_site, press_rows
+        from . import bridge
 
         if not self.filepath:
             raise DimpleError("Say where the file goes: give it a path.")
         sessions.stop_all()
-        other = self.tip != _AS_MEASURED[0]
-        tip = Indenter(shape=self.tip.lower(), radius=self.tip_radius_mm / 1e3) if other else None
-        self._bench = indentation.set_up(context, context.object, place_of(self, context), self.depth_mm, tip)
-        return self._steps_of(self._bench)
+        body = context.object
+        link, model = bridge.read_body(context, body, baked=False)
+        if model.free and model.ground is None:
+            raise DimpleError(f'"{body.name}" is held by nothing, so the tip would push it away. Pin its base.')
+        slot = link.slots.index(body.active_material_index) if body.active_material_index in link.slots else 0
+        material = model.materials[slot]
+        radius = self.tip_radius_mm / 1e3 or material.indenter.radius
+        place = self.place if self.properties.is_property_set("place") else context.scene.dimple.tip_place
+        try:
+            site = find_site(model.mesh, *(_at_cursor(context, link.scale, model.mesh) if place == "CURSOR" else ()))
+        except DimpleError as error:
+            raise DimpleError(f'"{body.name}": {error}') from error
+        settings = body.active_material and body.active_material.dimple
+        self._deepest = self.depth_mm / 1e3 or calibration.deepest(settings, material.x0)
+        self._about = [
+            f"Simulated by Dimple, not measured: {body.name}, {1e3 * model.mesh.size:.4g} mm",
+            f"Tip: sphere, radius {1e3 * radius:.4g} mm",
+            f"Material: K1 {material.K1 / 1e3:.4g} N/mm, K2 {material.K2 / 1e3:.4g} N/mm, "
+            f"x0 {material.x0 * 1e3:.4g} mm",
+        ]
+        return self._steps_of(press_rows(model, radius, site, self._deepest, self.rows))
 
-    def _steps_of(self, bench):
-        import numpy as np
-
-        from ..core.base import DimpleError
-        from ..core.calibration.indent import press_rows
-
-        found, given = [], (bench.mesh, bench.material, bench.indenter, bench.site, bench.deepest)
-        for row in press_rows(*given, rows=self.rows):
-            found.append(row)
-            yield min(len(found) / self.rows, 0.999)
-        if len(found) < 12:
-            way_out = "Press elsewhere." if bench.material.constants else "Identify it first: its skin is an estimate."
-            raise DimpleError(
-                f"The body finds no rest deeper than {1e3 * found[-1][0]:.3g} mm: nothing was written. {way_out}"
-            )
-        self._curve = np.array(found).T
+    def _steps_of(self, rows):
+        self._rows = []
+        for row in rows:
+            self._rows.append(row)
+            yield min(len(self._rows) / self.rows, 0.999)
 
     def _finished(self, _context: bpy.types.Context) -> set[str]:
         """Write the file."""
+        import numpy as np
+
         from ..core.calibration.export import write_press
 
-        depth, force = self._curve
+        depth, force = np.array(self._rows).T
         path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".csv")
-        write_press(path, depth, force, about=_about(self._bench))
-        deepest, wanted = float(depth[-1]), self._bench.deepest
+        write_press(path, depth, force, about=self._about)
+        deepest, wanted = float(depth[-1]), self._deepest
         if deepest < 0.999 * wanted:
-            why = "the body is no thicker, or finds no rest"
-            say(self, {"WARNING"}, f"Pressed {1e3 * deepest:.3g} mm of {1e3 * wanted:.3g} mm deep: {why} deeper")
-        for note in self._bench.notes:
-            say(self, {"WARNING"}, note)
+            why = "the body is no thicker, or gives way"
+            say(self, {"WARNING"}, f"Pressed {1e3 * deepest:.3g} mm of {1e3 * wanted:.3g} mm deep: {why}")
         say(self, {"INFO"}, f"Measured {1e3 * deepest:.3g} mm deep with up to {force.max():.3g} N: {path}")
         return {"FINISHED"}
 
 
-_ASKED = ("tip", "tip_radius_mm", "place", "depth_mm", "rows")
+def _at_cursor(context: bpy.types.Context, scale: float, mesh):
+    """Return the point (3,) [m] of the surface nearest to the 3D cursor, and the way in."""
+    from mathutils.bvhtree import BVHTree
 
-
-def _about(bench) -> list[str]:
-    """Return the lines above the table: what was pressed, with what, and that it was a simulation."""
-    tip = f"{bench.indenter.shape}, radius {1e3 * bench.indenter.radius:.4g} mm"
-    identified = "identified on its mesh" if bench.material.constants else "estimated"
-    m = bench.material
-    return [
-        f"Simulated by Dimple, not measured: {bench.link.name}, {1e3 * bench.mesh.size:.4g} mm",
-        f"Tip: {tip}",
-        f"Material: K1 {m.K1 / 1e3:.4g} N/mm, K2 {m.K2 / 1e3:.4g} N/mm, x0 {m.x0 * 1e3:.4g} mm; "
-        f"model constants {identified}",
-    ]
+    tree = BVHTree.FromPolygons(mesh.rest_positions.tolist(), mesh.triangles.tolist())
+    point, normal, _, _ = tree.find_nearest(scale * context.scene.cursor.location)
+    return point, -normal
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_measure])

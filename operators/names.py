@@ -39,10 +39,7 @@ MAPS = (
     ("thickness", "Thickness Group", "how thick the surface is: 0.5 is k and the mass, 1 twice and 0.25 half of them"),
 )
 PLACES = (
-    (
-        "TOP", "Typical Place",
-        "The middle of the top, unless there is an edge, a hole or a pin: then where the surface is most even",
-    ),
+    ("TOP", "Top", "Straight down on the middle"),
     ("CURSOR", "3D Cursor", "Straight into the surface, where the 3D cursor is nearest to it"),
 )
 
@@ -66,12 +63,9 @@ class Op(StrEnum):
     CALIBRATE_TOGETHER = "dimple.calibrate_together"
     APPLY_CALIBRATION = "dimple.apply_calibration"
     DISCARD_CALIBRATION = "dimple.discard_calibration"
-    IDENTIFY = "dimple.identify"
     MEASURE = "dimple.measure"
-    COMPARE_PROXIES = "dimple.compare_proxies"
     COMPARE_MATERIALS = "dimple.compare_materials"
     USE_MATERIAL = "dimple.use_material"
-    APPLY_PROXY = "dimple.apply_proxy"
     CONNECT_DEVICE = "dimple.connect_device"
     ARM_DEVICE = "dimple.arm_device"
     DISARM_DEVICE = "dimple.disarm_device"

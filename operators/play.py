@@ -6,7 +6,7 @@ from itertools import chain
 import bpy
 from bpy.props import FloatProperty, IntProperty
 
-from . import modal_runs, polls, sessions, showing, working
+from . import modal_runs, polls, sessions, showing
 from .messages import report, say
 from .names import Op
 
@@ -27,8 +27,6 @@ class DIMPLE_OT_play(bpy.types.Operator):
         min=0,
     )
 
-    _again = None  # what plans the bodies anew, wound back
-
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Need Object Mode and no bake."""
@@ -43,7 +41,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
 
         try:
             polls.check_numbers(self, "seconds")
-            self._report(live.start_all(context, along=live.by_keyframes()))
+            self._report(live.start_all(context))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -68,10 +66,10 @@ class DIMPLE_OT_play(bpy.types.Operator):
             modal_runs.pause(context, run, not run.paused)
             return {"FINISHED"}
         try:
-            if start.takes_long(context, along=live.by_keyframes()):
+            if start.takes_long(context):
                 bpy.ops.dimple.start("INVOKE_DEFAULT", then="play")
                 return {"CANCELLED"}  # it is started anew when they are ready
-            self._report(live.start_all(context, along=live.by_keyframes()))
+            self._report(live.start_all(context))
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -81,10 +79,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Step by the clock, or along the timeline while that plays; everything but Esc is Blender's.
-
-        While bodies are planned anew nothing else may change the scene, and the timeline waits.
-        """
+        """Step by the clock, or along the timeline while that plays; everything but Esc is Blender's."""
         if self._run.closed:
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
@@ -93,7 +88,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         if event.type == "TIMER":
             with sessions.ending_on_error():
                 return self._tick(context)
-        return {"RUNNING_MODAL" if self._again else "PASS_THROUGH"}
+        return {"PASS_THROUGH"}
 
     def cancel(self, _context: bpy.types.Context) -> None:
         """End when Blender ends the operator: the window closes, another file is loaded."""
@@ -107,7 +102,7 @@ class DIMPLE_OT_play(bpy.types.Operator):
         wall, self._clock = now - self._clock, now
         if self._run.paused:
             messages = showing.end_changed(context.view_layer)
-        elif self._again or timeline.is_playing(context):
+        elif timeline.is_playing(context):
             messages = self._follow(context)
         else:
             asked, budget = live.ask(context.scene, self._run, wall)
@@ -121,15 +116,12 @@ class DIMPLE_OT_play(bpy.types.Operator):
         return {"PASS_THROUGH"}
 
     def _follow(self, context: bpy.types.Context) -> list[str]:
-        """Go on with the timeline by one frame, as a bake does; the timeline waits where that takes long.
+        """Go on with the timeline by one frame, as a bake does.
 
         Wound back, it begins anew at rest.
         """
-        from ..core.steps import beside
-        from . import live, timeline, tuning
+        from . import live, props, timeline
 
-        if self._again:
-            return self._begin_anew(context)
         scene, before = context.scene, self._frame
         if scene.frame_current > before:
             self._frame += 1
@@ -137,28 +129,12 @@ class DIMPLE_OT_play(bpy.types.Operator):
         self._frame = scene.frame_current
         if self._frame == before and not _at_rest():
             return showing.end_changed(context.view_layer)
-        # keyframes may have changed
-        self._again = beside(tuning.planning_all(context, along=live.by_keyframes()), working.SLICE_S)
-        return self._begin_anew(context)
-
-    def _begin_anew(self, context: bpy.types.Context) -> list[str]:
-        """Begin at rest, once the bodies are planned."""
-        from . import live, props
-
-        try:
-            share = next(self._again)
-        except StopIteration as end:
-            self._again, messages = None, end.value
-            modal_runs.clear_status()
-        else:
-            working.show_share(context, "Getting ready", share)
-            return []
         for body in sessions.sessions.values():
             body.session.reset()
             sessions.set_worlds(())
             props.put_back()
             body.matrix, body.rest = body.link.matrix, body.link.rest
-        return [*messages, *live.advance(context, 0.0)]
+        return live.advance(context, 0.0)
 
     def _report(self, started: tuple[list, list[str], list[str]]) -> None:
         _, messages, wrong = started

@@ -158,14 +158,12 @@ class DIMPLE_OT_poke(bpy.types.Operator):
     def _take(self, context: bpy.types.Context, event: "PokeEvent | None") -> set[str]:
         """Let an event change the state, and do what it asks for."""
         from ..core.poke import Kind, on_event
-        from . import fingertip, press
+        from . import fingertip
 
         if event is None:
             return {"RUNNING_MODAL"}
         was_pressing = self._state.pressing
         self._state, effects = on_event(self._state, event)
-        if event.kind is Kind.PRESS:
-            report(self, press.bare(event, self._state.radius))
         if self._run.paused != self._state.paused:
             modal_runs.pause(context, self._run, self._state.paused)
         if self._state.pressing and not was_pressing:
@@ -232,7 +230,7 @@ class DIMPLE_OT_poke(bpy.types.Operator):
         begun = self._settings
         chosen = [
             uid for uid, body in sessions.sessions.items()
-            if uid not in begun or begun[uid]._replace(identified=0) != body.seen._replace(identified=0)
+            if uid not in begun or begun[uid] != body.seen
         ]  # fmt: skip
         changed = chosen or self._typed or self._contacts != _contacts(context)
         return bool(changed) and not self._state.pressing

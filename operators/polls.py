@@ -48,7 +48,7 @@ def is_own(operator: type, body: bpy.types.Object) -> bool:
 def is_free(operator: type) -> bool:
     """Tell whether nothing runs that may not be disturbed."""
     if modal_runs.at_work():
-        return refuse(operator, "A bake, a comparison or a virtual press is running; Esc cancels it")
+        return refuse(operator, "A bake or a virtual press is running; Esc cancels it")
     return True
 
 
@@ -60,15 +60,3 @@ def can_press(operator: type, context: bpy.types.Context) -> bool:
     if body is None or body.type != "MESH" or body in sessions.fingertip_objects(context.scene):
         return refuse(operator, "Select the mesh to press")
     return is_free(operator)
-
-
-def can_measure(operator: type, context: bpy.types.Context) -> bool:
-    """Tell whether the active object can be pressed by a measuring tip: it needs a material of this file."""
-    if not can_press(operator, context):
-        return False
-    material = context.object.active_material
-    if material is None:
-        return refuse(operator, "Give the object a material first: calibrate, or choose a preset")
-    if material.library:
-        return refuse(operator, "The material is linked from another file: make it local first")
-    return True

@@ -10,7 +10,6 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ..core.base import DimpleError
-from ..core.calibration.place import bare_message
 from ..core.poke import Hit, Kind, PokeEvent, PokeState, Vector, along, fingers, on_event
 from . import bridge, live, pointer, polls, record, sessions
 from .messages import report, say
@@ -32,7 +31,6 @@ def press_once(operator: bpy.types.Operator, context: bpy.types.Context) -> set[
             place = tuple(operator.location) if operator.properties.is_property_set("location") else None
             event = aimed(bodies, place, tuple(operator.direction))
             check_depth(state, event, bodies)
-            messages += bare(event, state.radius)
             if operator.record:
                 record.begin(context)
             deepest, strongest = run(context, state, event, operator.hold_s, messages)
@@ -105,18 +103,6 @@ def aimed(bodies: dict[int, LiveBody], place: Vector | None, direction: Vector) 
         raise DimpleError(f"No surface lies along the direction of the press at ({at}). Choose another location.")
     hit = min(hits)[2]
     return PokeEvent(kind=Kind.PRESS, hit=hit, view=inward)
-
-
-def bare(event: PokeEvent, radius: float) -> list[str]:
-    """Return what to say of the place of a press with a fingertip of a radius [m]: a point answers less than the law.
-
-    It is looked for on the shape at rest, where the body still is when it is touched first.
-    """
-    if event.hit is None:
-        return []
-    mesh = sessions.sessions[event.hit.body].session.model.mesh
-    said = bare_message(mesh, np.array(event.hit.point), np.array(event.hit.normal), radius)
-    return [said] if said else []
 
 
 def _top(body: LiveBody) -> Vector:

@@ -6,7 +6,6 @@ and renaming.
 
 from __future__ import annotations
 
-import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
@@ -21,7 +20,6 @@ from .modal_runs import close_run, runs
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..core.reduction.grading import Pressed
     from ..core.session import Finger, Frame, Session
     from ..core.steps import Parts
     from .bridge import ObjectLink, Singles
@@ -45,7 +43,6 @@ class LiveBody:
     change: of a large body to other settings, under way in a thread.
     changed_at: when they were changed last, None where they were planned for [s].
     around: what it was planned for besides its settings, None before its first step.
-    pressed: where keyframes lead its fingertips, None where it was planned for any place.
     matrix, rest: (4, 4) of the object and (N, 3) its shape at rest when it was last stepped.
     triangles: (t, 3) of the object's own vertices, outward.
     painted_at: when weights that are painted were read last [s].
@@ -71,7 +68,6 @@ class LiveBody:
     change: Generator[float, None, list[str]] | None = None
     changed_at: float | None = None
     around: Around | None = None
-    pressed: Pressed | None = None
     painted_at: float = 0.0
     fingers: tuple[Finger | None, ...] = (None, None, None)
     poked: frozenset[int] = frozenset()
@@ -119,12 +115,6 @@ def get(obj: bpy.types.Object | None) -> LiveBody | None:
     return sessions.get(obj.session_uid) if obj else None
 
 
-def identifying() -> float | None:
-    """Return the share that is done of what is identified in the background, None where nothing is."""
-    identified = sys.modules.get(f"{__package__}.identified")  # with the core: not before it is needed
-    return identified.progress() if identified else None
-
-
 def fingertip_objects(scene: bpy.types.Scene) -> set[bpy.types.Object | None]:
     """Return the objects that are fingertips; they press and are not pressed."""
     return {getattr(scene.dimple, f"finger_{number}") for number in (1, 2, 3)}
@@ -142,17 +132,13 @@ def start(obj: bpy.types.Object, context: bpy.types.Context) -> tuple[LiveBody, 
     return found
 
 
-def starting(obj: bpy.types.Object, context: bpy.types.Context, *, along: bool = False) -> Parts:
-    """Start the session of an object in parts; see `start`. Closed, nothing was changed.
-
-    Args:
-        along: its fingertips go along their keyframes.
-    """
+def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
+    """Start the session of an object in parts; see `start`. Closed, nothing was changed."""
     if body := get(obj):
         return body, []
     from ..core.mesh.surface import input_vertices
     from ..core.session import Session
-    from . import bridge, bridge_write, paths, planning, sizing, timeline
+    from . import bridge, bridge_write, planning, sizing, timeline
     from .settings import settings_of
 
     bridge.check(obj)
@@ -161,11 +147,9 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context, *, along: bool =
     size = sizing.settle_size(context.scene, obj)
     try:
         link, model = yield from bridge.reading_body(context, obj)
-        pressed = paths.pressed_along(context.scene, obj, model, link) if along else None
-        proxy, reason = yield from planning.planning_for(context.scene, obj, model, pressed=pressed)
+        proxy, reason = yield from planning.planning_for(context.scene, obj, model)
         # may refuse too, so before the mesh is touched
-        session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene), slack=obj.dimple.plan_slack)
-        planning.follow(context.scene, obj, session, pressed)
+        session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
     except BaseException:
         if size:
             obj.dimple.property_unset("size_mode")
@@ -175,7 +159,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context, *, along: bool =
     settings = settings_of(context.scene, obj)
     body = sessions[link.uid] = LiveBody(
         link=link, session=session, settings=settings, seen=settings,
-        matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles], pressed=pressed,
+        matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles],
     )  # fmt: skip
     bridge_write.borrow(obj)
     obj.dimple.enabled = True

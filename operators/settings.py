@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import bpy
 
-from ..core.base import DimpleError
 from . import bridge_model
 
 
@@ -21,14 +20,12 @@ class Settings(NamedTuple):
     materials: the constants of each slot.
     surroundings: gravity, ground and the unit of length.
     plan: how it is to be simulated.
-    identified: how often model constants were identified in the background, which is no choice of the artist's.
     """
 
     body: Hashable
     materials: tuple[Hashable, ...]
     surroundings: Hashable
     plan: Hashable
-    identified: int
 
 
 def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:
@@ -42,23 +39,11 @@ def settings_of(scene: bpy.types.Scene, obj: bpy.types.Object) -> Settings:
             scene.unit_settings.scale_length,
         ),
         tuple(obj.dimple.to_plan().items()),
-        identified_revision(),
     )
-
-
-def identified_revision() -> int:
-    """Return a number that changes when model constants have been identified in the background."""
-    from . import identified
-
-    return identified.revision
 
 
 def _material(material: bpy.types.Material | None) -> Hashable:
     if material is None:
         return None
     settings: Any = material.dimple
-    try:
-        constants: Hashable = tuple(settings.to_params().items())
-    except DimpleError as error:  # the model constants cannot be used
-        constants = str(error)
-    return material.session_uid, constants, settings.identification
+    return material.session_uid, tuple(settings.to_params().items())

@@ -61,8 +61,6 @@ def describe_session(session: Session) -> dict[str, Any]:
         "solver": session.backend,
         "tick_s": session.clock.tick,
         "steps_in_a_tick": session.substeps,
-        "simulated_faster": session.clock.faster,
-        "rests_below_m": session.slack,
         "proxy_vertices": len(session.proxy.seeds) if session.proxy else None,
         "model_notes": list(session.model.notes),
     }

@@ -48,7 +48,7 @@ class DIMPLE_OT_softness_from_pokes(bpy.types.Operator):
         sessions.stop(body.session_uid)
         try:
             pokes = read_pokes(self.filepath)
-            link, model = bridge.read_body(context, body, baked=False, identify="NO")
+            link, model = bridge.read_body(context, body, baked=False)
             found = map_pokes(model.mesh, model.materials[0], pokes)
         except DimpleError as error:
             say(self, {"ERROR"}, str(error))

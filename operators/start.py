@@ -31,8 +31,7 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
 
         before = set(sessions.sessions)
         try:
-            along = self.then == "play" and live.by_keyframes()
-            self._came = yield from beside(live.starting_all(context, along=along))
+            self._came = yield from beside(live.starting_all(context))
         except GeneratorExit:
             for uid in set(sessions.sessions) - before:
                 sessions.stop(uid)
@@ -45,25 +44,17 @@ class DIMPLE_OT_start(Working, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def takes_long(context: bpy.types.Context, *, along: bool = False) -> bool:
-    """Tell whether what would be started is large, and does not run yet as it is to.
-
-    Args:
-        along: fingertip objects go along their keyframes.
+def takes_long(context: bpy.types.Context) -> bool:
+    """Tell whether what would be started is large, and does not run yet.
 
     Raises:
         DimpleError: nothing can be started.
     """
-    from . import live, tuning
+    from . import live
 
-    graph, count = context.evaluated_depsgraph_get(), 0
-    for obj in live.candidates(context):
-        body = sessions.get(obj)
-        if body and tuning.pressed_now(context, body, along=along) != body.pressed:
-            count += len(body.session.model.mass)
-        elif body is None and obj.type == "MESH":
-            count += len(obj.evaluated_get(graph).data.vertices)
-    return count > LARGE
+    graph = context.evaluated_depsgraph_get()
+    waiting = [obj for obj in live.candidates(context) if obj.type == "MESH" and sessions.get(obj) is None]
+    return sum(len(obj.evaluated_get(graph).data.vertices) for obj in waiting) > LARGE
 
 
 register, unregister = bpy.utils.register_classes_factory([DIMPLE_OT_start])

@@ -31,13 +31,12 @@ def look_s(scene: bpy.types.Scene) -> float:
     return frame_s(scene) / looks_a_frame(scene)
 
 
-def tick_s(scene: bpy.types.Scene, faster: int = 1) -> float:
+def tick_s(scene: bpy.types.Scene) -> float:
     """Return the tick of a session of a scene [s]: at most a millisecond, and whole ticks between two looks.
 
-    So on every frame a body is where its object is. Of a body that is simulated some times faster, a tick is as many
-    times longer.
+    So on every frame a body is where its object is.
     """
-    return look_s(scene) / math.ceil(look_s(scene) / (faster * TICK) - 1e-9)
+    return look_s(scene) / math.ceil(look_s(scene) / TICK - 1e-9)
 
 
 def looks(scene: bpy.types.Scene, frame: int) -> Iterator[float]:

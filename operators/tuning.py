@@ -12,13 +12,12 @@ import bpy
 
 from ..core.base import DimpleError
 from ..core.steps import Parts, at_once, beside
-from . import bridge, bridge_model, paths, planning, sessions, timeline
+from . import bridge, bridge_model, planning, sessions, timeline
 from .names import PAINTING
 from .settings import settings_of
 
 if TYPE_CHECKING:
     from ..core.body.model import Model
-    from ..core.reduction.grading import Pressed
     from ..core.session import Session
     from .sessions import LiveBody
     from .settings import Settings
@@ -60,45 +59,6 @@ def follow(context: bpy.types.Context, obj: bpy.types.Object, body: LiveBody) ->
     return []
 
 
-def planning_all(context: bpy.types.Context, *, along: bool) -> Parts:
-    """Plan every running body in parts; see `planning_for_paths`."""
-    messages = []
-    for body in list(sessions.sessions.values()):
-        messages += yield from planning_for_paths(context, body, along=along)
-    return messages
-
-
-def pressed_now(context: bpy.types.Context, body: LiveBody, *, along: bool) -> Pressed | None:
-    """Return where keyframes lead the fingertips on a running body, None where it is pressed anywhere."""
-    obj = bridge.find(body.link.uid, body.name)
-    assert obj  # else the session has ended
-    return paths.pressed_along(context.scene, obj, body.session.model, body.link) if along else None
-
-
-def planning_for_paths(context: bpy.types.Context, body: LiveBody, *, along: bool) -> Parts:
-    """Let a running body be fine where keyframes lead its fingertips, or everywhere alike, in parts; return sentences.
-
-    Closed, nothing was changed.
-
-    Args:
-        along: the fingertips go along their keyframes.
-    """
-    obj, session, before = bridge.find(body.link.uid, body.name), body.session, body.pressed
-    pressed = pressed_now(context, body, along=along)
-    if pressed == before:
-        return []
-    body.pressed = pressed  # whatever comes of it: what cannot be planned is not planned again and again
-    try:
-        proxy, reason = yield from planning.planning_for(context.scene, obj, session.model, session.proxy, pressed)
-    except GeneratorExit:
-        body.pressed = before
-        raise
-    if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
-        session.change(session.model, proxy=proxy)
-    planning.follow(context.scene, obj, session, pressed)
-    return [reason] if reason else []
-
-
 def follow_keyframes(
     scene: bpy.types.Scene, obj: bpy.types.Object, session: Session, link: bridge.ObjectLink, before: Settings
 ) -> Settings:
@@ -131,8 +91,6 @@ def _changing(
     if now != body.settings:
         body.trail.clear()  # the chart is of one material
     body.settings, body.changed_at = now, body.frame.time
-    if body.session.clock.faster > 1:
-        body.pressed = None  # wound back, it is planned anew: another material may not be as fast
     return messages
 
 
@@ -170,22 +128,18 @@ def _proxy(body: LiveBody, model: Model, *, again: bool) -> Parts:
     if not again and old is None:
         return None, []
     scaled = model.mesh is not body.session.model.mesh
-    if scaled:
-        body.pressed = None  # those were in metres of another size
-    if not again and old is not None and not (scaled and old.pressed):
+    if not again and old is not None:
         try:
             if scaled:
                 return build_proxy(model, len(old.seeds)), []
             proxy = yield 0.8, partial(with_constants, old, model)
             now = body.session.proxy
-            if now is not old:  # contact has dropped it meanwhile, or paths have chosen another
-                proxy = now and with_constants(now, model)
-            return proxy, []
+            return (proxy if now else None), []  # contact may have dropped it meanwhile
         except DimpleError:  # other pins or laws: another choice is made
             pass
     obj = bridge.find(body.link.uid, body.name)
     assert obj  # else the session has ended
-    proxy, reason = planning.proxy_for(bpy.context.scene, obj, model, pressed=body.pressed)
+    proxy, reason = planning.proxy_for(bpy.context.scene, obj, model)
     return proxy, [reason] if reason else []
 
 
@@ -204,12 +158,9 @@ def _plan_when_due(context: bpy.types.Context, obj: bpy.types.Object, body: Live
     finer = before and around.radius_mm < before.radius_mm
     coarse = finer and _is_coarse(obj, session.model, around.radius_mm / 1e3)
     try:
-        pressed = body.pressed and paths.pressed_along(context.scene, obj, session.model, body.link)
-        proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy, pressed)
-        body.pressed = pressed
+        proxy, reason = planning.proxy_for(context.scene, obj, session.model, session.proxy)
         if (proxy and proxy.seeds) is not (session.proxy and session.proxy.seeds):
             session.change(session.model, proxy=proxy)
-        planning.follow(context.scene, obj, session, pressed)
     except DimpleError as error:
         return [str(error)]
     cut = "The mesh is coarse for this fingertip: it is cut finer when the body is started again."
@@ -220,5 +171,5 @@ def _is_coarse(obj: bpy.types.Object, model: Model, radius: float) -> bool:
     """Tell whether a body would be cut finer for a fingertip of a radius [m] if it were started now."""
     from ..core.mesh.refine import is_coarse
 
-    cut = obj.dimple.simulated == "AUTO" and model.law_set != "paper"
-    return cut and is_coarse(model.mesh.rest_positions, model.mesh.triangles, radius)
+    auto = obj.dimple.simulated == "AUTO"
+    return auto and is_coarse(model.mesh.rest_positions, model.mesh.triangles, radius)

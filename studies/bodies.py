@@ -1,8 +1,4 @@
-"""Bodies that test the planner: shapes x materials x fingertips x pins, FITTED ones and ones that are not.
-
-FITTED are chosen by hand. UNSEEN are drawn at random, shape, material, fingertip and pins; sixty others had been
-looked at before, when the form of the planner's fit was chosen.
-"""
+"""Bodies that test proxies: shapes x materials x fingertips x pins."""
 
 from __future__ import annotations
 
@@ -216,34 +212,6 @@ def _belt(mesh: Mesh) -> Bools:
     return np.abs(_at_end(mesh, 0) - 0.5) < SHARE / 2
 
 
-def drawn(seed: int) -> BodyCase:
-    """Return a body drawn at random: a box more or less round, with hills, stretched and bent."""
-    rng = np.random.default_rng(seed)
-    power, waves, phase = rng.uniform(2, 8), 2.5 * rng.normal(size=(8, 3)), rng.uniform(0, 2 * np.pi, 8)
-    height, bend, size = rng.uniform(0, 0.06), rng.uniform(0, 0.4), np.exp(rng.uniform(np.log(0.06), np.log(0.25)))
-    stretch = np.array([1, rng.uniform(0.5, 1), rng.uniform(0.4, 1)])
-
-    def reach(way: Floats) -> Floats:
-        round_box = (np.abs(way) ** power).sum(axis=1) ** (-1 / power)
-        return np.asarray(round_box * (1 + height * np.sin(way @ waves.T + phase).sum(axis=1)))
-
-    def shape(fine: int, size: float) -> Mesh:
-        mesh = _round(fine, 2.0, reach)
-        x = mesh.rest_positions * stretch
-        x[:, 2] -= bend * x[:, 0] ** 2
-        return _sized(x, mesh, size)
-
-    shape.__name__ = f"drawn {seed}"
-    stiff = np.exp(rng.uniform(np.log(150), np.log(1500)))
-    material = Material(
-        K1=stiff, K2=stiff * np.exp(rng.uniform(0.1, 1.6)), x0=rng.uniform(0.006, 0.016),
-        k=np.exp(rng.uniform(np.log(200), np.log(3000))), density=rng.uniform(400, 1200),
-        damping_ratio=rng.uniform(0.3, 0.7), fill=str(rng.choice(["liquid", "air", "none"])),
-    )  # fmt: skip
-    pins = str(rng.choice(list(_PINS)))
-    return BodyCase(shape=shape, size=size, material=material, radius=size * rng.uniform(0.07, 0.16), pins=pins)
-
-
 _PINS: dict[str, Callable[[Mesh], Bools]] = {"base": base_vertices, "ends": _ends, "side": _side, "belt": _belt}
 _NAMES = {
     BALL: "light liquid", NYLON: "nylon", VINYL: "vinyl", WATER: "water", GEL: "gel", FOAM: "foam", DOUGH: "dough",
@@ -258,7 +226,7 @@ def _cases(*rows: tuple[Callable[[int, float], Mesh], float, Material, float, st
     )
 
 
-FITTED = _cases(
+BODIES = _cases(
     (ball, 0.16, BALL, 0.020, "base"), (ball, 0.16, VINYL, 0.030, "ends"), (ball, 0.16, WATER, 0.012, "base"),
     (ball, 0.06, NYLON, 0.008, "side"), (box, 0.05, NYLON, 0.010, "base"), (box, 0.05, NYLON, 0.006, "side"),
     (box, 0.165, WATER, 0.020, "base"), (box, 0.165, VINYL, 0.030, "ends"), (torus, 0.17, VINYL, 0.015, "base"),
@@ -270,4 +238,3 @@ FITTED = _cases(
     (star, 0.18, DOUGH, 0.014, "base"), (cone, 0.15, GEL, 0.016, "base"), (dumbbell, 0.20, WATER, 0.013, "belt"),
     (wedge, 0.14, FOAM, 0.012, "side"), (cushion, 0.16, VINYL, 0.020, "belt"), (banana, 0.20, DOUGH, 0.012, "ends"),
 )  # fmt: skip
-UNSEEN = tuple(drawn(seed) for seed in range(60, 80))

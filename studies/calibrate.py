@@ -6,24 +6,20 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from core.base import DimpleError
 from core.calibration.calibrate import Calibration, calibrate
-from core.calibration.indent import find_site
 from core.calibration.misfit import Miss
 from core.calibration.question import Answers, Undecided, WrongColumns
 from core.calibration.record import joint_record, to_record
 from core.calibration.surface import BALANCE_ASSUMES, PAPER_ASSUMES
 from core.calibration.together import curve_of, fit_together, lines
-from core.material import FILLS, POINT, PRESETS, TIPS, Indenter, Material
+from core.material import POINT, TIPS, Indenter
 
-from .assessment import Assessment, assess, assessment_json, assessment_lines
 from .calibration_plot import save_plot
-from .specimen import CELLS, cube, load_mesh
-from .virtual_press import identify
 
 DONE, OPEN = 0, 3  # exit codes
 
@@ -44,10 +40,6 @@ def add_command(command: argparse.ArgumentParser) -> None:
     command.add_argument("--youngs-modulus-mpa", type=float, metavar="E", help="of the surface, for k by Eq. (10)")
     command.add_argument("--json", type=Path, metavar="OUT", help="write the constants, or the questions, as JSON")
     command.add_argument("--plot", type=Path, metavar="OUT.png", help="draw the curve and the fit (needs matplotlib)")
-    press = command.add_argument_group("the simulated press")
-    press.add_argument("--identify", action="store_true", help="find the model's constants for a cube of --length-mm")
-    press.add_argument("--mesh", type=Path, metavar="FILE", help="the body instead (OBJ, STL, PLY; longest side L)")
-    press.add_argument("--fill", choices=FILLS, default="air", help="inside")
     answers = command.add_argument_group("answers, where the file leaves something open")
     for name, kind, text in (
         ("depth_column", str, "header or number of the column of depth"),
@@ -94,16 +86,11 @@ def run(options: argparse.Namespace) -> int:
     if len(alone) > 1:
         return _together(options, alone)
     calibration = alone[0]
-    record, assessment = to_record(calibration), None
     print("\n".join(to_lines(calibration)))
-    if options.identify or options.mesh:
-        assessment = _identified(options, calibration)
-        print("\n".join(assessment_lines(assessment)))
-        record["identification"] = assessment_json(assessment)
     if options.json:
-        write_json(options.json, record)
+        write_json(options.json, to_record(calibration))
     if options.plot:
-        save_plot(calibration, options.plot, assessment)
+        save_plot(calibration, options.plot)
     return DONE
 
 
@@ -134,16 +121,6 @@ def _together(options: argparse.Namespace, alone: Sequence[Calibration]) -> int:
     if options.json:
         write_json(options.json, joint_record(found))
     return DONE
-
-
-def fitted_material(calibration: Calibration, template: Material) -> Material:
-    """Return a template material with the calibrated constants; k where it is known.
-
-    Raises:
-        DimpleError: a constant is not one of a body.
-    """
-    fit, k = calibration.fit, calibration.surface and calibration.surface.k
-    return replace(template, K1=fit.K1.value, K2=fit.K2.value, x0=fit.x0.value, k=k.value if k else template.k)
 
 
 def to_lines(calibration: Calibration) -> list[str]:
@@ -197,29 +174,6 @@ def questions_json(undecided: Undecided) -> dict[str, Any]:
     for question in record["questions"]:
         question["option"] = option(question["name"])
     return record
-
-
-def _identified(options: argparse.Namespace, calibration: Calibration) -> Assessment:
-    """Identify on the body asked for, and write to stderr how far it is."""
-    length = calibration.length
-    if length is None:
-        raise DimpleError("How large is the object? Give --length-mm: a cube's edge, or a mesh's longest side.")
-    mesh = load_mesh(options.mesh, length) if options.mesh else cube(CELLS, length)
-    alike = (preset.material for preset in PRESETS if preset.material.fill == options.fill)
-    template = next(alike, replace(PRESETS[0].material, fill=options.fill))  # the rest is fitted, or does not matter
-    material = fitted_material(calibration, template)
-    indenter = calibration.tip
-    site = find_site(mesh, indenter)
-    shown = 0.0
-
-    def show(share: float) -> None:
-        nonlocal shown
-        if share > shown + 0.1:
-            print(f"Identifying: {share:.0%}", file=sys.stderr, flush=True)
-            shown = share
-
-    found = identify(mesh, material, indenter, site, float(calibration.loading.depth.max()), progress=show)
-    return assess(calibration, found, mesh, indenter, site)
 
 
 def write_json(path: Path, record: dict[str, Any]) -> None:

@@ -10,11 +10,9 @@ import numpy as np
 from core.base import DimpleError
 from core.calibration.calibrate import Calibration
 
-from .assessment import FINGERTIP, Assessment
 
-
-def save_plot(calibration: Calibration, path: str | Path, assessment: Assessment | None = None) -> None:
-    """Draw loading, unloading and the law with its constants; the simulated press and the prediction.
+def save_plot(calibration: Calibration, path: str | Path) -> None:
+    """Draw loading, unloading and the law with its constants.
 
     Raises:
         DimpleError: matplotlib is not installed, or the file cannot be written.
@@ -31,15 +29,6 @@ def save_plot(calibration: Calibration, path: str | Path, assessment: Assessment
     low, high = fit.law(x) - fit.band(x), fit.law(x) + fit.band(x)
     axes.fill_between(1e3 * x, low, high, color="tab:red", alpha=0.25, lw=0, label="95 % of the law")
     axes.plot(1e3 * x, fit.law(x), color="tab:red", label=_label(calibration))
-    if assessment is not None:
-        found = assessment.found
-        axes.plot(1e3 * found.depths, found.simulated, "o", ms=4, mfc="none", color="tab:blue", label=(
-            f"simulated press, {len(assessment.mesh.rest_positions)} vertices: "
-            f"{100 * found.rms:.1f} % RMS, at worst {100 * assessment.force_error:.1f} % of the force"
-        ))  # fmt: skip
-        axes.plot(1e3 * assessment.tip_depth, assessment.tip_force, "--", color="tab:green", label=(
-            f"prediction: a {1e3 * FINGERTIP:.0f} mm fingertip"
-        ))  # fmt: skip
     axes.set(xlabel="depth x [mm]", ylabel="force F [N]", title=calibration.measurement.source)
     axes.legend(loc="upper left")
     axes.grid(alpha=0.3)

@@ -19,13 +19,13 @@ from typing import Any
 import numpy as np
 
 from core.base import Floats, Ints
-from core.body.facets import nearest_on_triangles
 from core.props import PropWorld
 from core.session import Session
 
 from .contact_cost import measure_cost
 from .contact_laws import measure_laws
 from .contact_scenes import SCENES, Played
+from .reference.facets import nearest_on_triangles
 
 STARTS, QUICK_STARTS, QUICK_SHARE = 10, 1, 1.0
 PROBE = "import ipctk, numpy; f = numpy.array([[0, 1, 2]]); ipctk.CollisionMesh(numpy.eye(3), ipctk.edges(f), f)"

@@ -13,11 +13,13 @@ import numpy as np
 
 from core.base import Floats, Ints
 from core.body.model import build_model
-from core.body.proximity import OFFSET, find_pairs, join_surfaces
 from core.material import PRESETS, Material
 from core.mesh.surface import mesh_from_triangles
 from core.session import Session
+from core.solver.scene import OFFSET
 from core.world import Collider, World
+
+from .reference.proximity import find_pairs, join_surfaces
 
 SOFT = Material(K1=600, K2=4000, x0=0.02, k=400, mass=0.15, friction=0.4)
 RADIUS, CELLS = 0.04, 29  # [m]; squares along a side of the cube that a ball is made of: 5,048 vertices

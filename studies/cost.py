@@ -10,12 +10,11 @@ from functools import partial
 
 import numpy as np
 
-from core import native
 from core.base import TICK
-from core.solver.path import FingerPath
 
 from .methods import native as native_method
 from .methods.registry import METHODS, Run
+from .reference.path import FingerPath
 from .scenes import twisted_ball
 
 NATIVE = "native"
@@ -43,12 +42,10 @@ def costs(methods: Sequence[str], subdivisions: Sequence[int]) -> Iterator[Cost]
     """Step a twisted ball in the air: explicit methods at the product's own step, the others a tick at a time.
 
     Args:
-        methods: names in METHODS, or NATIVE; it is left out where there is no native core.
+        methods: names in METHODS, or NATIVE.
         subdivisions: of the ball, each of four times the vertices.
     """
     for name in methods:
-        if name == NATIVE and native.why_not():
-            continue
         for count in subdivisions:
             yield _cost(name, count)
 

@@ -43,7 +43,7 @@ TRAVEL = 0.1  # [m/s] of the fingertip
 SETTLING, LISTENING = 0.06, 0.01  # [s] at each depth; then the mean of the reaction is taken
 FINE = 5  # subdivisions of the ball whose profile is compared
 FRICTIONS = (0.5, 1.0, 2.0)  # of the skin under deep dents
-PARTS = ("roughness", "friction", "profile", "other-tip", "forces", "turning", "steps", "primitives")
+PARTS = ("roughness", "friction", "profile", "other-tip", "forces", "turning", "steps")
 TURNS = 6  # ways a triangulation is turned under the tip
 KEPT = Path(__file__).parents[1] / "tests" / "studies" / "solid"  # dents by finite elements
 
@@ -64,9 +64,8 @@ class Settled:
 
 def light(mesh: Mesh, material: Material) -> Model:
     """Return a body that settles within some ticks: light, critically damped, pinned at its base."""
-    constants = estimate(material, mesh.size)
-    mass = constants.kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
-    still = replace(material, constants=constants, mass=mass, density=None, damping_ratio=1.0)
+    mass = estimate(material, mesh.size).kappa1 * float(mesh.triangle_areas.sum()) / RATE**2
+    still = replace(material, mass=mass, density=None, damping_ratio=1.0)
     return build_model(mesh, [still], pinned=base_vertices(mesh))
 
 
@@ -288,7 +287,7 @@ def add_dents(command: argparse.ArgumentParser) -> None:
 
 def run_dents(options: argparse.Namespace) -> int:
     """Measure, print and write each part as CSV, with its pictures beside it."""
-    from . import as_they_come, other_tip, time_steps
+    from . import other_tip, time_steps
 
     names, sizes = options.materials, [size for size in BALLS if size <= options.most]
     try:
@@ -311,8 +310,6 @@ def run_dents(options: argparse.Namespace) -> int:
             write(list(turning_rows(names, most=min(options.most, 10242))), options.out / "turning.csv")
         if "steps" in options.parts:
             write(list(time_steps.rows()), options.out / "steps.csv")
-        if "primitives" in options.parts:
-            write(list(as_they_come.rows()), options.out / "primitives.csv")
     except OSError as error:
         raise DimpleError(f"{options.out} cannot be written: {error.strerror}.") from None
     return 0

@@ -17,10 +17,7 @@ from core.base import Floats
 from core.body.model import build_model
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.props import PropWorld
-from core.reduction.contact import in_contact
-from core.reduction.decision import decide
-from core.reduction.planner import Plan, plan_full_mesh
-from core.reduction.planner import carry_out as make
+from core.reduction.planner import Plan, plan, plan_full_mesh
 from core.reduction.processor_time import BUDGET
 from core.session import Session
 from core.world import Collider, World
@@ -53,12 +50,13 @@ def run(options: argparse.Namespace) -> int:
             continue
         mesh = MESHES[name]()
         model = build_model(mesh, [bodies.GEL], pinned=base_vertices(mesh))
-        planned = in_contact(mesh, make(decide(model, budget=BUDGET / CONTACT)), TIP)
+        planned = plan(model, radius=TIP, budget=BUDGET / CONTACT)
         print(f"{name}, {len(model.mass):,} vertices. {planned.reason}", flush=True)
-        for plan in (planned, plan_full_mesh(model))[: 1 + options.full]:
+        for chosen in (planned, plan_full_mesh(model))[: 1 + options.full]:
             for scene in ("plate", "ball", "weight"):
-                found = meet(scene, Session(model, proxy=plan.proxy))
-                print(f"  {scene}, {plan.vertices:,} vertices: {found}", flush=True)
+                session = Session(model, proxy=chosen.proxy)
+                moving = len(session.body.model.mass)
+                print(f"  {scene}, {moving:,} vertices: {meet(scene, session)}", flush=True)
     return 0
 
 
@@ -114,7 +112,7 @@ def pair(*, full: bool) -> None:
     print("pair, two balls of 5,048 vertices, a fifth of which touches")
 
     def planned(session: Session) -> Plan:
-        return make(decide(session.model, budget=BUDGET / 2 / CONTACT))
+        return plan(session.model, budget=BUDGET / 2 / CONTACT)
 
     print(f"  {planned(contact_cost.bodies(contact_cost.NEAR)[0]).reason}")
     for proxies in (True, False)[: 1 + full]:

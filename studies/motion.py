@@ -8,10 +8,10 @@ import numpy as np
 
 from core.base import Floats
 from core.body.model import Model, State, initial_state
-from core.solver.path import FingerPath
-from core.solver.ticks import acceleration_of
 
 from .methods.registry import METHODS
+from .reference.path import FingerPath
+from .reference.ticks import acceleration_of
 
 
 def move(model: Model, state: State, method: str, *, seconds: float, steps: int) -> State:

@@ -1,8 +1,8 @@
-"""A solid by finite elements, measured through one tip: what the body then answers another, and how its dents compare.
+"""A solid by finite elements, measured through one tip: how the dents of that tip and another compare.
 
-A ball and a block are identified as the product does it: by the two slopes K1 and K2 that are fitted to the force of
-one tip on the solid, with the spread that materials have by default and with 25 mm. Their fill is "liquid" or
-"solid": both keep their volume, but the skin of a solid gives way under a fingertip.
+A ball and a block have the two slopes K1 and K2 that are fitted to the force of one tip on the solid, with the spread
+that materials have by default and with 25 mm. Their fill is "liquid" or "solid": both keep their volume, but the skin
+of a solid gives way under a fingertip.
 """
 
 from __future__ import annotations
@@ -18,14 +18,12 @@ from scipy.interpolate import PchipInterpolator
 
 from core.base import Floats
 from core.calibration.fit import fit_law
-from core.calibration.indent import find_site
 from core.material import DEFAULT_MATERIAL, Indenter, Material
 from core.mesh.surface import Mesh
 
 from . import dents
 from .primitives import box, sized
 from .solid_mesh import BALL_RADIUS, BLOCK_EDGE
-from .virtual_press import identify
 
 BODIES, LAWS, FILLS = ("ball", "block"), ("linear", "neo-hookean"), ("liquid", "solid")
 TIPS = (10, 20)  # [mm] radii
@@ -44,7 +42,7 @@ def rows(
     tips: Sequence[int] = TIPS,
     spreads: Sequence[float] = SPREADS,
 ) -> Iterator[dict[str, object]]:
-    """Yield what a body that was identified through one tip answers either tip."""
+    """Yield how far the dents of either tip, in a body measured through one, are from those of the solid."""
     for body in bodies:
         mesh = dents.ball(subdivisions) if body == "ball" else sized(*box(CELLS[subdivisions]), BLOCK_EDGE)
         for law in laws:
@@ -52,19 +50,13 @@ def rows(
                 material = measured(body, law, tip)
                 for fill, spread in itertools.product(FILLS, spreads):
                     given = replace(material, fill=fill, spread=spread)
-                    found = identify(mesh, given, given.indenter, find_site(mesh, given.indenter), DEPTHS[-1])
                     for other in TIPS:
-                        wanted = np.interp(DEPTHS, *curve(body, law, other))
-                        some = list(dents.settle(mesh, found.material, 1e-3 * other, DEPTHS))
-                        off = 100 * (np.array([one.force[2] for one in some]) / wanted - 1)
+                        some = list(dents.settle(mesh, given, 1e-3 * other, DENTED))
                         yield {
-                            "body": body, "solid": law, "identified_mm": tip, "fill": fill, "spread_mm": 1e3 * spread,
+                            "body": body, "solid": law, "measured_mm": tip, "fill": fill, "spread_mm": 1e3 * spread,
                             "tip_mm": other,
-                            **{f"force_{1e3 * depth:g}_mm_percent": round(each, 1)
-                               for depth, each in zip(DEPTHS, off.tolist(), strict=True)},
                             **{f"dent_{1e3 * one.depth:g}_mm_percent":
-                               round(100 * _dent_error(mesh, one, body, law, other), 2)
-                               for one in some if one.depth in DENTED},
+                               round(100 * _dent_error(mesh, one, body, law, other), 2) for one in some},
                             "volume_percent": round(100 * max(abs(_volume(mesh, one) - 1) for one in some), 4),
                         }  # fmt: skip
 

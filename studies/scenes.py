@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from core.base import Floats
-from core.body.estimate import estimate
-from core.body.model import Model, State, build_model, initial_state
-from core.material import PRESETS, Material, Preset
+from core.body.model import Model, State, assemble, build_model, initial_state
+from core.body.on_mesh import constants_on, mass_on
+from core.body.springs import membrane_stiffness
+from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
 from core.session import Finger, Frame, Session
 
@@ -85,16 +87,29 @@ def poke_ball(subdivisions: int) -> Session:
     return _under_a_fingertip(ball(subdivisions), BALL)
 
 
-def poke_cube(cells: int, *, law_set: str = "consistent") -> Session:
+def poke_cube(cells: int) -> Session:
     """Return Object 3, the cube of vinyl and water, on its base, a 20 mm fingertip above it."""
     preset = PRESETS[2]
-    return _under_a_fingertip(cube(cells, preset.size), preset.material, law_set=law_set)
+    return _under_a_fingertip(cube(cells, preset.size), preset.material)
 
 
-def whole_skin(preset: Preset) -> Material:
-    """Return a preset's material with the whole of k in its skin, which the press that was measured contradicts."""
-    constants = estimate(preset.material, preset.size)
-    return replace(preset.material, constants=replace(constants, membrane_scale=1.0))
+def whole_skin(mesh: Mesh, material: Material) -> Model:
+    """Return a body pinned at its base with the whole of k in its skin, which the press that was measured contradicts.
+    """
+    model = build_model(mesh, [material], pinned=base_vertices(mesh))
+    return reassembled(model, stiffness=membrane_stiffness(mesh, np.full(len(mesh.springs), material.k)))
+
+
+def reassembled(model: Model, **constants: Floats) -> Model:
+    """Return a model with other constants of its vertices and edges, named as `assemble` has them."""
+    mesh, materials = model.mesh, model.materials
+    assert model.maps
+    given: dict[str, Any] = {**constants_on(mesh, materials, model.maps), **constants}
+    return assemble(
+        mesh, materials, mass=mass_on(mesh, materials), pinned=model.pinned,
+        fill=model.pressure.fill, rest_pressure=model.pressure.rest_pressure, gravity=model.gravity,
+        ground=model.ground, **given,
+    )  # fmt: skip
 
 
 def poke(session: Session, *, depth: float = 0.020, frame_rate: float = 60.0, seconds: float = 1.0) -> Iterator[Frame]:
@@ -121,6 +136,6 @@ def _placed(model: Model, positions: Floats) -> State:
     return state
 
 
-def _under_a_fingertip(mesh: Mesh, material: Material, *, law_set: str = "consistent") -> Session:
-    model: Model = build_model(mesh, [material], law_set=law_set, pinned=base_vertices(mesh))
+def _under_a_fingertip(mesh: Mesh, material: Material) -> Session:
+    model: Model = build_model(mesh, [material], pinned=base_vertices(mesh))
     return Session(model)

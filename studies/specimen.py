@@ -10,7 +10,6 @@ from core.base import DimpleError, Floats, Ints
 from core.mesh.surface import Mesh, mesh_from_triangles
 
 SUFFIXES = (".obj", ".stl", ".ply", ".off", ".glb")
-CELLS = 16  # squares along an edge of a cube: 1538 vertices
 
 
 def cube(cells: int, edge: float) -> Mesh:

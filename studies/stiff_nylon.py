@@ -2,8 +2,8 @@
 
 The fingertip goes 10 mm down in 0.12 s and stays for 0.04 s, without friction, which only some of the methods have.
 Compared are the skin at SAMPLES moments, of which the worst counts, and the mean force between them. The reference is
-the product's own method in double precision with FINE times its steps. The tolerances and the budget are the planner's,
-and so is one of the variants.
+the product's own method in double precision with FINE times its steps. The budget is the planner's, and so is one of
+the variants.
 """
 
 from __future__ import annotations
@@ -21,22 +21,21 @@ from core.body.model import Model, initial_state
 from core.body.model import build_model as build
 from core.material import PRESETS
 from core.mesh.surface import Mesh, base_vertices
-from core.reduction.benchmark import dent_error
 from core.reduction.binding import carry
-from core.reduction.decision import FORCE_TOLERANCE, TOLERANCE
 from core.reduction.planner import plan
 from core.reduction.processor_time import BUDGET
 from core.reduction.proxy import Proxy, build_proxy
-from core.solver.backend import choose_backend
-from core.solver.path import FingerPath
 
 from .methods import native as native_method
 from .methods.registry import METHODS, Run
+from .presses import dent_error
+from .reference.path import FingerPath
 from .scenes import FINGERTIP, cube, whole_skin
 
 DEPTH = 0.010  # [m]
 DOWN, TICKS = 120, 160
 SAMPLES = 8
+TOLERANCE, FORCE_TOLERANCE = 0.5e-3, 0.1  # [m] between the surfaces, over the dent; of the force
 FINE = 4  # steps of the reference over the product's
 PROXIES = (300, 600, 1200, 2500, 4000)
 
@@ -84,9 +83,8 @@ Pressed = tuple[list[Floats], Floats, float, int]  # skins (n, 3) [m], forces (S
 
 def nylon(cells: int, *, whole: bool) -> Model:
     """Return Object 1 on its base; whole: with all of k in its skin, which makes it far stiffer than it measured."""
-    mesh = cube(cells, PRESETS[0].size)
-    material = whole_skin(PRESETS[0]) if whole else PRESETS[0].material
-    return build(mesh, [replace(material, friction=0.0)], pinned=base_vertices(mesh))
+    mesh, material = cube(cells, PRESETS[0].size), replace(PRESETS[0].material, friction=0.0)
+    return whole_skin(mesh, material) if whole else build(mesh, [material], pinned=base_vertices(mesh))
 
 
 def outcomes(cells: int, *, whole: bool, slow: bool) -> Iterator[Outcome]:
@@ -98,9 +96,8 @@ def outcomes(cells: int, *, whole: bool, slow: bool) -> Iterator[Outcome]:
         slow: XPBD with smaller substeps too, half a minute on a fine mesh.
     """
     model = nylon(cells, whole=whole)
-    backend, why = choose_backend()
-    fast: Run = METHODS["semi_implicit"].run if why else partial(native_method.run, bits=32)
-    exact: Run = fast if why else native_method.run
+    fast: Run = partial(native_method.run, bits=32)
+    exact: Run = native_method.run
     substeps, n = model.substeps(TICK), len(model.mass)
     wanted = pressed(model, exact, FINE * substeps)
 
@@ -113,15 +110,16 @@ def outcomes(cells: int, *, whole: bool, slow: bool) -> Iterator[Outcome]:
 
     # how accurate the reference itself is: the fold of a wrinkling skin is uncertain
     half = pressed(model, exact, FINE // 2 * substeps)
-    yield outcome("reference", "semi_implicit", backend, n, TICK / substeps / (FINE // 2), half)
+    yield outcome("reference", "semi_implicit", "native", n, TICK / substeps / (FINE // 2), half)
     taken = plan(model, radius=FINGERTIP).proxy
     yield outcome(
-        "mesh" if taken else "planner", "semi_implicit", backend, n, TICK / substeps, pressed(model, fast, substeps)
+        "mesh" if taken else "planner", "semi_implicit", "native", n, TICK / substeps, pressed(model, fast, substeps)
     )
     proxies = [("proxy", build_proxy(model, size)) for size in PROXIES if size <= n / 2]
     for variant, proxy in [("planner", taken), *proxies] if taken else proxies:
         few = proxy.model.substeps(TICK)
-        yield outcome(variant, "semi_implicit", backend, len(proxy.seeds), TICK / few, _proxy_pressed(proxy, fast, few))
+        found = _proxy_pressed(proxy, fast, few)
+        yield outcome(variant, "semi_implicit", "native", len(proxy.seeds), TICK / few, found)
     for method, steps in (("vertex_block_descent", 1), ("xpbd", 8), ("xpbd", 32))[: 3 if slow else 2]:
         yield outcome("mesh", method, "numpy", n, TICK / steps, pressed(model, METHODS[method].run, steps))
 

@@ -10,16 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from core import native
 from core.base import TICK, Floats
 from core.body.model import Model, State, build_model, initial_state
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
-from core.solver.path import FingerPath
 
 from .methods import native as native_method
 from .methods.registry import METHODS
 from .motion import relative_error
+from .reference.path import FingerPath
 from .scenes import BALL, FINGERTIP, ball, cube, oscillator, twisted_ball, whole_skin
 
 Reference = Callable[[Model, State, float], Floats]  # positions (3, n) [m] after a time [s]
@@ -34,7 +33,7 @@ SWEEPING_STEPS = (0.1, 0.25, 0.5, 1.0, 2.0)
 STEPS = {"explicit": EXPLICIT_STEPS, "implicit": IMPLICIT_STEPS, "sweeping": SWEEPING_STEPS}
 ALIKE = 1.15  # costs within this factor count as equal
 SHORT = 1.0  # [s] a run shorter than this is timed again
-FINE, FINE_NATIVE = 32, 512  # steps of our own reference over the limit; doubling those in C changes it by under 1e-4
+FINE = 512  # steps of our own reference over the limit; doubling those changes it by under 1e-4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,20 +96,19 @@ def cases(*, quick: bool) -> list[Case]:
     water = PRESETS[2]
     return [
         *found,
-        _poke("whole_skin", "the same, all of k in the skin", stiff_mesh, whole_skin(nylon), 0.005),
+        _poke("whole_skin", "the same, all of k in the skin", stiff_mesh, nylon.material, 0.005, whole_skin),
         _poke("poke_cube", "poked cube of vinyl and water", cube(5, water.size), water.material, 0.06),
     ]
 
 
 def measure(case: Case, *, reference: Reference | None = None, quick: bool = False) -> Iterator[Point]:
-    """Run every method in numpy over its range of steps, and the native core where there is one.
+    """Run every method in numpy over its range of steps, and the native core.
 
     Args:
         reference: an independent solver for motion without contact; else our own, at very small steps.
     """
     wanted = exact(case, reference)
-    methods = [*METHODS, *([] if native.why_not() else [NATIVE])]
-    for name in methods:
+    for name in (*METHODS, NATIVE):
         _advance(case, name, 2)  # what is prepared once for a body is no part of a step's cost
         shares = STEPS["explicit" if name == NATIVE else METHODS[name].kind]
         if quick:
@@ -127,8 +125,7 @@ def exact(case: Case, reference: Reference | None) -> Floats:
     """Return the positions (3, n) at the end: by the reference, or in contact by very small steps of our own."""
     if reference and not case.depth:
         return reference(case.model, copy.deepcopy(case.start), case.seconds)
-    method, share = ("velocity_verlet", FINE) if native.why_not() else (NATIVE, FINE_NATIVE)
-    return _advance(case, method, math.ceil(share * _limit_steps(case)))[0].positions
+    return _advance(case, NATIVE, math.ceil(FINE * _limit_steps(case)))[0].positions
 
 
 def run(case: Case, method: str, steps: int, wanted: Floats, *, repeats: int = 1) -> Point:
@@ -161,9 +158,13 @@ def front(points: Sequence[Point]) -> dict[float, Point | None]:
     return found
 
 
-def _poke(name: str, label: str, mesh: Mesh, material: Material, seconds: float) -> Case:
+def _poke(
+    name: str, label: str, mesh: Mesh, material: Material, seconds: float,
+    made: Callable[[Mesh, Material], Model] | None = None,
+) -> Case:  # fmt: skip
     """Return a press without friction, which only some of the methods have."""
-    model = build_model(mesh, [replace(material, friction=0.0)], pinned=base_vertices(mesh))
+    smooth = replace(material, friction=0.0)
+    model = made(mesh, smooth) if made else build_model(mesh, [smooth], pinned=base_vertices(mesh))
     return Case(name=name, label=label, model=model, start=initial_state(model), seconds=seconds, depth=mesh.size / 16)
 
 

@@ -7,13 +7,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from core import native
 from core.base import Floats, Ints
-from core.body.contact import Skin
 from core.body.model import State
+from core.native import Body
 from core.session import Session
-from core.solver.backend import Body
 from core.solver.rigid import rotation
+from studies.reference.contact import Skin
 
 Shape = tuple[Floats, Ints]
 REAL = ("bunny.ply", "not_convex.obj", "soup.stl", "teapot.stl")  # scans and exports as they come
@@ -106,11 +105,6 @@ def signed_volume(points: Floats, faces: Ints) -> float:
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = points[i], points[j], points[k]
         total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
     return total / 6
-
-
-def backends(*wanted: str) -> list[str]:
-    """Return those of the backends that run here; numpy always does."""
-    return [b for b in wanted if b == "numpy" or not native.why_not()]
 
 
 def after(session: Session, seconds: float) -> npt.NDArray[np.float32]:

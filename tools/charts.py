@@ -13,7 +13,6 @@ from pathlib import Path
 
 from studies.methods.registry import METHODS
 
-from .charts_ladder import draw_ladder
 from .charts_model import draw_cost, draw_energy, draw_literal, draw_space, draw_stiff_nylon
 from .charts_proxies import draw_proxies
 from .charts_stability import draw_stability
@@ -34,7 +33,7 @@ def main(words: Sequence[str] | None = None) -> int:
     options.out.mkdir(parents=True, exist_ok=True)
     for draw in (
         draw_work_precision, draw_stability, draw_energy, draw_literal, draw_cost, draw_space, draw_stiff_nylon,
-        draw_proxies, draw_ladder,
+        draw_proxies,
     ):  # fmt: skip
         started = time.perf_counter()
         draw(options.out, options.quick)
@@ -46,15 +45,12 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def keep(out: Path) -> None:
-    """Keep the main charts, the fronts, and the data of the planner's fit."""
+    """Keep the main charts and the fronts."""
     KEPT.mkdir(parents=True, exist_ok=True)
     for name in ("work_precision", "stability", "proxies"):
         for suffix in (".png", ".svg", ".csv"):
             shutil.copyfile(out / (name + suffix), KEPT / (name + suffix))
-    for name in (
-        "stability_bounds.csv", "proxies_fit.csv", "proxies_ladder.csv", "fronts.csv", "ladder.png", "graded.csv",
-        "quasi_static.csv",
-    ):  # fmt: skip
+    for name in ("stability_bounds.csv", "fronts.csv"):
         shutil.copyfile(out / name, KEPT / name)
 
 

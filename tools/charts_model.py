@@ -9,11 +9,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from core.reduction.decision import FORCE_TOLERANCE, TOLERANCE
 from core.reduction.processor_time import BUDGET
 from studies import conservation, cost, literal_against_consistent, space, stiff_nylon
 from studies.methods.registry import METHODS
-from studies.stiff_nylon import Outcome
+from studies.stiff_nylon import FORCE_TOLERANCE, TOLERANCE, Outcome
 
 from .drawing import LABELS, MARKERS, STYLES, save, table, write_csv
 
@@ -63,16 +62,16 @@ def draw_literal(out: Path, quick: bool) -> None:
     presses = list(literal_against_consistent.presses(cells=4 if quick else 10))
     write_csv(
         out / "literal_against_consistent.csv",
-        ("law_set", "depth_m", "volume_over_rest", "finger_force_n", "law_force_n"),
-        ((p.law_set, p.depth, p.volume_ratio, p.force, p.law_force) for p in presses),
+        ("laws", "depth_m", "volume_over_rest", "finger_force_n", "law_force_n"),
+        ((p.laws, p.depth, p.volume_ratio, p.force, p.law_force) for p in presses),
     )
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.4))
-    for law_set, label in (("consistent", "consistent laws"), ("paper", "the paper to the letter")):
-        mine = [p for p in presses if p.law_set == law_set]
+    for laws, label in (("consistent", "consistent laws"), ("paper", "the paper to the letter")):
+        mine = [p for p in presses if p.laws == laws]
         depths = [1e3 * p.depth for p in mine]
         left.plot(depths, [100 * (p.volume_ratio - 1) for p in mine], label=label)
         right.plot(depths, [p.force for p in mine], label=label)
-    measured = sorted((1e3 * p.depth, p.law_force) for p in presses if p.law_set == "consistent")
+    measured = sorted((1e3 * p.depth, p.law_force) for p in presses if p.laws == "consistent")
     right.plot([m[0] for m in measured], [m[1] for m in measured], "k--", label="K(x), Eq. (1)")
     left.set(xlabel="depth [mm]", ylabel="change of volume [%]", title="Object 3, water: volume")
     right.set(xlabel="depth [mm]", ylabel="force on the fingertip [N]", title="force, 20 mm fingertip", yscale="symlog")

@@ -6,20 +6,16 @@ import base64
 import bz2
 import hashlib
 import io
-import lzma
 import os
 import platform
 import re
 import shutil
-import struct
 import sys
 import tarfile
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-from unittest import mock
 
 from .environment import ENVIRONMENTS, ROOT, Stop, provide_packages, require, say
 
@@ -60,48 +56,36 @@ DOUBLE = "-DDM_DOUBLE"  # bodies in double precision too, for tests; what ships 
 PLATFORMS = {
     "linux-x64": Platform("x86_64-linux-gnu.2.17", "libdimple_core.so", "manylinux_2_17_x86_64", ("base", "avx2")),
     "windows-x64": Platform("x86_64-windows-gnu", "dimple_core.dll", "win_amd64", ("base", "avx2")),
+    "windows-arm64": Platform("aarch64-windows-gnu", "dimple_core.dll", "win_arm64", ("base",)),
     "macos-arm64": Platform("aarch64-macos.11.0", "libdimple_core.dylib", "macosx_11_0_arm64", ("base",)),
-    # one Mac that runs this system is without AVX2, of 2013: numpy stands in there, and the zip is 50 kB smaller
-    "macos-x64": Platform("x86_64-macos.11.0", "libdimple_core.dylib", "macosx_11_0_x86_64", ("avx2",)),
+    "macos-x64": Platform("x86_64-macos.11.0", "libdimple_core.dylib", "macosx_11_0_x86_64", ("base", "avx2")),
 }
 
 
-def provide_library(python: str | Path) -> bool:
-    """Put the library of this machine beside its sources, where it is not up to date; tell whether it is there."""
+def provide_library(python: str | Path) -> None:
+    """Put the library of this machine beside its sources, where it is not up to date.
+
+    Raises:
+        Stop: it cannot be compiled.
+    """
     name = this_platform()
-    if name is None:
-        say("there is no native core for this kind of machine: numpy stands in")
-        return False
-    place = SOURCES / PLATFORMS[name].library
-    try:
-        built = compile_library(python, name, DOUBLE)
-    except Stop as stop:
-        say(f"the native core was not compiled, numpy stands in: {stop}")
-        return False
+    place, built = SOURCES / PLATFORMS[name].library, compile_library(python, name, DOUBLE)
     if not place.exists() or place.read_bytes() != built.read_bytes():
         fresh = place.with_suffix(".new")  # a library in use must not change under its user
         shutil.copyfile(built, fresh)
         os.replace(fresh, place)
-    return True
 
 
-def provide_wheels(python: str | Path, *, must: bool = False) -> list[Path]:
-    """Make the wheels of all platforms; one that cannot be compiled is hollow, and numpy stands in there.
+def provide_wheels(python: str | Path) -> list[Path]:
+    """Make the wheels of all platforms.
 
     Raises:
-        Stop: one cannot be compiled, and it must.
+        Stop: one cannot be compiled.
     """
     wheels = []
     for name, target in PLATFORMS.items():
         wheel = WHEELS / f"{PACKAGE}-{version()}-py3-none-{target.tag}.whl"
-        try:
-            library = {target.library: compile_library(python, name).read_bytes()}
-        except Stop as stop:
-            if must:
-                raise
-            say(f"the wheel for {name} is hollow, numpy stands in there: {stop}")
-            library = {}
-        content = wheel_content(target.tag, library)
+        content = wheel_content(target.tag, target.library, compile_library(python, name).read_bytes())
         if not wheel.exists() or wheel.read_bytes() != content:
             WHEELS.mkdir(exist_ok=True)
             wheel.write_bytes(content)
@@ -126,12 +110,19 @@ def packed_sources() -> bytes:
     return bz2.compress(memory.getvalue())  # of text, a fifteenth less than xz
 
 
-def this_platform() -> str | None:
+def this_platform() -> str:
+    """Return the name of this machine's platform.
+
+    Raises:
+        Stop: there is no native core for it.
+    """
     machine = platform.machine().lower()
     system = {"linux": "linux", "win32": "windows", "darwin": "macos"}.get(sys.platform, "")
     kind = {"x86_64": "x64", "amd64": "x64", "arm64": "arm64", "aarch64": "arm64"}.get(machine, "")
     name = f"{system}-{kind}"
-    return name if name in PLATFORMS else None
+    if name not in PLATFORMS:
+        raise Stop(f"there is no native core for {sys.platform} {machine}")
+    return name
 
 
 def version() -> str:
@@ -169,7 +160,6 @@ def compile_library(python: str | Path, name: str, *more: str) -> Path:
             words.append([*options, SOURCES / "variant.c", "-o", folder / f"{kind}{bits}.o"])
     command: list[str | Path] = [zig, "cc", "-target", target.triple, *more]
     command += () if name.startswith("windows") else NO_UNWINDING
-    command += () if "base" in target.sets else ["-DDM_NO_BASE"]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(lambda rest: quiet([*command, *FLAGS, "-c", *rest]), words))
     objects = [rest[-1] for rest in words]
@@ -201,38 +191,24 @@ def quiet(command: list[str | Path]) -> None:
     require(command, "The compiler refused.")
 
 
-def wheel_content(tag: str, library: dict[str, bytes]) -> bytes:
+def wheel_content(tag: str, name: str, library: bytes) -> bytes:
     """Return a wheel with one package of data, the same bytes whenever it is made."""
     info = f"{PACKAGE}-{version()}.dist-info"
     kind = f"Wheel-Version: 1.0\nGenerator: dimple\nRoot-Is-Purelib: false\nTag: py3-none-{tag}\n"
     metadata = f"Metadata-Version: 2.1\nName: {PACKAGE}\nVersion: {version()}\nLicense: GPL-3.0-or-later\n"
     files = {
         f"{PACKAGE}/__init__.py": b'"""The compiled core of Dimple."""\n',
-        **{f"{PACKAGE}/{name}": content for name, content in library.items()},
+        f"{PACKAGE}/{name}": library,
         f"{info}/METADATA": metadata.encode(),
         f"{info}/WHEEL": kind.encode(),
     }
     record = "".join(f"{name},sha256={_digest(content)},{len(content)}\n" for name, content in files.items())
     files[f"{info}/RECORD"] = f"{record}{info}/RECORD,,\n".encode()
-    return min((_zipped(files, *each) for each in ((4, 0, 0), (0, 2, 2))), key=len)  # for x86, for arm
-
-
-def _zipped(files: dict[str, bytes], lc: int, lp: int, pb: int) -> bytes:
-    """Return a zip of files, packed by LZMA with so many bits of the byte before, of the place, and of that again.
-
-    A fifth smaller, and every Python of Blender reads it.
-    """
-
-    def begun(packer: Any) -> bytes:
-        packer._comp = lzma.LZMACompressor(lzma.FORMAT_RAW, filters=[{"id": lzma.FILTER_LZMA1, **options}])
-        return struct.pack("<BBHBL", 9, 4, 5, (pb * 5 + lp) * 9 + lc, options["dict_size"])
-
-    options = {"lc": lc, "lp": lp, "pb": pb, "dict_size": 1 << 23}
     memory = io.BytesIO()
-    with mock.patch("zipfile.LZMACompressor._init", begun), zipfile.ZipFile(memory, "w") as archive:
-        for name, content in files.items():
-            kind = zipfile.ZIP_LZMA if len(content) > SHORT else zipfile.ZIP_DEFLATED
-            archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content, kind, 9)
+    with zipfile.ZipFile(memory, "w") as archive:
+        for path, content in files.items():  # LZMA is a fifth smaller, and every Python of Blender reads it
+            packed = zipfile.ZIP_LZMA if len(content) > SHORT else zipfile.ZIP_DEFLATED
+            archive.writestr(zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0)), content, packed, 9)
     return memory.getvalue()
 
 

@@ -1,4 +1,4 @@
-"""Japanese of calibration, identification and the virtual measurement."""
+"""Japanese of calibration and the virtual measurement."""
 
 OPERATORS = {
     "Calibrate": "キャリブレーション",
@@ -10,7 +10,6 @@ OPERATORS = {
     "Apply to Material": "マテリアルに適用",
     "Discard": "破棄",
     "Keep as My Material": "自分のマテリアルとして保存",
-    "Identify": "同定",
     "Measure": "測定",
     "Measure to File...": "測定してファイルへ...",
 }
@@ -118,9 +117,6 @@ RESULT = {
     "Largest Error from Points": "測定点からの最大誤差",
     "{} of full scale": "フルスケールの {}",
     "Just-Noticeable Difference": "丁度可知差異",
-    "This error is too small to be felt.": "この誤差は小さく、手では感じ取れません。",
-    "A trained hand may just notice this error.": "訓練された手なら、この誤差にかろうじて気づくかもしれません。",
-    "This error can be felt.": "この誤差は手で感じ取れます。",
     "The constants were edited after the measurement.": "定数は測定の後で編集されています。",
     "Give the active material the calibrated constants and their source, and the body its measured size": (
         "アクティブマテリアルにキャリブレーションした定数とその出典を、物体に測定時の大きさを与えます"
@@ -141,51 +137,20 @@ VIRTUAL = {
     "Radius of what pressed the object when it was measured": "測定のとき物体を押したものの半径",
     "Press At": "押す場所",
     "Where the tip presses": "先端が入る場所",
-    "Typical Place": "代表的な場所",
-    "The middle of the top, unless there is an edge, a hole or a pin: then where the surface is most even": (
-        "上面の中央を押します。縁、穴、固定された部分があるときは、表面が最も平らな場所を押します"
-    ),
+    "Top": "上面",
+    "Straight down on the middle": "中央を真上から押します",
     "3D Cursor": "3D カーソル",
     "Straight into the surface, where the 3D cursor is nearest to it": "3D カーソルに最も近い表面をまっすぐ押します",
-    "Find model constants with which a virtual press of the active object reproduces its measurement": (
-        "アクティブオブジェクトを仮想的に押したときの応答が測定どおりになる、モデルの定数を求めます"
-    ),
-    "Depth up to which the constants are fitted; 0 is the measured depth": (
-        "定数を合わせる深さの上限。0 は測定した深さまでです"
-    ),
-    "Identifying: Esc cancels": "同定しています。Esc で中止します",
-    "Identification": "同定",
-    "How the model constants were found": "モデルの定数をどのように求めたか",
-    "Shape Matching κ1 (N/cm³)": "形状マッチング κ1 (N/cm³)",
-    "Identified: force per area and depth, up to the knee": "同定された、折れ点までの面積と深さあたりの力",
-    "Shape Matching κ2 (N/cm³)": "形状マッチング κ2 (N/cm³)",
-    "Identified: force per area and depth, beyond the knee": "同定された、折れ点を越えた後の面積と深さあたりの力",
-    "Knee d0 (mm)": "折れ点 d0 (mm)",
-    "Identified: displacement at which shape matching changes from κ1 to κ2": (
-        "同定された、形状マッチングが κ1 から κ2 に変わる変位"
-    ),
-    "Share of k": "k の割合",
-    "Identified: share of k that the membrane has": "同定された、膜が持つ k の割合",
-    "The material was changed since it was identified: identify again.": (
-        "同定の後でマテリアルが変更されました。もう一度同定してください。"
-    ),
     "Object": "対象",
     "Vertices": "頂点数",
-    "Indentation Depth": "押し込み深さ",
-    "RMS Error": "RMS 誤差",
-    "Largest Force Error": "力の最大誤差",
     "Law": "法則",
     "Pressed": "押した軌跡",
-    "Simulated": "シミュレーション",
-    "Press the active object with its measuring tip, virtually, and write force against depth as a CSV file": (
-        "アクティブオブジェクトを測定用の先端で仮想的に押し、深さに対する力を CSV ファイルに書き出します"
+    "Press the active object with a round tip, virtually, and write force against depth as a CSV file": (
+        "アクティブオブジェクトを丸い先端で仮想的に押し、深さに対する力を CSV ファイルに書き出します"
     ),
-    "What presses the object": "物体を押すもの",
-    "As Measured": "測定時と同じ",
-    "The tip that measured the material; any other is a prediction": (
-        "材質を測定した先端。ほかの先端での結果は予測です"
+    "Radius of the tip; 0 is that of the tip that measured the material": (
+        "先端の半径。0 は材質を測定した先端の半径です"
     ),
-    "Radius of what presses, where it is not the tip that measured": "測定時と違う先端で押すときの半径",
     "Where the CSV goes": "CSV の保存先",
     "Check Existing": "既存の確認",
     "Ask before a file is overwritten": "ファイルを上書きする前に確認します",

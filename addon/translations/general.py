@@ -78,16 +78,6 @@ BODY = {
     "Dimple": "Dimple",
     "Settings of Dimple": "Dimple の設定",
     "Make this mesh a soft body that can be pressed": "このメッシュを、押せる柔らかい物体にします",
-    "Laws": "力学の法則",
-    "Which equations move the body": "物体を動かす方程式",
-    "Consistent": "整合的",
-    "All forces derive from one energy: they sum to zero, and the volume is preserved": (
-        "すべての力を一つのエネルギーから導きます。力の総和はゼロになり、体積が保たれます"
-    ),
-    "Paper (literal)": "論文 (そのまま)",
-    "Equations 1 to 8 of the paper, taken literally, with their known limits": (
-        "論文の式 1 から 8 をそのまま使います。既知の限界もそのままです"
-    ),
     "Pinned": "固定",
     "Which part of the body is pinned": "物体のどこを固定するか",
     "Base": "底",

@@ -2,17 +2,14 @@
 
 OPERATORS: dict[str, str] = {}
 WORDS = {
-    "A bake, a comparison or a virtual press is running; Esc cancels it": (
-        "ベイク、比較、または仮想の押し込みを実行中です。Esc で中止できます"
+    "A bake or a virtual press is running; Esc cancels it": (
+        "ベイクまたは仮想の押し込みを実行中です。Esc で中止できます"
     ),
     "A poke is running; Esc leaves it": "押しているところです。Esc で終了します",
     "All three fingertips are in use; take one out of its slot first": (
         "3 つの指先はすべて使われています。先にどれかをスロットから外してください"
     ),
     "Calibrate with a file first": "先にファイルでキャリブレーションしてください",
-    "Give the object a material first: calibrate, or choose a preset": (
-        "先に物体にマテリアルを付けてください。キャリブレーションするか、プリセットを選びます"
-    ),
     "Go back to Object Mode first": "先にオブジェクトモードに戻ってください",
     "Go back to Object Mode to bake": "ベイクするにはオブジェクトモードに戻ってください",
     "Go back to Object Mode to calibrate": "キャリブレーションするにはオブジェクトモードに戻ってください",

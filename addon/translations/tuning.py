@@ -8,13 +8,12 @@ OPERATORS = {
 WORDS = {
     "Pressure (kPa)": "圧力 (kPa)",
     "How much higher the pressure inside is than outside before the body gives way: above 0 it swells, below 0 it "
-    "shrinks. The constants are those without; with the paper's laws it does nothing": (
+    "shrinks. The constants are those without": (
         "物体が変形する前に、中の圧力が外よりどれだけ高いか。0 より大きいと膨らみ、小さいと縮みます。定数は圧力がない"
-        "ときの値です。論文の法則では働きません"
+        "ときの値です"
     ),
     "Spread (mm)": "広がり (mm)",
     "How far a dent reaches beyond the fingertip": "くぼみが指先の外へどこまで広がるか",
-    "Identifying: the force is an estimate so far": "同定中：力はまだ推定値です",
     "Press By": "押し方",
     "Whether a press, Ctrl + wheel and pen pressure set a depth or a force": (
         "押すとき、Ctrl とホイール、ペンの筆圧が深さと力のどちらを決めるか"

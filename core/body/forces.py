@@ -1,11 +1,11 @@
-"""The forces on the vertices of a body, by either set of laws."""
+"""The forces on the vertices of a body."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 from ..base import Floats
-from . import paper, pressure, shape_matching, springs
+from . import pressure, shape_matching, springs
 from .model import Model, State
 from .shape_matching import Pose
 
@@ -13,16 +13,9 @@ from .shape_matching import Pose
 def forces(model: Model, state: State) -> Floats:
     """Return the force (3, n) [N] on every vertex: the right-hand side of every method. Source: Eq. (5)."""
     x, v = state.positions, state.velocities
-    if model.law_set == "paper":
-        area = paper.contact_area(state.contact, model.mesh.triangles, x)
-        state.pressure = paper.inner_pressure(state.inner_force, area)
-        f = paper.spring_force(model.springs, x)
-        if state.pressure:
-            f += paper.pressure_force(state.pressure, model.mesh.triangles, x, float(model.mesh.triangle_areas.sum()))
-    else:
-        f, state.volume, state.pressure = law_forces(model, x, state.pose, v, state.pose_rate)
-        if state.load is not None:
-            f += state.load
+    f, state.volume, state.pressure = law_forces(model, x, state.pose, v, state.pose_rate)
+    if state.load is not None:
+        f += state.load
     return f + model.mass * model.gravity[:, None]
 
 
@@ -52,7 +45,7 @@ def law_forces(
     pose_rate: Pose | None = None,
     shape: Shape | None = None,
 ) -> tuple[Floats, float, float]:
-    """Return the forces (3, n) [N] of the consistent laws, undamped without velocities, and volume and pressure.
+    """Return the forces (3, n) [N] of the laws, undamped without velocities, and volume and pressure.
 
     The last two are 0 where there is no fill.
 

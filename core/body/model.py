@@ -18,7 +18,6 @@ from ..base import (
     Bools,
     DimpleError,
     Floats,
-    Ints,
     mean_of_pairs,
     sums_at,
 )
@@ -27,12 +26,11 @@ from ..mesh.surface import Mesh, spans_a_plane
 from ..other_tip import layer
 from . import bound, pressure, shape_matching, springs
 from .maps import Maps, painted
-from .on_mesh import constants_on, mass_on, paper_constants
+from .on_mesh import constants_on, mass_on
 from .pressure import Pressure
 from .shape_matching import Pose, ShapeMatching
 from .springs import Springs
 
-LAW_SETS = ("consistent", "paper")
 _ALL_PINS = "Every vertex is pinned, so nothing can move. Set Pinned to None, pin fewer vertices or subdivide the mesh."
 SUNK = 1e-6  # of the size: what lies no deeper below the ground lies on it
 SMALL = 1e-3  # [m] a body smaller than this is most likely modelled in other units
@@ -46,7 +44,6 @@ class Model:
     """A mesh with its laws: the definition of a body.
 
     mesh: the surface at rest.
-    law_set: "consistent" or "paper".
     materials: one for each index in mesh.triangle_material.
     mass: (n,) [kg].
     inverse_mass: (n,) [1/kg], 0 where pinned.
@@ -64,7 +61,6 @@ class Model:
     """
 
     mesh: Mesh
-    law_set: str
     materials: tuple[Material, ...]
     mass: Floats
     inverse_mass: Floats
@@ -111,10 +107,7 @@ class Model:
         omega = math.sqrt(max(self.omega_squared, 1e-12))
         z = self.decay / (2 * omega)
         share = 2 * (math.sqrt(1 + z * z) - z) * STEP_SAFETY
-        # the paper's equations stay literal, with their own limits
-        limit = share / omega
-        if self.law_set != "paper":
-            limit = min(limit, LONGEST_STEP / omega, LONGEST_CONTACT if self.free else math.inf)
+        limit = min(share / omega, LONGEST_STEP / omega, LONGEST_CONTACT if self.free else math.inf)
         if not tick <= MAX_SUBSTEPS * limit:
             todo = "Raise its mass, lower k, K2 or the pressure, or use a coarser mesh."
             if self.mesh.size < SMALL:
@@ -135,8 +128,6 @@ class State:
     velocities: (3, n) [m/s].
     pose: of the shape at rest where pins hold it, None where it is free.
     pose_rate: how fast that pose changes [1/s], [m/s], None where the pins rest.
-    inner_force: sum of K(x_i) over the fingertips [N], Eq. (1), for Eq. (2).
-    contact: vertices touched, for Eq. (2).
     volume: [m3] at the last evaluation of the forces.
     pressure: [Pa] at the last evaluation.
     unsolved: implicit steps so far that found no solution.
@@ -149,8 +140,6 @@ class State:
     velocities: Floats
     pose: Pose | None
     pose_rate: Pose | None = None
-    inner_force: float = 0.0
-    contact: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     volume: float = 0.0
     pressure: float = 0.0
     unsolved: int = 0
@@ -163,7 +152,6 @@ def build_model(
     mesh: Mesh,
     materials: Sequence[Material],
     *,
-    law_set: str = "consistent",
     pinned: Bools | Floats | None = None,
     softness: Floats | None = None,
     knee: Floats | None = None,
@@ -177,7 +165,6 @@ def build_model(
 
     Args:
         materials: one for each index in mesh.triangle_material.
-        law_set: "consistent" (the default) or "paper" (the equations literally).
         pinned: (N,) input vertices that do not move by themselves (bool, or weights of which half or more holds).
         softness, knee, spread, thickness: what is painted on each input vertex (N,), 0.5 as measured; see `maps`.
         gravity: (3,) [m/s2].
@@ -185,10 +172,8 @@ def build_model(
         rigged: something else places its shape at rest, see `Model`.
 
     Raises:
-        DimpleError: no material, an unknown law set, or maps of the wrong length.
+        DimpleError: no material, or maps of the wrong length.
     """
-    if law_set not in LAW_SETS:
-        raise DimpleError(f"The law set must be one of {', '.join(LAW_SETS)} (it is {law_set}).")
     if not np.isfinite(gravity).all() or np.shape(gravity) != (3,) or not math.isfinite(ground or 0.0):
         raise DimpleError("Gravity must be three numbers and the ground's height one.")
     if not materials or mesh.triangle_material.max() >= len(materials) or mesh.triangle_material.min() < 0:
@@ -198,12 +183,11 @@ def build_model(
     maps = painted(*(_on_vertices(mesh, values, f"{name} map", 0.5) for name, values in named))
 
     mass = mass_on(mesh, materials) * maps.thicker
-    fill, rest_pressure = _fill(mesh, materials, law_set)
+    fill, rest_pressure = _fill(mesh, materials)
     ground, sunk = _ground(mesh, pinned_here, ground)
     model = assemble(
-        mesh, materials, law_set=law_set, mass=mass, pinned=pinned_here, fill=fill, rest_pressure=rest_pressure,
-        gravity=gravity, ground=ground, notes=sunk,
-        **(paper_constants(mesh, materials) if law_set == "paper" else constants_on(mesh, materials, maps)),
+        mesh, materials, mass=mass, pinned=pinned_here, fill=fill, rest_pressure=rest_pressure, gravity=gravity,
+        ground=ground, notes=sunk, **constants_on(mesh, materials, maps),
     )  # fmt: skip
     return replace(model, maps=maps, rigged=rigged)
 
@@ -212,7 +196,6 @@ def assemble(
     mesh: Mesh,
     materials: Sequence[Material],
     *,
-    law_set: str,
     mass: Floats,
     pinned: Bools,
     friction: Floats,
@@ -223,8 +206,6 @@ def assemble(
     k2: Floats,
     d0: Floats,
     tension: Floats,
-    more: Floats,
-    knees: Floats,
     fill: str,
     rest_pressure: float,
     gravity: Sequence[float] | Floats,
@@ -235,15 +216,14 @@ def assemble(
 
     Args:
         mass [kg], friction, compliance [m/N], damping (a ratio), k1, k2 [N/m], d0 [m]: (n,) a vertex.
-        more [N/m], knees [m]: (p, n) of further pieces of shape matching.
         stiffness, tension: (m,) along the mesh's edges [N/m].
         rest_pressure: of the fill, in the shape at rest [Pa].
     """
     n, ends = len(mass), mesh.springs
     shape = shape_matching.build_shape_matching(
-        mesh, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, tension=tension, more=more, knees=knees
+        mesh, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, tension=tension
     )
-    met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + shape_matching.stiffest(shape)
+    met = 2 * sums_at(ends.ravel(), np.repeat(tension, 2), n) + np.maximum(k1, k2)
     mass = _even_out(mass, 2 * sums_at(ends.ravel(), np.repeat(stiffness, 2), n) + met, ~mesh.loose)
     i, j = ends.T
     reduced = mass[i] * mass[j] / (mass[i] + mass[j])
@@ -255,31 +235,16 @@ def assemble(
         shape, damping=2 * damping * np.sqrt(k1 * mass), mass=np.where(mesh.loose, LOOSE_MASS * mass, mass)
     )
     inside = pressure.build_pressure(mesh, fill, rest_pressure)
-    # Eq. (4) stiffens with stretch: k (2 |l| / |l0| - 1); allow for twice the rest length
-    along, at = (3.0 if law_set == "paper" else 1.0) * stiffness + tension, shape_matching.stiffest(shape)
     return Model(
-        mesh=mesh, law_set=law_set, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, pinned=pinned,
+        mesh=mesh, materials=tuple(materials), mass=mass, inverse_mass=inverse_mass, pinned=pinned,
         friction=friction, compliance=compliance, springs=membrane, pressure=inside, matching=shape,
         gravity=np.asarray(gravity, np.float64), ground=ground,
-        omega_squared=bound.of_body(mesh, along, at, inverse_mass, inside, STIFFENS[inside.fill]),
+        omega_squared=bound.of_body(
+            mesh, stiffness + tension, np.maximum(k1, k2), inverse_mass, inside, STIFFENS[inside.fill]
+        ),
         decay=bound.of_edges(mesh, dashpots, shape.damping, inverse_mass),
         notes=mesh.notes + notes + ((_ALL_PINS,) if pinned.all() else ()),
     )  # fmt: skip
-
-
-def with_bed(model: Model, k1: Floats, knees: Floats, more: Floats) -> Model:
-    """Return a model whose shape matching has another law in the displacement, with steps that are short enough for it.
-
-    Args:
-        k1: (n,) stiffness to begin with [N/m].
-        knees, more: (p, n) of its further pieces [m], [N/m].
-    """
-    law = replace(model.matching, k1=k1, k2=k1, knees=knees, more=more)
-    along, inside = model.springs.stiffness + law.tension, model.pressure
-    omega_squared = bound.of_body(
-        model.mesh, along, shape_matching.stiffest(law), model.inverse_mass, inside, STIFFENS[inside.fill]
-    )
-    return replace(model, matching=law, omega_squared=omega_squared)
 
 
 def initial_state(model: Model) -> State:
@@ -311,10 +276,10 @@ def _even_out(mass: Floats, stiffness: Floats, used: Bools) -> Floats:
     return wanted * (mass[used].sum() / wanted[used].sum())
 
 
-def _fill(mesh: Mesh, materials: Sequence[Material], law_set: str) -> tuple[str, float]:
-    """Return the fill of the material with the most area, and its pressure; the paper's laws have one of their own."""
+def _fill(mesh: Mesh, materials: Sequence[Material]) -> tuple[str, float]:
+    """Return the fill of the material with the most area, and its pressure."""
     most = materials[int(sums_at(mesh.triangle_material, mesh.triangle_areas, len(materials)).argmax())]
-    return "none" if law_set == "paper" else most.fill, most.pressure
+    return most.fill, most.pressure
 
 
 def _on_vertices(mesh: Mesh, values: Bools | Floats | None, name: str, default: float) -> Floats:

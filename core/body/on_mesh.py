@@ -9,13 +9,13 @@ import numpy as np
 from ..base import MASS_FLOOR, Floats, mean_of_pairs, sums_at
 from ..material import Material
 from ..mesh.surface import Mesh
-from .estimate import AT_KNEE, estimate, skin_compliance
-from .maps import Maps, stiffness_at_knees
+from .estimate import estimate, skin_compliance
+from .maps import Maps
 from .springs import membrane_stiffness
 
 
 def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[str, Floats]:
-    """Return the constants of the consistent laws, as `model.assemble` takes them.
+    """Return the constants of the laws, as `model.assemble` takes them.
 
     Args:
         materials: one for each index in mesh.triangle_material.
@@ -24,37 +24,15 @@ def constants_on(mesh: Mesh, materials: Sequence[Material], maps: Maps) -> dict[
     # one line a material
     table = np.array([_row(m, mesh.size) for m in materials]).T
     kappa1, kappa2, d0, tension, k_scaled, damping, friction, _, yields = table
-    further = _pieces(materials, mesh)
-    first, beyond = stiffness_at_knees(materials, mesh.size, which, maps.deeper[mesh.triangles].mean(axis=1))
-    stiffnesses = [first * kappa1[which], first * kappa1[which] + beyond * (kappa2 - kappa1)[which]]
-    knees = further[:, 0][:, which]
-    early = knees < AT_KNEE * np.array([m.x0 for m in materials])[which]
-    stiffnesses += list(further[:, 1][:, which] * np.where(early, first, beyond))
-    tension = first * tension[which]
-    k1, k2, *more = (maps.stiffer * _vertex_sum(mesh, c * mesh.triangle_areas / 3) for c in stiffnesses)
-    at_vertices = _vertex_means(mesh, friction[which], damping[which], d0[which], yields[which], *knees)
+    k1, k2 = (maps.stiffer * _vertex_sum(mesh, c[which] * mesh.triangle_areas / 3) for c in (kappa1, kappa2))
+    at_vertices = _vertex_means(mesh, friction[which], damping[which], d0[which], yields[which])
     stiffer, wider, thicker = (mean_of_pairs(f, mesh.springs) for f in (maps.stiffer, maps.wider, maps.thicker))
     return {
         "friction": at_vertices[0], "damping": at_vertices[1],
         "compliance": at_vertices[3] / np.maximum(maps.stiffer * mesh.vertex_areas, 1e-30),
         "stiffness": membrane_stiffness(mesh, _spring_mean(mesh, k_scaled[which])) * stiffer * thicker,
         "k1": k1, "k2": k2, "d0": at_vertices[2] * maps.deeper,
-        "tension": mesh.cotangents * _spring_mean(mesh, tension) * stiffer * wider**2,
-        "more": np.reshape(more, (-1, len(k1))),
-        "knees": np.reshape([maps.deeper * knee for knee in at_vertices[4:]], (-1, len(k1))),
-    }  # fmt: skip
-
-
-def paper_constants(mesh: Mesh, materials: Sequence[Material]) -> dict[str, Floats]:
-    """Return the constants of the paper's equations, as `model.assemble` takes them."""
-    table = np.array([_row(m, mesh.size) for m in materials]).T
-    d0, friction, k = (table[row][mesh.triangle_material] for row in (2, 6, 7))
-    d0, friction = _vertex_means(mesh, d0, friction)
-    none, n = np.zeros(len(mesh.rest_positions)), len(mesh.rest_positions)
-    return {
-        "friction": friction, "compliance": none, "damping": none, "stiffness": _spring_mean(mesh, k),
-        "k1": none, "k2": none, "d0": d0,
-        "tension": np.zeros(len(mesh.springs)), "more": np.zeros((0, n)), "knees": np.zeros((0, n)),
+        "tension": mesh.cotangents * _spring_mean(mesh, tension[which]) * stiffer * wider**2,
     }  # fmt: skip
 
 
@@ -71,22 +49,12 @@ def mass_on(mesh: Mesh, materials: Sequence[Material]) -> Floats:
 
 def _row(material: Material, size: float) -> tuple[float, ...]:
     constants = estimate(material, size)
-    tension = constants.kappa1 * material.spread**2 if constants.tension is None else constants.tension
     return (
-        constants.kappa1, constants.kappa2, constants.d0, tension,
+        constants.kappa1, constants.kappa2, constants.d0, constants.kappa1 * material.spread**2,
         constants.membrane_scale * material.k,
         material.damping_ratio, material.friction, material.k,
         skin_compliance(material, constants),
     )  # fmt: skip
-
-
-def _pieces(materials: Sequence[Material], mesh: Mesh) -> Floats:
-    """Return the knee [m] and the stiffness [N/m3] of the further pieces (p, 2, m) of each material."""
-    found = [estimate(material, mesh.size).pieces for material in materials]
-    table = np.zeros((max(map(len, found)), 2, len(found)))
-    for column, pieces in enumerate(found):
-        table[: len(pieces), :, column] = np.reshape(pieces, (-1, 2))
-    return table
 
 
 def _vertex_sum(mesh: Mesh, per_triangle: Floats) -> Floats:

@@ -4,8 +4,7 @@ Each vertex is held to its place in the shape at rest by a two-piece law in its 
 
     f = k1 d up to d0, then k1 d0 + k2 (d - d0),   E = k1 d^2 / 2 + (k2 - k1) max(d - d0, 0)^2 / 2
 
-and as many further pieces as an identification found, each of which adds its stiffness beyond its knee. Then
-a tension t joins the displacements of neighbours, so that a dent has a width (the spread) of its own:
+A tension t joins the displacements of neighbours, so that a dent has a width (the spread) of its own:
 
     f_i = sum_j t_ij (u_j - u_i),   E = sum over edges of t |u_i - u_j|^2 / 2
 
@@ -42,8 +41,6 @@ class ShapeMatching:
     pairs: (m, 2) neighbours that a tension joins.
     tension: (m,) t of theirs [N/m].
     pull: (3, n) sum_j t_ij (r_j - r_i) over the places at rest [N].
-    more: (p, n) stiffness that further pieces add [N/m], beyond
-    knees: (p, n) their knees [m].
     rate: (3, n) how fast the places at rest move [m/s], None where they do not.
     """
 
@@ -56,8 +53,6 @@ class ShapeMatching:
     pairs: Ints
     tension: Floats
     pull: Floats
-    more: Floats
-    knees: Floats
     rate: Floats | None = None
 
 
@@ -70,15 +65,12 @@ def build_shape_matching(
     damping: Floats,
     mass: Floats,
     tension: Floats,
-    more: Floats | None = None,
-    knees: Floats | None = None,
 ) -> ShapeMatching:
     """Build the shape matching of a mesh; the arguments are the fields of ShapeMatching."""
-    x, none = np.array(mesh.rest_positions.T, order="C"), np.zeros((0, len(k1)))
+    x = np.array(mesh.rest_positions.T, order="C")
     return ShapeMatching(
         rest=x, k1=k1, k2=k2, d0=d0, damping=damping, mass=mass, pairs=mesh.springs, tension=tension,
         pull=tension_force(mesh.springs, tension, x),
-        more=none if more is None else more, knees=none if knees is None else knees,
     )  # fmt: skip
 
 
@@ -129,7 +121,6 @@ def energy(law: ShapeMatching, x: Floats, pose: Pose | None = None) -> float:
     u = x - rotation @ law.rest - translation[:, None]
     d, (i, j) = np.linalg.norm(u, axis=0), law.pairs.T
     bed = float((law.k1 * d**2 + (law.k2 - law.k1) * np.maximum(d - law.d0, 0) ** 2).sum())
-    bed += float((law.more * np.maximum(d - law.knees, 0) ** 2).sum())
     return (bed + float(law.tension @ ((u[:, i] - u[:, j]) ** 2).sum(axis=0))) / 2
 
 
@@ -154,14 +145,6 @@ def force(
     return f
 
 
-def stiffest(law: ShapeMatching) -> Floats:
-    """Return the greatest stiffness (n,) [N/m] that a vertex meets at any displacement."""
-    steps = np.concatenate([(law.k2 - law.k1)[None], law.more])
-    order = np.argsort(np.concatenate([law.d0[None], law.knees]), axis=0, kind="stable")
-    pieces = law.k1 + np.cumsum(np.take_along_axis(steps, order, axis=0), axis=0)
-    return np.maximum(law.k1, pieces.max(axis=0))
-
-
 def shape_velocity(law: ShapeMatching, pose_rate: Pose | None) -> Floats | float:
     """Return the velocities (3, n) [m/s] of the places in the shape at rest, 0 where pins do not move it."""
     return 0.0 if pose_rate is None else pose_rate[0] @ law.rest + pose_rate[1][:, None]
@@ -183,4 +166,4 @@ def secant(law: ShapeMatching, u: Floats) -> Floats:
     """Return how stiff each vertex is (n,) [N/m] from its place at rest to a displacement u (3, n) [m]."""
     d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
     k: Floats = law.k1 + (law.k2 - law.k1) * np.maximum(1 - law.d0 / d, 0)
-    return k + (law.more * np.maximum(1 - law.knees / d, 0)).sum(axis=0) if len(law.more) else k
+    return k

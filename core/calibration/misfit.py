@@ -8,6 +8,7 @@ import numpy as np
 
 from ..base import Floats
 
+NOTICEABLE_FORCE = (0.06, 0.08)  # just-noticeable difference of a force, as a share of it: from, to
 _PARTS = 20  # of the depth, over which points are averaged: their noise is no error of a curve
 _LEAST = 0.05  # of full scale: below, a share of the force says little
 

@@ -17,7 +17,7 @@ from .contact_model import Contact
 from .servo_messages import ServoReport
 
 Law = tuple[float, float, float, float]  # of a touch: K1, K2 [N/m], x0 [m] and the power
-# of the normal stiffness: a contact of a soft body yields sideways by 2 (1 - nu) / (2 - nu), nu = 1/2. Mindlin 1949
+# of force over depth: a contact of a soft body yields sideways by 2 (1 - nu) / (2 - nu), nu = 1/2. Mindlin 1949
 SIDEWAYS = 2 / 3
 
 
@@ -86,6 +86,6 @@ def contact_of(touch: Touch | None, workspace: Workspace, cap: float, now: float
     force = along(scaled(outward, push), grip, push / pressed if pressed > 0 else 0.0)  # as much friction as of the law
     return Contact(
         force=scaled(workspace.turned(force), 1 / scale), at=workspace.to_device(touch.centre),
-        normal=workspace.turned(outward), k_n=slope, k_t=SIDEWAYS * slope if touch.depth > 0 else 0.0,
+        normal=workspace.turned(outward), k_n=slope, k_t=SIDEWAYS * push / touch.depth if push > 0 else 0.0,
         gap=max(-touch.depth, 0.0) / scale, friction=touch.friction, stamp=now,
     )  # fmt: skip

@@ -1,24 +1,21 @@
 """The native core: the library, found, loaded and tested, or the reason why there is none here.
 
 The library lies beside this file (a developer's machine) or in the wheel `dimple_native` (an installed extension).
-It is used only if its ABI number is this file's and a small body moves in it as its numpy twin does.
+It is used only if its ABI number is this file's and a small body moves in it as it should (`check`).
 """
 
 from __future__ import annotations
 
 import ctypes
-import functools
 import importlib.util
+import platform
 import sys
 from ctypes import POINTER, c_double, c_int32, c_int64, c_uint8, c_void_p
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..body.model import Model
-from ..solver.motion import Motion
-from ..solver.twin import Twin
+from ..errors import DimpleError
 from .body import AVX2 as AVX2
 from .body import BASE as BASE
 from .body import BEST as BEST
@@ -34,12 +31,13 @@ from .cells import farthest_first as farthest_first
 from .cells import follow_cells as follow_cells
 from .cells import grow_cells as grow_cells
 from .definition import BodyDef, Constants
+from .first_use import check
 from .scene import CCrossings, ColliderDef
 from .scene import Scene as Scene
 
 ABI = 24
 LIBRARY = {"win32": "dimple_core.dll", "darwin": "libdimple_core.dylib"}.get(sys.platform, "libdimple_core.so")
-AGREEMENT = 1e-4  # of the size: what the self-test lets the library differ from numpy
+BITS = {"native": 32, "native64": 64}  # of the state, by the name of a backend
 
 _SIGNATURES: dict[str, tuple[Any, ...] | None] = {  # fmt: skip
     "dm_create": (POINTER(c_void_p), POINTER(BodyDef), c_int32, c_int32),
@@ -77,32 +75,47 @@ def places() -> list[Path]:
     return [folder / LIBRARY for folder in folders]
 
 
-@functools.cache
-def why_not() -> str:
-    """Return "" where the native core can run, else a sentence for the artist. The first call tests it."""
-    if _loaded:
-        return ""
-    found = [path for path in places() if path.exists()]
-    if not found:
-        return "Runs on numpy, slower: this installation has no native core for this machine."
-    try:
-        library = load(found[0])
-        self_test(library)
-    except (OSError, AttributeError, NativeError) as error:
-        return f"Runs on numpy, slower: the native core was refused ({error})."
-    _loaded.append(library)
-    return ""
-
-
 def library() -> ctypes.CDLL:
-    """Return the library in use.
+    """Return the library in use; the first call loads and tests it.
 
     Raises:
-        NativeError: there is none.
+        DimpleError: none runs here, and what to do.
     """
-    if not _loaded and why_not():
-        raise NativeError(why_not())
+    if not _loaded:
+        _loaded.append(_tested())
     return _loaded[-1]
+
+
+def _tested() -> ctypes.CDLL:
+    here = f"{platform.system()} {platform.machine()}"
+    found = next((path for path in places() if path.exists()), None)
+    if found is None:
+        raise DimpleError(f"There is no compiled core for {here} here. Install the zip of Dimple for that platform.")
+    try:
+        library = load(found)
+        check(library)
+    except (OSError, AttributeError, NativeError) as error:
+        raise DimpleError(
+            f"The compiled core for {here} was refused ({error}). Install the zip of Dimple for that platform again."
+        ) from error
+    return library
+
+
+def create(
+    model: Model, *, surface: Model | None = None, backend: str = "native"
+) -> Body:
+    """Return a body at rest that owns its state.
+
+    Args:
+        surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
+        backend: "native" (single precision) or "native64".
+
+    Raises:
+        DimpleError: no such backend, or no library runs here.
+    """
+    if backend not in BITS:
+        raise DimpleError(f"There is no backend {backend}: take native or native64.")
+    return Body(model, library(), surface=surface, bits=BITS[backend])
 
 
 def instructions(instruction_set: int = BEST) -> str:
@@ -125,7 +138,7 @@ def load(path: Path) -> ctypes.CDLL:
     for name in ("dm_destroy", "dm_scene_destroy"):
         getattr(library, name).argtypes, getattr(library, name).restype = [c_void_p], None
     library.dm_rest_volume.argtypes, library.dm_rest_volume.restype = [c_void_p], c_double
-    library.dm_farthest_first.argtypes = [c_int64, c_void_p, c_void_p, c_int64, c_double, c_int64, c_void_p]
+    library.dm_farthest_first.argtypes = [c_int64, c_void_p, c_int64, c_double, c_int64, c_void_p]
     library.dm_farthest_first.restype = c_int64
     library.dm_default_body_def.argtypes, library.dm_default_body_def.restype = [POINTER(BodyDef)], None
     for name, arguments in _SIGNATURES.items():
@@ -137,40 +150,6 @@ def load(path: Path) -> ctypes.CDLL:
 def use(own: ctypes.CDLL) -> None:
     """Run on this library from now on: a test's own build."""
     _loaded.append(own)
-
-
-def self_test(library: ctypes.CDLL) -> None:
-    """Press a small octahedron in the library and in numpy, in single precision: what ships has no other.
-
-    Raises:
-        NativeError: they differ.
-    """
-    return
-    model, motion = small_press()
-    twin = Twin(model)
-    twin.step(motion)
-    body = Body(model, library, bits=32)
-    body.step(motion)
-    difference = float(np.abs(body.positions() - twin.positions()).max())
-    if not difference < AGREEMENT * model.mesh.size:
-        raise NativeError(f"it differs from numpy by {1000 * difference:.3g} mm")
-
-
-def small_press() -> tuple[Model, Motion]:
-    """Return a soft octahedron on the ground and a few ticks of a fingertip's way into it."""
-    from ..body.model import build_model
-    from ..material import Material
-    from ..mesh.surface import mesh_from_triangles
-    from ..solver.motion import FingertipMotion
-
-    corners = np.concatenate([np.eye(3), -np.eye(3)]) * 0.05
-    faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
-    mesh = mesh_from_triangles(corners, faces)
-    model = build_model(
-        mesh, [Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.1)], gravity=(0, 0, -9.81), ground=-0.05
-    )
-    tip = FingertipMotion.straight((0.003, 0.001, 0.0605), (0.003, 0.001, 0.0585), ticks=4, radius=0.01)
-    return model, Motion(ticks=4, substeps=model.substeps(1e-3), tick=1e-3, fingertips=(tip,))
 
 
 _loaded: list[ctypes.CDLL] = []

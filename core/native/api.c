@@ -15,9 +15,7 @@ extern const dm_methods dm_avx2_32, dm_avx2_64;
 #else
 #define DM_X86 0
 #endif
-#ifndef DM_NO_BASE
 extern const dm_methods dm_base_32, dm_base_64;
-#endif
 
 /* double precision is for tests: what ships does without */
 #ifdef DM_DOUBLE
@@ -50,11 +48,7 @@ static const dm_methods *dm_choose(int32_t bits, int32_t set) {
 #if DM_X86
     if (set != DM_SET_BASE && dm_has_avx2()) return DM_OF_BITS(avx2);
 #endif
-#ifdef DM_NO_BASE
-    return NULL;
-#else
     return set == DM_SET_AVX2 ? NULL : DM_OF_BITS(base);
-#endif
 }
 
 /* Numbers too small to matter cost a hundred times as much: a body coming to rest would grow slow. */
@@ -202,9 +196,6 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
         DM_CHECK(DM_ARRAY(vertices, of_vertices[k]));
         DM_CHECK(dm_check_numbers(vertices, of_vertices[k], 1));
     }
-    if (c->pieces < 0 || c->pieces > DM_MAX_PIECES) return DM_SIZE;
-    DM_CHECK(DM_ARRAY(c->pieces, c->more) | DM_ARRAY(c->pieces, c->knees));
-    DM_CHECK(dm_check_numbers(c->pieces * vertices, c->more, 0) | dm_check_numbers(c->pieces * vertices, c->knees, 1));
     DM_CHECK(DM_ARRAY(springs, c->stiffness) | DM_ARRAY(springs, c->damping) | DM_ARRAY(springs, c->tension));
     DM_CHECK(dm_check_numbers(springs, c->stiffness, 1) | dm_check_numbers(springs, c->damping, 1));
     DM_CHECK(dm_check_numbers(springs, c->tension, 1));
@@ -217,27 +208,8 @@ static int32_t dm_check_constants(const dm_constants *c, int64_t vertices, int64
     double total = 0;
     for (int64_t k = 0; k < vertices; k++) total += c->mass[k];
     if (!(total > 0)) return DM_NUMBER;
-    if (c->law_set < DM_LAWS_CONSISTENT || c->law_set > DM_LAWS_PAPER) return DM_OPTION;
     if (c->fill < DM_FILL_NONE || c->fill > DM_FILL_LIQUID) return DM_OPTION;
     return c->fill != DM_FILL_NONE && !(rest_volume > 0) ? DM_NUMBER : DM_OK;
-}
-
-/* Whole eights of vertices in each, but for the last. */
-static int32_t dm_check_regions(const dm_body_def *d) {
-    int64_t count = d->regions;
-    if (!count) return DM_OK;
-    if (count < 0 || count > d->vertices || !d->region || !d->beside_start) return DM_SIZE;
-    DM_CHECK(dm_check_indices(d->vertices, d->region, 0, count));
-    DM_CHECK(dm_check_numbers(1, &d->slack, 1) | DM_COUNT(d->beside_start[count]));
-    DM_CHECK(dm_check_starts(count, d->beside_start, d->beside_start[count]));
-    DM_CHECK(DM_ARRAY(d->beside_start[count], d->beside));
-    DM_CHECK(dm_check_indices(d->beside_start[count], d->beside, 0, count));
-    int64_t *held = calloc((size_t)count, sizeof *held), uneven = 0;
-    if (!held) return DM_MEMORY;
-    for (int64_t k = 0; k < d->vertices; k++) held[d->region[k]]++;
-    for (int64_t k = 0; k < count - 1; k++) uneven |= held[k] % 8;
-    free(held);
-    return uneven ? DM_SIZE : DM_OK;
 }
 
 static int32_t dm_check_def(const dm_body_def *d) {
@@ -261,7 +233,6 @@ static int32_t dm_check_def(const dm_body_def *d) {
     DM_CHECK(dm_check_indices(d->cap_edges, d->cap_hole, 0, d->cap_edges));
     DM_CHECK(dm_check_indices(3 * d->surface_triangles, d->surface_corners, 0, d->surface_vertices));
     DM_CHECK(dm_check_indices(d->surface_triangles, d->surface_material, 0, DM_MAX_COUNT));
-    DM_CHECK(dm_check_regions(d));
     DM_CHECK(dm_check_numbers(3 * n, d->rest, 0) | dm_check_numbers(3 * d->surface_vertices, d->surface_rest, 0));
     DM_CHECK(dm_check_numbers(d->springs, d->rest_length, 1) | dm_check_numbers(1, &d->rest_area, 1));
     return dm_check_numbers(1, &d->rest_volume, 0) | dm_check_numbers(1, &d->size, 1);

@@ -1,6 +1,6 @@
 /* Eight meetings at once, none of which moves a vertex of another: what passes between them in a substep. It comes to what
  * all of them one after the other come to, for each waits for those before it that move a vertex of its own.
- * Source: core/body/touching.py. */
+ * Source: studies/reference/touching.py. */
 #include "scene.h"
 
 /* The surfaces of the i-th lane of the batches; those of an empty one are the same. */

@@ -4,13 +4,11 @@
 static void dm_state_destroy(dm_state *b) {
     void *const parts[] = {
         b->place, b->rank, b->pinned, b->loose, b->rest, b->mass, b->pins, b->records, b->state, b->matter, b->next,
-        b->pieces, b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
+        b->ring.start, b->ring.slots, b->ring_spring, b->irregular, b->ends, b->rest_length, b->stiffness,
         b->tension, b->rest_rate, b->pull_rate,
         b->fans, b->caps, b->cap_hole, b->holes, b->triangles, b->box_start, b->box_vertex, b->boxes,
         b->inverse_mass, b->friction, b->compliance, b->hits, b->before, b->still, b->listed, b->pin_room, b->shares, b->moved,
-        b->is_moved, b->touching, b->facets, b->facet_boxes, b->facet_regions, b->painted, b->laws, b->stepped, b->border,
-        b->regions.beside_start, b->regions.beside, b->regions.of, b->regions.awake, b->regions.wanted, b->regions.role,
-        b->regions.settled, b->regions.moved, b->regions.volume,
+        b->is_moved, b->facets, b->facet_boxes, b->facet_regions, b->painted, b->laws,
     };
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) dm_free(parts[k]);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
@@ -24,9 +22,7 @@ static void dm_state_destroy(dm_state *b) {
 /* Make room for everything whose size the definition knows. */
 static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     int64_t n = d->vertices, size = b->groups * DM_LANES, t = d->triangles;
-    b->stepped = dm_alloc(b->groups, sizeof *b->stepped), b->border = dm_alloc(b->groups, sizeof *b->border);
-    int whole = b->stepped && b->border;
-    whole = whole && (b->place = dm_alloc(n, sizeof *b->place)) && (b->rank = dm_alloc(n, sizeof *b->rank));
+    int whole = (b->place = dm_alloc(n, sizeof *b->place)) && (b->rank = dm_alloc(n, sizeof *b->rank));
     whole = whole && (b->pinned = dm_alloc(n, sizeof *b->pinned)) && (b->loose = dm_alloc(n, 1));
     whole = whole && (b->rest = dm_alloc(3 * n, sizeof(double))) && (b->mass = dm_alloc(n, sizeof(double)));
     whole = whole && (b->pins = dm_alloc(3 * n, sizeof(double))) && (b->pin_room = dm_alloc(9 * size, sizeof(double)));
@@ -43,7 +39,7 @@ static int32_t dm_allocate(dm_state *b, const dm_body_def *d) {
     whole = whole && (b->compliance = dm_alloc(size, sizeof(dm_real)));
     whole = whole && (b->before = dm_alloc(size, sizeof *b->before));
     whole = whole && (b->shares = dm_alloc(size, sizeof(uint32_t))) && (b->moved = dm_alloc(size, sizeof(uint32_t)));
-    whole = whole && (b->is_moved = dm_alloc(size, 1)) && (b->touching = dm_alloc(size, 1));
+    whole = whole && (b->is_moved = dm_alloc(size, 1));
     whole = whole && (b->irregular = dm_alloc(d->irregular, sizeof *b->irregular));
     whole = whole && (b->ends = dm_alloc(d->springs, sizeof *b->ends));
     whole = whole && (b->rest_length = dm_alloc(d->springs, sizeof(double)));
@@ -136,9 +132,8 @@ static int32_t dm_state_create(dm_state **made, const dm_body_def *d) {
     if (code == DM_OK) {
         memcpy(b->rest, d->rest, (size_t)(3 * n) * sizeof(double));
         for (int64_t k = 0; k < n && d->loose; k++) b->loose[k] = d->loose[k] != 0, b->any_loose |= b->loose[k];
-        code = dm_lay_out(b, d->width, d->ring, d->ring_spring, d->regions ? d->region : NULL);
+        code = dm_lay_out(b, d->width, d->ring, d->ring_spring);
     }
-    if (code == DM_OK) code = dm_lay_regions(b, d);
     if (code == DM_OK) code = dm_lay_rings(b, d->width, d->ring, d->ring_spring);
     if (code == DM_OK) code = dm_lay_faces(b, d->triangles, d->corners);
     if (code == DM_OK) code = dm_lay_surface(b, d);
@@ -177,7 +172,7 @@ static void dm_state_place(dm_state *b, const double *positions, const double *v
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) dm_forget_impulses(b, k), dm_lift(b->fingers + k);
     b->led = b->carried = b->moving = 0;
     dm_change(b);
-    dm_forget_pressure(b);
+    b->pressure = 0;
     dm_place_pose(b);
 }
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define DM_BLOCK 32 /* triangles that share a bounding box */
-#define DM_CONTACT_SWEEPS 16 /* as in core/body/contact.py */
+#define DM_CONTACT_SWEEPS 16 /* as in studies/reference/contact.py */
 #define DM_HELD_PART 0.1
 #define DM_SPEED_SLACK 1e-6
 #define DM_PUSH_FLOOR 1e-8
@@ -31,7 +31,6 @@
 #define DM_LARGEST_GROWTH 100.0
 #define DM_FASTEST 1e6
 #define DM_PIN_BEHIND 1e-4 /* of the size: a pin that is farther from its place was held back */
-#define DM_REGION_TIME 0.1 /* as in core/solver/regions.py */
 #define DM_REST_SPEED 1e-3 /* as in core/base.py, with the three below */
 #define DM_REST_TIME 0.25
 #define DM_REST_WAY 1e-6
@@ -45,12 +44,8 @@ typedef struct {
 
 typedef struct { /* what does not change within a step; rest from its own centre, k_more = k2 - k1 */
     dm_vec3 rest, pull; /* pull: sum of the tensions t (r_j - r_i) of the shape at rest */
-    dm_lanes k1, k_more, d0, first_knee, damping, mass, inverse_mass;
+    dm_lanes k1, k_more, d0, damping, mass, inverse_mass;
 } dm_group_matter;
-
-typedef struct { /* a further piece of shape matching */
-    dm_lanes more, knee;
-} dm_piece;
 
 typedef struct { /* velocities after a step but for the pressure, and what a pascal adds to them */
     dm_vec3 v, per_pascal;
@@ -116,20 +111,6 @@ typedef struct { /* a triangle of the surface at rest, below which fingertips ar
     int64_t index, material;
 } dm_facet;
 
-typedef struct { /* parts of the surface that are stepped while something moves there; count 0: it is stepped whole */
-    int64_t count, *beside_start, *beside;
-    uint32_t *of;               /* (groups,) */
-    uint8_t *awake, *wanted;    /* (count,) now, and in the tick that begins */
-    uint8_t *role;              /* (groups,) DM_SLEEPS, ... */
-    dm_vec3 *settled;           /* (groups,) where it last was beyond the slack */
-    double slack, clock;        /* [m], [s] */
-    double *moved;              /* (count,) when it last went beyond the slack [s] */
-    double pressure;            /* that what rests has settled under [Pa] */
-    double *volume, resting;    /* (groups,) of each that rests beyond the border, and all of it [m3] */
-    double gone;                /* [m] the farthest that what rests now has gone since the lists were made */
-    int changed;                /* what is displaced is to wake */
-} dm_regions;
-
 enum { DM_NORMALS = 8 }; /* that hold a sphere: more walls than a fingertip touches at once */
 typedef struct { /* a fingertip; vectors but centre and force are in the space of the shape at rest */
     double centre[3], radius;        /* where it is [m] */
@@ -152,9 +133,6 @@ typedef struct { /* a fingertip; vectors but centre and force are in the space o
 
 struct dm_state {
     int64_t n, groups;
-    uint32_t *stepped, *border; /* groups that are stepped; that rest beside them, whose volume changes with those */
-    int64_t stepped_count, border_count;
-    dm_regions regions;
     uint32_t *place, *rank; /* of each of the caller's vertices: in memory, along a curve in space */
     uint32_t *pinned;       /* (pinned_count,) the caller's vertices without an inverse mass */
     uint8_t *loose, any_loose, any_k1;
@@ -166,8 +144,6 @@ struct dm_state {
     dm_record *records;
     dm_group_state *state;
     dm_group_matter *matter;
-    dm_piece *pieces; /* (groups, piece_count) */
-    int64_t piece_count;
     dm_group_next *next;
 
     dm_rows ring;
@@ -179,7 +155,7 @@ struct dm_state {
     uint32_t (*fans)[3], (*caps)[2], *cap_hole;
     double (*holes)[7]; /* centre, pull of the rim, number of edges: room for one step */
 
-    int32_t fill, law_set;
+    int32_t fill;
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure, rest_pressure;
     int pins_met;  /* something held a pin back */
     double jumped; /* [m] the farthest that a pin was put after the last tick, to be where it was sent to the digit */
@@ -211,8 +187,7 @@ struct dm_state {
     dm_contact *hits;
     dm_quad *before; /* where vertices near a fingertip were at the begin of the step */
     uint32_t *shares, *moved; /* contacts that share a vertex; vertices a contact moved */
-    uint8_t *is_moved, *touching;
-    double inner_force;
+    uint8_t *is_moved;
 
     int meets;             /* it is stepped in a scene */
     uint64_t changes;      /* counts what was done to it but by a scene */

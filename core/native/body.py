@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import struct
 import weakref
 from collections.abc import Sequence
@@ -13,11 +14,11 @@ import numpy as np
 
 from ..base import Floats
 from ..body.model import Model
-from ..body.regions import Regions
 from ..solver.motion import Frame, Motion, PinMotion, Touch
 from .definition import Arrays, constants, define, fields
 
 BEST, BASE, AVX2 = 0, 1, 2  # instruction sets
+WORKERS = min(os.cpu_count() or 1, 64)  # threads; the library takes no more
 
 
 class NativeError(RuntimeError):
@@ -60,7 +61,7 @@ class CFrame(Structure):
 
     _fields_ = [
         ("touches", CTouch * 3),
-        *fields(volume="d", pressure="d", ticks="n", finite="n", moved="n", stepped="n"),
+        *fields(volume="d", pressure="d", ticks="n", finite="n", moved="n"),
     ]
 
 
@@ -88,13 +89,12 @@ _TOUCH_NUMBERS = len(_letters(CTouch))
 
 
 class Body:
-    """A body in the library, which owns its state; freed with this object. Its twin is `solver.twin.Twin`.
+    """A body in the library, which owns its state; freed with this object.
 
     Args:
         model: what moves.
         library: that runs it.
         surface: the model below whose surface at rest fingertips are measured, where `model` is its proxy.
-        regions: that rest and wake by themselves, None where all of it is stepped.
         bits: 32 or 64, of the state.
         instruction_set: BEST, or another where a test compares them.
 
@@ -108,7 +108,6 @@ class Body:
         library: ctypes.CDLL,
         *,
         surface: Model | None = None,
-        regions: Regions | None = None,
         bits: int = 32,
         instruction_set: int = BEST,
     ) -> None:
@@ -118,7 +117,7 @@ class Body:
         self._placed: Floats | None = model.matching.rest  # where it is, while that is known
         self._motion, self._frame, self._handle = CMotion(), CFrame(), c_void_p()
         with Arrays() as arrays:
-            definition = define(self.library, model, self._surface, arrays, regions)
+            definition = define(self.library, model, self._surface, arrays)
             self._call("dm_create", byref(self._handle), byref(definition), bits, instruction_set)
         weakref.finalize(self, self.library.dm_destroy, self._handle.value)
         # what every step hands over: made once
@@ -240,10 +239,10 @@ class Body:
                 a[i + 15 : i + 19], a[i + 19],
             )  # fmt: skip
             touches.append(touch if tip else None)
-        volume, pressure, ticks, finite, moved, stepped = a[-6:]
+        volume, pressure, ticks, finite, moved = a[-5:]
         if moved:
             self._placed = None
-        return Frame(tuple(touches), volume, pressure, ticks, finite != 0, moved != 0, stepped)
+        return Frame(tuple(touches), volume, pressure, ticks, finite != 0, moved != 0)
 
     def _places(self, pins: PinMotion) -> list[Floats]:
         """Return where pins start and end, as the library reads it."""
@@ -259,8 +258,11 @@ class Body:
             raise NativeError(f"{name}: {self.library.dm_message(code).decode()}", code)
 
 
-def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int) -> list[Frame]:
-    """Run a motion of each of several bodies of one library, on so many threads; the bits are those of `Body.step`.
+def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int = 0) -> list[Frame]:
+    """Run a motion of each of several bodies of one library; the bits are those of `Body.step`.
+
+    Args:
+        workers: threads, 0 for one a core.
 
     Raises:
         NativeError: a motion has a number that is none, or a body is there twice; none has moved.
@@ -271,7 +273,7 @@ def step_many(bodies: Sequence[Body], motions: Sequence[Motion], *, workers: int
     kept = [body.pack(motion, body._motion) for body, motion in zip(bodies, motions, strict=True)]
     places = [(body._handle.value, addressof(body._motion), addressof(body._frame)) for body in bodies]
     columns = [(c_void_p * count)(*column) for column in zip(*places, strict=True)]
-    code = library.dm_step_many(count, *columns, workers)
+    code = library.dm_step_many(count, *columns, workers or WORKERS)
     del kept
     if code:
         raise NativeError(f"dm_step_many: {library.dm_message(code).decode()}", code)

@@ -1,5 +1,5 @@
 /* How far vertices may go before the next query: planes between pairs, and a distance for what is near nothing.
- * Source: core/solver/bounds.py. */
+ * Source: studies/reference/bounds.py. */
 #include "scene.h"
 
 /* Room for so many things, where there is less. */

@@ -21,7 +21,15 @@ class CCells(Structure):
 
 
 def grow_cells(library: ctypes.CDLL, ends: Ints, place: Floats, seeds: Ints) -> tuple[Ints, Bools]:
-    """Return what `reduction.cells.spread_cells` does.
+    """Return the seed (n,) each vertex belongs to by now, -1 where none spreads to, and whether its cell joins it to
+    its seed (n,).
+
+    Each vertex takes the nearest of the seeds that its neighbours have; of two as near, the first.
+
+    Args:
+        ends: (m, 2) edges.
+        place: (n, 6) of the vertices [m].
+        seeds: the vertices that are.
 
     Raises:
         NativeError: a vertex that does not exist, or no memory.
@@ -36,7 +44,13 @@ def grow_cells(library: ctypes.CDLL, ends: Ints, place: Floats, seeds: Ints) -> 
 def follow_cells(
     library: ctypes.CDLL, place: Floats, seeds: Ints, cells: Ints, around: Ints
 ) -> tuple[Ints, Shorts, Shorts]:
-    """Return what `reduction.binding.nearest_seeds` does.
+    """List the nearest of the seeds round the cell of each vertex, and their weights.
+
+    Args:
+        around: (m, w) seeds round each cell, the rest of a row -1.
+
+    Returns:
+        first (g + 1,), followed (p,) and weights (p, 8) of a `Binding`.
 
     Raises:
         NativeError: a vertex or seed that does not exist.
@@ -51,13 +65,18 @@ def follow_cells(
     return first, followed[: first[-1]].copy(), weights[: first[-1]].copy()
 
 
-def farthest_first(
-    library: ctypes.CDLL, places: Floats, weights: Floats, taken: int, least: float, most: int
-) -> Ints:
-    """Return what `reduction.cells.farthest_first` does."""
+def farthest_first(library: ctypes.CDLL, places: Floats, taken: int, least: float, most: int) -> Ints:
+    """Choose points one by one, each the farthest from all chosen before.
+
+    Args:
+        places: (n, 6) [m].
+        taken: how many of the first were chosen before.
+        least: square of a distance that is too near [m2].
+        most: to choose.
+    """
     chosen = np.empty(max(most, 0), np.int64)
     with Arrays() as arrays:
-        given = len(places), arrays.double(places), arrays.double(weights), taken, least, most, chosen.ctypes.data
+        given = len(places), arrays.double(places), taken, least, most, chosen.ctypes.data
         return chosen[: library.dm_farthest_first(*given)]
 
 

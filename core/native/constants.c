@@ -94,14 +94,6 @@ static void dm_set_matter(dm_state *b, const dm_constants *c) {
         m->k1[l] = (dm_real)c->k1[k], m->k_more[l] = (dm_real)(c->k2[k] - c->k1[k]);
         m->d0[l] = (dm_real)c->d0[k], m->damping[l] = (dm_real)c->drag[k], b->friction[i] = (dm_real)c->friction[k];
         b->compliance[i] = (dm_real)c->compliance[k];
-        double first = c->d0[k];
-        for (int64_t p = 0; p < b->piece_count; p++) {
-            dm_piece *piece = b->pieces + i / DM_LANES * b->piece_count + p;
-            double knee = c->knees[p * b->n + k];
-            piece->more[l] = (dm_real)c->more[p * b->n + k], piece->knee[l] = (dm_real)knee;
-            first = knee < first ? knee : first;
-        }
-        m->first_knee[l] = (dm_real)first;
     }
     dm_set_places(b);
 }
@@ -148,33 +140,25 @@ static void dm_wake(dm_state *b) { b->asleep = b->rested = 0, b->quiet = 0; }
 
 /* The same where a caller has changed it. */
 static void dm_change(dm_state *b) {
-    dm_wake(b), b->changes++, b->regions.changed = 1;
+    dm_wake(b), b->changes++;
     memset(b->resisted, 0, sizeof b->resisted);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
-}
-
-/* Start without a pressure, and without the contact that Eq. (2) takes from the step before. */
-static void dm_forget_pressure(dm_state *b) {
-    b->pressure = 0;
-    memset(b->touching, 0, (size_t)(b->groups * DM_LANES));
 }
 
 static int32_t dm_state_set_constants(dm_state *b, const dm_constants *c) {
     dm_change(b);
     double (*laws)[DM_LAW] = dm_alloc(c->materials, sizeof *laws);
-    dm_piece *pieces = dm_alloc(b->groups * c->pieces, sizeof *pieces);
-    if (!laws || !pieces) return dm_free(laws), dm_free(pieces), DM_MEMORY;
+    if (!laws) return DM_MEMORY;
     memcpy(laws, c->laws, (size_t)c->materials * sizeof *laws * (c->materials > 0));
     for (int64_t k = 0; k < b->surface_count; k++)
         for (int j = 0; j < 2; j++) b->painted[k][j] = c->painted ? c->painted[2 * k + j] : 1;
     if (b->laws && b->free && !c->free) dm_fit_whole(b, b->pose);
     dm_free(b->laws);
-    dm_free(b->pieces);
-    b->laws = laws, b->pieces = pieces, b->piece_count = c->pieces;
+    b->laws = laws;
     dm_set_springs(b, c), dm_set_matter(b, c), dm_set_pull(b);
     dm_pin(b, c->inverse_mass);
-    if (c->law_set != b->law_set || c->fill != b->fill) dm_forget_pressure(b);
-    b->law_set = c->law_set, b->fill = c->fill, b->rest_pressure = c->rest_pressure, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
+    if (c->fill != b->fill) b->pressure = 0;
+    b->fill = c->fill, b->rest_pressure = c->rest_pressure, b->ground = c->ground, b->free = c->free != 0, b->carried = 0;
     int laid = !b->rigged && c->rigged;
     b->rigged = c->rigged != 0;
     for (int k = 0; laid && k < 12; k++) b->pose[k] = k < 9 && k % 4 == 0;

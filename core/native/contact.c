@@ -1,4 +1,4 @@
-/* Fingertips against vertices and faces, vertices against the ground. Source: core/body/contact.py. */
+/* Fingertips against vertices and faces, vertices against the ground. Source: studies/reference/contact.py. */
 #include "body.h"
 
 /* Let what a fingertip held be held no more. */
@@ -100,11 +100,11 @@ static int64_t dm_list_contact(dm_state *b, const dm_near *t, dm_quad from, uint
 static int64_t dm_find_contacts(dm_state *b, const dm_near *t, dm_real margin) {
     dm_quad from = t->now - (dm_real)b->dt * t->velocity;
     dm_vec3 centre = {dm_splat(from[0]), dm_splat(from[1]), dm_splat(from[2])};
-    int64_t count = 0, faces = b->law_set != DM_LAWS_PAPER ? t->face_count : 0;
+    int64_t count = 0;
     for (int64_t k = 0; k < t->vertex_count; k++)
         count = dm_list_contact(b, t, from, t->vertices[k], 1, t->vertices + k, (dm_quad){1, 0, 0, 0}, t->radius, margin,
                                 count);
-    for (int64_t k = 0; k < faces; k += DM_LANES) {
+    for (int64_t k = 0; k < t->face_count; k += DM_LANES) {
         const uint32_t (*face)[4] = (const uint32_t (*)[4])t->faces + k;
         dm_vec3 x[3], weight;
         for (int j = 0; j < 3; j++) {
@@ -117,7 +117,7 @@ static int64_t dm_find_contacts(dm_state *b, const dm_near *t, dm_real margin) {
         dm_lanes radius;
         memcpy(&radius, t->radii + k, sizeof radius);
         dm_mask met = (dm_mask)(dm_vsqrt(dm_dot(near, near)) < radius + dm_splat(margin));
-        for (int l = 0; l < DM_LANES && k + l < faces; l++) {
+        for (int l = 0; l < DM_LANES && k + l < t->face_count; l++) {
             uint32_t number = (uint32_t)(b->groups * DM_LANES) + face[l][3];
             if (!met[l] && !dm_was_held(b, t->finger, number)) continue;
             dm_quad here = {weight.x[l], weight.y[l], weight.z[l], 0};
@@ -287,23 +287,11 @@ static void dm_rest_on_ground(dm_state *b) {
     dm_update_groups(b, moved);
 }
 
-static void dm_note_contact(dm_state *b) {
-    memset(b->touching, 0, (size_t)(b->groups * DM_LANES));
-    for (const dm_near *t = b->touches; t < b->touches + b->finger_count; t++) {
-        dm_real reach = t->radius * (dm_real)(1 + DM_ROUNDING);
-        for (int64_t k = 0; k < t->vertex_count; k++) {
-            dm_quad offset = b->records[t->vertices[k]].x - t->now;
-            if (dm_dot3(offset, offset) < reach * reach) b->touching[t->vertices[k]] = 1;
-        }
-    }
-}
-
 /* Resolve the contacts of a substep that ends so long before the tick does [s]. */
 static void dm_resolve_contact(dm_state *b, double ahead) {
     memset(b->skin_push, 0, sizeof b->skin_push);
     for (dm_near *t = b->touches; t < b->touches + b->finger_count; t++)
         t->now = t->centre - (dm_real)ahead * t->velocity;
-    if (b->law_set == DM_LAWS_PAPER) dm_note_contact(b);
     for (int k = 0; k < b->finger_count; k++) {
         dm_near *t = b->touches + k;
         uint32_t moved = 0;

@@ -1,4 +1,4 @@
-/* Which triangles pass through each other. Source: core/solver/crossing.py. */
+/* Which triangles pass through each other. Source: studies/reference/crossing.py. */
 #include "scene.h"
 
 /* Does the segment ab pass through a triangle? Source: signs of volumes. */

@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..body.model import Model
-from ..body.regions import Regions
 
 FILLS = {"none": 0, "air": 1, "liquid": 2, "solid": 2}
-LAW_SETS = {"consistent": 0, "paper": 1}
 
 _TYPES: dict[str, Any] = {"p": c_void_p, "n": c_int64, "i": c_int32, "d": c_double}
 
@@ -27,8 +25,8 @@ class Constants(Structure):
 
     _fields_ = fields(
         stiffness="p", damping="p", tension="p", mass="p", inverse_mass="p", friction="p", compliance="p",
-        k1="p", k2="p", d0="p", pieces="n", more="p", knees="p", drag="p",
-        laws="p", materials="n", painted="p", gravity="d3", ground="d", rest_pressure="d", law_set="i", fill="i", free="i",
+        k1="p", k2="p", d0="p", drag="p",
+        laws="p", materials="n", painted="p", gravity="d3", ground="d", rest_pressure="d", fill="i", free="i",
         rigged="i",
     )  # fmt: skip
 
@@ -41,7 +39,6 @@ class BodyDef(Structure):
         rest_length="p", irregular="n", irregular_spring="p", irregular_end="p", triangles="n", corners="p",
         fans="n", fan="p", cap_edges="n", cap_edge="p", cap_hole="p", rest_volume="d", rest_area="d", size="d",
         surface_vertices="n", surface_rest="p", surface_triangles="n", surface_corners="p", surface_material="p",
-        regions="n", region="p", beside_start="p", beside="p", slack="d",
     ) + [("constants", Constants)]  # fmt: skip
 
 
@@ -72,9 +69,7 @@ class Arrays:
         return self.of(array, np.int64)
 
 
-def define(
-    library: ctypes.CDLL, model: Model, surface: Model, arrays: Arrays, regions: Regions | None = None
-) -> BodyDef:
+def define(library: ctypes.CDLL, model: Model, surface: Model, arrays: Arrays) -> BodyDef:
     """Return what the library asks for of a model, and of the one below whose surface fingertips are measured."""
     definition, mesh, springs = BodyDef(), model.mesh, model.springs
     library.dm_default_body_def(byref(definition))
@@ -99,12 +94,6 @@ def define(
         "surface_material": arrays.index(surface.mesh.triangle_material),
         "constants": constants(model, surface, arrays),
     }  # fmt: skip
-    if regions:
-        values |= {
-            "regions": len(regions.starts) - 1, "region": arrays.index(regions.of),
-            "beside_start": arrays.index(regions.starts), "beside": arrays.index(regions.beside),
-            "slack": regions.slack,
-        }  # fmt: skip
     for name, value in values.items():
         setattr(definition, name, value)
     return definition
@@ -119,11 +108,10 @@ def constants(model: Model, surface: Model, arrays: Arrays) -> Constants:
         inverse_mass=arrays.double(model.inverse_mass),
         friction=arrays.double(model.friction), compliance=arrays.double(model.compliance),
         k1=arrays.double(matching.k1), k2=arrays.double(matching.k2), d0=arrays.double(matching.d0),
-        pieces=len(matching.more), more=arrays.double(matching.more), knees=arrays.double(matching.knees),
         drag=arrays.double(matching.damping),
         laws=arrays.double(surface.laws), materials=len(surface.materials),
         painted=arrays.double(surface.maps and np.column_stack([surface.maps.stiffer, surface.maps.deeper])),
         gravity=(c_double * 3)(*model.gravity), ground=-np.inf if model.ground is None else model.ground,
-        law_set=LAW_SETS[model.law_set], fill=FILLS[model.pressure.fill], free=model.free,
+        fill=FILLS[model.pressure.fill], free=model.free,
         rigged=model.rigged, rest_pressure=model.pressure.rest_pressure,
     )  # fmt: skip

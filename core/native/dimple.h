@@ -1,5 +1,5 @@
 /* Dimple's native core: soft bodies, each defined once, which then own their state and are stepped.
- * The readable twin of all of it is core/solver/twin.py.
+ * The readable twin of all of it is studies/reference/twin.py.
  *
  * SI units. Arrays belong to the caller and are read or written during the call only; vectors of many vertices are
  * component-major, (3, n) doubles. Functions that may fail return a code, and nothing is done unless it is DM_OK.
@@ -23,7 +23,6 @@
 #define DM_MAX_FINGERTIPS 3
 #define DM_MAX_STEPS 1000000 /* in one call */
 #define DM_MAX_VERTICES (1 << 24)
-#define DM_MAX_PIECES 32
 #define DM_MAX_NEIGHBOURS 64 /* of a vertex, in its ring */
 #define DM_MAX_BODIES 4096   /* in one call */
 #define DM_MAX_WORKERS 64
@@ -42,7 +41,7 @@ enum {
     DM_INDEX,  /* a vertex, spring, hole or material that does not exist */
     DM_NUMBER, /* NaN, infinite, or negative where that makes no sense */
     DM_MEMORY, /* the machine has none left */
-    DM_OPTION  /* an unknown law set, fill or precision, or an instruction set this machine lacks */
+    DM_OPTION  /* an unknown fill or precision, or an instruction set this machine lacks */
 };
 
 /* of the law of a material: K1, K2 [N/m], x0 [m] and its power, 1 or more; Coulomb's coefficient; damping ratio; and where
@@ -51,7 +50,6 @@ enum { DM_FRICTION = 4, DM_DAMPING, DM_LAYER, DM_LAW };
 enum { DM_FACTORS = 33 }; /* of another tip, at depths that go up with the square of their number */
 
 enum { DM_FILL_NONE, DM_FILL_AIR, DM_FILL_LIQUID };
-enum { DM_LAWS_CONSISTENT, DM_LAWS_PAPER };
 enum { DM_SET_BEST, DM_SET_BASE, DM_SET_AVX2 }; /* base: SSE2 on x86-64, NEON on arm64 */
 
 /* The numbers of a body that may change while it lives. */
@@ -66,9 +64,6 @@ typedef struct {
     const double *k1;           /* (vertices,) shape matching up to the knee [N/m] */
     const double *k2;           /* (vertices,) beyond the knee [N/m] */
     const double *d0;           /* (vertices,) displacement at the knee [m] */
-    int64_t pieces;             /* further ones of shape matching */
-    const double *more;         /* (pieces, vertices) stiffness that they add [N/m], beyond */
-    const double *knees;        /* (pieces, vertices) their knees [m] */
     const double *drag;         /* (vertices,) damping of shape matching [N s/m] */
     const double *laws;         /* (materials, DM_LAW) */
     int64_t materials;
@@ -76,7 +71,6 @@ typedef struct {
     double gravity[3];    /* [m/s2] */
     double ground;        /* height of a plane [m], -INFINITY where there is none */
     double rest_pressure; /* of the fill in the shape at rest, above that outside [Pa] */
-    int32_t law_set;
     int32_t fill;
     int32_t free;   /* the shape at rest follows the body; 0: it stays with the pins */
     int32_t rigged; /* it stays where it is laid, wherever the pins are */
@@ -111,11 +105,6 @@ typedef struct {
     int64_t surface_triangles;
     const int64_t *surface_corners;  /* (surface_triangles, 3) */
     const int64_t *surface_material; /* (surface_triangles,) */
-    int64_t regions;               /* that are stepped only while something moves in them or beside; 0: all is stepped */
-    const int64_t *region;         /* (vertices,) of each: whole eights of vertices, but for the last */
-    const int64_t *beside_start;   /* (regions + 1,) */
-    const int64_t *beside;         /* those beside each */
-    double slack;                  /* [m] what goes no farther within a tenth of a second is at rest */
     dm_constants constants;
 } dm_body_def;
 
@@ -162,7 +151,6 @@ typedef struct {
     int64_t ticks;    /* done */
     int64_t finite;   /* 0: it has blown up in the last of them */
     int64_t moved;    /* 0: it was asleep all the time, at rest, and is where it was */
-    int64_t stepped;  /* vertices in the last tick, in eights */
 } dm_frame;
 
 DM_API int32_t dm_abi(void);
@@ -242,10 +230,9 @@ typedef struct {
 } dm_cells;
 
 /* Choose (most,) of points at places (points, 6) beside the first `taken`, the farthest from all of those and from all
- * chosen before, as long as the square of that distance, by the point's weight (points,), is more than `least` [m2].
- * Return how many. */
-DM_API int64_t dm_farthest_first(int64_t points, const double *place, const double *weights, int64_t taken,
-                                 double least, int64_t most, int64_t *chosen);
+ * chosen before, as long as the square of that distance is more than `least` [m2]. Return how many. */
+DM_API int64_t dm_farthest_first(int64_t points, const double *place, int64_t taken, double least, int64_t most,
+                                 int64_t *chosen);
 /* Set the seed (vertices,) that each vertex belongs to, the nearest of those that its neighbours belong to, -1 where
  * none spreads to; and whether its cell joins it to that seed (vertices,). */
 DM_API int32_t dm_grow_cells(const dm_cells *surface, int64_t *cells, uint8_t *joined);

@@ -1,4 +1,4 @@
-/* A face beside a fingertip: its nearest point, its way in, and which sphere it meets. Source: core/body/facets.py. */
+/* A face beside a fingertip: its nearest point, its way in, and which sphere it meets. Source: studies/reference/facets.py. */
 #include "body.h"
 
 DM_INLINE dm_vec3 dm_corners_at(const dm_state *b, const uint32_t (*face)[4], int corner, dm_vec3 centre) {

@@ -1,4 +1,4 @@
-/* Rigid bodies that fall, and what they stand on. Source: core/solver/falling.py. */
+/* Rigid bodies that fall, and what they stand on. Source: studies/reference/falling.py. */
 #include "falling.h"
 
 DM_SMALL

@@ -1,4 +1,4 @@
-/* Rigid bodies that fall, and what they stand on. Compiled once, in double precision. Source: core/solver/falling.py. */
+/* Rigid bodies that fall, and what they stand on. Compiled once, in double precision. Source: studies/reference/falling.py. */
 #ifndef DM_FALLING_H
 #define DM_FALLING_H
 #include "body.h"
@@ -6,7 +6,7 @@
 #define DM_NO_VERTEX UINT32_MAX
 #define DM_BACK 0.2           /* of what it has slipped, what sticks goes back in a substep */
 #define DM_PART 0.6           /* of what is too near, is brought apart in a substep */
-#define DM_ROLL_ARM 0.005     /* of its size: arm of rolling resistance, as in core/solver/rolling.py */
+#define DM_ROLL_ARM 0.005     /* of its size: arm of rolling resistance, as in studies/reference/rolling.py */
 #define DM_FALL_SWEEPS 20    /* over all that props touch, at most */
 #define DM_FALL_SETTLED 1e-7 /* of all impulses: what a sweep may still change */
 #define DM_FALL_LEVEL 2e-4   /* of its radius: what is no higher above the lowest vertex lies on the ground with it */

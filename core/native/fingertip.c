@@ -14,7 +14,7 @@
 enum { DM_SETTLING = 24, DM_CONE_SWEEPS = 32, DM_FOOT_STEPS = 4 };
 #define DM_MARCH 0.25      /* of the radius: a sphere goes over the surface in such parts, so that it cannot pass a wall */
 #define DM_SEATED 1e-4     /* of the radius: a sphere is laid on the surface as exactly */
-#define DM_HELD 0.01       /* of the radius: what is so near to a sphere holds it, for it is laid on one wall at a time */
+#define DM_HELD 2e-4       /* of the radius: what is as near to a sphere holds it */
 #define DM_STRAIGHT 1e-3   /* of the radius: a foot that is so little aside is straight above */
 #define DM_SAME_WAY 0.9998 /* cosine: normals as near are one */
 #define DM_STICK (2 / 3.0) /* of the normal stiffness, what is soft and keeps its volume has sideways. Mindlin 1949 */
@@ -206,28 +206,49 @@ static int dm_is_beside_others(const dm_state *b, int finger) {
     return others;
 }
 
-/* Find the foot of a fingertip that lies on the surface at rest, x in its space: from where it was, straight on. It goes
- * no farther from its anchor than twice as that is behind: from deep in a thin part the foot of another side is nearer.
- * Return the way to it along the normals that hold it, 0 where none does. */
-static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_round *round) {
-    double way[3], along[3], aside[3], deep = 0, left = 0, gone[3];
-    dm_look_round(b, f->facet, f->anchor, f->radius, round);
-    for (int c = 0; c < 3; c++) way[c] = f->anchor[c] - x[c], gone[c] = f->foot[c] - f->anchor[c];
-    deep = dm_along_normals(round, way, along, aside);
-    left = 2 * sqrt(dm_inner3(aside, aside)) - sqrt(dm_inner3(gone, gone));
-    if (left >= 0) dm_look_round(b, f->facet, f->foot, f->radius, round);
-    else memcpy(f->foot, f->anchor, sizeof f->foot), left = 2 * sqrt(dm_inner3(aside, aside));
-    for (int step = 0; step <= DM_FOOT_STEPS; step++) {
+/* How far a sphere is from where one began [m]. */
+static double dm_gone(const double *from, const double *to) {
+    double way[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+    return sqrt(dm_inner3(way, way));
+}
+
+/* Lead a foot on until it lies straight above x, no farther from the anchor than the most. Tell whether it does. */
+static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, double most, dm_round *round) {
+    double way[3], along[3], aside[3];
+    if (memcmp(f->foot, f->anchor, sizeof f->foot)) dm_look_round(b, f->facet, f->foot, f->radius, round);
+    for (int step = 0; step <= DM_FOOT_STEPS && dm_gone(f->anchor, f->foot) <= most; step++) {
         for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
-        deep = dm_along_normals(round, way, along, aside);
-        double far = sqrt(dm_inner3(aside, aside)), share = far < left ? 1 : left / far;
-        if (far <= DM_STRAIGHT * f->radius || step == DM_FOOT_STEPS || !(left > 0)) break;
-        for (int c = 0; c < 3; c++) way[c] = -share * aside[c];
-        dm_march(b, f, f->foot, way, round), left -= share * far;
+        dm_along_normals(round, way, along, aside);
+        double far = sqrt(dm_inner3(aside, aside));
+        if (far <= DM_STRAIGHT * f->radius) return 1;
+        if (step == DM_FOOT_STEPS) return 1; /* as near as it comes */
+        for (int c = 0; c < 3; c++) way[c] = -(far < most ? 1 : most / far) * aside[c];
+        dm_march(b, f, f->foot, way, round);
     }
-    if (!(deep > 0)) return 0;
+    return 0;
+}
+
+/* Find the foot of a fingertip that lies on the surface at rest, x in its space: from where it was, or from its anchor. It
+ * goes no farther from that than twice as it is behind: from deep in a thin part the foot of another side is nearer.
+ * Return how far it is from x, 0 where no normal that holds it keeps them apart. */
+static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_round *round) {
+    double way[3], along[3], aside[3];
+    dm_look_round(b, f->facet, f->anchor, f->radius, round);
+    for (int c = 0; c < 3; c++) way[c] = f->anchor[c] - x[c];
+    dm_along_normals(round, way, along, aside);
+    double most = 2 * sqrt(dm_inner3(aside, aside)) + DM_STRAIGHT * f->radius;
+    if (!dm_straighten(b, f, x, most, round)) {
+        memcpy(f->foot, f->anchor, sizeof f->foot);
+        dm_look_round(b, f->facet, f->anchor, f->radius, round);
+        if (!dm_straighten(b, f, x, most, round)) {
+            memcpy(f->foot, f->anchor, sizeof f->foot);
+            for (int c = 0; c < 3; c++) way[c] = -aside[c];
+            dm_march(b, f, f->foot, way, round);
+        }
+    }
     for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
-    deep = sqrt(dm_inner3(way, way));
+    if (!(dm_along_normals(round, way, along, aside) > 0)) return 0;
+    double deep = sqrt(dm_inner3(way, way));
     for (int c = 0; c < 3; c++) f->outward[c] = way[c] / deep;
     return deep;
 }
@@ -288,7 +309,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     double far = sqrt(dm_inner3(aside, aside)), most = stick > 0 ? friction * law / stick : 0, left = far;
     if (was && stick > f->stick && f->stick > 0) left *= f->stick / stick;
     f->slides = left > most, left = f->slides ? most : left, f->stick = stick;
-    if (left < far) { /* the anchor comes nearer */
+    if (left < (1 - 1e-9) * far) { /* the anchor comes nearer */
         dm_round round;
         for (int c = 0; c < 3; c++) aside[c] *= left / far;
         memcpy(f->anchor, f->foot, sizeof f->anchor);

@@ -1,5 +1,5 @@
 /* Distances of pairs, of vertices and faces or of two edges: one by one, and eight at once. Source:
- * core/body/proximity.py. */
+ * studies/reference/proximity.py. */
 #include "scene.h"
 
 DM_INLINE void dm_minus(const double *a, const double *b, double *r) {

@@ -1,5 +1,5 @@
 /* Sleep where bodies meet: what may touch sleeps together, and wakes before anything that moves can touch it.
- * Source: core/solver/islands.py. */
+ * Source: studies/reference/islands.py. */
 #include "scene.h"
 
 DM_INLINE int dm_moves(const dm_surface *f) { return f->body || f->prop ? !dm_sleeps(f) : f->moving; }

@@ -78,21 +78,20 @@ static void dm_order_by_wave(const dm_state *b, dm_keyed *keys, uint8_t *seen, i
     for (int64_t k = 0; k < n; k++) keys[k].vertex = queue[k];
 }
 
-/* Number the vertices by wave, or by region, then by valence within windows, so that the eight of a group have about as
- * many neighbours and few slots stay empty. */
-static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring,
-                          const int64_t *region) {
+/* Number the vertices by wave, then by valence within windows, so that the eight of a group have about as many
+ * neighbours and few slots stay empty. */
+static int32_t dm_lay_out(dm_state *b, int64_t width, const int64_t *ring, const int64_t *ring_spring) {
     enum { DM_WINDOW = 256 };
     int64_t n = b->n;
     dm_keyed *keys = dm_alloc(n, sizeof(dm_keyed));
     uint8_t *seen = dm_alloc(n, 1);
     if (!keys || !seen || !dm_order_along_curve(b->rest, n, keys)) return dm_free(keys), dm_free(seen), DM_MEMORY;
     for (int64_t k = 0; k < n; k++) b->rank[keys[k].vertex] = (uint32_t)k;
-    if (!region) dm_order_by_wave(b, keys, seen, width, ring, ring_spring);
+    dm_order_by_wave(b, keys, seen, width, ring, ring_spring);
     for (int64_t k = 0; k < n; k++) {
-        uint64_t valence = 0, window = (uint64_t)(region ? region[keys[k].vertex] : k / DM_WINDOW);
+        uint64_t valence = 0;
         for (int64_t s = 0; s < width; s++) valence += ring_spring[s * n + keys[k].vertex] >= 0;
-        keys[k].key = window << 40 | valence << 32 | (uint64_t)k;
+        keys[k].key = (uint64_t)(k / DM_WINDOW) << 40 | valence << 32 | (uint64_t)k;
     }
     if (!dm_sort_keys(keys, n)) return dm_free(keys), dm_free(seen), DM_MEMORY;
     for (int64_t k = 0; k < n; k++) b->place[keys[k].vertex] = (uint32_t)k;

@@ -6,9 +6,8 @@ DM_INLINE void dm_advance(dm_state *b, double pressure, int fitted) {
     dm_real limit = (dm_real)b->skin_travel;
     dm_vec3 linear = dm_splat3(b->drift.linear), angular = dm_splat3(b->drift.angular);
     dm_lanes most[2] = {dm_splat(0), dm_splat(0)}; /* of groups that are near something, and of others */
-    const uint32_t *stepped = b->stepped, *near = b->near_groups, *end = near + b->near_group_count;
-    for (int64_t k = 0, count = b->stepped_count; k < count; k++) {
-        int64_t g = stepped[k];
+    const uint32_t *near = b->near_groups, *end = near + b->near_group_count;
+    for (int64_t g = 0; g < b->groups; g++) {
         dm_vec3 x = b->state[g].x, v = b->next[g].v, n = b->next[g].per_pascal;
         v.x += p * n.x, v.y += p * n.y, v.z += p * n.z;
         if (fitted) { /* whatever net force and torque shape matching left is taken out */

@@ -1,4 +1,4 @@
-/* The planes between pairs: neither of two goes beyond its side of theirs. Source: core/solver/bounds.py.
+/* The planes between pairs: neither of two goes beyond its side of theirs. Source: studies/reference/bounds.py.
  *
  * A plane holds until it is replaced, wherever the two have gone meanwhile on their sides of it. So what has moved along
  * its planes, or together with what is beyond them, keeps them, and they are only measured anew; a plane is replaced when

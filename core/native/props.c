@@ -1,6 +1,6 @@
 /* Props among what else meets: what they may stand on, how far they may go, and what soft bodies answer. To a soft body a
  * prop is a collider that goes at its speed; what the body answers acts in the next substep. Source:
- * core/solver/twin_scene.py. */
+ * studies/reference/twin_scene.py. */
 #include "scene.h"
 
 static int32_t dm_lay_prop(dm_surface *f, const dm_collider_def *d) {

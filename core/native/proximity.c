@@ -1,4 +1,4 @@
-/* Who is near whom: a vertex and a face, or two edges. Source: core/body/proximity.py. */
+/* Who is near whom: a vertex and a face, or two edges. Source: studies/reference/proximity.py. */
 #include "scene.h"
 
 /* Put a vertex into the list of what is near. */

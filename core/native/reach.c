@@ -10,8 +10,8 @@ static double dm_greatest_root(dm_lanes squares) {
 
 static double dm_greatest_speed(const dm_state *b) {
     dm_lanes most = dm_splat(0);
-    for (int64_t k = 0; k < b->stepped_count; k++) {
-        dm_vec3 v = b->state[b->stepped[k]].v;
+    for (int64_t g = 0; g < b->groups; g++) {
+        dm_vec3 v = b->state[g].v;
         most = dm_vmax(dm_dot(v, v), most);
     }
     return dm_greatest_root(most);
@@ -20,12 +20,11 @@ static double dm_greatest_speed(const dm_state *b) {
 /* How far a vertex has gone at most since the lists were made. */
 static double dm_greatest_way(const dm_state *b) {
     dm_lanes most = dm_splat(0);
-    for (int64_t k = 0; k < b->stepped_count; k++) {
-        dm_vec3 way = dm_sub(b->state[b->stepped[k]].x, b->listed[b->stepped[k]]);
+    for (int64_t g = 0; g < b->groups; g++) {
+        dm_vec3 way = dm_sub(b->state[g].x, b->listed[g]);
         most = dm_vmax(dm_dot(way, way), most);
     }
-    double gone = dm_greatest_root(most);
-    return gone > b->regions.gone ? gone : b->regions.gone;
+    return dm_greatest_root(most);
 }
 
 static void dm_bound_boxes(dm_state *b) {
@@ -191,7 +190,6 @@ static void dm_find_near(dm_state *b, const dm_motion *m) {
     }
     if (!hold) dm_bound_boxes(b);
     for (int64_t g = 0; !hold && g < b->groups; g++) b->listed[g] = b->state[g].x;
-    if (!hold) b->regions.gone = 0;
     for (int k = 0; !hold && k < DM_MAX_FINGERTIPS; k++) b->touches[k].listed = 0;
     for (int k = 0; k < b->finger_count; k++) {
         dm_near *to = b->touches + k;

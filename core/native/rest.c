@@ -1,5 +1,5 @@
 /* Bodies at rest: they are not stepped until something wakes them, and go on from the very state they were in.
- * Source: core/solver/rest.py. */
+ * Source: studies/reference/rest.py. */
 #include "body.h"
 
 /* How far a fingertip is from the box round what is asleep, less what it may reach in the tick [m]. */
@@ -54,7 +54,7 @@ static void dm_fall_asleep(dm_state *b, const dm_motion *m) {
     }
     if (dm_is_woken(b, m)) return;
     dm_fit_whole(b, b->still_pose);
-    b->still_volume = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE ? b->volume : dm_volume_of_faces(b, NULL);
+    b->still_volume = b->fill != DM_FILL_NONE ? b->volume : dm_volume_of_faces(b, NULL);
     b->asleep = 1;
 }
 

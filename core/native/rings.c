@@ -29,14 +29,12 @@ DM_INLINE void dm_add_fan_normal(const dm_vec3 *arm, dm_vec3 *normal) {
     normal->z = normal->z + m.x * b.y - m.y * b.x;
 }
 
-/* -(k1 + (k2 - k1) max(1 - d0 / |u|, 0) + ...) u - c w: a spring of two slopes or more to the place at rest */
-DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, const dm_piece *piece, int64_t count, dm_vec3 u,
-                                    dm_vec3 w) {
+/* -(k1 + (k2 - k1) max(1 - d0 / |u|, 0)) u - c w: a spring of two slopes to the place at rest */
+DM_INLINE dm_vec3 dm_matching_force(const dm_group_matter *m, dm_vec3 u, dm_vec3 w) {
     dm_lanes k = m->k1, square = dm_dot(u, u), none = dm_splat(0), one = dm_splat(1);
-    if (dm_any_of((dm_mask)(square > m->first_knee * m->first_knee))) { /* few vertices are that far from home */
+    if (dm_any_of((dm_mask)(square > m->d0 * m->d0))) { /* few vertices are that far from home */
         dm_lanes inverse = one / dm_vsqrt(dm_vmax(square, dm_splat(DM_TINY)));
         k += m->k_more * dm_vmax(one - m->d0 * inverse, none);
-        for (int64_t p = 0; p < count; p++) k += piece[p].more * dm_vmax(one - piece[p].knee * inverse, none);
     }
     return (dm_vec3){-(k * u.x + m->damping * w.x), -(k * u.y + m->damping * w.y), -(k * u.z + m->damping * w.z)};
 }
@@ -85,9 +83,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
     dm_vec3 rows[3] = {dm_splat3(b->rotation), dm_splat3(b->rotation + 3), dm_splat3(b->rotation + 6)};
     dm_vec3 turning[3] = {dm_splat3(b->turning), dm_splat3(b->turning + 3), dm_splat3(b->turning + 6)};
     dm_vec3 shifting = dm_splat3(b->turning + 9);
-    const uint32_t *stepped = b->stepped;
-    for (int64_t k = 0, count = b->stepped_count; k < count; k++) {
-        int64_t g = stepped[k];
+    for (int64_t g = 0; g < b->groups; g++) {
         const dm_group_matter *m = b->matter + g;
         if (!fitted && !dm_any_of((dm_mask)(m->inverse_mass > dm_splat(0)))) {
             volume += dm_pass_pinned(b, g);
@@ -101,8 +97,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
             w = (dm_vec3){v.x - linear.x - spin.x, v.y - linear.y - spin.y, v.z - linear.z - spin.z};
         }
         if (b->moving) w = dm_sub(w, dm_rotated(rows, b->rest_rate[g], none));
-        const dm_piece *piece = b->pieces + g * b->piece_count;
-        dm_vec3 force = dm_matching_force(m, piece, b->piece_count, dm_sub(x, dm_rotated(rows, m->rest, offset)), w);
+        dm_vec3 force = dm_matching_force(m, dm_sub(x, dm_rotated(rows, m->rest, offset)), w);
         /* the tension between displacements is that of the arms, in the springs, less that of the shape at rest */
 #ifndef DM_NO_TENSION /* bench --tension leaves it out to see what it costs */
         force = dm_sub(force, dm_rotated(rows, m->pull, none));
@@ -111,7 +106,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
             dm_vec3 torque = dm_cross(x, force);
             part[0] += force.x, part[1] += force.y, part[2] += force.z;
             part[3] += torque.x, part[4] += torque.y, part[5] += torque.z;
-            if (k % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 6);
+            if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 6);
         }
         const dm_slot *s = b->ring.slots + b->ring.start[g];
         int64_t slots = b->ring.start[g + 1] - b->ring.start[g];
@@ -127,8 +122,7 @@ DM_INLINE void dm_ring_pass(dm_state *b, int fitted) {
         by *= sixth;
         b->next[g].per_pascal = (dm_vec3){by * normal.x, by * normal.y, by * normal.z};
     }
-    for (int64_t k = 0; k < b->border_count; k++) volume += dm_pass_pinned(b, b->border[k]);
-    b->volume = dm_sum_of(volume) / 18 + b->regions.resting;
+    b->volume = dm_sum_of(volume) / 18;
     if (!fitted) return;
     dm_fold(part, sum, 6);
     double net[6];

@@ -1,5 +1,5 @@
 /* Rolling resistance: what lies on something turns against it only by a moment above a small arm times its load, so a ball
- * comes to rest. Source: core/solver/rolling.py. */
+ * comes to rest. Source: studies/reference/rolling.py. */
 #include "scene.h"
 
 static void dm_limit3(double *a, double most) {

@@ -14,7 +14,7 @@
 #define DM_LEAF 4             /* triangles in a leaf of a tree */
 #define DM_WAITING 64         /* pairs that a search measures together */
 #define DM_DEEPEST 128        /* pairs of nodes that wait: twice the depth of two trees */
-#define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/body/proximity.py */
+#define DM_OFFSET 0.05        /* of the mean edge: each of two surfaces holds this distance, as in core/solver/scene.py */
 #define DM_REACH_EDGE 0.3     /* of the mean edge: the farthest a query looks */
 #define DM_LEAST_REACH 2.5    /* of the distance at which surfaces touch */
 #define DM_WIDE 3.0           /* of the reach: how far a search looks, of which several queries live */
@@ -35,7 +35,7 @@
 #define DM_FLAT 0.01           /* slope of the faces beside an edge below which it is none, */
 #define DM_ON_BORDER 1e-9     /* weight of a corner below which a point of a face lies on the border opposite it */
 #define DM_SHARP 0.05          /* and above which it is one */
-#define DM_ROLL_PART 0.1      /* of rolling resistance, as in core/solver/rolling.py */
+#define DM_ROLL_PART 0.1      /* of rolling resistance, as in studies/reference/rolling.py */
 #define DM_ROLL_KEPT 0.0025
 #define DM_LEAVES_OUT 2       /* of `self`: a body meets itself, but for the faces that pass through others of it at the start */
 #define DM_HALVINGS 8         /* of the way of a prop that is held back */

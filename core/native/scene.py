@@ -62,7 +62,9 @@ class Scene:
         bodies: of one precision; they may still be given other numbers, and be put elsewhere between two calls.
         colliders: meshes that go where they are led.
         library: that runs it.
-        itself, offsets: as in `backend.create_scene`.
+        itself: whether each body meets itself too; LEAVES_OUT: but for what passes through itself now.
+        offsets: the distance [m] that each body holds, 0 for a share of its edges, as all do by default; colliders hold
+            the least of them.
 
     Raises:
         NativeError: the library refused it.

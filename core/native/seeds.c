@@ -1,6 +1,6 @@
 /* Seeds of cells, farthest first. Source: core/reduction/cells.py.
  * Points are sorted into bins of a grid. A new seed is nearer than all before only to points of few bins, the rest are
- * passed over by their boxes and weights: the choice is that of looking at every point, to the bit. */
+ * passed over by their boxes: the choice is that of looking at every point, to the bit. */
 #include "dimple.h"
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +11,6 @@
 
 typedef struct {
     double low[6], high[6]; /* of the places in it */
-    double lightest;        /* of the weights of its points */
     double most;            /* of `near` of its points, and the first point that has it */
     int64_t farthest;
     int64_t begin, end; /* in the list of points */
@@ -20,7 +19,7 @@ typedef struct {
 typedef struct {
     dm_bin *bins;
     int64_t count, *points; /* the points, bin by bin and in order within each */
-    double *near;           /* weighted square of the distance of each point from the nearest seed [m2] */
+    double *near;           /* square of the distance of each point from the nearest seed [m2] */
 } dm_grid;
 
 static void dm_find_farthest(dm_bin *bin, const int64_t *points, const double *near) {
@@ -29,18 +28,15 @@ static void dm_find_farthest(dm_bin *bin, const int64_t *points, const double *n
         if (near[points[k]] > bin->most) bin->farthest = points[k], bin->most = near[points[k]];
 }
 
-static void dm_bound_bin(dm_bin *bin, const int64_t *points, const double *place, const double *weights) {
+static void dm_bound_bin(dm_bin *bin, const int64_t *points, const double *place) {
     memcpy(bin->low, place + 6 * points[bin->begin], sizeof bin->low);
     memcpy(bin->high, bin->low, sizeof bin->high);
-    bin->lightest = weights[points[bin->begin]];
-    for (int64_t k = bin->begin + 1; k < bin->end; k++) {
-        bin->lightest = fmin(bin->lightest, weights[points[k]]);
+    for (int64_t k = bin->begin + 1; k < bin->end; k++)
         for (int c = 0; c < 6; c++) {
             double x = place[6 * points[k] + c];
             bin->low[c] = x < bin->low[c] ? x : bin->low[c];
             bin->high[c] = x > bin->high[c] ? x : bin->high[c];
         }
-    }
 }
 
 /* Return the bin of a point among side^3. */
@@ -55,7 +51,7 @@ static int64_t dm_bin_of(const double *x, const double *low, double width, int64
 }
 
 /* Sort points into bins by counting; empty bins are left out. Return whether there was memory. */
-static int dm_sort_points(dm_grid *g, int64_t n, const double *place, const double *weights) {
+static int dm_sort_points(dm_grid *g, int64_t n, const double *place) {
     double low[3], high[3], width = 0;
     memcpy(low, place, sizeof low), memcpy(high, place, sizeof high);
     for (int64_t k = 1; k < n; k++)
@@ -79,7 +75,7 @@ static int dm_sort_points(dm_grid *g, int64_t n, const double *place, const doub
         if (start[k] == start[k + 1]) continue;
         dm_bin *bin = g->bins + g->count++;
         bin->begin = start[k], bin->end = start[k + 1];
-        dm_bound_bin(bin, g->points, place, weights);
+        dm_bound_bin(bin, g->points, place);
         dm_find_farthest(bin, g->points, g->near);
     }
     free(start);
@@ -98,35 +94,35 @@ static int dm_may_reach(const dm_bin *bin, const double *from) {
         double gap = fmax(fmax(bin->low[c] - from[c], from[c] - bin->high[c]), 0);
         sum += gap * gap;
     }
-    return !(sum * bin->lightest * (1 - 1e-9) > bin->most); /* rounding must not pass over a point */
+    return !(sum * (1 - 1e-9) > bin->most); /* rounding must not pass over a point */
 }
 
-static void dm_take_seed(dm_grid *g, const double *place, const double *weights, const double *from) {
+static void dm_take_seed(dm_grid *g, const double *place, const double *from) {
     for (dm_bin *bin = g->bins; bin < g->bins + g->count; bin++) {
         if (!dm_may_reach(bin, from)) continue;
         for (int64_t k = bin->begin; k < bin->end; k++) {
             int64_t i = g->points[k];
-            double d = weights[i] * dm_apart(place + 6 * i, from), *near = g->near + i;
+            double d = dm_apart(place + 6 * i, from), *near = g->near + i;
             *near = d < *near ? d : *near;
         }
         dm_find_farthest(bin, g->points, g->near);
     }
 }
 
-int64_t dm_farthest_first(int64_t points, const double *place, const double *weights, int64_t taken, double least,
-                          int64_t most, int64_t *chosen) {
-    if (points < 1 || points > DM_MAX_VERTICES || taken < 0 || taken > points || !place || !weights || !chosen) return 0;
+int64_t dm_farthest_first(int64_t points, const double *place, int64_t taken, double least, int64_t most,
+                          int64_t *chosen) {
+    if (points < 1 || points > DM_MAX_VERTICES || taken < 0 || taken > points || !place || !chosen) return 0;
     dm_grid g = {0};
     int64_t count = 0;
-    int sorted = dm_sort_points(&g, points, place, weights);
-    for (int64_t k = 0; sorted && k < taken; k++) dm_take_seed(&g, place, weights, place + 6 * k);
+    int sorted = dm_sort_points(&g, points, place);
+    for (int64_t k = 0; sorted && k < taken; k++) dm_take_seed(&g, place, place + 6 * k);
     while (sorted && count < most) {
         const dm_bin *best = g.bins;
         for (const dm_bin *bin = best + 1; bin < g.bins + g.count; bin++)
             if (bin->most > best->most || (bin->most == best->most && bin->farthest < best->farthest)) best = bin;
         if (!(best->most > least)) break;
         chosen[count++] = best->farthest;
-        dm_take_seed(&g, place, weights, place + 6 * best->farthest);
+        dm_take_seed(&g, place, place + 6 * best->farthest);
     }
     free(g.bins), free(g.points), free(g.near);
     return count;

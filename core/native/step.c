@@ -1,4 +1,4 @@
-/* Semi-implicit Euler, then contact. Source: core/solver/semi_implicit.py, core/body/model.py forces; and what of a
+/* Semi-implicit Euler, then contact. Source: studies/reference/semi_implicit.py, core/body/forces.py; and what of a
  * body changes from tick to tick: its pins, where its numbers are counted from, and whether it is still whole. */
 #include "body.h"
 #include "profile.h"
@@ -39,14 +39,6 @@ static void dm_take_moment(dm_state *b) {
 }
 
 static void dm_substep(dm_state *b, int64_t left, dm_frame *frame) {
-    if (b->law_set == DM_LAWS_PAPER) {
-        b->pressure = dm_paper_pressure(b);
-        dm_apply_gravity(b);
-        if (b->pressure != 0) dm_paper_pressure_force(b);
-        dm_paper_spring_force(b);
-        dm_advance_pinned(b, b->pressure);
-        return;
-    }
     if (b->free) {
         DM_TIMED(DM_FITS, dm_fit_body(b));
         dm_press_free(b, left, frame);
@@ -157,8 +149,7 @@ static int dm_is_finite(dm_state *b, double tick, double *centre) {
     dm_wide sum[3] = {{0}};
     dm_lanes part[3] = {{0}}, probe = dm_splat(0), fastest = dm_splat(0);
     dm_vec3 low = b->state[0].x, high = low;
-    for (int64_t k = 0; k < b->stepped_count; k++) {
-        int64_t g = b->stepped[k];
+    for (int64_t g = 0; g < b->groups; g++) {
         dm_vec3 x = b->state[g].x, v = b->state[g].v;
         dm_lanes m = b->matter[g].mass;
         dm_mask counts = (dm_mask)(m > dm_splat(0));
@@ -171,7 +162,7 @@ static int dm_is_finite(dm_state *b, double tick, double *centre) {
         high.y = dm_blend(counts & (dm_mask)(x.y > high.y), x.y, high.y);
         low.z = dm_blend(counts & (dm_mask)(x.z < low.z), x.z, low.z);
         high.z = dm_blend(counts & (dm_mask)(x.z > high.z), x.z, high.z);
-        if (k % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 3);
+        if (g % DM_RUN == DM_RUN - 1) dm_fold(part, sum, 3);
     }
     dm_fold(part, sum, 3);
     for (int c = 0; c < 3; c++) centre[c] = dm_sum_of(sum[c]) / b->mass_total;
@@ -218,13 +209,10 @@ static void dm_enter_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *
     if (b->moving) dm_move_places(b, t ? 1 : (1 - 1 / (double)m->substeps) / 2 - (double)m->ticks, m->tick);
     if (m->pins_to) dm_drive_pins(b, m, m->pins_first + (double)t * way);
     DM_TIMED(DM_REACH, dm_find_near(b, m));
-    dm_choose_stepped(b, m);
-    frame->stepped = b->stepped_count * DM_LANES;
 }
 
 static void dm_begin_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *frame) {
     b->dt = m->tick / (double)m->substeps;
-    b->inner_force = b->fingers[0].law + b->fingers[1].law + b->fingers[2].law;
     dm_carry_fingertips(b, m, t);
     if (b->asleep && dm_is_woken(b, m)) dm_wake(b);
     if (!b->asleep) dm_enter_tick(b, m, t, frame);
@@ -246,8 +234,7 @@ static void dm_end_tick(dm_state *b, const dm_motion *m, int64_t t, dm_frame *fr
     if (b->asleep) return;
     frame->finite = dm_is_finite(b, m->tick, centre);
     if (!frame->finite) return;
-    if (b->stepped_count == b->groups) dm_move_origin(b, centre);
-    dm_watch_regions(b, m->tick), dm_watch_rest(b, m);
+    dm_move_origin(b, centre), dm_watch_rest(b, m);
 }
 
 static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
@@ -255,7 +242,7 @@ static void dm_end_motion(dm_state *b, const dm_motion *m, dm_frame *frame) {
     if (m->pins_to && frame->moved) dm_finish_pins(b, m);
     frame->pressure = b->pressure;
     if (!frame->finite) return;
-    int known = b->law_set == DM_LAWS_CONSISTENT && b->fill != DM_FILL_NONE && frame->ticks;
+    int known = b->fill != DM_FILL_NONE && frame->ticks;
     frame->volume = b->asleep ? b->still_volume : known ? b->volume : dm_volume_of_faces(b, NULL);
     dm_show_fingertips(b, m, frame);
 }

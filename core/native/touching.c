@@ -1,5 +1,5 @@
 /* What touches: in each substep, impulses that let nothing go nearer than the distance at which it touches, with Coulomb
- * friction; and what is nearer all the same is brought apart, without a speed. Source: core/body/touching.py.
+ * friction; and what is nearer all the same is brought apart, without a speed. Source: studies/reference/touching.py.
  *
  * For a pair at distance d (r: where it touches), with relative speed u along its normal, and g = 1 / mass of the two:
  *     j = max(0, (w - u) / g)   with   w = -(d - r) / h where d > r, and 0 where it is nearer

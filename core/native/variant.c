@@ -11,9 +11,6 @@ DM_FAST
 #include "pose.c"
 #include "rings.c"
 #include "motion.c"
-DM_SMALL
-#include "paper.c"
-DM_FAST
 #include "facets.c"
 #include "contact.c"
 #include "surface.c"
@@ -21,7 +18,6 @@ DM_FAST
 DM_SMALL
 #include "reach.c"
 #include "constants.c"
-#include "regions.c"
 #include "body.c"
 #include "moved_rest.c"
 #include "rest.c"

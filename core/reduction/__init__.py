@@ -1,3 +1,1 @@
-"""How many vertices of a body are simulated: proxies (cells, proxy), what they cost and how near they are (benchmark),
-and the planner that chooses one.
-"""
+"""How many vertices of a body are simulated: proxies, what they cost, and the planner that chooses one."""

@@ -26,7 +26,7 @@ def bind(rest: Floats, coarse: Mesh, place: Floats, seeds: Ints, cells: Ints) ->
         cells: (n,) the coarse vertex whose cell each fine one is in.
     """
     lists = _followed(coarse, place, seeds, cells)
-    centre, middle = rest.mean(axis=0), _sums_of(*lists, coarse.rest_positions)
+    centre, middle = rest.mean(axis=0), sums_of(*lists, coarse.rest_positions)
     places = np.zeros((len(middle), 6, EIGHT), np.float32)
     for c in range(3):
         at = np.append(rest[:, c], np.zeros(-len(rest) % EIGHT)).reshape(-1, EIGHT)
@@ -47,43 +47,16 @@ def carry(binding: Binding, positions: Floats) -> Singles:
     that is a parabola. A vertex takes the weighted mean over its seeds, F too; the weights come and go smoothly, so
     no facet shows.
     """
-    if native.why_not():
-        return carry_numpy(binding, motions_of(binding, positions))
     return native.carry(native.library(), binding, positions)[0]
-
-
-def motions_of(binding: Binding, positions: Floats) -> Singles:
-    """Return the motion (m, 12) of each coarse vertex, over WHOLE: what the native core does, to read.
-
-    Half of its shift [m], and the columns of half of its gradient.
-    """
-    rest, u = binding.coarse_rest, positions.T - binding.coarse_rest
-    i, j = binding.arms.T
-    turned = vertex_normals(binding.corners, positions.T) - vertex_normals(binding.corners, rest)
-    along, stretched = np.take(u, j, axis=0) - np.take(u, i, axis=0), np.empty((len(i), 9))
-    for c in range(3):  # of the gradient, by columns
-        np.multiply(binding.spread, along[:, c, None], out=stretched[:, c::3])
-    gradient = np.einsum("md,mc->mdc", binding.upright, turned)
-    gradient += np.add.reduceat(stretched, binding.starts[:-1]).reshape(-1, 3, 3)
-    shift = u - np.einsum("mdc,md->mc", gradient, rest - binding.centre) / 2
-    return (np.concatenate([shift, gradient.reshape(-1, 9) / 2], axis=1) / WHOLE).astype(np.float32)
-
-
-def carry_numpy(binding: Binding, motions: Singles) -> Singles:
-    """Return the surface (n, 3) [m] that some motions (m, 12) make: what the native core does, to read."""
-    way = _sums_of(binding.first, binding.followed, binding.weights, motions)
-    gradient = way[:, 3:].reshape(-1, 3, 3, EIGHT)
-    moved = binding.places[:, :3] + (way[:, :3] + np.einsum("gdci,gdi->gci", gradient, binding.places[:, 3:]))
-    return in_rows(moved, binding.vertices)
 
 
 def blend(binding: Binding, values: Floats) -> Floats:
     """Return the weighted mean (n, c) of values (m, c) of the coarse vertices that each fine one follows."""
-    sums = _sums_of(binding.first, binding.followed, binding.weights, values)
+    sums = sums_of(binding.first, binding.followed, binding.weights, values)
     return np.asarray(in_rows(sums, binding.vertices) / WHOLE, np.float64)
 
 
-def _sums_of(first: Ints, followed: Shorts, weights: Shorts, values: _Values) -> _Values:
+def sums_of(first: Ints, followed: Shorts, weights: Shorts, values: _Values) -> _Values:
     """Return the sums (g, c, 8), by weights, of values (m, c) of the coarse vertices that each fine one follows."""
     count = np.diff(first)
     sums = np.zeros((len(count), values.shape[1], EIGHT), values.dtype)
@@ -104,8 +77,6 @@ def _followed(mesh: Mesh, place: Floats, seeds: Ints, cells: Ints) -> tuple[Ints
     is left out: a seed's weight is 0, and so is its slope, where it comes and goes.
     """
     around = _two_rings(mesh.springs, len(seeds))
-    if native.why_not():
-        return nearest_seeds(place, seeds, cells, around)
     return native.follow_cells(native.library(), place, seeds, cells, around)
 
 
@@ -122,39 +93,6 @@ def _two_rings(edges: Ints, m: int) -> Ints:
     around = np.full((m, max(FOLLOWED + 1, int(column.max()) + 1)), -1)
     around[first, column] = second
     return around
-
-
-def nearest_seeds(place: Floats, seeds: Ints, cells: Ints, around: Ints) -> tuple[Ints, Shorts, Shorts]:
-    """List the nearest of the seeds round the cell of each vertex, and their weights: what the native core does.
-
-    Args:
-        around: (m, w) seeds round each cell, the rest of a row -1.
-
-    Returns:
-        first (g + 1,), followed (p,) and weights (p, 8) of a `Binding`.
-    """
-    n, width = len(place), around.shape[1]
-    followed, weights = np.empty((n, FOLLOWED), np.int64), np.empty((n, FOLLOWED), np.uint16)
-    for part in np.array_split(np.arange(n), n * width // 1_000_000 + 1):
-        ring = around[cells[part]]
-        distance = ((place[part, None] - place[seeds[ring]]) ** 2).sum(axis=2)
-        distance[ring < 0] = np.inf
-        near = distance.argsort(axis=1, kind="stable")[:, : FOLLOWED + 1]
-        away = np.take_along_axis(distance, near, axis=1)
-        bound = np.where(np.isfinite(away), away, -np.inf).max(axis=1, keepdims=True) * (1 + 1e-9)
-        share = np.where(np.isfinite(away), np.maximum(1 - away / np.maximum(bound, 1e-30), 0) ** 2, 0.0)[:, :-1]
-        share[:, 0] += 1e-30
-        followed[part] = np.take_along_axis(ring, near, axis=1)[:, :-1]
-        parts = (share / sum(share.T)[:, None] * WHOLE).astype(np.uint16)
-        parts[:, 0] += (WHOLE - parts.sum(axis=1, dtype=np.int64)).astype(np.uint16)  # the sum is exact
-        weights[part] = parts
-    eight, lane = np.divmod(np.arange(n), EIGHT)
-    there = followed >= 0
-    pairs, entry = np.unique(((eight << 16)[:, None] + followed)[there], return_inverse=True)
-    listed = np.zeros((len(pairs), EIGHT), np.uint16)
-    listed[entry, np.broadcast_to(lane[:, None], there.shape)[there]] = weights[there]
-    first = np.searchsorted(pairs, np.arange(-(-n // EIGHT) + 1) << 16)
-    return first, (pairs & 0xFFFF).astype(np.uint16), listed
 
 
 def _gradient(mesh: Mesh) -> tuple[Ints, Floats, Floats]:

@@ -5,8 +5,6 @@ Everything goes by distance in the space of place and normal, so that the two si
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from .. import native
@@ -16,7 +14,7 @@ from ..mesh.surface import Mesh
 CREASE = 0.6  # cosine: faces that turn by more than 53 degrees meet in a crease, which the proxy must have too
 CREASED = 0.3  # of the vertices: where more lie on creases, these are the roughness of a scan
 BESIDE = 0.75  # of the spacing: how near to each other seeds may lie on a crease
-MANY = 20_000  # candidates for a seed; a finer mesh offers every second, third... vertex
+MANY = 40_000  # candidates for a seed; a finer mesh offers every second, third... vertex
 
 
 def vertex_normals(triangles: Ints, x: Floats) -> Floats:
@@ -40,56 +38,22 @@ def _face_vectors(triangles: Ints, x: Floats) -> Floats:
     return vectors
 
 
-def spread_seeds(
-    mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float, coarser: Floats | None = None
-) -> Ints:
-    """Choose seeds farthest first: on creases and borders to their spacing, then all over.
-
-    Args:
-        spacing: of the seeds where they are the closest [m].
-        coarser: times as much as is wanted at each vertex (n,), None where they are to be even.
-    """
+def spread_seeds(mesh: Mesh, place: Floats, used: Ints, count: int, spacing: float) -> Ints:
+    """Choose seeds farthest first: on creases and borders to their spacing [m], then all over."""
     creased = np.intersect1d(_creased(mesh), used)
     if len(creased) > CREASED * len(used):
         creased = creased[:0]
-    seeds, weights = np.zeros(0, np.int64), np.ones(len(place)) if coarser is None else coarser**-2
-    choose = farthest_first if native.why_not() else partial(native.farthest_first, native.library())
-    for pool, least in ((creased, BESIDE * spacing), (_offered(used, weights), 0.0)):
+    seeds, offered = np.zeros(0, np.int64), used[:: -(-len(used) // MANY)]
+    for pool, least in ((creased, BESIDE * spacing), (offered, 0.0)):
         points = place[pool]
         if len(pool) and not len(seeds):  # the first is the point farthest from the middle
             seeds = pool[[int(((points - points.mean(axis=0)) ** 2).sum(axis=1).argmax())]]
         both = np.concatenate([seeds, pool])
-        chosen = choose(place[both], weights[both], len(seeds), least**2, count - len(seeds))
+        chosen = native.farthest_first(native.library(), place[both], len(seeds), least**2, count - len(seeds))
         seeds = np.concatenate([seeds, both[chosen]])
     return seeds
 
 
-def _offered(used: Ints, weights: Floats) -> Ints:
-    """Return the vertices that seeds are chosen from: as many to a seed wherever they are."""
-    if len(used) <= MANY or (weights == 1).all():
-        return used[:: -(-len(used) // MANY)]
-    total = np.cumsum(weights[used])
-    return used[np.unique(np.searchsorted(total, total[-1] * (np.arange(MANY) + 0.5) / MANY))]
-
-
-def farthest_first(places: Floats, weights: Floats, taken: int, least: float, most: int) -> Ints:
-    """Choose points one by one, each the farthest from all chosen before: what the native core does, to read.
-
-    Args:
-        places: (n, 6) [m].
-        weights: (n,) by which the square of a distance of each counts.
-        taken: how many of the first were chosen before.
-        least: square of a distance that is too near [m2].
-        most: to choose.
-    """
-    chosen: list[int] = []
-    near = np.full(len(places), np.inf)
-    for place in places[:taken]:
-        np.minimum(near, weights * ((places - place) ** 2).sum(axis=1), out=near)
-    while len(near) and len(chosen) < most and near[at := int(near.argmax())] > least:
-        chosen.append(at)
-        np.minimum(near, weights * ((places - places[at]) ** 2).sum(axis=1), out=near)
-    return np.array(chosen, np.int64)
 
 
 def _creased(mesh: Mesh) -> Ints:
@@ -106,10 +70,7 @@ def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
 
     A cell is in one piece: islands that another cell cut off go to what is round them.
     """
-    if native.why_not():
-        cells, joined = spread_cells(mesh.springs, place, seeds)
-    else:
-        cells, joined = native.grow_cells(native.library(), mesh.springs, place, seeds)
+    cells, joined = native.grow_cells(native.library(), mesh.springs, place, seeds)
     lost = np.flatnonzero(cells < 0)  # parts without a seed, and loose vertices
     if len(lost) + joined.sum() < len(cells):
         _join_islands(mesh.springs, place, seeds, cells, joined)
@@ -117,40 +78,6 @@ def grow_cells(mesh: Mesh, place: Floats, seeds: Ints) -> Ints:
         distance = ((place[part, None, :3] - place[None, seeds, :3]) ** 2).sum(axis=2)
         cells[part] = distance.argmin(axis=1)
     return cells
-
-
-def spread_cells(ends: Ints, place: Floats, seeds: Ints) -> tuple[Ints, Bools]:
-    """Return the seed (n,) each vertex belongs to by now, -1 where none spreads to: what the native core does, to read.
-
-    In rounds: what changed in the last one offers its cell to its neighbours, and each takes the nearest seed if that
-    is nearer than its own; of two as near, the first.
-
-    Args:
-        ends: (m, 2) edges.
-
-    Returns:
-        The cells, and whether (n,) its cell joins each vertex to its seed.
-    """
-    i, j = np.concatenate([ends, ends[:, ::-1]]).T
-    cells, away = np.full(len(place), -1), np.full(len(place), np.inf)
-    cells[seeds], away[seeds] = np.arange(len(seeds)), 0.0
-    changed = cells >= 0
-    while changed.any():
-        new = changed[i] & (cells[i] != cells[j])
-        end, offered = j[new], cells[i[new]]
-        distance = ((place[end] - place[seeds[offered]]) ** 2).sum(axis=1)
-        order = np.lexsort((offered, distance, end))
-        end, first = np.unique(end[order], return_index=True)
-        nearest, offered = distance[order][first], offered[order][first]
-        better = nearest < away[end]
-        cells[end[better]], away[end[better]] = offered[better], nearest[better]
-        changed = np.zeros(len(place), bool)
-        changed[end[better]] = True
-    joined, same = np.zeros(len(place), bool), cells[i] == cells[j]
-    joined[seeds], i, j = True, i[same], j[same]
-    while (reached := joined[i] & ~joined[j]).any():
-        joined[j[reached]] = True
-    return cells, joined
 
 
 def _join_islands(ends: Ints, place: Floats, seeds: Ints, cells: Ints, joined: Bools) -> None:

@@ -10,17 +10,13 @@ carried at nearly every call.
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from .. import native
 from ..base import Floats, Singles, sums_at
-from ..native.carry import EIGHT, Binding
-from .binding import WHOLE, carry_numpy, motions_of
+from ..native.carry import Binding
 
 SLACK = 2e-3  # of the edges of the proxy: a slope is off by 0.1 degrees, less than one of 256 greys
-REACH = 1.5  # edges of a proxy: as far from a vertex of it a gradient carries what follows it
 TURN = 16  # calls; what has not moved for so many is put where it is to the bit
 
 
@@ -49,42 +45,13 @@ class KeptSkin:
         self._quiet += 1
         self.exact = exact or self._quiet == TURN
         slack, ahead = 0.0 if self.exact else SLACK, min(self._calls & -self._calls, TURN)
-        follow = follow_numpy if native.why_not() else partial(native.carry_moved, native.library())
-        carried = follow(
-            self._binding, coarse, self._lengths, slack, ahead, self._motions, self._before, self.positions
-        )
+        carried = native.carry_moved(
+            native.library(), self._binding, coarse, self._lengths, slack, ahead, self._motions, self._before,
+            self.positions,
+        )  # fmt: skip
         if carried and not self.exact:
             self._quiet = 0
         return carried
-
-
-def follow_numpy(
-    binding: Binding, coarse: Floats, lengths: Floats, slack: float, ahead: int, kept: Singles, before: Singles,
-    skin: Singles,
-) -> int:  # fmt: skip
-    """Carry again what has moved of a surface: what the native core does, to read; see `native.carry_moved`."""
-    motions = motions_of(binding, coarse)
-    moved = (motions != kept).any(axis=1)
-    if slack:
-        rate = motion_gaps(binding, lengths, motions, before)
-        moved &= ~(motion_gaps(binding, lengths, motions, kept) + ahead * rate <= slack)
-    before[:] = motions
-    kept[moved] = motions[moved]
-    if not moved.any():
-        return 0
-    eights = np.bitwise_or.reduceat(moved[binding.followed], binding.first[:-1])
-    rows = np.repeat(eights, EIGHT)[: len(skin)]
-    skin[rows] = carry_numpy(binding, kept)[rows]
-    return int(eights.sum())
-
-
-def motion_gaps(binding: Binding, lengths: Floats, motions: Singles, others: Singles) -> Floats:
-    """Return how far apart motions (m, 12) and others move what follows them (m,), over the lengths of the edges."""
-    gap = motions.astype(np.float64) - others
-    gradient = gap[:, 3:].reshape(-1, 3, 3)
-    shift = gap[:, :3] + np.einsum("mdc,md->mc", gradient, binding.coarse_rest - binding.centre)
-    away = np.sqrt((shift**2).sum(axis=1)) / lengths
-    return np.asarray(WHOLE * (away + REACH * np.sqrt((gradient**2).sum(axis=(1, 2)))))
 
 
 def edge_lengths(binding: Binding) -> Floats:

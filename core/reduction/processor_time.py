@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from .. import native
 from ..base import TICK
 from ..body.model import Model
 
 BUDGET = 0.6  # [s] per second for the simulation; Blender needs the rest to draw
-NATIVE_COST, NUMPY_COST = 1.4e-8, 6e-7  # [s] a vertex and step: measured once (tests/bench), and kept
+COST = 1.4e-8  # [s] a vertex and step: measured once (tests/bench), and kept
 ESTIMATED = 1.05  # times the budget may what runs live be expected to cost: no cost is known better than that
 
 
 def cost_of(model: Model) -> float:
     """Return the processor time [s] that a second of motion should take."""
-    each = NUMPY_COST if native.why_not() else NATIVE_COST
-    return each * len(model.mass) * model.substeps(TICK) / TICK
+    return COST * len(model.mass) * model.substeps(TICK) / TICK
 
 
 def work_of(model: Model) -> str:

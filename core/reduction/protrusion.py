@@ -5,32 +5,27 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import Floats, Ints
-from ..body.proximity import OFFSET, weights_on_face
+from ..mesh.nearest import weights_on_face
 from ..mesh.surface import Mesh
-from .grading import Pressed, coarser
+from ..solver.scene import OFFSET
 
 LOOKED = 20_000  # vertices of a finer mesh that are looked at
 CLEAR = 90.0  # percent of a mesh that keep at least its own distance
 LEAST = 1 / 3  # of the distance that a mesh of such edges holds: nearer, what comes fast is held back by its planes
 
 
-def held_distance(
-    mesh: Mesh, coarse: Mesh, cells: Ints, spacing: float, pressed: Pressed | None
-) -> tuple[float, float]:
-    """Return the distance [m] that a proxy holds so that its mesh holds its own, and how far that stands out at most.
+def held_distance(mesh: Mesh, coarse: Mesh, cells: Ints, spacing: float) -> float:
+    """Return the distance [m] that a proxy holds so that its mesh holds its own.
 
     A proxy of long edges would else be met sooner than the mesh that it moves.
 
     Args:
-        coarse, cells, spacing, pressed: of the proxy; where that is graded, where it is fine counts.
+        coarse, cells, spacing: of the proxy.
     """
     looked = _looked(mesh)
-    if pressed:
-        fine = coarser(mesh.rest_positions[looked], pressed) <= 1
-        looked = looked[fine] if fine.any() else looked
     out = protrusion(mesh, coarse, cells, looked)
     wanted = OFFSET * float(mesh.rest_lengths.mean()) + max(float(np.percentile(out, CLEAR)), 0.0) / 2
-    return float(np.clip(wanted, LEAST * OFFSET * spacing, OFFSET * spacing)), float(out.max())
+    return float(np.clip(wanted, LEAST * OFFSET * spacing, OFFSET * spacing))
 
 
 def _looked(mesh: Mesh) -> Ints:

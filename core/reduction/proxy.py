@@ -17,17 +17,14 @@ from ..body.springs import membrane_stiffness
 from ..mesh.surface import Mesh, mesh_from_triangles
 from ..native import Binding
 from .binding import bind
-from .cell_record import packed, unpacked
 from .cells import dual, grow_cells, spread_seeds, vertex_normals
 from .flips import flip_edges
-from .grading import Pressed, coarser, share_of
 from .protrusion import held_distance
 
 SMALLEST = 60  # vertices: fewer no longer have the shape of a body
-LARGEST = 8000  # more take too long to choose
+LARGEST = 16_000  # more take over a second to choose
 NORMAL_SHARE = 0.5  # of the spacing: how far apart opposite normals put two points is twice this
 STIFFER = 16.0  # times as stiff, as softness of 0 is beside 1: what is painted so is a spacing apart
-FEWER = 0.3  # of the vertices: a body with more is no faster for being coarser elsewhere
 VOLUME_SLACK = 0.15  # of the volume: a proxy that loses more is another body
 
 
@@ -40,11 +37,8 @@ class Proxy:
     cells: (n,) the coarse vertex whose share of mass and stiffness each vertex of the fine mesh is.
     painted: (n,) how much stiffer each vertex of the fine mesh was than most when the cells were made, see `painted`.
     still: the vertices of the fine mesh that are pinned or loose.
-    spacing: mean distance between seeds, where they are the closest [m].
-    offset: the distance that it holds from what it meets [m], and
-    stands_out: how far its mesh stands out of it [m], see `held_distance`.
-    pressed: where fingertips are to press it, if that is known: it is coarser elsewhere.
-    record: "" or what spares the search for seeds and cells another time, see `build_proxy`.
+    spacing: mean distance between seeds [m].
+    offset: the distance that it holds from what it meets [m], see `held_distance`.
     binding: what carries the fine mesh along.
     """
 
@@ -55,68 +49,36 @@ class Proxy:
     still: Ints
     spacing: float
     offset: float
-    stands_out: float
-    pressed: Pressed | None
-    record: str
     binding: Binding
 
 
-def build_proxy(model: Model, vertices: int, pressed: Pressed | None = None, record: str = "") -> Proxy:
-    """Make a proxy of about the given number of vertices, fine where it is to be pressed, if that is known.
-
-    Args:
-        record: that of an earlier proxy; where it was this very one its seeds and cells are taken.
+def build_proxy(model: Model, vertices: int) -> Proxy:
+    """Make a proxy of about the given number of vertices.
 
     Raises:
         DimpleError: no such proxy can be made; the message says why.
     """
     mesh = model.mesh
-    check(model)
     used = np.flatnonzero(~mesh.loose)
-    share = share_of(mesh, pressed) if pressed else 1.0
-    most = most_of(model, share)
+    most = most_of(model)
     if not SMALLEST <= vertices <= most:
         raise DimpleError(f"a proxy of this mesh has from {SMALLEST} to {most} vertices, not {vertices}")
-    spacing = mean_spacing(mesh, vertices / share)
-    wanted = coarser(mesh.rest_positions, pressed) if pressed else None
-    stiffer = painted(model)
-    place = _places(mesh, stiffer, spacing, wanted)
-    known = unpacked(record, place, mesh.triangles, vertices)
-    seeds, cells = known or _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing, wanted))
+    spacing, stiffer = mean_spacing(mesh, vertices), painted(model)
+    place = _places(mesh, stiffer, spacing)
+    seeds, cells = _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing))
     coarse = _constants(model, _coarse_mesh(mesh, seeds, cells), cells)
-    offset, stands_out = held_distance(mesh, coarse.mesh, cells, spacing, pressed)
     return Proxy(
-        record=record if known else packed(place, mesh.triangles, vertices, seeds, cells),
         model=coarse, seeds=seeds, cells=cells, painted=stiffer, still=np.flatnonzero(model.pinned | mesh.loose),
-        spacing=spacing, offset=offset, stands_out=stands_out, pressed=pressed,
+        spacing=spacing, offset=held_distance(mesh, coarse.mesh, cells, spacing),
         binding=bind(mesh.rest_positions, coarse.mesh, place, seeds, cells),
     )  # fmt: skip
 
 
-def coarser_elsewhere(model: Model, pressed: Pressed) -> Model | None:
-    """Return a body that is as fine as its mesh where it is pressed; None where it would not have far fewer vertices.
-
-    Raises:
-        DimpleError: there is none of its shape; the message says why.
-    """
-    mesh = model.mesh
-    used = np.flatnonzero(~mesh.loose)
-    vertices = max(round(share_of(mesh, pressed) * len(used)), SMALLEST)
-    if vertices > FEWER * len(used):
-        return None
-    wanted, spacing = coarser(mesh.rest_positions, pressed), mean_spacing(mesh, len(used))
-    place = _places(mesh, painted(model), spacing, wanted)
-    seeds, cells = _seeds_and_cells(mesh, place, spread_seeds(mesh, place, used, vertices, spacing, wanted))
-    return _constants(model, _coarse_mesh(mesh, seeds, cells), cells)
-
-
-def _places(mesh: Mesh, stiffer: Singles, spacing: float, wanted: Floats | None) -> Floats:
+def _places(mesh: Mesh, stiffer: Singles, spacing: float) -> Floats:
     """Return where vertices are (n, 6) [m] in the space in which cells are the nearest of it."""
     normals = vertex_normals(mesh.triangles, mesh.rest_positions)
     # along a diagonal: any way
     shift = NORMAL_SHARE * spacing * normals + spacing / math.sqrt(3) * stiffer[:, None]
-    if wanted is not None:
-        shift *= wanted[:, None]
     return np.concatenate([mesh.rest_positions, shift], axis=1)
 
 
@@ -151,9 +113,8 @@ def with_constants(proxy: Proxy, model: Model) -> Proxy:
     """Return a proxy that moves as another model of the same fine mesh, on the same coarse one.
 
     Raises:
-        DimpleError: its laws or pins need another proxy.
+        DimpleError: its pins need another proxy.
     """
-    check(model)
     coarse = _constants(model, proxy.model.mesh, proxy.cells)
     return replace(proxy, model=coarse, still=np.flatnonzero(model.pinned | model.mesh.loose))
 
@@ -163,23 +124,9 @@ def mean_spacing(mesh: Mesh, vertices: float) -> float:
     return float(np.sqrt(2 / np.sqrt(3) * mesh.triangle_areas.sum() / vertices))
 
 
-def most_of(model: Model, share: float = 1.0) -> int:
-    """Return the largest number of vertices that a proxy may have.
-
-    Args:
-        share: of the vertices of one that is everywhere as fine, see `grading.share_of`.
-    """
-    return min(int(int((~model.mesh.loose).sum()) // 2 * share), LARGEST)
-
-
-def check(model: Model) -> None:
-    """Raise where no proxy of any size can be made.
-
-    Raises:
-        DimpleError: the laws or springs of the model need its own mesh.
-    """
-    if model.law_set == "paper":
-        raise DimpleError("the paper's equations depend on the mesh, so they need the full mesh")
+def most_of(model: Model) -> int:
+    """Return the largest number of vertices that a proxy may have."""
+    return min(int((~model.mesh.loose).sum()) // 2, LARGEST)
 
 
 def _coarse_mesh(fine: Mesh, seeds: Ints, cells: Ints) -> Mesh:
@@ -221,13 +168,11 @@ def _constants(model: Model, mesh: Mesh, cells: Ints) -> Model:
     k = of_surface(model.springs.stiffness, membrane_stiffness(fine, np.ones(len(fine.springs))))
     tension = of_surface(matching.tension, fine.cotangents)
     coarse = assemble(
-        mesh, model.materials, law_set=model.law_set, mass=np.maximum(total(model.mass), 1e-30), pinned=pinned,
+        mesh, model.materials, mass=np.maximum(total(model.mass), 1e-30), pinned=pinned,
         friction=mean(model.friction), compliance=mean(model.compliance * fine.vertex_areas) / area,
         damping=mean(damping),
         stiffness=membrane_stiffness(mesh, k), tension=mesh.cotangents * tension,
-        k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0),
-        more=np.reshape([total(k) for k in matching.more], (-1, m)),
-        knees=np.reshape([mean(knee) for knee in matching.knees], (-1, m)), fill=model.pressure.fill,
+        k1=total(matching.k1), k2=total(matching.k2), d0=mean(matching.d0), fill=model.pressure.fill,
         rest_pressure=model.pressure.rest_pressure, gravity=model.gravity, ground=model.ground,
     )  # fmt: skip
     if coarse.free != model.free or pinned.all():

@@ -101,7 +101,6 @@ class Frame(NamedTuple):
     ticks: done.
     finite: False where the body has blown up in the last of them.
     moved: False where it was asleep all the time, at rest, and is where it was.
-    stepped: vertices in the last tick, about: what rests is not.
     """
 
     touches: tuple[Touch | None, ...]
@@ -110,4 +109,3 @@ class Frame(NamedTuple):
     ticks: int
     finite: bool
     moved: bool = True
-    stepped: int = 0

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from ..base import Floats, Ints
-from .motion import Frame, Motion
+from .motion import Frame
 from .rigid import RigidShape, RigidState
 
+OFFSET = 0.05  # of the mean edge: each of two surfaces holds this distance
 LEAVES_OUT = 2  # for `itself`: a body meets itself, but for the faces that pass through others of it at the start
 MAX_IMPULSES = 64  # surfaces of which a frame says what they got
 
@@ -102,14 +102,3 @@ class Crossings(NamedTuple):
     pairs: int
     surfaces: tuple[int, int]
     place: tuple[float, float, float]
-
-
-class Scene(Protocol):
-    """What either backend offers; `native.Scene` says more."""
-
-    def step(
-        self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
-    ) -> SceneFrame: ...
-    def crossings(self) -> Crossings: ...
-    def set_collider(self, index: int, positions: Floats) -> None: ...
-    def collider(self, index: int) -> Floats: ...

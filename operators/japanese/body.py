@@ -18,7 +18,6 @@ MESSAGES = {
     "The material is so stiff or light on this mesh that a millisecond needs over {} steps.": (
         "このメッシュではマテリアルが硬すぎるか軽すぎて、1 ミリ秒に {} を超えるステップが必要です。"
     ),
-    "The law set must be one of {} (it is {}).": "法則は {} のいずれかにしてください（現在 {}）。",
     "Gravity must be three numbers and the ground's height one.": (
         "重力は 3 つの数、地面の高さは 1 つの数にしてください。"
     ),
@@ -40,9 +39,6 @@ MESSAGES = {
     "The radius of the tip must be greater than 0 mm (it is {}).": (
         "先端の半径は 0 mm より大きくしてください（現在 {}）。"
     ),
-    "The tension must not be negative": "張力は負にできません",
-    "A piece needs a knee greater than 0": "区間の折れ点は 0 より大きくしてください",
-    "The model constant {} must be greater than 0": "モデル定数 {} は 0 より大きくしてください",
     "{} must be greater than 0 {}": "{} は 0 {} より大きくしてください",
     "The spread must not be negative": "広がりは負にできません",
     "Give either a mass or a density": "質量か密度のどちらか一方を設定してください",
@@ -62,7 +58,6 @@ MESSAGES = {
     "The damping ratio": "減衰比",
     "The friction": "摩擦",
     "The pressure": "圧力",
-    "The tension": "張力",
     "both": "両方",
     "neither": "どちらもなし",
     "All vertices lie at one point, so there is nothing to press. Give the mesh a size.": (
@@ -106,14 +101,15 @@ MESSAGES = {
         "頂点 {} の座標が NaN か無限大、または {} m を超えています（そのような頂点は {} 個）。削除するか動かしてく"
         "ださい。"
     ),
-    "Runs on numpy, slower: this installation has no native core for this machine.": (
-        "numpy で動くため低速です。このインストールには、このコンピューター用のネイティブコアがありません。"
+    "There is no compiled core for {} here. Install the zip of Dimple for that platform.": (
+        "{} 用のコンパイル済みコアがありません。その環境用の Dimple の zip をインストールしてください。"
     ),
-    "Runs on numpy, slower: the native core was refused ({}).": (
-        "numpy で動くため低速です。ネイティブコアが使えませんでした（{}）。"
+    "The compiled core for {} was refused ({}). Install the zip of Dimple for that platform again.": (
+        "{} 用のコンパイル済みコアが使えませんでした（{}）。その環境用の Dimple の zip をもう一度インストールしてくだ"
+        "さい。"
     ),
     "it has version {}, not {}": "バージョンが {} で、{} ではありません",
-    "it differs from numpy by {} mm": "numpy と {} mm 違います",
+    "its check is off by {} mm": "確認の結果が {} mm ずれています",
     "The recording has {} vertices but the mesh now has {}. Start a new recording after changing the mesh.": (
         "記録は {} 頂点ですが、メッシュは今 {} 頂点です。メッシュを変えたあとは新しく記録してください。"
     ),
@@ -127,56 +123,27 @@ MESSAGES = {
     "{} has a sample every {} frames, not one a frame. Bake again.": (
         "{} のサンプルは {} フレームごとで、1 フレームごとではありません。もう一度ベイクしてください。"
     ),
-    "No part of the surface is free to be pressed. Pin fewer vertices.": (
-        "押せる表面が残っていません。固定する頂点を減らしてください。"
-    ),
-    "the simulation became unstable": "計算が不安定になりました",
     "The full mesh is too stiff to simulate": "元のメッシュは硬すぎて計算できません",
     "The full mesh runs live: {}.": "元のメッシュのまま実時間で動きます（{}）。",
-    "The presses are slow, so the full mesh runs live with 1/{} of its steps, within {} of the force: {}.": (
-        "ゆっくり押すので、元のメッシュのまま 1/{} のステップ数で実時間で動きます。力の差は {} 以内です（{}）。"
-    ),
     "The full mesh would run at {} real time ({})": "元のメッシュでは実時間の {} の速さです（{}）",
-    "{} mm and {}": "{} mm と {}",
-    "no proxy of up to {} vertices is within {}": "{} 頂点までの代理メッシュに、{} 以内のものはありません",
     "{}. It is simulated anyway: {}.": "{}。それでもそのまま計算します。{}。",
-    "no proxy within the tolerances runs live": "許容差に収まる代理メッシュで、リアルタイムで動くものはありません",
-    "no proxy within the tolerances is faster": "許容差に収まる代理メッシュで、これより速いものはありません",
     "{}, the full mesh: {}, at {} real time.": "{}。元のメッシュ（{}）、実時間の {} の速さです。",
-    "{}. What moves by less than {} mm rests; a fingertip moves about {} of it, {}.": (
-        "{}。動きが {} mm 未満の所は休ませます。指先が動かすのは全体の約 {} で、{}。"
-    ),
-    "which runs live": "実時間で動きます",
-    "at {} real time": "実時間の {} の速さです",
     "For self contact": "自己接触があります",
-    "In contact there the force is within {}, and the mesh shown may overlap by up to {} mm.": (
-        "そこでの接触では、力の誤差は {} 以内で、表示メッシュが最大 {} mm 重なることがあります。"
-    ),
-    "In contact the force is within {}, and the mesh shown may overlap by up to {} mm.": (
-        "接触では、力の誤差は {} 以内で、表示メッシュが最大 {} mm 重なることがあります。"
-    ),
     'Its proxy would intersect "{}" at the start, so the full mesh is simulated.': (
         "代理メッシュが開始時に「{}」と交わるため、元のメッシュを計算します。"
     ),
     "For its rig": "リグで動きます",
     "runs at {} real time": "は実時間の {} の速さで動き",
     "runs live": "は実時間で動き",
-    "is to be made": "をこれから作り",
     "As chosen": "選択どおりです",
-    "It is fine where it will be pressed.": "押される所の近くだけ細かくします。",
-    "{} A proxy within the tolerances would not run live.": "{}許容差に収まる代理メッシュでは実時間で動きません。",
-    "{} A proxy cannot have the vertices to keep the tolerances.": "{}代理メッシュの頂点数では許容差に収まりません。",
-    "{}. A proxy of {} vertices {}, within {} mm and {} of the force.": (
-        "{}。{} 頂点の代理メッシュ{}、誤差は {} mm 以内、力の {} 以内です。"
+    "{}. A proxy of {} vertices {}; its dents are within {} mm of the mesh's.": (
+        "{}。{} 頂点の代理メッシュ{}、くぼみの形は元のメッシュと {} mm 以内で一致します。"
     ),
     "{} vertices at {} steps per millisecond": "{} 頂点、1 ミリ秒に {} ステップ",
     "a proxy of this mesh has from {} to {} vertices, not {}": (
         "このメッシュの代理メッシュは {} から {} 頂点で、{} にはできません"
     ),
     "its pieces are too small for a proxy": "部分が小さすぎて代理メッシュを作れません",
-    "the paper's equations depend on the mesh, so they need the full mesh": (
-        "論文の式はメッシュに依存するため、元のメッシュが必要です"
-    ),
     "its surface is too crumpled for a proxy of this size": (
         "表面の凹凸が激しく、この大きさの代理メッシュを作れません"
     ),
@@ -200,8 +167,8 @@ MESSAGES = {
     "The mesh has other vertices than when it was started. Reset it and start again.": (
         "開始したときとメッシュの頂点が違います。リセットしてもう一度始めてください。"
     ),
-    "There is no backend {}: take auto, native, native64 or numpy.": (
-        "計算方式 {} はありません。auto、native、native64、numpy のいずれかを選んでください。"
+    "There is no backend {}: take native or native64.": (
+        "計算方式 {} はありません。native か native64 を選んでください。"
     ),
     "The mass of a prop must be greater than 0 kg (it is {}).": (
         "小道具の質量は 0 kg より大きくしてください（現在 {}）。"

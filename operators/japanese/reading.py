@@ -1,4 +1,4 @@
-"""Japanese of what is said about measured files: reading, fitting and identification."""
+"""Japanese of what is said about measured files: reading and fitting."""
 
 MESSAGES = {
     "depth": "深さ",
@@ -136,34 +136,8 @@ MESSAGES = {
     "Only {} rows lie beyond the first touch; a fit needs at least {}.": (
         "最初の接触より先に {} 行しかありません。当てはめには少なくとも {} 行が必要です。"
     ),
-    "Deeper than {} mm the simulated body finds no rest.": "{} mm より深いと、計算した物体が静止しません。",
-    "The simulated body finds no rest under the tip. Use a finer or simpler mesh.": (
-        "計算した物体が先端の下で静止しません。もっと細かいか単純なメッシュを使ってください。"
-    ),
-    "The springs of the surface keep their own k.": "表面のばねは元の k のままです。",
-    "k is taken at {} % of its value: springs as stiff would answer far more than was measured, and buckle. Shape "
-    "matching carries the rest.": (
-        "k は {} % で使います。そのままの硬さのばねでは測定よりずっと強く応答し、座屈します。残りは形状マッチングが"
-        "受け持ちます。"
-    ),
-    "Deeper than {} mm the tip would meet the far side of the object, which is {} mm thick there.": (
-        "{} mm より深いと、先端が物体の裏側に当たります。そこの厚さは {} mm です。"
-    ),
-    "The fingertip presses a point or a corner: it has {} of the surface that the measured law stands for, so the "
-    "force will be some {} to {} of the law.": (
-        "指先が尖った所か角を押しています。そこにある面は測定した法則が前提とする面の {} なので、"
-        "力は法則の {}〜{} ほどになります。"
-    ),
-    "{} N instead of {} N": "{1} N のところ {0} N",
-    "A round tip touches more as it sinks in, so it rounds the knee.": (
-        "丸い先端は沈むほど広く触れるため、折れ点が丸くなります。"
-    ),
-    "The simulated press is off the most at {} mm: {}.": "計算した押し込みのずれは {} mm で最大です: {}。",
     "The tip misses the object. Move it over the place to be pressed.": (
         "先端が物体に当たりません。押す場所の上に動かしてください。"
-    ),
-    "The tip stands on vertices that are pinned. Press elsewhere, or pin fewer.": (
-        "先端が固定された頂点の上にあります。別の場所を押すか、固定する頂点を減らしてください。"
     ),
     "{}: no force was measured in contact.": "{}: 接触中の力が測定されていません。",
     "{}: only {} depths in contact. Measure at more depths.": (

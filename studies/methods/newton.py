@@ -12,11 +12,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.base import Floats, sums_at
-from core.body import shape_matching
-from core.body.contact import Touch
 from core.body.model import Model, State
-from core.solver.ticks import acceleration_of
 
+from ..reference.contact import Touch
+from ..reference.ticks import acceleration_of
 from . import penalty
 from .cached import kept
 from .penalty import Meeting
@@ -35,7 +34,7 @@ CONTACT_STIFFNESS = 30.0  # of what holds a vertex: a fingertip sinks in by well
 def what_holds(model: Model) -> Floats:
     """Return how stiffly springs and shape matching hold each vertex (n,) [N/m]."""
     law, along = model.matching, model.springs.stiffness + model.matching.tension
-    return sums_at(law.pairs.ravel(), np.repeat(along, 2), len(model.mass)) + shape_matching.stiffest(law)
+    return sums_at(law.pairs.ravel(), np.repeat(along, 2), len(model.mass)) + np.maximum(law.k1, law.k2)
 
 
 def meet_faces(model: Model, state: State, touches: Sequence[Touch], share: float = CONTACT_STIFFNESS) -> list[Meeting]:

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.base import Floats, Ints, sums_at
-from core.body.contact import Touch
-from core.body.facets import bulge, met_radius, nearest_on_triangles
+
+from ..reference.contact import Touch
+from ..reference.facets import bulge, met_radius, nearest_on_triangles
 
 _TINY = 1e-30
 

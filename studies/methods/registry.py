@@ -7,9 +7,9 @@ from typing import Protocol
 
 from core.base import Floats
 from core.body.model import Model, State
-from core.solver import semi_implicit
-from core.solver.path import FingerPath
 
+from ..reference import semi_implicit
+from ..reference.path import FingerPath
 from . import (
     backward_euler,
     explicit_euler,

@@ -117,7 +117,6 @@ def stiffness_parts(law: ShapeMatching, x: Floats, pose: Pose) -> tuple[Floats, 
     u = x - rotation @ law.rest - translation[:, None]
     d = np.maximum(np.sqrt((u * u).sum(axis=0)), _TINY)
     turn = np.where(d > law.d0, (law.k2 - law.k1) * law.d0, 0.0)
-    turn += np.where(d > law.knees, law.more * law.knees, 0.0).sum(axis=0)
     return shape_matching.secant(law, u), turn / d**3, u
 
 

@@ -15,10 +15,10 @@ from collections.abc import Sequence
 from functools import partial
 
 from core.base import Floats
-from core.body.contact import Touch
 from core.body.model import Model, State
-from core.solver.ticks import moved_back
 
+from ..reference.contact import Touch
+from ..reference.ticks import moved_back
 from .implicit import run_implicit
 from .newton import pressed, solve
 

@@ -11,7 +11,8 @@ from functools import partial
 
 from core.base import Floats
 from core.body.model import Model, State
-from core.solver.ticks import acceleration_of, run_ticks
+
+from ..reference.ticks import acceleration_of, run_ticks
 
 
 def advance(model: Model, state: State, dt: float, acceleration: Floats | None = None) -> Floats:

@@ -17,10 +17,10 @@ import numpy as np
 
 from core.base import Floats, Ints
 from core.body import pressure, shape_matching
-from core.body.contact import Touch
 from core.body.model import Model, State
 from core.body.shape_matching import Pose, ShapeMatching
 
+from ..reference.contact import Touch
 from . import penalty
 from .cached import kept
 from .colours import colours
@@ -136,7 +136,6 @@ def blocks(model: Model) -> list[Block]:
                     rest=shape.rest[:, who], k1=shape.k1[who], k2=shape.k2[who], d0=shape.d0[who],
                     damping=shape.damping[who], mass=shape.mass[who],
                     pairs=np.zeros((0, 2), np.int64), tension=np.zeros(0), pull=shape.pull[:, who],
-                    more=shape.more[:, who], knees=shape.knees[:, who],
                 ),
             )
         )  # fmt: skip

@@ -29,10 +29,10 @@ from core.body.model import Model, build_model
 from core.crowd import TICKS_AT_ONCE
 from core.material import PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices
+from core.native import Body
 from core.session import Finger, Session
-from core.solver.backend import Body
 from core.solver.motion import FingertipMotion, Motion
-from core.solver.twin import Twin
+from studies.reference.twin import Twin
 from studies.scenes import BALL, BALL_RADIUS, FINGERTIP, ball, cube
 from tests.bench.chart import draw
 
@@ -74,7 +74,7 @@ def measure(scene: str, size: int, *, seconds: float, repeats: int, slowest: int
     model_mb, substeps = memory_mb() - before, model.substeps(TICK)
 
     bodies: dict[str, tuple[Body, float, float]] = {}
-    for name, options in KINDS.items() if not native.why_not() else ():
+    for name, options in KINDS.items():
         if n <= slowest or name == "native":
             before, started = memory_mb(), time.perf_counter()
             body: Body = native.Body(model, native.library(), **options)
@@ -261,7 +261,6 @@ def main(words: list[str]) -> int:
     parser.add_argument("--show", action="store_true", help="how a press is shown, beside writing the mesh, instead")
     parser.add_argument("--scale", action="store_true", help="many bodies, many vertices, instead")
     parser.add_argument("--exports", action="store_true", help="what an export costs in each format, instead")
-    parser.add_argument("--identify", action="store_true", help="how long identification takes in Blender, instead")
     parser.add_argument("--full", action="store_true", help="with --scale: the full million too, minutes")
     options = parser.parse_args(words)
     if options.scale:
@@ -294,8 +293,7 @@ def main(words: list[str]) -> int:
         from tests.bench import profile
 
         return profile.main()
-    note = native.why_not()
-    print(f"{note or native.instructions()}; {machine()}; Python {platform.python_version()}, numpy {np.__version__}")
+    print(f"{native.instructions()}; {machine()}; Python {platform.python_version()}, numpy {np.__version__}")
     print("scene      vertices backend         ns/vertex/step    least real time   set-up     MB")
     cases: list[dict[str, Any]] = []
     seconds, repeats, slowest = (0.4, 1, 12_000) if options.quick else (0.8, 2, 50_000)
@@ -308,7 +306,7 @@ def main(words: list[str]) -> int:
     for name, line in lines.items():
         print(f"{name}: " + ", ".join(f"{key} {value}" for key, value in line.items()))
     if options.json:
-        whole = {"machine": machine(), "instructions": note or native.instructions(), "bandwidth": speed}
+        whole = {"machine": machine(), "instructions": native.instructions(), "bandwidth": speed}
         options.json.write_text(json.dumps(whole | {"cases": cases, "summary": lines}, indent=1) + "\n")
     if not options.quick:
         path = Path(__file__).parent / f"{machine()}.csv"

@@ -51,9 +51,6 @@ def ratios(scene: str, size: int, libraries: list[ctypes.CDLL]) -> tuple[int, li
 
 def main() -> int:
     name = this_platform()
-    if native.why_not() or name is None:
-        print(native.why_not() or "There is no native core for this kind of machine.")
-        return 1
     libraries = [native.library(), native.load(compile_library(sys.executable, name, "-DDM_NO_TENSION"))]
     print(f"{native.instructions()}, f32, {bench.machine()}; ns per vertex and step with tension, without, their ratio")
     for scene, sizes in SIZES.items():

@@ -43,7 +43,7 @@ def test_a_new_object_is_switched_off_and_as_large_as_it_is_modelled(empty_file:
     body = empty_file.data.objects.new("Body", empty_file.data.meshes.new("Body"))
     assert not body.dimple.enabled
     assert body.dimple.to_params() == {
-        "law_set": "consistent", "pinned": "base", "pin_group": "", "softness_group": "", "knee_group": "",
+        "pinned": "base", "pin_group": "", "softness_group": "", "knee_group": "",
         "spread_group": "", "thickness_group": "", "size": None,
     }  # fmt: skip
     body.dimple.size_mode = "CUSTOM"
@@ -81,12 +81,9 @@ def test_several_materials_on_one_mesh_keep_their_own_constants(empty_file: Modu
     assert [slot.dimple.to_params()["k"] for slot in mesh.materials] == [1e3, 50e3]
 
 
-def test_every_fill_and_law_set_is_one_the_core_knows(empty_file: ModuleType, material: Any) -> None:
+def test_every_fill_is_one_the_core_knows(empty_file: ModuleType, material: Any) -> None:
     fills = [item.identifier.lower() for item in material.bl_rna.properties["fill"].enum_items]
     assert tuple(fills) == core("material").FILLS
-    body = empty_file.data.objects.new("Body", None)
-    laws = [item.identifier.lower() for item in body.dimple.bl_rna.properties["law_set"].enum_items]
-    assert tuple(laws) == core("body.model").LAW_SETS
 
 
 @pytest.mark.parametrize("name", ["K1", "K2", "k", "x0", "density"])

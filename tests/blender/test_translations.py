@@ -30,8 +30,8 @@ UNSEEN = (
 CHECKED_WHOLE = ("core/everyday.py", "operators/names.py")
 UNSEEN_TEXTS = {
     "import sys, mmap, select, tomllib; print('python', *sys.version_info[:2])", "real time", "force units?",
-    "Simulated by Dimple, not measured: {}, {} mm", "Tip: {}", "identified on its mesh", "{}, radius {} mm",
-    "Material: K1 {} N/mm, K2 {} N/mm, x0 {} mm; model constants {}", "Object Info", "Dimple Press", ".Dimple Press",
+    "Simulated by Dimple, not measured: {}, {} mm", "Tip: sphere, radius {} mm",
+    "Material: K1 {} N/mm, K2 {} N/mm, x0 {} mm", "Object Info", "Dimple Press", ".Dimple Press",
     "Dimple Trial", "Dimple Export", "Dimple Frame", "Fingertip {}", "{} mm", "{}: {}, {}, calibrated {}",
 }  # fmt: skip
 
@@ -237,7 +237,7 @@ def test_why_a_button_is_grey_is_looked_up_when_it_is_shown(
     from bl_ext.user_default.dimple.operators import polls
 
     monkeypatch.setattr(polls, "pgettext_tip", lambda text: f"<{text}>")
-    for verb in ("identify", "record", "reset", "arm_device"):
+    for verb in ("measure", "record", "reset", "arm_device"):
         with pytest.raises(RuntimeError, match=r"poll\(\) <.+>"):
             getattr(bpy.ops.dimple, verb)()
 

@@ -13,7 +13,6 @@ from core.calibration.load import load_lines
 from core.calibration.question import Answers, Undecided
 from core.calibration.reader import read_measurement
 from core.calibration.record import to_record
-from core.material import PRESETS
 from studies.__main__ import main
 from studies.calibrate import to_lines
 from tests.calibration import specimens
@@ -265,21 +264,6 @@ def test_options_that_mean_nothing_are_refused_in_words(words, write, capsys):
     length = [] if words[0] == "--length-mm" else ["--length-mm", "165"]
     assert main(["calibrate", str(path), *length, "--youngs-modulus-mpa", "1", *words]) == 2
     assert re.search(r"must be|is counted from 1|is a depth in mm|is \w+ or \w+", capsys.readouterr().err)
-
-
-def test_a_body_without_a_fill_is_no_accident(write, tmp_path, monkeypatch):
-    class Reached(Exception):
-        pass
-
-    def identify(mesh, material, *rest, **more):
-        raise Reached(material.fill)
-
-    monkeypatch.setattr("studies.calibrate.identify", identify)
-    depth = np.linspace(0, 22, 100)
-    path = write(table(depth, law(depth)))
-    with pytest.raises(Reached, match="none"):
-        main(["calibrate", str(path), "--identify", "--fill", "none", "--length-mm", "165"])
-    assert "none" not in {preset.material.fill for preset in PRESETS}
 
 
 # how it is written down

@@ -27,7 +27,7 @@ UP = (0.0, 0.0, 1.0)
 def touch(depth: float, x: float = 0.0, *, grip: float = 0.0, law: Law = VINYL) -> Touch:
     """Return the touch of a fingertip that is pressed down at a place along x, with a force sideways [N]."""
     force = grip, 0.0, law_force(depth, *law)
-    return Touch((0.0, 0.0, 0.0), (x, 0.0, -depth), depth, UP, 0.0, 0, force, 0.5, law)
+    return Touch((0.0, 0.0, 0.0), (x, 0.0, -depth), depth, UP, force, 0.0, 0.5, law, 0)
 
 
 def contact(touch: Touch, place: Workspace | None = None, cap: float = CAP) -> Contact:

@@ -11,7 +11,7 @@ from core.base import Floats
 from core.body.model import Model, build_model
 from core.material import FINGERTIP, PRESETS, Material
 from core.mesh.surface import Mesh, base_vertices, mesh_from_triangles
-from core.solver.backend import Body
+from core.native import Body
 from core.solver.motion import FingertipMotion, Frame, Motion, PinMotion
 from tests.bodies import REAL, ball, hemisphere, joined, real, sheet, soup
 
@@ -84,8 +84,6 @@ WHOLE = {
     "drawn liquid": Case(shape=lambda: ball(2), material=replace(SOFT, pressure=-2e4)),
     "solid": Case(shape=lambda: ball(2), material=replace(SOFT, fill="solid", indenter=FINGERTIP), fingers=2),
     "no fill": Case(shape=lambda: ball(2), material=replace(SOFT, fill="none")),
-    "paper laws": Case(shape=lambda: ball(2), options={"law_set": "paper"}),
-    "paper laws, two fingers": Case(shape=crumpled, fingers=2, options={"law_set": "paper"}),
     "free": Case(shape=lambda: ball(2), hold="free", thrown=True),
     "free on the ground": Case(shape=lambda: ball(2), hold="free", options={"ground": -0.5, "gravity": (0, 0, -9.81)}),
     "lifted by three": Case(shape=lambda: ball(2), hold="free", fingers=3, options={"gravity": (1, 0, -9.81)}),

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from core import native
-from tests.native_core import missing
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -14,5 +13,3 @@ def _library() -> None:
     named = os.environ.get("DIMPLE_LIBRARY")
     if named:
         native.use(native.load(Path(named)))
-    elif native.why_not():
-        missing(f"{native.why_not()} (python3 dev.py native compiles it)")

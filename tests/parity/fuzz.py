@@ -27,7 +27,7 @@ ROOM = 4096  # elements of every array
 WILD = np.array([0.0, -1.0, 1e-3, 1e30, -1e300, 1e-310, np.nan, np.inf, -np.inf])
 FAR = (-1, -(2**31), 2**31 - 1, 2**40, -(2**62), 2**62)
 INDICES = {"ring", "ring_spring", "ends", "irregular_spring", "corners", "fan", "cap_edge", "cap_hole",
-           "surface_corners", "surface_material", "region", "beside_start", "beside", "seed", "cells",
+           "surface_corners", "surface_material", "seed", "cells",
            "around"}  # fmt: skip
 BYTES = {"loose", "irregular_end"}
 
@@ -88,16 +88,7 @@ class Fuzzer:
         if self.rng.random() < 0.95:
             definition.vertices = definition.surface_vertices = n
             definition.springs, definition.constants.materials = max(definition.springs, n), n + 2
-            self.divide(definition, n)
         return definition
-
-    def divide(self, definition: BodyDef, n: int) -> None:
-        """Give a body none, one or two regions, beside which are any of them."""
-        count, each = int(self.rng.integers(0, (n + 7) // 8 + 1)), int(self.rng.integers(0, 4))
-        self.kept += [of := np.arange(ROOM) // 8 % max(count, 1), starts := each * np.arange(ROOM)]
-        self.kept.append(beside := self.rng.integers(0, max(count, 1), ROOM))
-        definition.regions = count
-        definition.region, definition.beside_start, definition.beside = (a.ctypes.data for a in (of, starts, beside))
 
     def binding(self) -> CBinding:
         """Return a random surface that follows a proxy, mostly one that is carried."""

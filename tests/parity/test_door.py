@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,22 +15,36 @@ import numpy as np
 import pytest
 
 from core import base, native
-from core.base import Floats
-from core.body import contact, facets, proximity, touching
+from core.base import DimpleError, Floats
 from core.body.model import Model
-from core.mesh import depth
 from core.mesh.surface import mesh_from_triangles
+from core.native import first_use
 from core.native.body import CFrame, CMotion, CTouch, Fingertip
 from core.native.carry import CBinding, CKept
 from core.native.cells import CCells
 from core.native.definition import Arrays, BodyDef, Constants, define
 from core.native.scene import CColliderMotion, ColliderDef, CProp
-from core.reduction import binding, kept_skin
+from core.reduction import binding
 from core.session import MAX_FINGERS, Session
-from core.solver import bounds, falling, motion, regions, rolling, scene, twin_props, twin_scene
+from core.solver import motion, scene
 from core.solver.motion import FingertipMotion, Motion
+from studies.reference import (
+    bounds,
+    carry,
+    contact,
+    depth,
+    facets,
+    falling,
+    proximity,
+    rest,
+    rolling,
+    ticks,
+    touching,
+    twin,
+    twin_props,
+    twin_scene,
+)
 from tests.bodies import TETRAHEDRON, after
-from tests.native_core import missing
 from tests.parity.cases import CASES, TICK, build, run
 from tools.native import SOURCES
 
@@ -81,18 +95,18 @@ def test_python_and_c_lay_a_structure_out_alike(name: str) -> None:
 
 # where C's constants have their twins, and those that are called otherwise there
 TWINS = (
-    base, contact, facets, proximity, touching, bounds, motion, regions, rolling, falling, scene, twin_scene,
-    twin_props, binding, depth,
+    base, contact, facets, proximity, touching, bounds, motion, rolling, falling, scene, twin_scene,
+    twin_props, binding, depth, rest, ticks, twin,
 )  # fmt: skip
 RENAMED = {
     "ABI": native.ABI, "PINNED_GIVE": contact.PINNED_GIVE, "SWEEPS": bounds.SWEEPS,
     "SCENE_IMPULSES": scene.MAX_IMPULSES, "ROLL_ARM": rolling.ARM, "ROLL_PART": rolling.PART, "PART": touching.PART,
-    "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS, "CARRY_REACH": kept_skin.REACH,
+    "ROLL_KEPT": rolling.KEPT, "MAX_FINGERTIPS": MAX_FINGERS, "CARRY_REACH": carry.REACH,
 }  # fmt: skip
 # what only C has: how much it takes, how it searches and lays things out, and what numpy writes into a formula
 OF_C = set(
     """BIN_POINTS BLOCK DEEPEST DIGIT DIGITS FACET_BLOCK K_X K_XQ LANES LEAF LIST_MARGIN MAX_BODIES
-    MAX_COUNT MAX_NEIGHBOURS MAX_PIECES MAX_SURFACES MAX_VERTICES MAX_WORKERS MOMENTS MOST_BINS M_V M_X M_XV M_XX NEARBY
+    MAX_COUNT MAX_NEIGHBOURS MAX_SURFACES MAX_VERTICES MAX_WORKERS MOMENTS MOST_BINS M_V M_X M_XV M_XX NEARBY
     NEARBY_SHARE PINS_AHEAD PIN_BEHIND RUN WAITING WIDE WINDOW X86""".split()
 )
 
@@ -202,15 +216,14 @@ def test_a_state_or_constants_of_another_body_are_refused(body: native.Body) -> 
 
 
 def test_steps_beyond_all_measure_are_refused(body: native.Body) -> None:
-    for ticks, substeps in ((-1, 1), (1, 0), (2**40, 1), (1, 2**62), (2**31, 2**33)):
-        assert code_of(lambda: body.step(Motion(ticks, substeps, 1e-3))) == SIZE  # noqa: B023
+    for count, substeps in ((-1, 1), (1, 0), (2**40, 1), (1, 2**62), (2**31, 2**33)):
+        assert code_of(lambda: body.step(Motion(count, substeps, 1e-3))) == SIZE  # noqa: B023
 
 
-def test_an_unknown_precision_fill_or_law_set_is_refused() -> None:
+def test_an_unknown_precision_or_fill_is_refused() -> None:
     assert created(lambda definition: None, bits=16) == OPTION
     assert created(lambda definition: None, instruction_set=9) == OPTION
     assert created(lambda definition: setattr(definition.constants, "fill", 9)) == OPTION
-    assert created(lambda definition: setattr(definition.constants, "law_set", -1)) == OPTION
 
 
 def test_a_null_body_is_refused_by_every_call() -> None:
@@ -320,48 +333,32 @@ def test_random_calls_never_end_the_process(seed: int) -> None:
 
 
 @pytest.fixture
-def unloaded(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def unloaded(monkeypatch: pytest.MonkeyPatch) -> None:
     """The library as it is before its first use."""
     good = Path(native.library()._name)
     monkeypatch.setattr(native, "_loaded", [])
     monkeypatch.setattr(native, "places", lambda: [good])
-    native.why_not.cache_clear()
-    yield
-    monkeypatch.undo()
-    native.why_not.cache_clear()
 
 
 @pytest.mark.usefixtures("unloaded")
 @pytest.mark.parametrize(
-    ("name", "value", "reason"),
+    ("where", "name", "value", "reason"),
     [
-        ("places", lambda: [HERE / "nothing"], "has no native core for this machine"),
-        ("places", lambda: [Path(__file__)], "was refused"),  # no library at all
-        ("ABI", 999, f"was refused (it has version {native.ABI}, not 999)"),
-        ("AGREEMENT", 1e-12, "was refused (it differs from numpy by"),
-        ("LIBRARY", native.LIBRARY, ""),
+        (native, "places", lambda: [HERE / "nothing"], "no compiled core for"),
+        (native, "places", lambda: [Path(__file__)], "was refused"),  # no library at all
+        (native, "ABI", 999, rf"was refused \(it has version {native.ABI}, not 999\)"),
+        (first_use, "AGREEMENT", 1e-12, r"was refused \(its check is off by"),
     ],
-    ids=["missing", "broken", "another version", "wrong at its first use", "whole"],
+    ids=["missing", "broken", "another version", "wrong at its first use"],
 )
-def test_a_library_that_is_no_good_leaves_numpy_and_a_reason(
-    monkeypatch: pytest.MonkeyPatch, name: str, value: Any, reason: str
+def test_without_a_library_that_is_good_a_session_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, where: Any, name: str, value: Any, reason: str
 ) -> None:
-    monkeypatch.setattr(native, name, value)
-    session = Session(build(CASES["liquid"])[0])
-    assert session.backend == ("numpy" if reason else "native")
-    assert reason in session.backend_note and ("Runs on numpy" in session.backend_note) == bool(reason)
-    assert np.isfinite(after(session, 2e-3)).all()
+    monkeypatch.setattr(where, name, value)
+    with pytest.raises(DimpleError, match=f"{reason}.*Install the zip"):
+        Session(build(CASES["liquid"])[0])
 
 
-@pytest.mark.parametrize(("ci", "compiler", "outcome"), [
-    ("true", True, pytest.fail.Exception), ("true", False, pytest.skip.Exception), ("", True, pytest.skip.Exception),
-])  # fmt: skip
-def test_where_ci_has_a_compiler_a_missing_core_fails_the_tests(
-    ci: str, compiler: bool, outcome: type[BaseException], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setenv("CI", ci)
-    monkeypatch.setattr("tools.native.ZIG", tmp_path)
-    if compiler:
-        (tmp_path / "ziglang").mkdir()
-    with pytest.raises(outcome, match="not compiled"):
-        missing("not compiled")
+@pytest.mark.usefixtures("unloaded")
+def test_a_library_is_tested_at_its_first_use() -> None:
+    assert np.isfinite(after(Session(build(CASES["liquid"])[0]), 2e-3)).all()

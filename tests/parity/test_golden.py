@@ -21,8 +21,9 @@ import pytest
 
 from core import native
 from core.body.model import Model
-from core.solver.backend import Body, create
+from core.native import Body
 from core.solver.motion import FingertipMotion
+from studies.reference import create
 from tests.parity.cases import CASES, build
 
 GOLDEN = {
@@ -35,7 +36,6 @@ GOLDEN = {
 }
 NUMPY = {
     "liquid": "40d72b266debb544149aeb152ac7ffa9c3cc7bfa007033f771c802e1e5a34f85",
-    "paper laws": "9ae108b1ecc507d527eecb22de636f854e6464963097b35e2faf5992ad5836ac",
 }
 
 

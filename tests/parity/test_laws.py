@@ -10,8 +10,9 @@ from core.base import Floats
 from core.body.model import Model, build_model
 from core.material import FINGERTIP
 from core.mesh.surface import base_vertices, mesh_from_triangles
-from core.solver.backend import Body, create
+from core.native import Body
 from core.solver.motion import FingertipMotion, Frame, Motion
+from studies.reference import create
 from tests.parity.cases import CASES, SIZE, SOFT, TICK, build, run
 
 DOUBLE, SINGLE = 1e-9, 1e-4  # of the size
@@ -139,7 +140,7 @@ def test_a_body_that_flies_a_hundred_times_its_size_keeps_its_shape() -> None:
 @pytest.mark.parametrize(
     ("name", "backend", "tolerance"),
     [
-        *((name, "native64", DOUBLE) for name in ("liquid", "free", "moving pins", "paper laws")),
+        *((name, "native64", DOUBLE) for name in ("liquid", "free", "moving pins")),
         *((name, "native", SINGLE) for name in ("liquid", "free", "moving pins")),
     ],
 )
@@ -164,16 +165,14 @@ def test_other_constants_act_on_a_living_body_as_with_numpy(name: str, backend: 
 
 
 def others(model: Model) -> list[Model]:
-    """Return models of the same mesh: other laws, fills, pins and numbers."""
+    """Return models of the same mesh: other fills, pins and numbers."""
     base, top = (base_vertices(model.mesh, up=(0, 0, up)) for up in (1, -1))
     air = replace(SOFT, fill="air", K1=300, K2=900)
     return [
         build_model(model.mesh, [SOFT], pinned=base),
-        build_model(model.mesh, [air], pinned=base, law_set="paper"),
         build_model(model.mesh, [air], pinned=top),
         build_model(model.mesh, [replace(air, pressure=2e4)], pinned=top),
         build_model(model.mesh, [replace(SOFT, fill="none", friction=0.1)], gravity=(0, 0, -9.81)),
-        build_model(model.mesh, [SOFT], law_set="paper"),
         build_model(model.mesh, [replace(SOFT, fill="solid", indenter=FINGERTIP)], pinned=base),
         build_model(model.mesh, [SOFT], pinned=base, softness=np.linspace(0, 1, len(model.mesh.source))),
         build_model(model.mesh, [air], ground=-0.5 * SIZE),

@@ -11,7 +11,7 @@ from core.native.body import Body, step_many
 from core.solver.motion import Motion
 from tests.parity.cases import CASES, build
 
-NAMES = ("liquid", "free on the ground", "paper laws")
+NAMES = ("liquid", "free on the ground", "a hole")
 
 
 def bodies() -> tuple[list[Body], list[Motion]]:

@@ -1,4 +1,4 @@
-"""A whole scene through `Session`, native beside numpy."""
+"""A whole press, native beside numpy."""
 
 from functools import cache
 
@@ -7,24 +7,9 @@ import pytest
 
 from core.base import DimpleError
 from core.session import Session
-from core.solver.backend import create
 from core.solver.motion import FingertipMotion, Motion
 from studies import scenes
-
-
-def pressed(backend: str, subdivisions: int, seconds: float) -> list[np.ndarray]:
-    session = Session(scenes.poke_ball(subdivisions).model, backend=backend)
-    assert session.backend == backend and session.backend_note == ""
-    return [session.positions() for _ in scenes.poke(session, seconds=seconds)]
-
-
-def test_a_press_of_the_ball_through_a_session_ends_where_it_does_with_numpy() -> None:
-    expected = pressed("numpy", 2, 0.25)
-    single, double = (pressed(backend, 2, 0.25) for backend in ("native", "native64"))
-    radius = scenes.BALL_RADIUS
-    np.testing.assert_allclose(single[-1], expected[-1], rtol=0, atol=1e-4 * radius)
-    for frame, right in zip(double, expected, strict=True):
-        np.testing.assert_allclose(frame, right, rtol=0, atol=1e-7 * radius)  # a frame is in single precision
+from studies.reference import create
 
 
 @pytest.mark.parametrize(("backend", "tolerance"), [("native64", 1e-9), ("native", 1e-4)])

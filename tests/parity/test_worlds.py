@@ -1,21 +1,44 @@
 """The library and its numpy twin let bodies meet alike."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import pytest
 
 from core import native
-from core.body.model import build_model
+from core.body.model import Model, build_model
 from core.material import Material
 from core.mesh.surface import mesh_from_triangles
 from core.props import PropWorld
 from core.session import Session
 from core.solver.motion import Motion
 from core.solver.scene import Collider, ColliderMotion
-from core.solver.twin import Twin
-from core.solver.twin_scene import TwinScene
+from studies.reference.twin import Twin
+from studies.reference.twin_scene import TwinScene
 from tests.bodies import ball, block, sheet
 
 SOFT = Material(K1=600, K2=7000, x0=0.01, k=600, mass=0.2)
+
+
+@pytest.fixture
+def in_either(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A world of twins is stepped by the twin of a scene."""
+    own = native.Scene
+
+    def scene(bodies: Sequence[Any], colliders: Sequence[Collider], library: Any, **options: Any) -> Any:
+        if isinstance(bodies[0], Twin):
+            return TwinScene(bodies, colliders, **options)
+        return own(bodies, colliders, library, **options)
+
+    monkeypatch.setattr(native, "Scene", scene)
+
+
+def sessions(model: Model) -> list[Session]:
+    """Return a session of the library and one of its twin."""
+    pair = [Session(model, backend="native64") for _ in range(2)]
+    pair[1].body = Twin(model)
+    return pair
 
 
 @pytest.mark.parametrize("offsets", [(), (1e-3, 0.0)], ids=["by edges", "as given"])
@@ -100,6 +123,7 @@ def test_a_body_that_sleeps_wakes_alike_before_another_touches_it() -> None:
     assert own[0].velocities()[2].mean() < -0.01
 
 
+@pytest.mark.usefixtures("in_either")
 def test_props_fall_alike_on_each_other_on_a_table_and_on_the_ground() -> None:
     size, turns = (0.06, 0.05, 0.03), [(0.1, 0.1, 0.3), (0.1, 0.05, 1.3)]
     boxes = [block(size, (1 + 0.01 * k, 0.003 * k, 0.026 + 0.034 * k), turn) for k, turn in enumerate(turns)]
@@ -109,10 +133,7 @@ def test_props_fall_alike_on_each_other_on_a_table_and_on_the_ground() -> None:
     colliders = [Collider(np.ascontiguousarray(x.T), corners) for x, corners in shapes]
     points, faces = ball(0, 0.05)
     model = build_model(mesh_from_triangles(points, faces), [SOFT], pinned=points[:, 2] < 0)
-    worlds = [
-        PropWorld([Session(model, backend=backend)], colliders, masses=[None, 0.5, 0.3, 0.2], ground=0.0)
-        for backend in ("native64", "numpy")
-    ]
+    worlds = [PropWorld([each], colliders, masses=[None, 0.5, 0.3, 0.2], ground=0.0) for each in sessions(model)]
     for world in worlds:
         for state in world.states.values():
             state.velocity = np.array([0.1, 0.0, -0.3])
@@ -127,14 +148,12 @@ def test_props_fall_alike_on_each_other_on_a_table_and_on_the_ground() -> None:
     assert most >= 4
 
 
+@pytest.mark.usefixtures("in_either")
 def test_a_prop_falls_alike_on_a_soft_body() -> None:
     points, faces = ball(1, 0.05)
     model = build_model(mesh_from_triangles(points, faces), [SOFT], pinned=points[:, 2] < 0)
     start, corners = block((0.03, 0.03, 0.02), (0.01, 0.0, 0.0605), (0.1, 0.0, 0.2))
-    worlds = [
-        PropWorld([Session(model, backend=backend)], [Collider(start.T.copy(), corners)], masses=[0.1])
-        for backend in ("native64", "numpy")
-    ]
+    worlds = [PropWorld([each], [Collider(start.T.copy(), corners)], masses=[0.1]) for each in sessions(model)]
     for world in worlds:
         world.states[0].velocity = np.array([0.0, 0.0, -0.2])
     for _ in range(4):

@@ -1,4 +1,4 @@
-"""The closed form of a press against independent solutions of the same equation, and against simulated presses."""
+"""The closed form of a press against independent solutions of the same equation."""
 
 import math
 from dataclasses import replace
@@ -12,10 +12,8 @@ from scipy.special import k0, k1
 
 from core.body.estimate import bed_area, estimate, falloff, reach, solid_area
 from core.body.model import build_model
-from core.calibration.indent import find_site, press
 from core.material import POINT, PRESETS, Indenter, Preset
 from core.mesh.surface import mesh_from_triangles
-from studies.scenes import cube
 from tests.bodies import sheet
 
 SPREAD = 0.02  # [m]
@@ -98,17 +96,6 @@ def test_springs_of_the_surface_are_too_weak_to_buckle_the_bed() -> None:
         constants = estimate(preset.material, preset.size)
         tension = constants.kappa1 * preset.material.spread**2
         assert 0 < constants.membrane_scale * preset.material.k < tension
-
-
-@pytest.mark.parametrize("preset", PRESETS[1:], ids=lambda p: p.name)
-@pytest.mark.parametrize("indenter", [POINT, BALL], ids=lambda i: i.shape)
-def test_a_simulated_press_of_the_estimate_is_near_the_law(preset: Preset, indenter: Indenter) -> None:
-    """Within a third up to the knee, on faces twice as wide as deep: what is left to identification."""
-    mesh = cube(24, preset.size)
-    material = replace(preset.material, indenter=indenter)
-    depths = material.x0 * np.array([0.5, 0.75, 1.0])
-    for station in press(mesh, material, indenter, find_site(mesh, indenter), depths.tolist()):
-        assert station.force == pytest.approx(material.law(station.depth), rel=0.35)
 
 
 def test_a_point_is_a_patch_that_grows_with_the_body() -> None:

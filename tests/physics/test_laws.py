@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body import paper, pressure, shape_matching, springs
-from core.body.contact import Touch
+from core.body import pressure, shape_matching, springs
 from core.body.shape_matching import fit_pose
 from core.mesh.surface import Mesh, mesh_from_triangles
 from studies.methods import penalty
-from studies.paper_laws import spring_energy
+from studies.reference import paper
+from studies.reference.contact import Touch
+from studies.reference.paper import spring_energy
 from tests.bodies import ball, sheet
 from tests.physics.disturbed import SHAPES, difference, disturbed, turn
 
@@ -57,7 +58,6 @@ def shape_matching_law(mesh: Mesh, rng: np.random.Generator, knee: float) -> sha
     return shape_matching.build_shape_matching(
         mesh, k1=k1, k2=k1 * rng.uniform(0.5, 8, n), d0=np.full(n, knee), damping=rng.uniform(0, 1, n),
         mass=rng.uniform(0.1, 1, n), tension=rng.uniform(0, 5, len(mesh.springs)),
-        more=rng.uniform(0, 8, (2, n)), knees=knee * rng.uniform(1, 2, (2, n)),
     )  # fmt: skip
 
 

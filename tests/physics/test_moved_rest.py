@@ -28,9 +28,8 @@ def turned(rest: Floats, turn: float) -> Floats:
     return rest @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
 
 
-@pytest.mark.parametrize("backend", ["native", "numpy"])
-def test_a_body_goes_where_its_rig_goes_and_comes_to_rest_in_the_shape_that_it_gives(backend: str) -> None:
-    session = Session(model(rigged=True), backend=backend)
+def test_a_body_goes_where_its_rig_goes_and_comes_to_rest_in_the_shape_that_it_gives() -> None:
+    session = Session(model(rigged=True))
     rest = session.positions().astype(np.float64)
     for look in range(1, 31):
         share = look / 30
@@ -81,11 +80,10 @@ def test_a_free_body_takes_the_shape_that_its_keys_give_but_stays_where_it_is() 
     assert np.abs(x.mean(axis=0) - rest.mean(axis=0)).max() < 0.01 * SIZE
 
 
-@pytest.mark.parametrize("backend", ["native", "numpy"])
-def test_a_body_that_is_reset_is_as_before_it_was_bent(backend: str) -> None:
+def test_a_body_that_is_reset_is_as_before_it_was_bent() -> None:
     points, _ = ball(2)
-    session = Session(model(pinned=base_vertices(model().mesh), rigged=True), backend=backend)
-    fresh = Session(session.model, backend=backend)
+    session = Session(model(pinned=base_vertices(model().mesh), rigged=True))
+    fresh = Session(session.model)
     rest = session.positions().astype(np.float64)
     session.set_rest(1.2 * rest)
     session.step(0.05)

@@ -9,12 +9,11 @@ import pytest
 from core.body.model import Model, build_model
 from core.mesh.surface import base_vertices
 from core.session import Finger, Session
-from core.solver.backend import create
 from core.solver.motion import FingertipMotion, Motion
 from studies import scenes
-from tests.bodies import backends
+from studies.reference import create
 
-EVERY = backends("native64", "native")
+EVERY = ["native64", "native"]
 TOP = float(scenes.ball(0).rest_positions[:, 2].max())
 CLEAR = Finger((0.0, 0.0, TOP + 0.0225), 0.02)
 
@@ -120,8 +119,6 @@ def test_what_falls_or_drifts_does_not_sleep(backend: str) -> None:
 @pytest.mark.parametrize(("first", "second"), [("native64", "native64"), ("native", "native"), ("numpy", "native64")])
 def test_the_same_ticks_sleep_alike_however_they_are_called(first: str, second: str) -> None:
     """It sleeps while the fingertip comes, and is woken in the middle of a call."""
-    if "native64" not in EVERY:
-        pytest.skip("there is no native core to compare with")
     one, many = (create(model(), backend=backend) for backend in (first, second))
     start, end, ticks, steps = (0.0, 0.0, TOP + 0.08), (0.0, 0.0, TOP + 0.01), 350, model().substeps(1e-3)
     way = FingertipMotion.straight(start, end, ticks=ticks, radius=0.02)

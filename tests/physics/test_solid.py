@@ -7,20 +7,16 @@ import numpy as np
 import pytest
 
 from core.base import Floats
-from core.body.estimate import estimate
 from core.body.model import Model, build_model
-from core.calibration.identify import identification
-from core.calibration.indent import find_site, press_rows
-from core.material import DEFAULT_MATERIAL, Indenter, Material
+from core.material import DEFAULT_MATERIAL, Material
 from core.mesh.surface import base_vertices
 from core.reduction.proxy import build_proxy
 from core.session import Finger, Session
-from core.steps import result_of
 from studies.primitives import icosphere, sized
-from studies.scenes import cube
-from tests.bodies import after, backends
+from studies.scenes import cube, reassembled
+from tests.bodies import after
 
-BACKENDS = backends("numpy", "native64", "native")
+BACKENDS = ["native64", "native"]
 RADIUS, TIP, DEPTH = 0.08, 0.010, 0.012  # [m]
 SOLID = replace(DEFAULT_MATERIAL, K2=2.1 * DEFAULT_MATERIAL.K1, x0=0.006, fill="solid", density=1000, damping_ratio=1.0)
 
@@ -55,14 +51,14 @@ def test_the_skin_gives_way_and_shows_on_the_fingertip(backend: str) -> None:
     assert abs(inside(shown, tip)) < 1e-6
     moved = np.linalg.norm(shown - body, axis=1) > 1e-7
     assert np.array_equal(moved, np.linalg.norm(body - np.array(tip.position), axis=1) < TIP - 1e-7)
-    hard = Session(ball(replace(SOLID, fill="liquid", constants=estimate(SOLID, 2 * RADIUS)), 4))
+    soft = ball(SOLID, 4)
+    hard = Session(reassembled(soft, compliance=0 * soft.compliance))
     assert 0 < force < pressed(hard)[1]
 
 
 def test_no_other_fill_has_a_skin_that_gives_way() -> None:
     for fill in ("air", "liquid", "none"):
         assert not ball(replace(SOLID, fill=fill)).compliance.any()
-    assert not build_model(ball(SOLID).mesh, [SOLID], law_set="paper").compliance.any()
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -158,16 +154,3 @@ def test_friction_drags_a_solid_no_more_than_what_is_hard() -> None:
         forces.append(session.step(1 / 60).finger_forces[0])
     side, _, up = np.mean(forces[24:], axis=0)
     assert -side / up == pytest.approx(friction, rel=0.1)
-
-
-@pytest.mark.parametrize("tip", [Indenter(), Indenter(shape="punch", radius=0.005)], ids=lambda tip: tip.shape)
-@pytest.mark.parametrize("hardens", [1.0, 2.1])
-def test_a_solid_is_identified_with_a_flat_tip(tip: Indenter, hardens: float) -> None:
-    material = replace(SOLID, K2=hardens * SOLID.K1, indenter=tip)
-    mesh = ball(SOLID, 4).mesh
-    found = result_of(identification(mesh, material, tip, find_site(mesh, tip), 0.012))
-    assert found.rms < 0.01 and not found.stopped
-    assert found.depths[-1] == pytest.approx(0.012, rel=0.01)
-    depths, forces = np.array(list(press_rows(mesh, found.material, tip, find_site(mesh, tip), 0.012, rows=13))).T
-    assert depths[-1] == pytest.approx(0.012, rel=0.01)
-    np.testing.assert_allclose(forces, [material.law(depth) for depth in depths], rtol=0, atol=0.01 * forces[-1])

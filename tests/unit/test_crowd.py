@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from core import crowd
+from core import crowd, native
 from core.crowd import step_all
+from core.native import Body
+from core.native import body as native_body
 from core.session import Finger, Session
-from core.solver import backend
-from core.solver.backend import Body
 from core.solver.motion import Frame as MotionFrame
 from core.solver.motion import Motion
 from studies import scenes
@@ -18,10 +18,10 @@ TOP = scenes.BALL_RADIUS + scenes.FINGERTIP
 SECONDS = [0.05, 0.02, 0.0, 0.0335]
 
 
-def pressed(kind: str = "auto") -> list[Session]:
+def pressed() -> list[Session]:
     """Return balls: one pressed, one pushed by a force, one left alone, and a larger one."""
-    found = [Session(scenes.poke_ball(2).model, backend=kind) for _ in SECONDS[:-1]]
-    found.append(Session(scenes.poke_ball(3).model, backend=kind))
+    found = [Session(scenes.poke_ball(2).model) for _ in SECONDS[:-1]]
+    found.append(Session(scenes.poke_ball(3).model))
     for session, force in zip(found, (None, 1.0, None, None), strict=True):
         session.set_fingers([Finger((0.0, 0.0, TOP), scenes.FINGERTIP)])
         session.step(0.0)
@@ -29,12 +29,12 @@ def pressed(kind: str = "auto") -> list[Session]:
     return found
 
 
-@pytest.mark.parametrize(("kind", "workers"), [("auto", 1), ("auto", 2), ("auto", 7), ("numpy", 1)])
+@pytest.mark.parametrize("workers", [1, 2, 7])
 def test_bodies_stepped_together_move_to_the_bits_of_each_alone(
-    kind: str, workers: int, monkeypatch: pytest.MonkeyPatch
+    workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(backend, "WORKERS", workers)
-    alone, together = pressed(kind), pressed(kind)
+    monkeypatch.setattr(native_body, "WORKERS", workers)
+    alone, together = pressed(), pressed()
     expected = [session.step(dt) for session, dt in zip(alone, SECONDS, strict=True)]
     for frame, wanted, a, b in zip(step_all(together, SECONDS), expected, together, alone, strict=True):
         assert (frame.time, frame.impulses, frame.touches) == (wanted.time, wanted.impulses, wanted.touches)
@@ -50,14 +50,14 @@ def test_a_budget_is_that_of_all_and_none_runs_far_ahead() -> None:
 @pytest.mark.parametrize(("cost", "ticks"), [(0.060, 1), (0.012, 2), (0.0101, 2), (0.00101, 24)])
 def test_a_budget_is_exceeded_by_a_first_tick_only(cost: float, ticks: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """A tick of all takes so long [s], by a clock of its own, and there are 25 ms."""
-    now, step_bodies = 0.0, crowd.step_bodies
+    now, step_many = 0.0, native.step_many
 
     def step(bodies: Sequence[Body], motions: Sequence[Motion]) -> list[MotionFrame]:
         nonlocal now
         now += cost * max(each.ticks for each in motions)
-        return step_bodies(bodies, motions)
+        return step_many(bodies, motions)
 
-    monkeypatch.setattr(crowd, "step_bodies", step)
+    monkeypatch.setattr(native, "step_many", step)
     monkeypatch.setattr(crowd.time, "perf_counter", lambda: now)
     frames = step_all(pressed()[:3:2], [1.0, 1.0], budget=0.025)
     assert [frame.steps for frame in frames] == [ticks, ticks]

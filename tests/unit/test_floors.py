@@ -43,6 +43,7 @@ FLOORS = {
     "core.vectors": 0,
     "core.material": 0,
     "core.everyday": 1,
+    "core.other_tip": 1,
 }
 BLENDER = set("addon_utils bl_ext bl_operators bl_ui blf bmesh bpy bpy_extras gpu gpu_extras mathutils".split())
 ONLY_IN = {"ctypes": "core/native/", "serial": "core/haptics/serial_link.py"}

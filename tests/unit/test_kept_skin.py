@@ -10,10 +10,11 @@ from core.base import Floats, Singles
 from core.body.model import Model, build_model
 from core.mesh.surface import Mesh, base_vertices
 from core.reduction.binding import carry
-from core.reduction.kept_skin import SLACK, KeptSkin, edge_lengths, follow_numpy
+from core.reduction.kept_skin import SLACK, KeptSkin, edge_lengths
 from core.reduction.proxy import Proxy, build_proxy
 from core.session import Finger, Session
 from studies import bodies
+from studies.reference.carry import carry_moved
 
 RADIUS, FRAME = 0.016, 1 / 60
 
@@ -103,7 +104,7 @@ def test_pins_that_are_led_are_seen_where_they_are(model: Model, proxy: Proxy) -
 
 def test_the_native_core_carries_what_has_moved_as_numpy_does(proxy: Proxy) -> None:
     rest, lengths, m = proxy.model.matching.rest, edge_lengths(proxy.binding), len(proxy.seeds)
-    follows = partial(native.carry_moved, native.library()), follow_numpy
+    follows = partial(native.carry_moved, native.library()), carry_moved
     states = [(*np.zeros((2, m, 12), np.float32), proxy.binding.rest.copy()) for _ in follows]
     counts = set()
     for call in range(40):

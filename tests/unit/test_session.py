@@ -80,10 +80,9 @@ def test_a_fingertip_moves_linearly_and_arrives_at_the_end_of_the_step() -> None
     np.testing.assert_allclose(parts.positions(), whole.positions(), atol=1e-9)
 
 
-@pytest.mark.parametrize("backend", ["native64", "numpy"])
-def test_a_fingertip_passes_each_place_of_its_way_at_its_time(backend: str) -> None:
+def test_a_fingertip_passes_each_place_of_its_way_at_its_time() -> None:
     mesh = mesh_from_triangles(*BALL)
-    one, other = (Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)), backend=backend) for _ in range(2))
+    one, other = (Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)), backend="native64") for _ in range(2))
     places = [above(0.01, x=x).position for x in (0.0, 0.01, 0.02)]
     for session in (one, other):
         session.set_fingers([above(0.0)])
@@ -109,12 +108,9 @@ def test_a_fingertip_that_comes_down_anew_touches_nothing_on_its_way() -> None:
 
 
 @pytest.mark.parametrize("first", [0.0, 0.02])
-@pytest.mark.parametrize("backend", ["native64", "numpy"])
-def test_a_fingertip_that_is_put_down_with_its_centre_inside_presses_like_one_that_came_in(
-    backend: str, first: float
-) -> None:
+def test_a_fingertip_that_is_put_down_with_its_centre_inside_presses_like_one_that_came_in(first: float) -> None:
     mesh = mesh_from_triangles(*ball(3, RADIUS))
-    put, led = (Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)), backend=backend) for _ in range(2))
+    put, led = (Session(build_model(mesh, [SOFT], pinned=base_vertices(mesh)), backend="native64") for _ in range(2))
     led.set_fingers([above(0.0, radius=0.01)])
     led.step(0)
     for session, seconds in ((led, 0.2), (put, first)):
@@ -287,10 +283,9 @@ def test_reset_puts_everything_back() -> None:
     np.testing.assert_allclose(after(session, 0.05), BALL[0], atol=1e-8)
 
 
-@pytest.mark.parametrize("backend", ["numpy", "native"])
-def test_a_body_that_was_put_back_has_no_pressure_of_the_press_before(backend: str) -> None:
+def test_a_body_that_was_put_back_has_no_pressure_of_the_press_before() -> None:
     mesh = mesh_from_triangles(*BALL)
-    session = Session(build_model(mesh, [replace(SOFT, fill="liquid")], pinned=base_vertices(mesh)), backend=backend)
+    session = Session(build_model(mesh, [replace(SOFT, fill="liquid")], pinned=base_vertices(mesh)))
     session.set_fingers([above(0.02)])
     assert session.step(0.1).pressure > 100
     session.reset()
@@ -298,12 +293,11 @@ def test_a_body_that_was_put_back_has_no_pressure_of_the_press_before(backend: s
     assert frame.pressure == 0 and frame.volume == pytest.approx(frame.rest_volume)
 
 
-@pytest.mark.parametrize("backend", ["numpy", "native"])
-def test_a_fingertip_keeps_the_side_by_which_it_came_in_between_two_ticks(backend: str) -> None:
+def test_a_fingertip_keeps_the_side_by_which_it_came_in_between_two_ticks() -> None:
     """It is put down on a thin lens and pressed beyond its middle within the first millisecond."""
     points, faces = ball(3, RADIUS)
     mesh = mesh_from_triangles(points * (1, 1, 0.05), faces)
-    session = Session(build_model(mesh, [SOFT], pinned=np.ones(len(points), bool)), backend=backend)
+    session = Session(build_model(mesh, [SOFT], pinned=np.ones(len(points), bool)))
     thick, radius = 0.05 * RADIUS, 0.02
     session.set_fingers([Finger((0, 0, 1.02 * thick), radius)])
     assert session.step(0.0).depths == pytest.approx([radius - 0.02 * thick], abs=1e-6)
@@ -313,7 +307,7 @@ def test_a_fingertip_keeps_the_side_by_which_it_came_in_between_two_ticks(backen
 
 def test_a_long_step_of_a_stiff_body_takes_more_than_one_call() -> None:
     mesh = mesh_from_triangles(*ball(0, RADIUS))
-    session = Session(build_model(mesh, [replace(SOFT, k=2e9)], law_set="paper"))
+    session = Session(build_model(mesh, [replace(SOFT, k=2e9)]))
     seconds = 1.1 * MAX_STEPS / session.substeps * session.clock.tick
     assert session.step(seconds).steps == math.floor(seconds / session.clock.tick)
 

@@ -1,4 +1,4 @@
-"""Calibration in the window test: files are dropped, a question is asked, a body is identified."""
+"""Calibration in the window test: files are dropped, a question is asked."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 import robot
 
 LAW = 0.6, 7.0, 12.0  # K1, K2 [N/mm], x0 [mm]
-COARSE = "Small Ball"  # 642 vertices: identified in seconds also where the rendering takes most of the time
 
 Check = Callable[..., None]
 
@@ -32,7 +31,7 @@ def drop(path: Path) -> None:
 
 
 def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Waits:
-    """Drop two files, give the result to the material, and identify it: stopped by ESC, then to its end."""
+    """Drop two files, and give the result to the material."""
     scene = bpy.context.scene.dimple
     yield from robot.move(*at)
     yield from robot.redrawn()
@@ -59,37 +58,3 @@ def calibrate(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.
     chart = round(view.x + left + wide * scale / 2), round(view.y + bottom + high * scale / 2)
     gap = robot.differing(bare, robot.screenshot(out / "9-calibrated.png"), chart, robot.HALF)
     check("its chart is seen in the viewport", gap > robot.SEEN, f"{gap} pixels differ")
-    yield from identify(at, body, out, check)
-
-
-def identify(at: tuple[int, int], body: str, out: Path, check: Check) -> robot.Waits:
-    """Stop an identification by ESC; let another one end, on a coarse ball of the same material."""
-    start("identify")
-    check("the identification runs", "DIMPLE_OT_identify" in robot.modal_operators())
-    yield from robot.key("ESC", *at)  # at once: it takes a second or two
-    yield from robot.until(lambda: not robot.modal_operators(), "ESC stops the identification", 30)
-    settings = bpy.data.objects[body].active_material.dimple
-    check("ESC stops the identification and nothing is written", settings.kappa1 == 0)
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1.0)
-    coarse, old = bpy.context.object, bpy.data.objects[body]
-    coarse.name = COARSE
-    coarse.data.materials.append(old.active_material)
-    coarse.dimple.enabled, coarse.dimple.size_mode, coarse.dimple.size_mm = True, "CUSTOM", old.dimple.size_mm
-    old.hide_set(True)
-    start("identify")
-    yield from robot.until(lambda: settings.kappa1 > 0 and not robot.modal_operators(), "the identification ends", 200)
-    check("an identification ends and writes its constants", settings.kappa1 > 0, f"kappa1 {settings.kappa1:.3g} N/cm3")
-    yield from robot.redrawn()
-    robot.screenshot(out / "9-identified.png")
-    bpy.data.objects.remove(coarse)
-    old.hide_set(False)
-    bpy.context.view_layer.objects.active = old
-    old.select_set(True)
-    settings.property_unset("kappa1")
-    yield from robot.redrawn()
-
-
-def start(verb: str) -> None:
-    with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
-        getattr(bpy.ops.dimple, verb)("INVOKE_DEFAULT")

@@ -19,7 +19,6 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 import calibrating
 import clicking
-import comparing
 import device
 import exporting
 import judging
@@ -361,7 +360,6 @@ def play_on(rest: np.ndarray) -> robot.Waits:
 
 ON_BALL = {
     "pressing": press_twice,
-    "comparing": lambda at, *_: comparing.compare_proxies(at, BODY, OUT, check),
     "calibrating": lambda at, *_: calibrating.calibrate(at, BODY, OUT, check),
     "device": lambda *_: device.feel(BODY, (0.0, 0.0, 1.2), OUT, check),
     "judging": lambda *_: judging.judge(BODY, OUT, check),

@@ -127,11 +127,11 @@ _last = {"depth": -1.0, "since": -1.0}
 
 
 def settled() -> bool:
-    """Tell whether the fingertip has rested for a while at one depth, and nothing is identified any more."""
+    """Tell whether the fingertip has rested for a while at one depth."""
     frame = body().frame
     depth = float(frame.depths[0]) if len(frame.depths) else 0.0
     moves = abs(depth - _last["depth"]) >= 2e-3 * depth or frame.time < _last["since"]
-    if moves or not resting() or robot.extension("operators.sessions").identifying() is not None:
+    if moves or not resting():
         _last["depth"], _last["since"] = depth, frame.time
     return frame.time > _last["since"] + STILL_S
 
@@ -247,7 +247,7 @@ def paint(at: tuple[int, int], out: Path, check: Check) -> robot.Waits:
     cube.dimple.softness_group = "Soft"
     bpy.context.scene.dimple.press_force_n = GENTLE_N
     yield from leave_resting(at)
-    yield from settle("it rests, identified")
+    yield from settle("it rests")
     before = float(body().frame.depths[0])
     with bpy.context.temp_override(window=robot.window(), area=robot.area(), region=robot.region()):
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")

@@ -26,7 +26,7 @@ ENABLED = (
 
 
 def killed_at(share: float, blend: Path, out: Path) -> bool:
-    """Let a process of its own export, and again killed at a share of the time that took; a first time it identifies.
+    """Let a process of its own export, and again killed at a share of the time that took; a first time it plans.
 
     Returns:
         Whether it was still at work.

@@ -91,21 +91,6 @@ def vinyl(bpy: ModuleType, cube: Any) -> Any:
 
 
 @pytest.fixture
-def forgetful(bpy: ModuleType) -> Iterator[Path]:
-    """The folder of remembered identifications, empty before and after."""
-    package = "bl_ext.user_default.dimple"
-    folder = Path(bpy.utils.extension_path_user(package, path="identified", create=True))
-
-    def empty() -> None:
-        for path in folder.glob("*"):
-            path.unlink()
-
-    empty()
-    yield folder
-    empty()
-
-
-@pytest.fixture
 def coordinates() -> Callable[[Any], bytes]:
     """Return a function that reads the coordinates of a mesh bit for bit."""
 
@@ -269,8 +254,6 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
     """Return a function that takes an operator in hand: it looks from above, and time is its own."""
     from bl_ext.user_default.dimple.operators import (
         bake,
-        compare_proxies,
-        identify,
         live,
         measure,
         modal_runs,
@@ -301,8 +284,8 @@ def hand(bpy: ModuleType, empty_file: ModuleType, monkeypatch: pytest.MonkeyPatc
     def take(name: str) -> Hand:
         operators = {
             "poke": poke.DIMPLE_OT_poke, "play": play.DIMPLE_OT_play, "bake": bake.DIMPLE_OT_bake,
-            "identify": identify.DIMPLE_OT_identify, "measure": measure.DIMPLE_OT_measure,
-            "compare_proxies": compare_proxies.DIMPLE_OT_compare_proxies, "start": start.DIMPLE_OT_start,
+            "measure": measure.DIMPLE_OT_measure,
+            "start": start.DIMPLE_OT_start,
         }  # fmt: skip
         hands.append(Hand(name, operators[name], Context(bpy)))
         return hands[-1]

@@ -176,6 +176,9 @@ def test_a_free_body_falls_by_physics_not_by_frames(
 
 def test_an_animated_body_carries_its_pins(bpy: ModuleType, scene: Any, ball: Add, shown: Shown) -> None:
     obj = ball()
+    obj.active_material = bpy.data.materials.new("Soft")  # so that it still lags where a frame ends
+    soft = obj.active_material.dimple
+    soft.K1, soft.K2, soft.damping_ratio = 0.05, 0.5, 1.0
     for frame, x in ((1, 0.0), (13, 2.0)):
         obj.location.x = x
         obj.keyframe_insert("location", index=0, frame=frame)
@@ -193,7 +196,7 @@ def test_an_animated_body_carries_its_pins(bpy: ModuleType, scene: Any, ball: Ad
     # acceleration 4 m/s^2 over stiffness per mass, as a share of the radius that stands for 82.5 mm
     most = 4 / (model.matching.k1.sum() / model.mass.sum()) / 0.0825
     assert most / 8 < max(map(abs, lags)) < most, "what is soft gives way by what its inertia asks for, and no more"
-    assert abs(lags[-1]) < 1e-6, "and comes to rest where it is carried"
+    assert abs(lags[-1]) < 1e-5, "and comes to rest where it is carried"
 
 
 def test_linked_duplicates_are_baked_without_a_copy(bpy: ModuleType, scene: Any, ball: Add) -> None:
@@ -212,7 +215,7 @@ def test_frames_in_the_wrong_order_are_said(bpy: ModuleType, scene: Any, pressed
 
 
 @pytest.mark.parametrize(("simulated", "near"), [("MESH", 0.05), pytest.param("PROXY", 0.1, marks=pytest.mark.once)])
-def test_a_bake_with_keyframed_constants_answers_as_one_that_is_identified_for_each(
+def test_a_bake_with_keyframed_constants_answers_as_one_that_has_them_all_the_time(
     bpy: ModuleType, scene: Any, ball: Add, simulated: str, near: float
 ) -> None:
     def baked(*keys: tuple[int, float]) -> list[dict[str, float]]:

@@ -130,15 +130,6 @@ def test_the_result_names_its_columns_and_warnings_have_headlines(bpy: ModuleTyp
     assert any(line.startswith(headlines[0]) and len(line) > len(headlines[0]) for line in calibrated.sentences(record))
 
 
-def test_the_largest_error_of_an_identified_press_is_stated_from_the_points_too(bpy: ModuleType) -> None:
-    from bl_ext.user_default.dimple.addon import calibrated
-
-    measured = json.dumps({"points": [[x, 2 * x] for x in range(20)]})
-    pressed = json.dumps({"points": [[x, 2 * x * (1.5 if x == 8 else 1)] for x in range(1, 20)]})
-    assert calibrated._from_points(measured, pressed) == [("Largest Error from Points", "50.0%")]
-    assert calibrated._from_points("", pressed) == []
-
-
 def test_every_answer_has_a_property_of_its_name_with_the_label_that_messages_use(bpy: ModuleType) -> None:
     from dataclasses import fields
 

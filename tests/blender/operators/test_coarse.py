@@ -1,6 +1,5 @@
 """A mesh that is too coarse for the fingertip is no trap: a bare primitive answers a click as was measured."""
 
-import re
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any
@@ -14,7 +13,6 @@ MIDDLE = (0.0, 0.0, 1.0)
 OTHER_CLICKS = ("cube", MIDDLE), ("plane", BESIDE), ("cylinder", BESIDE), ("uv_sphere", BESIDE)
 PRESS: dict[str, Any] = {"depth_mm": KNEE_MM, "press_s": 0.2, "hold_s": 0.3, "release_s": 0.0, "location": BESIDE}
 NEAR = 0.1  # of the law at its knee, which a round tip rounds
-CLICKS, AROUND = 48, 0.014  # on text, and how far [m] from each surface carries it
 
 
 @pytest.fixture
@@ -93,12 +91,11 @@ def test_a_liquid_keeps_its_volume_in_a_primitive_of_few_vertices(
 def test_the_flank_of_a_round_primitive_answers_the_law(
     bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], name: str, where: dict[str, Any]
 ) -> None:
-    """Its facets are strips: cut across too often, the cone ran on a proxy only, which answered 1.2 times the law."""
+    """Its facets are strips."""
     bare(name)
     assert bpy.ops.dimple.poke(**(PRESS | where)) == {"FINISHED"}
     frame = frames[0].frame
     force = float(np.linalg.norm(frame.finger_forces, axis=1).max())
-    assert frames[0].session.proxy is None
     assert force == pytest.approx(float(frame.law_forces.max()), rel=NEAR)
 
 
@@ -115,20 +112,6 @@ def test_a_torus_whose_edges_are_as_long_as_the_fingertip_is_cut_finer(
     assert force == pytest.approx(float(frame.law_forces.max()), rel=NEAR)
 
 
-def test_the_artist_hears_that_the_law_does_not_hold_on_a_point(
-    bpy: ModuleType, bare: Callable[[str], Any], frames: list[Any], capfd: pytest.CaptureFixture[str]
-) -> None:
-    bare("cone")
-    at_the_tip = {"location": (0.0, 0.0, 1.0), "direction": (0.0, 0.0, -1.0)}
-    assert bpy.ops.dimple.poke(**(PRESS | at_the_tip)) == {"FINISHED"}
-    said = re.search(r"it has (\d+)% of the surface.* some (\d+)% to (\d+)% of the law", capfd.readouterr().out)
-    assert said
-    share, least, most = (int(each) / 100 for each in said.groups())
-    law = frames[0].session.model.materials[0].law(KNEE_MM / 1e3)
-    force = float(np.linalg.norm(frames[0].frame.finger_forces, axis=1).max()) / law
-    assert share == least < 0.3 and least < force < most
-
-
 def test_the_artist_hears_at_what_size_and_with_how_many_vertices_it_is_pressed(
     bpy: ModuleType, bare: Callable[[str], Any], capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -143,7 +126,7 @@ def test_a_size_or_a_mesh_that_was_chosen_is_kept(bpy: ModuleType, bare: Callabl
 
     obj = bare("cube")
     obj.dimple.size_mode, obj.dimple.simulated = "REAL", "MESH"
-    link, model = bridge.read_body(bpy.context, obj, identify="NO")
+    link, model = bridge.read_body(bpy.context, obj)
     assert model.mesh.size == pytest.approx(2.0) and link.refined is None and len(model.mass) == 8
     bpy.ops.dimple.poke(depth_mm=2.0, press_s=0.02, hold_s=0.0, release_s=0.0)
     assert obj.dimple.size_mode == "REAL"
@@ -193,37 +176,6 @@ def test_flat_text_becomes_a_body_in_one_click_and_an_undo_takes_it_back(
     bpy.ops.ed.undo_push(message="Make Soft")
     bpy.ops.ed.undo()
     assert bpy.data.objects["Text"].type == "FONT" and bpy.data.objects["Text"].data.extrude == 0
-
-
-def test_clicks_on_the_front_of_text_answer_the_law_on_the_average(
-    bpy: ModuleType, empty_file: ModuleType
-) -> None:
-    """Its strokes are as wide as the fingertip or narrower, so that each place has its own share of the law."""
-    from bl_ext.user_default.dimple.core.session import Finger, Session
-    from bl_ext.user_default.dimple.operators import bridge
-
-    bpy.ops.object.text_add()
-    bpy.ops.dimple.make_soft()
-    _, model = bridge.read_body(bpy.context, bpy.context.object, identify="WAIT")
-    session, mesh, shares, surface = Session(model), model.mesh, [], []
-    corners = mesh.rest_positions[mesh.triangles]
-    front = np.flatnonzero(np.ptp(corners[:, :, 2], axis=1) + mesh.rest_positions[:, 2].max() - corners[:, 0, 2] < 1e-6)
-    reached = np.cumsum(mesh.triangle_areas[front])
-    for which in front[np.searchsorted(reached, reached[-1] * (np.arange(CLICKS) + 0.5) / CLICKS)]:
-        at, radius, depth = corners[which].mean(axis=0), 0.010, KNEE_MM / 1e3
-        session.reset()
-        for deep in (0.0, depth):
-            session.set_fingers([Finger((*at[:2].tolist(), float(at[2]) + radius - deep), radius)])
-            session.step(0.08)
-        shares.append(abs(session.step(0.02).finger_forces[0][2]) / model.materials[0].law(depth))
-        away = np.linalg.norm(corners[front].mean(axis=1) - at, axis=1)
-        surface.append(mesh.triangle_areas[front] @ (away < AROUND) / (np.pi * AROUND**2))
-    print(f"surface within {1e3 * AROUND:g} mm and force: correlation {np.corrcoef(surface, shares)[0, 1]:.2f}")
-    print("of the law:", *(f"{share:.2f}" for share in np.quantile(shares, (0, 0.1, 0.5, 0.9, 1))))
-    assert np.median(shares) == pytest.approx(1, abs=0.06)
-    assert np.corrcoef(surface, shares)[0, 1] > 0.8, "it is the strokes that make the difference, not the mesh"
-    # Blender 4.5 cuts the text into other faces than 5.2: eight clicks in ten from 0.75 to 1.28, and 0.77 to 1.39
-    assert np.quantile(shares, 0.1) > 0.7 and np.quantile(shares, 0.9) < 1.5
 
 
 def test_the_overlay_draws_the_dent_that_a_coarse_mesh_cannot_show(bpy: ModuleType, small: Any) -> None:

@@ -144,7 +144,7 @@ def test_escape_disarms(bpy: ModuleType, port: Any) -> None:
     wait(lambda report: report.arming.name == "OFF")
 
 
-ENDS = ("poke", "play", "compare_proxies")
+ENDS = ("poke", "play")
 
 
 @pytest.mark.parametrize("name", ENDS)

@@ -1,4 +1,4 @@
-"""A proxy that is fine where it will be pressed takes seconds to make: progress is shown meanwhile, and Esc heard."""
+"""A proxy of a fine mesh takes a while to make: progress is shown meanwhile, and Esc heard."""
 
 import threading
 from collections.abc import Callable, Iterator
@@ -9,30 +9,40 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.blender.operators.test_paths import bake, keyed
-
-__all__ = ["keyed"]
-
+LAST = 10  # frames
 LONGEST_S = 20.0  # before a proxy is made all the same: who waits for it so long has not gone on beside it
 
 
 @pytest.fixture
+def keyed(bpy: ModuleType, scene: Any, ball: Callable[..., Any]) -> Any:
+    """A ball of 10,242 vertices, 165 mm wide, that a proxy moves; keyframes lead a fingertip into its flank."""
+    obj, radius = ball("Fine", 6), 10 / 82.5
+    obj.dimple.simulated, obj.dimple.proxy_vertices, scene.dimple.finger_radius_mm = "PROXY", 1000, 10.0
+    tip = bpy.data.objects.new("Tip", None)
+    scene.collection.objects.link(tip)
+    scene.dimple.finger_1 = tip
+    for frame, way in ((1, 1 + radius), (6, 1 + radius - 5 / 82.5)):
+        tip.location = way * np.array([0.6, 0.48, 0.64])
+        tip.keyframe_insert("location", frame=frame)
+    return obj
+
+
+@pytest.fixture
 def slow(monkeypatch: pytest.MonkeyPatch) -> Iterator[SimpleNamespace]:
-    """What says that a graded proxy is begun, and lets it be made: until then it takes for ever."""
+    """What says that a proxy is begun, and lets it be made: until then it takes for ever."""
     from bl_ext.user_default.dimple.operators import planning
 
     found = SimpleNamespace(begun=threading.Event(), go_on=threading.Event())
-    build = planning.build_proxy
+    build = planning._proxy
 
-    def waiting(model: Any, vertices: int, pressed: Any = None, *others: Any) -> Any:
-        if pressed:
-            found.begun.set()
-            assert found.go_on.wait(LONGEST_S), "nobody went on meanwhile"
-        return build(model, vertices, pressed, *others)
+    def waiting(*given: Any) -> Any:
+        found.begun.set()
+        assert found.go_on.wait(LONGEST_S), "nobody went on meanwhile"
+        return build(*given)
 
     planning._choices.clear()  # of another test
     planning._moving.clear()
-    monkeypatch.setattr(planning, "build_proxy", waiting)
+    monkeypatch.setattr(planning, "_proxy", waiting)
     yield found
     found.go_on.set()
 
@@ -56,10 +66,12 @@ def test_a_bake_makes_its_proxy_between_events_with_progress_and_esc_leaves_noth
     run.invoke()
     while (state := run.ticks(1)) == {"RUNNING_MODAL"}:
         assert "%" in run.context.said
-    assert state == {"FINISHED"} and keyed.dimple.plan_graded
-    beside = Path(keyed.modifiers["Dimple"].filepath).read_bytes()
+    assert state == {"FINISHED"} and keyed.dimple.plan_vertices == 1000
+    path = Path(keyed.modifiers["Dimple"].filepath)
+    beside = path.read_bytes()
     bpy.ops.dimple.unbake()
-    assert bake(bpy, keyed)[1] == beside, "the same bits as at once"
+    assert bpy.ops.dimple.bake(frame_start=1, frame_end=LAST) == {"FINISHED"}
+    assert path.read_bytes() == beside, "the same bits as at once"
 
 
 def test_an_export_goes_on_while_its_proxy_is_made_and_once_stopped_leaves_nothing(
@@ -75,43 +87,3 @@ def test_an_export_goes_on_while_its_proxy_is_made_and_once_stopped_leaves_nothi
     assert 0 < next(steps) < 0.05
     steps.close()
     assert not any(plan.folder.iterdir())
-
-
-def test_play_wound_back_plans_between_events_while_the_timeline_waits_and_esc_ends_it(
-    bpy: ModuleType, scene: Any, keyed: Any, hand: Any, slow: Any, sessions: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from bl_ext.user_default.dimple.operators import timeline
-
-    monkeypatch.setattr(timeline, "is_playing", lambda _context: True)
-    slow.go_on.set()
-    scene.frame_set(1)
-    play = hand("play")
-
-    def wind_back(way: tuple[float, ...]) -> None:
-        slow.begun.clear()
-        scene.dimple.finger_1.location = np.array(way)
-        scene.dimple.finger_1.keyframe_insert("location", frame=10)
-        for frame in (2, 1):
-            scene.frame_set(frame)
-            play.ticks(1)
-        for _ in range(200):  # waits of up to 0.1 s
-            if slow.begun.is_set():
-                return
-            play.ticks(1)
-        raise AssertionError("it is not planned anew")
-
-    play.invoke()
-    slow.go_on.clear()
-    wind_back((0.68, 0.4, 0.6))
-    session, time = sessions.get(keyed).session, sessions.get(keyed).frame.time
-    assert "Getting ready 60%" in play.context.said and time > 0
-    assert play.send("TIMER0", "NOTHING") == play.send("G") == {"RUNNING_MODAL"}, "the timeline waits, and all else"
-    slow.go_on.set()
-    while play.send("G") == {"RUNNING_MODAL"}:
-        play.ticks(1)
-    assert sessions.get(keyed).session is session and sessions.get(keyed).frame.time == 0, "wound back"
-    assert min(session.proxy.pressed.places)[0] > 0
-    slow.go_on.clear()
-    wind_back((-0.6, 0.48, 0.64))
-    assert play.send("ESC") == {"CANCELLED"} and not sessions.sessions and not keyed.modifiers
-    assert scene.frame_current == 1

@@ -30,7 +30,7 @@ def test_pokes_paint_a_map_that_makes_the_press_as_stiff_as_it_was_poked(
     interval = np.empty(len(obj.data.vertices), np.float32)
     obj.data.attributes["dimple_softness_interval"].data.foreach_get("value", interval)
     assert (interval >= 1).all() and np.isfinite(interval).all()
-    _, model = bridge.read_body(bpy.context, obj, identify="NO")
+    _, model = bridge.read_body(bpy.context, obj)
     per_area, x = model.matching.k1 / model.mesh.vertex_areas, model.mesh.rest_positions[:, 0]
     ratio = np.median(per_area[x > 0.05]) / np.median(per_area[x < -0.05])
     assert ratio == pytest.approx(4.0, rel=0.25)

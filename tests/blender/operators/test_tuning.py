@@ -96,7 +96,6 @@ CHANGES: dict[str, tuple[Callable[[ModuleType], None], Callable[[Any], bool]]] =
     "gravity": (of_scene("use_gravity"), lambda model: model.gravity[2] < -9),
     "ground": (of_scene("use_ground"), lambda model: model.ground is not None),
     "pins": (of_body("pinned", "NONE"), lambda model: not model.pinned.any()),
-    "laws": (of_body("law_set", "PAPER"), lambda model: model.law_set == "paper"),
     "size": (of_body("size_mm", 330.0), lambda model: model.mesh.size > 0.32),
 }
 

@@ -1,0 +1,71 @@
+"""A virtual press: a body under a round tip that goes in row by row, as under an instrument."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..base import DimpleError, Floats
+from ..body.model import Model
+from ..mesh.ray import ray_hit
+from ..mesh.surface import Mesh
+from ..session import Finger, Session
+from ..vectors import dot
+
+CLEAR = 0.9  # of the thickness: deeper, the tip meets the far side
+ROW_S = 0.014  # [s] from one row to the next
+
+
+class Site(NamedTuple):
+    """Where a body is pressed.
+
+    point: (3,) on the surface at rest [m].
+    inward: (3,) unit vector of the way the tip goes.
+    thickness: distance to the far side [m], inf where there is none.
+    """
+
+    point: Floats
+    inward: Floats
+    thickness: float
+
+
+def find_site(mesh: Mesh, above: Sequence[float] | None = None, inward: Sequence[float] = (0.0, 0.0, -1.0)) -> Site:
+    """Find where a tip meets a body.
+
+    Args:
+        above: (3,) [m] a point on the way in; left out: over the middle of the body.
+        inward: (3,) way the tip goes.
+
+    Raises:
+        DimpleError: the tip misses the body.
+    """
+    x = mesh.rest_positions
+    way = np.asarray(inward, np.float64) / np.linalg.norm(inward)
+    used = x[~mesh.loose]
+    middle = (used.min(axis=0) + used.max(axis=0)) / 2
+    start = (middle if above is None else np.asarray(above, np.float64)) - 2 * mesh.size * way
+    hit = ray_hit(tuple(start), tuple(way), x, mesh.triangles)
+    if hit is None:
+        raise DimpleError("The tip misses the object. Move it over the place to be pressed.")
+    point = np.array(hit[1])
+    beyond = ray_hit(tuple(point + 1e-6 * mesh.size * way), tuple(way), x, mesh.triangles)
+    return Site(point, way, beyond[0] if beyond else math.inf)
+
+
+def press_rows(model: Model, radius: float, site: Site, deepest: float, rows: int) -> Iterator[tuple[float, float]]:
+    """Yield depth [m] and force [N] from the touch on; it ends before the far side, and where the body lets go.
+
+    Args:
+        radius: of the tip [m].
+    """
+    session = Session(model)
+    for depth in (min(deepest, CLEAR * site.thickness) * np.arange(rows) / (rows - 1)).tolist():
+        x, y, z = (site.point + (depth - radius) * site.inward).tolist()
+        session.set_fingers([Finger((x, y, z), radius)])
+        touch = session.step(ROW_S).touches[0]
+        if touch is None:
+            return
+        yield max(touch.depth, 0.0), dot(touch.force, touch.outward)

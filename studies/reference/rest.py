@@ -1,0 +1,81 @@
+"""Bodies at rest sleep: they are not stepped until something wakes them, and go on from the very state they were in.
+
+A body falls asleep when for REST_TIME it has been slower than REST_SPEED and no vertex is farther than REST_WAY from
+where it was when that began. Its velocities stay as they are, so neither position nor velocity jumps when it wakes.
+Under a fingertip that stands still it sleeps too, and presses on it as in the last tick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from core.base import Floats
+
+REST_SPEED = 1e-3  # sizes a second: what moves faster is not at rest
+REST_TIME = 0.25  # [s] what has been slower for so long, and
+REST_WAY = 1e-6  # of its size: is no farther from where it was then, sleeps
+REST_CLEAR = 0.05  # of a fingertip's radius: nearer to the box round a body, it keeps it awake
+
+
+@dataclass(slots=True)
+class Rest:
+    """How long a body has been at rest.
+
+    quiet: [s] since it was slow last.
+    still: (3, n) where it was then [m].
+    rested: it may sleep.
+    asleep: it is not stepped.
+    under: fingertips that were near when it fell asleep: where (3,) [m] and their radius [m].
+    held: (k, 3) forces on the fingertips in the last substep [N].
+    """
+
+    quiet: float = 0.0
+    still: Floats | None = None
+    rested: bool = False
+    asleep: bool = False
+    under: dict[int, tuple[Floats, float]] = field(default_factory=dict)
+    held: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+
+    def watch(
+        self, x: Floats, v: Floats, size: float, tick: float, *, led: bool, sag: float = 0.0, held: bool = False
+    ) -> None:
+        """Look at a body (3, n) [m], [m/s] after a tick [s].
+
+        Args:
+            led: its pins were.
+            sag: [m/s] that gravity gives in a substep, and contact takes back as a way; 0 where none does.
+            held: there are fingertips, and all stand still: what they hold back has a speed and does not move.
+        """
+        speed = float(np.sqrt((v * v).sum(axis=0).max(initial=0)))
+        fast = speed > REST_SPEED * size
+        if fast and (speed <= sag or held):
+            fast = self.quiet > 0 and not self._stays(x, size)
+        if led or fast:
+            self.quiet, self.rested = 0.0, False
+            return
+        if self.still is None or self.quiet == 0:
+            self.still = x.copy()
+        self.quiet += tick
+        if self.quiet < REST_TIME:
+            return
+        self.quiet, self.rested = 0.0, self._stays(x, size)
+
+    def _stays(self, x: Floats, size: float) -> bool:
+        way = x - (x if self.still is None else self.still)
+        return bool(np.sqrt((way * way).sum(axis=0).max(initial=0)) <= REST_WAY * size)
+
+
+    def lies_under(self, finger: int, centre: Floats, radius: float) -> bool:
+        """Tell whether a fingertip is where it was when the body fell asleep."""
+        if finger not in self.under:
+            return False
+        before, size = self.under[finger]
+        return size == radius and float(np.linalg.norm(centre - before)) <= REST_WAY * radius
+
+
+def reaches(x: Floats, start: Floats, end: Floats, radius: float) -> bool:
+    """Tell whether a fingertip going from start to end (3,) in a tick comes near the box of a body (3, n) [m]."""
+    gap = np.maximum(np.maximum(x.min(axis=1) - end, end - x.max(axis=1)), 0)
+    return float(np.linalg.norm(gap)) < (1 + REST_CLEAR) * radius + 2 * float(np.linalg.norm(end - start))

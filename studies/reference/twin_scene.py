@@ -1,0 +1,413 @@
+"""The numpy twin of scenes: bodies and colliders stepped together, so that nothing passes through anything."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from core.base import Bools, Floats, Ints
+from core.solver.motion import Motion
+from core.solver.scene import LEAVES_OUT, OFFSET, Collider, ColliderMotion, Crossings, SceneFrame, Way
+
+from . import semi_implicit, touching
+from .bounds import Bounds, beyond, bounds_of, free_behind, hold_back, is_allowed, is_near, renewed
+from .contact import Step, Touch
+from .crossing import crossing_vertices, find_crossings
+from .islands import let_sleep, woken
+from .proximity import CLOSEST, Pairs, find_pairs, join_surfaces, touching_distance
+from .rolling import Turning, resist
+from .ticks import SKIN_TRAVEL, each_tick, meet, moved_back, slow_down
+from .twin import Call, Twin
+from .twin_props import Props, move
+
+REACH_EDGE = 0.3  # of the mean edge: the farthest a query looks
+LEAST_REACH = 2.5  # of the distance at which surfaces touch
+REACH_TIME = 1.5  # ticks that a query is to last
+ROAM = 0.99  # of half the reach: what is near nothing may go
+STALE = 0.8  # of the way after which something unknown might touch
+
+
+class TwinScene:
+    """Bodies and colliders that numpy steps; what it does is said in `native.Scene`.
+
+    A vertex that is held back by several planes is put onto them in another order than there, so that it ends elsewhere
+    within its bounds: from the first such tick on the two differ visibly.
+    """
+
+    def __init__(
+        self,
+        bodies: Sequence[Twin],
+        colliders: Sequence[Collider],
+        *,
+        itself: Sequence[int],
+        offsets: Sequence[float] = (),
+    ) -> None:
+        self._bodies, self._itself = list(bodies), list(itself)
+        self._here = [np.array(collider.positions, np.float64) for collider in colliders]
+        rests = [body.model.mesh.rest_positions for body in bodies] + [x.T for x in self._here]
+        faces = [body.model.mesh.triangles for body in bodies] + [collider.triangles for collider in colliders]
+        s = self._surfaces = join_surfaces(rests, faces)
+        starts = np.cumsum([0, *map(len, rests)])
+        self._part = [slice(a, b) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+        self._frictions = [np.full(x.shape[1], c.friction) for x, c in zip(self._here, colliders, strict=True)]
+        self._edge, held = s.edge[: len(bodies)].min(), np.array(offsets or [0.0] * len(bodies))
+        held = np.where(held > 0, held, OFFSET * s.edge[: len(bodies)])
+        self._offsets = np.concatenate([held, np.full(len(colliders), held.min())])
+        largest = np.sort(self._offsets)[::-1]
+        self._props = Props(len(bodies), colliders)
+        skins = np.sort(self._props.skins)[::-1]
+        own = float(self._offsets[: len(bodies)].max())
+        self._touch = max(2 * own, float(largest[:2].sum()), float(skins[:2].sum()))
+        self._free = np.array([prop is not None for prop in self._props.of]) | (np.arange(len(rests)) < len(bodies))
+        self._rates = [np.zeros_like(x) for x in self._here]
+        sizes = [body.model.mesh.size for body in bodies]
+        sizes += [2 * prop.radius if prop else 0.0 for prop in self._props.of[len(bodies) :]]
+        self._sizes = CLOSEST * np.array(sizes)
+        self._turning: list[Turning | None] = [Turning(b.model.mesh.size) if b.model.free else None for b in bodies]
+        self._turning += [None] * len(colliders)
+        self._touched = np.zeros(len(self._part), bool)  # of the surfaces, in the last substep
+        self._due, self._wakes, self._approach = True, True, 0.0
+        self._looks, self._looked, self._near = True, self._positions(), np.zeros(0, np.int64)
+        self._known = [(body.model, body.positions()) for body in bodies]
+        self._left_out = np.zeros(len(s.of_vertex), bool)  # of self contact
+        for i in np.flatnonzero(np.array(self._itself) == LEAVES_OUT).tolist():
+            self._left_out[crossing_vertices(s, self._positions(), i)] = True
+
+    def crossings(self) -> Crossings:
+        """Return what passes through each other now."""
+        self._due = True
+        return find_crossings(self._surfaces, self._positions(), self._free, self._itself, self._left_out)
+
+    def set_collider(self, index: int, positions: Floats) -> None:
+        """Put a collider at positions (3, m) [m] at once."""
+        self._here[index], self._due = np.array(positions, np.float64), True
+        self._rates[index][:] = 0
+        self._props.wake(len(self._bodies) + index)
+
+    def collider(self, index: int) -> Floats:
+        """Return where a collider is (3, m) [m]."""
+        return self._here[index].copy()
+
+    def step(
+        self, motions: Sequence[Motion], ways: Sequence[Way], first: float, last: float
+    ) -> SceneFrame:
+        """Run the ticks of motions, one for each body."""
+        self._tick, self._dt = motions[0].tick, motions[0].tick / motions[0].substeps
+        for body, (model, x), turning in zip(self._bodies, self._known, self._turning, strict=False):
+            changed = body.model is not model or not np.array_equal(body.state.positions, x)
+            self._due |= changed
+            if changed and turning:
+                turning.kept, turning.moment = np.zeros(3), np.zeros(3)
+        self._queries = self._most_pairs = self._most_touching = self._truncated = 0
+        self._taken = self._held_back = 0.0
+        self._gap, self._impulses = np.inf, np.zeros((len(self._part), 6))
+        self._due |= self._props.take(ways, self._here, self._rates)
+        calls = [body.begin(motion) for body, motion in zip(self._bodies, motions, strict=True)]
+        count, done = motions[0].ticks, 0
+        while done < count and all(call.finite for call in calls):
+            share = first + (done / (count - 1) * (last - first) if count > 1 else 0.0)
+            self._run_tick(calls, ways, share)
+            done += 1
+        self._props.leave()
+        self._known = [(body.model, body.positions()) for body in self._bodies]
+        frames = tuple(body.end(call) for body, call in zip(self._bodies, calls, strict=True))
+        return SceneFrame(
+            frames, done, self._queries, self._most_pairs, self._most_touching, self._truncated, self._taken,
+            self._held_back, self._gap, self._impulses[:, :3], self._impulses[:, 3:],
+        )  # fmt: skip
+
+    def _run_tick(self, calls: Sequence[Call], ways: Sequence[Way], share: float) -> None:
+        substeps, touches = calls[0].motion.substeps, []
+        for body, call in zip(self._bodies, calls, strict=True):
+            body.begin_tick(call)
+            touches.append(next(each_tick(body.model, body.state, call.path, self._tick)))
+        self._aims = [
+            way.start + share * (way.end - way.start) if isinstance(way, ColliderMotion) else None for way in ways
+        ]
+        for i, aim in enumerate(self._aims):
+            if not self._props.of[len(self._bodies) + i] and (aim is None or np.array_equal(aim, self._here[i])):
+                self._aims[i], self._rates[i][:] = None, 0
+        awake = bool(self._moving().any())
+        if awake:
+            self._set_approach()
+            self._wakes = True
+        for step in range(substeps if awake else 0):
+            if self._due:
+                self._query()
+            self._begin_contact()
+            for i in woken(self._moving(), self._asleep(), self._sides(), self._free) if self._wakes else ():
+                if prop := self._props.of[i]:
+                    prop.asleep, prop.quiet = False, 0.0
+                    continue
+                self._bodies[i].wake(calls[i])
+                touches[i] = next(each_tick(self._bodies[i].model, self._bodies[i].state, calls[i].path, self._tick))
+            self._wakes = False
+            self._props.begin(self._last, self._dt)
+            with np.errstate(all="ignore"):  # the frame says when it has blown up
+                for body, call, near, turning in zip(self._bodies, calls, touches, self._turning, strict=False):
+                    if not body.rest.asleep:
+                        self._step_body(body, call, moved_back(near, (substeps - 1 - step) * self._dt), turning)
+                self._move_colliders(1 / (substeps - step))
+                self._move_props()
+                self._resolve()
+                self._bound_bodies()
+        for i, (body, call) in enumerate(zip(self._bodies, calls, strict=True)):
+            body.sag = float(np.linalg.norm(body.model.gravity)) * self._dt if self._touched[i] else 0.0
+            body.end_tick(call)
+        for _, prop in self._props.awake:
+            prop.watch(self._tick)
+        if all(call.finite for call in calls):
+            self._let_sleep(calls)
+
+    def _let_sleep(self, calls: Sequence[Call]) -> None:
+        rested = [body.rest.rested for body in self._bodies]
+        rested += [prop is not None and prop.rested for prop in self._props.of[len(self._bodies) :]]
+        for i in let_sleep(self._moving(), np.array(rested), self._sides(), self._free) if any(rested) else ():
+            if prop := self._props.of[i]:
+                prop.asleep, prop.rested = True, False
+            else:
+                self._bodies[i].fall_asleep(calls[i])
+
+    def _asleep(self) -> Bools:
+        """Return which surfaces (k,) sleep."""
+        props = self._props.of[len(self._bodies) :]
+        return np.array([b.rest.asleep for b in self._bodies] + [p is not None and p.asleep for p in props])
+
+    def _moving(self) -> Bools:
+        """Return which surfaces (k,) move: what is awake, and colliders that are led."""
+        led = np.array([False] * len(self._bodies) + [aim is not None for aim in self._aims])
+        return np.where(self._free, ~self._asleep(), led)
+
+    def _sides(self) -> Ints:
+        """Return the surfaces (m, 2) of all that may touch."""
+        standing = np.array([support.surfaces for support in self._props.supports], np.int64).reshape(-1, 2)
+        return np.concatenate([self._surfaces.of_vertex[self._meetings.at[:, [0, 3]]], standing])
+
+    def _step_body(self, body: Twin, call: Call, touches: Sequence[Touch], turning: Turning | None) -> None:
+        """Advance a body by a substep, fingertips included."""
+        model, state = body.model, body.state
+        near = [h for h in touches if len(h.vertices) or len(h.triangles)]
+        limit = min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
+        before = state.positions.copy()
+        try:
+            if turning:
+                turning.measure(model.mass, before, state.velocities)
+            semi_implicit.advance(model, state, self._dt)
+            if turning:
+                by = self._dt * turning.acceleration(before)
+                state.velocities -= by
+                state.positions -= self._dt * by
+        except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
+            state.positions[:] = np.nan
+            return
+        if near:
+            slow_down(before, state.positions, limit)
+        call.impulses[call.down] += meet(model, state, touches, Step(self._dt, limit))
+
+    def _positions(self) -> Floats:
+        parts = [body.state.positions.T for body in self._bodies] + [x.T for x in self._here]
+        return np.concatenate(parts)
+
+    def _velocities(self) -> Floats:
+        parts = [body.state.velocities.T for body in self._bodies] + [rate.T for rate in self._rates]
+        return np.concatenate(parts)
+
+    def _set_approach(self) -> None:
+        """Set how much farther than they touch things are looked at [m]: they come nearer before the next look."""
+        fastest = [float(np.sqrt((body.state.velocities**2).sum(axis=0).max())) for body in self._bodies]
+        for here, aim in zip(self._here, self._aims, strict=True):
+            if aim is not None:
+                fastest.append(float(np.sqrt(((aim - here) ** 2).sum(axis=0).max())) / self._tick)
+        for _, prop in self._props.awake:
+            assert prop.fall
+            fastest.append(prop.speed() + float(np.linalg.norm(prop.fall.gravity)) * self._tick)
+        self._fastest = max(fastest)
+        least = self._touch + 3 * self._fastest * self._dt
+        if not least <= self._approach <= 4 * least:
+            self._approach, self._looks = self._touch + 6 * self._fastest * self._dt, True
+
+    def _reach(self) -> float:
+        """Return how far a query looks [m]: so far that it lasts some ticks at the speeds there are."""
+        least = LEAST_REACH * self._touch
+        wanted = self._touch + 2 * REACH_TIME * self._fastest * self._tick
+        return float(min(max(wanted, least), max(REACH_EDGE * self._edge, least)))
+
+    def _query(self) -> None:
+        s, x, count = self._surfaces, self._positions(), len(self._part)
+        reach, bodies = self._reach(), len(self._bodies)
+        lows, highs = (np.array([pick(x[part], axis=0) for part in self._part]) for pick in (np.min, np.max))
+        slack, stale, found = np.full(len(x), np.inf), np.full(len(x), np.inf), []
+        for i in range(count):
+            for j in range(i, count):
+                if not (i < bodies and self._itself[i] if i == j else self._free[i] or self._free[j]):
+                    continue
+                apart = -1.0 if i == j else float(np.maximum(lows[j] - highs[i], lows[i] - highs[j]).max())
+                if apart > reach:
+                    for part in (self._part[i], self._part[j]):
+                        slack[part] = np.minimum(slack[part], ROAM * apart / 2)
+                        stale[part] = np.minimum(stale[part], apart / 4)
+                else:
+                    closest = float(max(self._sizes[i], self._sizes[j]))
+                    rigid = min(i, j) >= bodies
+                    found.append(find_pairs(s, x, i, j, reach=reach, closest=closest, rigid=rigid))
+                    if i == j:
+                        out = self._left_out[found[-1].at].sum(axis=1)
+                        found[-1] = _picked(found[-1], np.flatnonzero(out == 0))
+                    way = free_behind(s, x, i, j, found[-1], reach)
+                    slack, stale = np.minimum(slack, ROAM * way / 2), np.minimum(stale, STALE * (way - self._touch) / 2)
+        pairs = _joined(found)
+        self._bounds: Bounds = bounds_of(x, slack, pairs)
+        self._stale = stale
+        self._touches = touching_distance(s, pairs, self._offsets, self._props.skins, bodies)
+        may = (pairs.weight > 0) & (pairs.gap <= self._touches + STALE * (reach - self._touch) * 1.5)
+        order = touching.order_of(pairs, s)
+        order = order[may[order]]
+        self._candidates, self._touches = _picked(pairs, order), self._touches[order]
+        self._near, self._looks = np.unique(pairs.at), True
+        self._due, self._queries = False, self._queries + 1
+        self._most_pairs = max(self._most_pairs, len(pairs.gap))
+        self._gap = min(self._gap, float(pairs.gap.min(initial=np.inf)))
+
+    def _move_colliders(self, share: float) -> None:
+        """Move colliders on their way; where something that one presses cannot get away, it waits."""
+        for i, aim in enumerate(self._aims):
+            if aim is None:
+                continue
+            part, here = self._part[len(self._bodies) + i], self._here[i]
+            x = (here + share * (aim - here)).T
+            wanted = x.copy()
+            for own, vertex in enumerate(range(part.start, part.stop)):
+                if not is_allowed(self._bounds, vertex, x[own]):
+                    x[own] = hold_back(self._bounds, vertex, x[own], here[:, own])
+                    self._held += [vertex] if is_near(self._bounds, vertex) else []
+            self._held_back = max(self._held_back, float(np.linalg.norm(wanted - x, axis=1).max()))
+            self._rates[i], self._here[i] = (x.T - here) / self._dt, np.ascontiguousarray(x.T)
+            self._note_way(len(self._bodies) + i, x)
+
+    def _move_props(self) -> None:
+        """Resolve what props touch but soft bodies, and move them as far as all of each may go."""
+        touching = self._props.resolve(self._velocities(), self._dt, self._impulses)
+        self._most_touching = max(self._most_touching, touching)
+        for i, prop in self._props.awake:
+            part, own = self._part[i], i - len(self._bodies)
+            speed = float(np.linalg.norm(prop.state.velocity))
+            share, x, held = move(prop, self._bounds, part, self._dt)
+            if share < 1:
+                self._truncated += 1
+                self._taken += (1 - share) * prop.what.shape.mass * speed
+            whole = self._bounds.before.copy()
+            whole[part] = x
+            far = part.start + np.flatnonzero(beyond(self._bounds, whole)[part]) if share == 1 else held
+            for vertex in far:
+                if is_near(self._bounds, vertex):
+                    self._held.append(int(vertex))
+                elif share < 1:
+                    self._due = True
+            self._rates[own], self._here[own] = (x.T - self._here[own]) / self._dt, np.ascontiguousarray(x.T)
+            self._note_way(i, x)
+
+    def _begin_contact(self) -> None:
+        """Before a substep: note where everything is, and look again where that has moved."""
+        self._last = self._positions()
+        self._held: list[int] = []
+        self._looks = self._looks or bool(
+            ((self._last[self._near] - self._looked[self._near]) ** 2).sum(axis=1).max(initial=0)
+            > (touching.LOOK * self._touch) ** 2
+        )
+        if not self._looks:
+            return
+        bodies, led = self._bodies, [np.zeros(x.shape[1]) for x in self._here]
+        friction = np.concatenate([body.model.friction for body in bodies] + self._frictions)
+        self._inverse_mass = np.concatenate([body.model.inverse_mass for body in bodies] + led)
+        self._looked, self._looks, self._wakes = self._last, False, True
+        soft = (self._surfaces.of_vertex[self._candidates.at] < len(bodies)).any(axis=1)
+        for which, inverse_mass in ((soft, self._inverse_mass), (~soft, np.ones_like(self._inverse_mass))):
+            met = touching.look(
+                self._surfaces, _picked(self._candidates, np.flatnonzero(which)), self._touches[which], friction,
+                self._last, inverse_mass, self._approach,
+            )  # fmt: skip
+            if which is soft:
+                self._meetings = met
+            else:
+                self._props.note(met, self._surfaces)
+
+    def _resolve(self) -> None:
+        meetings = self._meetings
+        sides, sleeps = self._surfaces.of_vertex[meetings.at[:, [0, 3]]], self._asleep()
+        if not len(meetings.gap):
+            resist(self._turning, sides, meetings.gap, self._dt, sleeps)
+            self._touched = np.zeros(len(self._part), bool)
+            self._props.answer(sides, meetings.point, meetings.normal)
+            return
+        asleep = sleeps[sides[:, 0]] | sleeps[sides[:, 1]]
+        v, out, passed, active = touching.resolve(
+            meetings, self._last - self._looked, self._velocities(), self._inverse_mass, self._dt, asleep
+        )
+        changed = np.unique(meetings.at[active])
+        for body, part in zip(self._bodies, self._part, strict=False):
+            own = changed[(changed >= part.start) & (changed < part.stop)]
+            own = own[self._inverse_mass[own] > 0]
+            state, rows = body.state, own - part.start
+            state.positions[:, rows] += self._dt * (v[own].T - state.velocities[:, rows]) + out[own].T
+            state.velocities[:, rows] = v[own].T
+        resist(self._turning, sides, np.einsum("mc,mc->m", passed, meetings.normal), self._dt, sleeps)
+        self._props.answer(sides, meetings.point, passed)
+        given = np.concatenate([passed, np.cross(meetings.point, passed)], axis=1)
+        np.add.at(self._impulses, sides[:, 0], given)
+        np.subtract.at(self._impulses, sides[:, 1], given)
+        self._touched = np.isin(np.arange(len(self._part)), sides[active])
+        self._most_touching = max(self._most_touching, int((passed != 0).any(axis=1).sum()))
+
+    def _bound_bodies(self) -> None:
+        """Keep every vertex of the bodies to its bounds; what of momentum that takes is counted."""
+        x = self._positions()
+        far = beyond(self._bounds, x)
+        for index, (body, part) in enumerate(zip(self._bodies, self._part, strict=False)):
+            if body.rest.asleep:
+                continue
+            for vertex in (part.start + np.flatnonzero(far[part])).tolist():
+                if is_near(self._bounds, vertex):
+                    self._held.append(vertex)
+                else:
+                    self._due = True  # it wants to go farther than anybody has looked
+                if not is_allowed(self._bounds, vertex, x[vertex]):
+                    self._bound(body, vertex, vertex - part.start, x[vertex])
+            self._note_way(index, body.state.positions.T)
+        if self._held and not self._due:
+            closest, soft = self._sizes[self._surfaces.of_vertex], self._surfaces.of_vertex < len(self._bodies)
+            x, v = self._positions(), self._velocities()
+            self._bounds = renewed(self._bounds, self._held, x, v, closest, soft, self._dt)
+
+    def _bound(self, body: Twin, vertex: int, own: int, x: Floats) -> None:
+        at = hold_back(self._bounds, vertex, x, self._last[vertex])
+        back = at - x
+        back = back / max(float(np.linalg.norm(back)), 1e-300)
+        velocity = body.state.velocities[:, own]
+        against = float(velocity @ back)
+        if against < 0:
+            body.state.velocities[:, own] = velocity - against * back
+            if body.model.inverse_mass[own] > 0:
+                self._taken -= against / float(body.model.inverse_mass[own])
+        body.state.positions[:, own] = at
+        self._truncated += 1
+
+    def _note_way(self, index: int, x: Floats) -> None:
+        part = self._part[index]
+        way = x - self._bounds.before[part]
+        if (np.einsum("nc,nc->n", way, way) > self._stale[part] ** 2).any():
+            self._due = True
+
+
+def _joined(found: Sequence[Pairs]) -> Pairs:
+    if not found:
+        none, whole = np.zeros(0), np.zeros(0, np.int64)
+        return Pairs(
+            at=whole.reshape(0, 4), ones=whole, part=whole.reshape(0, 2), normal=none.reshape(0, 3), level=none,
+            keep=none.reshape(0, 2), way=none.reshape(0, 2), gap=none, weight=none,
+        )  # fmt: skip
+    return Pairs(**{name: np.concatenate([getattr(p, name) for p in found]) for name in Pairs.__slots__})
+
+
+def _picked(pairs: Pairs, which: np.ndarray) -> Pairs:
+    return Pairs(**{name: getattr(pairs, name)[which] for name in Pairs.__slots__})
