@@ -17,7 +17,19 @@ from core.session import Finger, Session
 from core.solver.motion import Touch
 from core.solver.scene import Collider
 from core.world import World
-from studies.law import FAR, PACE, Place, Surface, closest, drag, drag_figures, normal_force, over_surface, put
+from studies.law import (
+    FAR,
+    PACE,
+    Place,
+    Surface,
+    closest,
+    drag,
+    drag_figures,
+    normal_force,
+    over_surface,
+    places,
+    put,
+)
 from studies.primitives import icosphere, sized
 from studies.scenes import cube
 from tests.bodies import block
@@ -107,6 +119,15 @@ def test_a_closed_cycle_of_pressing_and_sliding_gives_back_no_more_than_it_took(
 def _path(corners: Sequence[Floats], step: float) -> Iterator[Floats]:
     for a, b in itertools.pairwise(corners):
         yield from np.linspace(a, b, max(2, round(float(np.linalg.norm(b - a)) / step) + 1))
+
+
+@pytest.mark.parametrize("tip", [0.005, TIP, 0.02])
+def test_a_fingertip_that_just_touches_has_neither_depth_nor_force(tip: float) -> None:
+    session = standing(ball(3))
+    for place in places(session.model, tip, 20, np.random.default_rng(0)):
+        session.reset()
+        touch = put(session, place.at + tip * place.outward, tip, 1 / 60)
+        assert abs(touch.depth) < 1e-6 and np.linalg.norm(touch.force) < 1e-3
 
 
 DEPTHS = (0.3 * VINYL.x0, 1.4 * VINYL.x0)
