@@ -131,9 +131,7 @@ class State:
     volume: [m3] at the last evaluation of the forces.
     pressure: [Pa] at the last evaluation.
     unsolved: implicit steps so far that found no solution.
-    load: (3, n) what else pushes each vertex [N], None where nothing does.
     kept: (3, vertices and faces) what each fingertip did in the last step: `contact.Touch`.
-    pushes: (k, 3) forces on the fingertips in the last step [N].
     """
 
     positions: Floats
@@ -143,9 +141,7 @@ class State:
     volume: float = 0.0
     pressure: float = 0.0
     unsolved: int = 0
-    load: Floats | None = None
     kept: dict[int, Floats] = field(default_factory=dict)
-    pushes: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 def build_model(
