@@ -33,7 +33,7 @@ class Fingertip(Structure):
     """Where one fingertip goes during a call: dm_fingertip."""
 
     _fields_ = fields(
-        first="d3", last="d3", radius="d", force="d", inward="d3", factors="n", factors_end="d", down="n", fresh="n"
+        first="d3", last="d3", radius="d", force="d", inward="d3", factors="p", factors_end="d", down="n", fresh="n"
     )
     _fields_.insert(0, ("from_", c_double * 3))
 

@@ -139,7 +139,7 @@ def build(case: Case) -> tuple[Model, Floats, Motion]:
 
 
 def _fingertips(mesh: Mesh, case: Case) -> tuple[FingertipMotion, ...]:
-    """Return fingertips that start 0.01 mm above the skin and go 0.2 mm a tick inward, from above and from two sides."""
+    """Return fingertips that go inward by 0.2 mm a tick from 0.01 mm above the skin, from above and from two sides."""
     radius, tips = 0.1 * SIZE, []
     used = mesh.rest_positions[~mesh.loose]
     for outward in np.array([[0.1, 0, 1.0], [0.9, 0.3, 0.3], [-0.9, 0.3, 0.3]])[: case.fingers]:

@@ -9,7 +9,7 @@ import pytest
 
 from core.base import Floats
 from core.body.model import Model, build_model
-from core.material import FINGERTIP, PRESETS, Indenter
+from core.material import FINGERTIP
 from core.mesh.surface import base_vertices, mesh_from_triangles
 from core.other_tip import factors
 from core.solver.motion import FingertipMotion, Motion, Touch
@@ -81,12 +81,14 @@ PRESSES = {
     "over an edge": Press(model=block, ways=[[(20, 3, 60.5), (22, 3, 54), (62, 7, 53), (61, 7, 20)]]),
     "round a corner": Press(model=block, ways=[[(40, 38, 60.5), (42, 40, 53), (58, 44, 48), (40, 61, 40)]]),
     "in a groove": Press(model=groove, ways=[[(-3, 1, 13.5), (-2, 0.5, 8), (20, -0.5, 8), (22, 12, 16)]]),
-    "on a free body": Press(model=lambda: sphere(free=True), ways=[[(2, 1, TOP + 10.5), (1, 0, TOP - 9), (9, 5, TOP - 20)]]),
-    "with another tip": Press(
-        model=layer, ways=[[(2, 1, 20.5), (4, 2, 14), (30, 9, 13)]], radius=0.005
+    "on a free body": Press(
+        model=lambda: sphere(free=True), ways=[[(2, 1, TOP + 10.5), (1, 0, TOP - 9), (9, 5, TOP - 20)]]
     ),
+    "another tip on a layer": Press(model=layer, ways=[[(2, 1, 20.5), (4, 2, 14), (30, 9, 13)]], radius=0.005),
     "another tip on a bed": Press(model=sphere, ways=[[(2, 1, TOP + 15.5), (4, 2, TOP + 8)]], radius=0.015),
-    "on painted maps": Press(model=lambda: sphere(**maps()), ways=[[(-9, 1, TOP + 10.5), (-2, 1, TOP + 2), (25, 8, TOP)]]),
+    "on painted maps": Press(
+        model=lambda: sphere(**maps()), ways=[[(-9, 1, TOP + 10.5), (-2, 1, TOP + 2), (25, 8, TOP)]]
+    ),
     "by a force": Press(model=sphere, ways=[[(2, 1, TOP + 10.2), (2, 1, TOP + 10), (2, 16, TOP + 10)]], force=3.0),
     "by a force, dragged": Press(model=sphere, ways=[[(2, 1, TOP + 10.2), (12, 1, TOP + 9)]], force=3.0),
     "beside another": Press(
@@ -144,3 +146,25 @@ def test_a_press_is_the_same_in_c_as_in_the_reference(name: str, backend: str, t
             assert other.slope == pytest.approx(one.slope, rel=tolerance, abs=1e-6), said
             assert other.law == pytest.approx(one.law, rel=tolerance), said
             assert other.friction == one.friction
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_fingertip_that_wanders_about_a_body_has_the_depth_numpy_finds(seed: int) -> None:
+    """In and out, round corners and past the middle: it is followed alike."""
+    rng = np.random.default_rng(seed)
+    points, faces = CASES["crumpled"].shape()
+    mesh = mesh_from_triangles(points * SIZE / np.ptp(points, axis=0).max(), faces)
+    model = build_model(mesh, [SOFT], pinned=base_vertices(mesh))
+    bodies = [create(model, backend=backend) for backend in ("numpy", "native64")]
+    here, met = np.array([0.0, 0.0, 0.8 * SIZE]), 0
+    for step in range(60):
+        there = rng.normal(0, 0.35 * SIZE, 3)
+        tip = FingertipMotion(tuple(here), tuple(there), tuple(there), 0.1 * SIZE, step % 20 == 0)
+        expected, found = (body.step(Motion(0, 1, TICK, (tip._replace(start=tuple(there)),))) for body in bodies)
+        one, other = expected.touches[0], found.touches[0]
+        assert one and other
+        assert other.depth == pytest.approx(one.depth, abs=1e-9)
+        np.testing.assert_allclose(other.outward, one.outward, atol=1e-9)
+        assert other.force == pytest.approx(one.force, rel=1e-6, abs=1e-9)
+        here, met = there, met + (one.depth > 0)
+    assert met > 10
