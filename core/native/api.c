@@ -311,7 +311,7 @@ int32_t dm_check_step(const dm_body *body, const dm_motion *m) {
     for (const dm_fingertip *f = m->fingertips; f < m->fingertips + DM_MAX_FINGERTIPS; f++) {
         if (!f->down) continue;
         DM_CHECK(dm_check_numbers(3, f->from, 0) | dm_check_numbers(3, f->first, 0) | dm_check_numbers(3, f->last, 0));
-        if (!(f->radius > 0 && f->radius < INFINITY)) return DM_NUMBER;
+        if (!(f->radius > 0 && isnormal(f->radius))) return DM_NUMBER; /* one that is flushed to 0 never grows */
         DM_CHECK(dm_check_numbers(1, &f->force, 1) | dm_check_numbers(3, f->inward, 0));
         if (!f->factors) continue;
         DM_CHECK(dm_check_numbers(body->materials * DM_FACTORS, f->factors, 1));

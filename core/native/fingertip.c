@@ -304,7 +304,8 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     f->law = f->slope = f->slides = 0;
     if (!f->felt) return;
     double law = dm_force_at(b, f, f->depth), step = 1e-4 * f->depth + 1e-9 * f->radius;
-    f->slope = (law - dm_force_at(b, f, f->depth - step)) / step, f->law = law;
+    double slope = (law - dm_force_at(b, f, f->depth - step)) / step;
+    f->slope = slope > 0 ? slope : 0, f->law = law;
     double stick = DM_STICK * law / f->depth, friction = b->laws[f->material][DM_FRICTION];
     double far = sqrt(dm_inner3(aside, aside)), most = stick > 0 ? friction * law / stick : 0, left = far;
     if (was && stick > f->stick && f->stick > 0) left *= f->stick / stick;
@@ -326,7 +327,9 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
         for (int c = 0; c < 3; c++) force[c] *= size > limit ? limit / size : 1;
     }
     for (int c = 0; c < 3; c++) force[c] += push * f->outward[c];
-    for (int c = 0; c < 3; c++) f->force[c] = dm_inner3(pose + 3 * c, force);
+    if (dm_inner3(force, force) + f->slope < INFINITY)
+        for (int c = 0; c < 3; c++) f->force[c] = dm_inner3(pose + 3 * c, force);
+    else f->law = f->slope = f->felt = f->slides = 0; /* what is beyond all measure is no force */
 }
 
 /* Let the depth be counted from the surface at rest again, where what had moved the skin has gone. */
