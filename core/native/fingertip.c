@@ -448,8 +448,10 @@ static void dm_show_fingertips(dm_state *b, const dm_motion *m, dm_frame *frame)
 /* Let the vertices of a free body take, as one, what is missing to the reaction on the fingertips: the skin's contact gave
  * them other impulses. */
 static void dm_react(dm_state *b) {
-    double push[6] = {0}, pose[12];
+    double push[6] = {0}, pose[12], sums[DM_MOMENTS];
+    dm_inertia now; /* not as the substep began: nothing of the momentum may be lost */
     dm_fitted_pose(b, pose);
+    dm_sum_moments(b, sums), dm_find_inertia(b, sums, &now);
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) {
         const dm_tip *f = b->fingers + k;
         double at[3], local[3], turn[3];
@@ -459,7 +461,7 @@ static void dm_react(dm_state *b) {
         for (int c = 0; c < 3; c++) push[c] -= b->dt * f->force[c], push[3 + c] -= b->dt * turn[c];
     }
     for (int c = 0; c < 6; c++) push[c] -= b->skin_push[c];
-    dm_rigid more = dm_rigid_part(b, &b->moments, push, push + 3);
+    dm_rigid more = dm_rigid_part(b, &now, push, push + 3);
     dm_vec3 linear = dm_splat3(more.linear), angular = dm_splat3(more.angular);
     for (int64_t g = 0; g < b->groups; g++) {
         dm_vec3 x = b->state[g].x, v = b->state[g].v, spin = dm_cross(angular, x);

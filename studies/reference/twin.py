@@ -204,7 +204,7 @@ class Twin:
     def substep(self, call: Call, touches: list[Near], left: int, turning: Turning | None = None) -> None:
         """Advance the body by a substep after which so many come in the tick, fingertips included."""
         model, state, dt = self.model, self._state, call.motion.tick / call.motion.substeps
-        before, moments = state.positions.copy(), turning or Turning(model.mesh.size)
+        before = state.positions.copy()
         near = [h for h in touches if len(h.vertices) or len(h.triangles)]
         limit = min((h.radius for h in near), default=np.inf) * SKIN_TRAVEL
         with np.errstate(all="ignore"):  # the frame says when it has blown up
@@ -212,7 +212,8 @@ class Twin:
                 if model.free:
                     self._fitted = self._pose()
                     self._press_free(call, touches, left + 1, dt)
-                    moments.measure(model.matching.mass, before, state.velocities)
+                if turning:
+                    turning.measure(model.mass, before, state.velocities)
                 semi_implicit.advance(model, state, dt)
             except np.linalg.LinAlgError:  # no rigid motion fits a body that has blown up
                 state.positions[:] = np.nan
@@ -226,7 +227,7 @@ class Twin:
             now = [replace(h, slides=self._tips[i].slides) for i, h in zip(call.down, touches, strict=True)]
             given = meet(model, state, moved_back(now, left * dt), Step(dt, limit))
             if model.free and call.down:
-                self._react(moments, given.sum(axis=0), dt)
+                self._react(given.sum(axis=0), dt)
 
     def _press_free(self, call: Call, touches: list[Near], left: int, dt: float) -> None:
         """Evaluate the contacts of a free body, as a substep begins after which the tick has so many less one."""
@@ -246,11 +247,10 @@ class Twin:
             fingertip.count_anew(self._tips[i], tick, others=self._is_beside_others(i))
             call.impulses[i] += tick * self._tips[i].force
 
-    def _react(self, at: Turning, given: Floats, dt: float) -> None:
+    def _react(self, given: Floats, dt: float) -> None:
         """Let the vertices take, as one, what is missing to the reaction on the fingertips.
 
         Args:
-            at: how the body turned as the substep began.
             given: impulse on the fingertips by the skin's contact, and its moment (2, 3) [N s], [N m s].
         """
         model, state, (rotation, translation) = self.model, self._state, self._fitted
@@ -259,10 +259,10 @@ class Twin:
             place = rotation @ (tip.foot - tip.radius * tip.outward) + translation
             push -= dt * tip.force
             turn -= dt * np.cross(place, tip.force)
-        spin = np.linalg.pinv(at.inertia, hermitian=True) @ (turn - np.cross(at.centre, push))
-        more = (push / model.matching.mass.sum())[:, None] + np.cross(
-            spin[:, None], state.positions - at.centre[:, None], axis=0
-        )
+        now = Turning(model.mesh.size)
+        now.measure(model.matching.mass, state.positions, state.velocities)
+        now.moment = turn - np.cross(now.centre, push)
+        more = (push / model.matching.mass.sum())[:, None] + now.acceleration(state.positions)
         state.velocities += np.where(model.inverse_mass > 0, more, 0.0)
 
     def _around(self, finger: int, pose: Pose | None = None) -> Around:
