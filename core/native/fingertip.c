@@ -278,7 +278,7 @@ static void dm_place_tip(dm_state *b, int finger, const double *pose, const doub
     dm_round round;
     double along[3], place[3], deep = f->met ? dm_find_foot(b, f, x, &round) : 0;
     double most = f->deep + dm_gone(before, x);
-    f->met = deep > 0, deep = deep < most ? deep : most;
+    f->met = deep > 0, deep = deep > most ? most : deep;
     if (!f->met) deep = dm_find_gap(b, f, x, &round), f->met = deep > 0;
     if (round.facet) dm_take_place(b, f, &round);
     if (!f->felt) f->zero = -f->height, f->beside = dm_is_beside_others(b, finger), f->stick = 0;

@@ -74,6 +74,7 @@ class Tip:
     slides: bool = False
     beside: bool = False
     way: float = 0.0
+    deep: float = 0.0
     depth: float = 0.0
     zero: float = 0.0
     height: float = 0.0
@@ -275,12 +276,18 @@ def skin_height(a: Around, tip: Tip, place: Floats) -> float:
     return float(tip.outward @ (rotation.T @ (here - rotation @ place - translation)))
 
 
-def straighten(s: RestSurface, tip: Tip, x: Floats, most: float, found: Round) -> tuple[bool, Round]:
-    """Lead a foot on until it lies straight above x, no farther from the anchor than the most. Tell whether it does."""
+def straighten(
+    s: RestSurface, tip: Tip, x: Floats, touched: Floats, most: float, found: Round
+) -> tuple[bool, Round]:
+    """Lead a foot on until it lies straight above x, touching no farther than the most from what the anchor touches.
+
+    Returns:
+        whether it does.
+    """
     if not np.array_equal(tip.foot, tip.anchor):
         found = look_round(s, tip.facet, tip.foot, tip.radius)
     for step in range(FOOT_STEPS + 1):
-        if not np.linalg.norm(tip.foot - tip.anchor) <= most:
+        if np.linalg.norm(tip.foot - found.offset - touched) > most:
             break
         _, aside = along_normals(found, tip.foot - x)
         far = math.sqrt(aside @ aside)
@@ -299,18 +306,19 @@ def find_foot(s: RestSurface, tip: Tip, x: Floats) -> tuple[float, Round]:
     at_anchor = look_round(s, tip.facet, tip.anchor, tip.radius)
     _, aside = along_normals(at_anchor, tip.anchor - x)
     most = 2 * math.sqrt(aside @ aside) + STRAIGHT * tip.radius
-    above, found = straighten(s, tip, x, most, at_anchor)
+    touched = tip.anchor - at_anchor.offset
+    above, found = straighten(s, tip, x, touched, most, at_anchor)
     if not above:
         tip.foot = tip.anchor.copy()
-        above, found = straighten(s, tip, x, most, look_round(s, tip.facet, tip.anchor, tip.radius))
+        above, found = straighten(s, tip, x, touched, most, at_anchor)
     if not above:
         tip.foot = tip.anchor.copy()
         found = march(s, tip, tip.foot, -aside)
     way = tip.foot - x
     along, _ = along_normals(found, way)
-    if not along @ along > 0:
-        return 0.0, found
     deep = math.sqrt(way @ way)
+    if not along @ along > 0 or not deep > 1e-9 * tip.radius:  # it has no direction
+        return 0.0, found
     tip.outward = way / deep
     return deep, found
 
@@ -323,17 +331,23 @@ def find_gap(s: RestSurface, tip: Tip, x: Floats) -> tuple[float, Round]:
     return tip.radius - found.near, seat(s, tip, tip.foot)
 
 
-def place_tip(a: Around, tip: Tip, x: Floats) -> Floats:
-    """Find where a fingertip is, at x in the space of the shape at rest. Return the way from its foot to its anchor."""
+def place_tip(a: Around, tip: Tip, before: Floats, x: Floats) -> Floats:
+    """Find where a fingertip is, at x in the space of the shape at rest, that was elsewhere before.
+
+    It gets no deeper than it goes: in a crease another foot may be farther, which would give energy.
+
+    Returns:
+        the way from its foot to its anchor.
+    """
     deep, found = find_foot(a.surface, tip, x) if tip.met else (0.0, None)
-    tip.met = deep > 0
+    tip.met, deep = deep > 0, min(deep, tip.deep + float(np.linalg.norm(x - before)))
     if not tip.met or found is None:
         deep, found = find_gap(a.surface, tip, x)
         tip.met = deep > 0
     take_place(a.surface, tip, found)
     if not tip.felt:
         tip.zero, tip.beside, tip.stick = -tip.height, a.others, 0.0
-    tip.depth = deep - tip.zero
+    tip.deep, tip.depth = deep, deep - tip.zero
     if not tip.felt:
         tip.anchor = tip.foot.copy()
     tip.felt = tip.depth > 0
@@ -356,11 +370,11 @@ def press(a: Around, tip: Tip, centre: Floats, seconds: float = 0.0) -> None:
     if not np.isfinite(x).all():  # of a body that has blown up
         tip.met = tip.felt = False
         return
-    aside = place_tip(a, tip, x)
+    aside = place_tip(a, tip, before, x)
     if not tip.felt:
         return
     law, step = force_at(s, tip, tip.depth), 1e-4 * tip.depth + 1e-9 * tip.radius
-    tip.law, tip.slope = law, (law - force_at(s, tip, tip.depth - step)) / step
+    tip.law, tip.slope = law, max((law - force_at(s, tip, tip.depth - step)) / step, 0.0)
     of_material = s.laws[s.materials[tip.facet]]
     stick, friction = STICK * law / tip.depth, float(of_material[FRICTION])
     far = left = math.sqrt(aside @ aside)
@@ -414,6 +428,7 @@ def put_down(a: Around, tip: Tip) -> None:
         tip.centre = rotation @ x + translation
     tip.local, tip.facet = x, found.facet
     tip.depth, found = find_gap(s, tip, x)
+    tip.deep = tip.depth
     take_place(s, tip, found)
     tip.height = skin_height(a, tip, tip.foot - tip.radius * tip.outward)
 
@@ -424,8 +439,10 @@ def take(a: Around, tip: Tip, to: FingertipMotion | None) -> None:
         lift(tip)
     if to is None:
         return
-    if tip.felt:
-        tip.anchor = tip.anchor + (to.radius - tip.radius) * tip.outward
+    if tip.met or tip.felt:  # another radius lies on the same place
+        more = (to.radius - tip.radius) * tip.outward
+        tip.anchor, tip.foot = tip.anchor + more, tip.foot + more
+    tip.deep += to.radius - tip.radius
     tip.radius, tip.factors, tip.centre = to.radius, to.factors, np.array(to.start, np.float64)
     if to.fresh:
         put_down(a, tip)
@@ -434,5 +451,6 @@ def take(a: Around, tip: Tip, to: FingertipMotion | None) -> None:
 def go_along(tip: Tip, before: RestSurface, now: RestSurface) -> None:
     """Let a fingertip that lies on the surface go with it where it changes."""
     if tip.met:
-        tip.anchor = tip.anchor + (now.corners - before.corners)[:, tip.facet] @ tip.weight
+        way = (now.corners - before.corners)[:, tip.facet] @ tip.weight
+        tip.anchor, tip.foot, tip.local = tip.anchor + way, tip.foot + way, tip.local + way
     tip.thickness = 0.0
