@@ -17,6 +17,7 @@ enum { DM_SETTLING = 24, DM_CONE_SWEEPS = 32, DM_FOOT_STEPS = 4 };
 #define DM_HELD 2e-4       /* of the radius: what is as near to a sphere holds it */
 #define DM_STRAIGHT 1e-3   /* of the radius: a foot that is so little aside is straight above */
 #define DM_SAME_WAY 0.9998 /* cosine: normals as near are one */
+#define DM_INSIDE 0.75     /* of all directions: half way between a sheet and a closed body */
 #define DM_STICK (2 / 3.0) /* of the normal stiffness, what is soft and keeps its volume has sideways. Mindlin 1949 */
 #define DM_PUSH_TIME 0.02  /* [s] in which a force brings a fingertip to its depth: a tenth of a press */
 #define DM_BACK_TIME 0.2   /* [s] in which depth is counted from the surface at rest again, when another contact that had
@@ -375,6 +376,24 @@ static void dm_lift(dm_tip *f) {
     memset(f->force, 0, sizeof f->force);
 }
 
+/* Is a place inside the body? Behind a sheet the facets are half of what is to be seen, inside a body with a hole most.
+ * Source: the generalised winding number, Jacobson and others 2013. */
+static int dm_is_inside(const dm_state *b, const double *x) {
+    double seen = 0;
+    for (const dm_facet *f = b->facets; f < b->facets + b->facet_count; f++) {
+        double way[3][3], far[3], normal[3];
+        for (int p = 0; p < 3; p++) {
+            for (int c = 0; c < 3; c++) way[p][c] = f->corner[p][c] - x[c];
+            far[p] = sqrt(dm_inner3(way[p], way[p]));
+        }
+        dm_cross3(way[1], way[2], normal);
+        double beside = far[0] * far[1] * far[2] + dm_inner3(way[0], way[1]) * far[2];
+        beside += dm_inner3(way[1], way[2]) * far[0] + dm_inner3(way[2], way[0]) * far[1];
+        seen += atan2(dm_inner3(way[0], normal), beside);
+    }
+    return seen > DM_INSIDE * 2 * acos(-1);
+}
+
 /* Put a fingertip down where a motion begins. Where its centre is inside the body it comes from outside, or the skin would
  * close over it. */
 static void dm_put_down(dm_state *b, dm_tip *f) {
@@ -385,7 +404,7 @@ static void dm_put_down(dm_state *b, dm_tip *f) {
     for (int c = 0; c < 3; c++) x[c] = pose[c] * from[0] + pose[3 + c] * from[1] + pose[6 + c] * from[2];
     dm_look_round(b, 0, x, f->radius, &round);
     if (!round.facet) return;
-    if (dm_inner3(round.offset, round.facet->normal) < 0 && round.near > 0) {
+    if (round.near > 0 && dm_is_inside(b, x)) {
         for (int c = 0; c < 3; c++) x[c] -= (1 + f->radius / round.near) * round.offset[c];
         for (int c = 0; c < 3; c++) f->centre[c] = dm_inner3(pose + 3 * c, x) + pose[9 + c];
     }

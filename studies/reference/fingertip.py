@@ -30,6 +30,7 @@ SEATED = 1e-4  # of the radius: a sphere is laid on the surface as exactly
 HELD = 2e-4  # of the radius: what is as near to a sphere holds it
 STRAIGHT = 1e-3  # of the radius: a foot that is so little aside is straight above
 SAME_WAY = 0.9998  # cosine: normals as near are one
+INSIDE = 0.75  # of all directions: half way between a sheet and a closed body
 STICK = 2 / 3  # of the normal stiffness, what is soft and keeps its volume has sideways
 PUSH_TIME = 0.02  # [s] in which a force brings a fingertip to its depth
 BACK_TIME = 0.2  # [s] in which depth is counted from the surface at rest again
@@ -418,12 +419,21 @@ def lift(tip: Tip) -> None:
     tip.force = np.zeros(3)
 
 
+def is_inside(s: RestSurface, x: Floats) -> bool:
+    """Tell whether a place (3,) is inside the body. Source: generalised winding number, Jacobson and others 2013."""
+    a, b, c = (s.corners - x[:, None, None]).transpose(2, 0, 1)
+    p, q, r = (np.sqrt((each**2).sum(axis=0)) for each in (a, b, c))
+    beside = p * q * r + (a * b).sum(axis=0) * r + (b * c).sum(axis=0) * p + (c * a).sum(axis=0) * q
+    seen = np.arctan2((a * np.cross(b, c, axis=0)).sum(axis=0), beside).sum()
+    return bool(seen > INSIDE * 2 * math.pi)
+
+
 def put_down(a: Around, tip: Tip) -> None:
     """Put a fingertip down where a motion begins. Where its centre is inside the body it comes from outside."""
     s, (rotation, translation) = a.surface, a.pose
     x = rotation.T @ (tip.centre - translation)
     found = look_round(s, 0, x, tip.radius)
-    if found.offset @ s.normals[:, found.facet] < 0 < found.near:
+    if found.near > 0 and is_inside(s, x):
         x = x - (1 + tip.radius / found.near) * found.offset
         tip.centre = rotation @ x + translation
     tip.local, tip.facet = x, found.facet

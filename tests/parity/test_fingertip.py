@@ -80,6 +80,8 @@ PRESSES = {
     "dragged": Press(model=sphere, ways=[[(-30, 1, TOP + 10.5), (-20, 1, TOP), (25, 8, TOP - 2)]]),
     "over an edge": Press(model=block, ways=[[(20, 3, 60.5), (22, 3, 54), (62, 7, 53), (61, 7, 20)]]),
     "round a corner": Press(model=block, ways=[[(40, 38, 60.5), (42, 40, 53), (58, 44, 48), (40, 61, 40)]]),
+    "from behind a sheet": Press(model=groove, ways=[[(-3, 1, -10.5), (-2, 0.5, -6), (20, -0.5, -4)]]),
+    "from inside, put outside": Press(model=sphere, ways=[[(3, 2, TOP - 9), (4, 3, TOP), (9, 3, TOP)]]),
     "in a groove": Press(model=groove, ways=[[(-3, 1, 13.5), (-2, 0.5, 8), (20, -0.5, 8), (22, 12, 16)]]),
     "on a free body": Press(
         model=lambda: sphere(free=True), ways=[[(2, 1, TOP + 10.5), (1, 0, TOP - 9), (9, 5, TOP - 20)]]
@@ -168,3 +170,19 @@ def test_a_fingertip_that_wanders_about_a_body_has_the_depth_numpy_finds(seed: i
         assert other.force == pytest.approx(one.force, rel=1e-6, abs=1e-9)
         here, met = there, met + (one.depth > 0)
     assert met > 10
+
+
+def test_a_sheet_is_pressed_from_behind_as_from_the_front_and_a_body_from_outside_alone() -> None:
+    """Also where the body has a hole: what is far behind it is not inside it, and what is inside comes from outside."""
+    bodies = [create(groove()), create(sphere())]
+    for body, (x, y, z) in ((bodies[0], (0.0, 0.0, -0.05)), (bodies[1], (0.01, 0.0, 0.1))):
+        tip = FingertipMotion((x, y, z), (x, y, z), (x, y, z), RADIUS, True)
+        touch = body.step(Motion(0, 1, TICK, (tip,))).touches[0]
+        assert touch and touch.centre == (x, y, z) and touch.force == (0.0, 0.0, 0.0)
+    within = (0.01, 0.0, 0.06)
+    points, faces = ball(2)
+    open_below = faces[points[faces].mean(axis=1)[:, 2] > -0.8]
+    holed = create(build_model(mesh_from_triangles(points * SIZE / 2, open_below), [SOFT]))
+    for body in (bodies[1], holed):
+        touch = body.step(Motion(0, 1, TICK, (FingertipMotion(within, within, within, RADIUS, True),))).touches[0]
+        assert touch and np.linalg.norm(touch.centre) > 0.99 * (SIZE / 2 + RADIUS) - 2e-3
