@@ -231,6 +231,7 @@ def test_a_null_body_is_refused_by_every_call() -> None:
     assert library.dm_step(None, ctypes.byref(CMotion()), ctypes.byref(CFrame())) == SIZE
     assert library.dm_set_state(None, x.ctypes.data, None) == SIZE
     assert library.dm_get_state(None, x.ctypes.data, None) == SIZE
+    assert library.dm_get_law(None, 0, None, 0.0, 1, x.ctypes.data, x.ctypes.data) == SIZE
     assert library.dm_set_constants(None, ctypes.byref(Constants())) == SIZE
     library.dm_destroy(None)
 
