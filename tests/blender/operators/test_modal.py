@@ -37,7 +37,7 @@ def test_press_hold_release_and_escape(
 
     body = sessions.get(ball_of(bpy))
     assert body.frame.depths[0] == pytest.approx(0.015, abs=1e-3) and np.linalg.norm(body.frame.finger_forces[0]) > 1
-    assert shown(ball_of(bpy))[:, 2].max() < 0.95 and len(body.trail) > 3
+    assert shown(ball_of(bpy))[:, 2].max() < 0.95
     assert poke.send("LEFTMOUSE", "RELEASE") == {"RUNNING_MODAL"}
     poke.ticks(40)
     assert body.fingers[0] is not None, "the fingertip hovers again"
