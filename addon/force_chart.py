@@ -67,13 +67,14 @@ def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
         which = slots.index(body.active_material_index) if body.active_material_index in slots else 0
     else:
         which = frame.materials[deepest]
-    law, slot = model.laws[which], slots[which]
+    pressed, slot = model.materials[which], slots[which]
+    law = (pressed.K1, pressed.K2, pressed.x0, pressed.power)
     theirs = body.material_slots[slot].material if slot < len(body.material_slots) else None
     curves = ((theirs and _material_curves(theirs.dimple)) or Curves(law))._replace(law=law)
     if deepest is None or not frame.depths[deepest] > 0:
         return curves
     curves = curves._replace(fingertip=(float(frame.depths[deepest]), float(frame.pushes[deepest])))
-    return curves._replace(**_acting(entry.session, deepest, model.materials[which], curves))
+    return curves._replace(**_acting(entry.session, deepest, pressed, curves))
 
 
 def _acting(session: Any, index: int, material: Any, curves: Curves) -> dict[str, Any]:
