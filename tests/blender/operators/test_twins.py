@@ -40,7 +40,7 @@ def test_one_press_presses_both_in_the_same_place(bpy: ModuleType, sessions: Any
     body = (cube, twin)[pressed]
     x = 2.5 * body.link.scale * pressed
     for depth in (0.0, 0.008):
-        finger = Finger((x, 0.0, body.link.scale + 0.02 - depth), 0.02)
+        finger = Finger((x, 0.0, body.link.scale + 0.01 - depth), 0.01)
         for _ in range(30):
             live.advance(bpy.context, 1 / 60, pressed={body.link.uid: (finger,)})
     assert cube.frame.depths[0] == pytest.approx(0.008, rel=1e-3)
