@@ -220,6 +220,13 @@ def test_steps_beyond_all_measure_are_refused(body: native.Body) -> None:
         assert code_of(lambda: body.step(Motion(count, substeps, 1e-3))) == SIZE  # noqa: B023
 
 
+def test_the_law_is_asked_for_at_depths_and_fingertips_that_are(body: native.Body) -> None:
+    depths = np.array([0.0, 0.001])
+    assert (body.law(0, depths) == 0).all(), "none is down"
+    assert code_of(lambda: body.law(3, depths)) == INDEX
+    assert code_of(lambda: body.law(0, np.array([np.nan]))) == NUMBER
+
+
 def test_an_unknown_precision_or_fill_is_refused() -> None:
     assert created(lambda definition: None, bits=16) == OPTION
     assert created(lambda definition: None, instruction_set=9) == OPTION
