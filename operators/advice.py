@@ -44,7 +44,7 @@ def on_body(
     elif edge > 2 * radius:
         notes.append(
             f"The edges of the mesh are {1e3 * edge:.3g} mm long, the fingertip {2e3 * radius:.3g} mm wide: "
-            "subdivide the mesh or use a larger fingertip, for a visible dent and a reliable force."
+            "subdivide the mesh or use a larger fingertip, for a visible dent."
         )
     return tuple(notes)
 

@@ -205,9 +205,6 @@ def finish(body: LiveBody) -> list[str]:
     frame = body.frame
     messages: list[str] = []
     body.fingers = merged(body.session.placed, ())
-    if frame.depths.any():
-        deepest = int(frame.depths.argmax())
-        body.trail.append((float(frame.depths[deepest]), float(frame.pushes[deepest])))
     showing.show(_object(body), body)
     if body.recorder:
         try:

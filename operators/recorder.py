@@ -20,7 +20,7 @@ FINGERS = 3
 class ForceTable:
     """Write one line a frame: force and friction [N], depth [mm], pressure [Pa], volume [m3], energy [J]; steps.
 
-    work_j is what the fingertips have put in, elastic_j what the shape holds, kinetic_j what the motion does.
+    work_j is what the fingertips have put in by the law, elastic_j what the skin's shape holds, kinetic_j its motion.
     """
 
     def __init__(self, path: Path) -> None:

@@ -6,10 +6,9 @@ and renaming.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import bpy
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from .recorder import Recorder
     from .settings import Settings
 
-TRAIL = 4000  # points of force against depth that the chart remembers
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -50,7 +48,6 @@ class LiveBody:
     poked: which fingertips are the poke's.
     lead: simulated time that it is ahead of the slowest of those that run with it [s].
     done: how far it came in the last step, that lead included [s].
-    trail: depth [m] and force [N] of the deepest fingertip.
     recorder: of the recording under way.
     take: path and first frame of the last recording.
     shown: what its object shows: link, matrix, shape at rest and positions; None where that is not known.
@@ -73,7 +70,6 @@ class LiveBody:
     poked: frozenset[int] = frozenset()
     lead: float = 0.0
     done: float = 0.0
-    trail: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRAIL))
     recorder: Recorder | None = None
     take: tuple[str, int] | None = None
     shown: tuple[object, ...] | None = None

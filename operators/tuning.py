@@ -88,8 +88,6 @@ def _changing(
     except DimpleError as error:
         body.refused = f"{error} Until then it goes on as it was."
         return [] if refused_before else [body.refused]
-    if now != body.settings:
-        body.trail.clear()  # the chart is of one material
     body.settings, body.changed_at = now, body.frame.time
     return messages
 

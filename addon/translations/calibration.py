@@ -144,7 +144,9 @@ VIRTUAL = {
     "Object": "対象",
     "Vertices": "頂点数",
     "Law": "法則",
-    "Pressed": "押した軌跡",
+    "Predicted for {} mm": "{} mm での予測",
+    "As Painted": "塗った値",
+    "Fingertip": "指先",
     "Press the active object with a round tip, virtually, and write force against depth as a CSV file": (
         "アクティブオブジェクトを丸い先端で仮想的に押し、深さに対する力を CSV ファイルに書き出します"
     ),

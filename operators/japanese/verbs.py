@@ -18,9 +18,9 @@ MESSAGES = {
         "きさ」にしてください。"
     ),
     "The edges of the mesh are {} mm long, the fingertip {} mm wide: subdivide the mesh or use a larger fingertip, "
-    "for a visible dent and a reliable force.": (
-        "メッシュの辺は {} mm、指先の幅は {} mm です。へこみが見え、力が確かになるように、メッシュを細分化するか、"
-        "もっと大きい指先を使ってください。"
+    "for a visible dent.": (
+        "メッシュの辺は {} mm、指先の幅は {} mm です。へこみが見えるように、メッシュを細分化するか、もっと大きい指先を"
+        "使ってください。"
     ),
     "The mesh is coarse for this fingertip: it is cut finer when the body is started again.": (
         "この指先にはメッシュが粗すぎます。物体をもう一度開始すると細かく分割されます。"
