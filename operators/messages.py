@@ -1,10 +1,13 @@
 """Sentences for the artist, and how an operator says them."""
 
+import re
 from collections.abc import Iterable
 
 import bpy
 
-from .translation import translated
+from .translation import in_a_row
+
+_OF_A_BODY = re.compile(r'"(.+?)": (.*)', re.DOTALL)
 
 
 class Note(str):
@@ -13,15 +16,27 @@ class Note(str):
     __slots__ = ()
 
 
-def say(operator: bpy.types.Operator, kind: set[str], text: str) -> None:
-    """Report messages in the language of the interface; kind: as `Operator.report` takes it."""
-    operator.report(kind, translated(text))
+def say(operator: bpy.types.Operator, kind: set[str], *sentences: str) -> None:
+    """Report messages in a row in the language of the interface; kind: as `Operator.report` takes it."""
+    operator.report(kind, in_a_row(sentences))
 
 
 def report(operator: bpy.types.Operator, sentences: Iterable[str]) -> None:
     """Say sentences: those that are no notes are warnings."""
-    for sentence in sentences:
+    for sentence in gathered(sentences):
         say(operator, {"INFO" if isinstance(sentence, Note) else "WARNING"}, sentence)
+
+
+def gathered(sentences: Iterable[str]) -> list[str]:
+    """Return sentences with those said once that several bodies share: "3 bodies: ..."."""
+    names: dict[tuple[type[str], str], list[str]] = {}
+    for sentence in sentences:
+        named = _OF_A_BODY.fullmatch(sentence)
+        names.setdefault((type(sentence), named[2] if named else sentence), []).append(named[1] if named else "")
+    return [
+        kind(f"{len(of)} bodies: {said}" if len(of) > 1 and of[0] else f'"{of[0]}": {said}' if of[0] else said)
+        for (kind, said), of in names.items()
+    ]
 
 
 def duration(seconds: float) -> str:

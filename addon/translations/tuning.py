@@ -65,8 +65,8 @@ WORDS = {
     "Make the selected meshes soft bodies, ready to be pressed: material, real size, pins, and what is simulated": (
         "選択したメッシュを、すぐに押せる柔らかい物体にします。マテリアル、実物の大きさ、固定、計算の対象を決めます"
     ),
-    "Object whose constants are given to a mesh without a material": (
-        "マテリアルのないメッシュに定数を与える、既知の物体"
+    "Object whose constants the material gets; unchosen, only a mesh without one gets it": (
+        "マテリアルにその定数を与える、既知の物体。選ばなければ、マテリアルのないメッシュだけに与えます"
     ),
     "Repair": "修復",
     "Material": "マテリアル",

@@ -2,6 +2,10 @@
 
 MESSAGES = {
     '"{}": {}': '"{}": {}',
+    "{} bodies: {}": "{} 個の物体: {}",
+    "{} meshes are soft. Press them with the left mouse button.": (
+        "{} 個のメッシュを柔らかくしました。左マウスボタンで押せます。"
+    ),
     "{}: {}": "{}: {}",
     'The modifier "{}" moves the surface after the press: aim at the mesh before it.': (
         'モディファイアー "{}" が押したあとで表面を動かします。その前のメッシュを狙ってください。'
@@ -44,6 +48,27 @@ MESSAGES = {
     ),
     '"{}" has a mesh of another file. Make it local first: Object > Relations.': (
         '"{}" のメッシュは別のファイルのものです。先に「オブジェクト > 関係」でローカル化してください。'
+    ),
+    'The material of "{}" is linked from another file. Make it local first.': (
+        '"{}" のマテリアルは別のファイルからリンクされています。先にローカル化してください。'
+    ),
+    '"{}" has its faces from a modifier alone. Apply that modifier first.': (
+        '"{}" の面はモディファイアーだけが作っています。先にそのモディファイアーを適用してください。'
+    ),
+    'What shows the press of "{}" was deleted, so its session has ended.': (
+        '"{}" の押した形を表示するデータが削除されたため、終了しました。'
+    ),
+    '"{}": a material is gone: the constants of a new one act in its place.': (
+        '"{}": マテリアルがなくなったため、代わりに新しいマテリアルの定数を使います。'
+    ),
+    "Wind and other force fields of the scene do not act on it.": (
+        "シーンの風などのフォースフィールドは、この物体に働きません。"
+    ),
+    'The file that "{}" plays is gone: bake again.': (
+        '"{}" が再生するファイルがありません。ベイクし直してください。'
+    ),
+    'The fingertip "{}" is disabled in the viewport, so it does not move.': (
+        '指先 "{}" はビューポートで無効になっているため、動きません。'
     ),
     '"{}" has absolute shape keys. Switch its shape keys to Relative first.': (
         '"{}" のシェイプキーは絶対です。先に「相対」に切り替えてください。'
@@ -251,9 +276,9 @@ MESSAGES = {
     '"{}" was edited while it was pressed, so its session has ended. The edit is kept.': (
         '"{}" が押している間に編集されたため、終了しました。編集は残っています。'
     ),
-    '"{}" is {} m across as modelled, which does not suit a fingertip of {} mm: it is pressed as an object of {} '
+    '"{}": {} m across as modelled does not suit a fingertip of {} mm: it is pressed as an object of {} '
     "mm. Physical Size in Physics > Dimple changes that.": (
-        '"{}" は {} m で作られていて {} mm の指先に合わないため、{} mm の物体として押します。物理演算 > Dimple の「'
+        '"{}": {} m で作られていて {} mm の指先に合わないため、{} mm の物体として押します。物理演算 > Dimple の「'
         "実物の大きさ」で変えられます。"
     ),
     "The mesh has too few vertices to hold the map. Subdivide it first.": (
