@@ -44,7 +44,7 @@ def fits(free: Room, scale: float, lines: int) -> bool:
 def pressed_curves(body: bpy.types.Object, entry: Any) -> Curves:
     """Return the curves of a session's chart: force against depth, and the law of the material that is pressed."""
     which = pressed_material(body, entry)
-    law, slot = entry.session.model.laws[which], entry.link.slots[which]
+    law, slot = entry.session.model.laws[which][:4], entry.link.slots[which]
     theirs = body.material_slots[slot].material if slot < len(body.material_slots) else None
     known = _material_curves(theirs.dimple) if theirs else None
     trail = [(float(depth), float(force)) for depth, force in entry.trail]

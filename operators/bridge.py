@@ -106,6 +106,8 @@ def check(body: bpy.types.Object) -> None:
     if body.mode != "OBJECT":
         raise DimpleError(f'"{body.name}" is being edited. Go back to Object Mode first.')
     if not len(body.data.polygons):
+        if len(body.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.polygons):
+            raise DimpleError(f'"{body.name}" has its faces from a modifier alone. Apply that modifier first.')
         raise DimpleError(f'"{body.name}" has no faces, so there is no surface to press. Add faces first.')
 
 
