@@ -19,6 +19,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 import calibrating
 import clicking
+import closing
 import device
 import exporting
 import judging
@@ -163,6 +164,7 @@ def play() -> robot.Waits:
     names = [name for name in bpy.context.preferences.addons.keys() if name.startswith("bl_ext.")]
     check("Blender's own installer takes the zip and enables it", len(names) == 1, ", ".join(names))
     own = {
+        "closing": lambda: closing.close(check),
         "opening": lambda: opening.open_samples(OUT, check, REPORT["measured"]),
         "meeting": lambda: meeting.meet(OUT, check, REPORT["measured"]),
     }
