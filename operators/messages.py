@@ -7,6 +7,8 @@ import bpy
 
 from .translation import in_a_row
 
+# what stays on one line in Japanese: a character or a Latin word, with what opens before it and closes after it
+_PIECE = re.compile(r"[「『（]*(?:[!-~]+|.)[、。」』）！？：・ー〜々ぁぃぅぇぉっゃゅょァィゥェォッャュョ]* ?")
 _OF_A_BODY = re.compile(r'"(.+?)": (.*)', re.DOTALL)
 
 
@@ -53,7 +55,9 @@ def megabytes(size: float) -> str:
 
 
 def wrapped(sentence: str, width: int) -> list[str]:
-    """Break a sentence into lines of at most `width` columns; text without spaces breaks anywhere."""
+    """Break a sentence into lines of at most `width` columns; Japanese breaks anywhere but inside a Latin word, before
+    a mark that ends something and after one that begins it.
+    """
     lines, line = [], ""
     for word in _words(sentence):
         if line and _columns(line + word.rstrip()) > width:
@@ -70,7 +74,7 @@ def _words(sentence: str) -> list[str]:
             words[-1] += word + " "  # a number and its unit
         else:
             words.append(word + " ")
-    return [piece for word in words for piece in (word if _columns(word) > len(word) else [word])]
+    return [piece for word in words for piece in (_PIECE.findall(word) if _columns(word) > len(word) else [word])]
 
 
 def _columns(text: str) -> int:

@@ -1,6 +1,6 @@
 """Japanese of calibration and the virtual measurement."""
 
-OPERATORS = {
+BUTTONS = {
     "Calibrate": "キャリブレーション",
     "Calibrate from File...": "ファイルからキャリブレーション...",
     "Softness from Pokes": "押した記録から柔らかさ",
@@ -80,7 +80,6 @@ FILES = {
     "Depth reading at first touch; detected unless set": "最初に触れたときの深さの読み。設定しなければ自動で検出します",
     "Question": "質問",
     "What the file does not say": "ファイルだけでは決まらないこと",
-    "Answer": "答え",
     "Answer to what the file does not say": "ファイルだけでは決まらないことへの答え",
     "Drop a force-depth file (CSV, text) into the viewport.": (
         "力と深さのファイル (CSV、テキスト) をビューポートにドロップしてください。"
@@ -110,7 +109,6 @@ RESULT = {
         "押した記録の表 (x, y, z, 深さ, 力) から柔らかさを塗ります。場所は今ある物体の上の位置です"
     ),
     "Table of pokes: CSV or text": "押した記録の表。CSV またはテキスト",
-    "Folder": "フォルダー",
     "Where the files are": "ファイルのある場所",
     "Of files that are dropped together": "まとめてドロップされたファイルのフォルダー",
     "Files": "ファイル",
@@ -139,7 +137,7 @@ VIRTUAL = {
     "Where the tip presses": "先端が入る場所",
     "Top": "上面",
     "Straight down on the middle": "中央を真上から押します",
-    "3D Cursor": "3D カーソル",
+    "3D Cursor": "3Dカーソル",
     "Straight into the surface, where the 3D cursor is nearest to it": "3D カーソルに最も近い表面をまっすぐ押します",
     "Object": "対象",
     "Vertices": "頂点数",
@@ -160,4 +158,4 @@ VIRTUAL = {
     "Measuring: Esc cancels": "測定しています。Esc で中止します",
 }
 
-WORDS = {**FILES, **RESULT, **VIRTUAL}
+WORDS = {**BUTTONS, **FILES, **RESULT, **VIRTUAL}

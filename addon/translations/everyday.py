@@ -1,6 +1,5 @@
 """Japanese of the presets of everyday objects and where their numbers come from."""
 
-OPERATORS: dict[str, str] = {}
 _RUBBER = (
     "Data sheet of Smooth-On: stress at 100 % strain {psi} psi; K = 8 a E / 3 for a flat punch of 5 mm, {low} to "
     "{high} N/mm if E may be 20 % off (our guess)"

@@ -1,7 +1,5 @@
 """Japanese of the export of animations."""
 
-OPERATORS: dict[str, str] = {}
-
 WORDS = {
     "Export the press of the selected bodies, with a table of forces and a JSON that describes the files": (
         "選択した物体の動きを、力の表とファイルを説明する JSON を添えてエクスポートします"
@@ -56,7 +54,7 @@ WORDS = {
         "シェイプキーを使う形式で、どの頂点のずれもオブジェクトの大きさのこの割合以下になる少数のキーを使います。"
         "0 なら n フレームごとに一つ作ります"
     ),
-    "Normals": "法線",
+    "Normals": "ノーマル",
     "Write the normals that shade the surface; files are larger": "表面の陰影も書き出します。ファイルは大きくなります",
     "Overwrite": "上書き",
     "Replace files that are there already": "すでにあるファイルを置き換えます",

@@ -1,7 +1,6 @@
 """Japanese of every subject that has no file of its own."""
 
-# the label of an operator and of its button is looked up in a context of its own
-OPERATORS = {
+BUTTONS = {
     "Get Ready": "準備",
     "Poke": "押す",
     "Play": "再生",
@@ -261,4 +260,4 @@ VERBS = {
     "Baking: Esc cancels": "ベイク中です。Esc で中止します",
 }
 
-WORDS = {**MATERIAL, **BODY, **SESSION, **PANELS, **VERBS}
+WORDS = {**BUTTONS, **MATERIAL, **BODY, **SESSION, **PANELS, **VERBS}

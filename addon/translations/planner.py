@@ -1,7 +1,5 @@
 """Japanese of the panel on speed and accuracy."""
 
-OPERATORS: dict[str, str] = {}
-
 WORDS = {
     "Speed and Accuracy": "速さと精度",
     "Simulate": "計算するもの",

@@ -1,6 +1,5 @@
 """Japanese of why an operator cannot be used now: the tooltip of a greyed-out button."""
 
-OPERATORS: dict[str, str] = {}
 WORDS = {
     "A bake or a virtual press is running; Esc cancels it": (
         "ベイクまたは仮想の押し込みを実行中です。Esc で中止できます"

@@ -1,11 +1,9 @@
 """Japanese of what is tuned by eye: press by force, and what the status bar says."""
 
-OPERATORS = {
+WORDS = {
     "Make Soft": "柔らかくする",
     "Compare Materials": "マテリアルを比べる",
     "Use This Material": "このマテリアルを使う",
-}
-WORDS = {
     "Pressure (kPa)": "圧力 (kPa)",
     "How much higher the pressure inside is than outside before the body gives way: above 0 it swells, below 0 it "
     "shrinks. The constants are those without": (
