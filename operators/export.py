@@ -135,7 +135,7 @@ class DIMPLE_OT_export_animation(Working, bpy.types.Operator):
             return str(error), "ERROR"
         text = iface_("{} frames, about {} MB").format(plan.last - plan.first + 1, megabytes(size))
         if took is not None:
-            text += iface_(", {} on this computer").format(duration(took))
+            text += iface_(", {} on this computer").format(translated(duration(took)))
         return text, "TIME"
 
     def _open(self, context: bpy.types.Context) -> modal_runs.ModalRun:

@@ -90,8 +90,10 @@ def _filled(text: str, lookup: Lookup) -> str:
 
 def _value(value: str, lookup: Lookup) -> str:
     """Return what fills a place: a message of the catalogue, a list of them, or what is the same everywhere."""
+    if whole := _filled(value.strip(), lookup):
+        return whole
     parts = [_filled(part, lookup) for part in value.strip().split(", ")]
-    return "、".join(parts) if all(parts) else _filled(value.strip(), lookup) or value
+    return "、".join(parts) if all(parts) else value
 
 
 @functools.lru_cache(maxsize=500)

@@ -3,8 +3,8 @@
 BUTTONS = {
     "Calibrate": "キャリブレーション",
     "Calibrate from File...": "ファイルからキャリブレーション...",
-    "Softness from Pokes": "押した記録から柔らかさ",
-    "Softness from Pokes...": "押した記録から柔らかさ...",
+    "Softness from Pokes": "押し込み記録から柔らかさを塗る",
+    "Softness from Pokes...": "押し込み記録から柔らかさを塗る...",
     "Calibrate Together": "まとめてキャリブレーション",
     "Calibrate from Several Files...": "複数のファイルからキャリブレーション...",
     "Apply to Material": "マテリアルに適用",
@@ -28,7 +28,7 @@ FILES = {
     "Radius of what pressed the object": "物体を押したものの半径",
     "Point": "点",
     "Something small that touches at a point, as in the paper": "論文と同じく、一点で触れる小さなもの",
-    "Flat Punch": "平らなパンチ",
+    "Flat Punch": "平面圧子",
     "A flat, round face that goes in as one": "平らで丸い面がそのまま入ります",
     "Ball": "球",
     "A round tip, like a fingertip": "指先のような丸い先端",
@@ -114,7 +114,7 @@ RESULT = {
     "Files": "ファイル",
     "Largest Error from Points": "測定点からの最大誤差",
     "{} of full scale": "フルスケールの {}",
-    "Just-Noticeable Difference": "丁度可知差異",
+    "Just-Noticeable Difference": "弁別閾 (JND)",
     "The constants were edited after the measurement.": "定数は測定の後で編集されています。",
     "Give the active material the calibrated constants and their source, and the body its measured size": (
         "アクティブマテリアルにキャリブレーションした定数とその出典を、物体に測定時の大きさを与えます"

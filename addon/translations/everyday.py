@@ -5,7 +5,7 @@ _RUBBER = (
     "{high} N/mm if E may be 20 % off (our guess)"
 )
 _RUBBER_JA = (
-    "Smooth-On のデータシート：100 % 伸びの応力 {psi} psi。半径 5 mm の平らな圧子で K = 8 a E / 3。"
+    "Smooth-On のデータシート：100 % 伸びの応力 {psi} psi。半径 5 mm の平面圧子で K = 8 a E / 3。"
     "E の誤差を 20 % とみて {low}〜{high} N/mm（当方の推定）"
 )
 _FOAM = (

@@ -51,7 +51,7 @@ WORDS = {
     "Key Error (%)": "キーの誤差 (%)",
     "In formats with shape keys, few with which no vertex is off by more of the object's size. "
     "0 makes one every n frames": (
-        "シェイプキーを使う形式で、どの頂点のずれもオブジェクトの大きさのこの割合以下になる少数のキーを使います。"
+        "シェイプキーを使う形式で、頂点のずれがオブジェクトの大きさのこの割合を超えない範囲で、キーを減らします。"
         "0 なら n フレームごとに一つ作ります"
     ),
     "Normals": "ノーマル",

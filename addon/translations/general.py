@@ -177,7 +177,7 @@ PANELS = {
     "Time": "時間",
     "Rate": "計算速度",
     "Steps per Tick": "刻みあたりのステップ",
-    "Real Time": "実時間比",
+    "Real Time": "リアルタイム比",
 }
 
 VERBS = {
@@ -227,7 +227,7 @@ VERBS = {
     "As in a live press, a proxy is simulated where the mesh is too heavy. "
     "Full Mesh in Physics > Dimple bakes every vertex": (
         "キーフレームの付いた指先オブジェクトで押しながら、選択した物体を指定のフレーム範囲で計算します。"
-        "ライブで押すときと同じく、メッシュが重すぎる場合は代理メッシュを計算します。"
+        "リアルタイムで押すときと同じく、メッシュが重すぎる場合はプロキシを計算します。"
         "物理演算 > Dimple の「元のメッシュ」を選ぶと、すべての頂点をベイクします"
     ),
     "Target": "ベイク先",
@@ -240,10 +240,10 @@ VERBS = {
     "Keyframed shape keys, which every exporter understands": (
         "キーフレームの付いたシェイプキー。どの書き出し形式でも使えます"
     ),
-    "First Frame": "最初のフレーム",
-    "By default the scene's first frame": "既定はシーンの最初のフレーム",
-    "Last Frame": "最後のフレーム",
-    "By default the scene's last frame": "既定はシーンの最後のフレーム",
+    "First Frame": "開始フレーム",
+    "By default the scene's first frame": "既定はシーンの開始フレーム",
+    "Last Frame": "最終フレーム",
+    "By default the scene's last frame": "既定はシーンの最終フレーム",
     "Remove bakes and recordings from the selected objects; their files stay on the disk": (
         "選択したオブジェクトからベイクと記録を外します。ファイルはディスクに残ります"
     ),

@@ -11,7 +11,7 @@ WORDS = {
         "ときの値です"
     ),
     "Spread (mm)": "広がり (mm)",
-    "How far a dent reaches beyond the fingertip": "くぼみが指先の外へどこまで広がるか",
+    "How far a dent reaches beyond the fingertip": "へこみが指先の外へどこまで広がるか",
     "Press By": "押し方",
     "Whether a press, Ctrl + wheel and pen pressure set a depth or a force": (
         "押すとき、Ctrl とホイール、ペンの筆圧が深さと力のどちらを決めるか"
@@ -78,7 +78,7 @@ WORDS = {
     ),
     "The mesh is coarse for the fingertip.": "メッシュが指先に対して粗くなっています。",
     "A bake shows the dent only where the mesh is cut finer.": (
-        "メッシュを細かく分割しないと、ベイクにはへこみが現れません。"
+        "メッシュを細分化しないと、ベイクにはへこみが現れません。"
     ),
     "Colors": "色",
     "Color the surface of what is pressed, with a scale": "押している物体の面を、目盛り付きの色で塗る",
@@ -96,7 +96,7 @@ WORDS = {
         "柔らかい部分の深さ。塗った値を含みます (mm)"
     ),
     "How far a dent reaches beyond the fingertip, with what is painted (mm)": (
-        "くぼみが指先の外へどこまで広がるか。塗った値を含みます (mm)"
+        "へこみが指先の外へどこまで広がるか。塗った値を含みます (mm)"
     ),
     "Thickness": "厚さ",
     "How thick the surface is, with what is painted; 100 is as measured (%)": (
@@ -107,7 +107,7 @@ WORDS = {
     "Shape at Rest": "元の形",
     "Draw the edges of the shape at rest where the body has left it": "物体が離れたところに、元の形の辺を描く",
     "Profile": "断面",
-    "Draw a cut through the dent of the deepest fingertip": "最も深い指先のくぼみの断面を描く",
+    "Draw a cut through the dent of the deepest fingertip": "最も深い指先のへこみの断面を描く",
     "Softness Group": "柔らかさのグループ",
     "Knee Group": "折れ点のグループ",
     "Spread Group": "広がりのグループ",
@@ -119,26 +119,26 @@ WORDS = {
     "Vertex group or float attribute that paints how deep the soft part reaches: 0.5 is x0, 1 twice and 0.25 half of "
     "it": "柔らかい部分の深さを塗る頂点グループまたは浮動小数点属性。0.5 は x0、1 はその 2 倍、0.25 は半分です",
     "Vertex group or float attribute that paints how far a dent reaches: 0.5 is the spread, 1 twice and 0.25 half of "
-    "it": "くぼみの広がりを塗る頂点グループまたは浮動小数点属性。0.5 は元の広がり、1 はその 2 倍、0.25 は半分です",
+    "it": "へこみの広がりを塗る頂点グループまたは浮動小数点属性。0.5 は元の広がり、1 はその 2 倍、0.25 は半分です",
     "Vertex group or float attribute that paints how thick the surface is: 0.5 is k and the mass, 1 twice and 0.25 "
     "half of them": (
         "面の厚さを塗る頂点グループまたは浮動小数点属性。0.5 は k と質量のまま、1 は 2 倍、0.25 は半分です"
     ),
     "Put a twin with a copy of the material beside the object; one press presses both, so that two can be compared": (
-        "マテリアルを複製した双子を隣に置きます。一度の押しで両方を押すので、二つを比べられます"
+        "マテリアルも複製した、比較用の複製を隣に置きます。一度の押しで両方を押すので、二つを比べられます"
     ),
     "Keep the material of the selected one of two twins, and remove the copy": (
-        "双子のうち選択した方のマテリアルを残し、複製を取り除きます"
+        "選択した方のマテリアルを残し、比較用の複製を取り除きます"
     ),
     "Make the object soft first": "先にオブジェクトを柔らかくしてください",
     "The object has a twin already: use one of the two materials first": (
-        "オブジェクトにはすでに双子があります。先にどちらかのマテリアルを使ってください"
+        "オブジェクトにはすでに比較用の複製があります。先にどちらかのマテリアルを使ってください"
     ),
     "Something is being pressed: end that first, with Esc or Reset": (
         "押している最中です。先に Esc か「元の形に戻す」で終えてください"
     ),
-    "The object has no twin: Compare Materials makes one": "双子がありません。「マテリアルを比べる」で作れます",
-    "{} is its twin: select it and change its material": "{} が双子です。選択してマテリアルを変えてください",
-    "Twin Of": "双子の元",
-    "The object that this is a twin of, with another material": "別のマテリアルを持つ双子の、元のオブジェクト",
+    "The object has no twin: Compare Materials makes one": "比較用の複製がありません。「マテリアルを比べる」で作れます",
+    "{} is its twin: select it and change its material": "{} が比較用の複製です。選択してマテリアルを変えてください",
+    "Twin Of": "比較用の複製の元",
+    "The object that this is a twin of, with another material": "別のマテリアルを持つ比較用の複製の、元のオブジェクト",
 }

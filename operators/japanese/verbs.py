@@ -14,7 +14,7 @@ MESSAGES = {
     "The mesh has only {} vertices, too few for this fingertip: {} are simulated, in the same shape. A bake needs the "
     "mesh itself as fine: subdivide it, or tick Subdivide in Make Soft.": (
         "元の {} 頂点では指先に対して少なすぎるため、同じ形の {} 頂点で計算します。ベイクするには、メッシュそのものを"
-        "細かく分割するか、「柔らかくする」の「細分化」をオンにしてください。"
+        "細分化するか、「柔らかくする」の「細分化」をオンにしてください。"
     ),
     "The body is {} m across, over 100 times the radius of the fingertip. Set Physical Size to Custom Size in "
     "Physics > Dimple.": (
@@ -27,7 +27,7 @@ MESSAGES = {
         "もっと大きい指先を使ってください。"
     ),
     "The mesh is coarse for this fingertip: it is cut finer when the body is started again.": (
-        "この指先にはメッシュが粗すぎます。物体をもう一度開始すると細かく分割されます。"
+        "この指先にはメッシュが粗すぎます。物体をもう一度開始すると細分化されます。"
     ),
     "A pressure needs an inside: close the mesh.": "圧力には内側が必要です。メッシュを閉じてください。",
     "Its materials differ in fill or pressure: {}, {} kPa acts, on the most area.": (
@@ -41,7 +41,7 @@ MESSAGES = {
     "Baked objects: {}": "ベイクしたオブジェクト: {} 個",
     "There was no bake on the selected objects": "選択したオブジェクトにベイクがありません",
     "The last frame ({}) must come after the first ({}).": (
-        "終了フレーム ({}) は開始フレーム ({}) よりあとにしてください。"
+        "最終フレーム ({}) は開始フレーム ({}) よりあとにしてください。"
     ),
     '"{}" is linked from another file. Make it local first: Object > Relations.': (
         '"{}" は別のファイルからリンクされています。先に「オブジェクト > 関係」でローカル化してください。'
@@ -74,7 +74,7 @@ MESSAGES = {
         '"{}" のシェイプキーは絶対です。先に「相対」に切り替えてください。'
     ),
     '"{}" shows one shape key only. Switch Solo Active Shape Key off first.': (
-        '"{}" はシェイプキーを一つだけ表示しています。先に「アクティブシェイプキーのみ表示」をオフにしてください。'
+        '"{}" はシェイプキーを一つだけ表示しています。先に「アクティブシェイプキーをソロ化」をオフにしてください。'
     ),
     '"{}": the modifier "{}" comes after shape keys and would move them once more. Bake to a Mesh Cache, which '
     "goes after it.": (
@@ -167,7 +167,7 @@ MESSAGES = {
         "式を選んでください。"
     ),
     "The last frame ({}) must not come before the first ({}).": (
-        "終了フレーム ({}) は開始フレーム ({}) より前にできません。"
+        "最終フレーム ({}) は開始フレーム ({}) より前にできません。"
     ),
     "The simulation begins at frame {}, after the first ({}).": (
         "計算の開始がフレーム {} で、開始フレーム ({}) よりあとです。"
@@ -188,7 +188,7 @@ MESSAGES = {
     '"{}" is a device to try.': '"{}" は試しに使えるデバイスです。',
     "Blender draws only {} frames a second, so the dead-man key lapses and there is no force. Simulate a proxy, or "
     "draw less.": (
-        "Blender の描画が毎秒 {} フレームしかないため、デッドマンキーが切れて力が出ません。代理メッシュで計算するか"
+        "Blender の描画が毎秒 {} フレームしかないため、デッドマンキーが切れて力が出ません。プロキシで計算するか"
         "、表示を軽くしてください。"
     ),
     "What is under a fingertip has changed. Lift it and arm the device again.": (
@@ -203,7 +203,7 @@ MESSAGES = {
     "Nothing is selected. Select a mesh to press it.": "何も選択されていません。押すメッシュを選択してください。",
     '"{}" is being pressed already.': '"{}" はすでに押しているところです。',
     '"{}" has shape keys or shares its mesh, so it is not cut finer: subdivide it yourself.': (
-        '"{}" にはシェイプキーがあるか、メッシュを共有しているため、細かく分割しません。自分で細分化してください。'
+        '"{}" にはシェイプキーがあるか、メッシュを共有しているため、細分化しません。自分で細分化してください。'
     ),
     '"{}" is soft: "{}". It is prepared when you press it first.': (
         '"{}" は柔らかくなりました: "{}"。最初に押すときに準備されます。'
@@ -257,7 +257,7 @@ MESSAGES = {
     "No surface lies along the direction of the press at ({}). Choose another location.": (
         "({}) で押す向きに表面がありません。別の位置を選んでください。"
     ),
-    "That is beyond the scene's last frame {}.": "シーンの終了フレーム {} を超えています。",
+    "That is beyond the scene's last frame {}.": "シーンの最終フレーム {} を超えています。",
     'Recorded {} frames of "{}" to {}: when its session has ended, it plays them from frame {} to {}.': (
         '"{1}" の {0} フレームを {2} に記録しました。押し終えると、フレーム {3} から {4} まで再生します。'
     ),
@@ -282,7 +282,7 @@ MESSAGES = {
         "実物の大きさ」で変えられます。"
     ),
     "The mesh has too few vertices to hold the map. Subdivide it first.": (
-        "マップを持つには頂点が少なすぎます。先にメッシュを細かく分割してください。"
+        "マップを持つには頂点が少なすぎます。先にメッシュを細分化してください。"
     ),
     "{} of the vertices are over four times softer or stiffer than the material, beyond what a map can say: change "
     "K1 and K2.": (

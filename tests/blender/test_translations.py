@@ -233,6 +233,11 @@ def test_a_message_with_numbers_is_recognised_and_filled_in_japanese(bpy: Module
             '"Cube" を柔らかくしました: "Vinyl cube, air, 165 mm"、大きさ 165 mm。左マウスボタンで押せます。',
         ),
         (
+            "The fill must be one of air, liquid, solid, none (it is jelly). Change it in Material > Dimple.",
+            "中身は 空気、液体、固体、なし のいずれかにしてください（現在 jelly）。マテリアル > Dimple で変更して"
+            "ください。",
+        ),
+        (
             "The mass must be greater than 0 kg (it is -1). Change it in Material > Dimple.",
             "質量は 0 kg より大きくしてください（現在 -1）。マテリアル > Dimple で変更してください。",
         ),

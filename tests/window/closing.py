@@ -27,7 +27,7 @@ def close(check: Check) -> robot.Waits:
         ):
             getattr(bpy.ops.dimple, name)("INVOKE_DEFAULT")
         yield from robot.looks(20)
-        check(f"{name} runs in a second window", bool(running.sessions) and bool(runs), str(len(second.modal_operators)))
+        check(f"{name} runs in a second window", bool(running.sessions and runs and second.modal_operators))
         with bpy.context.temp_override(window=second):
             bpy.ops.wm.window_close()
         yield from robot.looks(20)
