@@ -37,7 +37,8 @@ class DIMPLE_OT_make_soft(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     preset: EnumProperty(
-        name="Material", description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
+        name="Material",
+        description="Object whose constants the material gets; unchosen, only a mesh without one gets it",
         items=presets, default=1, options={"SKIP_SAVE"},  # kept, it would be chosen by nobody
     )  # fmt: skip
     subdivide: BoolProperty(

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 import bpy
@@ -149,7 +150,7 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
         link, model = yield from bridge.reading_body(context, obj)
         proxy, reason = yield from planning.planning_for(context.scene, obj, model)
         # may refuse too, so before the object is touched
-        session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
+        session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
         bridge_write.borrow(obj)
     except BaseException:
         if size:
