@@ -185,3 +185,24 @@ def test_over_a_hidden_body_nothing_is_drawn(
         obj.hide_set(hidden)
         assert bool(overlay.shown_bodies(bpy.context)) is not hidden
     sessions.stop_all()
+
+
+def test_a_frame_in_which_a_body_rests_is_that_before_it(
+    bpy: ModuleType, scene: Any, ball: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from bl_ext.user_default.dimple.core import energy
+    from bl_ext.user_default.dimple.operators import bridge
+
+    obj, calls = ball(), []
+
+    def counted(module: Any, name: str) -> None:
+        real = getattr(module, name)
+        monkeypatch.setattr(module, name, lambda *given: calls.append(name) or real(*given))
+
+    counted(energy, "energies")
+    counted(bridge, "to_local")
+    bpy.ops.dimple.bake(frame_start=1, frame_end=80)
+    assert len(calls) < 40, "it falls asleep within 20 frames"
+    lines = Path(obj.modifiers["Dimple"].filepath).with_suffix(".csv").read_text().splitlines()
+    resting = {line.split(",", 2)[2].rsplit(",", 1)[0] for line in lines[40:]}
+    assert len(lines) == 81 and len(resting) == 1, "but for frame, time and steps"
