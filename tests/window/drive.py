@@ -335,9 +335,16 @@ def show_panels() -> robot.Waits:
 
 
 def in_japanese() -> robot.Waits:
-    """Photograph the sidebar in Japanese, and ask why a button is grey."""
+    """Photograph the sidebar in Japanese, look every word of ours up as a button does, and ask why one is grey."""
     view, said = bpy.context.preferences.view, ""
     view.language = "ja_JP"
+    ours = robot.extension("addon.translations")
+    words = [(english, text) for (context, english), text in ours.JAPANESE.items() if context == ours.CONTEXT]
+    other = [english for english, text in words if bpy.app.translations.pgettext(english, ours.CONTEXT) != text]
+    check("every word of ours is ours in Japanese", len(words) > 500 and not other, ", ".join(other[:9]))
+    context = bpy.ops.dimple.apply_preset.get_rna_type().translation_context
+    shown = bpy.app.translations.pgettext("Tennis ball", context)
+    check("a preset's button is Japanese", shown == dict(words)["Tennis ball"], shown)
     try:
         bpy.ops.dimple.record()
     except RuntimeError as error:
