@@ -344,6 +344,8 @@ def in_japanese() -> robot.Waits:
     check("every word of ours is ours in Japanese", len(words) > 500 and not other, ", ".join(other[:9]))
     context = bpy.ops.dimple.apply_preset.get_rna_type().translation_context
     shown = bpy.app.translations.pgettext("Tennis ball", context)
+    depth = bpy.types.UILayout.enum_item_name(bpy.context.scene.dimple, "press_by", "DEPTH")
+    check("an item of a menu is ours in Japanese", depth == dict(words)["Depth"], depth)
     check("a preset's button is Japanese", shown == dict(words)["Tennis ball"], shown)
     try:
         bpy.ops.dimple.record()
