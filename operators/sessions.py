@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import bpy
@@ -144,8 +145,9 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
     try:
         link, model = yield from bridge.reading_body(context, obj)
         proxy, reason = yield from planning.planning_for(context.scene, obj, model)
-        # may refuse too, so before the mesh is touched
-        session = Session(model, proxy=proxy, tick=timeline.tick_s(context.scene))
+        # may refuse too, so before the object is touched
+        session = yield 0.9, partial(Session, model, proxy=proxy, tick=timeline.tick_s(context.scene))
+        bridge_write.borrow(obj)
     except BaseException:
         if size:
             obj.dimple.property_unset("size_mode")
@@ -157,7 +159,6 @@ def starting(obj: bpy.types.Object, context: bpy.types.Context) -> Parts:
         link=link, session=session, settings=settings, seen=settings,
         matrix=link.matrix, rest=link.rest, triangles=first[model.mesh.triangles],
     )  # fmt: skip
-    bridge_write.borrow(obj)
     obj.dimple.enabled = True
     return body, messages
 
