@@ -20,6 +20,9 @@ from .depth import RestSurface, Touching, rest_surface, touching
 from .path import FingerPath
 from .rest import Rest, reaches
 
+LARGEST_GROWTH = 100.0  # times its size at rest: a body as large has blown up
+FASTEST = 1e6  # sizes in a tick: so has one as fast
+
 
 @dataclass(slots=True, kw_only=True)
 class Call:
