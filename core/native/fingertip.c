@@ -390,7 +390,10 @@ static void dm_put_down(dm_state *b, dm_tip *f) {
 static void dm_take_fingertip(dm_state *b, dm_tip *f, const dm_fingertip *to) {
     if (!to->down || to->fresh) dm_lift(f);
     if (!to->down) return;
-    for (int c = 0; c < 3 && f->felt; c++) f->anchor[c] += (to->radius - f->radius) * f->outward[c];
+    for (int c = 0; c < 3; c++) { /* another radius lies on the same place */
+        double more = (to->radius - f->radius) * f->outward[c] * (f->met || f->felt);
+        f->anchor[c] += more, f->foot[c] += more;
+    }
     f->radius = to->radius, f->factors = to->factors, f->factors_end = to->factors_end;
     memcpy(f->centre, to->from, sizeof f->centre);
     if (to->fresh) dm_put_down(b, f);
