@@ -157,7 +157,8 @@ struct dm_state {
 
     int32_t fill;
     double rest_volume, rest_area, size, gravity[3], ground, volume, pressure, rest_pressure;
-    int pins_met;  /* something held a pin back */
+    double comes_back; /* [s] for so long its skin does, since nothing touches it: about */
+    int pins_met;      /* something held a pin back */
     double jumped; /* [m] the farthest that a pin was put after the last tick, to be where it was sent to the digit */
     int free, led, carried; /* the shape at rest follows the body; pins were led; and carry the shape at rest */
     int rigged, moving;     /* the shape at rest stays where it is laid; it changes in the next motion, */

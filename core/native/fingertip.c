@@ -199,7 +199,7 @@ static double dm_skin_height(const dm_state *b, const dm_tip *f, const double *p
     return high;
 }
 
-/* Does anything else touch the body? */
+/* Does anything touch the body, other than this fingertip? */
 static int dm_is_beside_others(const dm_state *b, int finger) {
     int others = b->meets;
     for (int k = 0; k < DM_MAX_FINGERTIPS; k++) others |= k != finger && b->fingers[k].felt;
@@ -248,8 +248,11 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     }
     for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
     if (!(dm_along_normals(round, way, along, aside) > 0)) return 0;
-    double deep = sqrt(dm_inner3(way, way));
-    for (int c = 0; c < 3; c++) f->outward[c] = way[c] / deep;
+    /* what a foot that is straight above is still aside would tilt the force of a shallow press */
+    int straight = sqrt(dm_inner3(aside, aside)) <= DM_STRAIGHT * f->radius;
+    const double *up = straight ? along : way;
+    double deep = sqrt(dm_inner3(up, up));
+    for (int c = 0; c < 3; c++) f->outward[c] = up[c] / deep;
     return deep;
 }
 
@@ -273,7 +276,7 @@ static void dm_place_tip(dm_state *b, int finger, const double *pose, const doub
     f->met = deep > 0;
     if (!f->met) deep = dm_find_gap(b, f, x, &round), f->met = deep > 0;
     if (round.facet) dm_take_place(b, f, &round);
-    if (!f->felt) f->zero = -f->height, f->beside = dm_is_beside_others(b, finger), f->stick = 0;
+    if (!f->felt) f->zero = -f->height, f->stick = 0, f->beside = b->comes_back > 0 || dm_is_beside_others(b, finger);
     f->depth = deep - f->zero;
     int felt = f->depth > 0;
     if (!f->felt) memcpy(f->anchor, f->foot, sizeof f->anchor);
@@ -380,7 +383,8 @@ static void dm_put_down(dm_state *b, dm_tip *f) {
     }
     memcpy(f->local, x, sizeof x);
     f->facet = round.facet - b->facets;
-    f->depth = dm_find_gap(b, f, x, &round);
+    f->depth = dm_find_gap(b, f, x, &round), f->met = f->depth > 0;
+    memcpy(f->anchor, f->foot, sizeof f->anchor);
     dm_take_place(b, f, &round);
     for (int c = 0; c < 3; c++) place[c] = f->foot[c] - f->radius * f->outward[c];
     f->height = dm_skin_height(b, f, pose, place);
