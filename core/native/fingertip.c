@@ -213,10 +213,13 @@ static double dm_gone(const double *from, const double *to) {
 }
 
 /* Lead a foot on until it lies straight above x, no farther from the anchor than the most. Tell whether it does. */
-static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, double most, dm_round *round) {
-    double way[3], along[3], aside[3];
+static int dm_straighten(const dm_state *b, dm_tip *f, const double *x, const double *touched, double most,
+                         dm_round *round) {
+    double way[3], along[3], aside[3], at[3];
     if (memcmp(f->foot, f->anchor, sizeof f->foot)) dm_look_round(b, f->facet, f->foot, f->radius, round);
-    for (int step = 0; step <= DM_FOOT_STEPS && dm_gone(f->anchor, f->foot) <= most; step++) {
+    for (int step = 0; step <= DM_FOOT_STEPS; step++) {
+        for (int c = 0; c < 3; c++) at[c] = f->foot[c] - round->offset[c];
+        if (dm_gone(touched, at) > most) return 0;
         for (int c = 0; c < 3; c++) way[c] = f->foot[c] - x[c];
         dm_along_normals(round, way, along, aside);
         double far = sqrt(dm_inner3(aside, aside));
@@ -236,11 +239,12 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     dm_look_round(b, f->facet, f->anchor, f->radius, round);
     for (int c = 0; c < 3; c++) way[c] = f->anchor[c] - x[c];
     dm_along_normals(round, way, along, aside);
-    double most = 2 * sqrt(dm_inner3(aside, aside)) + DM_STRAIGHT * f->radius;
-    if (!dm_straighten(b, f, x, most, round)) {
+    double most = 2 * sqrt(dm_inner3(aside, aside)) + DM_STRAIGHT * f->radius, touched[3];
+    for (int c = 0; c < 3; c++) touched[c] = f->anchor[c] - round->offset[c];
+    if (!dm_straighten(b, f, x, touched, most, round)) {
         memcpy(f->foot, f->anchor, sizeof f->foot);
         dm_look_round(b, f->facet, f->anchor, f->radius, round);
-        if (!dm_straighten(b, f, x, most, round)) {
+        if (!dm_straighten(b, f, x, touched, most, round)) {
             memcpy(f->foot, f->anchor, sizeof f->foot);
             for (int c = 0; c < 3; c++) way[c] = -aside[c];
             dm_march(b, f, f->foot, way, round);
@@ -252,6 +256,7 @@ static double dm_find_foot(const dm_state *b, dm_tip *f, const double *x, dm_rou
     int straight = sqrt(dm_inner3(aside, aside)) <= DM_STRAIGHT * f->radius;
     const double *up = straight ? along : way;
     double deep = sqrt(dm_inner3(up, up));
+    if (!(deep > 1e-9 * f->radius)) return 0; /* it has no direction */
     for (int c = 0; c < 3; c++) f->outward[c] = up[c] / deep;
     return deep;
 }
@@ -464,9 +469,10 @@ static void dm_react(dm_state *b) {
     }
     for (int c = 0; c < 6; c++) push[c] -= b->skin_push[c];
     dm_rigid more = dm_rigid_part(b, &b->moments, push, push + 3);
+    dm_lanes dt = dm_splat((dm_real)b->dt);
     dm_vec3 linear = dm_splat3(more.linear), angular = dm_splat3(more.angular);
     for (int64_t g = 0; g < b->groups; g++) {
-        dm_vec3 x = b->state[g].x, v = b->state[g].v, spin = dm_cross(angular, x);
+        dm_vec3 x = b->state[g].x, v = b->state[g].v, spin = dm_cross(angular, (dm_vec3){x.x - dt * v.x, x.y - dt * v.y, x.z - dt * v.z});
         dm_mask moves = (dm_mask)(b->matter[g].inverse_mass > dm_splat(0));
         v.x += dm_blend(moves, linear.x + spin.x, dm_splat(0)), v.y += dm_blend(moves, linear.y + spin.y, dm_splat(0));
         v.z += dm_blend(moves, linear.z + spin.z, dm_splat(0));
