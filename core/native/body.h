@@ -117,13 +117,14 @@ typedef struct { /* a fingertip; vectors but centre and force are in the space o
     double way;                      /* [m] that a force has pushed it */
     const double *factors;           /* of the force of another tip, null where it is the measuring one, */
     double factors_end;              /* at depths up to this [m] */
-    int met, felt, slides, beside;   /* it lies on the surface at rest; touches the skin; slides over it; others did when */
+    int met, felt, beside;           /* it lies on the surface at rest; touches the skin; others did when */
     double depth, zero, height;      /* it began. Its x [m], counted from so far below that surface; where the skin is */
     double foot[3], anchor[3];       /* spheres on that surface: above it; where friction holds it */
     double outward[3], local[3];     /* unit; its centre when it was evaluated last */
     int64_t facet, material;         /* of the place below its foot, with */
     double weight[3], stiffer, deeper, thickness, thick_at[3]; /* what is painted there, and the thickness [m] at a place */
     double law, slope, stick;        /* [N], [N/m]; of the spring sideways [N/m] */
+    double slides;                   /* share of the friction that is used up: with 1 it slides */
     double force[3];                 /* on it [N] */
     int rests;                       /* it was near when the body fell asleep, */
     double rests_at[3], rests_radius; /* there */

@@ -316,7 +316,7 @@ static void dm_press(dm_state *b, int finger, const double *pose, const double *
     double stick = DM_STICK * law / f->depth, friction = b->laws[f->material][DM_FRICTION];
     double far = sqrt(dm_inner3(aside, aside)), most = stick > 0 ? friction * law / stick : 0, left = far;
     if (was && stick > f->stick && f->stick > 0) left *= f->stick / stick;
-    f->slides = left > most, left = f->slides ? most : left, f->stick = stick;
+    left = left < most ? left : most, f->slides = most > 0 ? left / most : 1, f->stick = stick;
     if (left < (1 - 1e-9) * far) { /* the anchor comes nearer */
         dm_round round;
         for (int c = 0; c < 3; c++) aside[c] *= left / far;
@@ -367,7 +367,7 @@ static void dm_push_on(const dm_state *b, dm_tip *f, const dm_fingertip *to, dou
 }
 
 static void dm_lift(dm_tip *f) {
-    f->met = f->felt = f->slides = 0;
+    f->met = f->felt = 0, f->slides = 0;
     f->way = f->zero = f->height = f->law = f->slope = f->stick = f->thickness = 0;
     memset(f->force, 0, sizeof f->force);
 }
